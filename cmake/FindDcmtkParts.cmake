@@ -1,0 +1,15 @@
+# DCMTK's own package file also looks for the tools and for libraries that volume reading does not need.
+find_path(DcmtkParts_INCLUDE dcmtk/dcmdata/dctk.h)
+set(DcmtkParts_LIBRARIES "")
+foreach(PART dcmjpeg dcmjpls dcmimage dcmimgle dcmdata oflog ofstd)
+  find_library(DcmtkParts_${PART} ${PART})
+  list(APPEND DcmtkParts_LIBRARIES ${DcmtkParts_${PART}})
+endforeach()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(DcmtkParts REQUIRED_VARS DcmtkParts_INCLUDE DcmtkParts_dcmdata DcmtkParts_dcmjpeg
+                                                           DcmtkParts_dcmjpls)
+if(DcmtkParts_FOUND AND NOT TARGET dcmtk_parts)
+  add_library(dcmtk_parts INTERFACE IMPORTED)
+  target_include_directories(dcmtk_parts SYSTEM INTERFACE ${DcmtkParts_INCLUDE})
+  target_link_libraries(dcmtk_parts INTERFACE ${DcmtkParts_LIBRARIES})
+endif()

@@ -1,0 +1,15 @@
+# OpenCVConfig.cmake comes only with libopencv-dev, which pulls in GDAL; three parts are all that is needed.
+find_path(OpenCVParts_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4)
+set(OpenCVParts_LIBRARIES "")
+foreach(PART core imgproc video)
+  find_library(OpenCVParts_${PART} opencv_${PART})
+  list(APPEND OpenCVParts_LIBRARIES ${OpenCVParts_${PART}})
+endforeach()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OpenCVParts REQUIRED_VARS OpenCVParts_INCLUDE OpenCVParts_core OpenCVParts_imgproc
+                                                            OpenCVParts_video)
+if(OpenCVParts_FOUND AND NOT TARGET opencv_parts)
+  add_library(opencv_parts INTERFACE IMPORTED)
+  target_include_directories(opencv_parts SYSTEM INTERFACE ${OpenCVParts_INCLUDE})
+  target_link_libraries(opencv_parts INTERFACE ${OpenCVParts_LIBRARIES})
+endif()

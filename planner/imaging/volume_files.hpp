@@ -1,0 +1,19 @@
+// Which files under a path hold images.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace biopsy::imaging {
+
+struct VolumeFiles {
+  std::vector<std::filesystem::path> dicom, nifti, nrrd;  // sorted by name
+
+  bool empty() const { return dicom.empty() && nifti.empty() && nrrd.empty(); }
+};
+
+// One file, or a folder with all below it (links to folders are not followed, other files are ignored). Throws
+// SetupError when the path does not exist, cannot be read, or is one file of an unknown format.
+VolumeFiles find_volume_files(const std::filesystem::path& path);
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,78 @@
+// biopsy image: what was read of an image.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "planner/imaging/orthogonal_slices.hpp"
+#include "planner/imaging/read_volume.hpp"
+#include "robot/app/commands.hpp"
+#include "robot/messages/setup_error.hpp"
+#include "robot/report/png.hpp"
+
+namespace biopsy::app {
+namespace {
+
+// "R 0.98, A 0.17": where an index axis points, in words a person can check against the picture.
+std::string towards(const Eigen::Vector3d& lps) {
+  constexpr std::array<std::array<const char*, 2>, 3> kLetters{{{"R", "L"}, {"A", "P"}, {"I", "S"}}};
+  std::array<int, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(lps[a]) > std::abs(lps[b]); });
+  std::string out;
+  for (const int axis : order) {
+    if (std::abs(lps[axis]) < 0.005) continue;
+    out += fmt::format("{}{} {:.2f}", out.empty() ? "" : ", ", kLetters[static_cast<std::size_t>(axis)][lps[axis] > 0 ? 1 : 0],
+                       std::abs(lps[axis]));
+  }
+  return out;
+}
+
+void print_list(const std::vector<imaging::SeriesSummary>& all) {
+  fmt::print("{} series:\n", all.size());
+  for (const imaging::SeriesSummary& one : all)
+    fmt::print("  {}\n    {} {} \"{}\", {} x {} x {}, {:.3g} x {:.3g} x {:.3g} mm{}\n", one.series_uid, one.format,
+               one.modality, one.description, one.size.x(), one.size.y(), one.size.z(), one.spacing_mm.x(),
+               one.spacing_mm.y(), one.spacing_mm.z(), one.problem.empty() ? "" : "\n    cannot be used: " + one.problem);
+}
+
+void print_volume(const Volume& volume) {
+  const Grid& grid = volume.grid;
+  const Eigen::Vector3d spacing = grid.spacing_mm();
+  const auto [low, high] = std::minmax_element(volume.voxels.begin(), volume.voxels.end());
+  const SeriesIdentity& id = volume.identity;
+  const Point first = ras_from_lps(grid.X_SI.translation());
+  const Point last = ras_from_lps(grid.X_SI * (grid.size - Eigen::Vector3i::Ones()).cast<double>());
+  fmt::print("format       {}, {} files\n", volume.format, volume.files.size());
+  fmt::print("patient      {} ({})\nseries       {} {}\n             {}\n", id.patient_name, id.patient_id, id.modality,
+             id.description, id.series_uid);
+  fmt::print("size         {} x {} x {} voxels\n", grid.size.x(), grid.size.y(), grid.size.z());
+  fmt::print("spacing      {:.4f} x {:.4f} x {:.4f} mm\n", spacing.x(), spacing.y(), spacing.z());
+  for (int axis = 0; axis < 3; ++axis)
+    fmt::print("{}            points to {}\n", "ijk"[axis], towards(grid.X_SI.linear().col(axis).normalized()));
+  fmt::print("first voxel  {:.3f}, {:.3f}, {:.3f} mm (R, A, S)\n", first.x(), first.y(), first.z());
+  fmt::print("last voxel   {:.3f}, {:.3f}, {:.3f} mm (R, A, S)\n", last.x(), last.y(), last.z());
+  fmt::print("values       {:g} to {:g}\n", *low, *high);
+  for (const std::string& warning : volume.warnings) fmt::print("warning      {}\n", warning);
+}
+
+}  // namespace
+
+int image(const ImageOptions& options) {
+  const std::vector<imaging::SeriesSummary> all = imaging::list_series(options.path);
+  if (all.size() > 1) print_list(all);
+  if (all.size() > 1 && options.series.empty()) {
+    fmt::print("\nchoose one with --series UID\n");
+    return 0;
+  }
+  const Volume volume = imaging::read_volume(options.path, options.series);
+  print_volume(volume);
+  if (options.png.empty()) return 0;
+  for (const auto& [name, picture] : imaging::orthogonal_slices(volume)) {
+    report::save_png(picture, options.png / (name + ".png"));
+    fmt::print("picture      {}\n", (options.png / (name + ".png")).string());
+  }
+  return 0;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,104 @@
+#include "robot/app/prepared_case.hpp"
+
+#include <fmt/format.h>
+
+#include "planner/fiducial_file.hpp"
+#include "planner/imaging/read_volume.hpp"
+#include "planner/plan_insertion.hpp"
+#include "planner/registration.hpp"
+#include "robot/messages/limits.hpp"
+#include "robot/messages/setup_error.hpp"
+#include "sim/scanner/dicom_series.hpp"
+#include "sim/scanner/phantom.hpp"
+
+namespace biopsy::app {
+namespace {
+
+// Layers are looked up a little further than any plan can reach, so that the tissue behind the target is known too.
+constexpr Millimetres kBeyond{2.0};
+// An overshoot of the whole plan that the supervisor ends; layers must be known that far.
+constexpr Millimetres kMargin = from_um(limits::kDepthHard_um);
+
+struct Pose {
+  RigidTransform X_SR = RigidTransform::Identity();
+  double fre_mm = 0.0, tre_mm = 0.0;
+};
+
+// Where the robot is: by fiducials, by a given transform, or, with neither, where the guide was aimed: at the entry,
+// pointing at the target.
+std::variant<Pose, PlanRefusal> pose_of(const Case& given, const Target& target) {
+  if (!given.fiducials.empty()) {
+    const auto result = planner::register_robot(planner::read_fiducials(given.fiducials));
+    if (const auto* refusal = std::get_if<PlanRefusal>(&result)) return *refusal;
+    const auto& registration = std::get<planner::Registration>(result);
+    return Pose{registration.X_SR, registration.fre_mm, planner::expected_tre_mm(registration, target.p_ST)};
+  }
+  if (given.transform) {
+    std::array<double, 16> rows{};
+    std::copy(given.transform->begin(), given.transform->end(), rows.begin());
+    return Pose{planner::rigid_transform_from_ras(rows, "transform_ras")};
+  }
+  return Pose{planner::needle_pose(target.p_SE, target.p_ST)};
+}
+
+// Layers along the way from the entry to the target and a little beyond.
+std::vector<Layer> layers_of(const Case& given, const Volume* labels, const planner::LabelNames& names,
+                             const Target& target) {
+  if (!given.layers.empty()) return given.layers;
+  const Millimetres length = Millimetres((target.p_ST - target.p_SE).norm()) + kMargin + kBeyond;
+  if (labels != nullptr)
+    return planner::layers_along_path(*labels, target.p_SE, (target.p_ST - target.p_SE).normalized(), length, names);
+  return {{"unknown", Millimetres(0), length}};
+}
+
+void check_frames(const Volume& image, const Volume& labels) {
+  if (!image.identity.frame_of_reference_uid.empty() && !labels.identity.frame_of_reference_uid.empty() &&
+      image.identity.frame_of_reference_uid != labels.identity.frame_of_reference_uid)
+    throw SetupError("the label map lies in another frame of reference than the image", "labels",
+                     "give the label map that was drawn on this image");
+}
+
+}  // namespace
+
+PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {
+  PreparedCase out{given, {}, {}, {}, PlanRefusal{}};
+  std::optional<Volume> labels;
+  planner::LabelNames names = given.label_names;
+  if (given.phantom) {
+    sim::Phantom phantom = sim::paper_phantom();
+    sim::write_dicom_series(phantom.image, folder / "planning");
+    out.image = imaging::read_volume(folder / "planning");
+    out.target.p_SE = phantom.p_SE;
+    out.target.p_ST = phantom.p_SE + given.depth.value_or(Millimetres(0)).value * phantom.axis_S;
+    labels = std::move(phantom.labels);
+    for (std::size_t i = 0; i < phantom.names.size(); ++i) names[static_cast<int>(i)] = phantom.names[i];
+  } else {
+    out.image = imaging::read_volume(given.image, given.series_uid);
+    out.target.p_SE = *given.p_SE;
+    out.target.p_ST = *given.p_ST;
+    if (!given.labels.empty()) labels = imaging::read_volume(given.labels);
+    if (labels) check_frames(out.image, *labels);
+  }
+  out.target.patient_id = out.image.identity.patient_id;
+  out.target.series_uid = out.image.identity.series_uid;
+  out.layers = layers_of(given, labels ? &*labels : nullptr, names, out.target);
+  const auto pose = pose_of(given, out.target);
+  if (const auto* refusal = std::get_if<PlanRefusal>(&pose)) {
+    out.plan = *refusal;
+    return out;
+  }
+  planner::InsertionRequest request;
+  request.target = out.target;
+  request.X_SR = std::get<Pose>(pose).X_SR;
+  request.registration_fre_mm = std::get<Pose>(pose).fre_mm;
+  request.registration_tre_mm = std::get<Pose>(pose).tre_mm;
+  request.layers = out.layers;
+  request.weight = given.weight;
+  request.waypoints = given.waypoints;
+  request.staging = given.staging;
+  request.pace = given.pace;
+  out.plan = planner::plan_insertion(request);
+  return out;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,28 @@
+// From a case to everything a run needs: image, registration, layers, plan.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "robot/app/case.hpp"
+#include "robot/messages/plan.hpp"
+#include "robot/messages/volume.hpp"
+
+namespace biopsy::app {
+
+struct PreparedCase {
+  Case given;
+  Volume image;
+  Target target;
+  std::vector<Layer> layers;
+  std::variant<Plan, PlanRefusal> plan;
+};
+
+// Reads the image and plans. A phantom is first written to `folder`/planning as DICOM, so that it goes the way of any
+// image. Throws SetupError for bad input; a plan that is refused for medical reasons is a value.
+PreparedCase prepare(const Case& given, const std::filesystem::path& folder);
+
+}  // namespace biopsy::app

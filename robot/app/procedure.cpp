@@ -1,0 +1,103 @@
+// biopsy dry-run and biopsy plan.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+
+#include "planner/seal.hpp"
+#include "robot/app/commands.hpp"
+#include "robot/app/prepared_case.hpp"
+#include "robot/app/progress.hpp"
+#include "robot/app/provenance.hpp"
+#include "robot/app/rehearsal.hpp"
+#include "robot/app/typed_point.hpp"
+#include "robot/messages/setup_error.hpp"
+#include "robot/report/console_table.hpp"
+#include "robot/report/report_html.hpp"
+#include "robot/report/report_json.hpp"
+#include "robot/report/run_csv.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+Case case_of(const ProcedureOptions& options) {
+  const bool by_image = !options.image.empty();
+  if (by_image && !options.case_name.empty())
+    throw SetupError("both a case and --image", "command line", "give a case file, or --image with --entry and --target");
+  if (!by_image && (!options.entry.empty() || !options.target.empty() || !options.labels.empty()))
+    throw SetupError("--entry, --target or --labels without --image", "command line", "add --image PATH");
+  Case given = by_image ? blank_case() : read_case(options.case_name.empty() ? "liver" : options.case_name);
+  if (by_image) {
+    if (options.entry.empty() || options.target.empty())
+      throw SetupError("--image without --entry and --target", "command line", "pick both points: --entry R,A,S --target R,A,S");
+    given.image = options.image;
+    given.title = options.image.filename().string();
+    given.p_SE = typed_point("--entry", options.entry);
+    given.p_ST = typed_point("--target", options.target);
+    given.labels = options.labels;
+  }
+  if (!options.series.empty()) given.series_uid = options.series;
+  if (!options.fiducials.empty()) given.fiducials = options.fiducials;
+  if (!options.model.empty()) given.rehearsal.model = options.model;
+  if (options.seed) given.seed = *options.seed;
+  return given;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder))
+    throw SetupError("cannot be made a folder: " + error.message(), folder.string(), "give --out a folder that can be written");
+}
+
+int finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
+           std::chrono::steady_clock::time_point started) {
+  record.provenance = provenance(prepared, record);
+  record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  report::save_report_html(record, out / "report.html");
+  if (!record.samples.empty()) report::save_run_csv(record, out / "run.csv");
+  report::save_report_json(record, out / "report.json");
+  fmt::print("{}", report::console_table(record, isatty(STDOUT_FILENO) == 1));
+  fmt::print("\nreport: {}\n", (out / "report.html").string());
+  return 0;
+}
+
+}  // namespace
+
+int dry_run(const ProcedureOptions& options) {
+  const auto started = std::chrono::steady_clock::now();
+  const Case given = case_of(options);
+  make_folder(options.out);
+  ProgressLine line;
+  line.show(-1.0, "reading the image and planning");
+  const PreparedCase prepared = prepare(given, options.out);
+  if (std::holds_alternative<PlanRefusal>(prepared.plan)) {
+    report::RunRecord refused = planned_record(prepared);
+    refused.simulated_s = 0.0;
+    finish(refused, prepared, options.out, started);
+    return 3;
+  }
+  report::RunRecord record = rehearse(prepared, options.out, [&line](double simulated_s, const std::string& what) {
+    line.show(-1.0, fmt::format("rehearsing: {:.1f} s, {}", simulated_s, what));
+  });
+  finish(record, prepared, options.out, started);
+  return record.outcome == report::Outcome::Completed ? 0 : 3;
+}
+
+int plan(const ProcedureOptions& options) {
+  const auto started = std::chrono::steady_clock::now();
+  const Case given = case_of(options);
+  make_folder(options.out);
+  const PreparedCase prepared = prepare(given, options.out);
+  report::RunRecord record = planned_record(prepared);
+  record.simulated_s = 0.0;
+  if (record.plan) record.outcome = report::Outcome::Stopped, record.refusal = "planned only: nothing was moved";
+  finish(record, prepared, options.out, started);
+  return record.plan ? 0 : 3;
+}
+
+}  // namespace biopsy::app

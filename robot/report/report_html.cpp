@@ -1,0 +1,97 @@
+#include "robot/report/report_html.hpp"
+
+#include "robot/report/html_sections.hpp"
+#include "robot/report/number_text.hpp"
+#include "robot/report/outside_text.hpp"
+#include "robot/report/verdict.hpp"
+#include "robot/report/whole_file.hpp"
+#include "robot/report/words.hpp"
+
+namespace biopsy::report {
+namespace {
+
+// The policy keeps the page from loading anything, whatever a file's text may contain.
+std::string head(const RunRecord& record) {
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
+         "style-src "
+         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" "
+         "/>\n<title>" +
+         escaped((record.simulated ? "SIMULATED – " : "") + record.title) + "</title>\n<style>" + kPageStyle +
+         (record.simulated ? "@page { @top-center { content: \"SIMULATED\"; font-weight: bold; } }\n" : "") +
+         "</style>\n</head>\n";
+}
+
+std::string simulated_banner(const RunRecord& record) {
+  if (!record.simulated) return {};
+  return "<p class=\"simulated\"><strong>SIMULATED</strong> Rehearsal against a simulated actuator, tissue "
+         "and scanner. "
+         "No needle moved.</p>\n<div class=\"watermark\" aria-hidden=\"true\">SIMULATED</div>\n";
+}
+
+const char* shape(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::Completed:
+      return "✓";
+    case Outcome::Refused:
+      return "▲";
+    case Outcome::Stopped:
+      return "■";
+  }
+  return "";
+}
+
+std::string key_figure(const std::string& name, const std::string& value) {
+  return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
+}
+
+std::string key_figures(const RunRecord& record) {
+  if (record.outcome == Outcome::Refused || record.samples.empty()) return {};
+  const double target = record.plan ? record.plan->target_depth.value : kUnknown;
+  return "<dl class=\"figures\">\n" + key_figure("Target depth", fixed(target, 2, "mm")) +
+         key_figure("Depth by laser", fixed(record.final_depth_mm, 3, "mm")) +
+         key_figure("Depth by image", fixed(record.image_depth_mm, 2, "mm")) +
+         key_figure("Image, standard deviation", fixed(record.image_depth_sigma_mm, 2, "mm")) +
+         key_figure("Layer at the tip", record.layer_at_tip.empty() ? "–" : record.layer_at_tip) +
+         key_figure("Laser − target", fixed(record.final_depth_mm - target, 3, "mm")) +
+         key_figure("Image − laser", fixed(record.image_depth_mm - record.final_depth_mm, 3, "mm")) +
+         key_figure("RMSE, settled", fixed(record.rmse_settled_mm, 3, "mm")) +
+         key_figure("RMSE, whole run", fixed(record.rmse_all_mm, 3, "mm")) +
+         key_figure("Overshoot", fixed(record.overshoot_mm, 3, "mm")) +
+         key_figure("Peak drive", fixed(record.peak_kV, 2, "kV")) +
+         key_figure(record.simulated ? "Simulated time" : "Duration", fixed(record.simulated_s, 1, "s")) +
+         "</dl>\n";
+}
+
+// A completed run whose last image did not confirm it must not look like good news.
+std::string doubt(const RunRecord& record) {
+  const DepthCheck* check = last_check(record);
+  if (!check || check->verdict == DepthVerdict::Accept) return {};
+  return "<p class=\"alarm\">■ The last image check says " + std::string(word(check->verdict)) + ": " +
+         escaped(check->reason) + "</p>\n";
+}
+
+std::string verdict_section(const RunRecord& record) {
+  const std::string doubts = doubt(record);
+  return "<section class=\"verdict " + std::string(word(record.outcome)) +
+         (doubts.empty() ? "" : " doubted") +
+         "\">\n<h2>Verdict</h2>\n<p><span class=\"shape\" aria-hidden=\"true\">" + shape(record.outcome) +
+         "</span>" + escaped(verdict_sentence(record)) + "</p>\n" + doubts + key_figures(record) +
+         "</section>\n";
+}
+
+}  // namespace
+
+std::string report_html(const RunRecord& record) {
+  return head(record) + "<body>\n" + simulated_banner(record) + "<main>\n<h1>" + escaped(record.title) +
+         "</h1>\n" + verdict_section(record) + patient_section(record) + plan_section(record) +
+         images_section(record) + figure_section(record) + stages_section(record) + checks_section(record) +
+         limits_section(record) + trips_section(record) + provenance_section(record) +
+         "</main>\n</body>\n</html>\n";
+}
+
+void save_report_html(const RunRecord& record, const std::filesystem::path& path) {
+  write_whole_file(path, report_html(record));
+}
+
+}  // namespace biopsy::report

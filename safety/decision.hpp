@@ -1,0 +1,31 @@
+// What the supervisor makes of one tick: the one event that counts, worst first, and the answer to a refused
+// request.
+#pragma once
+
+#include <cstdint>
+
+#include "safety/supervisor.hpp"
+
+namespace biopsy::safety {
+
+// What one tick's guards need, named once.
+struct Tick {
+  const PlanFacts& plan;
+  const SupervisorState& state;
+  const SupervisorInput& input;
+  HazardSet hazards;
+  StopCategory stop;   // the strongest of what is asked and what is needed
+  std::int32_t ticks;  // in this mode, this one included
+  bool pressed;        // a token never seen before, held
+  bool arm_edge, reset_edge;
+};
+
+Tick tick_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input);
+
+// One guard a line, the worst first; None where nothing changes the mode.
+Event event_of(const Tick& t);
+
+// Why a request of this tick was not followed, given the event that was.
+Refusal refusal_of(const Tick& t, Event event);
+
+}  // namespace biopsy::safety

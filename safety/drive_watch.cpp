@@ -1,0 +1,118 @@
+#include "safety/drive_watch.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "robot/messages/limits.hpp"
+#include "safety/counting.hpp"
+#include "safety/transitions.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+constexpr std::int64_t magnitude(std::int32_t value) {
+  return value < 0 ? -std::int64_t{value} : value;
+}
+
+HazardSet look_at_voltage(DriveWatch& watch, const Measurement& m) {
+  const std::int64_t larger = std::max(magnitude(m.command_mV), magnitude(watch.command_mV));
+  const std::int64_t tolerance = std::max<std::int64_t>(kDisagreeFloor_mV, larger * kDisagree_percent / 100);
+  // The monitor may lag by one tick: anything between the last two commands is right.
+  const std::int64_t lowest = std::min(m.command_mV, watch.command_mV) - tolerance;
+  const std::int64_t highest = std::max(m.command_mV, watch.command_mV) + tolerance;
+  const bool differs = m.hv_enabled && (m.monitor_mV < lowest || m.monitor_mV > highest);
+  const bool over = magnitude(m.monitor_mV) > limits::kMonitorTrip_mV;
+  watch.disagree_ticks = counted(watch.disagree_ticks, differs, kDisagree_ticks);
+  watch.over_ticks = counted(watch.over_ticks, over, kOverVoltage_ticks);
+  return when(watch.disagree_ticks >= kDisagree_ticks, Hazard::MonitorDisagrees) |
+         when(watch.over_ticks >= kOverVoltage_ticks, Hazard::OverVoltage);
+}
+
+HazardSet look_at_current(DriveWatch& watch, const Measurement& m) {
+  const std::int64_t change = std::abs(std::int64_t{m.command_mV} - watch.command_mV);
+  const std::int64_t largest = std::max({change, watch.change_mV[0], watch.change_mV[1]});
+  const bool excess = magnitude(m.current_nA) > kCapacitive_nA_per_mV * largest + kArcMargin_nA;
+  watch.change_mV = {change, watch.change_mV[0]};
+  watch.arc_ticks = counted(watch.arc_ticks, excess, kArc_ticks);
+  return when(watch.arc_ticks >= kArc_ticks, Hazard::Arc);
+}
+
+HazardSet look_at_obedience(DriveWatch& watch, const Measurement& m, const Permit& permit) {
+  const bool beyond = magnitude(m.command_mV) > std::int64_t{permit.v_max_mV} + kDisobey_mV;
+  watch.disobey_ticks =
+      counted(watch.disobey_ticks, beyond || m.hv_enabled != permit.hv_enable, kDisobey_ticks);
+  return when(watch.disobey_ticks >= kDisobey_ticks, Hazard::DriverDisobeys);
+}
+
+// Zero needs three quiet samples, and is lost at once by a command, by the monitor only after three.
+HazardSet look_at_zero(DriveWatch& watch, const Measurement& m, Mode mode) {
+  const bool present = magnitude(m.monitor_mV) > limits::kZeroVolt_mV;
+  const bool commanded = magnitude(m.command_mV) > limits::kZeroVolt_mV;
+  watch.zero_ticks = counted(watch.zero_ticks, !present && !commanded, kZero_ticks);
+  watch.nonzero_ticks = counted(watch.nonzero_ticks, present, kZero_ticks);
+  if (watch.zero_ticks >= kZero_ticks) watch.zero_volts = true;
+  if (commanded || watch.nonzero_ticks >= kZero_ticks) watch.zero_volts = false;
+  watch.off_ticks = counted(watch.off_ticks, !is_hot(mode), kResidual_ticks);
+  return when(watch.off_ticks >= kResidual_ticks && watch.nonzero_ticks >= kZero_ticks,
+              Hazard::ResidualCharge);
+}
+
+void forget_wave(DriveWatch& watch) {
+  watch.flips = 0;
+  watch.polarity = 0;
+  watch.wrong_frequency = false;
+}
+
+void note_flip(DriveWatch& watch) {
+  if (watch.flips == 4) {  // four half-periods lie between the oldest of these and now
+    const std::int64_t off = watch.tick - watch.flip_tick[3] - kTwoPeriods_ticks;
+    watch.wrong_frequency = std::abs(off) > kTwoPeriodsOff_ticks;
+  }
+  watch.flip_tick = {watch.tick, watch.flip_tick[0], watch.flip_tick[1], watch.flip_tick[2]};
+  watch.flips = std::min(watch.flips + 1, 4);
+}
+
+HazardSet look_at_wave(DriveWatch& watch, const Measurement& m, Mode mode) {
+  ++watch.tick;
+  if (mode != Mode::Active && mode != Mode::Hold) watch.signed_mVms = watch.total_mVms = watch.wave_ticks = 0;
+  if (mode != Mode::Active || magnitude(m.command_mV) < kWaveMin_mV) return forget_wave(watch), 0;
+  const std::int32_t polarity = m.command_mV < 0 ? -1 : 1;
+  if (watch.polarity == -polarity) note_flip(watch);
+  watch.polarity = polarity;
+  constexpr std::int64_t kForget = std::int64_t{1} << kImbalanceShift;
+  watch.signed_mVms += m.monitor_mV - watch.signed_mVms / kForget;
+  watch.total_mVms += magnitude(m.monitor_mV) - watch.total_mVms / kForget;
+  watch.wave_ticks = std::min(watch.wave_ticks + 1, kImbalanceSeen_ticks);
+  const bool judged = watch.wave_ticks >= kImbalanceSeen_ticks;
+  const bool unbalanced = 2 * std::abs(watch.signed_mVms) > watch.total_mVms;
+  return when(judged && unbalanced, Hazard::PolarityStuck) |
+         when(watch.wrong_frequency, Hazard::WrongFrequency);
+}
+
+bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
+  return std::abs(std::int64_t{after_mV} - before_mV) > limits::kZeroVolt_mV;
+}
+
+}  // namespace
+
+DriveFindings look(DriveWatch& watch, const Observation& seen, bool fresh, bool stale) {
+  const Measurement& m = seen.measurement;
+  DriveFindings findings;
+  findings.image_disturbed = seen.acquiring && (!fresh || is_switching(watch.command_mV, m.command_mV));
+  if (fresh) {
+    watch.found = look_at_voltage(watch, m);
+    watch.found |= look_at_current(watch, m);
+    watch.found |= look_at_obedience(watch, m, seen.permit);
+    watch.found |= look_at_zero(watch, m, seen.permit.mode);
+    watch.found |= look_at_wave(watch, m, seen.permit.mode);
+    watch.command_mV = m.command_mV;
+  }
+  findings.found = watch.found;
+  if (stale) watch.zero_volts = false, watch.zero_ticks = 0;
+  findings.zero_volts = watch.zero_volts;
+  findings.drive_mV =
+      static_cast<std::int32_t>(std::min<std::int64_t>(magnitude(watch.command_mV), limits::kDriveMax_mV));
+  return findings;
+}
+
+}  // namespace biopsy::safety

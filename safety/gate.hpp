@@ -1,0 +1,66 @@
+// The only maker of a drive voltage. Lowering |V| always passes; raising it needs a live permit.
+//
+// Absence means no: without a live permit, with a clock that jumped or with not exactly one writer the gate
+// puts out 0 V and disables HV in that very tick (a permit lives 5 ms, so a dead supervisor costs <= 5 ms).
+// Without a new request the voltage neither rises nor changes sign but follows the envelope down: so a silent
+// controller ends in a C1 ramp. After a stop of its own it stays off until it has honoured a permit that
+// itself says "off": the voltage cannot come back without the supervisor having gone through a disarmed
+// state.
+#pragma once
+
+#include <cstdint>
+
+#include "robot/messages/drive_request.hpp"
+#include "robot/messages/measurement.hpp"
+#include "robot/messages/permit.hpp"
+
+namespace biopsy::safety {
+
+struct GateState;
+struct GateResult;
+
+// A voltage the actuator port accepts. There is no way to make one but the gate, except off, which needs no
+// leave.
+class GatedVoltage {
+ public:
+  static constexpr GatedVoltage off() { return {0, false}; }
+  constexpr std::int32_t mV() const { return mV_; }  // signed high voltage
+  constexpr bool hv_enabled() const { return hv_enabled_; }
+
+ private:
+  constexpr GatedVoltage(std::int32_t mV, bool hv_enabled) : mV_(mV), hv_enabled_(hv_enabled) {}
+  friend GateResult gate(const GateState&, const DriveRequest*, const Permit*, std::int64_t, std::int32_t);
+
+  std::int32_t mV_;
+  bool hv_enabled_;
+};
+
+// Default-constructed at each start of the driver, after it wrote 0 V: bound to no session.
+struct GateState {
+  Permit permit;               // last honoured; seq 0 = none
+  std::int64_t permit_us = 0;  // when it was honoured, on the gate's clock
+  std::int64_t now_us = 0;     // of the last call
+  std::uint32_t request_seq = 0;
+  std::int32_t drive_mV = 0;  // put out last, signed
+  bool enabled = false;
+  bool started = false;                        // the clock has been read once
+  GateVerdict latched = GateVerdict::Granted;  // not Granted: off since this, until a permit says off
+};
+
+struct GateResult {
+  GateState state;
+  GatedVoltage voltage = GatedVoltage::off();
+  GateVerdict verdict = GateVerdict::Refused;
+  std::uint32_t answer = 0, answered_seq = 0;  // for Measurement: answers the last honoured permit, 0 if none
+};
+
+// `request` and `permit`: newest received, null if none; one seen before counts as none (and as OldSequence
+// where it is the permit's number that went back). `now_us`: driver's monotonic clock, called every tick.
+// `writer_count`: writers of the permit and request topics, must be 1. Permit::slew_down is not used: nothing
+// slows a lowering. A permit is honoured if its session is bound, its epoch not older, its seq rising. A
+// session is bound by the first "off" permit while the output is off and no permit is live; after that only a
+// larger session, by the same rule.
+GateResult gate(const GateState& state, const DriveRequest* request, const Permit* permit,
+                std::int64_t now_us, std::int32_t writer_count);
+
+}  // namespace biopsy::safety

@@ -1,0 +1,50 @@
+// What the supervisor must know of a sealed plan: integers of fixed size, made once at set-up, constant
+// after.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace biopsy::safety {
+
+inline constexpr std::size_t kMaxStages = 32;
+inline constexpr std::size_t kMaxBands = 32;
+
+// Limits of one stage. The wiring turns the stage's speed into a slew with the steepest slope of the
+// plausible band.
+struct StagePermit {
+  std::int32_t depth_max_um = 0;         // the stage's depth plus the overshoot allowed there: no rise beyond
+  std::int32_t v_max_mV = 0;             // envelope of |V|: stored energy ahead of a boundary
+  std::int32_t slew_up_mV_per_tick = 0;  // rise of |V| per ms
+  bool image_confirms = true;            // a depth check must say Accept before the next stage
+};
+
+// Depths that are plausible at a steady |V|; linear in between, constant beyond the ends. Rising in drive.
+struct PlausibleBand {
+  std::int32_t drive_mV = 0;
+  std::int32_t low_um = 0, high_um = 0;
+};
+
+struct PlanFacts {
+  std::uint64_t plan_tag = 0;               // first 8 bytes of the seal; 0 = no plan
+  std::uint64_t config_tag = 0;             // of the configuration at start; 0 = none
+  std::int32_t depth_max_um = 0;            // target plus the allowed overshoot (PlanLimits::depth_max)
+  std::int32_t tissue_residual_max_um = 0;  // |depth - depth the tissue model expects| that is still normal
+  std::uint32_t stage_count = 0;
+  std::uint32_t band_count = 0;
+  std::array<StagePermit, kMaxStages> stages{};
+  std::array<PlausibleBand, kMaxBands> bands{};
+};
+
+// Whether every number is one this robot could mean: a plan in metres or volts fails here. A default plan
+// fails.
+bool is_plausible(const PlanFacts& plan);
+
+struct DepthRange {
+  std::int32_t low_um = 0, high_um = 0;
+};
+// Depths plausible where |V| was between the two drives; {0, 0} for a plan without bands.
+DepthRange plausible_depth(const PlanFacts& plan, std::int32_t drive_low_mV, std::int32_t drive_high_mV);
+
+}  // namespace biopsy::safety

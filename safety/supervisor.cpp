@@ -1,0 +1,135 @@
+#include "safety/supervisor.hpp"
+
+#include <algorithm>
+
+#include "robot/messages/limits.hpp"
+#include "safety/challenge.hpp"
+#include "safety/decision.hpp"
+#include "safety/thresholds.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+// {from, event} -> to, unfolded from the table at compile time.
+constexpr auto kNext = [] {
+  std::array<std::array<Mode, kEvents>, kModes> next{};
+  for (std::size_t from = 0; from < kModes; ++from)
+    for (std::size_t event = 0; event < kEvents; ++event)
+      next[from][event] = next_mode(static_cast<Mode>(from), static_cast<Event>(event));
+  return next;
+}();
+
+StagePermit stage_limits(const PlanFacts& plan, std::uint32_t stage) {
+  if (stage >= plan.stage_count || stage >= kMaxStages) return {};
+  StagePermit allowed = plan.stages[stage];
+  allowed.depth_max_um = std::min(allowed.depth_max_um, plan.depth_max_um);
+  allowed.v_max_mV = std::clamp(allowed.v_max_mV, 0, limits::kDriveMax_mV);
+  allowed.slew_up_mV_per_tick = std::clamp(allowed.slew_up_mV_per_tick, 0, limits::kSlewUpMax_mV_per_tick);
+  return allowed;
+}
+
+// What the change of mode does to the plan's progress and to the envelope.
+void enter(SupervisorState& next, const Tick& t, Event event) {
+  const Mode from = t.state.mode;
+  next.last_event = event;
+  if (event != Event::VoltageGone) next.reason = worst_of(t.hazards);  // the end of a ramp keeps its cause
+  next.ticks_in_mode = 0;
+  if (next.mode == Mode::Trip || next.mode == Mode::Lock) ++next.epoch;
+  if (next.mode == Mode::Armed) next.stage = 0, next.stage_done = false;
+  if (event == Event::StageReached) next.stage_done = true;
+  if (event == Event::Move && t.state.stage_done) ++next.stage, next.stage_done = false;
+  const std::int32_t envelope =
+      from == Mode::Active ? stage_limits(t.plan, t.state.stage).v_max_mV : t.state.held_mV;
+  if (next.mode == Mode::Hold || next.mode == Mode::Retract)
+    next.held_mV = std::clamp(t.input.evidence.drive_mV, 0, envelope);
+}
+
+// A mode that does not exist is a broken memory: nothing is allowed any more.
+Mode mode_after(Mode from, Event event) {
+  return from <= Mode::Lock ? kNext[static_cast<std::size_t>(from)][static_cast<std::size_t>(event)]
+                            : Mode::Lock;
+}
+
+SupervisorState next_state(const Tick& t, Event event) {
+  SupervisorState next = t.state;
+  next.mode = mode_after(t.state.mode, event);
+  next.ticks_in_mode = t.ticks;
+  next.seq = t.state.seq + 1;
+  next.token = std::max(t.state.token, t.input.motion.token);
+  next.arm_was_down = t.input.local_arm;
+  next.reset_was_down = t.input.local_reset;
+  const bool renewed =
+      t.input.motion.held && t.input.motion.token >= t.state.token && t.input.motion.token != 0;
+  next.ticks_since_held = renewed ? 0 : std::min(t.state.ticks_since_held + 1, kHeldTimeout_ticks);
+  if (next.mode != t.state.mode) enter(next, t, event);
+  return next;
+}
+
+std::int32_t ramp_mV(const SupervisorState& state) {
+  const std::int64_t left = std::max(kRamp_ticks - state.ticks_in_mode, 0);
+  return static_cast<std::int32_t>(state.held_mV * left / kRamp_ticks);
+}
+
+Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64_t now_us) {
+  Permit permit;  // off: no enable, no voltage, no rise
+  permit.session = state.session;
+  permit.epoch = state.epoch;
+  permit.seq = state.seq;
+  permit.issued_us = now_us;
+  permit.ttl_us = limits::kPermitTtl_us;
+  permit.mode = state.mode;
+  permit.hv_enable = is_hot(state.mode);
+  permit.plan_tag = plan.plan_tag;
+  permit.config_tag = plan.config_tag;
+  permit.challenge = challenge_of(state.session, state.seq);
+  const StagePermit stage = stage_limits(plan, state.stage);
+  switch (state.mode) {
+    case Mode::Armed:
+      permit.stop = StopCategory::C2Hold;
+      break;
+    case Mode::Active:
+      permit.stop = StopCategory::None;
+      permit.v_max_mV = stage.v_max_mV;
+      permit.slew_up_mV_per_tick = stage.slew_up_mV_per_tick;
+      permit.depth_max_um = stage.depth_max_um;
+      break;
+    case Mode::Hold:
+      permit.stop = StopCategory::C2Hold;
+      permit.v_max_mV = state.held_mV;
+      break;
+    case Mode::Retract:
+      permit.stop = StopCategory::C1Ramp;
+      permit.v_max_mV = ramp_mV(state);
+      break;
+    case Mode::Boot:
+    case Mode::Safe:
+    case Mode::Ready:
+    case Mode::Trip:
+    case Mode::Lock:
+      break;
+  }
+  return permit;
+}
+
+}  // namespace
+
+std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const SupervisorState& state,
+                                                  const SupervisorInput& input) {
+  const Tick tick = tick_of(plan, state, input);
+  const Event event = event_of(tick);
+  const SupervisorState next = next_state(tick, event);
+  SupervisorOutput output;
+  output.permit = permit_of(plan, next, input.now_us);
+  output.event = event;
+  output.worst = worst_of(tick.hazards);
+  output.reason = next.reason;
+  output.refusal = refusal_of(tick, event);
+  output.stage = next.stage;
+  output.stage_done = next.stage_done;
+  output.image_allowed = next.mode != Mode::Active && next.mode != Mode::Retract;
+  output.image_disturbed = input.evidence.image_disturbed;
+  output.interlock_pulse = is_hot(next.mode) || next.mode == Mode::Ready;
+  return {next, output};
+}
+
+}  // namespace biopsy::safety

@@ -1,0 +1,103 @@
+// The supervisor: one pure function from state and evidence to the permit. Integers, injected time, no I/O.
+// Call order in a tick: evidence.hpp.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "robot/messages/drive_request.hpp"
+#include "robot/messages/permit.hpp"
+#include "safety/evidence.hpp"
+#include "safety/plan_facts.hpp"
+#include "safety/transitions.hpp"
+
+namespace biopsy::safety {
+
+enum class SelfTest : std::uint8_t { Failed, Pending, Passed };
+
+// Hold-to-run. While the button is down the console sends {token, held = true} at least every
+// kHeldTimeout_ticks; each press has a token larger than every one before. {token, false} is the release;
+// token 0 = no message this tick.
+struct MotionPress {
+  std::uint32_t token = 0;
+  bool held = false;
+};
+
+struct SupervisorInput {
+  std::int64_t now_us = 0;  // goes into the permit for the log
+  Evidence evidence;
+  SelfTest self_test = SelfTest::Pending;
+  bool local_arm = false,
+       local_reset = false;  // keys on the device: levels, the supervisor takes the rising edge
+  bool remote_arm = false, remote_reset = false;  // asked over the network: always refused, with a reason
+  StopCategory stop = StopCategory::None;         // asked by anyone, anywhere
+  MotionPress motion;
+  DriveRequest request;         // stage, stage_reached and finished of the controller's last request
+  bool depth_accepted = false;  // level: the depth check of `accepted_stage` says Accept
+  std::uint32_t accepted_stage = 0;
+};
+
+// Why a request of this tick was not followed.
+enum class Refusal : std::uint8_t {
+  None,
+  Locked,
+  OnlyLocal,
+  NotTripped,
+  VoltageLeft,
+  NeedleOut,
+  Unhealthy,
+  NotReady,
+  NotArmed,
+  TokenSpent,
+  DepthNotAccepted,
+  PlanDone,
+};
+
+struct SupervisorState {
+  Mode mode = Mode::Boot;
+  Event last_event = Event::None;  // of the last change of mode
+  Hazard reason = Hazard::None;    // worst hazard at the last change of mode, kept through the end of a ramp
+  bool stage_done = false;         // the controller reached the present stage
+  bool arm_was_down = true, reset_was_down = true;  // a key held since before the start is not an edge
+  std::uint32_t session = 0, epoch = 1, seq = 0;
+  std::uint32_t token = 0;  // largest token ever seen: spent
+  std::uint32_t stage = 0;
+  std::int32_t ticks_in_mode = 0;
+  std::int32_t ticks_since_held = 0;
+  std::int32_t held_mV = 0;  // |V| when Hold or Retract began
+};
+
+struct SupervisorOutput {
+  Permit permit;
+  Event event = Event::None;     // what changed the mode in this tick
+  Hazard worst = Hazard::None;   // worst hazard present
+  Hazard reason = Hazard::None;  // SupervisorState::reason
+  Refusal refusal =
+      Refusal::Locked;           // answer to a request of this tick; None if it was followed or none was made
+  std::uint32_t stage = 0;       // the stage the controller is to drive
+  bool stage_done = false;       // Hold at a stage's end: waits for the depth check and a new press
+  bool image_allowed = false;    // a scan may start: the drive is not rising
+  bool image_disturbed = true;   // the image being taken saw the drive switch: repeat it
+  bool interlock_pulse = false;  // feed the hardware interlock this tick; never fed when stopped
+};
+
+// `session` is larger at every start of the supervisor (seconds since 1970 will do), never 0.
+constexpr SupervisorState started(std::uint32_t session) {
+  SupervisorState state;
+  state.session = session;
+  return state;
+}
+
+std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const SupervisorState& state,
+                                                  const SupervisorInput& input);
+
+std::string_view name_of(Refusal refusal);
+
+// How much a mode allows, for comparison: Retract only lowers, so it ranks below Safe.
+constexpr int permissiveness(Mode mode) {
+  constexpr int kRank[] = {2, 4, 5, 7, 8, 6, 3, 1, 0};  // Boot Safe Ready Armed Active Hold Retract Trip Lock
+  return kRank[static_cast<int>(mode)];
+}
+
+}  // namespace biopsy::safety

@@ -1,0 +1,31 @@
+// What every effect says about itself. An effect is one physical term that can be absent; absent is exactly the
+// baseline. Its file holds the parameters (SI inside, people's units in files), the equation and where it attaches.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace biopsy::sim {
+
+enum class Attachment { Electrical, Pouch, Stage, Tissue, Sensor };
+
+template <class Effect>
+struct Parameter {
+  std::string_view name;   // with its unit, as it stands in files
+  double Effect::*member;  // SI
+  double si_per_unit;      // SI value of one file unit
+  double low, high;        // sensible range, file units
+  double typical;          // file units
+  std::string_view meaning;
+};
+
+struct EffectInfo {
+  std::string_view name;
+  Attachment attaches;
+  std::string_view sentence;    // for a person
+  std::string_view equation;
+  std::string_view experiment;  // that would show it most clearly
+  std::string_view source;
+};
+
+}  // namespace biopsy::sim

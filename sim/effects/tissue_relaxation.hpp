@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "sim/effects/effect.hpp"
+
+namespace biopsy::sim {
+
+// A Maxwell element: tissue dragged along by the shaft pulls back, and lets go with time.
+struct TissueRelaxation {
+  double from = 0.0;       // m, where this tissue begins
+  double stiffness = 0.0;  // N/m
+  double time = 1.0;       // s
+
+  double inserted(double x) const { return std::max(0.0, x - from); }
+  // Force against the needle, the tissue having crept to `crept` (m); and the rate of that creep. Written with the
+  // crept length as the state, not the spring's stretch, so that entering the tissue is a kink and not a jump.
+  double push_back(double x, double crept) const { return stiffness * (inserted(x) - crept); }
+  double rate(double x, double crept) const { return (inserted(x) - crept) / time; }
+
+  static constexpr EffectInfo info{
+      "tissue_relaxation", Attachment::Tissue,
+      "Tissue pulled along by the needle pulls back, and that force fades over seconds when the needle rests.",
+      "F = -stiffness (inserted - crept), d crept/dt = (inserted - crept)/time", "closed_loop_steps",
+      "Maxwell element; Fung 1993, Biomechanics, ch. 7: soft tissue relaxes over seconds"};
+  static constexpr auto parameters() {
+    using E = TissueRelaxation;
+    return std::array{
+        Parameter<E>{"from_mm", &E::from, 1e-3, -5.0, 100.0, 0.0, "where the tissue begins"},
+        Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 0.0, 5.0, 0.05, "stiffness felt at once"},
+        Parameter<E>{"time_s", &E::time, 1.0, 0.01, 100.0, 2.0, "time in which the force fades to 1/e"}};
+  }
+};
+
+}  // namespace biopsy::sim

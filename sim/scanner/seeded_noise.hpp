@@ -1,0 +1,2 @@
+#pragma once
+#include "sim/seeded_noise.hpp"

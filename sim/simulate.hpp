@@ -1,0 +1,11 @@
+// Recorded inputs through the plant, open loop: what would have been measured if the model were the truth.
+#pragma once
+
+#include "sim/dataset.hpp"
+
+namespace biopsy::sim {
+
+// The run with displacement, plate B and current replaced by the model's; starts at rest.
+RecordedRun simulate(PlantModel model, const RecordedRun& recorded);
+
+}  // namespace biopsy::sim

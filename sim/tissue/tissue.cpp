@@ -1,0 +1,54 @@
+#include "sim/tissue/tissue.hpp"
+
+#include <fmt/format.h>
+
+#include "robot/messages/setup_error.hpp"
+#include "sim/toml_values.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+template <class Effect>
+void take(TomlTable& table, Effect& effect) {
+  for (const auto& parameter : Effect::parameters()) {
+    if (parameter.name == "depth_mm" || parameter.name == "from_mm") continue;
+    effect.*(parameter.member) = table.number(parameter.name, parameter.low, parameter.high) * parameter.si_per_unit;
+  }
+}
+
+}  // namespace
+
+TissueTable read_tissues(const std::filesystem::path& file) {
+  TissueTable tissues;
+  TomlTable root = read_toml(file);
+  TomlTable all = root.table("tissue");
+  for (const std::string& name : all.names()) {
+    TomlTable table = all.table(name);
+    TissueLayer& layer = tissues[name];
+    take(table, layer.surface);
+    take(table, layer.shaft);
+    take(table, layer.relaxation);
+    table.ignore("source");
+    table.refuse_rest();
+  }
+  if (!tissues.contains("unknown"))
+    throw SetupError("no [tissue.unknown]", file.string(), "say what tissue without a name behaves like");
+  return tissues;
+}
+
+std::vector<TissueLayer> tissue_along(std::span<const Layer> layers, const TissueTable& table) {
+  if (layers.size() > kMaxLayers)
+    throw SetupError(fmt::format("{} layers along the path; the plant holds {}", layers.size(), kMaxLayers), "tissue",
+                     "merge thin layers in the label map or the table");
+  std::vector<TissueLayer> tissue;
+  for (const Layer& layer : layers) {
+    const auto known = table.find(layer.name);
+    TissueLayer made = known != table.end() ? known->second : table.at("unknown");
+    made.surface.depth = made.shaft.from = made.relaxation.from = layer.from.value * 1e-3;
+    if (&layer != &layers.back()) made.shaft.to = layer.to.value * 1e-3;
+    tissue.push_back(made);
+  }
+  return tissue;
+}
+
+}  // namespace biopsy::sim

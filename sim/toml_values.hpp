@@ -1,0 +1,48 @@
+// Strict reading of TOML: every number range-checked, every name that nobody asked for refused, every error with file and
+// line. Keeps the TOML library out of the other files.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace biopsy::sim {
+
+// One table of a file. Names that were read count as known; refuse_rest() throws at the first other one.
+class TomlTable {
+ public:
+  struct Node;  // the library's table, and its file
+
+  explicit TomlTable(std::shared_ptr<const Node> node);
+
+  std::vector<std::string> names() const;
+  bool has(std::string_view name) const;
+  std::string where() const;  // file:line
+
+  // All throw SetupError where the entry is missing or is not what is asked for.
+  double number(std::string_view name, double low, double high);  // or the `value` of { value, std, source }
+  std::string text(std::string_view name);
+  std::vector<double> numbers(std::string_view name, double low, double high);
+  bool flag(std::string_view name);
+  TomlTable table(std::string_view name);
+  std::vector<TomlTable> tables(std::string_view name);  // none if absent
+
+  void ignore(std::string_view name);
+  void refuse_rest() const;
+
+ private:
+  std::string place(std::string_view name) const;
+
+  std::shared_ptr<const Node> node_;
+  std::set<std::string, std::less<>> known_;
+};
+
+// Throw SetupError where there is no file or it is no TOML.
+TomlTable read_toml(const std::filesystem::path& file);
+TomlTable parse_toml(const std::string& text, const std::string& name);
+
+}  // namespace biopsy::sim
