@@ -14,40 +14,42 @@ namespace {
 constexpr double kStopped = 0.0;        // plate A at rest is exactly at rest
 constexpr int kRootSteps = 6;
 constexpr double kRootResolution = 1e-9;  // s
+constexpr double kReach = 0.5e-3;  // m: further than any needle moves within a step
 constexpr int kEventsPerStep = 8;       // stick or slip; more within one step means chatter below any resolution
 
 // Everything one evaluation of the mechanics needs besides the motion itself.
 struct Surroundings {
   const PlantModel& model;
   const PlantInputs& inputs;
+  std::size_t layers;  // of tissue that the needle can touch within this step
   double zipped;   // height memory at the beginning of the step
   double x_max;
   double u_start;  // V, stack voltage at the beginning of the step
 };
 
 struct Derivative {
-  double dH = 0.0, dx = 0.0, dv = 0.0;
-  std::array<double, kMaxLayers + 1> dcrept{};
+  double dH = 0.0, dx = 0.0, dv = 0.0, dcrept_lone = 0.0;
+  std::array<double, kMaxLayers> dcrept;  // only for the layers within reach
 };
 
-// Force of the tissue against the needle except dry friction, and the rates of its Maxwell elements. N, down
-double tissue_force(const Surroundings& s, const Motion& m, Derivative& d) {
+// Force of the tissue against the needle except dry friction. N, down
+double tissue_force(const Surroundings& s, const Motion& m) {
   double force = 0.0;
-  std::size_t i = 0;
-  for (const TissueLayer& layer : s.model.tissue) {
+  for (std::size_t i = 0; i < s.layers; ++i) {
+    const TissueLayer& layer = s.model.tissue[i];
     force += layer.surface.push_back(m.x, s.x_max) + layer.shaft.viscous * layer.shaft.inserted(m.x) * m.v +
              layer.relaxation.push_back(m.x, m.crept[i]);
-    d.dcrept[i] = layer.relaxation.rate(m.x, m.crept[i]);
-    ++i;
   }
   const Effects& e = s.model.effects;
   if (e.layer_puncture) force += e.layer_puncture->push_back(m.x, s.x_max);
   if (e.shaft_friction) force += e.shaft_friction->viscous * e.shaft_friction->inserted(m.x) * m.v;
-  if (e.tissue_relaxation) {
-    force += e.tissue_relaxation->push_back(m.x, m.crept[kMaxLayers]);
-    d.dcrept[kMaxLayers] = e.tissue_relaxation->rate(m.x, m.crept[kMaxLayers]);
-  }
+  if (e.tissue_relaxation) force += e.tissue_relaxation->push_back(m.x, m.crept_lone);
   return force;
+}
+
+void creep_rates(const Surroundings& s, const Motion& m, Derivative& d) {
+  for (std::size_t i = 0; i < s.layers; ++i) d.dcrept[i] = s.model.tissue[i].relaxation.rate(m.x, m.crept[i]);
+  if (const auto& lone = s.model.effects.tissue_relaxation) d.dcrept_lone = lone->rate(m.x, m.crept_lone);
 }
 
 // Dry friction available at this position and speed. N
@@ -84,58 +86,67 @@ double spring_force(const Surroundings& s, const Motion& m, double u_o, double& 
   return std::max(0.0, undamped + b.c_k * b.n * dH);
 }
 
-// Net force on plate A without dry friction, and every rate but the speed's. N, up
-double net_force(const Surroundings& s, const Motion& m, double u_o, Derivative& d) {
+// Net force on plate A without dry friction. N, up
+double net_force(const Surroundings& s, const Motion& m, double u_o, double& dH) {
   const Baseline& b = s.model.baseline;
-  d.dx = m.v;
-  const double down = b.c_s * m.v + s.inputs.external_force + tissue_force(s, m, d);
+  const double down = b.c_s * m.v + s.inputs.external_force + tissue_force(s, m);
   if (b.drive == Drive::Force) return s.inputs.force - b.k * m.x - down;
-  return spring_force(s, m, u_o, d.dH) - s.model.mass_A() * b.g - down;
+  return spring_force(s, m, u_o, dH) - s.model.mass_A() * b.g - down;
 }
 
 // direction: +1 or -1 while sliding (friction opposes it), 0 while stuck.
 Derivative rates(const Surroundings& s, const Motion& m, double u_o, int direction) {
   Derivative d;
-  const double force = net_force(s, m, u_o, d);
+  creep_rates(s, m, d);
   if (direction == 0) {
-    d.dx = 0.0;
+    if (s.model.baseline.drive == Drive::Stack) spring_force(s, m, u_o, d.dH);
     return d;
   }
-  d.dv = (force - direction * friction_bound(s.model, m.x, m.v)) / s.model.mass_A();
+  d.dx = m.v;
+  d.dv = (net_force(s, m, u_o, d.dH) - direction * friction_bound(s.model, m.x, m.v)) / s.model.mass_A();
   return d;
 }
 
-Motion advanced(const Motion& m, const Derivative& d, double h) {
+// m + h (a d + b e + c f): one row of the tableau, without touching layers out of reach.
+Motion advanced(const Motion& m, std::size_t layers, double h, const Derivative& d, double a, const Derivative& e,
+                double b, const Derivative& f, double c) {
   Motion out = m;
-  out.H += h * d.dH;
-  out.x += h * d.dx;
-  out.v += h * d.dv;
-  for (std::size_t i = 0; i < m.crept.size(); ++i) out.crept[i] += h * d.dcrept[i];
+  out.H += h * (a * d.dH + b * e.dH + c * f.dH);
+  out.x += h * (a * d.dx + b * e.dx + c * f.dx);
+  out.v += h * (a * d.dv + b * e.dv + c * f.dv);
+  out.crept_lone += h * (a * d.dcrept_lone + b * e.dcrept_lone + c * f.dcrept_lone);
+  for (std::size_t i = 0; i < layers; ++i) out.crept[i] += h * (a * d.dcrept[i] + b * e.dcrept[i] + c * f.dcrept[i]);
   return out;
 }
 
-Motion runge_kutta(const Surroundings& s, const Motion& m, double h, int direction) {
-  const double half = std::exp(-0.5 * h / s.model.baseline.tau);
-  const double u_half = s.u_start * half, u_end = u_half * half;
+// Kutta's third-order method. `decay`: what is left of the stack voltage after half of h.
+Motion runge_kutta(const Surroundings& s, const Motion& m, double h, double decay, int direction) {
+  const double u_half = s.u_start * decay, u_end = u_half * decay;
+  const std::size_t n = s.layers;
   const Derivative a = rates(s, m, s.u_start, direction);
-  const Derivative b = rates(s, advanced(m, a, 0.5 * h), u_half, direction);
-  const Derivative c = rates(s, advanced(m, b, 0.5 * h), u_half, direction);
-  const Derivative d = rates(s, advanced(m, c, h), u_end, direction);
-  Motion out = advanced(advanced(advanced(m, a, h / 6), b, h / 3), c, h / 3);
-  return advanced(out, d, h / 6);
+  const Derivative b = rates(s, advanced(m, n, h, a, 0.5, a, 0.0, a, 0.0), u_half, direction);
+  const Derivative c = rates(s, advanced(m, n, h, a, -1.0, b, 2.0, b, 0.0), u_end, direction);
+  return advanced(m, n, h, a, 1.0 / 6, b, 4.0 / 6, c, 1.0 / 6);
 }
+
+double half_decay(const PlantModel& model, double h) { return std::exp(-0.5 * h / model.baseline.tau); }
 
 // Positive while plate A keeps doing what it does: force in reserve while stuck (N), speed while sliding (m/s).
 double regime_margin(const Surroundings& s, const Motion& m, double u_o, int direction) {
   if (direction != 0) return m.v * direction;
-  Derivative unused;
+  double unused = 0.0;
   return friction_bound(s.model, m.x, 0.0) - std::abs(net_force(s, m, u_o, unused));
+}
+
+bool has_dry_friction(const PlantModel& model) {
+  const Effects& e = model.effects;
+  return e.coulomb_friction || e.stribeck_friction || e.shaft_friction || !model.tissue.empty();
 }
 
 // +1, -1, or 0 where friction holds plate A.
 int slide_direction(const Surroundings& s, const Motion& m, bool breaks_away) {
   if (m.v != kStopped) return m.v > 0.0 ? 1 : -1;
-  Derivative unused;
+  double unused = 0.0;
   const double net = net_force(s, m, s.u_start, unused);
   if (!breaks_away && std::abs(net) <= friction_bound(s.model, m.x, 0.0)) return 0;
   return net > 0.0 ? 1 : -1;
@@ -151,10 +162,10 @@ void remember_zipping(const PlantModel& model, PlantState& state) {
 }
 
 // Commits what the step leaves behind: voltage decayed, deepest position, zipped height.
-void remember(const PlantModel& model, PlantState& state, const Motion& after, double h) {
+void remember(const PlantModel& model, PlantState& state, const Motion& after, double h, double decay) {
   const Baseline& b = model.baseline;
   const double u_before = state.u_o;
-  state.u_o *= std::exp(-h / b.tau);
+  state.u_o *= decay * decay;
   state.charge += b.C1 * (u_before - state.u_o);
   state.motion = after;
   state.x_max = std::max(state.x_max, after.x);
@@ -163,40 +174,55 @@ void remember(const PlantModel& model, PlantState& state, const Motion& after, d
     state.reading += (after.x - state.reading) * -std::expm1(-h / lag->time);
 }
 
-// Where within h the regime ends, by false position (Illinois variant), and the motion there.
-std::pair<double, Motion> until_event(const Surroundings& s, const Motion& start, double h, int direction) {
-  Motion after = runge_kutta(s, start, h, direction);
-  double high = h, at_high = regime_margin(s, after, s.u_start * std::exp(-h / s.model.baseline.tau), direction);
-  if (at_high >= 0.0) return {h, after};
-  double low = 0.0, at_low = regime_margin(s, start, s.u_start, direction);
-  double piece = h;
+// How far a step of one regime got: its length, the motion there, and the voltage's decay over half of it.
+struct Piece {
+  double h;
+  double decay;
+  Motion after;
+};
+
+// The step, cut where the regime ends: found by false position (Illinois variant).
+Piece until_event(const Surroundings& s, const Motion& start, double h, double decay, int direction) {
+  Piece piece{h, decay, runge_kutta(s, start, h, decay, direction)};
+  double at_high = regime_margin(s, piece.after, s.u_start * decay * decay, direction);
+  if (at_high >= 0.0) return piece;
+  double low = 0.0, high = h, at_low = regime_margin(s, start, s.u_start, direction);
   for (int i = 0; i < kRootSteps && high - low > kRootResolution; ++i) {
-    piece = high - at_high * (high - low) / (at_high - at_low);
-    after = runge_kutta(s, start, piece, direction);
-    const double here = regime_margin(s, after, s.u_start * std::exp(-piece / s.model.baseline.tau), direction);
+    piece.h = high - at_high * (high - low) / (at_high - at_low);
+    piece.decay = half_decay(s.model, piece.h);
+    piece.after = runge_kutta(s, start, piece.h, piece.decay, direction);
+    const double here = regime_margin(s, piece.after, s.u_start * piece.decay * piece.decay, direction);
     if (here < 0.0) {
-      high = piece, at_high = here, at_low *= 0.5;
+      high = piece.h, at_high = here, at_low *= 0.5;
     } else {
-      low = piece, at_low = here, at_high *= 0.5;
+      low = piece.h, at_low = here, at_high *= 0.5;
     }
   }
-  return {piece, after};
+  return piece;
+}
+
+std::size_t layers_within_reach(const PlantModel& model, const PlantState& state) {
+  std::size_t layers = 0;
+  while (layers < model.tissue.size() && model.tissue[layers].surface.depth < state.x_max + kReach) ++layers;
+  return layers;
 }
 
 // One internal step of length h. With dry friction the step is cut where plate A stops or breaks away; the pieces keep
 // the method's order, which a cut at the step's end would not.
-void internal_step(const PlantModel& model, PlantState& state, double h, const PlantInputs& inputs, bool dry) {
+void internal_step(const PlantModel& model, PlantState& state, double h, double decay, const PlantInputs& inputs) {
+  const bool dry = has_dry_friction(model);
   bool breaks_away = false;
   for (int event = 0; h > kRootResolution; ++event) {
-    const Surroundings s{model, inputs, state.zipped, state.x_max, state.u_o};
-    if (!dry) return remember(model, state, runge_kutta(s, state.motion, h, 1), h);
-    const int direction = slide_direction(s, state.motion, breaks_away);
-    auto [piece, after] = event < kEventsPerStep ? until_event(s, state.motion, h, direction)
-                                                 : std::pair{h, runge_kutta(s, state.motion, h, direction)};
-    if (direction != 0 && (piece < h || after.v * direction <= 0.0)) after.v = kStopped;
-    breaks_away = direction == 0 && piece < h;
-    remember(model, state, after, piece);
-    h -= piece;
+    const Surroundings s{model, inputs, layers_within_reach(model, state), state.zipped, state.x_max, state.u_o};
+    const int direction = dry ? slide_direction(s, state.motion, breaks_away) : 1;
+    const bool locate = dry && event < kEventsPerStep;
+    Piece piece = locate ? until_event(s, state.motion, h, decay, direction)
+                         : Piece{h, decay, runge_kutta(s, state.motion, h, decay, direction)};
+    if (dry && direction != 0 && (piece.h < h || piece.after.v * direction <= 0.0)) piece.after.v = kStopped;
+    breaks_away = direction == 0 && piece.h < h;
+    remember(model, state, piece.after, piece.h, piece.decay);
+    h -= piece.h;
+    if (h > kRootResolution) decay = half_decay(model, h);
   }
 }
 
@@ -217,11 +243,10 @@ PlantState step(const PlantModel& model, PlantState state, const PlantInputs& in
   state.u_o += b.K * jump;
   state.charge = b.C1 * (1.0 - b.K) * jump;
   remember_zipping(model, state);  // the jump asks for most at once, before the load has risen
-  const Effects& e = model.effects;
-  const bool dry = e.coulomb_friction || e.stribeck_friction || e.shaft_friction || !model.tissue.empty();
   const int pieces = std::max(1, static_cast<int>(std::ceil(duration.count() / model.internal_step - 1e-9)));
   const double h = duration.count() / pieces;
-  for (int i = 0; i < pieces; ++i) internal_step(model, state, h, inputs, dry);
+  const double decay = half_decay(model, h);
+  for (int i = 0; i < pieces; ++i) internal_step(model, state, h, decay, inputs);
   ++state.readings;
   return state;
 }

@@ -1,5 +1,5 @@
 // The plant: voltage in, motion out. step() is a function of its arguments and nothing else.
-// Electrical part exact; mechanics by fourth-order Runge-Kutta with stick and slip located inside a step.
+// Electrical part exact; mechanics by third-order Runge-Kutta with stick and slip located inside a step.
 #pragma once
 
 #include <array>
@@ -18,9 +18,10 @@ struct PlantInputs {
 
 // What is integrated smoothly. SI.
 struct Motion {
-  double H = 0.0;                                 // m, height of one pouch
-  double x = 0.0, v = 0.0;                        // m, m/s, plate A and the needle tip
-  std::array<double, kMaxLayers + 1> crept{};  // m, how far each tissue has crept; the last is the lone effect's
+  double H = 0.0;           // m, height of one pouch
+  double x = 0.0, v = 0.0;  // m, m/s, plate A and the needle tip
+  double crept_lone = 0.0;                 // m, how far the tissue of the effect has crept,
+  std::array<double, kMaxLayers> crept{};  // and each layer of the model's tissue
 };
 
 struct PlantState {

@@ -86,7 +86,7 @@ inline constexpr std::size_t kMaxLayers = 8;
 struct PlantModel {
   Baseline baseline;
   Effects effects;
-  std::vector<TissueLayer> tissue;  // in order of depth; at most kMaxLayers with the tissue effects above
+  std::vector<TissueLayer> tissue;  // in order of depth; at most kMaxLayers
   double weight = 0.050;            // kg put on plate A; belongs to a run
   double internal_step = 1e-3;      // s, largest step of the integrator
   std::uint64_t noise_seed = 1;

@@ -18,7 +18,9 @@ constexpr const char* kRemedy = "copy the file again";
 
 }  // namespace
 
-void ByteSource::Closer::operator()(void* file) const { gzclose(static_cast<gzFile>(file)); }
+void ByteSource::Closer::operator()(void* file) const {
+  gzclose(static_cast<gzFile>(file));
+}
 
 ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset)
     : path_(file), packing_(packing) {
@@ -80,8 +82,9 @@ void ByteSource::skip(std::uint64_t count) {
 
 void ByteSource::refuse_if_shorter_than(std::uint64_t count) const {
   if (count > most_left_)
-    throw SetupError(fmt::format("truncated: the header promises {} bytes, the file has room for {}", count, most_left_),
-                     path_.string(), kRemedy);
+    throw SetupError(
+        fmt::format("truncated: the header promises {} bytes, the file has room for {}", count, most_left_),
+        path_.string(), kRemedy);
 }
 
 std::uint64_t ByteSource::rest(std::uint64_t limit) {

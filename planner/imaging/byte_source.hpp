@@ -1,5 +1,5 @@
-// Bytes of a file in order, plain or gzip-compressed, with the promise that nothing is invented: what is missing or
-// damaged throws SetupError naming the file.
+// Bytes of a file in order, plain or gzip-compressed, with the promise that nothing is invented: what is
+// missing or damaged throws SetupError naming the file.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,20 @@ class ByteSource {
  public:
   enum class Packing : std::uint8_t { Plain, Gzip };
 
-  // Starts `offset` bytes into the file as it lies on the disk. Refuses a file that cannot be opened, and Gzip where
-  // the bytes are not gzip.
+  // Starts `offset` bytes into the file as it lies on the disk. Refuses a file that cannot be opened, and
+  // Gzip where the bytes are not gzip.
   ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset = 0);
 
   void read(std::span<std::byte> bytes);  // all of them, or SetupError "truncated"
   void skip(std::uint64_t count);
 
-  // The most bytes that can still come: what is left of a plain file, 1032 times that of a compressed one (the best
-  // deflate can do). A header that promises more is lying, and nothing need be allocated to know it.
+  // The most bytes that can still come: what is left of a plain file, 1032 times that of a compressed one
+  // (the best deflate can do). A header that promises more is lying, and nothing need be allocated to know
+  // it.
   void refuse_if_shorter_than(std::uint64_t count) const;
 
-  // Reads to the end, so that a checksum behind the data is verified; returns how many bytes were left, at most `limit`.
+  // Reads to the end, so that a checksum behind the data is verified; returns how many bytes were left, at
+  // most `limit`.
   std::uint64_t rest(std::uint64_t limit = 65536);
 
  private:

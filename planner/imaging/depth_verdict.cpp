@@ -33,7 +33,7 @@ DepthJudgement judge_depth(const DepthReading& reading, const DepthCheckSettings
   if (tip.gap_mm > 0.0)
     return {Unsure, fmt::format("The void along the path is interrupted for {:.1f} mm: it may not be one needle.",
                                 tip.gap_mm)};
-  if (tip.rival_gain > s.rival_max)
+  if (tip.rival_against < std::max(s.rival_against_min, tip.control_evidence))
     return {Unsure, fmt::format("Two ends of the void are nearly as likely: {:.1f} mm and {:.1f} mm.", depth,
                                 tip.rival_depth_mm)};
   if (tip.sigma_mm > s.sigma_max.value)

@@ -9,13 +9,16 @@
 
 namespace biopsy::imaging {
 
-std::string dicom_tag_name(const DcmTagKey& tag) { return DcmTag(tag).getTagName(); }
+std::string dicom_tag_name(const DcmTagKey& tag) {
+  return DcmTag(tag).getTagName();
+}
 
 std::string dicom_text(DcmItem& item, const DcmTagKey& tag) {
   OFString value;
   if (item.findAndGetOFStringArray(tag, value).bad()) return {};
   std::string text(trimmed(std::string_view(value.c_str(), value.size())));
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   return text;
 }
 
@@ -25,7 +28,8 @@ std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey&
   if (text.empty()) return std::nullopt;
   const auto numbers = strict_numbers(text, '\\');
   if (!numbers || numbers->size() != count)
-    throw SetupError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count, count == 1 ? "" : "s"),
+    throw SetupError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count,
+                                 count == 1 ? "" : "s"),
                      file, "export the series again with its original headers");
   return numbers;
 }
@@ -34,8 +38,9 @@ std::vector<double> required_dicom_numbers(DcmItem& item, const DcmTagKey& tag, 
                                            const std::string& file) {
   const auto numbers = dicom_numbers(item, tag, count, file);
   if (!numbers)
-    throw SetupError(fmt::format("{} is missing: the image cannot be placed in the scanner", dicom_tag_name(tag)), file,
-                     "export the original series from the scanner, not a secondary capture");
+    throw SetupError(
+        fmt::format("{} is missing: the image cannot be placed in the scanner", dicom_tag_name(tag)), file,
+        "export the original series from the scanner, not a secondary capture");
   return *numbers;
 }
 

@@ -1,4 +1,5 @@
-// Strict access to the elements of a DICOM data set: an element is absent, or what the standard says, or refused.
+// Strict access to the elements of a DICOM data set: an element is absent, or what the standard says, or
+// refused.
 #pragma once
 
 #include <dcmtk/config/osconfig.h>
@@ -11,11 +12,12 @@
 
 namespace biopsy::imaging {
 
-// The element's text as it stands, several values joined with '\'; empty where absent. Control characters become '?'.
+// The element's text as it stands, several values joined with '\'; empty where absent. Control characters
+// become '?'.
 std::string dicom_text(DcmItem& item, const DcmTagKey& tag);
 
-// Decimal numbers; nothing where the element is absent or empty. Throws SetupError naming the file when there are not
-// exactly `count` finite numbers.
+// Decimal numbers; nothing where the element is absent or empty. Throws SetupError naming the file when there
+// are not exactly `count` finite numbers.
 std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey& tag, std::size_t count,
                                                  const std::string& file);
 std::vector<double> required_dicom_numbers(DcmItem& item, const DcmTagKey& tag, std::size_t count,

@@ -1,5 +1,11 @@
 #include "planner/imaging/dicom_pixels.hpp"
 
+#include <dcmtk/dcmdata/dcfcache.h>
+#include <dcmtk/dcmdata/dcpixel.h>
+#include <dcmtk/dcmdata/dcrledrg.h>
+#include <dcmtk/dcmjpeg/djdecode.h>
+#include <dcmtk/dcmjpls/djdecode.h>
+#include <dcmtk/oflog/oflog.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,13 +16,6 @@
 #include "planner/imaging/grid_rules.hpp"
 #include "planner/imaging/strict_number.hpp"
 #include "robot/messages/setup_error.hpp"
-
-#include <dcmtk/dcmdata/dcfcache.h>
-#include <dcmtk/dcmdata/dcrledrg.h>
-#include <dcmtk/dcmdata/dcpixel.h>
-#include <dcmtk/dcmjpeg/djdecode.h>
-#include <dcmtk/dcmjpls/djdecode.h>
-#include <dcmtk/oflog/oflog.h>
 
 namespace biopsy::imaging {
 namespace {
@@ -32,8 +31,10 @@ bool is_decoded(E_TransferSyntax syntax) {
     case EXS_JPEGProcess14:
     case EXS_JPEGProcess14SV1:
     case EXS_JPEGLSLossless:
-    case EXS_JPEGLSLossy: return true;
-    default: return !DcmXfer(syntax).isEncapsulated();
+    case EXS_JPEGLSLossy:
+      return true;
+    default:
+      return !DcmXfer(syntax).isEncapsulated();
   }
 }
 
@@ -53,7 +54,8 @@ int frames_of(DcmItem& dataset, const std::string& file) {
   if (text.empty()) return 1;
   const auto frames = strict_integer(text);
   if (!frames || *frames < 1 || *frames > kSizeMax)
-    throw SetupError(fmt::format("NumberOfFrames is \"{:.20}\", not a number from 1 to {}", text, kSizeMax), file, kCopyAgain);
+    throw SetupError(fmt::format("NumberOfFrames is \"{:.20}\", not a number from 1 to {}", text, kSizeMax),
+                     file, kCopyAgain);
   return static_cast<int>(*frames);
 }
 
@@ -65,20 +67,22 @@ std::int64_t stored_value(const Uint8* bytes, const PixelFormat& format) {
   const std::uint64_t mask = (std::uint64_t{1} << format.bits_stored) - 1;
   const std::uint64_t value = (std::uint64_t{word} >> (format.high_bit + 1 - format.bits_stored)) & mask;
   const std::uint64_t sign = std::uint64_t{1} << (format.bits_stored - 1);
-  return format.is_signed && (value & sign) ? static_cast<std::int64_t>(value) - static_cast<std::int64_t>(mask) - 1
-                                            : static_cast<std::int64_t>(value);
+  return format.is_signed && (value & sign)
+             ? static_cast<std::int64_t>(value) - static_cast<std::int64_t>(mask) - 1
+             : static_cast<std::int64_t>(value);
 }
 
 template <class Unsigned>
-double append_scaled(const std::vector<Uint8>& bytes, const PixelFormat& format, double slope, double intercept,
-                     std::vector<float>& voxels) {
+double append_scaled(const std::vector<Uint8>& bytes, const PixelFormat& format, double slope,
+                     double intercept, std::vector<float>& voxels) {
   double largest = 0.0;
   const std::size_t first = voxels.size();
   voxels.resize(first + format.pixels());
   float* voxel = voxels.data() + first;
   for (std::size_t n = 0; n < format.pixels(); ++n) {
     const double value =
-        static_cast<double>(stored_value<Unsigned>(bytes.data() + n * sizeof(Unsigned), format)) * slope + intercept;
+        static_cast<double>(stored_value<Unsigned>(bytes.data() + n * sizeof(Unsigned), format)) * slope +
+        intercept;
     largest = std::max(largest, std::abs(value));
     voxel[n] = static_cast<float>(value);
   }
@@ -104,12 +108,14 @@ PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
   PixelFormat format;
   const std::string colours = dicom_text(dataset, DCM_PhotometricInterpretation);
   if (dicom_unsigned_short(dataset, DCM_SamplesPerPixel).value_or(1) != 1)
-    throw SetupError(fmt::format("a colour image ({:.30})", colours), file, "give the series as measured, in grey values");
-  // MONOCHROME1 shows low values bright. A dark needle would be stored bright: read as if it were the usual kind, it
-  // would mislead the search for the tip.
+    throw SetupError(fmt::format("a colour image ({:.30})", colours), file,
+                     "give the series as measured, in grey values");
+  // MONOCHROME1 shows low values bright. A dark needle would be stored bright: read as if it were the usual
+  // kind, it would mislead the search for the tip.
   if (colours != "MONOCHROME2")
-    throw SetupError(fmt::format("photometric interpretation \"{:.30}\" is not read, only MONOCHROME2", colours), file,
-                     "export the series as MONOCHROME2 (low values dark)");
+    throw SetupError(
+        fmt::format("photometric interpretation \"{:.30}\" is not read, only MONOCHROME2", colours), file,
+        "export the series as MONOCHROME2 (low values dark)");
   format.columns = required_short(dataset, DCM_Columns, file);
   format.rows = required_short(dataset, DCM_Rows, file);
   format.frames = frames_of(dataset, file);
@@ -120,15 +126,19 @@ PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
   format.is_signed = representation == 1;
 
   if (format.columns < 1 || format.rows < 1 || format.columns > kSizeMax || format.rows > kSizeMax)
-    throw SetupError(fmt::format("{} columns x {} rows is outside 1 to {}", format.columns, format.rows, kSizeMax), file,
-                     kCopyAgain);
+    throw SetupError(
+        fmt::format("{} columns x {} rows is outside 1 to {}", format.columns, format.rows, kSizeMax), file,
+        kCopyAgain);
   if (format.bits_allocated != 8 && format.bits_allocated != 16 && format.bits_allocated != 32)
-    throw SetupError(fmt::format("{} bits a pixel are not read, only 8, 16 or 32", format.bits_allocated), file, kUncompressed);
-  if (format.bits_stored < 1 || format.high_bit >= format.bits_allocated || format.high_bit + 1 < format.bits_stored ||
-      representation > 1)
-    throw SetupError(fmt::format("BitsAllocated {}, BitsStored {}, HighBit {}, PixelRepresentation {} contradict each other",
-                                 format.bits_allocated, format.bits_stored, format.high_bit, representation),
-                     file, kCopyAgain);
+    throw SetupError(fmt::format("{} bits a pixel are not read, only 8, 16 or 32", format.bits_allocated),
+                     file, kUncompressed);
+  if (format.bits_stored < 1 || format.high_bit >= format.bits_allocated ||
+      format.high_bit + 1 < format.bits_stored || representation > 1)
+    throw SetupError(
+        fmt::format(
+            "BitsAllocated {}, BitsStored {}, HighBit {}, PixelRepresentation {} contradict each other",
+            format.bits_allocated, format.bits_stored, format.high_bit, representation),
+        file, kCopyAgain);
   return format;
 }
 
@@ -149,20 +159,24 @@ struct DicomPixels::Open {
 void DicomPixels::Open::find_pixels(std::uint64_t file_bytes) {
   const DcmXfer syntax(dataset().getOriginalXfer());
   if (!is_decoded(syntax.getXfer()))
-    throw SetupError(fmt::format("compressed as {}, which is not decoded", syntax.getXferName()), file, kUncompressed);
+    throw SetupError(fmt::format("compressed as {}, which is not decoded", syntax.getXferName()), file,
+                     kUncompressed);
   lossy = is_lossy(syntax.getXfer(), dataset());
   DcmElement* element = nullptr;
-  if (dataset().findAndGetElement(DCM_PixelData, element).bad() || !(pixels = dynamic_cast<DcmPixelData*>(element)))
+  if (dataset().findAndGetElement(DCM_PixelData, element).bad() ||
+      !(pixels = dynamic_cast<DcmPixelData*>(element)))
     throw SetupError("holds no pixel data", file, "give an image series");
   if (syntax.isEncapsulated()) return;
   // Whether the two words of such a pixel are swapped too is read differently by different writers.
   if (format.bits_allocated == 32 && syntax.isBigEndian())
     throw SetupError("32-bit pixels in big endian are not read", file, kUncompressed);
-  const std::uint64_t promised = static_cast<std::uint64_t>(format.frame_bytes()) * static_cast<std::uint64_t>(format.frames);
+  const std::uint64_t promised =
+      static_cast<std::uint64_t>(format.frame_bytes()) * static_cast<std::uint64_t>(format.frames);
   const std::uint64_t stored = element->getLengthField();
   const bool on_disk = syntax.getStreamCompression() != ESC_none || file_bytes >= promised;
   if (stored < promised || !on_disk)
-    throw SetupError(fmt::format("truncated: {} bytes of pixels promised, {} there", promised, std::min(stored, file_bytes)),
+    throw SetupError(fmt::format("truncated: {} bytes of pixels promised, {} there", promised,
+                                 std::min(stored, file_bytes)),
                      file, kCopyAgain);
 }
 
@@ -173,31 +187,43 @@ DicomPixels::DicomPixels(const std::filesystem::path& path) : open_(std::make_un
   const std::uint64_t file_bytes = std::filesystem::file_size(path, error);
   const OFCondition loaded = open_->content.loadFile(path.c_str());
   if (error || loaded.bad())
-    throw SetupError(fmt::format("cannot be read as DICOM, truncated or damaged ({})", loaded.text()), open_->file, kCopyAgain);
+    throw SetupError(fmt::format("cannot be read as DICOM, truncated or damaged ({})", loaded.text()),
+                     open_->file, kCopyAgain);
   open_->format = read_pixel_format(open_->dataset(), open_->file);
   open_->find_pixels(file_bytes);
 }
 
 DicomPixels::~DicomPixels() = default;
 
-const PixelFormat& DicomPixels::format() const { return open_->format; }
-bool DicomPixels::lossy() const { return open_->lossy; }
+const PixelFormat& DicomPixels::format() const {
+  return open_->format;
+}
+bool DicomPixels::lossy() const {
+  return open_->lossy;
+}
 
 bool DicomPixels::append_frame(int frame, double slope, double intercept, std::vector<float>& voxels) {
   const PixelFormat& format = open_->format;
   std::vector<Uint8> bytes(format.frame_bytes() + format.frame_bytes() % 2);  // DCMTK wants an even buffer
   OFString colours;
-  const OFCondition decoded =
-      open_->pixels->getUncompressedFrame(&open_->dataset(), static_cast<Uint32>(frame), open_->fragment, bytes.data(),
-                                          static_cast<Uint32>(bytes.size()), colours, &open_->cache);
+  const OFCondition decoded = open_->pixels->getUncompressedFrame(
+      &open_->dataset(), static_cast<Uint32>(frame), open_->fragment, bytes.data(),
+      static_cast<Uint32>(bytes.size()), colours, &open_->cache);
   if (decoded.bad())
-    throw SetupError(fmt::format("frame {} cannot be decoded, truncated or damaged ({})", frame + 1, decoded.text()),
-                     open_->file, kCopyAgain);
+    throw SetupError(
+        fmt::format("frame {} cannot be decoded, truncated or damaged ({})", frame + 1, decoded.text()),
+        open_->file, kCopyAgain);
   double largest = 0.0;
   switch (format.bits_allocated) {
-    case 8: largest = append_scaled<Uint8>(bytes, format, slope, intercept, voxels); break;
-    case 16: largest = append_scaled<Uint16>(bytes, format, slope, intercept, voxels); break;
-    default: largest = append_scaled<Uint32>(bytes, format, slope, intercept, voxels); break;
+    case 8:
+      largest = append_scaled<Uint8>(bytes, format, slope, intercept, voxels);
+      break;
+    case 16:
+      largest = append_scaled<Uint16>(bytes, format, slope, intercept, voxels);
+      break;
+    default:
+      largest = append_scaled<Uint32>(bytes, format, slope, intercept, voxels);
+      break;
   }
   return format.bits_allocated == 32 && largest > 16777216.0;
 }

@@ -18,7 +18,9 @@ std::vector<const DicomSlice*> slices_of(const DicomSeries& series) {
 // One series, one patient, one session on the table: anything else was put together by mistake.
 void refuse_mixture(const DicomFile& first, const DicomFile& file) {
   const std::string both = first.file.string() + " and " + file.file.string();
-  const auto refuse = [&](const char* what) { throw SetupError(what, both, "separate the files and export the series again"); };
+  const auto refuse = [&](const char* what) {
+    throw SetupError(what, both, "separate the files and export the series again");
+  };
   if (first.identity.patient_id != file.identity.patient_id) refuse("two patients in one series");
   if (first.identity.study_uid != file.identity.study_uid) refuse("two studies in one series");
   if (first.identity.frame_of_reference_uid != file.identity.frame_of_reference_uid)
@@ -35,15 +37,18 @@ class SliceDecoder {
       file_ = slice.file;
     }
     const PixelFormat& format = pixels_->format();
-    if (format.columns != slice.plane.columns || format.rows != slice.plane.rows || slice.frame >= format.frames)
-      throw SetupError("changed while it was read", slice.file.string(), "read again when the export has finished");
+    if (format.columns != slice.plane.columns || format.rows != slice.plane.rows ||
+        slice.frame >= format.frames)
+      throw SetupError("changed while it was read", slice.file.string(),
+                       "read again when the export has finished");
     rounded_ |= pixels_->append_frame(slice.frame, slice.slope, slice.intercept, volume.voxels);
     lossy_ |= pixels_->lossy();
   }
 
   void add_warnings(std::vector<std::string>& warnings) const {
     if (rounded_) warnings.push_back("values above 16777216 are rounded to the precision of a float");
-    if (lossy_) warnings.push_back("the images were compressed with loss: values may differ from what was measured");
+    if (lossy_)
+      warnings.push_back("the images were compressed with loss: values may differ from what was measured");
   }
 
  private:
@@ -63,8 +68,9 @@ DicomFolder scan_dicom_files(const std::vector<std::filesystem::path>& files) {
       continue;
     }
     if (!file.is_image) continue;
-    auto known = std::find_if(folder.series.begin(), folder.series.end(),
-                              [&](const DicomSeries& series) { return series.uid == file.identity.series_uid; });
+    auto known = std::find_if(folder.series.begin(), folder.series.end(), [&](const DicomSeries& series) {
+      return series.uid == file.identity.series_uid;
+    });
     if (known == folder.series.end()) known = folder.series.insert(known, {file.identity.series_uid, {}});
     known->files.push_back(std::move(file));
   }

@@ -118,13 +118,14 @@ double longest_gap(const LineProfile& profile, const LineFit& fit) {
   return longest;
 }
 
-void find_rival(const LineSearch& search, const LineProfile& profile, double apart_mm, TipFinding& found) {
+void find_rival(const LineSearch& search, const LineProfile& profile, TipFinding& found) {
   const std::vector<double> gains = search.gain_by_tip(profile);
-  const double best = std::max(*std::max_element(gains.begin(), gains.end()), 1e-9);
+  const double best = *std::max_element(gains.begin(), gains.end());
   for (std::size_t n = 1; n + 1 < gains.size(); ++n) {
     const bool peak = gains[n] >= gains[n - 1] && gains[n] > gains[n + 1];
-    if (!peak || std::abs(profile.at(n) - found.depth_mm) < apart_mm || gains[n] < found.rival_gain * best) continue;
-    found.rival_gain = gains[n] / best;
+    const double against = std::sqrt(best - gains[n]);
+    if (!peak || std::abs(profile.at(n) - found.depth_mm) < kRivalApart_mm || against >= found.rival_against) continue;
+    found.rival_against = against;
     found.rival_depth_mm = profile.at(n);
   }
 }
@@ -165,7 +166,7 @@ TipFinding find_tip(const Corridor& corridor, const TipSettings& settings) {
   found.tilt_deg = std::atan(std::hypot(fit.line.u_slope, fit.line.v_slope)) / kDegree;
   found.gap_mm = longest_gap(profile, best.fit);
   found.at_end = fit.depth_mm > corridor.t_max - std::max(1.0, 0.5 * corridor.along_mm);
-  find_rival(search, profile, kRivalApart_mm, found);
+  find_rival(search, profile, found);
   return found;
 }
 

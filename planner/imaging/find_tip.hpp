@@ -23,7 +23,7 @@ struct TipFinding {
   double across_mm = 0.0, up_mm = 0.0;       // where the void lies beside the expected axis, at its tip
   double tilt_deg = 0.0;
   double gap_mm = 0.0;        // longest stretch between entry and tip where the void is clearly missing
-  double rival_depth_mm = 0.0, rival_gain = 0.0;  // best tip elsewhere, and its evidence over that of the tip found
+  double rival_depth_mm = 0.0, rival_against = 1e9;  // likeliest tip elsewhere (6 mm or more), and evidence against it
   bool at_end = false;        // the void goes on to where the images end
 };
 

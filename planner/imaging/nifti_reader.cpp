@@ -13,8 +13,8 @@
 #include "planner/imaging/voxel_type.hpp"
 #include "robot/messages/setup_error.hpp"
 
-// The layout of the header comes from the library; its loader is not used, because it trusts the header when it
-// allocates. The voxels come through ByteSource, which trusts only the file.
+// The layout of the header comes from the library; its loader is not used, because it trusts the header when
+// it allocates. The voxels come through ByteSource, which trusts only the file.
 
 namespace biopsy::imaging {
 namespace {
@@ -41,8 +41,9 @@ void swap_bytes(nifti_1_header& raw) {
   for (float& spacing : raw.pixdim) swap_each(spacing);
   for (float* row : {raw.srow_x, raw.srow_y, raw.srow_z})
     for (int column = 0; column < 4; ++column) swap_each(row[column]);
-  swap_each(raw.sizeof_hdr, raw.datatype, raw.bitpix, raw.vox_offset, raw.scl_slope, raw.scl_inter, raw.qform_code,
-            raw.sform_code, raw.quatern_b, raw.quatern_c, raw.quatern_d, raw.qoffset_x, raw.qoffset_y, raw.qoffset_z);
+  swap_each(raw.sizeof_hdr, raw.datatype, raw.bitpix, raw.vox_offset, raw.scl_slope, raw.scl_inter,
+            raw.qform_code, raw.sform_code, raw.quatern_b, raw.quatern_c, raw.quatern_d, raw.qoffset_x,
+            raw.qoffset_y, raw.qoffset_z);
 }
 
 Header read_header(ByteSource& source, const std::string& file) {
@@ -55,7 +56,8 @@ Header read_header(ByteSource& source, const std::string& file) {
     throw SetupError("NIfTI-2 is not read", file, "convert to NIfTI-1 (.nii or .nii.gz)");
   if (header.raw.sizeof_hdr != 348) throw SetupError("not a NIfTI-1 file", file, kRemedy);
   if (std::memcmp(header.raw.magic, "ni1", 4) == 0)
-    throw SetupError("header and image in two files are not read", file, "convert to one .nii or .nii.gz file");
+    throw SetupError("header and image in two files are not read", file,
+                     "convert to one .nii or .nii.gz file");
   if (std::memcmp(header.raw.magic, "n+1", 4) != 0)
     throw SetupError("not a NIfTI-1 file (no n+1; an Analyze file has no geometry)", file, kRemedy);
   return header;
@@ -75,17 +77,28 @@ Eigen::Vector3i size_of(const nifti_1_header& raw, const std::string& file) {
 
 std::optional<VoxelType> type_of(int datatype) {
   switch (datatype) {
-    case DT_UINT8: return VoxelType::UInt8;
-    case DT_INT8: return VoxelType::Int8;
-    case DT_INT16: return VoxelType::Int16;
-    case DT_UINT16: return VoxelType::UInt16;
-    case DT_INT32: return VoxelType::Int32;
-    case DT_UINT32: return VoxelType::UInt32;
-    case DT_INT64: return VoxelType::Int64;
-    case DT_UINT64: return VoxelType::UInt64;
-    case DT_FLOAT32: return VoxelType::Float32;
-    case DT_FLOAT64: return VoxelType::Float64;
-    default: return std::nullopt;
+    case DT_UINT8:
+      return VoxelType::UInt8;
+    case DT_INT8:
+      return VoxelType::Int8;
+    case DT_INT16:
+      return VoxelType::Int16;
+    case DT_UINT16:
+      return VoxelType::UInt16;
+    case DT_INT32:
+      return VoxelType::Int32;
+    case DT_UINT32:
+      return VoxelType::UInt32;
+    case DT_INT64:
+      return VoxelType::Int64;
+    case DT_UINT64:
+      return VoxelType::UInt64;
+    case DT_FLOAT32:
+      return VoxelType::Float32;
+    case DT_FLOAT64:
+      return VoxelType::Float64;
+    default:
+      return std::nullopt;
   }
 }
 
@@ -96,16 +109,21 @@ VoxelCoding coding_of(const Header& header, const std::string& file) {
     const bool complex = datatype == DT_COMPLEX64 || datatype == DT_COMPLEX128 || datatype == DT_COMPLEX256;
     const bool colour = datatype == DT_RGB24 || datatype == DT_RGBA32;
     throw SetupError(fmt::format("{} voxels (NIfTI datatype {}) are not read",
-                                 complex ? "complex" : colour ? "RGB colour" : "unknown", datatype),
+                                 complex  ? "complex"
+                                 : colour ? "RGB colour"
+                                          : "unknown",
+                                 datatype),
                      file, "give an image with one real number a voxel");
   }
   if (header.raw.bitpix != static_cast<int>(8 * bytes_of(*type)))
-    throw SetupError(fmt::format("datatype {} with {} bits a voxel: the header is damaged", datatype, header.raw.bitpix), file,
-                     kRemedy);
+    throw SetupError(
+        fmt::format("datatype {} with {} bits a voxel: the header is damaged", datatype, header.raw.bitpix),
+        file, kRemedy);
   const double slope = header.raw.scl_slope, intercept = header.raw.scl_inter;
   if (!std::isfinite(slope) || !std::isfinite(intercept))
     throw SetupError("scl_slope or scl_inter is not finite", file, kRemedy);
-  return slope == 0.0 ? VoxelCoding{*type, header.swapped} : VoxelCoding{*type, header.swapped, slope, intercept};
+  return slope == 0.0 ? VoxelCoding{*type, header.swapped}
+                      : VoxelCoding{*type, header.swapped, slope, intercept};
 }
 
 // NIfTI's world is RAS: the first two rows change sign.
@@ -124,11 +142,13 @@ AffineTransform sform_of(const nifti_1_header& raw) {
   return lps_from_rows(rows);
 }
 
-// Method 2 of nifti1.h: the quaternion's first part follows from unit length, pixdim[0] < 0 mirrors the third axis.
+// Method 2 of nifti1.h: the quaternion's first part follows from unit length, pixdim[0] < 0 mirrors the third
+// axis.
 AffineTransform qform_of(const nifti_1_header& raw) {
   const Eigen::Vector3d bcd(raw.quatern_b, raw.quatern_c, raw.quatern_d);
   const Eigen::Quaterniond turn(std::sqrt(std::max(0.0, 1.0 - bcd.squaredNorm())), bcd.x(), bcd.y(), bcd.z());
-  const Eigen::Vector3d scale(raw.pixdim[1], raw.pixdim[2], raw.pixdim[0] < 0.0F ? -raw.pixdim[3] : raw.pixdim[3]);
+  const Eigen::Vector3d scale(raw.pixdim[1], raw.pixdim[2],
+                              raw.pixdim[0] < 0.0F ? -raw.pixdim[3] : raw.pixdim[3]);
   Eigen::Matrix<double, 3, 4> rows;
   rows.leftCols<3>() = turn.normalized().toRotationMatrix() * scale.asDiagonal();
   rows.col(3) = Eigen::Vector3d(raw.qoffset_x, raw.qoffset_y, raw.qoffset_z);
@@ -138,7 +158,8 @@ AffineTransform qform_of(const nifti_1_header& raw) {
 double furthest_corner_mm(const AffineTransform& a, const AffineTransform& b, const Eigen::Vector3i& size) {
   double furthest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d index(corner & 1 ? size.x() - 1 : 0, corner & 2 ? size.y() - 1 : 0, corner & 4 ? size.z() - 1 : 0);
+    const Eigen::Vector3d index(corner & 1 ? size.x() - 1 : 0, corner & 2 ? size.y() - 1 : 0,
+                                corner & 4 ? size.z() - 1 : 0);
     furthest = std::max(furthest, (a * index - b * index).norm());
   }
   return furthest;
@@ -149,7 +170,9 @@ void place(const nifti_1_header& raw, const std::string& file, Volume& volume) {
   if (!sform && !qform) throw SetupError("no geometry: neither sform nor qform is set", file, kRemedy);
   const int units = raw.xyzt_units & 0x07;
   if (units != NIFTI_UNITS_MM && units != NIFTI_UNITS_UNKNOWN)
-    throw SetupError(units == NIFTI_UNITS_METER ? "the unit of length is metres, not mm" : "the unit of length is not mm", file, kRemedy);
+    throw SetupError(
+        units == NIFTI_UNITS_METER ? "the unit of length is metres, not mm" : "the unit of length is not mm",
+        file, kRemedy);
   volume.grid.X_SI = sform ? sform_of(raw) : qform_of(raw);
   refuse_bad_grid(volume.grid, file);
   if (!sform || !qform) return;
@@ -190,12 +213,15 @@ bool looks_like_nifti(const std::filesystem::path& file) {
   return name.ends_with(".nii") || name.ends_with(".nii.gz");
 }
 
-Volume read_nifti_header(const std::filesystem::path& file) { return open_nifti(file).volume; }
+Volume read_nifti_header(const std::filesystem::path& file) {
+  return open_nifti(file).volume;
+}
 
 Volume read_nifti(const std::filesystem::path& file) {
   OpenNifti open = open_nifti(file);
   read_voxels(open.source, open.coding, file.string(), open.volume);
-  if (open.source.rest() > 0) open.volume.warnings.push_back("the file holds more bytes than its header accounts for");
+  if (open.source.rest() > 0)
+    open.volume.warnings.push_back("the file holds more bytes than its header accounts for");
   return std::move(open.volume);
 }
 

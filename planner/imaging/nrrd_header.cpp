@@ -17,17 +17,20 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr const char* kRemedy = "save the volume again as NRRD with raw or gzip encoding, or give the DICOM series";
+constexpr const char* kRemedy =
+    "save the volume again as NRRD with raw or gzip encoding, or give the DICOM series";
 constexpr std::size_t kHeaderMax = 1 << 20;  // key/value pairs of segmentations reach tens of kilobytes
 
-// Say nothing about where a voxel is or what it holds. The measurement frame concerns vectors and tensors only; the
-// centring too, since the space origin is the centre of the first sample in either. Spacings without directions are no
-// geometry, and with directions they say nothing new.
-const std::set<std::string> kNeedless = {"content", "number",  "thicknesses", "labels",       "min",       "max",
-                                         "old min", "old max", "block size",  "sample units", "centers",   "centerings",
-                                         "measurement frame", "spacings", "units", "axis mins", "axis maxs", "space dimension"};
-const std::set<std::string> kUsed = {"type",  "dimension",        "sizes",        "encoding",    "endian", "space",
-                                     "kinds", "space directions", "space origin", "space units", "data file"};
+// Say nothing about where a voxel is or what it holds. The measurement frame concerns vectors and tensors
+// only; the centring too, since the space origin is the centre of the first sample in either. Spacings
+// without directions are no geometry, and with directions they say nothing new.
+const std::set<std::string> kNeedless = {
+    "content",           "number",   "thicknesses", "labels",       "min",       "max",
+    "old min",           "old max",  "block size",  "sample units", "centers",   "centerings",
+    "measurement frame", "spacings", "units",       "axis mins",    "axis maxs", "space dimension"};
+const std::set<std::string> kUsed = {"type",         "dimension",   "sizes",    "encoding",
+                                     "endian",       "space",       "kinds",    "space directions",
+                                     "space origin", "space units", "data file"};
 
 using Fields = std::map<std::string, std::string>;
 
@@ -37,7 +40,9 @@ struct HeaderText {
   bool ended = false;        // by an empty line (attached data), or by the end of the file
 };
 
-[[noreturn]] void refuse(const std::string& what, const std::string& file) { throw SetupError(what, file, kRemedy); }
+[[noreturn]] void refuse(const std::string& what, const std::string& file) {
+  throw SetupError(what, file, kRemedy);
+}
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -92,25 +97,42 @@ const std::string& field(const Fields& fields, const char* name, const std::stri
 }
 
 VoxelType type_of(const Fields& fields, const std::string& file) {
-  static const std::map<std::string, VoxelType> kTypes = {
-      {"signed char", VoxelType::Int8},        {"int8", VoxelType::Int8},
-      {"int8_t", VoxelType::Int8},             {"uchar", VoxelType::UInt8},
-      {"unsigned char", VoxelType::UInt8},     {"uint8", VoxelType::UInt8},
-      {"uint8_t", VoxelType::UInt8},           {"short", VoxelType::Int16},
-      {"short int", VoxelType::Int16},         {"signed short", VoxelType::Int16},
-      {"signed short int", VoxelType::Int16},  {"int16", VoxelType::Int16},
-      {"int16_t", VoxelType::Int16},           {"ushort", VoxelType::UInt16},
-      {"unsigned short", VoxelType::UInt16},   {"unsigned short int", VoxelType::UInt16},
-      {"uint16", VoxelType::UInt16},           {"uint16_t", VoxelType::UInt16},
-      {"int", VoxelType::Int32},               {"signed int", VoxelType::Int32},
-      {"int32", VoxelType::Int32},             {"int32_t", VoxelType::Int32},
-      {"uint", VoxelType::UInt32},             {"unsigned int", VoxelType::UInt32},
-      {"uint32", VoxelType::UInt32},           {"uint32_t", VoxelType::UInt32},
-      {"longlong", VoxelType::Int64},          {"long long", VoxelType::Int64},
-      {"int64", VoxelType::Int64},             {"int64_t", VoxelType::Int64},
-      {"ulonglong", VoxelType::UInt64},        {"unsigned long long", VoxelType::UInt64},
-      {"uint64", VoxelType::UInt64},           {"uint64_t", VoxelType::UInt64},
-      {"float", VoxelType::Float32},           {"double", VoxelType::Float64}};
+  static const std::map<std::string, VoxelType> kTypes = {{"signed char", VoxelType::Int8},
+                                                          {"int8", VoxelType::Int8},
+                                                          {"int8_t", VoxelType::Int8},
+                                                          {"uchar", VoxelType::UInt8},
+                                                          {"unsigned char", VoxelType::UInt8},
+                                                          {"uint8", VoxelType::UInt8},
+                                                          {"uint8_t", VoxelType::UInt8},
+                                                          {"short", VoxelType::Int16},
+                                                          {"short int", VoxelType::Int16},
+                                                          {"signed short", VoxelType::Int16},
+                                                          {"signed short int", VoxelType::Int16},
+                                                          {"int16", VoxelType::Int16},
+                                                          {"int16_t", VoxelType::Int16},
+                                                          {"ushort", VoxelType::UInt16},
+                                                          {"unsigned short", VoxelType::UInt16},
+                                                          {"unsigned short int", VoxelType::UInt16},
+                                                          {"uint16", VoxelType::UInt16},
+                                                          {"uint16_t", VoxelType::UInt16},
+                                                          {"int", VoxelType::Int32},
+                                                          {"signed int", VoxelType::Int32},
+                                                          {"int32", VoxelType::Int32},
+                                                          {"int32_t", VoxelType::Int32},
+                                                          {"uint", VoxelType::UInt32},
+                                                          {"unsigned int", VoxelType::UInt32},
+                                                          {"uint32", VoxelType::UInt32},
+                                                          {"uint32_t", VoxelType::UInt32},
+                                                          {"longlong", VoxelType::Int64},
+                                                          {"long long", VoxelType::Int64},
+                                                          {"int64", VoxelType::Int64},
+                                                          {"int64_t", VoxelType::Int64},
+                                                          {"ulonglong", VoxelType::UInt64},
+                                                          {"unsigned long long", VoxelType::UInt64},
+                                                          {"uint64", VoxelType::UInt64},
+                                                          {"uint64_t", VoxelType::UInt64},
+                                                          {"float", VoxelType::Float32},
+                                                          {"double", VoxelType::Float64}};
   const std::string& name = field(fields, "type", file);
   const auto found = kTypes.find(lower(name));
   if (found == kTypes.end()) refuse(fmt::format("voxel type \"{:.40}\" is not read", name), file);
@@ -120,7 +142,8 @@ VoxelType type_of(const Fields& fields, const std::string& file) {
 bool swapped_bytes(const Fields& fields, VoxelType type, const std::string& file) {
   if (bytes_of(type) == 1) return false;
   const std::string endian = lower(field(fields, "endian", file));
-  if (endian != "little" && endian != "big") refuse(fmt::format("endian \"{:.20}\" is neither little nor big", endian), file);
+  if (endian != "little" && endian != "big")
+    refuse(fmt::format("endian \"{:.20}\" is neither little nor big", endian), file);
   return (endian == "big") != (std::endian::native == std::endian::big);
 }
 
@@ -133,15 +156,18 @@ ByteSource::Packing packing_of(const Fields& fields, const std::string& file) {
 
 Eigen::Vector3i size_of(const Fields& fields, const std::string& file) {
   const auto dimension = strict_integer(field(fields, "dimension", file));
-  if (!dimension || *dimension < 1 || *dimension > 16) refuse("field \"dimension\" is not a number from 1 to 16", file);
+  if (!dimension || *dimension < 1 || *dimension > 16)
+    refuse("field \"dimension\" is not a number from 1 to 16", file);
   if (*dimension != 3)
-    refuse(fmt::format("{}-D: only three-dimensional images of one number a voxel are read (no time series, colour, vectors)",
+    refuse(fmt::format("{}-D: only three-dimensional images of one number a voxel are read (no time series, "
+                       "colour, vectors)",
                        *dimension),
            file);
   const auto sizes = strict_numbers(field(fields, "sizes", file), ' ');
   if (!sizes || sizes->size() != 3) refuse("field \"sizes\" does not hold three numbers", file);
   for (double size : *sizes)
-    if (size < 0 || size > 1e6 || size != std::floor(size)) refuse("field \"sizes\" holds an impossible number", file);
+    if (size < 0 || size > 1e6 || size != std::floor(size))
+      refuse("field \"sizes\" holds an impossible number", file);
   const Eigen::Vector3i size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
   refuse_bad_size(size, file);
   return size;
@@ -158,10 +184,13 @@ Eigen::Vector3d signs_to_lps(const Fields& fields, const std::string& file) {
 }
 
 // The vectors "(a,b,c) (d,e,f) ..." of a field, exactly `count` of them.
-std::vector<Eigen::Vector3d> vectors(const Fields& fields, const char* name, std::size_t count, const std::string& file) {
+std::vector<Eigen::Vector3d> vectors(const Fields& fields, const char* name, std::size_t count,
+                                     const std::string& file) {
   std::string_view rest = trimmed(field(fields, name, file));
   std::vector<Eigen::Vector3d> result;
-  const auto bad = [&] { refuse(fmt::format("field \"{}\" does not hold {} vectors of three numbers", name, count), file); };
+  const auto bad = [&] {
+    refuse(fmt::format("field \"{}\" does not hold {} vectors of three numbers", name, count), file);
+  };
   while (!rest.empty()) {
     const std::size_t close = rest.find(')');
     if (rest.front() != '(' || close == std::string_view::npos) bad();
@@ -178,21 +207,24 @@ void refuse_odd_units_and_kinds(const Fields& fields, const std::string& file) {
   if (fields.contains("space units")) {
     std::string units = fields.at("space units");
     std::erase_if(units, [](char c) { return c == '"' || c == ' '; });
-    if (units != "mmmmmm") refuse(fmt::format("space units {:.40} are not mm", fields.at("space units")), file);
+    if (units != "mmmmmm")
+      refuse(fmt::format("space units {:.40} are not mm", fields.at("space units")), file);
   }
   if (!fields.contains("kinds")) return;
   const std::string kinds = lower(fields.at("kinds")) + ' ';
   for (std::size_t at = 0, end; (end = kinds.find(' ', at)) != std::string::npos; at = end + 1) {
     const std::string kind = kinds.substr(at, end - at);
     if (!kind.empty() && kind != "domain" && kind != "space" && kind != "???" && kind != "none")
-      refuse(fmt::format("an axis of kind \"{:.30}\" (time, colour, vector or complex) is not read", kind), file);
+      refuse(fmt::format("an axis of kind \"{:.30}\" (time, colour, vector or complex) is not read", kind),
+             file);
   }
 }
 
 void find_data(const std::filesystem::path& path, const HeaderText& text, NrrdHeader& header) {
   const auto detached = text.fields.find("data file");
   if (detached == text.fields.end()) {
-    if (!text.ended) refuse("truncated: the header ends without an empty line and without data", path.string());
+    if (!text.ended)
+      refuse("truncated: the header ends without an empty line and without data", path.string());
     header.data_file = path;
     header.data_offset = text.length;
     return;
@@ -202,7 +234,8 @@ void find_data(const std::filesystem::path& path, const HeaderText& text, NrrdHe
   const bool inside = !name.empty() && name.is_relative() &&
                       std::none_of(name.begin(), name.end(), [](const auto& part) { return part == ".."; });
   if (!inside || !std::filesystem::is_regular_file(path.parent_path() / name))
-    refuse(fmt::format("the data file \"{:.80}\" is not one file beside the header", name.string()), path.string());
+    refuse(fmt::format("the data file \"{:.80}\" is not one file beside the header", name.string()),
+           path.string());
   header.data_file = path.parent_path() / name;
 }
 

@@ -1,5 +1,5 @@
-// The header of an NRRD image (teem.sourceforge.net/nrrd/format.html), read strictly: a field that is not understood, or
-// given twice, is refused rather than guessed at.
+// The header of an NRRD image (teem.sourceforge.net/nrrd/format.html), read strictly: a field that is not
+// understood, or given twice, is refused rather than guessed at.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,9 @@ struct NrrdHeader {
   std::uint64_t data_offset = 0;    // bytes into data_file
 };
 
-// Throws SetupError naming file and reason: not NRRD, other than three spatial dimensions, no or unknown anatomical
-// space, missing or bad directions or origin, colour, vectors, unsupported encoding, units other than mm.
+// Throws SetupError naming file and reason: not NRRD, other than three spatial dimensions, no or unknown
+// anatomical space, missing or bad directions or origin, colour, vectors, unsupported encoding, units other
+// than mm.
 NrrdHeader read_nrrd_header_fields(const std::filesystem::path& file);
 
 }  // namespace biopsy::imaging

@@ -16,11 +16,12 @@ namespace {
 std::string listed(const std::vector<SeriesSummary>& series) {
   std::string text;
   for (const SeriesSummary& one : series)
-    text += fmt::format("\n  {}  \"{}\"  {}", one.series_uid.empty() ? "(no uid)" : one.series_uid, one.description,
-                        one.problem.empty() ? fmt::format("{} x {} x {} at {:.3g} x {:.3g} x {:.3g} mm", one.size.x(),
-                                                          one.size.y(), one.size.z(), one.spacing_mm.x(),
-                                                          one.spacing_mm.y(), one.spacing_mm.z())
-                                            : "cannot be read: " + one.problem);
+    text += fmt::format(
+        "\n  {}  \"{}\"  {}", one.series_uid.empty() ? "(no uid)" : one.series_uid, one.description,
+        one.problem.empty()
+            ? fmt::format("{} x {} x {} at {:.3g} x {:.3g} x {:.3g} mm", one.size.x(), one.size.y(),
+                          one.size.z(), one.spacing_mm.x(), one.spacing_mm.y(), one.spacing_mm.z())
+            : "cannot be read: " + one.problem);
   return text;
 }
 
@@ -37,7 +38,8 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
   refuse_broken(folder);
   const std::size_t count = folder.series.size() + files.nifti.size() + files.nrrd.size();
   if (count == 0)
-    throw SetupError("DICOM, but no image (a report, structure set or directory)", path.string(), "give an image series");
+    throw SetupError("DICOM, but no image (a report, structure set or directory)", path.string(),
+                     "give an image series");
   if (series_uid.empty() && count > 1)
     throw SetupError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
                      "choose one of them with --series UID");
@@ -52,8 +54,8 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
     if (chosen(name_of(file))) return read_nifti(file);
   for (const auto& file : files.nrrd)
     if (chosen(name_of(file))) return read_nrrd(file);
-  throw SetupError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))), path.string(),
-                   "choose one of them with --series UID");
+  throw SetupError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
+                   path.string(), "choose one of them with --series UID");
 }
 
 }  // namespace biopsy::imaging

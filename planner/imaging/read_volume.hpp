@@ -1,4 +1,5 @@
-// One medical image, from a file or a folder of DICOM, NIfTI-1 or NRRD, with its place in the scanner (LPS mm).
+// One medical image, from a file or a folder of DICOM, NIfTI-1 or NRRD, with its place in the scanner (LPS
+// mm).
 #pragma once
 
 #include <filesystem>
@@ -9,10 +10,10 @@
 
 namespace biopsy::imaging {
 
-// Reads the series with this uid (as list_series names it), or the only one. Voxels are real-world values (slope and
-// intercept applied), exact for integers up to 2^24. Throws SetupError naming file, reason and remedy: several series
-// and no uid, no such series, a damaged file, and every series that is not one certain, evenly spaced, perpendicular
-// stack of at least three grey slices.
+// Reads the series with this uid (as list_series names it), or the only one. Voxels are real-world values
+// (slope and intercept applied), exact for integers up to 2^24. Throws SetupError naming file, reason and
+// remedy: several series and no uid, no such series, a damaged file, and every series that is not one
+// certain, evenly spaced, perpendicular stack of at least three grey slices.
 Volume read_volume(const std::filesystem::path& path, const std::string& series_uid = "");
 
 }  // namespace biopsy::imaging

@@ -41,8 +41,8 @@ SeriesSummary summary_of_broken(const DicomFile& file) {
   return summary;
 }
 
-SeriesSummary summary_of_file(const std::filesystem::path& file, const std::filesystem::path& root, const char* format,
-                              Volume (*read_header)(const std::filesystem::path&)) {
+SeriesSummary summary_of_file(const std::filesystem::path& file, const std::filesystem::path& root,
+                              const char* format, Volume (*read_header)(const std::filesystem::path&)) {
   SeriesSummary summary;
   summary.series_uid = (file == root ? file.filename() : file.lexically_relative(root)).generic_string();
   summary.format = format;
@@ -65,8 +65,10 @@ std::vector<SeriesSummary> list_series(const std::filesystem::path& path) {
   const DicomFolder folder = scan_dicom_files(files.dicom);
   for (const DicomSeries& series : folder.series) summaries.push_back(summary_of(series));
   for (const DicomFile& file : folder.broken) summaries.push_back(summary_of_broken(file));
-  for (const auto& file : files.nifti) summaries.push_back(summary_of_file(file, path, "NIfTI", read_nifti_header));
-  for (const auto& file : files.nrrd) summaries.push_back(summary_of_file(file, path, "NRRD", read_nrrd_header));
+  for (const auto& file : files.nifti)
+    summaries.push_back(summary_of_file(file, path, "NIfTI", read_nifti_header));
+  for (const auto& file : files.nrrd)
+    summaries.push_back(summary_of_file(file, path, "NRRD", read_nrrd_header));
   return summaries;
 }
 

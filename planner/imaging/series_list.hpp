@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,7 +18,8 @@ struct SeriesSummary {
   std::string problem;  // why it cannot be read as a volume; empty = readable by its headers
 };
 
-// Looks at a file, or a folder with all below it, by the headers alone. Throws SetupError only when there is no image.
+// Looks at a file, or a folder with all below it, by the headers alone. Throws SetupError only when there is
+// no image.
 std::vector<SeriesSummary> list_series(const std::filesystem::path& path);
 
 }  // namespace biopsy::imaging

@@ -11,7 +11,9 @@
 namespace biopsy::imaging {
 namespace {
 
-Direction normal_of(const SlicePlane& slice) { return slice.along_row.cross(slice.along_column).normalized(); }
+Direction normal_of(const SlicePlane& slice) {
+  return slice.along_row.cross(slice.along_column).normalized();
+}
 
 void refuse_bad_plane(const SlicePlane& slice) {
   const std::string remedy = "export the series again with its original headers";
@@ -36,8 +38,9 @@ void refuse_different_planes(const SlicePlane& first, const SlicePlane& slice) {
                                (first.along_column.normalized() - slice.along_column.normalized()).norm());
   if (turn > kDirectionTolerance)
     throw SetupError(
-        fmt::format("two orientations in one series: the slices are turned by {:.2f} degrees against each other",
-                    2.0 * std::asin(std::min(1.0, turn / 2.0)) * 180.0 / EIGEN_PI),
+        fmt::format(
+            "two orientations in one series: the slices are turned by {:.2f} degrees against each other",
+            2.0 * std::asin(std::min(1.0, turn / 2.0)) * 180.0 / EIGEN_PI),
         both, "give a series of parallel slices: a localiser (scout) is no volume");
   if (first.columns != slice.columns || first.rows != slice.rows)
     throw SetupError(fmt::format("two sizes in one series: {} x {} and {} x {}", first.columns, first.rows,
@@ -45,9 +48,10 @@ void refuse_different_planes(const SlicePlane& first, const SlicePlane& slice) {
                      both, "separate the series, or leave the scout image out");
   if (std::abs(first.spacing_i_mm - slice.spacing_i_mm) > 1e-4 * first.spacing_i_mm ||
       std::abs(first.spacing_j_mm - slice.spacing_j_mm) > 1e-4 * first.spacing_j_mm)
-    throw SetupError(fmt::format("two pixel spacings in one series: {:g} x {:g} and {:g} x {:g} mm", first.spacing_j_mm,
-                                 first.spacing_i_mm, slice.spacing_j_mm, slice.spacing_i_mm),
-                     both, "separate the series");
+    throw SetupError(
+        fmt::format("two pixel spacings in one series: {:g} x {:g} and {:g} x {:g} mm", first.spacing_j_mm,
+                    first.spacing_i_mm, slice.spacing_j_mm, slice.spacing_i_mm),
+        both, "separate the series");
 }
 
 std::vector<std::size_t> sorted_along(const Direction& normal, const std::vector<SlicePlane>& slices) {
@@ -66,7 +70,8 @@ double usual_gap(std::vector<double> gaps) {
   return *middle;
 }
 
-void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceStack& stack, const Direction& normal) {
+void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceStack& stack,
+                             const Direction& normal) {
   std::vector<double> gaps;
   for (std::size_t k = 1; k < stack.order.size(); ++k) {
     const SlicePlane &below = slices[stack.order[k - 1]], &above = slices[stack.order[k]];
@@ -78,24 +83,30 @@ void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceS
   const double usual = usual_gap(gaps);
   for (std::size_t k = 0; k < gaps.size(); ++k)
     if (std::abs(gaps[k] - usual) > kStackTolerance_mm)
-      throw SetupError(fmt::format("uneven slices: a gap of {:.3f} mm where the others are {:.3f} mm (a slice is missing?)",
-                                   gaps[k], usual),
-                       slices[stack.order[k]].name + " and " + slices[stack.order[k + 1]].name,
-                       "export the whole series again");
+      throw SetupError(
+          fmt::format(
+              "uneven slices: a gap of {:.3f} mm where the others are {:.3f} mm (a slice is missing?)",
+              gaps[k], usual),
+          slices[stack.order[k]].name + " and " + slices[stack.order[k + 1]].name,
+          "export the whole series again");
 }
 
-// Every slice must lie where the grid says; what is left is tilt (sideways) or creeping spacing (along the normal).
-void refuse_off_grid(const std::vector<SlicePlane>& slices, const SliceStack& stack, const Direction& normal) {
+// Every slice must lie where the grid says; what is left is tilt (sideways) or creeping spacing (along the
+// normal).
+void refuse_off_grid(const std::vector<SlicePlane>& slices, const SliceStack& stack,
+                     const Direction& normal) {
   const SlicePlane& first = slices[stack.order.front()];
   for (std::size_t k = 1; k < stack.order.size(); ++k) {
     const SlicePlane& slice = slices[stack.order[k]];
     const Eigen::Vector3d way = slice.p_SV - first.p_SV;
     const double sideways = (way - normal * normal.dot(way)).norm();
     if (sideways > kStackTolerance_mm)
-      throw SetupError(fmt::format("tilted stack: slices are shifted sideways by {:.2f} mm over {:.2f} mm, so they are not "
-                                   "perpendicular to the direction of stacking (gantry tilt, shear)",
-                                   sideways, normal.dot(way)),
-                       first.name + " and " + slice.name, "reconstruct the series without tilt");
+      throw SetupError(
+          fmt::format(
+              "tilted stack: slices are shifted sideways by {:.2f} mm over {:.2f} mm, so they are not "
+              "perpendicular to the direction of stacking (gantry tilt, shear)",
+              sideways, normal.dot(way)),
+          first.name + " and " + slice.name, "reconstruct the series without tilt");
     const double creep = (way - stack.grid.X_SI.linear().col(2) * static_cast<double>(k)).norm();
     if (creep > 2 * kStackTolerance_mm)
       throw SetupError(fmt::format("uneven slices: off a regular stack by {:.3f} mm", creep), slice.name,
@@ -107,8 +118,8 @@ void warn_of_contradictions(const SlicePlane& slice, SliceStack& stack) {
   const double gap = stack.grid.spacing_mm().z();
   const auto warn = [&](const char* what, double stated) {
     if (stated > 0.0 && std::abs(stated - gap) > 0.01 * gap)
-      stack.warnings.push_back(
-          fmt::format("{} says {:g} mm, the slice positions say {:.4g} mm: the positions are used", what, stated, gap));
+      stack.warnings.push_back(fmt::format(
+          "{} says {:g} mm, the slice positions say {:.4g} mm: the positions are used", what, stated, gap));
   };
   warn("SpacingBetweenSlices", slice.stated_gap_mm);
   warn("SliceThickness", slice.thickness_mm);

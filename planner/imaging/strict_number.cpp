@@ -9,7 +9,8 @@ namespace {
 template <class Number>
 std::optional<Number> whole_text(std::string_view text) {
   text = trimmed(text);
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);  // from_chars knows no plus
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-')
+    text.remove_prefix(1);  // from_chars knows no plus
   Number number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -30,7 +31,9 @@ std::optional<double> strict_number(std::string_view text) {
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
-std::optional<std::int64_t> strict_integer(std::string_view text) { return whole_text<std::int64_t>(text); }
+std::optional<std::int64_t> strict_integer(std::string_view text) {
+  return whole_text<std::int64_t>(text);
+}
 
 std::optional<std::vector<double>> strict_numbers(std::string_view text, char separator) {
   std::vector<double> numbers;

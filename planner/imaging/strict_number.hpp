@@ -10,11 +10,11 @@ namespace biopsy::imaging {
 
 std::string_view trimmed(std::string_view text);  // without spaces, tabs and carriage returns at both ends
 
-std::optional<double> strict_number(std::string_view text);        // finite
+std::optional<double> strict_number(std::string_view text);  // finite
 std::optional<std::int64_t> strict_integer(std::string_view text);
 
-// Numbers between separators, "0.5\0.5" with '\\'; nothing if one of them is not a number. Runs of blanks count as
-// one separator.
+// Numbers between separators, "0.5\0.5" with '\\'; nothing if one of them is not a number. Runs of blanks
+// count as one separator.
 std::optional<std::vector<double>> strict_numbers(std::string_view text, char separator);
 
 }  // namespace biopsy::imaging

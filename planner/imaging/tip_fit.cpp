@@ -168,8 +168,8 @@ TipFit fit_tip(const Corridor& corridor, const VoidLine& line, double depth_mm) 
   constexpr double kAlike = 2.0;
   spread_of_depth(voxels, best, kAlike * std::max(fit.misfit, 0.5), fit);
   // Below this the shape of the void's end, not noise, is the limit.
-  const double model = 0.02 + 0.04 * corridor.along_mm;
-  fit.sigma_mm = std::hypot(fit.sigma_mm, model);
+  const double model = 0.02 + 0.04 * corridor.along_mm, end_form = 0.04 * best.line.radius_mm;
+  fit.sigma_mm = std::hypot(fit.sigma_mm, model, end_form);
   return fit;
 }
 

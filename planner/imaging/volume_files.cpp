@@ -38,16 +38,19 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 VolumeFiles find_volume_files(const fs::path& path) {
   VolumeFiles files;
   std::error_code error;
-  if (!fs::exists(path, error)) throw SetupError("there is no such file or folder", path.string(), "check the name");
+  if (!fs::exists(path, error))
+    throw SetupError("there is no such file or folder", path.string(), "check the name");
   if (fs::is_directory(path, error)) {
     for (const fs::path& file : files_below(path)) take(file, files);
     if (files.empty())
-      throw SetupError("no image in this folder", path.string(), "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+      throw SetupError("no image in this folder", path.string(),
+                       "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
     return files;
   }
   if (fs::is_regular_file(path, error)) take(path, files);
   if (files.empty())
-    throw SetupError("not an image of a known format", path.string(), "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+    throw SetupError("not an image of a known format", path.string(),
+                     "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
   return files;
 }
 

@@ -12,8 +12,8 @@ struct VolumeFiles {
   bool empty() const { return dicom.empty() && nifti.empty() && nrrd.empty(); }
 };
 
-// One file, or a folder with all below it (links to folders are not followed, other files are ignored). Throws
-// SetupError when the path does not exist, cannot be read, or is one file of an unknown format.
+// One file, or a folder with all below it (links to folders are not followed, other files are ignored).
+// Throws SetupError when the path does not exist, cannot be read, or is one file of an unknown format.
 VolumeFiles find_volume_files(const std::filesystem::path& path);
 
 }  // namespace biopsy::imaging

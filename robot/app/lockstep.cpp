@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "planner/seal.hpp"
+
 namespace biopsy::app {
 namespace {
 
@@ -16,12 +18,20 @@ std::int32_t tissue_residual(const safety::PlanFacts& facts, std::int32_t mean_d
   return std::max({range.low_um - depth_um, depth_um - range.high_um, 0});
 }
 
+// Sealed anew: a plan that was changed after its seal has another tag than the one that was permitted and confirmed.
+std::uint64_t tag_of(Plan plan) {
+  planner::seal(plan);
+  return planner::plan_tag(plan);
+}
+
 }  // namespace
 
-Lockstep::Lockstep(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage, std::uint64_t confirmed_tag)
+Lockstep::Lockstep(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage,
+                   const std::array<std::uint64_t, 2>& confirmed)
     : plan_(plan),
       facts_(facts),
-      confirmed_tag_(confirmed_tag),
+      confirmed_(confirmed),
+      plan_tag_(tag_of(plan)),
       stage_(stage),
       supervisor_(safety::started(kSession)) {}
 
@@ -37,9 +47,9 @@ safety::Observation Lockstep::observed(const Measurement& measurement, const Wor
   seen.log_backlog_ms = world.log_backlog_ms;
   seen.patient_motion_um = world.patient_motion_um;
   seen.tissue_residual_um = tissue_residual(facts_, mean_drive_mV_, measurement.depth_um);
-  seen.plan_tag = facts_.plan_tag;
+  seen.plan_tag = plan_tag_;
   seen.config_tag = facts_.config_tag;
-  seen.confirmed_tag = {confirmed_tag_, confirmed_tag_};
+  seen.confirmed_tag = confirmed_;
   return seen;
 }
 

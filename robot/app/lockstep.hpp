@@ -2,6 +2,7 @@
 // in turn, one tick at a time. Same inputs, same run, to the bit.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "drivers/port/gated_stage.hpp"
@@ -37,8 +38,9 @@ struct Tick {
 
 class Lockstep {
  public:
-  // `plan` and `stage` must outlive this; `plan` must be sealed. Both confirmations are taken as given for `tag`.
-  Lockstep(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage, std::uint64_t confirmed_tag);
+  // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
+  Lockstep(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage,
+           const std::array<std::uint64_t, 2>& confirmed);
 
   Tick tick(const World& world);
 
@@ -51,7 +53,8 @@ class Lockstep {
 
   const Plan& plan_;
   const safety::PlanFacts& facts_;
-  std::uint64_t confirmed_tag_;
+  std::array<std::uint64_t, 2> confirmed_;
+  std::uint64_t plan_tag_;  // of the plan the controller really runs, sealed anew here
   port::GatedStage stage_;
   safety::EvidenceMemory memory_;
   safety::SupervisorState supervisor_;

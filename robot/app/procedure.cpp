@@ -3,15 +3,13 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
-#include <sstream>
 
-#include "planner/seal.hpp"
 #include "robot/app/commands.hpp"
 #include "robot/app/prepared_case.hpp"
 #include "robot/app/progress.hpp"
 #include "robot/app/provenance.hpp"
 #include "robot/app/rehearsal.hpp"
+#include "robot/app/run_folder.hpp"
 #include "robot/app/typed_point.hpp"
 #include "robot/messages/setup_error.hpp"
 #include "robot/report/console_table.hpp"
@@ -47,13 +45,6 @@ Case case_of(const ProcedureOptions& options) {
   return given;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder))
-    throw SetupError("cannot be made a folder: " + error.message(), folder.string(), "give --out a folder that can be written");
-}
-
 int finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
            std::chrono::steady_clock::time_point started) {
   record.provenance = provenance(prepared, record);
@@ -71,7 +62,7 @@ int finish(report::RunRecord& record, const PreparedCase& prepared, const fs::pa
 int dry_run(const ProcedureOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Case given = case_of(options);
-  make_folder(options.out);
+  claim_run_folder(options.out);
   ProgressLine line;
   line.show(-1.0, "reading the image and planning");
   const PreparedCase prepared = prepare(given, options.out);
@@ -91,7 +82,7 @@ int dry_run(const ProcedureOptions& options) {
 int plan(const ProcedureOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Case given = case_of(options);
-  make_folder(options.out);
+  claim_run_folder(options.out);
   const PreparedCase prepared = prepare(given, options.out);
   report::RunRecord record = planned_record(prepared);
   record.simulated_s = 0.0;

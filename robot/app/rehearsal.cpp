@@ -71,7 +71,6 @@ class ImageCheck {
     Volume sent = sim::scan(prepared_.image, settings);
     sent.identity.series_uid.clear();  // a new series; the writer names it by its content
     sent.identity.description = fmt::format("confirmation, stage {} (simulated)", stage + 1);
-    fs::remove_all(folder_ / name);
     sim::write_dicom_series(sent, folder_ / name);
     const Volume after = imaging::read_volume(folder_ / name);
     imaging::DepthCheckSettings check;
@@ -170,7 +169,8 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
   const Plan& plan = std::get<Plan>(prepared.plan);
   const safety::PlanFacts facts = plan_facts(plan, 1 + prepared.given.seed);
   sim::SimStage stage(plant_of(prepared), prepared.given.seed);
-  Lockstep lockstep(plan, facts, stage, planner::plan_tag(plan));
+  const std::uint64_t shown = planner::plan_tag(plan);  // what both people of the rehearsal were shown and confirm
+  Lockstep lockstep(plan, facts, stage, {shown, shown});
   Operator person(plan);
   ImageCheck images(prepared, plan, folder);
   Tick seen;

@@ -40,9 +40,9 @@ class Columns {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       std::string line;
       for (std::size_t i = 0; i < rows_[r].size(); ++i)
-        line += "  " + padded(rows_[r][i], widths_[i], sides_[i]);
+        line.append("  ").append(padded(rows_[r][i], widths_[i], sides_[i]));
       line.erase(line.find_last_not_of(' ') + 1);
-      text += r == 0 ? heading_start + line + heading_end + "\n" : line + "\n";
+      text.append(r == 0 ? heading_start : "").append(line).append(r == 0 ? heading_end : "").append("\n");
     }
     return text;
   }
@@ -94,7 +94,7 @@ std::string what_was_planned(const RunRecord& record) {
 
 std::string image_words(const StageResult& stage) {
   if (!stage.check) return "–";
-  const std::string verdict(word(stage.check->verdict));
+  std::string verdict(word(stage.check->verdict));
   if (!stage.check->tip_found) return verdict;
   return fmt::format("{} ± {} {}", fixed(stage.check->depth.value, 2), fixed(stage.check->sigma.value, 2),
                      verdict);

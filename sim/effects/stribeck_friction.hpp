@@ -14,6 +14,7 @@ struct StribeckFriction {
   double speed = 1e-3;     // m/s, where the excess has fallen to 1/e
 
   double magnitude(double v) const {
+    if (v == 0.0) return breakaway;
     const double ratio = v / speed;
     return sliding + (breakaway - sliding) * std::exp(-ratio * ratio);
   }

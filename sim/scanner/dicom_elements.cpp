@@ -8,7 +8,8 @@
 namespace biopsy::sim {
 
 void DicomElements::little_endian(std::uint64_t value, int count) {
-  for (int byte = 0; byte < count; ++byte) encoded_.push_back(static_cast<char>((value >> (8 * byte)) & 0xff));
+  for (int byte = 0; byte < count; ++byte)
+    encoded_.push_back(static_cast<char>((value >> (8 * byte)) & 0xff));
 }
 
 void DicomElements::begin(std::uint32_t tag, const char (&vr)[3]) {

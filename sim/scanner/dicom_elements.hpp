@@ -1,6 +1,6 @@
-// Writes DICOM elements in Explicit VR Little Endian (PS3.5 chapter 7, PS3.10 chapter 7): just what a series of images
-// needs. Written out here rather than with the reader's library, so that reading back what was written compares two
-// independent readings of the standard.
+// Writes DICOM elements in Explicit VR Little Endian (PS3.5 chapter 7, PS3.10 chapter 7): just what a series
+// of images needs. Written out here rather than with the reader's library, so that reading back what was
+// written compares two independent readings of the standard.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,8 @@ class DicomElements {
   std::uint32_t last_tag_ = 0;
 };
 
-// The most exact decimal string (DS) for a number: at most 16 characters, so 1e-11 mm for positions within a scanner.
+// The most exact decimal string (DS) for a number: at most 16 characters, so 1e-11 mm for positions within a
+// scanner.
 std::string decimal_string(double value);
 
 }  // namespace biopsy::sim

@@ -15,10 +15,12 @@ namespace {
 
 constexpr const char* kMrImageStorage = "1.2.840.10008.5.1.4.1.1.4";
 constexpr const char* kExplicitLittleEndian = "1.2.840.10008.1.2.1";
-constexpr const char* kImplementationClass = "2.25.271828182845904523536028747135266249";  // fixed for this writer
+constexpr const char* kImplementationClass =
+    "2.25.271828182845904523536028747135266249";  // fixed for this writer
 constexpr const char* kImplementationName = "BIOPSY_SIM_1";
 
-// FNV-1a over 64 bits (RFC draft eastlake-fnv): no secret is kept, the same content must only give the same name.
+// FNV-1a over 64 bits (RFC draft eastlake-fnv): no secret is kept, the same content must only give the same
+// name.
 class ContentHash {
  public:
   ContentHash& add(const void* data, std::size_t count) {
@@ -26,8 +28,10 @@ class ContentHash {
     for (std::size_t n = 0; n < count; ++n) state_ = (state_ ^ bytes[n]) * 0x100000001b3ULL;
     return *this;
   }
-  ContentHash& add(const std::string& text) { return add(text.c_str(), text.size() + 1); }  // the zero ends the word
-  std::string uid() const { return fmt::format("2.25.{}", state_); }                       // PS3.5 B.2
+  ContentHash& add(const std::string& text) {
+    return add(text.c_str(), text.size() + 1);
+  }                                                                   // the zero ends the word
+  std::string uid() const { return fmt::format("2.25.{}", state_); }  // PS3.5 B.2
 
  private:
   std::uint64_t state_ = 0xcbf29ce484222325ULL;
@@ -40,7 +44,8 @@ bool is_uid(const std::string& text) {
 
 // A value of one line and one part, at most 64 bytes.
 std::string short_text(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == '\\'; }, '/');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == '\\'; }, '/');
   if (text.size() <= 64) return text;
   text.resize(64);
   while (!text.empty() && (text.back() & 0x80)) text.pop_back();  // no half letters of UTF-8
@@ -62,7 +67,8 @@ SeriesIdentity complete_identity(const Volume& volume) {
   identity.patient_name = short_text(identity.patient_name);
   identity.patient_id = short_text(identity.patient_id);
   identity.description = short_text(identity.description);
-  const bool date = identity.date.size() == 8 && identity.date.find_first_not_of("0123456789") == std::string::npos;
+  const bool date =
+      identity.date.size() == 8 && identity.date.find_first_not_of("0123456789") == std::string::npos;
   if (!date) identity.date.clear();
   return identity;
 }
@@ -72,14 +78,15 @@ std::string instance_uid_of(const Volume& volume, int k, const std::string& seri
   const Grid& grid = volume.grid;
   ContentHash hash;
   hash.add(series_uid).add(std::to_string(k)).add(grid.X_SI.data(), sizeof(double) * 16);
-  hash.add(&volume.voxels[grid.index(0, 0, k)], sizeof(float) * (grid.index(0, 0, k + 1) - grid.index(0, 0, k)));
+  hash.add(&volume.voxels[grid.index(0, 0, k)],
+           sizeof(float) * (grid.index(0, 0, k + 1) - grid.index(0, 0, k)));
   return hash.uid();
 }
 
 // How voxels become 16-bit words.
 struct Storage {
   bool is_signed = false;
-  std::string slope = "1", intercept = "0";  // as written
+  std::string slope = "1", intercept = "0";             // as written
   double written_slope = 1.0, written_intercept = 0.0;  // their values: the reader has no others
 
   std::uint16_t stored(float value) const {
@@ -91,7 +98,8 @@ struct Storage {
 
 Storage choose_storage(const std::vector<float>& voxels) {
   const auto [low, high] = std::minmax_element(voxels.begin(), voxels.end());
-  const bool whole = std::all_of(voxels.begin(), voxels.end(), [](float value) { return value == std::floor(value); });
+  const bool whole =
+      std::all_of(voxels.begin(), voxels.end(), [](float value) { return value == std::floor(value); });
   Storage storage;
   if (whole && *low >= -32768.0F && *high <= 32767.0F) {
     storage.is_signed = true;
@@ -100,7 +108,8 @@ Storage choose_storage(const std::vector<float>& voxels) {
     storage.intercept = decimal_string(*low);
     if (*high <= *low) storage.slope = "1";  // one value everywhere: it is the intercept
     std::from_chars(storage.slope.data(), storage.slope.data() + storage.slope.size(), storage.written_slope);
-    std::from_chars(storage.intercept.data(), storage.intercept.data() + storage.intercept.size(), storage.written_intercept);
+    std::from_chars(storage.intercept.data(), storage.intercept.data() + storage.intercept.size(),
+                    storage.written_intercept);
   }
   return storage;
 }
@@ -109,8 +118,10 @@ void refuse_unwritable(const Volume& volume, const std::filesystem::path& folder
   const std::string where = folder.string();
   const Grid& grid = volume.grid;
   if (grid.size.minCoeff() < 1 || grid.size.maxCoeff() > 65535 || volume.voxels.size() != grid.voxel_count())
-    throw SetupError("the volume has no voxels, or not as many as its size says", where, "give a complete volume");
-  if (!std::all_of(volume.voxels.begin(), volume.voxels.end(), [](float value) { return std::isfinite(value); }))
+    throw SetupError("the volume has no voxels, or not as many as its size says", where,
+                     "give a complete volume");
+  if (!std::all_of(volume.voxels.begin(), volume.voxels.end(),
+                   [](float value) { return std::isfinite(value); }))
     throw SetupError("a voxel is not finite", where, "give a volume of finite numbers");
   const Eigen::Matrix3d axes = grid.X_SI.linear().colwise().normalized();
   if (!((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6))
@@ -119,7 +130,8 @@ void refuse_unwritable(const Volume& volume, const std::filesystem::path& folder
   std::filesystem::create_directories(folder, error);
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
     if (at->path().extension() == ".dcm")
-      throw SetupError("the folder already holds DICOM files", where, "give an empty folder: two series must not mix");
+      throw SetupError("the folder already holds DICOM files", where,
+                       "give an empty folder: two series must not mix");
   if (error) throw SetupError("cannot be written: " + error.message(), where, "check the permissions");
 }
 
@@ -157,7 +169,8 @@ void put_identity(const SeriesIdentity& identity, const std::string& instance_ui
 
 void put_geometry(const Grid& grid, int k, int number, const SeriesIdentity& identity, DicomElements& out) {
   const Eigen::Vector3d spacing = grid.spacing_mm();
-  const Eigen::Vector3d row = grid.X_SI.linear().col(0) / spacing.x(), column = grid.X_SI.linear().col(1) / spacing.y();
+  const Eigen::Vector3d row = grid.X_SI.linear().col(0) / spacing.x(),
+                        column = grid.X_SI.linear().col(1) / spacing.y();
   const Point p_SV = grid.X_SI * Point(0, 0, k);
   const auto joined = [](std::initializer_list<double> numbers) {
     std::string text;
@@ -191,7 +204,8 @@ void put_pixels(const Volume& volume, int k, const Storage& storage, DicomElemen
   out.text(0x00280004, "CS", "MONOCHROME2");
   out.unsigned_short(0x00280010, static_cast<std::uint16_t>(grid.size.y()));  // rows
   out.unsigned_short(0x00280011, static_cast<std::uint16_t>(grid.size.x()));  // columns
-  out.text(0x00280030, "DS", decimal_string(spacing.y()) + "\\" + decimal_string(spacing.x()));  // between rows first
+  out.text(0x00280030, "DS",
+           decimal_string(spacing.y()) + "\\" + decimal_string(spacing.x()));  // between rows first
   out.unsigned_short(0x00280100, 16);
   out.unsigned_short(0x00280101, 16);
   out.unsigned_short(0x00280102, 15);
@@ -199,7 +213,8 @@ void put_pixels(const Volume& volume, int k, const Storage& storage, DicomElemen
   out.text(0x00281052, "DS", storage.intercept);
   out.text(0x00281053, "DS", storage.slope);
   const auto first = volume.voxels.begin() + static_cast<std::ptrdiff_t>(grid.index(0, 0, k));
-  std::vector<std::uint16_t> words(static_cast<std::size_t>(grid.size.x()) * static_cast<std::size_t>(grid.size.y()));
+  std::vector<std::uint16_t> words(static_cast<std::size_t>(grid.size.x()) *
+                                   static_cast<std::size_t>(grid.size.y()));
   std::transform(first, first + static_cast<std::ptrdiff_t>(words.size()), words.begin(),
                  [&](float value) { return storage.stored(value); });
   out.words(0x7fe00010, words);
@@ -207,7 +222,8 @@ void put_pixels(const Volume& volume, int k, const Storage& storage, DicomElemen
 
 }  // namespace
 
-std::vector<std::filesystem::path> write_dicom_series(const Volume& volume, const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> write_dicom_series(const Volume& volume,
+                                                      const std::filesystem::path& folder) {
   refuse_unwritable(volume, folder);
   const SeriesIdentity identity = complete_identity(volume);
   const Storage storage = choose_storage(volume.voxels);
@@ -224,7 +240,9 @@ std::vector<std::filesystem::path> write_dicom_series(const Volume& volume, cons
     files.push_back(folder / fmt::format("slice_{:04}.dcm", number));
     std::ofstream file(files.back(), std::ios::binary);
     file << file_header(instance_uid) << out.encoded();
-    if (!file.flush()) throw SetupError("cannot be written", files.back().string(), "check the space left and the permissions");
+    if (!file.flush())
+      throw SetupError("cannot be written", files.back().string(),
+                       "check the space left and the permissions");
   }
   return files;
 }

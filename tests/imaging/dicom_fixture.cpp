@@ -40,8 +40,12 @@ void put_pixels(DcmDataset& dataset, const SliceRecipe& recipe, int frames) {
 }
 
 void put_header(DcmDataset& dataset, const SliceRecipe& recipe, const char* sop_class) {
-  const auto text = [&](const DcmTagKey& tag, const std::string& value) { dataset.putAndInsertString(tag, value.c_str()); };
-  const auto number = [&](const DcmTagKey& tag, int value) { dataset.putAndInsertUint16(tag, static_cast<Uint16>(value)); };
+  const auto text = [&](const DcmTagKey& tag, const std::string& value) {
+    dataset.putAndInsertString(tag, value.c_str());
+  };
+  const auto number = [&](const DcmTagKey& tag, int value) {
+    dataset.putAndInsertUint16(tag, static_cast<Uint16>(value));
+  };
   static int instances = 0;
   text(DCM_SOPClassUID, sop_class);
   text(DCM_SOPInstanceUID, fmt::format("1.2.3.99.{}", ++instances));

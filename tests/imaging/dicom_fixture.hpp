@@ -29,8 +29,8 @@ void write_slice(const std::filesystem::path& file, const SliceRecipe& recipe);
 // Slices of the recipe at z = 0, step, 2 step ..., named a.dcm, b.dcm ..., with 100 k added to the pixels.
 void write_stack(const std::filesystem::path& folder, SliceRecipe recipe, int slices, double step = 3.0);
 
-// An enhanced multi-frame MR image: frames at z = 0, 3, 6 ... with 100 k added to the pixels; orientation and spacing in
-// the shared groups, position and (slope 2, intercept k) in each frame's own.
+// An enhanced multi-frame MR image: frames at z = 0, 3, 6 ... with 100 k added to the pixels; orientation and
+// spacing in the shared groups, position and (slope 2, intercept k) in each frame's own.
 void write_enhanced(const std::filesystem::path& file, SliceRecipe recipe, int frames);
 
 }  // namespace biopsy::imaging

@@ -29,8 +29,8 @@ TEST(DicomReader, PutsAxialCornersWhereTheStandardPutsThem) {
   EXPECT_FLOAT_EQ(volume.at(7, 5, 3), 357.0F);  // 300 + 10 * 5 + 7
 }
 
-// Rows towards the back, columns towards the feet: rows x columns points to the right of the patient (-x), so the
-// leftmost slice comes first.
+// Rows towards the back, columns towards the feet: rows x columns points to the right of the patient (-x), so
+// the leftmost slice comes first.
 TEST(DicomReader, PutsSagittalCornersWhereHandArithmeticPutsThem) {
   ScratchFolder folder;
   SliceRecipe recipe;
@@ -78,8 +78,9 @@ TEST(DicomReader, TurnsLatinLettersIntoUtf8) {
 
 TEST(DicomReader, ReadsTheSamePixelsFromEveryEncoding) {
   for (const E_TransferSyntax syntax :
-       {EXS_LittleEndianImplicit, EXS_LittleEndianExplicit, EXS_BigEndianExplicit, EXS_DeflatedLittleEndianExplicit,
-        EXS_RLELossless, EXS_JPEGProcess14, EXS_JPEGProcess14SV1, EXS_JPEGLSLossless}) {
+       {EXS_LittleEndianImplicit, EXS_LittleEndianExplicit, EXS_BigEndianExplicit,
+        EXS_DeflatedLittleEndianExplicit, EXS_RLELossless, EXS_JPEGProcess14, EXS_JPEGProcess14SV1,
+        EXS_JPEGLSLossless}) {
     ScratchFolder folder;
     SliceRecipe recipe;
     recipe.syntax = syntax;
@@ -91,7 +92,8 @@ TEST(DicomReader, ReadsTheSamePixelsFromEveryEncoding) {
     const Volume volume = read_volume(folder.path());
     for (int k = 0; k < 3; ++k)
       for (int j = 0; j < 6; ++j)
-        for (int i = 0; i < 33; ++i) ASSERT_EQ(volume.at(i, j, k), static_cast<float>(7 * i + 501 * j + 100 * k));
+        for (int i = 0; i < 33; ++i)
+          ASSERT_EQ(volume.at(i, j, k), static_cast<float>(7 * i + 501 * j + 100 * k));
   }
 }
 
@@ -184,7 +186,8 @@ TEST(DicomReader, WarnsWhenTheStatedSpacingContradictsThePositions) {
   const Volume volume = read_volume(folder.path());
   EXPECT_DOUBLE_EQ(volume.grid.spacing_mm().z(), 3.0);
   ASSERT_EQ(volume.warnings.size(), 1U);
-  EXPECT_NE(volume.warnings[0].find("SpacingBetweenSlices says 3.3 mm"), std::string::npos) << volume.warnings[0];
+  EXPECT_NE(volume.warnings[0].find("SpacingBetweenSlices says 3.3 mm"), std::string::npos)
+      << volume.warnings[0];
 }
 
 }  // namespace

@@ -9,7 +9,9 @@
 namespace biopsy::imaging {
 namespace {
 
-void set(DcmDataset& dataset, const DcmTagKey& tag, const char* value) { dataset.putAndInsertString(tag, value); }
+void set(DcmDataset& dataset, const DcmTagKey& tag, const char* value) {
+  dataset.putAndInsertString(tag, value);
+}
 
 // A stack of four slices, b.dcm of which is changed.
 struct DicomRefusals : testing::Test {
@@ -77,14 +79,16 @@ TEST_F(DicomRefusals, TwoSizesTwoSpacingsTwoPatientsTwoFrames) {
 }
 
 TEST_F(DicomRefusals, GeometryThatIsMissingOrAbsurd) {
-  const std::vector<std::pair<DcmTagKey, const char*>> missing = {{DCM_PixelSpacing, "PixelSpacing is missing"},
-                                                                  {DCM_ImagePositionPatient, "ImagePositionPatient is missing"},
-                                                                  {DCM_ImageOrientationPatient, "ImageOrientationPatient is"}};
+  const std::vector<std::pair<DcmTagKey, const char*>> missing = {
+      {DCM_PixelSpacing, "PixelSpacing is missing"},
+      {DCM_ImagePositionPatient, "ImagePositionPatient is missing"},
+      {DCM_ImageOrientationPatient, "ImageOrientationPatient is"}};
   for (const auto& [tag, reason] : missing) {
     change_slice_b([tag = tag](DcmDataset& d) { d.findAndDeleteElement(tag); });
     EXPECT_REFUSED(folder.path(), "b.dcm", reason);
   }
-  for (const char* spacing : {"0\\0.5", "2\\-0.5", "101\\0.5", "nan\\0.5", "2", "2\\0,5", "2\\0.5\\1", "2\\0.5mm"}) {
+  for (const char* spacing :
+       {"0\\0.5", "2\\-0.5", "101\\0.5", "nan\\0.5", "2", "2\\0,5", "2\\0.5\\1", "2\\0.5mm"}) {
     change_slice_b([&](DcmDataset& d) { set(d, DCM_PixelSpacing, spacing); });
     EXPECT_REFUSED(folder.path(), "b.dcm", "PixelSpacing");
   }

@@ -44,7 +44,8 @@ TEST_F(NiftiReader, ReadsEveryNumberType) {
     header.bitpix = 8 * sizeof(Number);
     const Volume volume = read(nifti_content<Number>(header));
     for (std::size_t n = 0; n < 120; ++n)
-      ASSERT_EQ(volume.voxels[n], static_cast<float>(static_cast<Number>(static_cast<int>(n) - 10))) << datatype;
+      ASSERT_EQ(volume.voxels[n], static_cast<float>(static_cast<Number>(static_cast<int>(n) - 10)))
+          << datatype;
   };
   expect_same(std::int8_t{}, DT_INT8);
   expect_same(std::uint8_t{}, DT_UINT8);
@@ -77,7 +78,8 @@ TEST_F(NiftiReader, AppliesSlopeAndInterceptUnlessSlopeIsZero) {
   EXPECT_EQ(read(nifti_content(header)).at(3, 4, 5), 109.0F);
 }
 
-// A quarter turn about z in RAS: quaternion (cos 45, 0, 0, sin 45) carries i to +A and j to -R; qfac -1 mirrors k.
+// A quarter turn about z in RAS: quaternion (cos 45, 0, 0, sin 45) carries i to +A and j to -R; qfac -1
+// mirrors k.
 TEST_F(NiftiReader, UsesTheQformWhereThereIsNoSform) {
   header.sform_code = 0;
   header.qform_code = 1;
@@ -161,7 +163,8 @@ TEST_F(NiftiReader, RefusesDataThatEndEarly) {
   const std::string whole = nifti_content(header);
   expect_refused(whole.substr(0, whole.size() - 1), "truncated");
   expect_refused(whole.substr(0, 100), "truncated");
-  header.dim[1] = header.dim[2] = header.dim[3] = 1024;  // two gigabytes promised: nothing is allocated for them
+  header.dim[1] = header.dim[2] = header.dim[3] =
+      1024;  // two gigabytes promised: nothing is allocated for them
   expect_refused("truncated");
   header = nifti_header();
   write_gzip(folder / "image.nii.gz", whole);

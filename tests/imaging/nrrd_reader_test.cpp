@@ -78,17 +78,20 @@ TEST_F(NrrdReader, ReadsBigEndianGzipAndDetachedData) {
 
 TEST_F(NrrdReader, ReadsHeadersWithWindowsLineEnds) {
   std::string header = kHeader;
-  for (std::size_t at = 0; (at = header.find('\n', at)) != std::string::npos; at += 2) header.insert(at, "\r");
+  for (std::size_t at = 0; (at = header.find('\n', at)) != std::string::npos; at += 2)
+    header.insert(at, "\r");
   EXPECT_EQ(read(header + voxels()).at(3, 4, 5), 109.0F);
 }
 
 TEST_F(NrrdReader, RefusesWhatItCannotPlace) {
   expect_refused(with("space: left-posterior-superior\n", "spacings: 1 2 3\n") + voxels(), "no geometry");
   expect_refused(with("left-posterior-superior", "scanner-xyz") + voxels(), "scanner-xyz");
-  expect_refused(with("space directions: (0,1,0) (0,0,-2) (3,0,0)\n", "") + voxels(), "\"space directions\" is missing");
+  expect_refused(with("space directions: (0,1,0) (0,0,-2) (3,0,0)\n", "") + voxels(),
+                 "\"space directions\" is missing");
   expect_refused(with("space origin: (10,20,30)\n", "") + voxels(), "\"space origin\" is missing");
-  for (const char* bad : {"(0,1,0) (0,0,-2)", "(0,1,0) (0,0,-2) none", "(0,1,0) (0,0,-2) (3,0)", "(0,1,0) (0,0,-2) (3,0,0",
-                          "(0,1,0) (0,0,-2) (3,0,x)", "(0,1,0) (0,0,-2) (3,0,nan)", "(0,1,0) (0,0,-2) (3,0,0) (1,0,0)"})
+  for (const char* bad :
+       {"(0,1,0) (0,0,-2)", "(0,1,0) (0,0,-2) none", "(0,1,0) (0,0,-2) (3,0)", "(0,1,0) (0,0,-2) (3,0,0",
+        "(0,1,0) (0,0,-2) (3,0,x)", "(0,1,0) (0,0,-2) (3,0,nan)", "(0,1,0) (0,0,-2) (3,0,0) (1,0,0)"})
     expect_refused(with("(0,1,0) (0,0,-2) (3,0,0)", bad) + voxels(), "\"space directions\"");
   expect_refused(with("(3,0,0)", "(3,0.1,0)") + voxels(), "sheared");
   expect_refused(with("(3,0,0)", "(0,0,0)") + voxels(), "spacing");

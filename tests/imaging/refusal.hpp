@@ -13,7 +13,8 @@ inline std::string refusal_of(const std::filesystem::path& path, const std::stri
   try {
     read_volume(path, series_uid);
   } catch (const SetupError& refusal) {
-    return refusal.where + ": " + refusal.what_is_wrong + (refusal.remedy.empty() ? "" : " [" + refusal.remedy + "]");
+    return refusal.where + ": " + refusal.what_is_wrong +
+           (refusal.remedy.empty() ? "" : " [" + refusal.remedy + "]");
   }
   return "accepted";
 }
@@ -21,10 +22,10 @@ inline std::string refusal_of(const std::filesystem::path& path, const std::stri
 }  // namespace biopsy::imaging
 
 // Refused, with the reason in it, the file in it and something to do.
-#define EXPECT_REFUSED(path, file, reason)                                                     \
-  do {                                                                                         \
-    const std::string said = biopsy::imaging::refusal_of(path);                                \
-    EXPECT_NE(said.find(reason), std::string::npos) << said;                                   \
-    EXPECT_NE(said.find(file), std::string::npos) << said;                                     \
-    EXPECT_EQ(said.back(), ']') << said;                                                       \
+#define EXPECT_REFUSED(path, file, reason)                      \
+  do {                                                          \
+    const std::string said = biopsy::imaging::refusal_of(path); \
+    EXPECT_NE(said.find(reason), std::string::npos) << said;    \
+    EXPECT_NE(said.find(file), std::string::npos) << said;      \
+    EXPECT_EQ(said.back(), ']') << said;                        \
   } while (false)

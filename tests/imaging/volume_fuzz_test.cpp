@@ -1,5 +1,5 @@
-// Claims about damaged files: whatever the damage, an image is read or refused, never worse. Seeded; run it under
-// AddressSanitizer to mean it.
+// Claims about damaged files: whatever the damage, an image is read or refused, never worse. Seeded; run it
+// under AddressSanitizer to mean it.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,13 +12,20 @@
 namespace biopsy::imaging {
 namespace {
 
-// Changes a few bytes, cuts the end off or doubles a piece; half the time only within the first `header` bytes.
+// Changes a few bytes, cuts the end off or doubles a piece; half the time only within the first `header`
+// bytes.
 std::string damaged(std::string content, std::size_t header, std::mt19937& random) {
-  const auto below = [&](std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random); };
+  const auto below = [&](std::size_t limit) {
+    return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
+  };
   const std::size_t reach = below(2) ? std::min(header, content.size()) : content.size();
   switch (below(4)) {
-    case 0: content.resize(below(content.size())); break;
-    case 1: content.insert(below(reach), content.substr(below(reach), 1 + below(20))); break;
+    case 0:
+      content.resize(below(content.size()));
+      break;
+    case 1:
+      content.insert(below(reach), content.substr(below(reach), 1 + below(20)));
+      break;
     default:
       for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
         const char values[] = {0, 1, '\xff', '\x7f', '\x80', static_cast<char>(below(256))};
@@ -29,7 +36,8 @@ std::string damaged(std::string content, std::size_t header, std::mt19937& rando
 }
 
 // Reads `folder` after each of many damages to `file`; returns how many were refused.
-int refused_of(const std::filesystem::path& folder, const std::filesystem::path& file, std::size_t header, int times) {
+int refused_of(const std::filesystem::path& folder, const std::filesystem::path& file, std::size_t header,
+               int times) {
   std::mt19937 random(20240229);
   const std::string whole = file_content(file);
   int refused = 0;
@@ -53,8 +61,9 @@ int refused_of(const std::filesystem::path& folder, const std::filesystem::path&
 }
 
 TEST(DamagedFiles, DicomIsReadOrRefused) {
-  for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit, EXS_DeflatedLittleEndianExplicit,
-                                        EXS_RLELossless, EXS_JPEGProcess14SV1, EXS_JPEGLSLossless}) {
+  for (const E_TransferSyntax syntax :
+       {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit, EXS_DeflatedLittleEndianExplicit, EXS_RLELossless,
+        EXS_JPEGProcess14SV1, EXS_JPEGLSLossless}) {
     ScratchFolder folder;
     SliceRecipe recipe;
     recipe.syntax = syntax;
@@ -86,7 +95,8 @@ TEST(DamagedFiles, NrrdIsReadOrRefused) {
   ScratchFolder folder;
   const std::string header =
       "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 4 5 6\n"
-      "space directions: (0,1,0) (0,0,-2) (3,0,0)\nkinds: domain domain domain\nendian: little\nencoding: raw\n"
+      "space directions: (0,1,0) (0,0,-2) (3,0,0)\nkinds: domain domain domain\nendian: little\nencoding: "
+      "raw\n"
       "space origin: (10,20,30)\n\n";
   write_content(folder / "image.nrrd", header + std::string(240, '\3'));
   EXPECT_GT(refused_of(folder.path(), folder / "image.nrrd", header.size(), 600), 120);

@@ -20,7 +20,9 @@ const fs::path kMricron = "/usr/share/mricron/templates";
 #define NEEDS(path) \
   if (!fs::exists(path)) GTEST_SKIP() << "not installed: " << path
 
-Point corner(const Volume& volume) { return volume.grid.X_SI * (volume.grid.size.cast<double>() - Point::Ones()); }
+Point corner(const Volume& volume) {
+  return volume.grid.X_SI * (volume.grid.size.cast<double>() - Point::Ones());
+}
 
 TEST(RealImages, ProstatePlanningSeries) {
   NEEDS(kImages / "mr/prostate_planning");
@@ -30,7 +32,8 @@ TEST(RealImages, ProstatePlanningSeries) {
   EXPECT_EQ(volume.files.size(), 40U);
   EXPECT_TRUE(volume.warnings.empty());
   // ImagePositionPatient of the first and last slice, and 319 pixels of 0.5 mm.
-  EXPECT_LT((volume.grid.X_SI.translation() - Point(-73.789356708527, -97.73828125, -8.1296310424805)).norm(), 1e-9);
+  EXPECT_LT((volume.grid.X_SI.translation() - Point(-73.789356708527, -97.73828125, -8.1296310424805)).norm(),
+            1e-9);
   EXPECT_LT((corner(volume) - Point(85.7106, 61.7617, 108.8704)).norm(), 1e-3);
 }
 
@@ -84,8 +87,8 @@ TEST(RealImages, OneSliceIsTheSameInEveryEncoding) {
   ASSERT_EQ(plain.size(), 64U * 64U);
   EXPECT_EQ(plain[0], 905.0F);  // the first words of the file's pixel data
   EXPECT_EQ(plain[1], 1019.0F);
-  for (const char* name : {"MR_small_RLE.dcm", "MR_small_bigendian.dcm", "MR_small_expb.dcm", "MR_small_implicit.dcm",
-                           "MR_small_jpeg_ls_lossless.dcm", "MR_small_padded.dcm"})
+  for (const char* name : {"MR_small_RLE.dcm", "MR_small_bigendian.dcm", "MR_small_expb.dcm",
+                           "MR_small_implicit.dcm", "MR_small_jpeg_ls_lossless.dcm", "MR_small_padded.dcm"})
     EXPECT_EQ(pixels(name), plain) << name;
   try {
     pixels("MR_small_jp2klossless.dcm");
@@ -113,7 +116,8 @@ TEST(RealImages, BigEndianNiftiWithAxesToTheLeft) {
   NEEDS(kNibabel / "anatomical.nii");
   const Volume volume = read_volume(kNibabel / "anatomical.nii");
   EXPECT_EQ(volume.grid.size, Eigen::Vector3i(33, 41, 25));
-  // RAS affine diag(-2, 2, 2) with origin (32, -40, -16): LPS origin (-32, 40, -16), i to the left, j to the front.
+  // RAS affine diag(-2, 2, 2) with origin (32, -40, -16): LPS origin (-32, 40, -16), i to the left, j to the
+  // front.
   EXPECT_TRUE(volume.grid.X_SI.translation().isApprox(Point(-32, 40, -16)));
   EXPECT_TRUE(corner(volume).isApprox(Point(-32 + 64, 40 - 80, -16 + 48)));
   EXPECT_REFUSED(kNibabel / "functional.nii", "functional.nii", "4-D");

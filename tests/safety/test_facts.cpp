@@ -43,6 +43,17 @@ TEST(PlanFacts, RefuseEveryNumberTheRobotCannotMean) {
   for (const PlanFacts& plan : bad) EXPECT_FALSE(is_plausible(plan)) << &plan - bad;
 }
 
+TEST(PlanFacts, AcceptAsManyStagesAndBandsAsThereIsRoomFor) {
+  PlanFacts plan = three_stage_plan();
+  plan.stage_count = kMaxStages;
+  plan.stages.fill(plan.stages[0]);
+  plan.band_count = kMaxBands;
+  for (std::size_t i = 0; i < kMaxBands; ++i)
+    plan.bands[i] = {static_cast<std::int32_t>(i) * 200'000, -10, 10};
+  EXPECT_TRUE(is_plausible(plan));
+  EXPECT_EQ(plausible_depth(plan, 0, 8'000'000).high_um, 10);
+}
+
 TEST(PlanFacts, APlanInTheWrongUnitsIsNeverReady) {
   Rig rig;
   rig.plan.depth_max_um = 4;
@@ -160,6 +171,16 @@ TEST(Depth, IsJudgedByWhereTheNeedleWouldComeToRest) {
   EXPECT_LT(seen_um, rig.plan.depth_max_um - 300) << "50 mm/s need 0.25 mm to react and 0.25 mm to stop";
 }
 
+TEST(Depth, ACodeThatStaysTheSameAtASteadyVoltageIsNotFrozen) {
+  Rig rig;
+  ASSERT_TRUE(rig.go_active());
+  rig.on_measurement = [old = rig.measurement](Measurement& m) {
+    m.laser_code = old.laser_code, m.depth_um = old.depth_um;
+  };
+  rig.run(600);
+  EXPECT_EQ(rig.state.mode, Mode::Active) << name_of(rig.state.reason);
+}
+
 TEST(Ramp, StartsAtThePresentVoltageAndFallsInAStraightLine) {
   Rig rig;
   ASSERT_TRUE(rig.go_retract());
@@ -169,6 +190,12 @@ TEST(Ramp, StartsAtThePresentVoltageAndFallsInAStraightLine) {
   EXPECT_LE(std::abs(rig.gate_state.drive_mV), 3'000'000);
   rig.run(100);
   EXPECT_EQ(rig.output.permit.v_max_mV, 600'000);
+}
+
+TEST(Challenge, NothingIsProvenBeforeTheFirstPermit) {
+  LinkWatch watch;
+  watch.answer_score = 0;
+  EXPECT_NE(look(three_stage_plan(), watch, Observation{}).found & bit(Hazard::WrongAnswer), 0U);
 }
 
 TEST(Challenge, LostPermitsAreForgivenAslongAsTheAnswersAreRight) {

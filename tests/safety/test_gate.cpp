@@ -182,6 +182,13 @@ TEST(Gate, SwitchesOffAtOnceUnlessThereIsExactlyOneWriter) {
   }
 }
 
+TEST(Gate, TheSamePermitAgainDoesNotLiveLonger) {
+  Bench bench;
+  bench.raise_to(5'000'000);
+  for (int i = 1; i < 5; ++i) EXPECT_EQ(bench.call(nullptr, &bench.permit).voltage.mV(), 5'000'000);
+  EXPECT_EQ(bench.call(nullptr, &bench.permit).verdict, GateVerdict::Expired);
+}
+
 TEST(Gate, C0TakesEffectInTheSameTickWhateverTheRestOfThePermitSays) {
   Bench bench;
   bench.raise_to(8'000'000);

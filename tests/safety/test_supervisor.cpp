@@ -244,6 +244,11 @@ TEST(Supervisor, LockAbsorbsEveryHealthyInput) {
   EXPECT_EQ(after(in(Mode::Lock), input), Mode::Lock);
 }
 
+TEST(Supervisor, RefusesNothingWhereNothingWasAsked) {
+  for (const Mode mode : kAllModes)
+    EXPECT_EQ(step(three_stage_plan(), in(mode), healthy()).second.refusal, Refusal::None) << name_of(mode);
+}
+
 TEST(Supervisor, TreatsABrokenModeAsLock) {
   EXPECT_EQ(after(in(static_cast<Mode>(77)), healthy()), Mode::Lock);
 }

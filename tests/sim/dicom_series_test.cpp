@@ -81,20 +81,23 @@ TEST_F(DicomSeriesWriter, WritesWhatTheStandardAsksOfAnMrSlice) {
   EXPECT_EQ(number_at(second[0x00280011], 0, 2), 4U);
   EXPECT_EQ(second[0x7fe00010].size(), 24U);
   EXPECT_EQ(number_at(second[0x7fe00010], 0, 2), 9U);  // voxel 12 of the volume
-  EXPECT_EQ(number_at(elements_of(content_of(files[0]))[0x7fe00010], 0, 2), 0xfffdU);  // -3 in two's complement
+  EXPECT_EQ(number_at(elements_of(content_of(files[0]))[0x7fe00010], 0, 2),
+            0xfffdU);  // -3 in two's complement
 }
 
 TEST_F(DicomSeriesWriter, GivesOneSeriesManyInstances) {
   const auto files = write_dicom_series(volume(), folder / "series");
   auto first = elements_of(content_of(files[0])), second = elements_of(content_of(files[1]));
-  for (const std::uint32_t same : {0x0020000dU, 0x0020000eU, 0x00200052U}) EXPECT_EQ(first[same], second[same]);
+  for (const std::uint32_t same : {0x0020000dU, 0x0020000eU, 0x00200052U})
+    EXPECT_EQ(first[same], second[same]);
   EXPECT_NE(first[0x00080018], second[0x00080018]);
   EXPECT_NE(first[0x0020000d], first[0x0020000e]);
   EXPECT_EQ(first[0x0020000e].substr(0, 5), "2.25.");
 }
 
 TEST_F(DicomSeriesWriter, WritesTheSameBytesForTheSameVolumeAndOtherUidsForAnother) {
-  const auto once = write_dicom_series(volume(), folder / "once"), twice = write_dicom_series(volume(), folder / "twice");
+  const auto once = write_dicom_series(volume(), folder / "once"),
+             twice = write_dicom_series(volume(), folder / "twice");
   for (std::size_t n = 0; n < once.size(); ++n) EXPECT_EQ(content_of(once[n]), content_of(twice[n]));
   Volume other = volume();
   other.voxels[17] += 1.0F;

@@ -1,5 +1,5 @@
-// The simulated scanner writes, the planner reads: two implementations of DICOM that share no code must agree on every
-// voxel and on its place.
+// The simulated scanner writes, the planner reads: two implementations of DICOM that share no code must agree
+// on every voxel and on its place.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -35,13 +35,14 @@ struct VolumeRoundTrip : testing::Test {
   Volume oblique(bool mirror) {
     Volume volume;
     volume.grid.size = {13, 9, 7};
-    const Eigen::Matrix3d turn =
-        (Eigen::AngleAxisd(0.61, Eigen::Vector3d(1, 2, 3).normalized()) * Eigen::AngleAxisd(-1.3, Eigen::Vector3d::UnitY()))
-            .toRotationMatrix();
+    const Eigen::Matrix3d turn = (Eigen::AngleAxisd(0.61, Eigen::Vector3d(1, 2, 3).normalized()) *
+                                  Eigen::AngleAxisd(-1.3, Eigen::Vector3d::UnitY()))
+                                     .toRotationMatrix();
     volume.grid.X_SI.linear() = turn * Eigen::Vector3d(0.7, 1.0 / 3.0, mirror ? -2.9 : 2.9).asDiagonal();
     volume.grid.X_SI.translation() = Point(-113.789356708527, 61.123456789012, -8.1296310424805);
     std::uniform_int_distribution<int> number(-2000, 2000);
-    for (std::size_t n = 0; n < volume.grid.voxel_count(); ++n) volume.voxels.push_back(static_cast<float>(number(random)));
+    for (std::size_t n = 0; n < volume.grid.voxel_count(); ++n)
+      volume.voxels.push_back(static_cast<float>(number(random)));
     return volume;
   }
 
@@ -69,7 +70,8 @@ TEST_F(VolumeRoundTrip, KeepsWholeNumbersAndPlacesOfAnObliqueVolume) {
     expect_same(written, read, 0.0);
     EXPECT_GT(read.grid.X_SI.linear().determinant(), 0.0);
     ASSERT_EQ(read.files.size(), files.size());
-    for (std::size_t n = 0; n < files.size(); ++n) EXPECT_EQ(read.files[n], files[n].string());  // rising on the normal
+    for (std::size_t n = 0; n < files.size(); ++n)
+      EXPECT_EQ(read.files[n], files[n].string());  // rising on the normal
     EXPECT_TRUE(read.warnings.empty());
   }
 }
@@ -94,7 +96,8 @@ TEST_F(VolumeRoundTrip, KeepsFractionsToHalfAStepOfSixteenBits) {
 
 TEST_F(VolumeRoundTrip, KeepsWhoseImageItIs) {
   Volume written = oblique(false);
-  written.identity = {"M\xc3\xbcller^Jane", "P-17", "1.2.840.1", "1.2.840.2", "1.2.840.3", "MR", "T2 \xc2\xb5", "20240229"};
+  written.identity = {"M\xc3\xbcller^Jane", "P-17", "1.2.840.1",   "1.2.840.2",
+                      "1.2.840.3",          "MR",   "T2 \xc2\xb5", "20240229"};
   sim::write_dicom_series(written, folder / "identity");
   const SeriesIdentity read = imaging::read_volume(folder / "identity").identity;
   EXPECT_EQ(read.patient_name, written.identity.patient_name);
@@ -112,7 +115,8 @@ TEST_F(VolumeRoundTrip, LoadsALargeSeriesFastEnoughToWaitFor) {
   written.grid.size = {512, 512, 200};
   written.grid.X_SI.linear() = Eigen::Vector3d(0.5, 0.5, 1.0).asDiagonal();
   written.voxels.resize(written.grid.voxel_count());
-  for (std::size_t n = 0; n < written.voxels.size(); ++n) written.voxels[n] = static_cast<float>((n * 2654435761U) % 65536);
+  for (std::size_t n = 0; n < written.voxels.size(); ++n)
+    written.voxels[n] = static_cast<float>((n * 2654435761U) % 65536);
   sim::write_dicom_series(written, folder / "large");
   const auto start = std::chrono::steady_clock::now();
   const Volume read = imaging::read_volume(folder / "large");
@@ -120,7 +124,8 @@ TEST_F(VolumeRoundTrip, LoadsALargeSeriesFastEnoughToWaitFor) {
   EXPECT_TRUE(read.voxels == written.voxels);
   std::cout << "512 x 512 x 200, 16 bits: read in " << seconds << " s\n";
   RecordProperty("read_seconds", std::to_string(seconds));
-  EXPECT_LT(seconds, 20.0);  // 2 s is the aim on an idle machine; a busy or sanitized one must not fail for it
+  EXPECT_LT(seconds,
+            20.0);  // 2 s is the aim on an idle machine; a busy or sanitized one must not fail for it
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+// The house: which room may see which. docs/architecture.md draws it; this holds it.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kHouse = BIOPSY_SOURCE_DIR;
+
+// Rooms by longest folder, and what each may include besides itself. robot/app joins all of them.
+const std::map<std::string, std::set<std::string>> kMaySee{
+    {"robot/messages", {}},
+    {"safety", {"robot/messages"}},
+    {"robot/control", {"robot/messages"}},
+    {"robot/report", {"robot/messages"}},
+    {"planner/imaging", {"robot/messages"}},
+    {"planner", {"robot/messages"}},
+    {"drivers/port", {"robot/messages", "safety"}},
+    {"sim", {"robot/messages", "drivers/port", "safety"}},
+    {"robot/app",
+     {"robot/messages", "safety", "robot/control", "robot/report", "planner", "planner/imaging", "drivers/port", "sim"}},
+};
+
+std::string room_of(const std::string& path) {
+  std::string best;
+  for (const auto& [room, seen] : kMaySee)
+    if (path.starts_with(room + "/") && room.size() > best.size()) best = room;
+  return best;
+}
+
+std::vector<fs::path> sources() {
+  std::vector<fs::path> files;
+  for (const char* top : {"robot", "safety", "planner", "drivers", "sim"})
+    for (const auto& entry : fs::recursive_directory_iterator(kHouse / top))
+      if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp") files.push_back(entry.path());
+  return files;
+}
+
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Architecture, EveryRoomIncludesOnlyWhatItMaySee) {
+  const std::regex include(R"re(^\s*#include\s+"([^"]+)")re");
+  std::size_t seen_includes = 0;
+  for (const fs::path& file : sources()) {
+    const std::string path = fs::relative(file, kHouse).string();
+    const std::string room = room_of(path);
+    ASSERT_FALSE(room.empty()) << path << " stands in no room of the house";
+    for (const std::string& line : lines_of(file)) {
+      std::smatch match;
+      if (!std::regex_search(line, match, include)) continue;
+      const std::string other = room_of(match[1]);
+      EXPECT_TRUE(fs::exists(kHouse / match[1].str())) << path << " includes " << match[1] << ", not from the root";
+      EXPECT_TRUE(other == room || kMaySee.at(room).contains(other)) << path << " (" << room << ") includes " << match[1];
+      ++seen_includes;
+    }
+  }
+  EXPECT_GT(seen_includes, 200U);
+}
+
+TEST(Architecture, SafetyUsesNoClockHeapInputOutputOrException) {
+  const std::set<std::string> allowed{"algorithm", "array",       "bit",     "concepts", "cstddef", "cstdint",
+                                      "cstdlib",   "limits",      "numeric", "span",     "string_view", "tuple",
+                                      "type_traits", "utility"};
+  const std::regex standard(R"(^\s*#include\s+<([^>]+)>)");
+  const std::regex banned(R"(\b(throw|try|catch|new|delete|malloc|double|float|std::string\b|std::vector|static_cast<float>)\b)");
+  for (const fs::path& file : sources()) {
+    if (room_of(fs::relative(file, kHouse).string()) != "safety") continue;
+    for (std::string line : lines_of(file)) {
+      line = line.substr(0, line.find("//"));
+      std::smatch match;
+      if (std::regex_search(line, match, standard)) EXPECT_TRUE(allowed.contains(match[1])) << file << ": " << line;
+      line = std::regex_replace(line, std::regex("\"[^\"]*\""), "\"\"");
+      EXPECT_FALSE(std::regex_search(line, banned)) << file << ": " << line;
+    }
+  }
+}
+
+TEST(Architecture, OnlyTheGateMakesAVoltage) {
+  const std::regex made(R"(GatedVoltage\s*[({]\s*[^)}\s])");
+  for (const fs::path& file : sources()) {
+    const std::string path = fs::relative(file, kHouse).string();
+    if (path == "safety/gate.cpp" || path == "safety/gate.hpp") continue;
+    for (const std::string& line : lines_of(file)) EXPECT_FALSE(std::regex_search(line, made)) << path << ": " << line;
+  }
+}
+
+TEST(Architecture, FilesAreOneIdeaLongAndNamedForIt) {
+  for (const fs::path& file : sources()) {
+    EXPECT_LE(lines_of(file).size(), 400U) << file;
+    for (const char* nothing : {"util", "helper", "common", "misc", "manager"})
+      EXPECT_EQ(file.filename().string().find(nothing), std::string::npos) << file << " says nothing";
+  }
+}
+
+}  // namespace
