@@ -20,8 +20,8 @@ struct DepthCheckSettings {
   Millimetres tolerance{0.5};            // accept within this of the plan: half of an in-plane pixel of 1 mm
   Millimetres depth_max{120.0};          // a prostate through the perineum is 60 to 100 mm deep
   Millimetres tip_offset{0.0};           // how far the void ends beyond the real tip, from a calibration of the sequence
-  // A depth that is less certain is not accepted: three of these stay below the 1 mm that would harm.
-  Millimetres sigma_max{0.3};
+  // A depth that is less certain is not accepted: three of these stay within the 1 mm that would harm.
+  Millimetres sigma_max{0.33};
   // Registered images of one patient by one sequence correlate above 0.9, a guidance scan with a planning scan 0.8.
   double registration_min = 0.6;
   // The void must beat chance, and beat what the images differ in beside the path.

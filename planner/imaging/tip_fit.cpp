@@ -29,15 +29,13 @@ double ramp(double x, double soft) { return std::clamp(0.5 + 0.5 * x / soft, 0.0
 
 class LocalVoxels {
  public:
-  LocalVoxels(const Corridor& corridor, const VoidLine& line, double depth) : corridor_(corridor) {
-    double voxel = 0.0;
-    for (const Eigen::Vector2d& place : corridor.lateral) voxel = std::max(voxel, place.norm());
-    const double reach = 1.5 * line.radius_mm + 1.5 + voxel;
+  // Voxels whose centre lies within `reach_mm` of the line.
+  LocalVoxels(const Corridor& corridor, const VoidLine& line, double depth, double reach_mm) : corridor_(corridor) {
     for (const CorridorVoxel& one : corridor.voxels) {
       const double t = static_cast<double>(one.t);
       if (t < depth - kReach_mm || t > depth + kBeyond_mm) continue;
       if (std::hypot(static_cast<double>(one.u) - line.u - line.u_slope * t,
-                     static_cast<double>(one.v) - line.v - line.v_slope * t) <= reach)
+                     static_cast<double>(one.v) - line.v - line.v_slope * t) <= reach_mm)
         voxels_.push_back(one);
     }
   }
@@ -124,7 +122,8 @@ VoidShape best_shape(const LocalVoxels& voxels, VoidShape start) {
   return best;
 }
 
-// Mean and spread of the depth's likelihood about the best shape, the end's form left open.
+// Mean and spread of the depth's likelihood about the best shape; how the void's end is rounded and how it fades are
+// left open.
 void spread_of_depth(const LocalVoxels& voxels, const VoidShape& best, double widening, TipFit& fit) {
   constexpr double kStep_mm = 0.1, kSpan_mm = 6.0;
   std::vector<double> depths, chi2;
@@ -132,10 +131,12 @@ void spread_of_depth(const LocalVoxels& voxels, const VoidShape& best, double wi
     double least = 1e300;
     VoidShape shape = best;
     shape.depth = best.depth + offset;
-    for (double rounding : kRounding) {
-      shape.rounding = rounding;
-      least = std::min(least, voxels.sums(shape).chi2());
-    }
+    for (double rounding : kRounding)
+      for (double fade : {0.6, 1.0, 1.7}) {
+        shape.rounding = rounding;
+        shape.soft = fade * best.soft;
+        least = std::min(least, voxels.sums(shape).chi2());
+      }
     depths.push_back(shape.depth);
     chi2.push_back(least);
   }
@@ -153,7 +154,9 @@ void spread_of_depth(const LocalVoxels& voxels, const VoidShape& best, double wi
 }  // namespace
 
 TipFit fit_tip(const Corridor& corridor, const VoidLine& line, double depth_mm) {
-  const LocalVoxels voxels(corridor, line, depth_mm);
+  double voxel = 0.0;
+  for (const Eigen::Vector2d& place : corridor.lateral) voxel = std::max(voxel, place.norm());
+  const LocalVoxels voxels(corridor, line, depth_mm, 1.5 * line.radius_mm + 1.5 + voxel);
   VoidShape start;
   start.line = line;
   start.depth = depth_mm;
@@ -165,8 +168,10 @@ TipFit fit_tip(const Corridor& corridor, const VoidLine& line, double depth_mm) 
   fit.loss = sums.loss();
   fit.misfit = sums.chi2() / std::max(static_cast<double>(voxels.size()) - 6.0, 1.0);
   // What is left over is alike in neighbouring voxels (interpolation, motion): fewer independent ones than counted.
-  constexpr double kAlike = 2.0;
-  spread_of_depth(voxels, best, kAlike * std::max(fit.misfit, 0.5), fit);
+  constexpr double kAlike = 1.3;
+  // The depth is that of the centreline: a wide void's rim, whose form is unknown, has no say in it.
+  const LocalVoxels core(corridor, best.line, best.depth, 0.5 * best.line.radius_mm + 0.35 + voxel);
+  spread_of_depth(core, best, kAlike * std::max(fit.misfit, 0.5), fit);
   // Below this the shape of the void's end, not noise, is the limit.
   const double model = 0.02 + 0.04 * corridor.along_mm, end_form = 0.04 * best.line.radius_mm;
   fit.sigma_mm = std::hypot(fit.sigma_mm, model, end_form);

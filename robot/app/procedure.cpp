@@ -13,9 +13,7 @@
 #include "robot/app/typed_point.hpp"
 #include "robot/messages/setup_error.hpp"
 #include "robot/report/console_table.hpp"
-#include "robot/report/report_html.hpp"
-#include "robot/report/report_json.hpp"
-#include "robot/report/run_csv.hpp"
+#include "robot/report/report_folder.hpp"
 
 namespace biopsy::app {
 namespace {
@@ -49,9 +47,7 @@ int finish(report::RunRecord& record, const PreparedCase& prepared, const fs::pa
            std::chrono::steady_clock::time_point started) {
   record.provenance = provenance(prepared, record);
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  report::save_report_html(record, out / "report.html");
-  if (!record.samples.empty()) report::save_run_csv(record, out / "run.csv");
-  report::save_report_json(record, out / "report.json");
+  report::save_report(record, out);
   fmt::print("{}", report::console_table(record, isatty(STDOUT_FILENO) == 1));
   fmt::print("\nreport: {}\n", (out / "report.html").string());
   return 0;
@@ -86,7 +82,7 @@ int plan(const ProcedureOptions& options) {
   const PreparedCase prepared = prepare(given, options.out);
   report::RunRecord record = planned_record(prepared);
   record.simulated_s = 0.0;
-  if (record.plan) record.outcome = report::Outcome::Stopped, record.refusal = "planned only: nothing was moved";
+  if (record.plan) record.outcome = report::Outcome::Completed;  // of what was asked; with no samples it says "planned"
   finish(record, prepared, options.out, started);
   return record.plan ? 0 : 3;
 }

@@ -1,6 +1,7 @@
 #include "robot/app/run_folder.hpp"
 
 #include <fstream>
+#include <string>
 
 #include "robot/messages/setup_error.hpp"
 
@@ -10,6 +11,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMark = ".biopsy-run";
+
+// Names a run writes; whatever else a person has put beside them stays.
+bool is_ours(const std::string& name) {
+  for (const char* ours : {"planning", "images", "planning.png", "report.html", "report.json", "run.csv"})
+    if (name == ours) return true;
+  return name.starts_with("stage-") && name.ends_with(".png");
+}
 
 }  // namespace
 
@@ -22,7 +30,8 @@ void claim_run_folder(const fs::path& folder) {
   if (!fs::is_empty(folder) && !fs::exists(folder / kMark))
     throw SetupError("holds files that no run of this program wrote", folder.string(),
                      "give --out an empty or new folder; nothing was touched");
-  for (const char* left : {"planning", "images", "report.html", "report.json", "run.csv"}) fs::remove_all(folder / left);
+  for (const auto& left : fs::directory_iterator(folder))
+    if (is_ours(left.path().filename().string())) fs::remove_all(left.path());
   std::ofstream mark(folder / kMark);
   mark << "written by biopsy; the next run into this folder clears it\n";
   mark.close();
