@@ -38,6 +38,7 @@ double finite(std::string_view cell, const std::string& file, std::size_t line, 
 }
 
 void read_header(CsvTable& table, std::string_view line, std::size_t number) {
+  table.header_line = number;
   for (const std::string_view name : cells(line)) {
     if (name.empty() || table.columns.contains(std::string(name)))
       throw SetupError(fmt::format("column \"{}\" is empty or there twice", name), fmt::format("{}:{}", table.file, number),

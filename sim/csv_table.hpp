@@ -10,6 +10,7 @@ namespace biopsy::sim {
 
 struct CsvTable {
   std::string file;
+  std::size_t header_line = 1;                        // of the column names, from 1
   std::vector<std::string> names;                     // in file order
   std::map<std::string, std::vector<double>> columns; // equal lengths
   std::vector<std::size_t> lines;                     // line of each row, from 1

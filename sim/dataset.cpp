@@ -26,14 +26,28 @@ constexpr std::array kColumns{ColumnRule{"time_s", "time", -1e9, 1e9},
                               ColumnRule{"current_uA", "current", -1e7, 1e7},
                               ColumnRule{"external_force_N", "external_force", -1e5, 1e5}};
 
-// A column that is a known quantity in another unit would be silently lost otherwise.
+// `name` is the quantity `stem` in another unit than that of `right`: it would be silently lost otherwise.
+bool in_wrong_unit(std::string_view name, std::string_view right, std::string_view stem) {
+  return name != right && name.starts_with(std::string(stem) + "_") &&
+         name.find('_', stem.size() + 1) == std::string_view::npos;
+}
+
+std::string header_of(const CsvTable& table) { return fmt::format("{}:{}", table.file, table.header_line); }
+
 void refuse_wrong_units(const CsvTable& table) {
   for (const std::string& name : table.names)
     for (const ColumnRule& rule : kColumns)
-      if (name != rule.name && name.starts_with(std::string(rule.stem) + "_") &&
-          name.find('_', rule.stem.size() + 1) == std::string::npos)
-        throw SetupError(fmt::format("column `{}` has the wrong unit", name), table.file + ":1",
+      if (in_wrong_unit(name, rule.name, rule.stem))
+        throw SetupError(fmt::format("column `{}` has the wrong unit", name), header_of(table),
                          fmt::format("convert it and name it `{}`", rule.name));
+}
+
+// The same for dataset.toml: weight_kg = 0.05 must not become a run without a weight.
+void refuse_wrong_units(const TomlTable& table, std::string_view right, std::string_view stem) {
+  for (const std::string& name : table.names())
+    if (in_wrong_unit(name, right, stem))
+      throw SetupError(fmt::format("`{}` has the wrong unit", name), table.place(name),
+                       fmt::format("convert it and name it `{}`", right));
 }
 
 std::vector<double> column(const CsvTable& table, std::string_view name, double si_per_unit) {
@@ -50,7 +64,7 @@ std::vector<double> column(const CsvTable& table, std::string_view name, double 
 
 void require(const CsvTable& table, std::string_view name) {
   if (!table.has(std::string(name)))
-    throw SetupError(fmt::format("column `{}` is missing", name), table.file + ":1",
+    throw SetupError(fmt::format("column `{}` is missing", name), header_of(table),
                      "columns: time_s,voltage_V,displacement_mm[,plate_b_mm][,current_uA][,external_force_N]; with drive "
                      "= \"force\": time_s,force_N,displacement_mm");
 }
@@ -58,18 +72,23 @@ void require(const CsvTable& table, std::string_view name) {
 // The fixed period of the rows; refuses anything else.
 double period_of(const CsvTable& table, const std::vector<double>& time) {
   if (time.size() < 2) throw SetupError("fewer than two rows", table.file, "a run needs at least two samples");
-  const double period = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) {
-    const double dt = time[i] - time[i - 1];
-    const std::string where = fmt::format("{}:{}", table.file, table.lines[i]);
-    if (dt <= 0.0)
-      throw SetupError(fmt::format("column `time_s`: time does not go on ({} s after {} s)", time[i], time[i - 1]), where,
-                       "sort the rows and remove repeated ones");
-    // Printed times are rounded: a tenth of a period is a rounding, more is a gap.
-    if (std::abs(dt - period) > 0.1 * period)
-      throw SetupError(fmt::format("column `time_s`: a step of {:.6g} s where the others take {:.6g} s", dt, period), where,
-                       "split the run at the gap or resample it at a fixed rate");
+    steps.push_back(time[i] - time[i - 1]);
+    if (steps.back() <= 0.0)
+      throw SetupError(fmt::format("column `time_s`: time does not go on ({} s after {} s)", time[i], time[i - 1]),
+                       fmt::format("{}:{}", table.file, table.lines[i]), "sort the rows and remove repeated ones");
   }
+  std::vector<double> sorted = steps;  // the median: one gap must not make every other step look wrong
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    // Printed times are rounded, often to a microsecond: a tenth of a period is a rounding, more is a gap.
+    if (std::abs(steps[i] - usual) > std::max(0.1 * usual, 1.1e-6))
+      throw SetupError(fmt::format("column `time_s`: a step of {:.6g} s where the others take {:.6g} s", steps[i], usual),
+                       fmt::format("{}:{}", table.file, table.lines[i + 1]),
+                       "split the run at the gap or resample it at a fixed rate");
+  const double period = (time.back() - time.front()) / static_cast<double>(steps.size());
   if (period < 0.99e-5 || period > 0.0505)
     throw SetupError(fmt::format("sampled every {:.6g} s", period), table.file, "rates from 20 Hz to 100 kHz can be used");
   return period;
@@ -87,6 +106,8 @@ RecordedRun read_run(const std::filesystem::path& folder, TomlTable entry, Drive
   if (run.file.empty() || std::filesystem::path(run.file).has_parent_path())
     throw SetupError(fmt::format("file \"{}\" is not in the data set's folder", run.file), entry.where(),
                      "keep the CSV beside dataset.toml");
+  refuse_wrong_units(entry, "weight_g", "weight");
+  refuse_wrong_units(entry, "external_force_N", "external_force");
   run.weight = number_or(entry, "weight_g", 0.0, 1e5, 0.0) * 1e-3;
   const double push = number_or(entry, "external_force_N", -1e5, 1e5, 0.0);
   const CsvTable table = read_csv(folder / run.file);
@@ -128,6 +149,7 @@ Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
     throw SetupError("no dataset.toml", folder.string(), "give the folder that holds dataset.toml and its CSV files");
   TomlTable root = read_toml(file);
   Dataset dataset;
+  refuse_wrong_units(root, "sensor_noise_mm", "sensor_noise");
   if (root.has("title")) dataset.title = root.text("title");
   if (root.has("sensor_noise_mm")) dataset.sensor_noise = root.number("sensor_noise_mm", 0.0, 100.0) * 1e-3;
   for (const TomlTable& entry : root.tables("run")) dataset.runs.push_back(read_run(folder, entry, drive));

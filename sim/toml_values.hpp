@@ -21,7 +21,8 @@ class TomlTable {
 
   std::vector<std::string> names() const;
   bool has(std::string_view name) const;
-  std::string where() const;  // file:line
+  std::string where() const;                       // file:line of the table,
+  std::string place(std::string_view name) const;  // and of one entry; throws where it is missing
 
   // All throw SetupError where the entry is missing or is not what is asked for.
   double number(std::string_view name, double low, double high);  // or the `value` of { value, std, source }
@@ -35,8 +36,6 @@ class TomlTable {
   void refuse_rest() const;
 
  private:
-  std::string place(std::string_view name) const;
-
   std::shared_ptr<const Node> node_;
   std::set<std::string, std::less<>> known_;
 };

@@ -51,7 +51,13 @@ void draw(const Volume& before, const Volume& after, const RegistrationResult& m
   pictures.after = slice_through_needle(after, frame.p_SE, frame.along, Millimetres(extent), kSize_px);
   pictures.before = pictures.after;
   const auto values = values_in_plane(before, pictures.before, motion.X_after_before.inverse());
-  pictures.before.window = window_of(values);
+  // The same tissue in the same grey: the after image's window, taken back through the change of brightness.
+  const GreyWindow& window = pictures.after.window;
+  if (motion.gain[0] > 0.05)
+    pictures.before.window = {(window.black - motion.bias[0]) / motion.gain[0],
+                              (window.white - motion.bias[0]) / motion.gain[0]};
+  else
+    pictures.before.window = window_of(values);
   paint(values, pictures.before.window, pictures.before.picture);
   pictures.tip_px = pictures.after.pixel(tip.depth_mm, tip.across_mm);
   if (tip_found) mark(pictures.after.picture, pictures.tip_px);

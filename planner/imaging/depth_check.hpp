@@ -7,8 +7,8 @@
 
 namespace biopsy::imaging {
 
-// Both images in one plane through the needle's axis, the before image moved onto the after image. `grey` scales
-// differ (each by its own percentiles), geometry does not.
+// Both images in one plane through the needle's axis, the before image moved onto the after image and shown in
+// the same greys.
 struct DepthCheckPictures {
   NeedleSlice before, after;   // the tip is marked in `after.picture` where one was found
   Eigen::Vector2d tip_px = Eigen::Vector2d::Zero();

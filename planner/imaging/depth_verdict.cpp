@@ -36,6 +36,9 @@ DepthJudgement judge_depth(const DepthReading& reading, const DepthCheckSettings
   if (tip.rival_against < std::max(s.rival_against_min, tip.control_evidence))
     return {Unsure, fmt::format("Two ends of the void are nearly as likely: {:.1f} mm and {:.1f} mm.", depth,
                                 tip.rival_depth_mm)};
+  if (std::max(tip.depth_mm - tip.low_mm, tip.high_mm - tip.depth_mm) > s.range_max.value)
+    return {Unsure, fmt::format("The tip may lie anywhere from {:.1f} to {:.1f} mm: the images differ as much beside the "
+                                "path.", tip.low_mm - s.tip_offset.value, tip.high_mm - s.tip_offset.value)};
   if (tip.sigma_mm > s.sigma_max.value)
     return {Unsure, fmt::format("The tip is at about {:.1f} mm, but only known to {:.2f} mm (one standard deviation); "
                                 "{:.2f} mm is needed.", depth, tip.sigma_mm, s.sigma_max.value)};

@@ -22,6 +22,7 @@ struct DepthCheckSettings {
   Millimetres tip_offset{0.0};           // how far the void ends beyond the real tip, from a calibration of the sequence
   // A depth that is less certain is not accepted: three of these stay within the 1 mm that would harm.
   Millimetres sigma_max{0.33};
+  Millimetres range_max{1.0};            // nor one that changes like those beside the path could have moved by this
   // Registered images of one patient by one sequence correlate above 0.9, a guidance scan with a planning scan 0.8.
   double registration_min = 0.6;
   // The void must beat chance, and beat what the images differ in beside the path.

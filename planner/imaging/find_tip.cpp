@@ -16,6 +16,7 @@ namespace {
 constexpr std::array<double, 5> kRadii{0.7, 1.2, 2.0, 3.3, 5.5};
 // Nearer tips are weighed by the fit of the tip itself, in its sigma.
 constexpr double kRivalApart_mm = 6.0;
+constexpr double kChance = 5.0;  // standard deviations: once in a few million
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Candidate {
@@ -155,12 +156,14 @@ TipFinding find_tip(const Corridor& corridor, const TipSettings& settings) {
   found.control_evidence = std::sqrt(control_gain(search, corridor));
   found.visible = visibility(search, corridor);
   if (best.fit.gain <= 0.0) return found;
-  const TipFit fit = fit_tip(corridor, best.line, best.fit.tip_mm);
+  const TipFit fit = fit_tip(corridor, best.line, best.fit.tip_mm, std::max(found.control_evidence, kChance));
   const LineProfile profile = search.profile(best.line);
   found.loss = fit.loss;
   found.radius_mm = fit.line.radius_mm;
   found.depth_mm = fit.depth_mm;
   found.sigma_mm = fit.sigma_mm;
+  found.low_mm = fit.low_mm;
+  found.high_mm = fit.high_mm;
   found.across_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
   found.up_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
   found.tilt_deg = std::atan(std::hypot(fit.line.u_slope, fit.line.v_slope)) / kDegree;

@@ -20,6 +20,7 @@ struct TipFinding {
   double loss = 0.0;          // fraction of the signal lost in the void
   double radius_mm = 0.0;
   double depth_mm = 0.0, sigma_mm = 0.0;     // tip, along the expected axis from the entry
+  double low_mm = 0.0, high_mm = 0.0;        // depths nearby that the differences beside the path could imitate
   double across_mm = 0.0, up_mm = 0.0;       // where the void lies beside the expected axis, at its tip
   double tilt_deg = 0.0;
   double gap_mm = 0.0;        // longest stretch between entry and tip where the void is clearly missing

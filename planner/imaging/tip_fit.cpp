@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kReach_mm = 10.0;   // of the shaft that is fitted with the tip
 constexpr double kBeyond_mm = 8.0;   // of the tissue ahead of it
+constexpr double kStartsApart_mm = 2.0;
+constexpr double kNearlyAsWell = 40.0;  // chi-square: five standard deviations with the doubt about its scale
 constexpr std::array<double, 3> kRounding{0.0, 0.5, 1.0};  // flat end, half way, half a sphere
 
 // The void near its tip: fades over `soft` at its side and its end.
@@ -151,31 +153,70 @@ void spread_of_depth(const LocalVoxels& voxels, const VoidShape& best, double wi
   fit.sigma_mm = std::sqrt(std::max(second / total - mean * mean, 0.0));
 }
 
-}  // namespace
+// Depths that explain the voxels less well than the best by no more than `chance` standard deviations.
+void range_of_depth(const LocalVoxels& voxels, const VoidShape& best, double chance, TipFit& fit) {
+  constexpr double kStep_mm = 0.2, kSpan_mm = 5.0;
+  const auto least_at = [&](double depth) {
+    double least = 1e300;
+    VoidShape shape = best;
+    shape.depth = depth;
+    for (double rounding : kRounding) shape.rounding = rounding, least = std::min(least, voxels.sums(shape).chi2());
+    return least;
+  };
+  const double limit = voxels.sums(best).chi2() + chance * chance;
+  fit.low_mm = std::min(best.depth, fit.depth_mm), fit.high_mm = std::max(best.depth, fit.depth_mm);
+  for (double offset = kStep_mm; offset <= kSpan_mm; offset += kStep_mm) {
+    if (least_at(best.depth - offset) < limit) fit.low_mm = std::min(fit.low_mm, best.depth - offset);
+    if (least_at(best.depth + offset) < limit) fit.high_mm = std::max(fit.high_mm, best.depth + offset);
+  }
+}
 
-TipFit fit_tip(const Corridor& corridor, const VoidLine& line, double depth_mm) {
-  double voxel = 0.0;
-  for (const Eigen::Vector2d& place : corridor.lateral) voxel = std::max(voxel, place.norm());
-  const LocalVoxels voxels(corridor, line, depth_mm, 1.5 * line.radius_mm + 1.5 + voxel);
-  VoidShape start;
-  start.line = line;
-  start.depth = depth_mm;
-  start.soft = std::max(0.35, 0.25 * line.radius_mm);
+// Shape and depth from one start.
+TipFit fit_from(const Corridor& corridor, const LocalVoxels& voxels, const VoidShape& start, double voxel_mm,
+                double chance) {
   const VoidShape best = best_shape(voxels, start);
   const Sums sums = voxels.sums(best);
   TipFit fit;
   fit.line = best.line;
   fit.loss = sums.loss();
-  fit.misfit = sums.chi2() / std::max(static_cast<double>(voxels.size()) - 6.0, 1.0);
+  fit.chi2 = sums.chi2();
+  fit.misfit = fit.chi2 / std::max(static_cast<double>(voxels.size()) - 6.0, 1.0);
   // What is left over is alike in neighbouring voxels (interpolation, motion): fewer independent ones than counted.
   constexpr double kAlike = 1.3;
   // The depth is that of the centreline: a wide void's rim, whose form is unknown, has no say in it.
-  const LocalVoxels core(corridor, best.line, best.depth, 0.5 * best.line.radius_mm + 0.35 + voxel);
+  const LocalVoxels core(corridor, best.line, best.depth, 0.5 * best.line.radius_mm + 0.35 + voxel_mm);
   spread_of_depth(core, best, kAlike * std::max(fit.misfit, 0.5), fit);
   // Below this the shape of the void's end, not noise, is the limit.
   const double model = 0.02 + 0.04 * corridor.along_mm, end_form = 0.04 * best.line.radius_mm;
   fit.sigma_mm = std::hypot(fit.sigma_mm, model, end_form);
+  range_of_depth(voxels, best, chance, fit);
   return fit;
+}
+
+}  // namespace
+
+TipFit fit_tip(const Corridor& corridor, const VoidLine& line, double depth_mm, double chance) {
+  double voxel = 0.0;
+  for (const Eigen::Vector2d& place : corridor.lateral) voxel = std::max(voxel, place.norm());
+  const LocalVoxels voxels(corridor, line, depth_mm, 1.5 * line.radius_mm + 1.5 + voxel);
+  std::array<TipFit, 3> fits;
+  for (std::size_t n = 0; n < fits.size(); ++n) {
+    VoidShape start;
+    start.line = line;
+    start.depth = depth_mm + kStartsApart_mm * (static_cast<double>(n) - 1.0);
+    start.soft = std::max(0.35, 0.25 * line.radius_mm);
+    fits[n] = fit_from(corridor, voxels, start, voxel, chance);
+  }
+  TipFit best = *std::min_element(fits.begin(), fits.end(),
+                                  [](const TipFit& a, const TipFit& b) { return a.chi2 < b.chi2; });
+  // A void that leaves its slice near the tip can be explained in several ways; where these fit nearly as well, their
+  // distance is doubt.
+  double doubt = 0.0;
+  for (const TipFit& other : fits)
+    if (other.chi2 - best.chi2 < kNearlyAsWell * std::max(best.misfit, 0.5))
+      doubt = std::max(doubt, std::abs(other.depth_mm - best.depth_mm));
+  best.sigma_mm = std::hypot(best.sigma_mm, doubt / 1.5);
+  return best;
 }
 
 }  // namespace biopsy::imaging

@@ -2,31 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "planner/imaging/orthogonal_slices.hpp"
 #include "planner/imaging/read_volume.hpp"
 #include "robot/app/commands.hpp"
+#include "robot/app/side_letters.hpp"
 #include "robot/messages/setup_error.hpp"
 #include "robot/report/png.hpp"
 
 namespace biopsy::app {
 namespace {
-
-// "R 0.98, A 0.17": where an index axis points, in words a person can check against the picture.
-std::string towards(const Eigen::Vector3d& lps) {
-  constexpr std::array<std::array<const char*, 2>, 3> kLetters{{{"R", "L"}, {"A", "P"}, {"I", "S"}}};
-  std::array<int, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(lps[a]) > std::abs(lps[b]); });
-  std::string out;
-  for (const int axis : order) {
-    if (std::abs(lps[axis]) < 0.005) continue;
-    out += fmt::format("{}{} {:.2f}", out.empty() ? "" : ", ", kLetters[static_cast<std::size_t>(axis)][lps[axis] > 0 ? 1 : 0],
-                       std::abs(lps[axis]));
-  }
-  return out;
-}
 
 void print_list(const std::vector<imaging::SeriesSummary>& all) {
   fmt::print("{} series:\n", all.size());
@@ -49,7 +34,7 @@ void print_volume(const Volume& volume) {
   fmt::print("size         {} x {} x {} voxels\n", grid.size.x(), grid.size.y(), grid.size.z());
   fmt::print("spacing      {:.4f} x {:.4f} x {:.4f} mm\n", spacing.x(), spacing.y(), spacing.z());
   for (int axis = 0; axis < 3; ++axis)
-    fmt::print("{}            points to {}\n", "ijk"[axis], towards(grid.X_SI.linear().col(axis).normalized()));
+    fmt::print("{}            points to {}\n", "ijk"[axis], side_shares(grid.X_SI.linear().col(axis).normalized()));
   fmt::print("first voxel  {:.3f}, {:.3f}, {:.3f} mm (R, A, S)\n", first.x(), first.y(), first.z());
   fmt::print("last voxel   {:.3f}, {:.3f}, {:.3f} mm (R, A, S)\n", last.x(), last.y(), last.z());
   fmt::print("values       {:g} to {:g}\n", *low, *high);

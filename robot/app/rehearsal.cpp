@@ -10,6 +10,7 @@
 #include "robot/app/operator.hpp"
 #include "robot/app/plan_facts.hpp"
 #include "robot/app/run_metrics.hpp"
+#include "robot/app/side_letters.hpp"
 #include "sim/devices/sim_stage.hpp"
 #include "sim/model_file.hpp"
 #include "sim/scanner/dicom_series.hpp"
@@ -49,7 +50,15 @@ sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_
 
 report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
   // The report counts pixels from the corner of the first one, the slice from its centre.
-  return {slice.entry_px.x() + 0.5, slice.entry_px.y() + 0.5, slice.axis_px.x(), slice.axis_px.y(), slice.mm_per_pixel};
+  report::SliceGeometry geometry{slice.entry_px.x() + 0.5, slice.entry_px.y() + 0.5, slice.axis_px.x(), slice.axis_px.y(),
+                                 slice.mm_per_pixel};
+  const Direction right_S = slice.axis_px.x() * slice.frame.along + slice.across_px.x() * slice.frame.across;
+  const Direction down_S = slice.axis_px.y() * slice.frame.along + slice.across_px.y() * slice.frame.across;
+  geometry.right = side_letters(right_S);
+  geometry.left = side_letters(-right_S);
+  geometry.bottom = side_letters(down_S);
+  geometry.top = side_letters(-down_S);
+  return geometry;
 }
 
 // The scanner's part of a rehearsal: takes an image of the needle where it truly is, sends it as DICOM, and has the

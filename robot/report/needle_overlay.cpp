@@ -113,6 +113,8 @@ class Sheet {
   void add_scale_bar(const View& view);
   void add_frame(Spot corner, double size);
   void add_labels(const View& view, std::vector<Label> labels, double left);
+  void add_lines(const View& view, const std::vector<std::string>& lines);
+  void add_sides(const View& view, const SliceGeometry& geometry);
 
  private:
   template <class... Values>
@@ -202,6 +204,28 @@ void Sheet::add_labels(const View& view, std::vector<Label> labels, double left)
   }
 }
 
+// Lines in the upper left corner, away from the needle, which runs through the middle.
+void Sheet::add_lines(const View& view, const std::vector<std::string>& lines) {
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke">{}</text>)",
+        view.at().x + 10, view.at().y + 22 + kLabelStep * static_cast<double>(i), escaped(lines[i]));
+}
+
+// The patient's sides at the edges of the view.
+void Sheet::add_sides(const View& view, const SliceGeometry& geometry) {
+  const double middle = kViewSize / 2, edge = kViewSize - 10;
+  const auto letters = [&](double x, double y, const char* anchor, const std::string& side) {
+    if (!side.empty())
+      put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke" )"
+          R"(text-anchor="{}" font-weight="bold">{}</text>)",
+          view.at().x + x, view.at().y + y, anchor, escaped(side));
+  };
+  letters(8, middle + 5, "start", geometry.left);
+  letters(edge, middle + 5, "end", geometry.right);
+  letters(middle, 20, "middle", geometry.top);
+  letters(middle, edge, "middle", geometry.bottom);
+}
+
 double widest(const std::vector<Label>& labels) {
   std::size_t letters = 0;
   for (const Label& label : labels) letters = std::max(letters, label.text.size());
@@ -239,6 +263,7 @@ std::string planning_overlay(const Picture& slice, const SliceGeometry& geometry
     sheet.add_path(*view, target);
     sheet.add_scale_bar(*view);
   }
+  sheet.add_sides(whole, geometry);
   const Spot middle = whole.on_sheet(target / 2);
   const double frame = close.width_mm() * whole.units_per_mm();
   sheet.add_frame({middle.x - frame / 2, middle.y - frame / 2}, frame);
@@ -260,17 +285,13 @@ std::string tip_overlay(const Picture& slice, const SliceGeometry& geometry, con
   sheet.add_image(close);
   sheet.add_entry(close);
   sheet.add_target(close, planned);
-  std::vector<Label> labels{{close.on_sheet(0), "entry"},
-                            {close.on_sheet(planned), "planned " + fixed(planned, 2, "mm")}};
+  std::vector<std::string> lines{"planned " + fixed(planned, 2, "mm")};
   if (depths.check && depths.check->tip_found) {
-    const double found = depths.check->depth.value;
     sheet.add_tip(close, *depths.check);
-    labels.push_back({close.on_sheet(found), "found " + fixed(found, 2, "mm")});
+    lines.push_back("found " + fixed(depths.check->depth.value, 2, "mm"));
   }
+  sheet.add_lines(close, lines);
   sheet.add_scale_bar(close);
-  const double left =
-      kViewSize - 8 - widest(labels);  // over the picture: two of them share a line of the page
-  sheet.add_labels(close, std::move(labels), left);
   return sheet.finished();
 }
 

@@ -45,6 +45,8 @@ struct SliceGeometry {
   double entry_x_px = 0, entry_y_px = 0;  // the tip at displacement zero
   double axis_dx = 0, axis_dy = 1;        // insertion direction in the picture, unit length
   double mm_per_pixel = 0;
+  // Where the picture's sides lie in the patient, e.g. "AR" for anterior and right; empty: not drawn.
+  std::string left = {}, right = {}, top = {}, bottom = {};
 };
 
 // What became of one planned stage.

@@ -117,6 +117,7 @@ TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
   good.motion.score = 0.95;
   good.tip.evidence = 50.0, good.tip.control_evidence = 5.0, good.tip.visible = 30.0, good.tip.loss = 0.9;
   good.tip.depth_mm = 20.0, good.tip.sigma_mm = 0.1;
+  good.tip.low_mm = 19.8, good.tip.high_mm = 20.2;
   ASSERT_EQ(judge_depth(good, {}).verdict, DepthVerdict::Accept);
   const auto verdict_after = [&](const auto& spoil) {
     DepthReading reading = good;
@@ -126,6 +127,7 @@ TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.gap_mm = 3.0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.rival_against = 3.0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.sigma_mm = 0.6; }), DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.low_mm = 18.0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.at_end = true; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.score = 0.3; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.within_limits = false; }), DepthVerdict::Unsure);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/sim/scratch_folder.hpp"
 #include "tests/sim/staged_model.hpp"
 
 namespace biopsy::sim {
@@ -119,7 +120,21 @@ TEST(Tissue, LayersAreMadeOfTheTablesTissuesAtThePlansDepths) {
   EXPECT_GT(tissue[2].shaft.to, 1.0);  // the last layer goes on
   EXPECT_EQ(tissue[0].surface.force, table.at("muscle").surface.force);
   EXPECT_EQ(tissue[1].surface.force, 0.0);
-  EXPECT_DOUBLE_EQ(table.at("muscle").shaft.coulomb, 15.0);  // 0.015 N/mm in N/m
+}
+
+TEST(Tissue, FilesSpeakMillimetresAndTheModelMetres) {
+  const ScratchFolder folder;
+  folder.write("t.toml",
+               "[tissue.unknown]\nforce_N = 0.1\ndeflection_mm = 0.3\ncollapse_mm = 0.2\ncutting_N = 0.05\n"
+               "coulomb_N_per_mm = 0.015\nviscous_N_s_per_m_per_mm = 0.05\nstiffness_N_per_mm = 0.03\ntime_s = 2\n");
+  const TissueLayer layer = read_tissues(folder.path() / "t.toml").at("unknown");
+  EXPECT_DOUBLE_EQ(layer.surface.force, 0.1);
+  EXPECT_DOUBLE_EQ(layer.surface.deflection, 0.3e-3);
+  EXPECT_DOUBLE_EQ(layer.surface.collapse, 0.2e-3);
+  EXPECT_DOUBLE_EQ(layer.shaft.coulomb, 15.0);
+  EXPECT_DOUBLE_EQ(layer.shaft.viscous, 50.0);
+  EXPECT_DOUBLE_EQ(layer.relaxation.stiffness, 30.0);
+  EXPECT_DOUBLE_EQ(layer.relaxation.time, 2.0);
 }
 
 TEST(Tissue, ANameNobodyKnowsBehavesAsUnknownTissue) {
@@ -129,13 +144,16 @@ TEST(Tissue, ANameNobodyKnowsBehavesAsUnknownTissue) {
 }
 
 TEST(Tissue, LayersCountAsEnteredWhenTheirSurfaceGaveWay) {
-  PlantModel model = rehearsal_with_tissue();
+  PlantModel model;
+  model.tissue = {{.surface = {.depth = 0.0, .force = 0.1, .deflection = 0.3e-3}},
+                  {.surface = {.depth = 2.0e-3, .force = 0.0}},  // air: nothing to puncture
+                  {.surface = {.depth = 2.9e-3, .force = 0.1, .deflection = 0.25e-3}}};
   EXPECT_EQ(layers_entered(model, needle_at(model, 0.0)), 0);
-  EXPECT_EQ(layers_entered(model, needle_at(model, 0.25e-3)), 0);  // muscle bulges 0.30 mm
-  EXPECT_EQ(layers_entered(model, needle_at(model, 0.35e-3)), 1);
-  EXPECT_EQ(layers_entered(model, needle_at(model, 2.05e-3)), 2);  // nothing to puncture in air
-  EXPECT_EQ(layers_entered(model, needle_at(model, 3.10e-3)), 2);
-  EXPECT_EQ(layers_entered(model, needle_at(model, 3.20e-3)), 3);
+  EXPECT_EQ(layers_entered(model, needle_at(model, 0.29e-3)), 0);
+  EXPECT_EQ(layers_entered(model, needle_at(model, 0.31e-3)), 1);
+  EXPECT_EQ(layers_entered(model, needle_at(model, 2.01e-3)), 2);
+  EXPECT_EQ(layers_entered(model, needle_at(model, 3.14e-3)), 2);
+  EXPECT_EQ(layers_entered(model, needle_at(model, 3.16e-3)), 3);
 }
 
 TEST(Tissue, ALayerOutOfReachIsNotFelt) {

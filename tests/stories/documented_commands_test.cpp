@@ -1,0 +1,276 @@
+// The documents keep their word: every command in them runs as written, every link leads somewhere, and
+// nothing that a person can meet (option, case entry, effect, hazard, report field) is missing from them.
+#include <algorithm>
+#include <regex>
+#include <set>
+#include <vector>
+
+#include "robot/messages/permit.hpp"
+#include "safety/hazards.hpp"
+#include "safety/transitions.hpp"
+#include "tests/stories/command.hpp"
+
+namespace biopsy::stories {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> documents() {
+  std::vector<fs::path> files{kHouse / "README.md"};
+  for (const auto& entry : fs::directory_iterator(kHouse / "docs"))
+    if (entry.path().extension() == ".md") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string name_of(const fs::path& document) {
+  return fs::relative(document, kHouse).string();
+}
+
+struct Line {
+  int number;
+  std::string fence;  // language of the block it stands in; empty outside of blocks
+  std::string text;
+};
+
+std::vector<Line> lines_of(const fs::path& document) {
+  std::vector<Line> lines;
+  std::ifstream stream(document);
+  std::string fence;
+  int number = 0;
+  for (std::string text; std::getline(stream, text);) {
+    ++number;
+    if (!text.starts_with("```")) {
+      lines.push_back({number, fence, text});
+    } else if (!fence.empty()) {
+      fence.clear();
+    } else {
+      fence = text.substr(3);
+      EXPECT_TRUE((std::set<std::string>{"sh", "toml", "csv", "json", "text"}.contains(fence)))
+          << name_of(document) << ":" << number << ": a block in no known language hides what it is: \""
+          << fence << "\"";
+      if (fence.empty()) fence = "?";
+    }
+  }
+  EXPECT_TRUE(fence.empty()) << name_of(document) << " ends inside a block";
+  return lines;
+}
+
+std::string prose_of(const std::string& document) {
+  return text_of(kHouse / "docs" / document);
+}
+
+// Each match of `pattern` in `text`: its first group.
+std::set<std::string> found_in(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), regex), end; match != end; ++match)
+    found.insert((*match)[1]);
+  return found;
+}
+
+// As code: `word`, `word VALUE` or `word = value`.
+bool mentions(const std::string& text, const std::string& word) {
+  return std::regex_search(text, std::regex("[`\\[. ]" + word + "(`|\\]| =| [A-Z`\\[])"));
+}
+
+// A command ends with "# exits N" where its answer is not 0.
+int promised_code(const std::string& command) {
+  std::smatch match;
+  return std::regex_search(command, match, std::regex(R"(# exits (\d+)$)")) ? std::stoi(match[1]) : 0;
+}
+
+class Document : public testing::TestWithParam<fs::path> {
+ protected:
+  // A copy of what the documents speak of: the examples and the models, as they lie in the repository.
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "docs");
+    fs::create_directories(folder_ / "sim");
+    fs::copy(kHouse / "docs/examples", folder_ / "docs/examples", fs::copy_options::recursive);
+    fs::copy(kHouse / "sim/models", folder_ / "sim/models", fs::copy_options::recursive);
+    came_from_ = fs::current_path();
+    fs::current_path(folder_);
+  }
+  void TearDown() override {
+    fs::current_path(came_from_);
+    fs::remove_all(folder_);
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("biopsy-documented-" + GetParam().stem().string());
+  fs::path came_from_;
+};
+
+std::set<std::string> dev_verbs() {
+  const std::string help = text_of(kHouse / "dev");
+  return found_in(help, R"(\n  ([a-z]+)\)  # )");
+}
+
+TEST_P(Document, EveryCommandRunsAsWritten) {
+  const std::set<std::string> verbs = dev_verbs();
+  ASSERT_TRUE(verbs.contains("run"));
+  for (const Line& line : lines_of(GetParam())) {
+    const std::string where = name_of(GetParam()) + ":" + std::to_string(line.number) + ": " + line.text;
+    const bool ours = line.text.starts_with("biopsy "), front_door = line.text.starts_with("./dev ");
+    if (line.fence != "sh") {
+      EXPECT_FALSE((ours || front_door) && !line.fence.empty())
+          << where << ": a command outside of a sh block";
+      continue;
+    }
+    ASSERT_TRUE(ours || front_door) << where << ": neither a command of the program nor of ./dev";
+    if (ours) {
+      const Answer answer = biopsy(line.text.substr(7, line.text.find(" # ") - 7));
+      ASSERT_EQ(answer.code, promised_code(line.text)) << where << "\n" << answer.text;
+    } else {  // not run: some of them run this test
+      EXPECT_TRUE(verbs.contains(line.text.substr(6, line.text.find(' ', 6) - 6)))
+          << where << ": no such verb";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, Document, testing::ValuesIn(documents()), [](const auto& given) {
+  return std::regex_replace(given.param.stem().string(), std::regex("\\W"), "_");
+});
+
+// How GitHub names the anchor of a heading.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char letter : heading)
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '-' || letter == '_')
+      anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    else if (letter == ' ')
+      anchor += '-';
+  return anchor;
+}
+
+std::set<std::string> anchors_of(const fs::path& document) {
+  std::set<std::string> anchors;
+  for (const Line& line : lines_of(document))
+    if (line.fence.empty() && line.text.starts_with("#"))
+      anchors.insert(anchor_of(line.text.substr(line.text.find(' ') + 1)));
+  return anchors;
+}
+
+TEST(Documents, EveryLinkLeadsSomewhere) {
+  int links = 0;
+  for (const fs::path& document : documents())
+    for (const std::string& link : found_in(text_of(document), R"(\]\(([^)]+)\))")) {
+      if (link.starts_with("http")) continue;
+      ++links;
+      const std::string file = link.substr(0, link.find('#'));
+      const fs::path target = file.empty() ? document : document.parent_path() / file;
+      ASSERT_TRUE(fs::exists(target)) << name_of(document) << " links to " << link;
+      if (link.find('#') == std::string::npos) continue;
+      EXPECT_TRUE(anchors_of(target).contains(link.substr(link.find('#') + 1)))
+          << name_of(document) << " links to " << link;
+    }
+  EXPECT_GT(links, 20);
+}
+
+TEST(Documents, EachIsLinkedFromTheReadme) {
+  const std::string readme = text_of(kHouse / "README.md");
+  for (const fs::path& document : documents())
+    if (document.filename() != "README.md") {
+      EXPECT_NE(readme.find("(" + name_of(document) + ")"), std::string::npos) << name_of(document);
+    }
+}
+
+TEST(Documents, TellEveryOptionAndCommand) {
+  const std::string source = text_of(kHouse / "robot/app/command_line.cpp"),
+                    reference = prose_of("reference.md");
+  const auto options = found_in(source, R"(add_(?:option|flag)\("([^"]+)\")"),
+             commands = found_in(source, R"(add_subcommand\("([^"]+)\")");
+  EXPECT_GT(options.size(), 15U);
+  EXPECT_GE(commands.size(), 5U);
+  for (const std::string& option : options) EXPECT_TRUE(mentions(reference, option)) << option;
+  for (const std::string& command : commands)
+    EXPECT_TRUE(mentions(reference, "biopsy " + command)) << command;
+}
+
+TEST(Documents, TellEveryEntryOfACaseFile) {
+  const std::string reference = prose_of("reference.md");
+  const auto entries =
+      found_in(text_of(kHouse / "robot/app/case.cpp"),
+               R"rx((?:has|text|number|numbers|flag|table|tables|ras_point)\((?:table, )?"(\w+)")rx");
+  EXPECT_GT(entries.size(), 20U);
+  for (const std::string& entry : entries) EXPECT_TRUE(mentions(reference, entry)) << entry;
+}
+
+// The line of a table whose first cell is `name`.
+std::string row_of(const std::string& text, const std::string& name) {
+  const std::size_t start = text.find("\n| " + name + " |");
+  return start == std::string::npos ? "" : text.substr(start + 1, text.find('\n', start + 1) - start - 1);
+}
+
+TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
+  const std::string model = prose_of("model.md");
+  const std::regex parameter(R"rx("(\w+)",\s*&\w+::\w+,\s*[-\d.e]+,\s*([-\d.e]+),\s*([-\d.e]+))rx");
+  int parameters = 0;
+  for (const auto& file : fs::directory_iterator(kHouse / "sim/effects")) {
+    const std::string name = file.path().stem().string(), source = text_of(file.path());
+    if (name == "effect") continue;
+    const std::string row = row_of(model, "`" + name + "`");
+    for (std::sregex_iterator match(source.begin(), source.end(), parameter), end; match != end;
+         ++match, ++parameters) {
+      std::ostringstream cell;
+      cell << "`" << (*match)[1] << "` " << std::stod((*match)[2]) << " to " << std::stod((*match)[3]);
+      EXPECT_NE(row.find(cell.str()), std::string::npos)
+          << name << ": " << cell.str() << " is not in \"" << row << "\"";
+    }
+    EXPECT_FALSE(row.empty()) << name;
+  }
+  EXPECT_GT(parameters, 15);
+}
+
+TEST(Documents, TellEveryHazardWithItsStopAndTime) {
+  const std::string safety_page = prose_of("safety.md");
+  for (const safety::HazardFacts& facts : safety::kHazardTable) {
+    const std::string id(facts.name.substr(0, 4)), sentence(facts.name.substr(5));
+    const std::string stop = facts.stop == StopCategory::C0Off    ? "C0"
+                             : facts.stop == StopCategory::C1Ramp ? "C1"
+                                                                  : "C2";
+    const std::string rest = " | " + sentence + " | " + stop + (facts.locks ? ", lock" : "") + " | " +
+                             std::to_string(facts.detect_ms);
+    EXPECT_TRUE(row_of(safety_page, id).starts_with("| " + id + rest + " |")) << id << rest;
+  }
+}
+
+TEST(Documents, TellEveryStateAndWayBetweenThem) {
+  const std::string safety_page = prose_of("safety.md");
+  for (const safety::Transition& way : safety::kTransitions) {
+    const std::string row = row_of(safety_page, std::string(safety::name_of(way.from)));
+    const std::string cell =
+        std::string(safety::name_of(way.event)) + " → " + std::string(safety::name_of(way.to));
+    EXPECT_NE(row.find(cell), std::string::npos) << safety::name_of(way.from) << ": " << cell;
+  }
+}
+
+void expect_told(const nlohmann::json& value, const std::string& reference) {
+  if (value.is_object())
+    for (const auto& [key, inner] : value.items()) {
+      if (key != "provenance") expect_told(inner, reference);
+      EXPECT_TRUE(mentions(reference, key)) << key;
+    }
+  if (value.is_array())
+    for (const auto& inner : value) expect_told(inner, reference);
+}
+
+TEST(Documents, TellEveryFieldOfTheReports) {
+  const Folder folder;
+  const std::string reference = prose_of("reference.md"), run = (folder / "run").string(),
+                    image = run + "/planning";
+  EXPECT_NE(biopsy("dry-run gap --out " + run).code, 2);
+  const Answer checked =
+      biopsy("check --before " + image + " --after " + image +
+             "  --entry -4.4,33.1,51.9 --axis -0.94,0.04,-0.35 --out " + (folder / "check").string());
+  ASSERT_EQ(checked.code, 0) << checked.text;
+  expect_told(json_of(folder / "run/report.json"), reference);
+  expect_told(json_of(folder / "check/check.json"), reference);
+  std::string header = text_of(folder / "run/run.csv");
+  header = header.substr(0, header.find('\n'));
+  for (const std::string& column : found_in(header + ",", "([^,]+),"))
+    EXPECT_TRUE(mentions(reference, column)) << column;
+}
+
+}  // namespace
+}  // namespace biopsy::stories
