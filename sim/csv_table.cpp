@@ -14,7 +14,8 @@ namespace {
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
+    text.remove_suffix(1);
   return text;
 }
 
@@ -33,7 +34,8 @@ double finite(std::string_view cell, const std::string& file, std::size_t line, 
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
     throw SetupError(fmt::format("column `{}`: \"{}\" is not a finite number", column, cell.substr(0, 40)),
-                     fmt::format("{}:{}", file, line), "mend or remove the row; a gap cannot be simulated through");
+                     fmt::format("{}:{}", file, line),
+                     "mend or remove the row; a gap cannot be simulated through");
   return value;
 }
 
@@ -41,7 +43,8 @@ void read_header(CsvTable& table, std::string_view line, std::size_t number) {
   table.header_line = number;
   for (const std::string_view name : cells(line)) {
     if (name.empty() || table.columns.contains(std::string(name)))
-      throw SetupError(fmt::format("column \"{}\" is empty or there twice", name), fmt::format("{}:{}", table.file, number),
+      throw SetupError(fmt::format("column \"{}\" is empty or there twice", name),
+                       fmt::format("{}:{}", table.file, number),
                        "give each column one name with its unit, e.g. time_s");
     table.names.emplace_back(name);
     table.columns[std::string(name)];
@@ -74,7 +77,8 @@ CsvTable read_csv(const std::filesystem::path& file) {
     else
       read_row(table, text, number);
   }
-  if (table.lines.empty()) throw SetupError("holds no rows", table.file, "give a header line and at least two rows");
+  if (table.lines.empty())
+    throw SetupError("holds no rows", table.file, "give a header line and at least two rows");
   return table;
 }
 

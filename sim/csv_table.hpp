@@ -1,4 +1,5 @@
-// A CSV file of numbers: one header line of column names, rows of finite numbers, lines that start with # are comments.
+// A CSV file of numbers: one header line of column names, rows of finite numbers, lines that start with # are
+// comments.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +11,10 @@ namespace biopsy::sim {
 
 struct CsvTable {
   std::string file;
-  std::size_t header_line = 1;                        // of the column names, from 1
-  std::vector<std::string> names;                     // in file order
-  std::map<std::string, std::vector<double>> columns; // equal lengths
-  std::vector<std::size_t> lines;                     // line of each row, from 1
+  std::size_t header_line = 1;                         // of the column names, from 1
+  std::vector<std::string> names;                      // in file order
+  std::map<std::string, std::vector<double>> columns;  // equal lengths
+  std::vector<std::size_t> lines;                      // line of each row, from 1
 
   bool has(const std::string& name) const { return columns.contains(name); }
   const std::vector<double>& column(const std::string& name) const { return columns.at(name); }

@@ -32,7 +32,9 @@ bool in_wrong_unit(std::string_view name, std::string_view right, std::string_vi
          name.find('_', stem.size() + 1) == std::string_view::npos;
 }
 
-std::string header_of(const CsvTable& table) { return fmt::format("{}:{}", table.file, table.header_line); }
+std::string header_of(const CsvTable& table) {
+  return fmt::format("{}:{}", table.file, table.header_line);
+}
 
 void refuse_wrong_units(const CsvTable& table) {
   for (const std::string& name : table.names)
@@ -64,33 +66,39 @@ std::vector<double> column(const CsvTable& table, std::string_view name, double 
 
 void require(const CsvTable& table, std::string_view name) {
   if (!table.has(std::string(name)))
-    throw SetupError(fmt::format("column `{}` is missing", name), header_of(table),
-                     "columns: time_s,voltage_V,displacement_mm[,plate_b_mm][,current_uA][,external_force_N]; with drive "
-                     "= \"force\": time_s,force_N,displacement_mm");
+    throw SetupError(
+        fmt::format("column `{}` is missing", name), header_of(table),
+        "columns: time_s,voltage_V,displacement_mm[,plate_b_mm][,current_uA][,external_force_N]; with drive "
+        "= \"force\": time_s,force_N,displacement_mm");
 }
 
 // The fixed period of the rows; refuses anything else.
 double period_of(const CsvTable& table, const std::vector<double>& time) {
-  if (time.size() < 2) throw SetupError("fewer than two rows", table.file, "a run needs at least two samples");
+  if (time.size() < 2)
+    throw SetupError("fewer than two rows", table.file, "a run needs at least two samples");
   std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) {
     steps.push_back(time[i] - time[i - 1]);
     if (steps.back() <= 0.0)
-      throw SetupError(fmt::format("column `time_s`: time does not go on ({} s after {} s)", time[i], time[i - 1]),
-                       fmt::format("{}:{}", table.file, table.lines[i]), "sort the rows and remove repeated ones");
+      throw SetupError(
+          fmt::format("column `time_s`: time does not go on ({} s after {} s)", time[i], time[i - 1]),
+          fmt::format("{}:{}", table.file, table.lines[i]), "sort the rows and remove repeated ones");
   }
   std::vector<double> sorted = steps;  // the median: one gap must not make every other step look wrong
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
   const double usual = sorted[sorted.size() / 2];
   for (std::size_t i = 0; i < steps.size(); ++i)
     // Printed times are rounded, often to a microsecond: a tenth of a period is a rounding, more is a gap.
     if (std::abs(steps[i] - usual) > std::max(0.1 * usual, 1.1e-6))
-      throw SetupError(fmt::format("column `time_s`: a step of {:.6g} s where the others take {:.6g} s", steps[i], usual),
-                       fmt::format("{}:{}", table.file, table.lines[i + 1]),
-                       "split the run at the gap or resample it at a fixed rate");
+      throw SetupError(
+          fmt::format("column `time_s`: a step of {:.6g} s where the others take {:.6g} s", steps[i], usual),
+          fmt::format("{}:{}", table.file, table.lines[i + 1]),
+          "split the run at the gap or resample it at a fixed rate");
   const double period = (time.back() - time.front()) / static_cast<double>(steps.size());
   if (period < 0.99e-5 || period > 0.0505)
-    throw SetupError(fmt::format("sampled every {:.6g} s", period), table.file, "rates from 20 Hz to 100 kHz can be used");
+    throw SetupError(fmt::format("sampled every {:.6g} s", period), table.file,
+                     "rates from 20 Hz to 100 kHz can be used");
   return period;
 }
 
@@ -146,14 +154,16 @@ std::string quoted(const std::string& text) {
 Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
   const std::filesystem::path file = folder / "dataset.toml";
   if (!std::filesystem::exists(file))
-    throw SetupError("no dataset.toml", folder.string(), "give the folder that holds dataset.toml and its CSV files");
+    throw SetupError("no dataset.toml", folder.string(),
+                     "give the folder that holds dataset.toml and its CSV files");
   TomlTable root = read_toml(file);
   Dataset dataset;
   refuse_wrong_units(root, "sensor_noise_mm", "sensor_noise");
   if (root.has("title")) dataset.title = root.text("title");
   if (root.has("sensor_noise_mm")) dataset.sensor_noise = root.number("sensor_noise_mm", 0.0, 100.0) * 1e-3;
   for (const TomlTable& entry : root.tables("run")) dataset.runs.push_back(read_run(folder, entry, drive));
-  if (dataset.runs.empty()) throw SetupError("no [[run]]", file.string(), "list at least one run with name and file");
+  if (dataset.runs.empty())
+    throw SetupError("no [[run]]", file.string(), "list at least one run with name and file");
   return dataset;
 }
 
@@ -179,8 +189,8 @@ std::string dataset_toml(const Dataset& dataset) {
   fmt::format_to(to, "title = {}\n", quoted(dataset.title));
   if (dataset.sensor_noise) fmt::format_to(to, "sensor_noise_mm = {:.6f}\n", *dataset.sensor_noise * 1e3);
   for (const RecordedRun& run : dataset.runs)
-    fmt::format_to(to, "\n[[run]]\nname = {}\nfile = {}\nweight_g = {:.6f}\n", quoted(run.name), quoted(run.file),
-                   run.weight * 1e3);
+    fmt::format_to(to, "\n[[run]]\nname = {}\nfile = {}\nweight_g = {:.6f}\n", quoted(run.name),
+                   quoted(run.file), run.weight * 1e3);
   return fmt::to_string(text);
 }
 

@@ -1,5 +1,5 @@
-// Data sets (docs/model.md, section 3): a folder with dataset.toml and one CSV a run. Refuses missing columns, gaps, NaN,
-// time that goes back and wrong units, naming file, line and column.
+// Data sets (docs/model.md, section 3): a folder with dataset.toml and one CSV a run. Refuses missing
+// columns, gaps, NaN, time that goes back and wrong units, naming file, line and column.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,14 @@ namespace biopsy::sim {
 // Row k: measured at time[k]; then input[k] is applied and held until the next row.
 struct RecordedRun {
   std::string name, file;
-  double weight = 0.0;                     // kg on plate A
-  double period = 1e-3;                    // s between rows
-  std::vector<double> time;                // s
-  std::vector<double> input;               // V (Drive::Stack) or N (Drive::Force)
-  std::vector<double> displacement;        // m
-  std::vector<double> plate_b;             // m, empty where not measured
-  std::vector<double> current;             // A, empty where not measured
-  std::vector<double> external_force;      // N per row; the run's constant where there is no column
+  double weight = 0.0;                 // kg on plate A
+  double period = 1e-3;                // s between rows
+  std::vector<double> time;            // s
+  std::vector<double> input;           // V (Drive::Stack) or N (Drive::Force)
+  std::vector<double> displacement;    // m
+  std::vector<double> plate_b;         // m, empty where not measured
+  std::vector<double> current;         // A, empty where not measured
+  std::vector<double> external_force;  // N per row; the run's constant where there is no column
 };
 
 struct Dataset {

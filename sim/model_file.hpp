@@ -1,6 +1,6 @@
-// Model files (docs/model.md, section 3): TOML with [baseline] and one [effect.NAME] per effect that is present; every
-// value a number or { value, std, source }. Refuses unknown names, missing values and numbers out of range, naming
-// file, line and what is allowed.
+// Model files (docs/model.md, section 3): TOML with [baseline] and one [effect.NAME] per effect that is
+// present; every value a number or { value, std, source }. Refuses unknown names, missing values and numbers
+// out of range, naming file, line and what is allowed.
 #pragma once
 
 #include <filesystem>

@@ -11,18 +11,18 @@
 namespace biopsy::sim {
 namespace {
 
-constexpr double kStopped = 0.0;        // plate A at rest is exactly at rest
+constexpr double kStopped = 0.0;  // plate A at rest is exactly at rest
 constexpr int kRootSteps = 6;
 constexpr double kRootResolution = 1e-9;  // s
-constexpr double kReach = 0.5e-3;  // m: further than any needle moves within a step
-constexpr int kEventsPerStep = 8;       // stick or slip; more within one step means chatter below any resolution
+constexpr double kReach = 0.5e-3;         // m: further than any needle moves within a step
+constexpr int kEventsPerStep = 8;  // stick or slip; more within one step means chatter below any resolution
 
 // Everything one evaluation of the mechanics needs besides the motion itself.
 struct Surroundings {
   const PlantModel& model;
   const PlantInputs& inputs;
   std::size_t layers;  // of tissue that the needle can touch within this step
-  double zipped;   // height memory at the beginning of the step
+  double zipped;       // height memory at the beginning of the step
   double x_max;
   double u_start;  // V, stack voltage at the beginning of the step
 };
@@ -69,8 +69,9 @@ double undamped_spring(const PlantModel& model, const Motion& m) {
   return model.mass_A() * b.g + b.k * (b.n * (m.H - b.H_0) - m.x) - b.c_k * m.v;
 }
 
-// Upward force of the series spring; sets the pouches' rate. The damper c_k makes the load depend on the speed of
-// plate B and that speed on the load: one Newton step from the undamped load solves it, the coupling being a few %.
+// Upward force of the series spring; sets the pouches' rate. The damper c_k makes the load depend on the
+// speed of plate B and that speed on the load: one Newton step from the undamped load solves it, the coupling
+// being a few %.
 double spring_force(const Surroundings& s, const Motion& m, double u_o, double& dH) {
   const Baseline& b = s.model.baseline;
   const double undamped = undamped_spring(s.model, m);
@@ -108,14 +109,15 @@ Derivative rates(const Surroundings& s, const Motion& m, double u_o, int directi
 }
 
 // m + h (a d + b e + c f): one row of the tableau, without touching layers out of reach.
-Motion advanced(const Motion& m, std::size_t layers, double h, const Derivative& d, double a, const Derivative& e,
-                double b, const Derivative& f, double c) {
+Motion advanced(const Motion& m, std::size_t layers, double h, const Derivative& d, double a,
+                const Derivative& e, double b, const Derivative& f, double c) {
   Motion out = m;
   out.H += h * (a * d.dH + b * e.dH + c * f.dH);
   out.x += h * (a * d.dx + b * e.dx + c * f.dx);
   out.v += h * (a * d.dv + b * e.dv + c * f.dv);
   out.crept_lone += h * (a * d.dcrept_lone + b * e.dcrept_lone + c * f.dcrept_lone);
-  for (std::size_t i = 0; i < layers; ++i) out.crept[i] += h * (a * d.dcrept[i] + b * e.dcrept[i] + c * f.dcrept[i]);
+  for (std::size_t i = 0; i < layers; ++i)
+    out.crept[i] += h * (a * d.dcrept[i] + b * e.dcrept[i] + c * f.dcrept[i]);
   return out;
 }
 
@@ -129,9 +131,12 @@ Motion runge_kutta(const Surroundings& s, const Motion& m, double h, double deca
   return advanced(m, n, h, a, 1.0 / 6, b, 4.0 / 6, c, 1.0 / 6);
 }
 
-double half_decay(const PlantModel& model, double h) { return std::exp(-0.5 * h / model.baseline.tau); }
+double half_decay(const PlantModel& model, double h) {
+  return std::exp(-0.5 * h / model.baseline.tau);
+}
 
-// Positive while plate A keeps doing what it does: force in reserve while stuck (N), speed while sliding (m/s).
+// Positive while plate A keeps doing what it does: force in reserve while stuck (N), speed while sliding
+// (m/s).
 double regime_margin(const Surroundings& s, const Motion& m, double u_o, int direction) {
   if (direction != 0) return m.v * direction;
   double unused = 0.0;
@@ -207,13 +212,15 @@ std::size_t layers_within_reach(const PlantModel& model, const PlantState& state
   return layers;
 }
 
-// One internal step of length h. With dry friction the step is cut where plate A stops or breaks away; the pieces keep
-// the method's order, which a cut at the step's end would not.
-void internal_step(const PlantModel& model, PlantState& state, double h, double decay, const PlantInputs& inputs) {
+// One internal step of length h. With dry friction the step is cut where plate A stops or breaks away; the
+// pieces keep the method's order, which a cut at the step's end would not.
+void internal_step(const PlantModel& model, PlantState& state, double h, double decay,
+                   const PlantInputs& inputs) {
   const bool dry = has_dry_friction(model);
   bool breaks_away = false;
   for (int event = 0; h > kRootResolution; ++event) {
-    const Surroundings s{model, inputs, layers_within_reach(model, state), state.zipped, state.x_max, state.u_o};
+    const Surroundings s{model,        inputs,      layers_within_reach(model, state),
+                         state.zipped, state.x_max, state.u_o};
     const int direction = dry ? slide_direction(s, state.motion, breaks_away) : 1;
     const bool locate = dry && event < kEventsPerStep;
     Piece piece = locate ? until_event(s, state.motion, h, decay, direction)
@@ -270,7 +277,8 @@ double current(const PlantModel& model, const PlantState& state) {
 int layers_entered(const PlantModel& model, const PlantState& state) {
   int entered = 0;
   for (const TissueLayer& layer : model.tissue)
-    if (layer.surface.force <= 0.0 ? state.x_max > layer.surface.depth : layer.surface.punctured(state.x_max)) ++entered;
+    if (layer.surface.force <= 0.0 ? state.x_max > layer.surface.depth : layer.surface.punctured(state.x_max))
+      ++entered;
   return entered;
 }
 

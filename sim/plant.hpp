@@ -18,8 +18,8 @@ struct PlantInputs {
 
 // What is integrated smoothly. SI.
 struct Motion {
-  double H = 0.0;           // m, height of one pouch
-  double x = 0.0, v = 0.0;  // m, m/s, plate A and the needle tip
+  double H = 0.0;                          // m, height of one pouch
+  double x = 0.0, v = 0.0;                 // m, m/s, plate A and the needle tip
   double crept_lone = 0.0;                 // m, how far the tissue of the effect has crept,
   std::array<double, kMaxLayers> crept{};  // and each layer of the model's tissue
 };
@@ -28,10 +28,10 @@ struct PlantState {
   double u_i = 0.0, u_o = 0.0;  // V, amplifier and stack
   double charge = 0.0;          // C, put out by the amplifier during the last step
   Motion motion;
-  double zipped = 0.0;          // m, height memory of zipping hysteresis
-  double x_max = 0.0;           // m, deepest position so far
-  double reading = 0.0;         // m, lagged sensor
-  std::uint64_t readings = 0;   // number of steps done: picks the noise
+  double zipped = 0.0;         // m, height memory of zipping hysteresis
+  double x_max = 0.0;          // m, deepest position so far
+  double reading = 0.0;        // m, lagged sensor
+  std::uint64_t readings = 0;  // number of steps done: picks the noise
 };
 
 // At rest: no voltage, no motion.

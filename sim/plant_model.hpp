@@ -1,5 +1,6 @@
 // The needle stage and what surrounds it, as constants: nothing here changes while it moves.
-// Source: Xiong, Zhou, Li, Yeow, eq. (1)-(21); docs/model.md says where the paper is silent or misprinted. SI units.
+// Source: Xiong, Zhou, Li, Yeow, eq. (1)-(21); docs/model.md says where the paper is silent or misprinted. SI
+// units.
 #pragma once
 
 #include <array>
@@ -91,7 +92,9 @@ struct PlantModel {
   double internal_step = 1e-3;      // s, largest step of the integrator
   std::uint64_t noise_seed = 1;
 
-  double mass_A() const { return baseline.drive == Drive::Force ? baseline.m : baseline.fixture_mass + weight; }
+  double mass_A() const {
+    return baseline.drive == Drive::Force ? baseline.m : baseline.fixture_mass + weight;
+  }
 };
 
 }  // namespace biopsy::sim

@@ -18,8 +18,9 @@ struct Equilibrium {
   double slope = 0.0;  // m/N, dH/dF
 };
 
-// Height at which pressure P carries load F: S = F/(L0 P) and eq. (18) solved for H. Written as a/(sqrt(S^2 + a) + S)
-// because the difference sqrt(S^2 + a) - S cancels to nothing at low voltage, and multiplied through by L0 P.
+// Height at which pressure P carries load F: S = F/(L0 P) and eq. (18) solved for H. Written as a/(sqrt(S^2 +
+// a) + S) because the difference sqrt(S^2 + a) - S cancels to nothing at low voltage, and multiplied through
+// by L0 P.
 inline Equilibrium equilibrium(const Baseline& b, double P, double F) {
   const double stiffness = b.L0 * P;  // N/m
   const double a = std::numbers::pi * b.V0 / b.L0;

@@ -1,5 +1,5 @@
-// Random numbers that depend on the seed and on where they are used, and on nothing else: not on the order of calls,
-// nor on a library's idea of a normal distribution.
+// Random numbers that depend on the seed and on where they are used, and on nothing else: not on the order of
+// calls, nor on a library's idea of a normal distribution.
 #pragma once
 
 #include <cmath>

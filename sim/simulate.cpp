@@ -20,7 +20,9 @@ RecordedRun simulate(PlantModel model, const RecordedRun& recorded) {
     }
     const double until = i + 1 < rows ? run.time[i + 1] - run.time[i] : run.period;
     state = step(model, state,
-                 {.voltage = stack ? run.input[i] : 0.0, .force = stack ? 0.0 : run.input[i], .external_force = run.external_force[i]},
+                 {.voltage = stack ? run.input[i] : 0.0,
+                  .force = stack ? 0.0 : run.input[i],
+                  .external_force = run.external_force[i]},
                  Seconds(until));
   }
   return run;

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-// toml++ 3.3 asserts on a table header that begins with a wrong character, "[.x]", and then reports it properly all the
-// same: a person's typing mistake must not abort.
+// toml++ 3.3 asserts on a table header that begins with a wrong character, "[.x]", and then reports it
+// properly all the same: a person's typing mistake must not abort.
 #define TOML_ASSERT(expr) static_assert(true)
 #include <toml++/toml.h>
 
@@ -51,9 +51,13 @@ std::vector<std::string> TomlTable::names() const {
   return out;
 }
 
-bool TomlTable::has(std::string_view name) const { return node_->table->contains(name); }
+bool TomlTable::has(std::string_view name) const {
+  return node_->table->contains(name);
+}
 
-std::string TomlTable::where() const { return at_line(node_->file, *node_->table); }
+std::string TomlTable::where() const {
+  return at_line(node_->file, *node_->table);
+}
 
 std::string TomlTable::place(std::string_view name) const {
   const toml::node* node = node_->table->get(name);
@@ -79,7 +83,8 @@ std::string TomlTable::text(std::string_view name) {
   const std::string line = place(name);
   known_.emplace(name);
   const auto value = node_->table->get(name)->value<std::string>();
-  if (!value) throw SetupError(fmt::format("`{}` is not a text", name), line, fmt::format("write {} = \"...\"", name));
+  if (!value)
+    throw SetupError(fmt::format("`{}` is not a text", name), line, fmt::format("write {} = \"...\"", name));
   return *value;
 }
 
@@ -88,9 +93,11 @@ std::vector<double> TomlTable::numbers(std::string_view name, double low, double
   known_.emplace(name);
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr)
-    throw SetupError(fmt::format("`{}` is not a list of numbers", name), line, fmt::format("write {} = [1.0, 2.0]", name));
+    throw SetupError(fmt::format("`{}` is not a list of numbers", name), line,
+                     fmt::format("write {} = [1.0, 2.0]", name));
   std::vector<double> out;
-  for (const toml::node& element : *array) out.push_back(ranged(finite(element, name, line), name, low, high, line));
+  for (const toml::node& element : *array)
+    out.push_back(ranged(finite(element, name, line), name, low, high, line));
   return out;
 }
 
@@ -98,7 +105,8 @@ bool TomlTable::flag(std::string_view name) {
   const std::string line = place(name);
   known_.emplace(name);
   const toml::node* node = node_->table->get(name);
-  if (!node->is_boolean()) throw SetupError(fmt::format("`{}` is neither true nor false", name), line, "write true or false");
+  if (!node->is_boolean())
+    throw SetupError(fmt::format("`{}` is neither true nor false", name), line, "write true or false");
   return *node->value<bool>();
 }
 
@@ -106,7 +114,8 @@ TomlTable TomlTable::table(std::string_view name) {
   const std::string line = place(name);
   known_.emplace(name);
   const toml::table* inner = node_->table->get(name)->as_table();
-  if (inner == nullptr) throw SetupError(fmt::format("`{}` is not a table", name), line, fmt::format("write [{}]", name));
+  if (inner == nullptr)
+    throw SetupError(fmt::format("`{}` is not a table", name), line, fmt::format("write [{}]", name));
   return TomlTable(std::make_shared<Node>(Node{node_->file, node_->root, inner}));
 }
 
@@ -117,13 +126,16 @@ std::vector<TomlTable> TomlTable::tables(std::string_view name) {
   known_.emplace(name);
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr || !array->is_array_of_tables())
-    throw SetupError(fmt::format("`{}` is not a list of tables", name), line, fmt::format("write [[{}]]", name));
+    throw SetupError(fmt::format("`{}` is not a list of tables", name), line,
+                     fmt::format("write [[{}]]", name));
   for (const toml::node& element : *array)
     out.emplace_back(std::make_shared<Node>(Node{node_->file, node_->root, element.as_table()}));
   return out;
 }
 
-void TomlTable::ignore(std::string_view name) { known_.emplace(name); }
+void TomlTable::ignore(std::string_view name) {
+  known_.emplace(name);
+}
 
 void TomlTable::refuse_rest() const {
   std::string known;

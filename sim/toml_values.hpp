@@ -1,5 +1,5 @@
-// Strict reading of TOML: every number range-checked, every name that nobody asked for refused, every error with file and
-// line. Keeps the TOML library out of the other files.
+// Strict reading of TOML: every number range-checked, every name that nobody asked for refused, every error
+// with file and line. Keeps the TOML library out of the other files.
 #pragma once
 
 #include <filesystem>

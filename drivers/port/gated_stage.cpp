@@ -14,7 +14,8 @@ Measurement GatedStage::measure() {
   return last_;
 }
 
-void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::int64_t now_us, std::int32_t writers) {
+void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::int64_t now_us,
+                       std::int32_t writers) {
   const safety::GateResult result = safety::gate(gate_, request, permit, now_us, writers);
   gate_ = result.state;
   stage_.write(result.voltage);

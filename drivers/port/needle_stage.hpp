@@ -1,5 +1,5 @@
-// The needle stage as the robot sees it: sensors in, a gated voltage out. Implemented by the simulated stage and by the
-// laboratory hardware; nothing above this line knows which.
+// The needle stage as the robot sees it: sensors in, a gated voltage out. Implemented by the simulated stage
+// and by the laboratory hardware; nothing above this line knows which.
 #pragma once
 
 #include <cstdint>

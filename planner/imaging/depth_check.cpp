@@ -9,8 +9,8 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr double kBehind_mm = 15.0;   // of the shaft behind the entry that is looked at
-constexpr double kBeside_mm = 30.0;   // of tissue about the path that is registered
+constexpr double kBehind_mm = 15.0;  // of the shaft behind the entry that is looked at
+constexpr double kBeside_mm = 30.0;  // of tissue about the path that is registered
 
 void refuse_bad(const Volume& before, const Volume& after, const NeedleFrame& frame) {
   const auto where = "depth check";
@@ -44,8 +44,9 @@ void mark(Picture& picture, const Eigen::Vector2d& tip_px) {
         dot(tip_px.x(), tip_px.y() + n);
 }
 
-void draw(const Volume& before, const Volume& after, const RegistrationResult& motion, const NeedleFrame& frame,
-          double along_mm, bool tip_found, const TipFinding& tip, DepthCheckPictures& pictures) {
+void draw(const Volume& before, const Volume& after, const RegistrationResult& motion,
+          const NeedleFrame& frame, double along_mm, bool tip_found, const TipFinding& tip,
+          DepthCheckPictures& pictures) {
   constexpr int kSize_px = 512;
   const double extent = std::clamp(2.0 * along_mm + 20.0, 40.0, 160.0);
   pictures.after = slice_through_needle(after, frame.p_SE, frame.along, Millimetres(extent), kSize_px);
@@ -65,7 +66,8 @@ void draw(const Volume& before, const Volume& after, const RegistrationResult& m
 
 }  // namespace
 
-DepthReading read_depth(const Volume& before, const Volume& after, const NeedleFrame& frame, Millimetres depth_max) {
+DepthReading read_depth(const Volume& before, const Volume& after, const NeedleFrame& frame,
+                        Millimetres depth_max) {
   const double end = path_end(after, frame, depth_max.value);
   Box box{frame.p_SE, frame.p_SE};
   box.include(frame.point(-kBehind_mm, 0, 0), kBeside_mm);
@@ -102,12 +104,15 @@ DepthCheck check_depth(const Volume& before, const Volume& after, const Point& p
   check.verdict = judgement.verdict;
   check.reason = judgement.reason;
   check.tip_found = needle_seen(reading.tip, settings);
-  if (check.tip_found) check.depth = Millimetres(tip.depth_mm) - settings.tip_offset, check.sigma = Millimetres(tip.sigma_mm);
-  for (int a = 0; a < 3; ++a) check.shift_mm[a] = motion.shift_mm[a], check.rotation_deg[a] = motion.rotation_deg[a];
+  if (check.tip_found)
+    check.depth = Millimetres(tip.depth_mm) - settings.tip_offset, check.sigma = Millimetres(tip.sigma_mm);
+  for (int a = 0; a < 3; ++a)
+    check.shift_mm[a] = motion.shift_mm[a], check.rotation_deg[a] = motion.rotation_deg[a];
   check.registration_score = motion.score;
   check.contrast_to_noise = tip.evidence;
   if (pictures)
-    draw(before, after, motion, frame, check.tip_found ? tip.depth_mm : 20.0, check.tip_found, tip, *pictures);
+    draw(before, after, motion, frame, check.tip_found ? tip.depth_mm : 20.0, check.tip_found, tip,
+         *pictures);
   return check;
 }
 

@@ -12,7 +12,8 @@
 namespace biopsy::imaging {
 namespace {
 
-// Radii tried first, mm: from the thinnest void seen in half-millimetre pixels to the widest of ten pixels of 1.2 mm.
+// Radii tried first, mm: from the thinnest void seen in half-millimetre pixels to the widest of ten pixels
+// of 1.2 mm.
 constexpr std::array<double, 5> kRadii{0.7, 1.2, 2.0, 3.3, 5.5};
 // Nearer tips are weighed by the fit of the tip itself, in its sigma.
 constexpr double kRivalApart_mm = 6.0;
@@ -83,7 +84,9 @@ Candidate refined(const LineSearch& search, const Candidate& start, const TipSet
   cv::Mat x = cv::Mat::zeros(1, 5, CV_64F);
   const double step = 0.5 * start.line.radius_mm + 0.2;
   const cv::Mat steps = (cv::Mat_<double>(1, 5) << step, step, step, step, 0.25);
-  cv::DownhillSolver::create(cost, steps, cv::TermCriteria(cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 200, 1e-2))->minimize(x);
+  cv::DownhillSolver::create(cost, steps,
+                             cv::TermCriteria(cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 200, 1e-2))
+      ->minimize(x);
   Candidate result{cost->line(x.ptr<double>()), {}};
   result.fit = search.best_tip(search.profile(result.line));
   return result.fit.gain > start.fit.gain ? result : start;
@@ -102,8 +105,8 @@ double control_gain(const LineSearch& search, const Corridor& corridor) {
   return most;
 }
 
-// Longest stretch after the entry and before the tip where the void is clearly missing: its loss is below 0.4 of the
-// rest's and known well enough to say so.
+// Longest stretch after the entry and before the tip where the void is clearly missing: its loss is below 0.4
+// of the rest's and known well enough to say so.
 double longest_gap(const LineProfile& profile, const LineFit& fit) {
   constexpr std::size_t kStretch = 6;  // 3 mm of half-millimetre bins
   double longest = 0.0, current = 0.0;
@@ -111,7 +114,8 @@ double longest_gap(const LineProfile& profile, const LineFit& fit) {
     if (profile.at(bin) < std::max(fit.start_mm, 0.0) || profile.at(bin + kStretch) > fit.tip_mm) continue;
     double match = 0.0, energy = 0.0;
     for (std::size_t n = bin; n < bin + kStretch; ++n) match += profile.match[n], energy += profile.energy[n];
-    const double loss = energy > 0.0 ? match / energy : 0.0, sigma = energy > 0.0 ? 1.0 / std::sqrt(energy) : 1.0;
+    const double loss = energy > 0.0 ? match / energy : 0.0,
+                 sigma = energy > 0.0 ? 1.0 / std::sqrt(energy) : 1.0;
     const bool missing = loss + 2.0 * sigma < 0.4 * fit.loss;
     current = missing ? (current > 0.0 ? current + profile.bin_mm : profile.bin_mm * kStretch) : 0.0;
     longest = std::max(longest, current);
@@ -125,7 +129,8 @@ void find_rival(const LineSearch& search, const LineProfile& profile, TipFinding
   for (std::size_t n = 1; n + 1 < gains.size(); ++n) {
     const bool peak = gains[n] >= gains[n - 1] && gains[n] > gains[n + 1];
     const double against = std::sqrt(best - gains[n]);
-    if (!peak || std::abs(profile.at(n) - found.depth_mm) < kRivalApart_mm || against >= found.rival_against) continue;
+    if (!peak || std::abs(profile.at(n) - found.depth_mm) < kRivalApart_mm || against >= found.rival_against)
+      continue;
     found.rival_against = against;
     found.rival_depth_mm = profile.at(n);
   }
@@ -136,7 +141,8 @@ double visibility(const LineSearch& search, const Corridor& corridor) {
   const LineProfile profile = search.profile(VoidLine{});
   double energy = 0.0;
   for (std::size_t n = 0; n < profile.energy.size(); ++n)
-    if (profile.at(n) >= std::max(corridor.t_min, 0.0) && profile.at(n) < std::max(corridor.t_min, 0.0) + 10.0)
+    if (profile.at(n) >= std::max(corridor.t_min, 0.0) &&
+        profile.at(n) < std::max(corridor.t_min, 0.0) + 10.0)
       energy += profile.energy[n];
   return 0.5 * std::sqrt(energy);
 }
@@ -146,7 +152,8 @@ double visibility(const LineSearch& search, const Corridor& corridor) {
 TipFinding find_tip(const Corridor& corridor, const TipSettings& settings) {
   const LineSearch search(corridor, settings.depth_min_mm, settings.depth_max_mm);
   const double tilt = 0.75 * settings.tilt_max_deg * kDegree;
-  const std::vector<Candidate> tops = coarse(search, Eigen::Vector2d::Zero(), settings.deviation_max_mm, tilt);
+  const std::vector<Candidate> tops =
+      coarse(search, Eigen::Vector2d::Zero(), settings.deviation_max_mm, tilt);
   Candidate best = refined(search, tops[0], settings);
   const Candidate other = refined(search, tops[1], settings);
   if (other.fit.gain > best.fit.gain) best = other;

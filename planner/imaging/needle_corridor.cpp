@@ -38,27 +38,35 @@ Prediction predicted(const Volume& before, const Volume& after, const RigidTrans
   return result;
 }
 
-// Multiplies the prediction by the ratio of the images' local means (12 mm), learned beside the needle only: coil
-// sensitivity drifts, a void must not count as drift.
+double mean_of_known(const Volume& volume) {
+  double total = 0.0;
+  std::size_t count = 0;
+  for (float value : volume.voxels)
+    if (std::isfinite(value)) total += static_cast<double>(value), ++count;
+  return total / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
+// Multiplies the prediction by the ratio of the images' local means (12 mm): coil sensitivity drifts. Learned
+// beside the needle only, a void must not count as drift, and in tissue only: air's noise has a mean that is
+// no sensitivity.
 void match_brightness(const Volume& after, const NeedleMask& needle, Volume& prediction) {
   constexpr double kDriftScale_mm = 12.0;
+  const double mean = mean_of_known(prediction);
   Volume seen = after, expected = prediction;
-  double total = 0.0;
-  std::size_t n = 0, count = 0;
+  std::size_t n = 0;
   for (int k = 0; k < after.grid.size.z(); ++k)
     for (int j = 0; j < after.grid.size.y(); ++j)
       for (int i = 0; i < after.grid.size.x(); ++i, ++n) {
-        const bool known = std::isfinite(prediction.voxels[n]);
-        if (!known || needle.covers(after.grid.X_SI * Eigen::Vector3d(i, j, k)))
+        const bool tissue = static_cast<double>(prediction.voxels[n]) > 0.3 * mean;  // false where unknown
+        if (!tissue || needle.covers(after.grid.X_SI * Eigen::Vector3d(i, j, k)))
           seen.voxels[n] = expected.voxels[n] = 0.0f;
-        else
-          total += static_cast<double>(prediction.voxels[n]), ++count;
       }
   seen = smoothed(seen, kDriftScale_mm);
   expected = smoothed(expected, kDriftScale_mm);
-  const float little = static_cast<float>(0.02 * total / static_cast<double>(std::max<std::size_t>(count, 1)));
+  const float little = static_cast<float>(0.02 * mean);
   for (n = 0; n < prediction.voxels.size(); ++n) {
-    const float ratio = (std::max(seen.voxels[n], 0.0f) + little) / (std::max(expected.voxels[n], 0.0f) + little);
+    const float ratio =
+        (std::max(seen.voxels[n], 0.0f) + little) / (std::max(expected.voxels[n], 0.0f) + little);
     prediction.voxels[n] *= std::clamp(ratio, 0.1f, 10.0f);
   }
 }
@@ -70,7 +78,8 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// Learns noise from the flatter half of the tissue beside the needle and the registration error from the steep quarter.
+// Learns noise from the flatter half of the tissue beside the needle and the registration error from the
+// steep quarter.
 void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor& corridor) {
   std::vector<double> slopes, flat, steep, squared, values;
   for (float slope : steepness) slopes.push_back(static_cast<double>(slope));
@@ -105,7 +114,8 @@ void choose_places(const Grid& grid, Corridor& corridor) {
   Eigen::Vector3i count, beside;
   for (int a = 0; a < 3; ++a) {
     const Eigen::Vector3d side = grid.X_SI.linear().col(a);
-    sides.col(a) << side.dot(corridor.frame.along), side.dot(corridor.frame.across), side.dot(corridor.frame.up);
+    sides.col(a) << side.dot(corridor.frame.along), side.dot(corridor.frame.across),
+        side.dot(corridor.frame.up);
     count[a] = std::clamp(static_cast<int>(std::ceil(spacing[a] / kStep_mm)), 1, 5);
     beside[a] = std::clamp(static_cast<int>(std::ceil(sides.col(a).tail<2>().norm() / kStep_mm)), 1, 5);
   }
@@ -121,17 +131,20 @@ void choose_places(const Grid& grid, Corridor& corridor) {
   each(beside, [&](const Eigen::Vector3d& place) { corridor.lateral.push_back(place.tail<2>()); });
 }
 
-void find_coverage(const Volume& after, const Volume& prediction, const CorridorSettings& s, Corridor& corridor) {
+void find_coverage(const Volume& after, const Volume& prediction, const CorridorSettings& s,
+                   Corridor& corridor) {
   const Sampler seen(after), expected(prediction);
   const auto covered = [&](double t) {
     const Point p_S = corridor.frame.point(t, 0, 0);
     return std::isfinite(seen.at(p_S)) && std::isfinite(expected.at(p_S));
   };
   constexpr double kStep_mm = 0.25;
-  double start = s.from_mm;  // where the entry itself lies outside, the path begins where it enters the images
+  double start =
+      s.from_mm;  // where the entry itself lies outside, the path begins where it enters the images
   while (start < s.to_mm && !covered(start)) start += kStep_mm;
   corridor.t_min = corridor.t_max = start;
-  while (corridor.t_max + kStep_mm <= s.to_mm && covered(corridor.t_max + kStep_mm)) corridor.t_max += kStep_mm;
+  while (corridor.t_max + kStep_mm <= s.to_mm && covered(corridor.t_max + kStep_mm))
+    corridor.t_max += kStep_mm;
 }
 
 }  // namespace
@@ -159,8 +172,9 @@ Corridor needle_corridor(const Volume& before, const Volume& after, const Regist
         if (!inside || !std::isfinite(prediction.value.voxels[n])) continue;
         const bool kept = i % stride.x() == 0 && j % stride.y() == 0 && k % stride.z() == 0;
         if (kept) corridor.thinned.push_back(static_cast<std::uint32_t>(corridor.voxels.size()));
-        corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z()),
-                                   after.voxels[n], prediction.value.voxels[n], 0.0f});
+        corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()),
+                                   static_cast<float>(c.z()), after.voxels[n], prediction.value.voxels[n],
+                                   0.0f});
         steepness.push_back(prediction.steepness.voxels[n]);
       }
   if (corridor.voxels.size() < 100) corridor.voxels.clear();

@@ -1,4 +1,5 @@
-// What changed around the needle's path: the after image beside what the registered before image says should be there.
+// What changed around the needle's path: the after image beside what the registered before image says should
+// be there.
 #pragma once
 
 #include <vector>
@@ -33,7 +34,8 @@ struct Corridor {
 struct CorridorSettings {
   double from_mm = -15.0, to_mm = 120.0;  // along the axis from the entry
   double radius_mm = 20.0;
-  double needle_mm = 8.0;  // changes within this of the axis may be the needle: not used to learn what noise is
+  double needle_mm =
+      8.0;  // changes within this of the axis may be the needle: not used to learn what noise is
 };
 
 // Empty `voxels` where the two images do not overlap on the path.

@@ -23,7 +23,9 @@ void index_range(const Grid& grid, const Box& box, Eigen::Vector3i& low, Eigen::
   high = most.array().ceil().min(last.array()).max(-1.0).cast<int>();
 }
 
-int kernel_size(double sigma) { return 2 * static_cast<int>(std::ceil(3.0 * sigma)) + 1; }
+int kernel_size(double sigma) {
+  return 2 * static_cast<int>(std::ceil(3.0 * sigma)) + 1;
+}
 
 }  // namespace
 
@@ -60,7 +62,8 @@ Volume smoothed(const Volume& volume, double sigma_mm) {
     }
   if (worth(sigma.z())) {
     cv::Mat stack(size.z(), size.x() * size.y(), CV_32F, result.voxels.data());
-    cv::GaussianBlur(stack, stack, cv::Size(1, kernel_size(sigma.z())), 1e-3, sigma.z(), cv::BORDER_REPLICATE);
+    cv::GaussianBlur(stack, stack, cv::Size(1, kernel_size(sigma.z())), 1e-3, sigma.z(),
+                     cv::BORDER_REPLICATE);
   }
   return result;
 }

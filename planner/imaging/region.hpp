@@ -9,7 +9,9 @@ namespace biopsy::imaging {
 struct Box {
   Point low = Point::Zero(), high = Point::Zero();
 
-  bool contains(const Point& p_S) const { return (p_S.array() >= low.array() && p_S.array() <= high.array()).all(); }
+  bool contains(const Point& p_S) const {
+    return (p_S.array() >= low.array() && p_S.array() <= high.array()).all();
+  }
   void include(const Point& p_S, double margin_mm) {
     low = low.cwiseMin(p_S - Point::Constant(margin_mm));
     high = high.cwiseMax(p_S + Point::Constant(margin_mm));
@@ -17,8 +19,8 @@ struct Box {
   Point centre() const { return 0.5 * (low + high); }
 };
 
-// Smallest block of voxels that covers the box, where they exist; empty (size 0) when they do not meet. Keeps the
-// identity, drops the file list.
+// Smallest block of voxels that covers the box, where they exist; empty (size 0) when they do not meet. Keeps
+// the identity, drops the file list.
 Volume cropped(const Volume& volume, const Box& box);
 
 // Gaussian of the given standard deviation in mm along each voxel axis; borders repeat their last voxel.

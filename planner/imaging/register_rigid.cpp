@@ -47,7 +47,8 @@ std::vector<Place> places_to_compare(const Volume& after, const RegistrationSett
 }
 
 // Correlation of the two images at a motion; -1 where less than half of the places overlap.
-double correlation(const std::vector<Place>& places, const Sampler& before, const Motion& motion, const Point& about) {
+double correlation(const std::vector<Place>& places, const Sampler& before, const Motion& motion,
+                   const Point& about) {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
   for (const Place& place : places) {
     const double value = before.at(motion.apply(place.p_S, about));
@@ -86,7 +87,8 @@ class Level {
       if (!step.allFinite()) break;
       const Eigen::Vector3d turn = step.head<3>();
       if (turn.norm() > 0.0)
-        fit.motion.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * fit.motion.rotation;
+        fit.motion.rotation =
+            Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * fit.motion.rotation;
       fit.motion.shift += step.segment<3>(3);
       fit.gain += step.segment<4>(6);
       fit.bias += step.tail<4>();
@@ -178,7 +180,8 @@ std::vector<Motion> starts(const Level& level, double reach_mm) {
         motion.shift = Eigen::Vector3d(i, j, k) * (reach_mm / n);
         all.push_back({motion, level.correlation_at(motion)});
       }
-  std::stable_sort(all.begin(), all.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
   std::vector<Motion> best{Motion{}};  // lying still is always worth a try
   for (std::size_t i = 0; i < 3 && i < all.size(); ++i) best.push_back(all[i].motion);
   return best;
@@ -214,17 +217,36 @@ RegistrationResult finished(const Fit& fit, const RegistrationSettings& s) {
   return result;
 }
 
+// The box, no larger than the image.
+RegistrationSettings within_image(const Volume& after, RegistrationSettings settings) {
+  if (after.voxels.empty()) return settings;
+  Box image{after.grid.X_SI.translation(), after.grid.X_SI.translation()};
+  const Eigen::Vector3d last = after.grid.size.cast<double>().array() - 1.0;
+  for (int n = 1; n < 8; ++n)
+    image.include(after.grid.X_SI * Eigen::Vector3d((n & 1) ? last.x() : 0.0, (n & 2) ? last.y() : 0.0,
+                                                    (n & 4) ? last.z() : 0.0),
+                  0.0);
+  settings.box.low = settings.box.low.cwiseMax(image.low);
+  settings.box.high = settings.box.high.cwiseMin(image.high);
+  return settings;
+}
+
 }  // namespace
 
-RegistrationResult register_rigid(const Volume& before, const Volume& after, const RegistrationSettings& settings) {
-  const double side = (settings.box.high - settings.box.low).maxCoeff();
-  const double coarse_step = std::max(side / 18.0, 0.5), fine_step = std::max(side / 36.0, 0.25);
-  const Volume before_coarse = smoothed(before, 0.7 * coarse_step), after_coarse = smoothed(after, 0.7 * coarse_step);
+RegistrationResult register_rigid(const Volume& before, const Volume& after,
+                                  const RegistrationSettings& asked) {
+  const RegistrationSettings settings = within_image(after, asked);
+  const Eigen::Vector3d sides = settings.box.high - settings.box.low;
+  if (sides.minCoeff() <= 0.0) return {};
+  // Places enough to average noise out, few enough for a tenth of a second.
+  const double coarse_step = std::cbrt(sides.prod() / 4000.0), fine_step = std::cbrt(sides.prod() / 30000.0);
+  const Volume before_coarse = smoothed(before, 0.7 * coarse_step),
+               after_coarse = smoothed(after, 0.7 * coarse_step);
   const Level coarse(before_coarse, after_coarse, settings, coarse_step);
   if (coarse.places().size() < 200) return {};
 
   std::vector<Fit> fits;
-  for (const Motion& start : starts(coarse, std::min(settings.start_reach_mm, side / 6.0)))
+  for (const Motion& start : starts(coarse, std::min(settings.start_reach_mm, sides.maxCoeff() / 6.0)))
     fits.push_back(coarse.refined(start, 20));
   std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.score > b.score; });
 

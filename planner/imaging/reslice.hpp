@@ -1,5 +1,5 @@
-// Looks at a volume along a needle: values between voxels, the needle's own axes, and grey pictures in a plane that
-// contains the needle.
+// Looks at a volume along a needle: values between voxels, the needle's own axes, and grey pictures in a
+// plane that contains the needle.
 #pragma once
 
 #include "robot/messages/picture.hpp"
@@ -8,7 +8,8 @@
 
 namespace biopsy::imaging {
 
-// Reads a volume between its voxel centres (trilinear). A point further than half a voxel outside has no value.
+// Reads a volume between its voxel centres (trilinear). A point further than half a voxel outside has no
+// value.
 class Sampler {
  public:
   explicit Sampler(const Volume& volume);  // keeps a reference: the volume must outlive it
@@ -23,8 +24,8 @@ class Sampler {
   Eigen::Vector3d offset_;
 };
 
-// The needle's axes in S: `along` the insertion, `across` perpendicular to it within the image's slices (where
-// resolution is best), `up` the third.
+// The needle's axes in S: `along` the insertion, `across` perpendicular to it within the image's slices
+// (where resolution is best), `up` the third.
 struct NeedleFrame {
   Point p_SE;
   Direction along, across, up;
@@ -45,12 +46,13 @@ struct GreyWindow {
   double black = 0.0, white = 1.0;
 };
 
-// The 1st and 99.5th percentile of what lies in the picture: bright fat or a coil flare must not darken the rest.
+// The 1st and 99.5th percentile of what lies in the picture: bright fat or a coil flare must not darken the
+// rest.
 GreyWindow window_of(const std::vector<float>& values);
 
-// A grey picture in the plane of `along` and `across`. The needle goes to the right: `axis_px` is its unit direction,
-// `across_px` that of `across`. A point t mm along and u mm across is at pixel
-// entry_px + (t * axis_px + u * across_px) / mm_per_pixel (pixel centres at whole numbers).
+// A grey picture in the plane of `along` and `across`. The needle goes to the right: `axis_px` is its unit
+// direction, `across_px` that of `across`. A point t mm along and u mm across is at pixel entry_px + (t *
+// axis_px + u * across_px) / mm_per_pixel (pixel centres at whole numbers).
 struct NeedleSlice {
   Picture picture;
   double mm_per_pixel = 0.0;
@@ -63,12 +65,13 @@ struct NeedleSlice {
   }
 };
 
-// `extent` is the side of the square picture, `size_px` its pixels; the entry lies a quarter from the left edge. What
-// lies outside the volume is black. Throws SetupError on a bad axis, extent or size.
-NeedleSlice slice_through_needle(const Volume& volume, const Point& p_SE, const Direction& axis_S, Millimetres extent,
-                                 int size_px);
+// `extent` is the side of the square picture, `size_px` its pixels; the entry lies a quarter from the left
+// edge. What lies outside the volume is black. Throws SetupError on a bad axis, extent or size.
+NeedleSlice slice_through_needle(const Volume& volume, const Point& p_SE, const Direction& axis_S,
+                                 Millimetres extent, int size_px);
 
-// Values on the same pixel raster, NaN outside the volume; `X_VS` moves points of the picture into the volume's frame.
+// Values on the same pixel raster, NaN outside the volume; `X_VS` moves points of the picture into the
+// volume's frame.
 std::vector<float> values_in_plane(const Volume& volume, const NeedleSlice& raster,
                                    const RigidTransform& X_VS = RigidTransform::Identity());
 

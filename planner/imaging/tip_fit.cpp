@@ -8,8 +8,9 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr double kReach_mm = 10.0;   // of the shaft that is fitted with the tip
-constexpr double kBeyond_mm = 8.0;   // of the tissue ahead of it
+constexpr double kReach_mm = 10.0;  // of the shaft that is fitted with the tip
+constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of it
+constexpr std::size_t kVoxelsMax = 4000;
 constexpr double kStartsApart_mm = 2.0;
 constexpr double kNearlyAsWell = 40.0;  // chi-square: five standard deviations with the doubt about its scale
 constexpr std::array<double, 3> kRounding{0.0, 0.5, 1.0};  // flat end, half way, half a sphere
@@ -27,12 +28,15 @@ struct Sums {
   double chi2() const { return change - loss() * (2.0 * match - loss() * energy); }
 };
 
-double ramp(double x, double soft) { return std::clamp(0.5 + 0.5 * x / soft, 0.0, 1.0); }
+double ramp(double x, double soft) {
+  return std::clamp(0.5 + 0.5 * x / soft, 0.0, 1.0);
+}
 
 class LocalVoxels {
  public:
   // Voxels whose centre lies within `reach_mm` of the line.
-  LocalVoxels(const Corridor& corridor, const VoidLine& line, double depth, double reach_mm) : corridor_(corridor) {
+  LocalVoxels(const Corridor& corridor, const VoidLine& line, double depth, double reach_mm)
+      : corridor_(corridor) {
     for (const CorridorVoxel& one : corridor.voxels) {
       const double t = static_cast<double>(one.t);
       if (t < depth - kReach_mm || t > depth + kBeyond_mm) continue;
@@ -40,6 +44,11 @@ class LocalVoxels {
                      static_cast<double>(one.v) - line.v - line.v_slope * t) <= reach_mm)
         voxels_.push_back(one);
     }
+    // Fine voxels by the ten thousand say no more about a depth than some thousand of them do.
+    const std::size_t every = voxels_.size() / kVoxelsMax + 1;
+    std::size_t kept = 0;
+    for (std::size_t n = 0; n < voxels_.size(); n += every) voxels_[kept++] = voxels_[n];
+    voxels_.resize(kept);
   }
 
   std::size_t size() const { return voxels_.size(); }
@@ -47,7 +56,8 @@ class LocalVoxels {
   Sums sums(const VoidShape& shape) const {
     Sums sums;
     for (const CorridorVoxel& voxel : voxels_) {
-      const double predicted = static_cast<double>(voxel.predicted), variance = static_cast<double>(voxel.variance);
+      const double predicted = static_cast<double>(voxel.predicted),
+                   variance = static_cast<double>(voxel.variance);
       const double change = predicted - static_cast<double>(voxel.measured);
       sums.change += change * change / variance;
       const double covered = coverage(voxel, shape);
@@ -114,8 +124,8 @@ VoidShape best_shape(const LocalVoxels& voxels, VoidShape start) {
     const auto cost = cv::makePtr<ShapeCost>(voxels, start);
     cv::Mat x = cv::Mat::zeros(1, 5, CV_64F);
     const cv::Mat step = (cv::Mat_<double>(1, 5) << 1.0, 0.3, 0.3, 0.4, 0.4);
-    const auto solver =
-        cv::DownhillSolver::create(cost, step, cv::TermCriteria(cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 160, 1e-3));
+    const auto solver = cv::DownhillSolver::create(
+        cost, step, cv::TermCriteria(cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 160, 1e-3));
     solver->minimize(x);
     const VoidShape shape = cost->shape(x.ptr<double>());
     const double chi2 = voxels.sums(shape).chi2();
@@ -124,8 +134,8 @@ VoidShape best_shape(const LocalVoxels& voxels, VoidShape start) {
   return best;
 }
 
-// Mean and spread of the depth's likelihood about the best shape; how the void's end is rounded and how it fades are
-// left open.
+// Mean and spread of the depth's likelihood about the best shape; how the void's end is rounded and how it
+// fades are left open.
 void spread_of_depth(const LocalVoxels& voxels, const VoidShape& best, double widening, TipFit& fit) {
   constexpr double kStep_mm = 0.1, kSpan_mm = 6.0;
   std::vector<double> depths, chi2;
@@ -160,7 +170,8 @@ void range_of_depth(const LocalVoxels& voxels, const VoidShape& best, double cha
     double least = 1e300;
     VoidShape shape = best;
     shape.depth = depth;
-    for (double rounding : kRounding) shape.rounding = rounding, least = std::min(least, voxels.sums(shape).chi2());
+    for (double rounding : kRounding)
+      shape.rounding = rounding, least = std::min(least, voxels.sums(shape).chi2());
     return least;
   };
   const double limit = voxels.sums(best).chi2() + chance * chance;
@@ -181,7 +192,8 @@ TipFit fit_from(const Corridor& corridor, const LocalVoxels& voxels, const VoidS
   fit.loss = sums.loss();
   fit.chi2 = sums.chi2();
   fit.misfit = fit.chi2 / std::max(static_cast<double>(voxels.size()) - 6.0, 1.0);
-  // What is left over is alike in neighbouring voxels (interpolation, motion): fewer independent ones than counted.
+  // What is left over is alike in neighbouring voxels (interpolation, motion): fewer independent ones than
+  // counted.
   constexpr double kAlike = 1.3;
   // The depth is that of the centreline: a wide void's rim, whose form is unknown, has no say in it.
   const LocalVoxels core(corridor, best.line, best.depth, 0.5 * best.line.radius_mm + 0.35 + voxel_mm);
@@ -190,6 +202,9 @@ TipFit fit_from(const Corridor& corridor, const LocalVoxels& voxels, const VoidS
   const double model = 0.02 + 0.04 * corridor.along_mm, end_form = 0.04 * best.line.radius_mm;
   fit.sigma_mm = std::hypot(fit.sigma_mm, model, end_form);
   range_of_depth(voxels, best, chance, fit);
+  // Chance reaches about 4.5 in the search beside the path; where it reached more, all errors are larger
+  // alike.
+  fit.sigma_mm = std::max(fit.sigma_mm, 0.5 * (fit.high_mm - fit.low_mm) / 4.5);
   return fit;
 }
 
@@ -209,8 +224,8 @@ TipFit fit_tip(const Corridor& corridor, const VoidLine& line, double depth_mm, 
   }
   TipFit best = *std::min_element(fits.begin(), fits.end(),
                                   [](const TipFit& a, const TipFit& b) { return a.chi2 < b.chi2; });
-  // A void that leaves its slice near the tip can be explained in several ways; where these fit nearly as well, their
-  // distance is doubt.
+  // A void that leaves its slice near the tip can be explained in several ways; where these fit nearly as
+  // well, their distance is doubt.
   double doubt = 0.0;
   for (const TipFit& other : fits)
     if (other.chi2 - best.chi2 < kNearlyAsWell * std::max(best.misfit, 0.5))

@@ -33,58 +33,68 @@ std::array<std::size_t, 4> starts(const LineProfile& profile) {
   return bins;
 }
 
+// The share of a voxel's cross-section that a soft disc covers.
+struct DiscCoverage {
+  const std::vector<Eigen::Vector2d>& places;
+  double soft, outer, reach_mm = 0.0;
+
+  DiscCoverage(double radius_mm, const std::vector<Eigen::Vector2d>& places_in_voxel)
+      : places(places_in_voxel), soft(std::max(0.35, 0.25 * radius_mm)), outer(radius_mm + soft) {
+    for (const Eigen::Vector2d& place : places) reach_mm = std::max(reach_mm, outer + place.norm());
+  }
+  double of_voxel(double du, double dv) const {
+    if (du * du + dv * dv > reach_mm * reach_mm) return 0.0;
+    double covered = 0.0;
+    for (const Eigen::Vector2d& place : places) {
+      const double x = du + place.x(), y = dv + place.y();
+      covered += std::clamp((outer - std::sqrt(x * x + y * y)) / (2.0 * soft), 0.0, 1.0);
+    }
+    return covered / static_cast<double>(places.size());
+  }
+};
+
 }  // namespace
 
 LineSearch::LineSearch(const Corridor& corridor, double depth_min_mm, double depth_max_mm)
     : corridor_(corridor), depth_min_mm_(depth_min_mm), depth_max_mm_(depth_max_mm) {
   cells_ = 2 * static_cast<int>(std::ceil(corridor.radius_mm / kCell_mm));
   grid_.resize(static_cast<std::size_t>(cells_ * cells_));
-  const auto cell = [&](float x) {
-    return std::clamp(static_cast<int>(std::floor(static_cast<double>(x) / kCell_mm)) + cells_ / 2, 0, cells_ - 1);
-  };
-  for (std::uint32_t n : corridor.thinned)
-    grid_[static_cast<std::size_t>(cell(corridor.voxels[n].v) * cells_ + cell(corridor.voxels[n].u))]
-        .voxels.push_back(n);
+  for (std::uint32_t n : corridor.thinned) {
+    const CorridorVoxel& voxel = corridor.voxels[n];
+    const int row = cell_of(static_cast<double>(voxel.v)), column = cell_of(static_cast<double>(voxel.u));
+    grid_[static_cast<std::size_t>(row * cells_ + column)].push_back(n);
+  }
+}
+
+int LineSearch::cell_of(double beside_mm) const {
+  return std::clamp(static_cast<int>(std::floor(beside_mm / kCell_mm)) + cells_ / 2, 0, cells_ - 1);
+}
+
+LineSearch::CellRange LineSearch::cells_near(double at_entry, double slope, double reach_mm) const {
+  const double a = at_entry + slope * corridor_.t_min, b = at_entry + slope * corridor_.t_max;
+  return {cell_of(std::min(a, b) - reach_mm), cell_of(std::max(a, b) + reach_mm)};
 }
 
 LineProfile LineSearch::profile(const VoidLine& line) const {
-  LineProfile result{corridor_.t_min, kBin_mm, {}, {}};
-  const auto bins = static_cast<std::size_t>(std::max((corridor_.t_max - corridor_.t_min) / kBin_mm, 0.0)) + 1;
-  result.match.assign(bins, 0.0);
-  result.energy.assign(bins, 0.0);
-  const double soft = std::max(0.35, 0.25 * line.radius_mm), outer = line.radius_mm + soft;
-  double voxel = 0.0;
-  for (const Eigen::Vector2d& place : corridor_.lateral) voxel = std::max(voxel, place.norm());
-  const double reach = outer + voxel;
-  const auto range = [&](double at_entry, double slope) {
-    const double a = at_entry + slope * corridor_.t_min, b = at_entry + slope * corridor_.t_max;
-    const auto cell = [&](double x) {
-      return std::clamp(static_cast<int>(std::floor(x / kCell_mm)) + cells_ / 2, 0, cells_ - 1);
-    };
-    return std::pair(cell(std::min(a, b) - reach), cell(std::max(a, b) + reach));
-  };
-  const auto [u_low, u_high] = range(line.u, line.u_slope);
-  const auto [v_low, v_high] = range(line.v, line.v_slope);
-  const double per_place = 1.0 / static_cast<double>(corridor_.lateral.size());
-  for (int row = v_low; row <= v_high; ++row)
-    for (int column = u_low; column <= u_high; ++column)
-      for (std::uint32_t n : grid_[static_cast<std::size_t>(row * cells_ + column)].voxels) {
-        const CorridorVoxel& voxel_n = corridor_.voxels[n];
-        const double t = static_cast<double>(voxel_n.t);
-        const double du = static_cast<double>(voxel_n.u) - line.u - line.u_slope * t;
-        const double dv = static_cast<double>(voxel_n.v) - line.v - line.v_slope * t;
-        if (du * du + dv * dv > reach * reach) continue;
-        double covered = 0.0;
-        for (const Eigen::Vector2d& place : corridor_.lateral) {
-          const double x = du + place.x(), y = dv + place.y();
-          covered += std::clamp((outer - std::sqrt(x * x + y * y)) / (2.0 * soft), 0.0, 1.0);
-        }
+  const auto bins =
+      static_cast<std::size_t>(std::max((corridor_.t_max - corridor_.t_min) / kBin_mm, 0.0)) + 1;
+  LineProfile result{corridor_.t_min, kBin_mm, std::vector<double>(bins, 0.0),
+                     std::vector<double>(bins, 0.0)};
+  const DiscCoverage disc(line.radius_mm, corridor_.lateral);
+  const CellRange columns = cells_near(line.u, line.u_slope, disc.reach_mm);
+  const CellRange rows = cells_near(line.v, line.v_slope, disc.reach_mm);
+  for (int row = rows.first; row <= rows.last; ++row)
+    for (int column = columns.first; column <= columns.last; ++column)
+      for (std::uint32_t n : grid_[static_cast<std::size_t>(row * cells_ + column)]) {
+        const CorridorVoxel& voxel = corridor_.voxels[n];
+        const double t = static_cast<double>(voxel.t);
+        const double covered = disc.of_voxel(static_cast<double>(voxel.u) - line.u - line.u_slope * t,
+                                             static_cast<double>(voxel.v) - line.v - line.v_slope * t);
         if (covered <= 0.0) continue;
-        const double predicted = static_cast<double>(voxel_n.predicted);
-        const double shape = predicted * covered * per_place;
-        const double weight = shape / static_cast<double>(voxel_n.variance);
+        const double predicted = static_cast<double>(voxel.predicted);
+        const double shape = predicted * covered, weight = shape / static_cast<double>(voxel.variance);
         const auto bin = std::min(static_cast<std::size_t>((t - corridor_.t_min) / kBin_mm), bins - 1);
-        result.match[bin] += weight * (predicted - static_cast<double>(voxel_n.measured));
+        result.match[bin] += weight * (predicted - static_cast<double>(voxel.measured));
         result.energy[bin] += weight * shape;
       }
   return result;
@@ -96,7 +106,8 @@ std::vector<double> LineSearch::gain_by_tip(const LineProfile& profile) const {
   for (std::size_t start : starts(profile))
     for (std::size_t tip = start + 1; tip < match.size(); ++tip) {
       double loss;
-      gains[tip] = std::max(gains[tip], gain_of(match[tip] - match[start], energy[tip] - energy[start], loss));
+      gains[tip] =
+          std::max(gains[tip], gain_of(match[tip] - match[start], energy[tip] - energy[start], loss));
     }
   return gains;
 }

@@ -9,12 +9,13 @@ namespace biopsy::imaging {
 
 // A straight line beside the expected axis, and how wide the void on it is.
 struct VoidLine {
-  double u = 0.0, v = 0.0;            // at the entry, mm
+  double u = 0.0, v = 0.0;              // at the entry, mm
   double u_slope = 0.0, v_slope = 0.0;  // mm per mm along
   double radius_mm = 1.0;
 };
 
-// Twice the log of the likelihood ratio against "nothing changed", maximised over the fraction of signal lost.
+// Twice the log of the likelihood ratio against "nothing changed", maximised over the fraction of signal
+// lost.
 struct LineFit {
   double gain = 0.0;
   double loss = 0.0;
@@ -39,13 +40,16 @@ class LineSearch {
   std::vector<double> gain_by_tip(const LineProfile& profile) const;
 
  private:
-  struct Cell {
-    std::vector<std::uint32_t> voxels;
+  struct CellRange {
+    int first, last;
   };
+  int cell_of(double beside_mm) const;
+  CellRange cells_near(double at_entry, double slope, double reach_mm) const;
+
   const Corridor& corridor_;
   double depth_min_mm_, depth_max_mm_;
-  int cells_ = 0;  // per side
-  std::vector<Cell> grid_;
+  int cells_ = 0;                                 // per side of a square about the axis
+  std::vector<std::vector<std::uint32_t>> grid_;  // voxels by their place beside the axis
 };
 
 }  // namespace biopsy::imaging

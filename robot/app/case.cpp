@@ -23,7 +23,8 @@ fs::path beside(const fs::path& case_file, const std::string& path) {
 Point ras_point(TomlTable& table, std::string_view name) {
   const std::vector<double> ras = table.numbers(name, -kFar_mm, kFar_mm);
   if (ras.size() != 3)
-    throw SetupError(fmt::format("`{}` has {} numbers", name, ras.size()), table.where(), "give R, A, S in mm");
+    throw SetupError(fmt::format("`{}` has {} numbers", name, ras.size()), table.where(),
+                     "give R, A, S in mm");
   return lps_from_ras({ras[0], ras[1], ras[2]});
 }
 
@@ -52,7 +53,8 @@ void read_target(TomlTable table, Case& out) {
     throw SetupError("`depth_mm` needs the phantom, which knows its needle axis", table.where(),
                      "give entry_ras_mm and target_ras_mm");
   if (!out.depth && !(out.p_SE && out.p_ST))
-    throw SetupError("no target", table.where(), "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
+    throw SetupError("no target", table.where(),
+                     "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
   table.refuse_rest();
 }
 
@@ -72,7 +74,8 @@ void read_plan(TomlTable table, Case& out) {
   if (table.has("waypoints_mm"))
     for (const double depth : table.numbers("waypoints_mm", 0.0, 100.0)) out.waypoints.emplace_back(depth);
   if (table.has("speed_mm_s")) out.pace.speed = MillimetresPerSecond(table.number("speed_mm_s", 0.05, 20.0));
-  if (table.has("crossing_mm_s")) out.pace.crossing = MillimetresPerSecond(table.number("crossing_mm_s", 0.05, 20.0));
+  if (table.has("crossing_mm_s"))
+    out.pace.crossing = MillimetresPerSecond(table.number("crossing_mm_s", 0.05, 20.0));
   if (table.has("dwell_s")) out.pace.dwell = Seconds(table.number("dwell_s", 0.1, 30.0));
   for (TomlTable& layer : table.tables("layer")) {
     out.layers.push_back({layer.text("name"), Millimetres(layer.number("from_mm", 0.0, 1000.0)),
@@ -94,7 +97,9 @@ void read_rehearsal(TomlTable table, const fs::path& file, Rehearsal& out) {
 
 }  // namespace
 
-fs::path resources() { return BIOPSY_RESOURCES; }
+fs::path resources() {
+  return BIOPSY_RESOURCES;
+}
 
 std::vector<std::string> built_in_cases() {
   std::vector<std::string> names;

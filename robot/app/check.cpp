@@ -37,8 +37,8 @@ nlohmann::ordered_json as_json(const DepthCheck& result) {
 void check_patients(const Volume& before, const Volume& after) {
   const std::string &a = before.identity.patient_id, &b = after.identity.patient_id;
   if (!a.empty() && !b.empty() && a != b)
-    throw SetupError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b), "--before, --after",
-                     "give two images of one patient");
+    throw SetupError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b),
+                     "--before, --after", "give two images of one patient");
 }
 
 }  // namespace
@@ -71,8 +71,9 @@ int check(const CheckOptions& options) {
   fmt::print("verdict   {}\nreason    {}\n", report::word(result.verdict), result.reason);
   if (result.tip_found)
     fmt::print("depth     {:.2f} mm, standard deviation {:.2f} mm\n", result.depth.value, result.sigma.value);
-  fmt::print("motion    shift {:.2f}, {:.2f}, {:.2f} mm; turn {:.2f}, {:.2f}, {:.2f} degrees (LPS)\n", result.shift_mm[0],
-             result.shift_mm[1], result.shift_mm[2], result.rotation_deg[0], result.rotation_deg[1], result.rotation_deg[2]);
+  fmt::print("motion    shift {:.2f}, {:.2f}, {:.2f} mm; turn {:.2f}, {:.2f}, {:.2f} degrees (LPS)\n",
+             result.shift_mm[0], result.shift_mm[1], result.shift_mm[2], result.rotation_deg[0],
+             result.rotation_deg[1], result.rotation_deg[2]);
   fmt::print("match     {:.3f} after registration; contrast to noise {:.1f}\n", result.registration_score,
              result.contrast_to_noise);
   if (!options.out.empty()) fmt::print("pictures  {}\n", options.out.string());

@@ -8,23 +8,29 @@ namespace biopsy::app {
 namespace {
 
 void procedure_options(CLI::App& command, ProcedureOptions& options) {
-  command.add_option("CASE", options.case_name, "case file (TOML) or a built-in case: gap, liver (default: liver)");
+  command.add_option("CASE", options.case_name,
+                     "case file (TOML) or a built-in case: gap, liver (default: liver)");
   command.add_option("--image", options.image, "planning image: a DICOM folder or file, NIfTI or NRRD");
-  command.add_option("--series", options.series, "series UID, where the folder holds several (see `biopsy image`)");
+  command.add_option("--series", options.series,
+                     "series UID, where the folder holds several (see `biopsy image`)");
   command.add_option("--entry", options.entry, "where the needle tip waits, R,A,S in mm");
   command.add_option("--target", options.target, "where it shall go, R,A,S in mm");
   command.add_option("--labels", options.labels, "label map of the tissues on the same patient");
-  command.add_option("--fiducials", options.fiducials, "CSV of fiducial pairs, robot and scanner (docs/reference.md)");
+  command.add_option("--fiducials", options.fiducials,
+                     "CSV of fiducial pairs, robot and scanner (docs/reference.md)");
   command.add_option("--model", options.model, "plant model (TOML); default: sim/models/rehearsal.toml");
-  command.add_option("--seed", options.seed, "seed of noise and patient motion; the same seed gives the same run");
+  command.add_option("--seed", options.seed,
+                     "seed of noise and patient motion; the same seed gives the same run");
   command.add_option("--out", options.out, "folder for the report")->required();
 }
 
 void add_dry_run(CLI::App& app, ProcedureOptions& options, int& code) {
   CLI::App* command = app.add_subcommand("dry-run", "rehearse a whole procedure on the simulated stage");
   command->footer(
-      "Plans, drives the simulated stage through every stage of the plan under the supervisor, takes the confirmation\n"
-      "images, checks the depth on them and writes report.html, report.json and run.csv. Nothing real moves.\n\n"
+      "Plans, drives the simulated stage through every stage of the plan under the supervisor, takes the "
+      "confirmation\n"
+      "images, checks the depth on them and writes report.html, report.json and run.csv. Nothing real "
+      "moves.\n\n"
       "Example:\n  biopsy dry-run liver --out out/liver\n"
       "  biopsy dry-run --image scans/t2 --entry 10,-40,20 --target 10,-34,20 --out out/mine\n\n"
       "Exit code: 0 completed, 3 refused or stopped, 2 unusable input.");
@@ -33,17 +39,22 @@ void add_dry_run(CLI::App& app, ProcedureOptions& options, int& code) {
 }
 
 void add_plan(CLI::App& app, ProcedureOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("plan", "the same up to the sealed plan; nothing moves, not even in simulation");
-  command->footer("Example:\n  biopsy plan gap --out out/plan\n\nExit code: 0 planned, 3 refused, 2 unusable input.");
+  CLI::App* command =
+      app.add_subcommand("plan", "the same up to the sealed plan; nothing moves, not even in simulation");
+  command->footer(
+      "Example:\n  biopsy plan gap --out out/plan\n\nExit code: 0 planned, 3 refused, 2 unusable input.");
   procedure_options(*command, options);
   command->callback([&] { code = plan(options); });
 }
 
 void add_check(CLI::App& app, CheckOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("check", "depth of the needle from two images, before and after insertion");
+  CLI::App* command =
+      app.add_subcommand("check", "depth of the needle from two images, before and after insertion");
   command->footer(
-      "Registers the images, looks for what changed along the expected path and says accept, reject or unsure.\n\n"
-      "Example:\n  biopsy check --before scans/plan --after scans/confirm --entry 10,-40,20 --axis 0,1,0 --expected 6.0\n\n"
+      "Registers the images, looks for what changed along the expected path and says accept, reject or "
+      "unsure.\n\n"
+      "Example:\n  biopsy check --before scans/plan --after scans/confirm --entry 10,-40,20 --axis 0,1,0 "
+      "--expected 6.0\n\n"
       "Exit code: 0 for any verdict, 2 for unusable input.");
   command->add_option("--before", options.before, "image without the needle")->required();
   command->add_option("--after", options.after, "image with the needle")->required();
@@ -51,9 +62,13 @@ void add_check(CLI::App& app, CheckOptions& options, int& code) {
   command->add_option("--after-series", options.after_series, "series UID, where the folder holds several");
   command->add_option("--entry", options.entry, "where depth is zero, R,A,S in mm")->required();
   command->add_option("--axis", options.axis, "insertion direction R,A,S, any length")->required();
-  command->add_option("--expected", options.expected_mm, "planned depth in mm: accept only where the tip is there")
+  command
+      ->add_option("--expected", options.expected_mm,
+                   "planned depth in mm: accept only where the tip is there")
       ->check(CLI::Range(0.0, 1000.0));
-  command->add_option("--tip-offset", options.tip_offset_mm, "how far the void ends beyond the real tip, mm (default 0)")
+  command
+      ->add_option("--tip-offset", options.tip_offset_mm,
+                   "how far the void ends beyond the real tip, mm (default 0)")
       ->check(CLI::Range(-20.0, 20.0));
   command->add_option("--out", options.out, "folder for check.json and two pictures");
   command->add_flag("--json", options.json, "print the result as JSON");
@@ -63,7 +78,8 @@ void add_check(CLI::App& app, CheckOptions& options, int& code) {
 void add_simulate(CLI::App& app, SimulateOptions& options, int& code) {
   CLI::App* command = app.add_subcommand("simulate", "run the recorded inputs of a data set through a model");
   command->footer(
-      "DATASET is a folder with dataset.toml and one CSV a run (docs/model.md, section 3); the same comes out.\n\n"
+      "DATASET is a folder with dataset.toml and one CSV a run (docs/model.md, section 3); the same comes "
+      "out.\n\n"
       "Example:\n  biopsy simulate measured --model sim/models/baseline.toml --out out/simulated");
   command->add_option("DATASET", options.dataset, "folder of the data set")->required();
   command->add_option("--model", options.model, "model file (TOML)")->required();
@@ -84,7 +100,8 @@ void add_image(CLI::App& app, ImageOptions& options, int& code) {
 
 int run_command_line(int argc, const char* const* argv) {
   CLI::App app{"MRI-safe needle biopsy robot: plan, rehearse and verify a needle's depth"};
-  app.footer("Start with:\n  biopsy dry-run --out out/first\n\nEach command explains itself: biopsy COMMAND --help");
+  app.footer(
+      "Start with:\n  biopsy dry-run --out out/first\n\nEach command explains itself: biopsy COMMAND --help");
   app.set_version_flag("--version", BIOPSY_VERSION);
   app.require_subcommand(1);
   ProcedureOptions rehearsed, planned;

@@ -1,5 +1,5 @@
-// What the program can do, one function a command. Each returns the exit code for a run that went its way (0), and
-// throws SetupError for bad input (2, see main).
+// What the program can do, one function a command. Each returns the exit code for a run that went its way
+// (0), and throws SetupError for bad input (2, see main).
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 namespace biopsy::app {
 
 struct ProcedureOptions {
-  std::string case_name;               // empty: the built-in liver case, unless an image is given
+  std::string case_name;  // empty: the built-in liver case, unless an image is given
   std::filesystem::path image, labels, fiducials;
-  std::string series, entry, target;   // "R,A,S" in mm
+  std::string series, entry, target;  // "R,A,S" in mm
   std::optional<std::uint64_t> seed;
   std::filesystem::path model;
   std::filesystem::path out;
@@ -26,10 +26,10 @@ int plan(const ProcedureOptions& options);
 struct CheckOptions {
   std::filesystem::path before, after;
   std::string before_series, after_series;
-  std::string entry, axis;             // "R,A,S" in mm; the axis is a direction of any length
-  std::optional<double> expected_mm;   // planned depth
+  std::string entry, axis;            // "R,A,S" in mm; the axis is a direction of any length
+  std::optional<double> expected_mm;  // planned depth
   double tip_offset_mm = 0.0;
-  std::filesystem::path out;           // empty: no files
+  std::filesystem::path out;  // empty: no files
   bool json = false;
 };
 
@@ -45,7 +45,7 @@ int simulate(const SimulateOptions& options);
 struct ImageOptions {
   std::filesystem::path path;
   std::string series;
-  std::filesystem::path png;           // folder for pictures; empty: none
+  std::filesystem::path png;  // folder for pictures; empty: none
 };
 
 int image(const ImageOptions& options);

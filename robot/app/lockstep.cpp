@@ -13,12 +13,14 @@ constexpr std::uint32_t kSession = 1;     // a virtual clock starts its first se
 constexpr std::int32_t kMeanTicks = 512;  // about one period of the square wave
 
 // How far the needle is outside what the plan's tissue explains at this mean drive. um
-std::int32_t tissue_residual(const safety::PlanFacts& facts, std::int32_t mean_drive_mV, std::int32_t depth_um) {
+std::int32_t tissue_residual(const safety::PlanFacts& facts, std::int32_t mean_drive_mV,
+                             std::int32_t depth_um) {
   const safety::DepthRange range = safety::plausible_depth(facts, mean_drive_mV, mean_drive_mV);
   return std::max({range.low_um - depth_um, depth_um - range.high_um, 0});
 }
 
-// Sealed anew: a plan that was changed after its seal has another tag than the one that was permitted and confirmed.
+// Sealed anew: a plan that was changed after its seal has another tag than the one that was permitted and
+// confirmed.
 std::uint64_t tag_of(Plan plan) {
   planner::seal(plan);
   return planner::plan_tag(plan);

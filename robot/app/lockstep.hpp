@@ -1,5 +1,5 @@
-// Stage, supervisor, controller and gate on one virtual clock: the very functions that the live processes run, called
-// in turn, one tick at a time. Same inputs, same run, to the bit.
+// Stage, supervisor, controller and gate on one virtual clock: the very functions that the live processes
+// run, called in turn, one tick at a time. Same inputs, same run, to the bit.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ namespace biopsy::app {
 
 // What people and the rest of the world do in a tick. Default: nobody asks for anything and all is well.
 struct World {
-  bool arm = false, reset = false;                 // keys on the device
-  safety::MotionPress press;                       // hold-to-run
+  bool arm = false, reset = false;  // keys on the device
+  safety::MotionPress press;        // hold-to-run
   StopCategory stop = StopCategory::None;
-  bool finish = false;                             // the operator is done: withdraw
-  bool acquiring = false;                          // the scanner takes an image
-  bool depth_accepted = false;                     // the depth check of `accepted_stage` said Accept
+  bool finish = false;          // the operator is done: withdraw
+  bool acquiring = false;       // the scanner takes an image
+  bool depth_accepted = false;  // the depth check of `accepted_stage` said Accept
   std::uint32_t accepted_stage = 0;
   std::int32_t patient_motion_um = 0;
   std::int32_t log_backlog_ms = 0;

@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
   } catch (const biopsy::SetupError& error) {
     fmt::print(stderr, "error: {}\nwhere: {}\nto do: {}\n", error.what_is_wrong, error.where, error.remedy);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\nwhere: unexpected\nto do: report this with the command that was typed\n", error.what());
+    fmt::print(stderr, "error: {}\nwhere: unexpected\nto do: report this with the command that was typed\n",
+               error.what());
   }
   return 2;
 }

@@ -69,7 +69,8 @@ void Operator::watch(const Tick& seen, std::int64_t tick) {
         go(Step::Pause, tick);
       } else if (held || waited > kStageMax_ticks) {
         give_up(held ? fmt::format("held again and again: {}", safety::name_of(seen.supervisor.reason))
-                     : fmt::format("stage {} was not reached within {} s", seen.supervisor.stage + 1, kStageMax_ticks / 1000));
+                     : fmt::format("stage {} was not reached within {} s", seen.supervisor.stage + 1,
+                                   kStageMax_ticks / 1000));
         go(Step::Withdraw, tick);
       }
       break;
@@ -87,7 +88,8 @@ void Operator::watch(const Tick& seen, std::int64_t tick) {
       break;
     }
     case Step::Withdraw:
-      if ((mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock) && waited > kReturn_ticks)
+      if ((mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock) &&
+          waited > kReturn_ticks)
         go(Step::Done, tick);
       break;
     case Step::Done:

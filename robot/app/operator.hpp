@@ -1,5 +1,6 @@
-// The person of a rehearsal, as a script: arms, holds the button while the needle moves, lets go at each stage's end,
-// has an image taken where the plan wants one, goes on when it is accepted, and withdraws at the end.
+// The person of a rehearsal, as a script: arms, holds the button while the needle moves, lets go at each
+// stage's end, has an image taken where the plan wants one, goes on when it is accepted, and withdraws at the
+// end.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +36,8 @@ class Operator {
 
   const Plan& plan_;
   Step step_ = Step::WaitReady;
-  std::int64_t since_ = 0;     // tick at which the step began
-  std::uint32_t token_ = 0;    // of the present press
+  std::int64_t since_ = 0;   // tick at which the step began
+  std::uint32_t token_ = 0;  // of the present press
   std::uint32_t accepted_stage_ = 0;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0;

@@ -8,8 +8,8 @@
 
 namespace biopsy::app {
 
-// `config_tag`: identifies the configuration in use; never 0. Throws SetupError for a plan with more stages than the
-// supervisor can hold.
+// `config_tag`: identifies the configuration in use; never 0. Throws SetupError for a plan with more stages
+// than the supervisor can hold.
 safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag);
 
 }  // namespace biopsy::app

@@ -14,7 +14,8 @@
 namespace biopsy::app {
 namespace {
 
-// Layers are looked up a little further than any plan can reach, so that the tissue behind the target is known too.
+// Layers are looked up a little further than any plan can reach, so that the tissue behind the target is
+// known too.
 constexpr Millimetres kBeyond{2.0};
 // An overshoot of the whole plan that the supervisor ends; layers must be known that far.
 constexpr Millimetres kMargin = from_um(limits::kDepthHard_um);
@@ -24,8 +25,8 @@ struct Pose {
   double fre_mm = 0.0, tre_mm = 0.0;
 };
 
-// Where the robot is: by fiducials, by a given transform, or, with neither, where the guide was aimed: at the entry,
-// pointing at the target.
+// Where the robot is: by fiducials, by a given transform, or, with neither, where the guide was aimed: at the
+// entry, pointing at the target.
 std::variant<Pose, PlanRefusal> pose_of(const Case& given, const Target& target) {
   if (!given.fiducials.empty()) {
     const auto result = planner::register_robot(planner::read_fiducials(given.fiducials));
@@ -47,7 +48,8 @@ std::vector<Layer> layers_of(const Case& given, const Volume* labels, const plan
   if (!given.layers.empty()) return given.layers;
   const Millimetres length = Millimetres((target.p_ST - target.p_SE).norm()) + kMargin + kBeyond;
   if (labels != nullptr)
-    return planner::layers_along_path(*labels, target.p_SE, (target.p_ST - target.p_SE).normalized(), length, names);
+    return planner::layers_along_path(*labels, target.p_SE, (target.p_ST - target.p_SE).normalized(), length,
+                                      names);
   return {{"unknown", Millimetres(0), length}};
 }
 

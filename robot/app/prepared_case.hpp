@@ -21,8 +21,8 @@ struct PreparedCase {
   std::variant<Plan, PlanRefusal> plan;
 };
 
-// Reads the image and plans. A phantom is first written to `folder`/planning as DICOM, so that it goes the way of any
-// image. Throws SetupError for bad input; a plan that is refused for medical reasons is a value.
+// Reads the image and plans. A phantom is first written to `folder`/planning as DICOM, so that it goes the
+// way of any image. Throws SetupError for bad input; a plan that is refused for medical reasons is a value.
 PreparedCase prepare(const Case& given, const std::filesystem::path& folder);
 
 }  // namespace biopsy::app

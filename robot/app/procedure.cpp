@@ -23,13 +23,15 @@ namespace fs = std::filesystem;
 Case case_of(const ProcedureOptions& options) {
   const bool by_image = !options.image.empty();
   if (by_image && !options.case_name.empty())
-    throw SetupError("both a case and --image", "command line", "give a case file, or --image with --entry and --target");
+    throw SetupError("both a case and --image", "command line",
+                     "give a case file, or --image with --entry and --target");
   if (!by_image && (!options.entry.empty() || !options.target.empty() || !options.labels.empty()))
     throw SetupError("--entry, --target or --labels without --image", "command line", "add --image PATH");
   Case given = by_image ? blank_case() : read_case(options.case_name.empty() ? "liver" : options.case_name);
   if (by_image) {
     if (options.entry.empty() || options.target.empty())
-      throw SetupError("--image without --entry and --target", "command line", "pick both points: --entry R,A,S --target R,A,S");
+      throw SetupError("--image without --entry and --target", "command line",
+                       "pick both points: --entry R,A,S --target R,A,S");
     given.image = options.image;
     given.title = options.image.filename().string();
     given.p_SE = typed_point("--entry", options.entry);
@@ -68,9 +70,8 @@ int dry_run(const ProcedureOptions& options) {
     finish(refused, prepared, options.out, started);
     return 3;
   }
-  report::RunRecord record = rehearse(prepared, options.out, [&line](double simulated_s, const std::string& what) {
-    line.show(-1.0, fmt::format("rehearsing: {:.1f} s, {}", simulated_s, what));
-  });
+  report::RunRecord record = rehearse(
+      prepared, options.out, [&line](double share, const std::string& what) { line.show(share, what); });
   finish(record, prepared, options.out, started);
   return record.outcome == report::Outcome::Completed ? 0 : 3;
 }
@@ -82,7 +83,8 @@ int plan(const ProcedureOptions& options) {
   const PreparedCase prepared = prepare(given, options.out);
   report::RunRecord record = planned_record(prepared);
   record.simulated_s = 0.0;
-  if (record.plan) record.outcome = report::Outcome::Completed;  // of what was asked; with no samples it says "planned"
+  if (record.plan)
+    record.outcome = report::Outcome::Completed;  // of what was asked; with no samples it says "planned"
   finish(record, prepared, options.out, started);
   return record.plan ? 0 : 3;
 }

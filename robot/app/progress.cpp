@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kQuiet = 500ms;   // shorter work needs no bar
+constexpr auto kQuiet = 500ms;  // shorter work needs no bar
 constexpr auto kBetween = 100ms;
 constexpr int kBar = 24;
 
@@ -32,7 +32,8 @@ void ProgressLine::show(double share, const std::string& what) {
   std::string bar;
   if (share >= 0.0) {
     const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kBar);
-    bar = fmt::format("[{:=<{}}{: <{}}] {:3.0f} % ", "", full, "", kBar - full, std::clamp(share, 0.0, 1.0) * 100.0);
+    bar = fmt::format("[{:=<{}}{: <{}}] {:3.0f} % ", "", full, "", kBar - full,
+                      std::clamp(share, 0.0, 1.0) * 100.0);
   }
   fmt::print(stderr, "\r\033[K{}{}", bar, what);
   std::fflush(stderr);

@@ -27,12 +27,14 @@ std::string file_hash(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& prepared, const report::RunRecord& record) {
+std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& prepared,
+                                                            const report::RunRecord& record) {
   const Case& given = prepared.given;
   std::vector<std::pair<std::string, std::string>> out{
       {"program", fmt::format("biopsy {}", BIOPSY_VERSION)},
       {"seed", fmt::format("{}", given.seed)},
-      {"image voxels, SHA-256", sha256(prepared.image.voxels.data(), prepared.image.voxels.size() * sizeof(float))},
+      {"image voxels, SHA-256",
+       sha256(prepared.image.voxels.data(), prepared.image.voxels.size() * sizeof(float))},
       {"plant model", given.rehearsal.model.filename().string()},
       {"plant model, SHA-256", file_hash(given.rehearsal.model)},
       {"tissues, SHA-256", file_hash(given.rehearsal.tissues)},

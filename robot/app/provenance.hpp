@@ -10,6 +10,7 @@
 
 namespace biopsy::app {
 
-std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& prepared, const report::RunRecord& record);
+std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& prepared,
+                                                            const report::RunRecord& record);
 
 }  // namespace biopsy::app

@@ -50,8 +50,8 @@ sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_
 
 report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
   // The report counts pixels from the corner of the first one, the slice from its centre.
-  report::SliceGeometry geometry{slice.entry_px.x() + 0.5, slice.entry_px.y() + 0.5, slice.axis_px.x(), slice.axis_px.y(),
-                                 slice.mm_per_pixel};
+  report::SliceGeometry geometry{slice.entry_px.x() + 0.5, slice.entry_px.y() + 0.5, slice.axis_px.x(),
+                                 slice.axis_px.y(), slice.mm_per_pixel};
   const Direction right_S = slice.axis_px.x() * slice.frame.along + slice.across_px.x() * slice.frame.across;
   const Direction down_S = slice.axis_px.y() * slice.frame.along + slice.across_px.y() * slice.frame.across;
   geometry.right = side_letters(right_S);
@@ -61,8 +61,8 @@ report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
   return geometry;
 }
 
-// The scanner's part of a rehearsal: takes an image of the needle where it truly is, sends it as DICOM, and has the
-// depth check read what was sent.
+// The scanner's part of a rehearsal: takes an image of the needle where it truly is, sends it as DICOM, and
+// has the depth check read what was sent.
 class ImageCheck {
  public:
   ImageCheck(const PreparedCase& prepared, const Plan& plan, fs::path folder)
@@ -140,9 +140,9 @@ std::string layer_at(const Plan& plan, const sim::PlantModel& model, const sim::
 void draw_planning_slice(const PreparedCase& prepared, const Plan& plan, report::RunRecord& record) {
   constexpr Millimetres kExtent{80.0};
   constexpr int kSize_px = 640;
-  const imaging::NeedleSlice slice = imaging::slice_through_needle(
-      prepared.image, plan.X_SR.translation(), plan.X_SR.linear().col(2), prepared.given.phantom ? Millimetres(30.0) : kExtent,
-      kSize_px);
+  const imaging::NeedleSlice slice =
+      imaging::slice_through_needle(prepared.image, plan.X_SR.translation(), plan.X_SR.linear().col(2),
+                                    prepared.given.phantom ? Millimetres(30.0) : kExtent, kSize_px);
   record.planning_slice = slice.picture;
   record.planning_geometry = geometry_of(slice);
 }
@@ -178,7 +178,8 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
   const Plan& plan = std::get<Plan>(prepared.plan);
   const safety::PlanFacts facts = plan_facts(plan, 1 + prepared.given.seed);
   sim::SimStage stage(plant_of(prepared), prepared.given.seed);
-  const std::uint64_t shown = planner::plan_tag(plan);  // what both people of the rehearsal were shown and confirm
+  const std::uint64_t shown =
+      planner::plan_tag(plan);  // what both people of the rehearsal were shown and confirm
   Lockstep lockstep(plan, facts, stage, {shown, shown});
   Operator person(plan);
   ImageCheck images(prepared, plan, folder);
@@ -189,7 +190,8 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
     const World world = person.act(seen, number);
     if (person.wants_verdict()) {
       report::StageResult& result = record.stages[world.accepted_stage];
-      progress(static_cast<double>(number) * 1e-3, fmt::format("checking the image of stage {}", world.accepted_stage + 1));
+      progress(static_cast<double>(number) * 1e-3,
+               fmt::format("checking the image of stage {}", world.accepted_stage + 1));
       images.take(world.accepted_stage, Millimetres(tip_sum_mm / static_cast<double>(tip_count)), result);
       person.judge(result.check->verdict == DepthVerdict::Accept, "depth check: " + result.check->reason);
       tip_sum_mm = 0.0, tip_count = 0;
@@ -212,8 +214,9 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
       result.hv_switching_during_image = result.hv_switching_during_image || seen.supervisor.image_disturbed;
     }
     if (number % kProgressEvery == 0)
-      progress(static_cast<double>(number) * 1e-3,
-               fmt::format("{}, {:.2f} mm", safety::name_of(seen.supervisor.permit.mode), seen.measurement.depth_um * 1e-3));
+      progress(lockstep.controller().setpoint / plan.target_depth,
+               fmt::format("rehearsing: {:.0f} s, {}, {:.2f} mm", static_cast<double>(number) * 1e-3,
+                           safety::name_of(seen.supervisor.permit.mode), seen.measurement.depth_um * 1e-3));
   }
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   record.refusal = person.completed() ? "" : person.stopped_because();

@@ -25,8 +25,8 @@ void claim_run_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    throw SetupError("is not a folder that can be made" + (error ? ": " + error.message() : std::string()), folder.string(),
-                     "give --out a folder that can be written");
+    throw SetupError("is not a folder that can be made" + (error ? ": " + error.message() : std::string()),
+                     folder.string(), "give --out a folder that can be written");
   if (!fs::is_empty(folder) && !fs::exists(folder / kMark))
     throw SetupError("holds files that no run of this program wrote", folder.string(),
                      "give --out an empty or new folder; nothing was touched");
@@ -35,7 +35,8 @@ void claim_run_folder(const fs::path& folder) {
   std::ofstream mark(folder / kMark);
   mark << "written by biopsy; the next run into this folder clears it\n";
   mark.close();
-  if (!mark) throw SetupError("cannot be written", folder.string(), "check free space and rights of the folder");
+  if (!mark)
+    throw SetupError("cannot be written", folder.string(), "check free space and rights of the folder");
 }
 
 }  // namespace biopsy::app

@@ -23,7 +23,9 @@ struct Rms {
   double mean() const { return count == 0 ? report::kUnknown : mean_sum / static_cast<double>(count); }
 };
 
-bool is_driven(const report::Sample& sample) { return sample.mode == Mode::Active || sample.mode == Mode::Hold; }
+bool is_driven(const report::Sample& sample) {
+  return sample.mode == Mode::Active || sample.mode == Mode::Hold;
+}
 
 // Samples of stage `index` while it was driven towards or held.
 template <class Visit>
@@ -32,7 +34,8 @@ void for_stage(const report::RunRecord& record, std::size_t index, Visit&& visit
     if (is_driven(sample) && sample.stage == index) visit(sample);
 }
 
-void measure_stage(const report::RunRecord& record, std::size_t index, report::StageResult& result, Rms& settled_all) {
+void measure_stage(const report::RunRecord& record, std::size_t index, report::StageResult& result,
+                   Rms& settled_all) {
   const double goal = result.stage.depth.value;
   double arrived_s = -1.0;
   Rms settled;
@@ -67,7 +70,8 @@ void measure_limits(report::RunRecord& record) {
     deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
     monitor = std::max(monitor, static_cast<double>(std::abs(sample.monitor_kV)));
     if (sample.envelope_kV > 0.0F && sample.mode == Mode::Active)
-      envelope = std::max(envelope, static_cast<double>(std::abs(sample.drive_kV) / sample.envelope_kV) * 100.0);
+      envelope =
+          std::max(envelope, static_cast<double>(std::abs(sample.drive_kV) / sample.envelope_kV) * 100.0);
     held = sample.mode == Mode::Hold ? held + 1e-3 : 0.0;
     hold_s = std::max(hold_s, held);
   }

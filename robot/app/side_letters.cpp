@@ -37,7 +37,8 @@ std::string side_letters(const Direction& lps) {
 std::string side_shares(const Direction& lps) {
   std::string out;
   for (const Share& share : shares(lps))
-    if (share.size >= 0.005) out += fmt::format("{}{} {:.2f}", out.empty() ? "" : ", ", share.letter, share.size);
+    if (share.size >= 0.005)
+      out += fmt::format("{}{} {:.2f}", out.empty() ? "" : ", ", share.letter, share.size);
   return out;
 }
 

@@ -7,7 +7,8 @@
 
 namespace biopsy::app {
 
-// The strongest letter first, and each other that has at least a quarter of it: "A" straight ahead, "AR" oblique.
+// The strongest letter first, and each other that has at least a quarter of it: "A" straight ahead, "AR"
+// oblique.
 std::string side_letters(const Direction& lps);
 
 // The same with numbers, for a table: "R 0.98, A 0.17".

@@ -1,5 +1,5 @@
-// The paper's controller, eq. (22): |u_i| = K_p e + K_i sum(e), on a 1 ms tick, with anti-windup at the permit's
-// envelope and nothing else.
+// The paper's controller, eq. (22): |u_i| = K_p e + K_i sum(e), on a 1 ms tick, with anti-windup at the
+// permit's envelope and nothing else.
 #pragma once
 
 #include "robot/messages/units.hpp"
@@ -7,8 +7,8 @@
 namespace biopsy::control {
 
 struct PiGains {
-  double proportional_V_per_mm = 800.0;       // K_p = 0.8 kV/mm, paper IV.D
-  double integral_V_per_mm_per_tick = 5.0;    // K_i = 0.005 kV/mm at each 1 ms tick, paper IV.D
+  double proportional_V_per_mm = 800.0;     // K_p = 0.8 kV/mm, paper IV.D
+  double integral_V_per_mm_per_tick = 5.0;  // K_i = 0.005 kV/mm at each 1 ms tick, paper IV.D
 };
 
 struct PiState {
@@ -16,8 +16,8 @@ struct PiState {
   Volts amplitude;  // put out last
 };
 
-// The next amplitude in [0, envelope] for the error target - measured. The integral moves only while the amplitude is
-// inside its bounds, or while it moves back towards them.
+// The next amplitude in [0, envelope] for the error target - measured. The integral moves only while the
+// amplitude is inside its bounds, or while it moves back towards them.
 PiState pi_step(const PiGains& gains, PiState state, Millimetres error, Volts envelope);
 
 // Takes over from a held amplitude without a bump: the integral that would have given it at this error.

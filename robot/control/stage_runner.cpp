@@ -41,9 +41,10 @@ RunnerState judge(RunnerState state, const Stage& stage, Millimetres depth) {
   return state;
 }
 
-// Held: the amplitude stays, because a regulated hold could only lower it, each sample's noise a little further. But a
-// needle that jumped beyond its stage is let back.
-RunnerState held(const PiGains& gains, RunnerState state, const Stage& stage, Millimetres depth, Volts envelope) {
+// Held: the amplitude stays, because a regulated hold could only lower it, each sample's noise a little
+// further. But a needle that jumped beyond its stage is let back.
+RunnerState held(const PiGains& gains, RunnerState state, const Stage& stage, Millimetres depth,
+                 Volts envelope) {
   const Volts ceiling = std::min(state.loop.amplitude, envelope);
   if (depth > stage.depth + kLetBack)
     state.loop = pi_step(gains, state.loop, stage.depth - depth, ceiling);
@@ -55,8 +56,9 @@ RunnerState held(const PiGains& gains, RunnerState state, const Stage& stage, Mi
 
 }  // namespace
 
-RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state, const Measurement& measurement,
-                     const Permit& permit, std::uint32_t stage_index, bool finish) {
+RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
+                     const Measurement& measurement, const Permit& permit, std::uint32_t stage_index,
+                     bool finish) {
   assert(stage_index < plan.stages.size());
   const Stage& stage = plan.stages[stage_index];
   const Millimetres depth = from_um(measurement.depth_um);

@@ -15,10 +15,10 @@ enum class DepthVerdict : std::uint8_t {
 
 struct DepthCheck {
   DepthVerdict verdict = DepthVerdict::Unsure;
-  std::string reason;          // a sentence for a person
+  std::string reason;  // a sentence for a person
   bool tip_found = false;
-  Millimetres depth;           // tip along the needle axis from the entry
-  Millimetres sigma;           // one standard deviation
+  Millimetres depth;  // tip along the needle axis from the entry
+  Millimetres sigma;  // one standard deviation
   // Patient motion from before to after: p_after = rotation * (p_before - entry) + entry + shift (LPS mm).
   double shift_mm[3] = {0, 0, 0};
   double rotation_deg[3] = {0, 0, 0};  // rotation vector, LPS axes

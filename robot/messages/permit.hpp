@@ -24,11 +24,11 @@ struct Permit {
   Mode mode = Mode::Boot;
   StopCategory stop = StopCategory::C0Off;
   bool hv_enable = false;
-  std::int32_t v_max_mV = 0;              // envelope of |V|
-  std::int32_t slew_up_mV_per_tick = 0;   // 0: |V| may not rise
-  std::int32_t slew_down_mV_per_tick = 0; // 0: free; C1 ramps are paced by the envelope
+  std::int32_t v_max_mV = 0;               // envelope of |V|
+  std::int32_t slew_up_mV_per_tick = 0;    // 0: |V| may not rise
+  std::int32_t slew_down_mV_per_tick = 0;  // 0: free; C1 ramps are paced by the envelope
   std::int32_t depth_max_um = 0;
-  std::uint64_t plan_tag = 0;             // first 8 bytes of the plan's seal
+  std::uint64_t plan_tag = 0;  // first 8 bytes of the plan's seal
   std::uint64_t config_tag = 0;
   std::uint32_t challenge = 0;
 };

@@ -1,5 +1,5 @@
-// A sealed plan: staged depth setpoints along the needle's one degree of freedom. Depth is the displacement of the
-// needle from where it waits, positive into the patient.
+// A sealed plan: staged depth setpoints along the needle's one degree of freedom. Depth is the displacement
+// of the needle from where it waits, positive into the patient.
 #pragma once
 
 #include <array>
@@ -30,12 +30,12 @@ enum class StageKind : std::uint8_t {
 
 struct Stage {
   StageKind kind = StageKind::Approach;
-  Millimetres depth;             // where the stage ends
-  MillimetresPerSecond speed;    // limit on the setpoint's rate
-  Volts v_max;                   // limit on the drive: what it can store ahead of a boundary, model-based
-  Seconds dwell{0};              // time within tolerance before the stage counts as reached
-  bool image_confirms = false;   // must a depth check on a new image pass before the next stage
-  std::string why;               // for a person: "stop short of muscle | gap at 2.00 mm"
+  Millimetres depth;            // where the stage ends
+  MillimetresPerSecond speed;   // limit on the setpoint's rate
+  Volts v_max;                  // limit on the drive: what it can store ahead of a boundary, model-based
+  Seconds dwell{0};             // time within tolerance before the stage counts as reached
+  bool image_confirms = false;  // must a depth check on a new image pass before the next stage
+  std::string why;              // for a person: "stop short of muscle | gap at 2.00 mm"
 };
 
 // Band of depths that are plausible at a steady drive amplitude, for the offset and scale check.
@@ -45,14 +45,14 @@ struct DepthBand {
 };
 
 struct PlanLimits {
-  Millimetres depth_max;   // the target plus the allowed overshoot; never beyond the stroke
-  Volts v_max;             // highest drive of any stage
+  Millimetres depth_max;             // the target plus the allowed overshoot; never beyond the stroke
+  Volts v_max;                       // highest drive of any stage
   std::vector<DepthBand> plausible;  // rising drive
 };
 
 struct Plan {
   Target target;
-  RigidTransform X_SR = RigidTransform::Identity();  // robot to scanner
+  RigidTransform X_SR = RigidTransform::Identity();             // robot to scanner
   double registration_fre_mm = 0.0, registration_tre_mm = 0.0;  // 0 where the transform was given
   Millimetres target_depth;
   Millimetres axis_offset;  // distance of the target from the needle axis

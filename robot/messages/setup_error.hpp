@@ -1,5 +1,5 @@
-// A mistake in what was given to the program, found before anything moves. Thrown during set-up only, caught once in
-// main, which prints the three lines and ends with exit code 2.
+// A mistake in what was given to the program, found before anything moves. Thrown during set-up only, caught
+// once in main, which prints the three lines and ends with exit code 2.
 #pragma once
 
 #include <stdexcept>

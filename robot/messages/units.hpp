@@ -1,5 +1,5 @@
-// Units as types: a length cannot be passed where a voltage is wanted. Numbers leave these types only at edges
-// (files, wires, screens), where the unit moves into the name (`depth_mm`).
+// Units as types: a length cannot be passed where a voltage is wanted. Numbers leave these types only at
+// edges (files, wires, screens), where the unit moves into the name (`depth_mm`).
 #pragma once
 
 #include <chrono>
@@ -41,9 +41,17 @@ constexpr Millimetres operator*(MillimetresPerSecond speed, Seconds time) {
 inline constexpr std::chrono::milliseconds kTick{1};
 
 // Safety and wires count in integers: micrometres and millivolts, rounded to nearest.
-inline std::int32_t to_um(Millimetres length) { return static_cast<std::int32_t>(std::lround(length.value * 1e3)); }
-inline std::int32_t to_mV(Volts voltage) { return static_cast<std::int32_t>(std::lround(voltage.value * 1e3)); }
-constexpr Millimetres from_um(std::int32_t um) { return Millimetres(um * 1e-3); }
-constexpr Volts from_mV(std::int32_t mV) { return Volts(mV * 1e-3); }
+inline std::int32_t to_um(Millimetres length) {
+  return static_cast<std::int32_t>(std::lround(length.value * 1e3));
+}
+inline std::int32_t to_mV(Volts voltage) {
+  return static_cast<std::int32_t>(std::lround(voltage.value * 1e3));
+}
+constexpr Millimetres from_um(std::int32_t um) {
+  return Millimetres(um * 1e-3);
+}
+constexpr Volts from_mV(std::int32_t mV) {
+  return Volts(mV * 1e-3);
+}
 
 }  // namespace biopsy

@@ -9,20 +9,22 @@
 
 namespace biopsy {
 
-// Size in voxels and the map from voxel index (i, j, k) to scanner LPS mm. Axes are perpendicular (readers refuse
-// anything else); a left-handed index order is allowed.
+// Size in voxels and the map from voxel index (i, j, k) to scanner LPS mm. Axes are perpendicular (readers
+// refuse anything else); a left-handed index order is allowed.
 struct Grid {
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
   AffineTransform X_SI = AffineTransform::Identity();
 
   Eigen::Vector3d spacing_mm() const { return X_SI.linear().colwise().norm().transpose(); }
   std::size_t voxel_count() const {
-    return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
+    return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
+           static_cast<std::size_t>(size.z());
   }
   std::size_t index(int i, int j, int k) const {
     return static_cast<std::size_t>(i) +
            static_cast<std::size_t>(size.x()) *
-               (static_cast<std::size_t>(j) + static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(k));
+               (static_cast<std::size_t>(j) +
+                static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(k));
   }
   bool contains(int i, int j, int k) const {
     return i >= 0 && j >= 0 && k >= 0 && i < size.x() && j < size.y() && k < size.z();
@@ -38,7 +40,8 @@ struct SeriesIdentity {
 
 struct Volume {
   Grid grid;
-  std::vector<float> voxels;  // i fastest, then j, then k; in the file's real-world units (slope and intercept applied)
+  std::vector<float>
+      voxels;  // i fastest, then j, then k; in the file's real-world units (slope and intercept applied)
   SeriesIdentity identity;
   std::string format;                 // "DICOM", "NIfTI", "NRRD", "phantom"
   std::vector<std::string> files;     // in slice order

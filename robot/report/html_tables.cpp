@@ -79,7 +79,7 @@ std::string check_row(const StageResult& result, std::size_t number) {
          triple_cell(check.rotation_deg) + number_cell(check.registration_score, 3) +
          number_cell(check.contrast_to_noise, 1) + "<td>" + escaped(check.reason) +
          (result.hv_switching_during_image
-              ? " <span class=\"alarm\">High voltage switched during the image.</span>"
+              ? " The drive switched while the image was taken."
               : "") +
          "</td></tr>\n";
 }

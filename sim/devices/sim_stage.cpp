@@ -9,7 +9,9 @@ namespace {
 
 constexpr std::uint64_t kMonitorStream = 0x6d6f6e69;  // must not repeat the laser's noise
 
-std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lround(value)); }
+std::int32_t rounded(double value) {
+  return static_cast<std::int32_t>(std::lround(value));
+}
 
 }  // namespace
 

@@ -1,4 +1,5 @@
-// The simulated needle stage: the plant behind the same port as the hardware. Writing a voltage lets one tick pass.
+// The simulated needle stage: the plant behind the same port as the hardware. Writing a voltage lets one tick
+// pass.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +11,9 @@ namespace biopsy::sim {
 
 // The amplifier's monitors and the laser's converter.
 struct DeviceErrors {
-  double monitor_noise = 0.001;       // share of the voltage, one standard deviation
+  double monitor_noise = 0.001;  // share of the voltage, one standard deviation
   double current_noise_A = 20e-9;
-  std::int32_t laser_code_um = 1;     // one converter code
+  std::int32_t laser_code_um = 1;  // one converter code
 };
 
 class SimStage final : public port::NeedleStage {

@@ -11,9 +11,11 @@ struct CoulombFriction {
   double force = 0.0;  // N
 
   static constexpr EffectInfo info{
-      "coulomb_friction", Attachment::Stage,
+      "coulomb_friction",
+      Attachment::Stage,
       "Plate A rubs on its guide with a constant force and sticks where it turns around.",
-      "F = -force sign(v); at v = 0 it balances any net force up to `force`", "slow_triangle",
+      "F = -force sign(v); at v = 0 it balances any net force up to `force`",
+      "slow_triangle",
       "Coulomb 1785; paper IV.D: stick-slip from nonlinear friction"};
   static constexpr auto parameters() {
     return std::array{Parameter<CoulombFriction>{"force_N", &CoulombFriction::force, 1.0, 0.0, 2.0, 0.05,

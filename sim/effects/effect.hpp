@@ -1,5 +1,6 @@
-// What every effect says about itself. An effect is one physical term that can be absent; absent is exactly the
-// baseline. Its file holds the parameters (SI inside, people's units in files), the equation and where it attaches.
+// What every effect says about itself. An effect is one physical term that can be absent; absent is exactly
+// the baseline. Its file holds the parameters (SI inside, people's units in files), the equation and where it
+// attaches.
 #pragma once
 
 #include <span>
@@ -22,7 +23,7 @@ struct Parameter {
 struct EffectInfo {
   std::string_view name;
   Attachment attaches;
-  std::string_view sentence;    // for a person
+  std::string_view sentence;  // for a person
   std::string_view equation;
   std::string_view experiment;  // that would show it most clearly
   std::string_view source;

@@ -10,11 +10,11 @@ namespace biopsy::sim {
 // A tissue surface bulges ahead of the needle, gives way at the puncture force and then only resists cutting.
 // The deepest deflection seen is its memory: what is cut stays cut.
 struct LayerPuncture {
-  double depth = 0.0;          // m, where the undeflected surface lies
-  double force = 0.0;          // N at puncture
-  double deflection = 1e-3;    // m, of the surface at puncture
-  double collapse = 0.2e-3;    // m, travel over which the force falls to the cutting force
-  double cutting = 0.0;        // N, at the tip once inside
+  double depth = 0.0;        // m, where the undeflected surface lies
+  double force = 0.0;        // N at puncture
+  double deflection = 1e-3;  // m, of the surface at puncture
+  double collapse = 0.2e-3;  // m, travel over which the force falls to the cutting force
+  double cutting = 0.0;      // N, at the tip once inside
 
   // Force at the largest deflection so far: parabola to the puncture, straight fall, then cutting.
   double virgin(double q) const {
@@ -35,17 +35,22 @@ struct LayerPuncture {
   bool punctured(double x_max) const { return x_max - depth > deflection; }
 
   static constexpr EffectInfo info{
-      "layer_puncture", Attachment::Tissue,
-      "The needle meets a tissue surface that bulges, then gives way at once and lets the needle jump forward.",
+      "layer_puncture",
+      Attachment::Tissue,
+      "The needle meets a tissue surface that bulges, then gives way at once and lets the needle jump "
+      "forward.",
       "F = force (q/deflection)^2 up to the puncture, then a straight fall to `cutting` over `collapse`",
-      "slow_triangle", "Okamura, Simone, O'Leary 2004, IEEE TBME 51(10); Mahvash, Dupont 2010, IEEE TBME 57(4)"};
+      "slow_triangle",
+      "Okamura, Simone, O'Leary 2004, IEEE TBME 51(10); Mahvash, Dupont 2010, IEEE TBME 57(4)"};
   static constexpr auto parameters() {
     using E = LayerPuncture;
     return std::array{
-        Parameter<E>{"depth_mm", &E::depth, 1e-3, -5.0, 100.0, 2.0, "position of the surface before it is touched"},
+        Parameter<E>{"depth_mm", &E::depth, 1e-3, -5.0, 100.0, 2.0,
+                     "position of the surface before it is touched"},
         Parameter<E>{"force_N", &E::force, 1.0, 0.0, 5.0, 0.2, "force at which it gives way"},
         Parameter<E>{"deflection_mm", &E::deflection, 1e-3, 0.01, 10.0, 0.3, "bulge at that force"},
-        Parameter<E>{"collapse_mm", &E::collapse, 1e-3, 0.01, 5.0, 0.2, "travel over which the force collapses"},
+        Parameter<E>{"collapse_mm", &E::collapse, 1e-3, 0.01, 5.0, 0.2,
+                     "travel over which the force collapses"},
         Parameter<E>{"cutting_N", &E::cutting, 1.0, 0.0, 2.0, 0.05, "force at the tip while cutting on"}};
   }
 };

@@ -12,11 +12,12 @@ struct SensorLag {
 
   double rate(double x, double reading) const { return (x - reading) / time; }
 
-  static constexpr EffectInfo info{"sensor_lag", Attachment::Sensor, "The reading is late.",
-                                   "d reading/dt = (x - reading)/time", "weight_drop",
-                                   "averaging inside a laser triangulation sensor"};
+  static constexpr EffectInfo info{"sensor_lag",           Attachment::Sensor,
+                                   "The reading is late.", "d reading/dt = (x - reading)/time",
+                                   "weight_drop",          "averaging inside a laser triangulation sensor"};
   static constexpr auto parameters() {
-    return std::array{Parameter<SensorLag>{"time_ms", &SensorLag::time, 1e-3, 0.1, 500.0, 5.0, "time constant"}};
+    return std::array{
+        Parameter<SensorLag>{"time_ms", &SensorLag::time, 1e-3, 0.1, 500.0, 5.0, "time constant"}};
   }
 };
 

@@ -10,10 +10,15 @@ namespace biopsy::sim {
 struct SensorNoise {
   double std = 0.0;  // m
 
-  static constexpr EffectInfo info{"sensor_noise", Attachment::Sensor, "Every laser reading is off by a little, at random.",
-                                   "reading = x + std N(0, 1)", "dc_hold", "white noise; BL-100NMZ class sensor: 10 um"};
+  static constexpr EffectInfo info{"sensor_noise",
+                                   Attachment::Sensor,
+                                   "Every laser reading is off by a little, at random.",
+                                   "reading = x + std N(0, 1)",
+                                   "dc_hold",
+                                   "white noise; BL-100NMZ class sensor: 10 um"};
   static constexpr auto parameters() {
-    return std::array{Parameter<SensorNoise>{"std_mm", &SensorNoise::std, 1e-3, 0.0, 1.0, 0.010, "standard deviation"}};
+    return std::array{
+        Parameter<SensorNoise>{"std_mm", &SensorNoise::std, 1e-3, 0.0, 1.0, 0.010, "standard deviation"}};
   }
 };
 

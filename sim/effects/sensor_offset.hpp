@@ -10,12 +10,15 @@ namespace biopsy::sim {
 struct SensorOffset {
   double offset = 0.0;  // m, added to every reading
 
-  static constexpr EffectInfo info{"sensor_offset", Attachment::Sensor,
+  static constexpr EffectInfo info{"sensor_offset",
+                                   Attachment::Sensor,
                                    "The sensor's zero is wrong: every reading is off by the same amount.",
-                                   "reading = x + offset", "closed_loop_steps", "calibration error"};
+                                   "reading = x + offset",
+                                   "closed_loop_steps",
+                                   "calibration error"};
   static constexpr auto parameters() {
-    return std::array{
-        Parameter<SensorOffset>{"offset_mm", &SensorOffset::offset, 1e-3, -20.0, 20.0, 0.1, "added to every reading"}};
+    return std::array{Parameter<SensorOffset>{"offset_mm", &SensorOffset::offset, 1e-3, -20.0, 20.0, 0.1,
+                                              "added to every reading"}};
   }
 };
 

@@ -9,24 +9,27 @@ namespace biopsy::sim {
 
 // Drag along the shaft that grows with the length inside the tissue.
 struct ShaftFriction {
-  double from = 0.0;       // m, where this tissue begins
-  double to = 1e9;         // m, where it ends
-  double coulomb = 0.0;    // N per m inserted
-  double viscous = 0.0;    // N s/m per m inserted
+  double from = 0.0;     // m, where this tissue begins
+  double to = 1e9;       // m, where it ends
+  double coulomb = 0.0;  // N per m inserted
+  double viscous = 0.0;  // N s/m per m inserted
 
   double inserted(double x) const { return std::clamp(x, from, to) - from; }
 
   static constexpr EffectInfo info{
-      "shaft_friction", Attachment::Tissue,
+      "shaft_friction",
+      Attachment::Tissue,
       "Tissue grips the needle's shaft: the deeper it is, the more force it takes to move it either way.",
-      "F = -(coulomb sign(v) + viscous v) length inserted", "slow_triangle",
+      "F = -(coulomb sign(v) + viscous v) length inserted",
+      "slow_triangle",
       "Okamura, Simone, O'Leary 2004, IEEE TBME 51(10), modified Karnopp model"};
   static constexpr auto parameters() {
     using E = ShaftFriction;
-    return std::array{
-        Parameter<E>{"from_mm", &E::from, 1e-3, -5.0, 100.0, 0.0, "where the tissue begins"},
-        Parameter<E>{"coulomb_N_per_mm", &E::coulomb, 1e3, 0.0, 0.5, 0.02, "dry friction per inserted length"},
-        Parameter<E>{"viscous_N_s_per_m_per_mm", &E::viscous, 1e3, 0.0, 5.0, 0.1, "viscous drag per inserted length"}};
+    return std::array{Parameter<E>{"from_mm", &E::from, 1e-3, -5.0, 100.0, 0.0, "where the tissue begins"},
+                      Parameter<E>{"coulomb_N_per_mm", &E::coulomb, 1e3, 0.0, 0.5, 0.02,
+                                   "dry friction per inserted length"},
+                      Parameter<E>{"viscous_N_s_per_m_per_mm", &E::viscous, 1e3, 0.0, 5.0, 0.1,
+                                   "viscous drag per inserted length"}};
   }
 };
 

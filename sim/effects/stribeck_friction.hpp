@@ -20,16 +20,20 @@ struct StribeckFriction {
   }
 
   static constexpr EffectInfo info{
-      "stribeck_friction", Attachment::Stage,
+      "stribeck_friction",
+      Attachment::Stage,
       "Plate A needs a larger force to break away than to keep sliding, so it moves in jerks at low speed.",
-      "F = -(sliding + (breakaway - sliding) exp(-(v/speed)^2)) sign(v)", "slow_triangle",
+      "F = -(sliding + (breakaway - sliding) exp(-(v/speed)^2)) sign(v)",
+      "slow_triangle",
       "Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7)"};
   static constexpr auto parameters() {
     using E = StribeckFriction;
     return std::array{
         Parameter<E>{"sliding_N", &E::sliding, 1.0, 0.0, 2.0, 0.03, "friction while sliding fast"},
-        Parameter<E>{"breakaway_N", &E::breakaway, 1.0, 0.0, 3.0, 0.05, "friction that must be overcome from rest"},
-        Parameter<E>{"speed_mm_s", &E::speed, 1e-3, 0.05, 50.0, 1.0, "speed at which the excess has faded to 1/e"}};
+        Parameter<E>{"breakaway_N", &E::breakaway, 1.0, 0.0, 3.0, 0.05,
+                     "friction that must be overcome from rest"},
+        Parameter<E>{"speed_mm_s", &E::speed, 1e-3, 0.05, 50.0, 1.0,
+                     "speed at which the excess has faded to 1/e"}};
   }
 };
 

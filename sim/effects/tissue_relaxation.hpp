@@ -14,15 +14,19 @@ struct TissueRelaxation {
   double time = 1.0;       // s
 
   double inserted(double x) const { return std::max(0.0, x - from); }
-  // Force against the needle, the tissue having crept to `crept` (m); and the rate of that creep. Written with the
-  // crept length as the state, not the spring's stretch, so that entering the tissue is a kink and not a jump.
+  // Force against the needle, the tissue having crept to `crept` (m); and the rate of that creep. Written
+  // with the crept length as the state, not the spring's stretch, so that entering the tissue is a kink and
+  // not a jump.
   double push_back(double x, double crept) const { return stiffness * (inserted(x) - crept); }
   double rate(double x, double crept) const { return (inserted(x) - crept) / time; }
 
   static constexpr EffectInfo info{
-      "tissue_relaxation", Attachment::Tissue,
-      "Tissue pulled along by the needle pulls back, and that force fades over seconds when the needle rests.",
-      "F = -stiffness (inserted - crept), d crept/dt = (inserted - crept)/time", "closed_loop_steps",
+      "tissue_relaxation",
+      Attachment::Tissue,
+      "Tissue pulled along by the needle pulls back, and that force fades over seconds when the needle "
+      "rests.",
+      "F = -stiffness (inserted - crept), d crept/dt = (inserted - crept)/time",
+      "closed_loop_steps",
       "Maxwell element; Fung 1993, Biomechanics, ch. 7: soft tissue relaxes over seconds"};
   static constexpr auto parameters() {
     using E = TissueRelaxation;

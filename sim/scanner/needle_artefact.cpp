@@ -22,14 +22,17 @@ double signal_left(const NeedleArtefact& needle, const Point& p_S) {
   const double before_tip = needle.tip_depth.value - along;
   const double reach = 4.0 * needle.edge.value;
   if (before_tip < -reach || along < -needle.shaft_behind.value - reach) return 1.0;
-  const double near_tip = std::exp(-0.5 * std::pow((before_tip - needle.radius.value) / needle.radius.value, 2));
+  const double near_tip =
+      std::exp(-0.5 * std::pow((before_tip - needle.radius.value) / needle.radius.value, 2));
   const double radius = needle.radius.value * (1.0 + needle.tip_bloom * near_tip);
   if (from_axis > radius + reach) return 1.0;
   const double rim = std::min(from_axis / radius, 1.0);
   const double rounding = needle.tip_roundness * radius * (1.0 - std::sqrt(1.0 - rim * rim));
-  const double covered = inside(radius - from_axis, needle.edge) * inside(before_tip - rounding, needle.edge) *
+  const double covered = inside(radius - from_axis, needle.edge) *
+                         inside(before_tip - rounding, needle.edge) *
                          inside(along + needle.shaft_behind.value, needle.edge);
-  // A thin soft void never reaches its full loss on the centreline; the half-signal point must stay at the tip.
+  // A thin soft void never reaches its full loss on the centreline; the half-signal point must stay at the
+  // tip.
   const double core = inside(radius, needle.edge);
   return 1.0 - needle.loss * std::min(covered / core, 1.0);
 }

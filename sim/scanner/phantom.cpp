@@ -10,7 +10,9 @@
 namespace biopsy::sim {
 namespace {
 
-double smooth_step(double f) { return f * f * (3.0 - 2.0 * f); }
+double smooth_step(double f) {
+  return f * f * (3.0 - 2.0 * f);
+}
 
 // Random values on a lattice, blended smoothly between: texture that looks alike in all directions, -1 to 1.
 double texture(const Eigen::Vector3d& place, double cell_mm, std::uint64_t seed) {
@@ -38,8 +40,8 @@ double tube(const Eigen::Vector3d& place, const Point& through, const Direction&
   return std::clamp(0.5 + (radius_mm - distance) / 0.5, 0.0, 1.0);
 }
 
-// Signal at a place in the needle's own axes (z along the insertion from the entry, mm). Means after T2 weighting:
-// gel 700, muscle 300, saline 900, liver 450, vessels 800.
+// Signal at a place in the needle's own axes (z along the insertion from the entry, mm). Means after T2
+// weighting: gel 700, muscle 300, saline 900, liver 450, vessels 800.
 double signal(const Eigen::Vector3d& place, const PhantomSettings& s) {
   const double soft = s.voxel.value;  // a border inside a voxel is a mixture
   const auto beyond = [&](double depth) { return std::clamp(0.5 + (place.z() - depth) / soft, 0.0, 1.0); };
@@ -49,9 +51,10 @@ double signal(const Eigen::Vector3d& place, const PhantomSettings& s) {
   const double muscle = 300.0 * (1.0 + 0.15 * fibres + 0.15 * fine);
   const double gap = 900.0 * (1.0 + 0.05 * fine);
   double liver = 450.0 * (1.0 + 0.15 * coarse + 0.15 * fine);
-  const double vessels = std::max({tube(place, {5.0, 0.0, 9.0}, Direction(0.1, 1.0, 0.2).normalized(), 1.2),
-                                   tube(place, {-6.0, 4.0, 12.0}, Direction(1.0, -0.7, 0.3).normalized(), 1.6),
-                                   tube(place, {3.0, -7.0, 16.0}, Direction(0.2, 0.3, 1.0).normalized(), 1.0)});
+  const double vessels =
+      std::max({tube(place, {5.0, 0.0, 9.0}, Direction(0.1, 1.0, 0.2).normalized(), 1.2),
+                tube(place, {-6.0, 4.0, 12.0}, Direction(1.0, -0.7, 0.3).normalized(), 1.6),
+                tube(place, {3.0, -7.0, 16.0}, Direction(0.2, 0.3, 1.0).normalized(), 1.0)});
   liver += vessels * (800.0 - liver);
   double value = pad * beyond(-s.pad.value);  // air before the pad
   value += beyond(0.0) * (muscle - value);
@@ -69,10 +72,12 @@ Grid oblique_grid(const PhantomSettings& s) {
   Grid grid;
   grid.size = (s.size_mm / s.voxel.value).array().round().cast<int>();
   const Eigen::Matrix3d tilt =
-      Eigen::AngleAxisd(35.0 * std::numbers::pi / 180.0, Direction(0.3, 1.0, -0.5).normalized()).toRotationMatrix();
+      Eigen::AngleAxisd(35.0 * std::numbers::pi / 180.0, Direction(0.3, 1.0, -0.5).normalized())
+          .toRotationMatrix();
   grid.X_SI.linear() = tilt * s.voxel.value;
   const Point centre_S(12.0, -31.0, 48.0);
-  grid.X_SI.translation() = centre_S - grid.X_SI.linear() * (0.5 * (grid.size.cast<double>().array() - 1.0)).matrix();
+  grid.X_SI.translation() =
+      centre_S - grid.X_SI.linear() * (0.5 * (grid.size.cast<double>().array() - 1.0)).matrix();
   return grid;
 }
 
@@ -81,7 +86,8 @@ Grid oblique_grid(const PhantomSettings& s) {
 Phantom paper_phantom(const PhantomSettings& settings) {
   const bool sizes = settings.voxel.value > 0.0 && settings.size_mm.minCoeff() >= 3.0 * settings.voxel.value;
   if (!sizes || settings.size_mm.prod() / std::pow(settings.voxel.value, 3) > 2e8)
-    throw SetupError("the block has no voxels or too many", "paper phantom", "choose a voxel and a size in mm above 0");
+    throw SetupError("the block has no voxels or too many", "paper phantom",
+                     "choose a voxel and a size in mm above 0");
   Phantom phantom;
   phantom.image.grid = oblique_grid(settings);
   phantom.image.format = "phantom";
@@ -92,7 +98,8 @@ Phantom paper_phantom(const PhantomSettings& settings) {
   const Eigen::Matrix3d block = phantom.image.grid.X_SI.linear() / settings.voxel.value;
   const double lean = 15.0 * std::numbers::pi / 180.0;
   phantom.axis_S = block * Direction(std::cos(lean), std::sin(lean) * 0.8, std::sin(lean) * 0.6);
-  const Eigen::Vector3d entry(0.3 * settings.size_mm.x(), 0.4 * settings.size_mm.y(), 0.5 * settings.size_mm.z());
+  const Eigen::Vector3d entry(0.3 * settings.size_mm.x(), 0.4 * settings.size_mm.y(),
+                              0.5 * settings.size_mm.z());
   phantom.p_SE = phantom.image.grid.X_SI * (entry / settings.voxel.value);
   const Direction side = block.col(2).cross(phantom.axis_S).normalized();
   const Direction up = phantom.axis_S.cross(side);

@@ -14,7 +14,8 @@ namespace {
 // Catmull-Rom weights of the four neighbours of a point that lies f beyond the second.
 std::array<double, 4> cubic_weights(double f) {
   const double f2 = f * f, f3 = f2 * f;
-  return {-0.5 * f3 + f2 - 0.5 * f, 1.5 * f3 - 2.5 * f2 + 1.0, -1.5 * f3 + 2.0 * f2 + 0.5 * f, 0.5 * f3 - 0.5 * f2};
+  return {-0.5 * f3 + f2 - 0.5 * f, 1.5 * f3 - 2.5 * f2 + 1.0, -1.5 * f3 + 2.0 * f2 + 0.5 * f,
+          0.5 * f3 - 0.5 * f2};
 }
 
 // Tissue at a voxel index of the planning volume; air beyond half a voxel outside.
@@ -33,21 +34,25 @@ double tissue_at(const Volume& planning, const Eigen::Vector3d& index) {
     for (int j = 0; j < 4; ++j) {
       const std::size_t row = planning.grid.index(0, n[1][j], n[2][k]);
       double line = 0.0;
-      for (int i = 0; i < 4; ++i) line += w[0][i] * static_cast<double>(planning.voxels[row + static_cast<std::size_t>(n[0][i])]);
+      for (int i = 0; i < 4; ++i)
+        line += w[0][i] * static_cast<double>(planning.voxels[row + static_cast<std::size_t>(n[0][i])]);
       sum += w[2][k] * w[1][j] * line;
     }
   return std::max(sum, 0.0);
 }
 
-// Places within a box about the origin, no further apart than `step`, whose mean stands for the mean over the box.
-std::vector<Eigen::Vector3d> places_in_box(const Eigen::Matrix3d& axes, const Eigen::Vector3d& sides, double step) {
+// Places within a box about the origin, no further apart than `step`, whose mean stands for the mean over the
+// box.
+std::vector<Eigen::Vector3d> places_in_box(const Eigen::Matrix3d& axes, const Eigen::Vector3d& sides,
+                                           double step) {
   Eigen::Vector3i count;
   for (int a = 0; a < 3; ++a) count[a] = std::clamp(static_cast<int>(std::ceil(sides[a] / step)), 1, 12);
   std::vector<Eigen::Vector3d> places;
   for (int k = 0; k < count.z(); ++k)
     for (int j = 0; j < count.y(); ++j)
       for (int i = 0; i < count.x(); ++i) {
-        const Eigen::Vector3d fraction = (Eigen::Vector3d(i, j, k).array() + 0.5) / count.cast<double>().array() - 0.5;
+        const Eigen::Vector3d fraction =
+            (Eigen::Vector3d(i, j, k).array() + 0.5) / count.cast<double>().array() - 0.5;
         places.push_back(axes * fraction.cwiseProduct(sides));
       }
   return places;
@@ -78,7 +83,8 @@ double needle_left(const NeedleArtefact& needle, const Point& centre, double hal
   const Eigen::Vector3d d = centre - needle.p_SE;
   const Direction axis = needle.axis_S.normalized();
   const double along = d.dot(axis);
-  const double reach = half_diagonal + needle.radius.value * (1.0 + needle.tip_bloom) + 4.0 * needle.edge.value;
+  const double reach =
+      half_diagonal + needle.radius.value * (1.0 + needle.tip_bloom) + 4.0 * needle.edge.value;
   if ((d - along * axis).norm() > reach || along > needle.tip_depth.value + reach) return 1.0;
   double sum = 0.0;
   for (const Eigen::Vector3d& place : places) sum += signal_left(needle, centre + place);
@@ -92,7 +98,8 @@ void add_ghost(Volume& image, double fraction, int shift) {
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < image.grid.size.x(); ++i) {
         const int from = ((j - shift) % rows + rows) % rows;  // aliases around the field of view
-        image.voxels[image.grid.index(i, j, k)] += static_cast<float>(fraction) * clean[image.grid.index(i, from, k)];
+        image.voxels[image.grid.index(i, j, k)] +=
+            static_cast<float>(fraction) * clean[image.grid.index(i, from, k)];
       }
 }
 
@@ -129,7 +136,8 @@ RigidTransform PatientMotion::X_after_before() const {
 double tissue_signal(const Volume& volume) {
   std::vector<float> values = volume.voxels;
   if (values.empty()) return 0.0;
-  const auto bright = values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size() - 1));
+  const auto bright =
+      values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), bright, values.end());
   const float air = 0.1f * *bright;
   values.erase(std::remove_if(values.begin(), values.end(), [&](float x) { return x <= air; }), values.end());

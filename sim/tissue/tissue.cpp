@@ -12,7 +12,8 @@ template <class Effect>
 void take(TomlTable& table, Effect& effect) {
   for (const auto& parameter : Effect::parameters()) {
     if (parameter.name == "depth_mm" || parameter.name == "from_mm") continue;
-    effect.*(parameter.member) = table.number(parameter.name, parameter.low, parameter.high) * parameter.si_per_unit;
+    effect.*(parameter.member) =
+        table.number(parameter.name, parameter.low, parameter.high) * parameter.si_per_unit;
   }
 }
 
@@ -38,8 +39,8 @@ TissueTable read_tissues(const std::filesystem::path& file) {
 
 std::vector<TissueLayer> tissue_along(std::span<const Layer> layers, const TissueTable& table) {
   if (layers.size() > kMaxLayers)
-    throw SetupError(fmt::format("{} layers along the path; the plant holds {}", layers.size(), kMaxLayers), "tissue",
-                     "merge thin layers in the label map or the table");
+    throw SetupError(fmt::format("{} layers along the path; the plant holds {}", layers.size(), kMaxLayers),
+                     "tissue", "merge thin layers in the label map or the table");
   std::vector<TissueLayer> tissue;
   for (const Layer& layer : layers) {
     const auto known = table.find(layer.name);

@@ -26,7 +26,8 @@ const std::map<std::string, std::set<std::string>> kMaySee{
     {"drivers/port", {"robot/messages", "safety"}},
     {"sim", {"robot/messages", "drivers/port", "safety"}},
     {"robot/app",
-     {"robot/messages", "safety", "robot/control", "robot/report", "planner", "planner/imaging", "drivers/port", "sim"}},
+     {"robot/messages", "safety", "robot/control", "robot/report", "planner", "planner/imaging",
+      "drivers/port", "sim"}},
 };
 
 std::string room_of(const std::string& path) {
@@ -40,7 +41,8 @@ std::vector<fs::path> sources() {
   std::vector<fs::path> files;
   for (const char* top : {"robot", "safety", "planner", "drivers", "sim"})
     for (const auto& entry : fs::recursive_directory_iterator(kHouse / top))
-      if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp") files.push_back(entry.path());
+      if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp")
+        files.push_back(entry.path());
   return files;
 }
 
@@ -62,8 +64,10 @@ TEST(Architecture, EveryRoomIncludesOnlyWhatItMaySee) {
       std::smatch match;
       if (!std::regex_search(line, match, include)) continue;
       const std::string other = room_of(match[1]);
-      EXPECT_TRUE(fs::exists(kHouse / match[1].str())) << path << " includes " << match[1] << ", not from the root";
-      EXPECT_TRUE(other == room || kMaySee.at(room).contains(other)) << path << " (" << room << ") includes " << match[1];
+      EXPECT_TRUE(fs::exists(kHouse / match[1].str()))
+          << path << " includes " << match[1] << ", not from the root";
+      EXPECT_TRUE(other == room || kMaySee.at(room).contains(other))
+          << path << " (" << room << ") includes " << match[1];
       ++seen_includes;
     }
   }
@@ -71,11 +75,12 @@ TEST(Architecture, EveryRoomIncludesOnlyWhatItMaySee) {
 }
 
 TEST(Architecture, SafetyUsesNoClockHeapInputOutputOrException) {
-  const std::set<std::string> allowed{"algorithm", "array",       "bit",     "concepts", "cstddef", "cstdint",
-                                      "cstdlib",   "limits",      "numeric", "span",     "string_view", "tuple",
-                                      "type_traits", "utility"};
+  const std::set<std::string> allowed{"algorithm",   "array",   "bit",         "concepts", "cstddef",
+                                      "cstdint",     "cstdlib", "limits",      "numeric",  "span",
+                                      "string_view", "tuple",   "type_traits", "utility"};
   const std::regex standard(R"(^\s*#include\s+<([^>]+)>)");
-  const std::regex banned(R"(\b(throw|try|catch|new|delete|malloc|double|float|std::string\b|std::vector|static_cast<float>)\b)");
+  const std::regex banned(
+      R"(\b(throw|try|catch|new|delete|malloc|double|float|std::string\b|std::vector|static_cast<float>)\b)");
   for (const fs::path& file : sources()) {
     if (room_of(fs::relative(file, kHouse).string()) != "safety") continue;
     for (std::string line : lines_of(file)) {
@@ -95,7 +100,8 @@ TEST(Architecture, OnlyTheGateMakesAVoltage) {
   for (const fs::path& file : sources()) {
     const std::string path = fs::relative(file, kHouse).string();
     if (path == "safety/gate.cpp" || path == "safety/gate.hpp") continue;
-    for (const std::string& line : lines_of(file)) EXPECT_FALSE(std::regex_search(line, made)) << path << ": " << line;
+    for (const std::string& line : lines_of(file))
+      EXPECT_FALSE(std::regex_search(line, made)) << path << ": " << line;
   }
 }
 

@@ -12,7 +12,8 @@ namespace biopsy::imaging::scene {
 inline double tissue(const Point& p) {
   double value = 300.0;
   for (int n = 0; n < 40; ++n) {
-    const Point centre(35.0 * std::sin(12.9 * n + 0.3), 35.0 * std::sin(7.7 * n + 1.1), 30.0 * std::sin(4.3 * n + 2.2));
+    const Point centre(35.0 * std::sin(12.9 * n + 0.3), 35.0 * std::sin(7.7 * n + 1.1),
+                       30.0 * std::sin(4.3 * n + 2.2));
     const double width = 3.0 + 2.0 * std::sin(3.1 * n);
     value += (n % 3 ? 250.0 : -120.0) * std::exp(-0.5 * (p - centre).squaredNorm() / (width * width));
   }
@@ -51,9 +52,10 @@ inline double grain(const Point& p) {
   return sum * std::sqrt(2.0);
 }
 
-// What is left of the signal beside a straight void that comes from behind `entry` and ends `depth` along `axis`.
-inline double left_by_needle(const Point& p, const Point& entry, const Direction& axis, double depth, double radius,
-                             double loss = 0.95, double blur = 0.4) {
+// What is left of the signal beside a straight void that comes from behind `entry` and ends `depth` along
+// `axis`.
+inline double left_by_needle(const Point& p, const Point& entry, const Direction& axis, double depth,
+                             double radius, double loss = 0.95, double blur = 0.4) {
   const double t = (p - entry).dot(axis), from_axis = (p - entry - t * axis).norm();
   const auto inside = [&](double x) { return 0.5 * std::erfc(-x / (std::sqrt(2.0) * blur)); };
   return 1.0 - loss * inside(radius - from_axis) * inside(depth - t);

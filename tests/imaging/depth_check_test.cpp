@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "robot/messages/setup_error.hpp"
 #include "tests/imaging/analytic_scene.hpp"
 
@@ -16,7 +18,8 @@ Volume before() {
 }
 
 // The patient moved by `shift`; the needle stays on its axis in the scanner.
-Volume after(double depth, double loss = 0.95, double noise = 15.0, const Eigen::Vector3d& shift = {1.0, -2.0, 1.5}) {
+Volume after(double depth, double loss = 0.95, double noise = 15.0,
+             const Eigen::Vector3d& shift = {1.0, -2.0, 1.5}) {
   return scene::imaged(scene::grid(0.8, 2.4), [&](const Point& p) {
     return std::abs(scene::tissue(p - shift) * scene::left_by_needle(p, kEntry, kAxis, depth, 2.0, loss) +
                     noise * scene::grain(p));
@@ -65,7 +68,8 @@ TEST(DepthCheck, RejectsWhenNoNeedleIsThereAndIsUnsureWhenNoiseHidesEverything) 
 
 TEST(DepthCheck, NeverAcceptsImagesOfDifferentTissue) {
   const Volume other = scene::imaged(scene::grid(0.8, 2.4), [](const Point& p) {
-    return scene::tissue(Point(-p.y() + 9.0, p.z(), p.x())) * scene::left_by_needle(p, kEntry, kAxis, 20.0, 2.0);
+    return scene::tissue(Point(-p.y() + 9.0, p.z(), p.x())) *
+           scene::left_by_needle(p, kEntry, kAxis, 20.0, 2.0);
   });
   const DepthCheck check = check_depth(before(), other, kEntry, kAxis);
   EXPECT_EQ(check.verdict, DepthVerdict::Unsure) << check.reason;
@@ -115,6 +119,7 @@ TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
   DepthReading good;
   good.motion.within_limits = true;
   good.motion.score = 0.95;
+  good.motion.points = 10000;
   good.tip.evidence = 50.0, good.tip.control_evidence = 5.0, good.tip.visible = 30.0, good.tip.loss = 0.9;
   good.tip.depth_mm = 20.0, good.tip.sigma_mm = 0.1;
   good.tip.low_mm = 19.8, good.tip.high_mm = 20.2;
@@ -133,6 +138,10 @@ TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.within_limits = false; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.control_evidence = 40.0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.loss = 0.1; }), DepthVerdict::Reject);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.sigma_mm = NAN; }), DepthVerdict::Accept);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.depth_mm = NAN; }), DepthVerdict::Accept);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.evidence = NAN; }), DepthVerdict::Accept);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.motion.score = NAN; }), DepthVerdict::Accept);
   EXPECT_EQ(judge_depth({}, {}).verdict, DepthVerdict::Unsure);
 }
 

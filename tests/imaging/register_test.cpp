@@ -1,11 +1,10 @@
-#include "planner/imaging/register_rigid.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <numbers>
 
 #include "planner/imaging/read_volume.hpp"
+#include "planner/imaging/register_rigid.hpp"
 #include "tests/imaging/analytic_scene.hpp"
 
 namespace biopsy::imaging {
@@ -28,7 +27,8 @@ double worst_error_mm(const RigidTransform& truth, const RigidTransform& found) 
   double worst = 0.0;
   for (double x : {-20.0, 20.0})
     for (double y : {-20.0, 20.0})
-      for (double z : {-20.0, 20.0}) worst = std::max(worst, (truth * Point(x, y, z) - found * Point(x, y, z)).norm());
+      for (double z : {-20.0, 20.0})
+        worst = std::max(worst, (truth * Point(x, y, z) - found * Point(x, y, z)).norm());
   return worst;
 }
 
@@ -86,7 +86,8 @@ TEST(RegisterRigid, SaysSoWhenImagesHaveNothingInCommon) {
 TEST(RegisterRigid, FindsTheShiftBetweenARealPlanningAndGuidanceScan) {
   const auto folder = std::filesystem::path(BIOPSY_SOURCE_DIR) / "../shared/data/images/mr";
   if (!std::filesystem::exists(folder / "prostate_guidance")) GTEST_SKIP() << "no real images at " << folder;
-  const Volume planning = read_volume(folder / "prostate_planning"), guidance = read_volume(folder / "prostate_guidance");
+  const Volume planning = read_volume(folder / "prostate_planning"),
+               guidance = read_volume(folder / "prostate_guidance");
   const Point centre(6, -27, 52), half(28, 24, 18);
   RegistrationSettings s;
   s.box = {centre - half, centre + half};

@@ -10,7 +10,9 @@
 namespace biopsy::imaging {
 namespace {
 
-double plane(const Point& p) { return 500.0 + 3.0 * p.x() - 2.0 * p.y() + 5.0 * p.z(); }
+double plane(const Point& p) {
+  return 500.0 + 3.0 * p.x() - 2.0 * p.y() + 5.0 * p.z();
+}
 
 TEST(Sampler, IsExactForALinearFieldAndItsGradient) {
   const Volume volume = scene::imaged(scene::grid(1.1, 3.0), plane);
@@ -32,7 +34,8 @@ TEST(Sampler, HasNoValueOutsideTheVoxels) {
 
 TEST(NeedleFrame, IsRightHandedAndShowsTheNeedleWithinTheSlices) {
   const Grid grid = scene::grid(1.0, 3.0);
-  for (const Direction& axis : {Direction(1, 2, 3), Direction(0, 0, 1), Direction(grid.X_SI.linear().col(2))}) {
+  for (const Direction& axis :
+       {Direction(1, 2, 3), Direction(0, 0, 1), Direction(grid.X_SI.linear().col(2))}) {
     const NeedleFrame frame = needle_frame(grid, Point(1, 2, 3), axis);
     EXPECT_LT((frame.along.cross(frame.across) - frame.up).norm(), 1e-12);
     EXPECT_NEAR(frame.across.dot(grid.X_SI.linear().col(2).normalized()), 0.0, 1e-9);
@@ -52,8 +55,8 @@ TEST(NeedleSlice, ShowsABrightSpotAtThePixelItsMappingNames) {
   const Grid grid = scene::grid(0.5, 1.0);
   const NeedleFrame frame = needle_frame(grid, p_SE, axis);
   const Point spot = frame.point(15.0, -6.0, 0.0);
-  const Volume volume =
-      scene::imaged(grid, [&](const Point& p) { return 100.0 + 900.0 * std::exp(-0.5 * (p - spot).squaredNorm()); });
+  const Volume volume = scene::imaged(
+      grid, [&](const Point& p) { return 100.0 + 900.0 * std::exp(-0.5 * (p - spot).squaredNorm()); });
   const NeedleSlice slice = slice_through_needle(volume, p_SE, axis, Millimetres(60.0), 240);
   int best = 0, x = 0, y = 0;
   double sum = 0.0;
@@ -81,8 +84,10 @@ TEST(NeedleSlice, WindowIgnoresAFewFlares) {
 
 TEST(NeedleSlice, RefusesAPictureWithoutSize) {
   const Volume volume = scene::imaged(scene::grid(2.0, 4.0), plane);
-  EXPECT_THROW(slice_through_needle(volume, Point::Zero(), Direction::UnitX(), Millimetres(0.0), 100), SetupError);
-  EXPECT_THROW(slice_through_needle(volume, Point::Zero(), Direction::UnitX(), Millimetres(50.0), 1), SetupError);
+  EXPECT_THROW(slice_through_needle(volume, Point::Zero(), Direction::UnitX(), Millimetres(0.0), 100),
+               SetupError);
+  EXPECT_THROW(slice_through_needle(volume, Point::Zero(), Direction::UnitX(), Millimetres(50.0), 1),
+               SetupError);
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
-#include "planner/imaging/find_tip.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 
+#include "planner/imaging/find_tip.hpp"
 #include "tests/imaging/analytic_scene.hpp"
 
 namespace biopsy::imaging {
@@ -18,15 +17,16 @@ struct Needle {
   Direction axis = kAxis;
 };
 
-TipFinding found_with(const Grid& grid, const Needle& needle, double loss = 0.95, double noise = 15.0,
-                      const std::function<double(const Point&)>& traces = [](const Point&) { return 1.0; }) {
+TipFinding found_with(
+    const Grid& grid, const Needle& needle, double loss = 0.95, double noise = 15.0,
+    const std::function<double(const Point&)>& traces = [](const Point&) { return 1.0; }) {
   const Volume before = scene::imaged(grid, [&](const Point& p) { return scene::tissue(p) * traces(p); });
   const Volume after = scene::imaged(grid, [&](const Point& p) {
     // A voxel sees the mean over its thickness.
     double left = 0.0;
     for (int n = 0; n < 6; ++n)
-      left += scene::left_by_needle(p + grid.X_SI.linear().col(2) * ((n + 0.5) / 6.0 - 0.5), needle.entry, needle.axis,
-                                    needle.depth, needle.radius, loss);
+      left += scene::left_by_needle(p + grid.X_SI.linear().col(2) * ((n + 0.5) / 6.0 - 0.5), needle.entry,
+                                    needle.axis, needle.depth, needle.radius, loss);
     return std::abs(scene::tissue(p) * traces(p) * left / 6.0 + noise * scene::grain(p));
   });
   RegistrationResult still;
@@ -39,7 +39,9 @@ TipFinding found_with(const Grid& grid, const Needle& needle, double loss = 0.95
   return corridor.voxels.empty() ? TipFinding{} : find_tip(corridor, search);
 }
 
-bool stands_out(const TipFinding& tip) { return tip.evidence > 8.0 && tip.evidence > 2.0 * tip.control_evidence; }
+bool stands_out(const TipFinding& tip) {
+  return tip.evidence > 8.0 && tip.evidence > 2.0 * tip.control_evidence;
+}
 
 TEST(FindTip, ReadsTheDepthOfThinAndWideVoids) {
   for (double radius : {0.8, 1.5, 3.0, 6.0}) {

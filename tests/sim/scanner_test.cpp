@@ -14,7 +14,8 @@ namespace {
 
 Volume block(double pixel_mm, double slice_mm, float value = 1000.0f) {
   Volume volume;
-  volume.grid.size = Eigen::Vector3d(40.0 / pixel_mm, 40.0 / pixel_mm, 30.0 / slice_mm).array().round().cast<int>();
+  volume.grid.size =
+      Eigen::Vector3d(40.0 / pixel_mm, 40.0 / pixel_mm, 30.0 / slice_mm).array().round().cast<int>();
   volume.grid.X_SI.linear() = Eigen::Vector3d(pixel_mm, pixel_mm, slice_mm).asDiagonal();
   volume.grid.X_SI.translation() = Point(-20.0, -20.0, -15.0);
   volume.voxels.assign(volume.grid.voxel_count(), value);
@@ -43,7 +44,8 @@ TEST(NeedleArtefact, HasLostHalfOfItsSignalAtTheTipWhateverItsForm) {
       for (double roundness : {0.0, 1.0}) {
         NeedleArtefact n = needle(15.0, radius);
         n.edge = Millimetres(edge), n.tip_roundness = roundness, n.tip_bloom = 0.4;
-        EXPECT_NEAR(signal_left(n, n.p_SE + 15.0 * n.axis_S), 1.0 - 0.5 * n.loss, 0.06) << radius << " " << edge;
+        EXPECT_NEAR(signal_left(n, n.p_SE + 15.0 * n.axis_S), 1.0 - 0.5 * n.loss, 0.06)
+            << radius << " " << edge;
         EXPECT_NEAR(signal_left(n, n.p_SE + 10.0 * n.axis_S), 1.0 - n.loss, 0.02);
         EXPECT_DOUBLE_EQ(signal_left(n, n.p_SE + 18.0 * n.axis_S), 1.0);
         EXPECT_NEAR(signal_left(n, n.p_SE - 10.0 * n.axis_S), 1.0 - n.loss, 0.02);
@@ -69,8 +71,10 @@ TEST(Scanner, DimsAThinNeedleInThickSlicesByTheShareOfTheVoxelItFills) {
         deepest = std::max(deepest, lost);
       }
     EXPECT_NEAR(missing, area, 0.15 * area) << slice;
-    if (slice > 1.0) EXPECT_LT(deepest, 0.5);  // 1.2 mm of 3 mm
-    else EXPECT_GT(deepest, 0.9);
+    if (slice > 1.0)
+      EXPECT_LT(deepest, 0.5);  // 1.2 mm of 3 mm
+    else
+      EXPECT_GT(deepest, 0.9);
   }
 }
 
@@ -117,8 +121,10 @@ TEST(Scanner, AddsRicianNoise) {
     for (int j = 0; j < 40; ++j)
       for (int i = 0; i < 40; ++i) {
         const double value = static_cast<double>(image.at(i, j, k));
-        if (k < 10) air += value / 4800.0;
-        else tissue += value / 4800.0, spread += (value - 1000.0) * (value - 1000.0) / 4800.0;
+        if (k < 10)
+          air += value / 4800.0;
+        else
+          tissue += value / 4800.0, spread += (value - 1000.0) * (value - 1000.0) / 4800.0;
       }
   EXPECT_NEAR(air, 50.0 * std::sqrt(std::numbers::pi / 2.0), 1.5);  // mean of a Rayleigh distribution
   EXPECT_NEAR(tissue, 1000.0 + 50.0 * 50.0 / 2000.0, 3.0);

@@ -1,16 +1,16 @@
 // Runs the built program as a person would, and keeps what it said.
 #pragma once
 
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
 #include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
-
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 namespace biopsy::stories {
 
@@ -29,7 +29,8 @@ inline Answer biopsy(const std::string& words) {
   FILE* pipe = popen(line.c_str(), "r");
   if (pipe == nullptr) return answer;
   std::array<char, 4096> buffer{};
-  for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) answer.text.append(buffer.data(), n);
+  for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    answer.text.append(buffer.data(), n);
   const int status = pclose(pipe);
   answer.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return answer;
@@ -40,7 +41,8 @@ class Folder {
  public:
   Folder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() / (std::string("biopsy-") + test->test_suite_name() + "-" + test->name());
+    path_ = std::filesystem::temp_directory_path() /
+            (std::string("biopsy-") + test->test_suite_name() + "-" + test->name());
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -62,6 +64,8 @@ inline std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
-inline nlohmann::json json_of(const std::filesystem::path& file) { return nlohmann::json::parse(text_of(file)); }
+inline nlohmann::json json_of(const std::filesystem::path& file) {
+  return nlohmann::json::parse(text_of(file));
+}
 
 }  // namespace biopsy::stories

@@ -1,4 +1,5 @@
-// What a person gets who types something wrong, or asks for help: a clear answer, exit code 2, and nothing half-written.
+// What a person gets who types something wrong, or asks for help: a clear answer, exit code 2, and nothing
+// half-written.
 #include <fstream>
 
 #include "tests/stories/command.hpp"
@@ -18,7 +19,8 @@ TEST(CommandLine, EveryCommandTeachesWithAnExample) {
   for (const char* command : {"dry-run", "plan", "check", "simulate", "image"}) {
     const Answer answer = biopsy(std::string(command) + " --help");
     EXPECT_EQ(answer.code, 0);
-    EXPECT_NE(answer.text.find("Example:\n  biopsy " + std::string(command)), std::string::npos) << answer.text;
+    EXPECT_NE(answer.text.find("Example:\n  biopsy " + std::string(command)), std::string::npos)
+        << answer.text;
   }
 }
 
@@ -64,7 +66,8 @@ TEST(CommandLine, ACaseFileWithAMistakeNamesFileAndLine) {
   refuse("[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 2.5\ndepht_mm = 2.5\n", "depht_mm");
   refuse("[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 2.5\n[robot]\nweight_g = -3\n", "case.toml:6");
   refuse("[image\n", "case.toml:1");
-  refuse("[image]\npath = \"nowhere\"\n[target]\nentry_ras_mm = [0, 0]\ntarget_ras_mm = [0, 0, 5]\n", "case.toml");
+  refuse("[image]\npath = \"nowhere\"\n[target]\nentry_ras_mm = [0, 0]\ntarget_ras_mm = [0, 0, 5]\n",
+         "case.toml");
 }
 
 TEST(CommandLine, APlanMovesNothing) {
@@ -80,7 +83,8 @@ TEST(CommandLine, APlanMovesNothing) {
 TEST(CommandLine, ATargetOutOfReachIsRefusedWithTheDistanceAndWhatToDo) {
   const Folder folder;
   std::ofstream(folder / "far.toml") << "[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 14.0\n";
-  const Answer answer = biopsy("dry-run " + (folder / "far.toml").string() + " --out " + (folder / "out").string());
+  const Answer answer =
+      biopsy("dry-run " + (folder / "far.toml").string() + " --out " + (folder / "out").string());
   EXPECT_EQ(answer.code, 3) << answer.text;
   const nlohmann::json report = json_of(folder / "out/report.json");
   EXPECT_EQ(report["outcome"], "refused");
@@ -98,12 +102,15 @@ TEST(CommandLine, SimulatedDataSetCanBeReadAgainAndIsTheSame) {
   for (int i = 0; i < 2000; ++i) csv << i * 1e-3 << "," << (i / 250 % 2 == 0 ? 3000 : -3000) << ",0\n";
   csv.close();
   const std::string model = " --model " + (kHouse / "sim/models/baseline.toml").string();
-  const Answer once = biopsy("simulate " + (folder / "data").string() + model + " --out " + (folder / "one").string());
+  const Answer once =
+      biopsy("simulate " + (folder / "data").string() + model + " --out " + (folder / "one").string());
   ASSERT_EQ(once.code, 0) << once.text;
-  const Answer twice = biopsy("simulate " + (folder / "one").string() + model + " --out " + (folder / "two").string());
+  const Answer twice =
+      biopsy("simulate " + (folder / "one").string() + model + " --out " + (folder / "two").string());
   ASSERT_EQ(twice.code, 0) << twice.text;
   EXPECT_EQ(text_of(folder / "one/a.csv"), text_of(folder / "two/a.csv"));
-  EXPECT_EQ(text_of(folder / "one/a.csv").substr(0, 60), "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,exter");
+  EXPECT_EQ(text_of(folder / "one/a.csv").substr(0, 60),
+            "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,exter");
 }
 
 }  // namespace

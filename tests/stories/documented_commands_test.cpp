@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "planner/imaging/depth_verdict.hpp"
 #include "robot/messages/permit.hpp"
 #include "safety/hazards.hpp"
 #include "safety/transitions.hpp"
@@ -69,9 +70,9 @@ std::set<std::string> found_in(const std::string& text, const std::string& patte
   return found;
 }
 
-// As code: `word`, `word VALUE` or `word = value`.
+// As code: `word`, `word VALUE` or [word].
 bool mentions(const std::string& text, const std::string& word) {
-  return std::regex_search(text, std::regex("[`\\[. ]" + word + "(`|\\]| =| [A-Z`\\[])"));
+  return std::regex_search(text, std::regex("[`\\[.]" + word + "(`|\\]| [A-Z])"));
 }
 
 // A command ends with "# exits N" where its answer is not 0.
@@ -196,6 +197,12 @@ TEST(Documents, TellEveryEntryOfACaseFile) {
   for (const std::string& entry : entries) EXPECT_TRUE(mentions(reference, entry)) << entry;
 }
 
+TEST(Documents, PrintTheExamplesAsTheyAre) {
+  const std::string reference = prose_of("reference.md");
+  for (const char* example : {"case.toml", "fiducials.csv"})
+    EXPECT_NE(reference.find(text_of(kHouse / "docs/examples" / example)), std::string::npos) << example;
+}
+
 // The line of a table whose first cell is `name`.
 std::string row_of(const std::string& text, const std::string& name) {
   const std::size_t start = text.find("\n| " + name + " |");
@@ -233,6 +240,28 @@ TEST(Documents, TellEveryHazardWithItsStopAndTime) {
                              std::to_string(facts.detect_ms);
     EXPECT_TRUE(row_of(safety_page, id).starts_with("| " + id + rest + " |")) << id << rest;
   }
+}
+
+TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
+  const std::string page = prose_of("depth-check.md");
+  const imaging::DepthCheckSettings check;
+  const imaging::TipSettings tip;
+  const auto expect_row = [&](const std::string& name, double value, const std::string& unit) {
+    std::ostringstream cell;
+    cell << "| " << value << unit << " |";
+    EXPECT_TRUE(row_of(page, name).ends_with(cell.str())) << name << " " << cell.str();
+  };
+  expect_row("tolerance around the expected depth", check.tolerance.value, " mm");
+  expect_row("standard deviation, at most", check.sigma_max.value, " mm");
+  expect_row("range the tip may lie in, given what changes beside the path, at most", check.range_max.value,
+             " mm");
+  expect_row("correlation after registration, at least", check.registration_min, "");
+  expect_row("evidence (standard deviations above \"nothing changed\"), at least", check.evidence_min, "");
+  expect_row("and times that of the control paths, at least", check.evidence_over_control, "");
+  expect_row("evidence against any other tip, at least", check.rival_against_min, "");
+  expect_row("share of the signal lost in the void, at least", check.loss_min, "");
+  expect_row("needle beside its expected axis, at most", tip.deviation_max_mm, " mm");
+  expect_row("needle tilted against it, at most", tip.tilt_max_deg, " degrees");
 }
 
 TEST(Documents, TellEveryStateAndWayBetweenThem) {

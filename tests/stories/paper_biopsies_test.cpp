@@ -8,7 +8,8 @@ namespace {
 
 nlohmann::json rehearsed(const std::string& name, int seed, const Folder& folder) {
   const std::filesystem::path out = folder / (name + std::to_string(seed));
-  const Answer answer = biopsy("dry-run " + name + " --seed " + std::to_string(seed) + " --out " + out.string());
+  const Answer answer =
+      biopsy("dry-run " + name + " --seed " + std::to_string(seed) + " --out " + out.string());
   EXPECT_EQ(answer.code, 0) << answer.text;
   return json_of(out / "report.json");
 }

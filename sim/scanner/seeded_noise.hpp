@@ -1,2 +1,0 @@
-#pragma once
-#include "sim/seeded_noise.hpp"

@@ -1,0 +1,207 @@
+// How fast the rehearsal is: the whole lockstep, its parts, and the same baseline integrated by SUNDIALS CVODE. Best of
+// several repetitions on one core; ratios to real time are what counts.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+
+#include "planner/plan_insertion.hpp"
+#include "planner/registration.hpp"
+#include "planner/seal.hpp"
+#include "robot/app/lockstep.hpp"
+#include "robot/app/operator.hpp"
+#include "robot/app/plan_facts.hpp"
+#include "sim/devices/sim_stage.hpp"
+#include "sim/model_file.hpp"
+#include "sim/tissue/tissue.hpp"
+#include "tests/bench/cvode_peer.hpp"
+
+namespace biopsy::bench {
+namespace {
+
+constexpr int kRepetitions = 7;
+constexpr int kTicks = 30'000;  // of the plant alone
+constexpr double kTick_s = 1e-3;
+double keep = 0.0;  // read at the end, so that nothing is optimised away
+
+// Seconds for one call, the fastest of several.
+double best_of(const std::function<void()>& work) {
+  double best = 1e9;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return best;
+}
+
+void row(const std::string& what, double seconds, std::size_t ticks, const std::string& remark = "") {
+  const double per_tick = seconds / static_cast<double>(ticks);
+  fmt::print("{:<52}{:>10.0f}{:>12.0f}  {}\n", what, per_tick * 1e9, kTick_s / per_tick, remark);
+}
+
+// The paper's liver biopsy: 2.0 then 3.5 mm.
+struct Biopsy {
+  Plan plan;
+  safety::PlanFacts facts;
+  sim::PlantModel model;
+};
+
+Biopsy liver_biopsy() {
+  const auto models = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim" / "models";
+  planner::InsertionRequest request;
+  request.target.p_ST = Point(0, 0, 3.5);
+  request.X_SR = planner::needle_pose(request.target.p_SE, request.target.p_ST);
+  request.layers = {{"muscle", Millimetres(0), Millimetres(2)},
+                    {"gap", Millimetres(2), Millimetres(2.9)},
+                    {"liver", Millimetres(2.9), Millimetres(20)}};
+  request.staging = planner::Staging::AsGiven;
+  request.waypoints = {Millimetres(2)};
+  Biopsy biopsy;
+  biopsy.plan = std::get<Plan>(planner::plan_insertion(request));
+  biopsy.facts = app::plan_facts(biopsy.plan, 7);
+  biopsy.model = sim::read_model(models / "rehearsal.toml");
+  biopsy.model.tissue = sim::tissue_along(biopsy.plan.layers, sim::read_tissues(models / "tissues.toml"));
+  return biopsy;
+}
+
+// What the parts of one tick were given, to run them again one by one.
+struct Record {
+  std::vector<app::World> worlds;
+  std::vector<app::Tick> ticks;
+};
+
+// The whole procedure; returns its ticks.
+std::size_t lockstep_run(const Biopsy& biopsy, std::uint64_t seed, Record* record = nullptr) {
+  sim::SimStage stage(biopsy.model, seed);
+  const std::uint64_t tag = planner::plan_tag(biopsy.plan);
+  app::Lockstep lockstep(biopsy.plan, biopsy.facts, stage, {tag, tag});
+  app::Operator person(biopsy.plan);
+  app::Tick tick;
+  std::int64_t k = 0;
+  for (; k < 120'000 && !person.done(); ++k) {
+    const app::World world = person.act(tick, k);
+    if (person.wants_verdict()) person.judge(true, "");
+    tick = lockstep.tick(world);
+    if (record != nullptr) {
+      record->worlds.push_back(world);
+      record->ticks.push_back(tick);
+    }
+  }
+  keep += stage.truth().motion.x + (person.completed() ? 1.0 : 0.0);
+  return static_cast<std::size_t>(k);
+}
+
+// Evidence, supervisor and gate alone, over what a run recorded.
+void safety_run(const Biopsy& biopsy, const Record& record) {
+  safety::EvidenceMemory memory;
+  safety::SupervisorState supervisor = safety::started(1);
+  safety::GateState gate;
+  Permit permit;
+  DriveRequest request;
+  const std::uint64_t tag = planner::plan_tag(biopsy.plan);
+  for (std::size_t k = 0; k < record.ticks.size(); ++k) {
+    const app::Tick& tick = record.ticks[k];
+    const app::World& world = record.worlds[k];
+    safety::Observation seen;
+    seen.now_us = static_cast<std::int64_t>(k + 1) * 1000;
+    seen.measurement = tick.measurement;
+    seen.request = request;
+    seen.permit = permit;
+    seen.writers = world.writers;
+    seen.estop_a_closed = seen.estop_b_closed = world.estop_closed;
+    seen.acquiring = world.acquiring;
+    seen.plan_tag = tag;
+    seen.config_tag = biopsy.facts.config_tag;
+    seen.confirmed_tag = {tag, tag};
+    safety::SupervisorInput input;
+    input.now_us = seen.now_us;
+    input.evidence = safety::assess(biopsy.facts, memory, seen);
+    input.self_test = safety::SelfTest::Passed;
+    input.local_arm = world.arm;
+    input.motion = world.press;
+    input.request = request;
+    input.depth_accepted = world.depth_accepted;
+    input.accepted_stage = world.accepted_stage;
+    const auto decided = safety::step(biopsy.facts, supervisor, input);
+    supervisor = decided.first;
+    permit = decided.second.permit;
+    request = tick.request;
+    const safety::GateResult result = safety::gate(gate, &request, &permit, seen.now_us, world.writers);
+    gate = result.state;
+    keep += result.voltage.mV() * 1e-12;
+  }
+}
+
+// Up, hold and down again at 2 Hz; V
+std::vector<double> drive() {
+  std::vector<double> voltage;
+  for (int k = 0; k < kTicks; ++k) {
+    const double t = k * kTick_s;
+    const double steps = t < 10 ? 500.0 * std::floor(t) : t < 20 ? 4000.0 : 500.0 * std::floor(30.0 - t);
+    voltage.push_back((k / 250) % 2 == 0 ? steps : -steps);
+  }
+  return voltage;
+}
+
+std::vector<double> plant_run(const sim::PlantModel& model, const std::vector<double>& voltage) {
+  std::vector<double> x;
+  sim::PlantState state = sim::at_rest(model);
+  for (const double volts : voltage) {
+    state = sim::step(model, state, {.voltage = volts}, Seconds(kTick_s));
+    x.push_back(state.motion.x);
+  }
+  return x;
+}
+
+std::string accuracy(const std::vector<double>& x, const std::vector<double>& exact) {
+  if (exact.empty() || x.size() != exact.size()) return "";
+  double worst = 0.0;
+  for (std::size_t k = 0; k < x.size(); ++k) worst = std::max(worst, std::abs(x[k] - exact[k]));
+  return fmt::format("worst error {:.3f} um", worst * 1e6);
+}
+
+void compare_with_peer() {
+  const sim::PlantModel model;
+  const std::vector<double> voltage = drive();
+  const std::vector<double> exact = cvode_run(model.baseline, model.weight, voltage, {1e-12, 1e-15, true});
+  std::vector<double> x;
+  const double own = best_of([&] { x = plant_run(model, voltage); });
+  keep += x.back();
+  row("baseline alone, sim/plant", own, voltage.size(), accuracy(x, exact));
+  if (!cvode_is_there()) return static_cast<void>(fmt::print("{:<52}{:>10}\n", "baseline by SUNDIALS CVODE", "not installed"));
+  for (const bool every_tick : {true, false})
+    for (const double relative : {1e-4, 1e-5, 1e-6}) {
+      const PeerSettings settings{relative, relative * 1e-3, every_tick};
+      const double peer = best_of([&] { x = cvode_run(model.baseline, model.weight, voltage, settings); });
+      row(fmt::format("  CVODE Adams, rtol {:.0e}, restart {}", relative, every_tick ? "each tick" : "at jumps only"), peer,
+          voltage.size(), fmt::format("{}, {:.1f} x the plant's time", accuracy(x, exact), peer / own));
+    }
+}
+
+int run() {
+  const Biopsy biopsy = liver_biopsy();
+  fmt::print("best of {} on one core{:<30}{:>10}{:>12}\n", kRepetitions, "", "ns/tick", "x real time");
+  std::size_t ticks = 0;
+  const double whole = best_of([&] {
+    ticks = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) ticks += lockstep_run(biopsy, seed);
+  });
+  row("lockstep: stage, evidence, supervisor, loop, gate", whole, ticks, "liver biopsy, rehearsal model, tissue, noise");
+  Record record;
+  lockstep_run(biopsy, 1, &record);
+  row("  evidence, supervisor and gate alone", best_of([&] { safety_run(biopsy, record); }), record.ticks.size());
+  std::vector<double> volts;
+  for (const app::Tick& tick : record.ticks) volts.push_back(tick.drive_mV * 1e-3);
+  row("  plant alone, same voltages, in tissue", best_of([&] { keep += plant_run(biopsy.model, volts).back(); }),
+      volts.size());
+  compare_with_peer();
+  return std::isfinite(keep) ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace biopsy::bench
+
+int main() { return biopsy::bench::run(); }
