@@ -58,6 +58,11 @@ std::optional<DepthJudgement> doubt_about(const TipFinding& tip, double depth, c
     return DepthJudgement{Unsure,
                           format("Two ends of the void are nearly as likely: {:.1f} mm and {:.1f} mm.", depth,
                                  tip.rival_depth_mm - s.tip_offset.value)};
+  if (!(tip.darkest >= s.darkest_min))
+    return DepthJudgement{
+        Unsure, format("The tip is at about {:.1f} mm, but the image before is dark there already (a "
+                       "bubble, an old track or air): it could hide the tip.",
+                       depth)};
   if (!(std::max(depth - low, high - depth) <= s.range_max.value))
     return DepthJudgement{
         Unsure, format("The tip may lie anywhere from {:.1f} to {:.1f} mm: the images differ as much "

@@ -30,6 +30,7 @@ struct DepthCheckSettings {
   // The void must beat chance, and beat what the images differ in beside the path.
   double evidence_min = 8.0, evidence_over_control = 2.0;
   double loss_min = 0.25;          // less than this of the signal lost is no needle
+  double darkest_min = 0.25;       // darker than this beside the rest, a bubble may pass for the tip
   double rival_against_min = 5.0;  // evidence needed against any other tip; and more than beside the path
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <opencv2/core/optim.hpp>
 
@@ -136,6 +137,27 @@ void find_rival(const LineSearch& search, const LineProfile& profile, TipFinding
   }
 }
 
+// A bubble or an old track that touches the tip looks like more needle as soon as it is a little out of
+// place.
+double darkest_at_tip(const Corridor& corridor, const VoidLine& line, double depth) {
+  constexpr double kAbout_mm = 10.0;
+  const double near_mm = 1.0 + 0.5 * corridor.along_mm, beside = line.radius_mm + 0.5;
+  double darkest = std::numeric_limits<double>::max();
+  std::vector<double> along;
+  for (const CorridorVoxel& voxel : corridor.voxels) {
+    const double t = static_cast<double>(voxel.t), from_tip = std::abs(t - depth);
+    const double u = static_cast<double>(voxel.u) - line.u - line.u_slope * t;
+    const double v = static_cast<double>(voxel.v) - line.v - line.v_slope * t;
+    if (from_tip > kAbout_mm || std::hypot(u, v) > beside) continue;
+    along.push_back(static_cast<double>(voxel.predicted));
+    if (from_tip <= near_mm) darkest = std::min(darkest, along.back());
+  }
+  if (along.empty()) return 0.0;
+  const auto middle = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
+  std::nth_element(along.begin(), middle, along.end());
+  return *middle > 0.0 ? std::min(darkest / *middle, 1.0) : 0.0;
+}
+
 // Evidence that a 1 mm void losing half its signal would give over the first 10 mm of the path.
 double visibility(const LineSearch& search, const Corridor& corridor) {
   const LineProfile profile = search.profile(VoidLine{});
@@ -175,6 +197,7 @@ TipFinding find_tip(const Corridor& corridor, const TipSettings& settings) {
   found.up_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
   found.tilt_deg = std::atan(std::hypot(fit.line.u_slope, fit.line.v_slope)) / kDegree;
   found.gap_mm = longest_gap(profile, best.fit);
+  found.darkest = darkest_at_tip(corridor, fit.line, fit.depth_mm);
   found.at_end = fit.depth_mm > corridor.t_max - std::max(1.0, 0.5 * corridor.along_mm);
   find_rival(search, profile, found);
   return found;

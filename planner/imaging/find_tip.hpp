@@ -26,6 +26,7 @@ struct TipFinding {
   double gap_mm = 0.0;  // longest stretch between entry and tip where the void is clearly missing
   double rival_depth_mm = 0.0,
          rival_against = 1e9;  // likeliest tip elsewhere (6 mm or more), and evidence against it
+  double darkest = 1.0;        // predicted signal at the tip, darkest voxel over the median along the void
   bool at_end = false;         // the void goes on to where the images end
 };
 

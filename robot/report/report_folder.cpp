@@ -15,7 +15,7 @@ void save_if_any(const Picture& picture, const std::filesystem::path& path) {
 }  // namespace
 
 void save_report(const RunRecord& record, const std::filesystem::path& folder) {
-  save_run_csv(record, folder / "run.csv");
+  if (!record.samples.empty()) save_run_csv(record, folder / "run.csv");
   save_if_any(record.planning_slice, folder / "planning.png");
   for (std::size_t i = 0; i < record.stages.size(); ++i) {
     const std::string stage = "stage-" + std::to_string(i + 1);

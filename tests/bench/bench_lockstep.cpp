@@ -1,11 +1,12 @@
-// How fast the rehearsal is: the whole lockstep, its parts, and the same baseline integrated by SUNDIALS CVODE. Best of
-// several repetitions on one core; ratios to real time are what counts.
+// How fast the rehearsal is: the whole lockstep, its parts, and the same baseline integrated by SUNDIALS
+// CVODE. Best of several repetitions on one core; ratios to real time are what counts.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
 #include "planner/plan_insertion.hpp"
 #include "planner/registration.hpp"
@@ -171,13 +172,16 @@ void compare_with_peer() {
   const double own = best_of([&] { x = plant_run(model, voltage); });
   keep += x.back();
   row("baseline alone, sim/plant", own, voltage.size(), accuracy(x, exact));
-  if (!cvode_is_there()) return static_cast<void>(fmt::print("{:<52}{:>10}\n", "baseline by SUNDIALS CVODE", "not installed"));
+  if (!cvode_is_there())
+    return static_cast<void>(fmt::print("{:<52}{:>10}\n", "baseline by SUNDIALS CVODE", "not installed"));
   for (const bool every_tick : {true, false})
     for (const double relative : {1e-4, 1e-5, 1e-6}) {
       const PeerSettings settings{relative, relative * 1e-3, every_tick};
       const double peer = best_of([&] { x = cvode_run(model.baseline, model.weight, voltage, settings); });
-      row(fmt::format("  CVODE Adams, rtol {:.0e}, restart {}", relative, every_tick ? "each tick" : "at jumps only"), peer,
-          voltage.size(), fmt::format("{}, {:.1f} x the plant's time", accuracy(x, exact), peer / own));
+      if (x.size() != voltage.size()) throw std::runtime_error("CVODE failed: no figure");
+      row(fmt::format("  CVODE Adams, rtol {:.0e}, restart {}", relative,
+                      every_tick ? "each tick" : "at jumps only"),
+          peer, voltage.size(), fmt::format("{}, {:.1f} x the plant's time", accuracy(x, exact), peer / own));
     }
 }
 
@@ -189,14 +193,16 @@ int run() {
     ticks = 0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) ticks += lockstep_run(biopsy, seed);
   });
-  row("lockstep: stage, evidence, supervisor, loop, gate", whole, ticks, "liver biopsy, rehearsal model, tissue, noise");
+  row("lockstep: stage, evidence, supervisor, loop, gate", whole, ticks,
+      "liver biopsy, rehearsal model, tissue, noise");
   Record record;
   lockstep_run(biopsy, 1, &record);
-  row("  evidence, supervisor and gate alone", best_of([&] { safety_run(biopsy, record); }), record.ticks.size());
+  row("  evidence, supervisor and gate alone", best_of([&] { safety_run(biopsy, record); }),
+      record.ticks.size());
   std::vector<double> volts;
   for (const app::Tick& tick : record.ticks) volts.push_back(tick.drive_mV * 1e-3);
-  row("  plant alone, same voltages, in tissue", best_of([&] { keep += plant_run(biopsy.model, volts).back(); }),
-      volts.size());
+  row("  plant alone, same voltages, in tissue",
+      best_of([&] { keep += plant_run(biopsy.model, volts).back(); }), volts.size());
   compare_with_peer();
   return std::isfinite(keep) ? 0 : 1;
 }
@@ -204,4 +210,6 @@ int run() {
 }  // namespace
 }  // namespace biopsy::bench
 
-int main() { return biopsy::bench::run(); }
+int main() {
+  return biopsy::bench::run();
+}

@@ -22,7 +22,9 @@ struct Problem {
   double u_start, t_start;  // stack voltage at the last change of the input
 };
 
-double stack_voltage(const Problem& p, double t) { return p.u_start * std::exp(-(t - p.t_start) / p.b.tau); }
+double stack_voltage(const Problem& p, double t) {
+  return p.u_start * std::exp(-(t - p.t_start) / p.b.tau);
+}
 
 // H, x, v. The loop through the spring's damper by Newton's method, as in sim/plant.cpp but to convergence.
 int rates(double t, N_Vector state, N_Vector rate, void* data) {
@@ -78,32 +80,39 @@ struct Solver {
 
 }  // namespace
 
-bool cvode_is_there() { return true; }
+bool cvode_is_there() {
+  return true;
+}
 
-std::vector<double> cvode_run(const sim::Baseline& baseline, double weight, const std::vector<double>& voltage,
-                              const PeerSettings& settings) {
+std::vector<double> cvode_run(const sim::Baseline& baseline, double weight,
+                              const std::vector<double>& voltage, const PeerSettings& settings) {
   Problem problem{baseline, baseline.fixture_mass + weight, 0.0, 0.0};
   Solver solver(problem, settings);
   std::vector<double> x;
   double u_i = 0.0, t = 0.0;
   for (std::size_t k = 0; k < voltage.size(); ++k) {
     const double now = static_cast<double>(k) * 1e-3, next = static_cast<double>(k + 1) * 1e-3;
-    if (voltage[k] != u_i || settings.every_tick) {
+    if (voltage[k] != u_i || k == 0 || settings.every_tick) {
       problem.u_start = stack_voltage(problem, now) + baseline.K * (voltage[k] - u_i);
       problem.t_start = now;
       u_i = voltage[k];
       CVodeReInit(solver.memory, now, solver.state);
+      std::size_t jump = k + 1;  // where it must not look beyond
+      while (!settings.every_tick && jump < voltage.size() && voltage[jump] == u_i) ++jump;
+      CVodeSetStopTime(solver.memory, static_cast<double>(jump) * 1e-3);
     }
-    const bool jump_ahead = settings.every_tick || k + 1 == voltage.size() || voltage[k + 1] != u_i;
-    if (jump_ahead) CVodeSetStopTime(solver.memory, next);
     if (CVode(solver.memory, next, solver.state, &t, CV_NORMAL) < 0) return {};
     x.push_back(NV_Ith_S(solver.state, 1));
   }
   return x;
 }
 #else
-bool cvode_is_there() { return false; }
-std::vector<double> cvode_run(const sim::Baseline&, double, const std::vector<double>&, const PeerSettings&) { return {}; }
+bool cvode_is_there() {
+  return false;
+}
+std::vector<double> cvode_run(const sim::Baseline&, double, const std::vector<double>&, const PeerSettings&) {
+  return {};
+}
 #endif
 
 }  // namespace biopsy::bench

@@ -12,8 +12,8 @@ constexpr Volts kEnvelope{8000};
 constexpr PiGains kPaper;
 
 TEST(PiLoop, GainsAreThePapers) {
-  EXPECT_EQ(kPaper.proportional_V_per_mm, 800.0);         // 0.8 kV/mm
-  EXPECT_EQ(kPaper.integral_V_per_mm_per_tick, 5.0);      // 0.005 kV/mm
+  EXPECT_EQ(kPaper.proportional_V_per_mm, 800.0);     // 0.8 kV/mm
+  EXPECT_EQ(kPaper.integral_V_per_mm_per_tick, 5.0);  // 0.005 kV/mm
 }
 
 TEST(PiLoop, IsEquationTwentyTwoByHand) {
@@ -45,7 +45,8 @@ TEST(PiLoop, AMinuteAtTheEnvelopeLeavesNoWindUp) {
   for (int k = 0; k < 60000; ++k) state = pi_step(kPaper, state, Millimetres(5), Volts(3000));
   EXPECT_EQ(state.amplitude, Volts(3000));
   EXPECT_LE(state.integral, Volts(3000));
-  // The error comes down: the drive leaves the envelope in the same tick, not after the integral has been paid back.
+  // The error comes down: the drive leaves the envelope in the same tick, not after the integral has been
+  // paid back.
   EXPECT_LT(pi_step(kPaper, state, Millimetres(2.4), Volts(3000)).amplitude, Volts(3000));
   // And without the limit the integral would have been a hundred times as large.
   EXPECT_GT(60000 * 5.0 * 5.0, 100 * state.integral.value);
@@ -70,7 +71,8 @@ TEST(PiLoop, ResumesWithoutABump) {
   for (const double error : {-0.2, 0.0, 0.3, 2.0}) {
     const PiState state = pi_resume(kPaper, Volts(2500), Millimetres(error));
     EXPECT_EQ(state.amplitude, Volts(2500));
-    EXPECT_NEAR(pi_step(kPaper, state, Millimetres(error), kEnvelope).amplitude.value, 2500 + 5 * error, 1e-9);
+    EXPECT_NEAR(pi_step(kPaper, state, Millimetres(error), kEnvelope).amplitude.value, 2500 + 5 * error,
+                1e-9);
   }
 }
 

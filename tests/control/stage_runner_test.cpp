@@ -47,7 +47,8 @@ struct Bench {
   PiGains gains;
   RunnerState state;
 
-  DriveRequest tick(double depth_mm, const Permit& permit, std::uint32_t stage_index = 0, bool finish = false) {
+  DriveRequest tick(double depth_mm, const Permit& permit, std::uint32_t stage_index = 0,
+                    bool finish = false) {
     Measurement measurement;
     measurement.depth_um = to_um(Millimetres(depth_mm));
     const RunnerStep result = run_stage(plan, gains, state, measurement, permit, stage_index, finish);
@@ -108,7 +109,8 @@ TEST(StageRunner, AlternatesPolarityEveryQuarterSecondOfDrive) {
 
 TEST(StageRunner, NeverAsksForMoreThanThePermitsEnvelope) {
   Bench bench;
-  for (int k = 0; k < 3000; ++k) ASSERT_LE(std::abs(bench.tick(0.0, raising(1'500'000)).wanted_mV), 1'500'000);
+  for (int k = 0; k < 3000; ++k)
+    ASSERT_LE(std::abs(bench.tick(0.0, raising(1'500'000)).wanted_mV), 1'500'000);
   EXPECT_EQ(bench.amplitude_mV(), 1'500'000);
 }
 
@@ -128,7 +130,8 @@ TEST(StageRunner, HoldKeepsTheAmplitudeOfANeedleThatStandsWhereItShould) {
   Bench bench;
   for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
   const std::int32_t before = bench.amplitude_mV();
-  for (int k = 0; k < 5000; ++k) bench.tick(2.0 + 0.04 * (k % 2 == 0 ? 1 : -1), holding());  // noise of the laser
+  for (int k = 0; k < 5000; ++k)
+    bench.tick(2.0 + 0.04 * (k % 2 == 0 ? 1 : -1), holding());  // noise of the laser
   EXPECT_EQ(bench.amplitude_mV(), before);
 }
 
@@ -155,7 +158,8 @@ TEST(StageRunner, ResumesFromAHoldWithoutABump) {
   for (int k = 0; k < 500; ++k) bench.tick(1.9, holding());
   const std::int32_t held = bench.amplitude_mV();
   bench.tick(1.9, raising());
-  // No more than what the setpoint's stride and one tick of the integral ask for: 0.8 kV/mm x 2 um + 5 V/mm x 0.1 mm.
+  // No more than what the setpoint's stride and one tick of the integral ask for: 0.8 kV/mm x 2 um + 5 V/mm x
+  // 0.1 mm.
   EXPECT_NEAR(bench.amplitude_mV(), held, 1'600 + 600);
 }
 
@@ -190,7 +194,8 @@ TEST(StageRunner, SameInputsSameRequests) {
     Bench bench;
     std::vector<std::int32_t> out;
     for (int k = 0; k < 2000; ++k)
-      out.push_back(bench.tick(1e-3 * k + 0.01 * std::sin(k), k % 700 < 600 ? raising() : holding()).wanted_mV);
+      out.push_back(
+          bench.tick(1e-3 * k + 0.01 * std::sin(k), k % 700 < 600 ? raising() : holding()).wanted_mV);
     return out;
   };
   EXPECT_EQ(requests(), requests());

@@ -133,6 +133,7 @@ TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.rival_against = 3.0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.sigma_mm = 0.6; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.low_mm = 18.0; }), DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.darkest = 0.1; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.at_end = true; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.score = 0.3; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.within_limits = false; }), DepthVerdict::Unsure);

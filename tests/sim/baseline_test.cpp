@@ -6,9 +6,9 @@
 #include <numbers>
 #include <random>
 
-#include "tests/sim/reference_plant.hpp"
 #include "sim/plant.hpp"
 #include "sim/pouch.hpp"
+#include "tests/sim/reference_plant.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -26,13 +26,17 @@ struct Scenario {
 };
 
 std::vector<Scenario> scenarios() {
-  return {{"DC", [](double) { return 3000.0; }},
-          {"AC02", [](double t) { return 3000.0 * flipping(t, 0.2); }},
-          {"AC2", [](double t) { return 4000.0 * flipping(t, 2.0); }},
-          {"AC10", [](double t) { return 6000.0 * flipping(t, 10.0); }},
-          {"Ramps", [](double t) { return (t < 1.5 ? 4000.0 * t / 1.5 : 4000.0 * (3.0 - t) / 1.5) * flipping(t, 2.0); }},
-          {"Pushed", [](double t) { return 3000.0 * flipping(t, 2.0); },
-           [](double t) { return t < 0.8 ? 0.0 : t < 1.5 ? 0.4 : -0.2; }}};
+  return {
+      {"DC", [](double) { return 3000.0; }},
+      {"AC02", [](double t) { return 3000.0 * flipping(t, 0.2); }},
+      {"AC2", [](double t) { return 4000.0 * flipping(t, 2.0); }},
+      {"AC10", [](double t) { return 6000.0 * flipping(t, 10.0); }},
+      {"Ramps",
+       [](double t) { return (t < 1.5 ? 4000.0 * t / 1.5 : 4000.0 * (3.0 - t) / 1.5) * flipping(t, 2.0); }},
+      {"Pushed", [](double t) { return 3000.0 * flipping(t, 2.0); },
+       [](double t) { return t < 0.8   ? 0.0
+                             : t < 1.5 ? 0.4
+                                       : -0.2; }}};
 }
 
 class AgainstReference : public testing::TestWithParam<double> {};
@@ -41,14 +45,16 @@ TEST_P(AgainstReference, DisplacementAgreesToAMicrometreRms) {
   constexpr int kSamples = 3000;
   for (const Scenario& scenario : scenarios()) {
     std::vector<ReferenceInput> inputs;
-    for (int k = 0; k < kSamples; ++k) inputs.push_back({scenario.voltage(k * 1e-3), scenario.push(k * 1e-3)});
+    for (int k = 0; k < kSamples; ++k)
+      inputs.push_back({scenario.voltage(k * 1e-3), scenario.push(k * 1e-3)});
     const auto expected = reference_run(inputs, GetParam() * 1e-3, 10e-6);
     PlantModel model;
     model.weight = GetParam() * 1e-3;
     PlantState state = at_rest(model);
     double squares = 0.0, farthest = 0.0, worst = 0.0;
     for (int k = 0; k < kSamples; ++k) {
-      state = step(model, state, {.voltage = inputs[k].voltage, .external_force = inputs[k].external_force}, Seconds(1e-3));
+      state = step(model, state, {.voltage = inputs[k].voltage, .external_force = inputs[k].external_force},
+                   Seconds(1e-3));
       const double error_mm = (state.motion.x - expected[k].plate_a) * 1e3;
       squares += error_mm * error_mm;
       worst = std::max(worst, std::abs(error_mm));
@@ -62,7 +68,9 @@ TEST_P(AgainstReference, DisplacementAgreesToAMicrometreRms) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Grams, AgainstReference, testing::Values(0.0, 20.0, 50.0, 100.0, 260.0),
-                         [](const auto& given) { return "Weight" + std::to_string(static_cast<int>(given.param)); });
+                         [](const auto& given) {
+                           return "Weight" + std::to_string(static_cast<int>(given.param));
+                         });
 
 TEST(Reference, HalvingItsOwnStepMovesItLessThanATenthOfAMicrometre) {
   std::vector<ReferenceInput> inputs;
@@ -88,8 +96,8 @@ PlantState settled(const PlantModel& model, const PlantInputs& inputs) {
 TEST(Equilibrium, FiftyGramsAtThreeKilovoltsRestWhereHandArithmeticPutsThem) {
   // u_o = 0.8 x 3000 V = 2400 V; P = 3.4 x 8.8541878128e-12 x 2400^2 / (2 x 1e-8) = 8669.94 Pa.
   // F = (0.080 + 0.030) 9.81 = 1.0791 N; S = 1.0791 / (0.060 x 8669.94) = 2.07440 mm.
-  // sqrt(S^2 + pi 1.9e-7 / 0.060) = sqrt(4.30314e-6 + 9.94838e-6) = 3.77512 mm; H = 0.636620 x 1.70072 = 1.08271 mm.
-  // x = 11 x (1.08271 - 0.35) = 8.0598 mm.
+  // sqrt(S^2 + pi 1.9e-7 / 0.060) = sqrt(4.30314e-6 + 9.94838e-6) = 3.77512 mm; H = 0.636620 x 1.70072
+  // = 1.08271 mm. x = 11 x (1.08271 - 0.35) = 8.0598 mm.
   const PlantModel model = tight(0.050);
   const PlantState state = settled(model, {.voltage = 3000.0});
   EXPECT_NEAR(state.motion.H, 1.08271e-3, 2e-8);
@@ -124,7 +132,8 @@ TEST(Equilibrium, WithoutPressureOrBelowTheRestingHeightThePouchRests) {
   EXPECT_EQ(equilibrium(b, 1e-300, 1.0).H, b.H_0);
   EXPECT_EQ(equilibrium(b, pressure(b, 100.0), 1.0).H, b.H_0);
   // Without a load the whole volume stands as a cylinder, whatever the pressure.
-  EXPECT_NEAR(equilibrium(b, pressure(b, 1.0), 0.0).H, 2.0 * std::sqrt(b.V0 / (b.L0 * std::numbers::pi)), 1e-15);
+  EXPECT_NEAR(equilibrium(b, pressure(b, 1.0), 0.0).H, 2.0 * std::sqrt(b.V0 / (b.L0 * std::numbers::pi)),
+              1e-15);
 }
 
 TEST(Equilibrium, HigherVoltageLiftsMoreAndHeavierLoadLess) {
@@ -159,7 +168,8 @@ TEST(Spring, WithoutDampersItsEnergyIsKept) {
   PlantState state = at_rest(model);
   state.motion.x = 0.002;
   const auto energy = [&] {
-    return 0.5 * model.mass_A() * state.motion.v * state.motion.v + 0.5 * 140.0 * state.motion.x * state.motion.x;
+    return 0.5 * model.mass_A() * state.motion.v * state.motion.v +
+           0.5 * 140.0 * state.motion.x * state.motion.x;
   };
   const double before = energy();
   for (int k = 0; k < 2000; ++k) state = step(model, state, {}, Seconds(1e-3));

@@ -22,7 +22,9 @@ struct DatasetFolder : testing::Test {
     folder.write("a.csv", csv);
     return read_dataset(folder.path(), drive);
   }
-  std::string csv_at(int line) const { return fmt::format("{}:{}", (folder.path() / "a.csv").string(), line); }
+  std::string csv_at(int line) const {
+    return fmt::format("{}:{}", (folder.path() / "a.csv").string(), line);
+  }
   void expect_refused(const std::string& csv, const std::string& place, const std::string& reason) {
     expect_says(refusal([&] { read(csv); }), place, reason);
   }
@@ -30,7 +32,8 @@ struct DatasetFolder : testing::Test {
 
 TEST_F(DatasetFolder, ComesInSiUnits) {
   const Dataset dataset = read(
-      "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,external_force_N\n0,0,0,0,0,0.1\n0.001,1000,1.5,2,3,0.2\n",
+      "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,external_force_N\n0,0,0,0,0,0.1\n0.001,1000,1."
+      "5,2,3,0.2\n",
       Drive::Stack, std::string(kToml) + "external_force_N = 0.5\n");
   ASSERT_EQ(dataset.runs.size(), 1U);
   const RecordedRun& run = dataset.runs[0];
@@ -48,7 +51,9 @@ TEST_F(DatasetFolder, ComesInSiUnits) {
 }
 
 TEST_F(DatasetFolder, CommentsBlankLinesSpacesCrLfAndAnyOrderOfColumnsAreFine) {
-  const RecordedRun run = read("# bench 3\r\n\r\n displacement_mm , time_s,voltage_V\r\n0.5,0,1\r\n# pause\r\n 0.6 , 0.001 , 2\r\n")
+  const RecordedRun run = read(
+                              "# bench 3\r\n\r\n displacement_mm , time_s,voltage_V\r\n0.5,0,1\r\n# "
+                              "pause\r\n 0.6 , 0.001 , 2\r\n")
                               .runs[0];
   EXPECT_EQ(run.time, (std::vector<double>{0.0, 0.001}));
   EXPECT_EQ(run.input, (std::vector<double>{1.0, 2.0}));
@@ -56,7 +61,9 @@ TEST_F(DatasetFolder, CommentsBlankLinesSpacesCrLfAndAnyOrderOfColumnsAreFine) {
 }
 
 TEST_F(DatasetFolder, AColumnThatIsNotAskedForIsLeftAlone) {
-  EXPECT_EQ(read("time_s,voltage_V,displacement_mm,temperature_degC\n0,0,0,21\n0.001,0,0,21\n").runs[0].time.size(), 2U);
+  EXPECT_EQ(
+      read("time_s,voltage_V,displacement_mm,temperature_degC\n0,0,0,21\n0.001,0,0,21\n").runs[0].time.size(),
+      2U);
 }
 
 TEST_F(DatasetFolder, ForceDrivenRunsHaveAForceColumnInstead) {
@@ -88,20 +95,24 @@ TEST_F(DatasetFolder, RefusesWrongUnitsInAHeader) {
   for (const std::string header : {"time_ms,voltage_V,displacement_mm", "time_s,voltage_kV,displacement_mm",
                                    "time_s,voltage_V,displacement_m", "time_s,voltage_V,displacement_um"})
     expect_refused(header + "\n0,0,0\n0.001,0,0\n", csv_at(1), "has the wrong unit");
-  expect_refused("time_s,voltage_V,displacement_mm,current_mA\n0,0,0,0\n0.001,0,0,0\n", csv_at(1), "`current_mA`");
+  expect_refused("time_s,voltage_V,displacement_mm,current_mA\n0,0,0,0\n0.001,0,0,0\n", csv_at(1),
+                 "`current_mA`");
   expect_refused("time_s,voltage_V,displacement_mm,external_force_mN\n0,0,0,0\n0.001,0,0,0\n", csv_at(1),
                  "`external_force_mN`");
-  expect_refused("time_s,voltage_V,displacement_mm,plate_b_m\n0,0,0,0\n0.001,0,0,0\n", csv_at(1), "`plate_b_m`");
+  expect_refused("time_s,voltage_V,displacement_mm,plate_b_m\n0,0,0,0\n0.001,0,0,0\n", csv_at(1),
+                 "`plate_b_m`");
 }
 
 TEST_F(DatasetFolder, HeaderIsCountedByItsLineInTheFile) {
-  expect_refused("# one\n# two\ntime_s,voltage_kV,displacement_mm\n0,0,0\n0.001,0,0\n", csv_at(3), "`voltage_kV`");
+  expect_refused("# one\n# two\ntime_s,voltage_kV,displacement_mm\n0,0,0\n0.001,0,0\n", csv_at(3),
+                 "`voltage_kV`");
   expect_refused("# one\n\ntime_s,voltage_V\n0,0\n0.001,0\n", csv_at(3), "`displacement_mm` is missing");
 }
 
 TEST_F(DatasetFolder, RefusesAGapAndTimeThatStandsOrGoesBack) {
   const std::string head = "time_s,voltage_V,displacement_mm\n0.000,0,0\n0.001,0,0\n0.002,0,0\n0.003,0,0\n";
-  expect_refused(head + "0.007,0,0\n0.008,0,0\n0.009,0,0\n", csv_at(6), "a step of 0.004 s where the others take 0.001 s");
+  expect_refused(head + "0.007,0,0\n0.008,0,0\n0.009,0,0\n", csv_at(6),
+                 "a step of 0.004 s where the others take 0.001 s");
   expect_refused(head + "0.003,0,0\n", csv_at(6), "column `time_s`");
   expect_refused(head + "0.0025,0,0\n", csv_at(6), "time does not go on");
 }
@@ -113,7 +124,8 @@ TEST_F(DatasetFolder, NamesTheLineOfTheGapNotTheFirstRow) {
 }
 
 TEST_F(DatasetFolder, RefusesCellsThatAreNoNumbers) {
-  for (const std::string cell : {"nan", "NaN", "inf", "-inf", "", "1,5", "1.5mm", "abc", "0x10", "1e999", "--1"})
+  for (const std::string cell :
+       {"nan", "NaN", "inf", "-inf", "", "1,5", "1.5mm", "abc", "0x10", "1e999", "--1"})
     expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,0," + cell + "\n", csv_at(3), "");
   expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,nan,0\n", csv_at(3), "column `voltage_V`");
 }
@@ -138,12 +150,15 @@ TEST_F(DatasetFolder, RefusesFilesWithoutRows) {
 }
 
 TEST_F(DatasetFolder, RefusesFilesThatAreNotThereOrNotInTheFolder) {
-  const auto with_file = [](const std::string& file) { return "[[run]]\nname = \"a\"\nfile = '" + file + "'\n"; };
+  const auto with_file = [](const std::string& file) {
+    return "[[run]]\nname = \"a\"\nfile = '" + file + "'\n";
+  };
   const std::string toml = (folder.path() / "dataset.toml").string();
-  expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }), (folder.path() / "b.csv").string(),
-              "cannot be opened");
+  expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }),
+              (folder.path() / "b.csv").string(), "cannot be opened");
   for (const std::string escape : {"../a.csv", "/etc/passwd", "sub/../a.csv", "./a.csv", ""})
-    expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1", "data set's folder");
+    expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1",
+                "data set's folder");
   for (const std::string folder_name : {"..", "."})
     EXPECT_NE(refusal([&] { read(kCsv, Drive::Stack, with_file(folder_name)); }), "accepted") << folder_name;
 }
@@ -162,13 +177,16 @@ TEST_F(DatasetFolder, RefusesADescriptionThatLacksSomething) {
 }
 
 TEST_F(DatasetFolder, RefusesAWeightInAnotherUnit) {
-  expect_says(refusal([&] { read(kCsv, Drive::Stack, "[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_kg = 0.05\n"); }),
+  expect_says(refusal([&] {
+                read(kCsv, Drive::Stack, "[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_kg = 0.05\n");
+              }),
               (folder.path() / "dataset.toml").string() + ":4", "`weight_kg`");
 }
 
 TEST(Dataset, FolderWithoutADescriptionIsRefused) {
   const ScratchFolder folder;
-  expect_says(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(), "no dataset.toml");
+  expect_says(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),
+              "no dataset.toml");
 }
 
 }  // namespace

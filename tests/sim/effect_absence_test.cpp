@@ -1,4 +1,5 @@
-// Absent is exactly the baseline; present without strength is the baseline too; present at typical strength shows.
+// Absent is exactly the baseline; present without strength is the baseline too; present at typical strength
+// shows.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// Whatever is done to a file: it is read, or it is refused as a mistake of set-up. Nothing else, and no crash.
+// Whatever is done to a file: it is read, or it is refused as a mistake of set-up. Nothing else, and no
+// crash.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,17 +27,54 @@ class Mutator {
   std::size_t below(std::size_t n) { return random_() % n; }
 
   void mutate(std::string& text) {
-    static const std::vector<std::string> kPieces = {
-        "nan", "inf", "-1", "1e308", "1e-320", "9999999999999999999", ",", ",,", "\n", "\r\n", "\"", "[", "]", "[[", "=",
-        "{", "}", "#", "'", "\\u0000", "time_s", ".", "-", "e", "\t", std::string(1, '\0'), "\xEF\xBB\xBF", "\xff\xfe"};
+    static const std::vector<std::string> kPieces = {"nan",
+                                                     "inf",
+                                                     "-1",
+                                                     "1e308",
+                                                     "1e-320",
+                                                     "9999999999999999999",
+                                                     ",",
+                                                     ",,",
+                                                     "\n",
+                                                     "\r\n",
+                                                     "\"",
+                                                     "[",
+                                                     "]",
+                                                     "[[",
+                                                     "=",
+                                                     "{",
+                                                     "}",
+                                                     "#",
+                                                     "'",
+                                                     "\\u0000",
+                                                     "time_s",
+                                                     ".",
+                                                     "-",
+                                                     "e",
+                                                     "\t",
+                                                     std::string(1, '\0'),
+                                                     "\xEF\xBB\xBF",
+                                                     "\xff\xfe"};
     const std::size_t at = below(text.size()), length = std::min(text.size() - at, 1 + below(12));
     switch (below(6)) {
-      case 0: text[at] = static_cast<char>(random_()); break;
-      case 1: text.erase(at, length); break;
-      case 2: text.insert(at, kPieces[below(kPieces.size())]); break;
-      case 3: text.insert(below(text.size()), text.substr(at, length)); break;
-      case 4: text.resize(at); break;
-      default: text.replace(at, length, kPieces[below(kPieces.size())]); break;
+      case 0:
+        text[at] = static_cast<char>(random_());
+        break;
+      case 1:
+        text.erase(at, length);
+        break;
+      case 2:
+        text.insert(at, kPieces[below(kPieces.size())]);
+        break;
+      case 3:
+        text.insert(below(text.size()), text.substr(at, length));
+        break;
+      case 4:
+        text.resize(at);
+        break;
+      default:
+        text.replace(at, length, kPieces[below(kPieces.size())]);
+        break;
     }
   }
 
@@ -57,8 +95,10 @@ int survives(Read&& read) {
 }
 
 void expect_both_kinds(int read, int total) {
-  EXPECT_GT(read, total / 100) << "nearly everything is refused: the mutations are too coarse to test anything";
-  EXPECT_LT(read, total * 99 / 100) << "nearly everything is read: the mutations are too fine to test anything";
+  EXPECT_GT(read, total / 100)
+      << "nearly everything is refused: the mutations are too coarse to test anything";
+  EXPECT_LT(read, total * 99 / 100)
+      << "nearly everything is read: the mutations are too fine to test anything";
 }
 
 std::string shipped(const std::string& name) {

@@ -14,9 +14,11 @@ double step_response(double m, double c, double k, double F, double t) {
   if (zeta < 1) {
     const double damped = omega * std::sqrt(1 - zeta * zeta);
     return F / k *
-           (1 - std::exp(-zeta * omega * t) * (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t)));
+           (1 - std::exp(-zeta * omega * t) *
+                    (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t)));
   }
-  const double root = std::sqrt(zeta * zeta - 1), slow = -omega * (zeta - root), fast = -omega * (zeta + root);
+  const double root = std::sqrt(zeta * zeta - 1), slow = -omega * (zeta - root),
+               fast = -omega * (zeta + root);
   return F / k * (1 + (fast * std::exp(slow * t) - slow * std::exp(fast * t)) / (slow - fast));
 }
 
@@ -47,7 +49,8 @@ TEST(ForceDrive, IsOfThirdOrder) {
 TEST(ForceDrive, RestsWhereTheForcesCancel) {
   const PlantModel model = bare_mass(5.0, 140.0);
   PlantState state = at_rest(model);
-  for (int k = 0; k < 5000; ++k) state = step(model, state, {.force = 0.5, .external_force = 0.2}, Seconds(1e-3));
+  for (int k = 0; k < 5000; ++k)
+    state = step(model, state, {.force = 0.5, .external_force = 0.2}, Seconds(1e-3));
   EXPECT_NEAR(state.motion.x, 0.3 / 140.0, 1e-12);
 }
 

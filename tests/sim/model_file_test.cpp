@@ -47,15 +47,18 @@ TEST(BaselineFile, HoldsExactlyTheReferenceValuesAndNoEffect) {
   EXPECT_EQ(kTick, std::chrono::milliseconds(1));
 }
 
-TEST(BaselineFile, NamesEveryValueItself) {  // so that the defaults of the program cannot stand in for a lost line
+TEST(BaselineFile,
+     NamesEveryValueItself) {  // so that the defaults of the program cannot stand in for a lost line
   std::ifstream in(models_folder() / "baseline.toml");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  for (const std::string name : {"K", "tau", "eps_film", "d_film", "L0", "V0", "H_0", "n", "tau_h", "k", "c_k", "c_s",
-                                 "fixture_mass", "m_B", "C1", "T", "g"})
+  for (const std::string name : {"K", "tau", "eps_film", "d_film", "L0", "V0", "H_0", "n", "tau_h", "k",
+                                 "c_k", "c_s", "fixture_mass", "m_B", "C1", "T", "g"})
     EXPECT_NE(text.find("\n" + name + " = "), std::string::npos) << name;
 }
 
-TEST(BaselineDefaults, AreTheReferenceValues) { expect_reference_values(Baseline{}); }
+TEST(BaselineDefaults, AreTheReferenceValues) {
+  expect_reference_values(Baseline{});
+}
 
 TEST(RehearsalFile, IsTheBaselineWithFourEffects) {
   const PlantModel model = read_model(models_folder() / "rehearsal.toml");
@@ -69,14 +72,16 @@ TEST(RehearsalFile, IsTheBaselineWithFourEffects) {
 TEST(ModelFile, TakesANumberOrAValueWithItsDeviationAndSource) {
   const PlantModel model = parse_model(
       "title = \"x\"\n[baseline]\nk = { value = 150, std = 4, source = \"bench\" }\nn = 9\n"
-      "[effect.coulomb_friction]\nforce_N = { value = 0.03 }\n", "m.toml");
+      "[effect.coulomb_friction]\nforce_N = { value = 0.03 }\n",
+      "m.toml");
   EXPECT_EQ(model.baseline.k, 150);
   EXPECT_EQ(model.baseline.n, 9);
   EXPECT_EQ(model.effects.coulomb_friction->force, 0.03);
 }
 
 TEST(ModelFile, DriveForceNeedsNothingOfTheStack) {
-  const PlantModel model = parse_model("[baseline]\ndrive = \"force\"\nm = 0.5\nc_s = 2\nk = 300\n", "m.toml");
+  const PlantModel model =
+      parse_model("[baseline]\ndrive = \"force\"\nm = 0.5\nc_s = 2\nk = 300\n", "m.toml");
   EXPECT_EQ(model.baseline.drive, Drive::Force);
   EXPECT_EQ(model.mass_A(), 0.5);
 }
@@ -98,29 +103,35 @@ INSTANTIATE_TEST_SUITE_P(
     Files, ModelFileRefuses,
     testing::Values(
         Refused{"UnknownBaselineName", "[baseline]\nK = 0.8\nkk = 1\n", "m.toml:3: ", "unknown name `kk`"},
-        Refused{"UnknownEffect", "[baseline]\n\n[effect.magic]\nx = 1\n", "m.toml:3: ", "unknown name `magic`"},
-        Refused{"UnknownParameter", "[baseline]\n[effect.coulomb_friction]\nforce_N = 0.1\nmu = 0.2\n", "m.toml:4: ",
-                "unknown name `mu`"},
-        Refused{"ParameterInAnotherUnit", "[baseline]\n[effect.coulomb_friction]\nforce_mN = 50\n", "m.toml:2: ",
-                "`force_N` is missing"},
+        Refused{"UnknownEffect", "[baseline]\n\n[effect.magic]\nx = 1\n",
+                "m.toml:3: ", "unknown name `magic`"},
+        Refused{"UnknownParameter", "[baseline]\n[effect.coulomb_friction]\nforce_N = 0.1\nmu = 0.2\n",
+                "m.toml:4: ", "unknown name `mu`"},
+        Refused{"ParameterInAnotherUnit", "[baseline]\n[effect.coulomb_friction]\nforce_mN = 50\n",
+                "m.toml:2: ", "`force_N` is missing"},
         Refused{"UnknownTable", "[baseline]\n[baselime]\n", "m.toml:2: ", "unknown name `baselime`"},
         Refused{"NoBaseline", "title = \"x\"\n", "m.toml:", "`baseline` is missing"},
         Refused{"Empty", "", "m.toml:", "`baseline` is missing"},
-        Refused{"MissingParameter", "[baseline]\n[effect.stribeck_friction]\nsliding_N = 0.1\nbreakaway_N = 0.2\n",
+        Refused{"MissingParameter",
+                "[baseline]\n[effect.stribeck_friction]\nsliding_N = 0.1\nbreakaway_N = 0.2\n",
                 "m.toml:2: ", "`speed_mm_s` is missing"},
         Refused{"TooLarge", "[baseline]\nK = 0.8\nk = 1e9\n", "m.toml:3: ", "`k` = 1000000000 is outside"},
         Refused{"Negative", "[baseline]\nfixture_mass = -0.03\n", "m.toml:2: ", "is outside"},
         Refused{"ZeroTime", "[baseline]\ntau = 0\n", "m.toml:2: ", "is outside"},
-        Refused{"EffectOutOfRange", "[baseline]\n[effect.sensor_noise]\nstd_mm = 10\n", "m.toml:3: ", "is outside"},
+        Refused{"EffectOutOfRange", "[baseline]\n[effect.sensor_noise]\nstd_mm = 10\n",
+                "m.toml:3: ", "is outside"},
         Refused{"NotANumber", "[baseline]\nk = nan\n", "m.toml:2: ", "`k` is not a finite number"},
         Refused{"Infinite", "[baseline]\nk = inf\n", "m.toml:2: ", "`k` is not a finite number"},
-        Refused{"MinusInfinite", "[baseline]\nk = { value = -inf }\n", "m.toml:2: ", "`k` is not a finite number"},
+        Refused{"MinusInfinite", "[baseline]\nk = { value = -inf }\n",
+                "m.toml:2: ", "`k` is not a finite number"},
         Refused{"Text", "[baseline]\nk = \"140\"\n", "m.toml:2: ", "`k` is not a finite number"},
         Refused{"Flag", "[baseline]\nk = true\n", "m.toml:2: ", "`k` is not a finite number"},
         Refused{"List", "[baseline]\nk = [140]\n", "m.toml:2: ", "`k` is not a finite number"},
-        Refused{"TableWithoutValue", "[baseline]\nk = { std = 3 }\n", "m.toml:2: ", "`k` is a table without `value`"},
+        Refused{"TableWithoutValue", "[baseline]\nk = { std = 3 }\n",
+                "m.toml:2: ", "`k` is a table without `value`"},
         Refused{"BaselineIsANumber", "baseline = 3\n", "m.toml:1: ", "`baseline` is not a table"},
-        Refused{"EffectIsANumber", "[baseline]\n[effect]\ncoulomb_friction = 0.1\n", "m.toml:3: ", "is not a table"},
+        Refused{"EffectIsANumber", "[baseline]\n[effect]\ncoulomb_friction = 0.1\n",
+                "m.toml:3: ", "is not a table"},
         Refused{"DriveOfAnotherKind", "[baseline]\ndrive = \"magnet\"\n", "m.toml:", "`drive`"},
         Refused{"DriveIsANumber", "[baseline]\ndrive = 1\n", "m.toml:2: ", "`drive` is not a text"},
         Refused{"NoToml", "[baseline]\nk = = 3\n", "m.toml:2: ", ""},
@@ -128,7 +139,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& given) { return given.param.name; });
 
 TEST(ModelFile, ThatIsNotThereIsRefusedByItsName) {
-  expect_says(refusal([] { read_model("/nowhere/model.toml"); }), "/nowhere/model.toml: ", "cannot be opened");
+  expect_says(refusal([] { read_model("/nowhere/model.toml"); }),
+              "/nowhere/model.toml: ", "cannot be opened");
   const ScratchFolder folder;
   expect_says(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be opened");
 }
@@ -136,15 +148,15 @@ TEST(ModelFile, ThatIsNotThereIsRefusedByItsName) {
 TEST(TissueFile, RefusesWhatItCannotUse) {
   const ScratchFolder folder;
   folder.write("none.toml", "[tissue.muscle]\n");
-  expect_says(refusal([&] { read_tissues(folder.path() / "none.toml"); }), (folder.path() / "none.toml:1").string(),
-              "is missing");
+  expect_says(refusal([&] { read_tissues(folder.path() / "none.toml"); }),
+              (folder.path() / "none.toml:1").string(), "is missing");
   std::ifstream in(models_folder() / "tissues.toml");
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const auto unknown = text.find("[tissue.unknown]");
   ASSERT_NE(unknown, std::string::npos);
   folder.write("known.toml", text.substr(0, unknown));
-  expect_says(refusal([&] { read_tissues(folder.path() / "known.toml"); }), (folder.path() / "known.toml").string(),
-              "[tissue.unknown]");
+  expect_says(refusal([&] { read_tissues(folder.path() / "known.toml"); }),
+              (folder.path() / "known.toml").string(), "[tissue.unknown]");
 }
 
 TEST(Tissue, RefusesAPathOfMoreLayersThanThePlantHolds) {

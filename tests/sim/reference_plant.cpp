@@ -7,7 +7,8 @@ namespace biopsy::sim {
 namespace {
 
 // The table of docs/model.md.
-constexpr double kK = 0.80, kTau = 6.9, kEpsFilm = 3.4, kFilm = 100e-6, kL0 = 0.060, kV0 = 1.9e-7, kH0 = 0.35e-3;
+constexpr double kK = 0.80, kTau = 6.9, kEpsFilm = 3.4, kFilm = 100e-6, kL0 = 0.060, kV0 = 1.9e-7,
+                 kH0 = 0.35e-3;
 constexpr double kN = 11, kTauH = 0.030, kSpring = 140, kSpringDamping = 0.05, kSlider = 0.60;
 constexpr double kFixture = 0.030, kPlateB = 0.030, kG = 9.81, kT = 1e-3;
 constexpr double kEps0 = 8.8541878128e-12, kPi = 3.14159265358979323846;
@@ -44,7 +45,8 @@ Rate rate_of(const Body& body, double u_o, double m_A, double push) {
 
 }  // namespace
 
-std::vector<ReferenceSample> reference_run(const std::vector<ReferenceInput>& inputs, double weight, double step) {
+std::vector<ReferenceSample> reference_run(const std::vector<ReferenceInput>& inputs, double weight,
+                                           double step) {
   const double m_A = kFixture + weight;
   const int steps = static_cast<int>(std::lround(kT / step));
   const double left = std::exp(-step / kTau);

@@ -43,7 +43,8 @@ TEST(Simulate, IsThePlantSteppedByHand) {
     ASSERT_EQ(run.displacement[k], state.motion.x);
     ASSERT_EQ(run.plate_b[k], plate_b(model, state));
     const double until = k + 1 < 500 ? given.time[k + 1] - given.time[k] : given.period;
-    state = step(model, state, {.voltage = given.input[k], .external_force = given.external_force[k]}, Seconds(until));
+    state = step(model, state, {.voltage = given.input[k], .external_force = given.external_force[k]},
+                 Seconds(until));
   }
 }
 
@@ -53,7 +54,8 @@ TEST(Simulate, ACoarselySampledRunIsTheSameMotionSeenLessOften) {
     fine.input[k] = coarse.input[k / 50];
     fine.external_force[k] = coarse.external_force[k / 50];
   }
-  const auto seldom = simulate(PlantModel{}, coarse).displacement, often = simulate(PlantModel{}, fine).displacement;
+  const auto seldom = simulate(PlantModel{}, coarse).displacement,
+             often = simulate(PlantModel{}, fine).displacement;
   for (std::size_t k = 0; k < 100; ++k) EXPECT_NEAR(seldom[k], often[50 * k], 1e-9) << k;
 }
 

@@ -146,7 +146,8 @@ TEST(StribeckFriction, PulledSlowlyThroughASpringMovesInJerks) {
   EXPECT_LT(smooth_starts, starts);
 }
 
-// The play operator alone ------------------------------------------------------------------------------------------
+// The play operator alone
+// ------------------------------------------------------------------------------------------
 double swept(const ZippingHysteresis& play, double zipped, double from, double to) {
   for (int i = 1; i <= 1000; ++i) zipped = play.zipped(from + (to - from) * i / 1000, zipped);
   return zipped;

@@ -10,7 +10,9 @@
 
 namespace biopsy::sim {
 
-inline std::filesystem::path models_folder() { return std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim" / "models"; }
+inline std::filesystem::path models_folder() {
+  return std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim" / "models";
+}
 
 // The paper's needle experiment: muscle 2 mm, gap 0.9 mm, liver behind.
 inline std::vector<Layer> paper_layers() {

@@ -9,7 +9,8 @@
 namespace biopsy::sim {
 namespace {
 
-constexpr LayerPuncture kSkin{.depth = 1e-3, .force = 0.4, .deflection = 1e-3, .collapse = 0.2e-3, .cutting = 0.1};
+constexpr LayerPuncture kSkin{
+    .depth = 1e-3, .force = 0.4, .deflection = 1e-3, .collapse = 0.2e-3, .cutting = 0.1};
 
 PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
   for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
@@ -56,6 +57,19 @@ TEST(LayerPuncture, AForceAboveThePunctureGoesThrough) {
   EXPECT_GT(pushed(model, needle_at(model, 1e-3), 0.41, 3000).motion.x, 5e-3);
 }
 
+TEST(LayerPuncture, ThePlantRemembersTheCutWhenTheNeedleComesAgain) {
+  PlantModel model = bare_mass(3.0);
+  model.effects.layer_puncture = kSkin;
+  model.effects.layer_puncture->cutting = 0.0;
+  PlantState state = pushed(model, at_rest(model), 0.5, 200);
+  while (state.motion.x < 4e-3) state = pushed(model, state, 0.5, 1);
+  while (state.motion.x > 0.5e-3) state = pushed(model, state, -0.5, 1);
+  EXPECT_GE(state.x_max, 4e-3);
+  EXPECT_GT(pushed(model, state, 0.1, 2000).motion.x, 4e-3);  // 0.1 N go through the cut,
+  EXPECT_LT(pushed(model, needle_at(model, 0.5e-3), 0.1, 2000).motion.x,
+            1.6e-3);  // but not through whole skin
+}
+
 TEST(ShaftFriction, HoldsInProportionToTheLengthInside) {
   PlantModel model = bare_mass();
   model.effects.shaft_friction = ShaftFriction{.from = 1e-3, .coulomb = 20.0};  // 0.02 N/mm
@@ -78,7 +92,8 @@ TEST(ShaftFriction, CountsOnlyTheLengthInsideItsOwnLayer) {
 
 TEST(ShaftFriction, ViscousDragSlowsInProportionToTheLengthInside) {
   PlantModel model = bare_mass();
-  model.effects.shaft_friction = ShaftFriction{.from = 0.0, .to = 1e-3, .viscous = 2000.0};  // 2 N s/m at 1 mm
+  model.effects.shaft_friction =
+      ShaftFriction{.from = 0.0, .to = 1e-3, .viscous = 2000.0};  // 2 N s/m at 1 mm
   EXPECT_NEAR(pushed(model, needle_at(model, 1e-3), 0.1, 2000).motion.v, 0.1 / 2.0, 1e-9);
 }
 
@@ -124,9 +139,10 @@ TEST(Tissue, LayersAreMadeOfTheTablesTissuesAtThePlansDepths) {
 
 TEST(Tissue, FilesSpeakMillimetresAndTheModelMetres) {
   const ScratchFolder folder;
-  folder.write("t.toml",
-               "[tissue.unknown]\nforce_N = 0.1\ndeflection_mm = 0.3\ncollapse_mm = 0.2\ncutting_N = 0.05\n"
-               "coulomb_N_per_mm = 0.015\nviscous_N_s_per_m_per_mm = 0.05\nstiffness_N_per_mm = 0.03\ntime_s = 2\n");
+  folder.write(
+      "t.toml",
+      "[tissue.unknown]\nforce_N = 0.1\ndeflection_mm = 0.3\ncollapse_mm = 0.2\ncutting_N = 0.05\n"
+      "coulomb_N_per_mm = 0.015\nviscous_N_s_per_m_per_mm = 0.05\nstiffness_N_per_mm = 0.03\ntime_s = 2\n");
   const TissueLayer layer = read_tissues(folder.path() / "t.toml").at("unknown");
   EXPECT_DOUBLE_EQ(layer.surface.force, 0.1);
   EXPECT_DOUBLE_EQ(layer.surface.deflection, 0.3e-3);
@@ -145,9 +161,10 @@ TEST(Tissue, ANameNobodyKnowsBehavesAsUnknownTissue) {
 
 TEST(Tissue, LayersCountAsEnteredWhenTheirSurfaceGaveWay) {
   PlantModel model;
-  model.tissue = {{.surface = {.depth = 0.0, .force = 0.1, .deflection = 0.3e-3}},
-                  {.surface = {.depth = 2.0e-3, .force = 0.0}},  // air: nothing to puncture
-                  {.surface = {.depth = 2.9e-3, .force = 0.1, .deflection = 0.25e-3}}};
+  model.tissue.resize(3);
+  model.tissue[0].surface = {.depth = 0.0, .force = 0.1, .deflection = 0.3e-3};
+  model.tissue[1].surface = {.depth = 2.0e-3, .force = 0.0};  // air: nothing to puncture
+  model.tissue[2].surface = {.depth = 2.9e-3, .force = 0.1, .deflection = 0.25e-3};
   EXPECT_EQ(layers_entered(model, needle_at(model, 0.0)), 0);
   EXPECT_EQ(layers_entered(model, needle_at(model, 0.29e-3)), 0);
   EXPECT_EQ(layers_entered(model, needle_at(model, 0.31e-3)), 1);
