@@ -36,7 +36,8 @@ void mark(Picture& picture, const Eigen::Vector2d& tip_px) {
   const auto dot = [&](double x, double y) {
     const auto column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
     if (column < 0 || row < 0 || column >= picture.width || row >= picture.height) return;
-    const auto at = static_cast<std::size_t>(3 * (row * picture.width + column));
+    const auto at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
+                         static_cast<std::size_t>(column));
     picture.rgb[at] = 255, picture.rgb[at + 1] = 210, picture.rgb[at + 2] = 0;
   };
   for (int n = 6; n <= 14; ++n)  // four strokes that leave the tip itself in view

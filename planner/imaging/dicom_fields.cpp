@@ -26,7 +26,7 @@ std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey&
                                                  const std::string& file) {
   const std::string text = dicom_text(item, tag);
   if (text.empty()) return std::nullopt;
-  const auto numbers = strict_numbers(text, '\\');
+  auto numbers = strict_numbers(text, '\\');
   if (!numbers || numbers->size() != count)
     throw SetupError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count,
                                  count == 1 ? "" : "s"),

@@ -70,7 +70,7 @@ Eigen::Vector3i size_of(const nifti_1_header& raw, const std::string& file) {
     if (raw.dim[d] > 1)
       throw SetupError(fmt::format("4-D: {} volumes in one file", raw.dim[d]), file, "extract one volume");
   const auto along = [&](int d) { return d <= raw.dim[0] ? static_cast<int>(raw.dim[d]) : 1; };
-  const Eigen::Vector3i size(along(1), along(2), along(3));
+  Eigen::Vector3i size(along(1), along(2), along(3));
   refuse_bad_size(size, file);
   return size;
 }

@@ -168,7 +168,7 @@ Eigen::Vector3i size_of(const Fields& fields, const std::string& file) {
   for (double size : *sizes)
     if (size < 0 || size > 1e6 || size != std::floor(size))
       refuse("field \"sizes\" holds an impossible number", file);
-  const Eigen::Vector3i size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
+  Eigen::Vector3i size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
   refuse_bad_size(size, file);
   return size;
 }

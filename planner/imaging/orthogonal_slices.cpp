@@ -23,7 +23,8 @@ Picture view_of(const Volume& volume, const View& view) {
   const Grid& grid = volume.grid;
   const Eigen::Vector3d middle = 0.5 * (grid.size - Eigen::Vector3i::Ones()).cast<double>();
   const Point centre_S = grid.X_SI * middle;
-  const double side_mm = (grid.X_SI.linear() * grid.size.cast<double>().asDiagonal()).cwiseAbs().rowwise().sum().maxCoeff();
+  const double side_mm =
+      (grid.X_SI.linear() * grid.size.cast<double>().asDiagonal()).cwiseAbs().rowwise().sum().maxCoeff();
   const double step = side_mm / kSize_px;
   const Sampler sampler(volume);
   std::vector<float> values;
@@ -42,6 +43,7 @@ Picture view_of(const Volume& volume, const View& view) {
 
 std::vector<std::pair<std::string, Picture>> orthogonal_slices(const Volume& volume) {
   std::vector<std::pair<std::string, Picture>> out;
+  out.reserve(kViews.size());
   for (const View& view : kViews) out.emplace_back(view.name, view_of(volume, view));
   return out;
 }

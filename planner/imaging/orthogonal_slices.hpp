@@ -10,8 +10,8 @@
 
 namespace biopsy::imaging {
 
-// Pictures "axial", "coronal" and "sagittal" through the volume's centre, true to scale, in radiological convention: the
-// patient's right is on the left, anterior or superior is up.
+// Pictures "axial", "coronal" and "sagittal" through the volume's centre, true to scale, in radiological
+// convention: the patient's right is on the left, anterior or superior is up.
 std::vector<std::pair<std::string, Picture>> orthogonal_slices(const Volume& volume);
 
 }  // namespace biopsy::imaging

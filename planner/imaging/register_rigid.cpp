@@ -78,7 +78,7 @@ class Level {
   double correlation_at(const Motion& motion) const { return correlation(places_, before_, motion, about_); }
 
   // Gauss-Newton until a step moves nothing by more than a thousandth of a millimetre.
-  Fit refined(Motion start, int iterations) const {
+  Fit refined(const Motion& start, int iterations) const {
     Fit fit;
     fit.motion = start;
     fit_brightness(fit);

@@ -58,11 +58,11 @@ struct DiscCoverage {
 LineSearch::LineSearch(const Corridor& corridor, double depth_min_mm, double depth_max_mm)
     : corridor_(corridor), depth_min_mm_(depth_min_mm), depth_max_mm_(depth_max_mm) {
   cells_ = 2 * static_cast<int>(std::ceil(corridor.radius_mm / kCell_mm));
-  grid_.resize(static_cast<std::size_t>(cells_ * cells_));
+  grid_.resize(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_));
   for (std::uint32_t n : corridor.thinned) {
     const CorridorVoxel& voxel = corridor.voxels[n];
     const int row = cell_of(static_cast<double>(voxel.v)), column = cell_of(static_cast<double>(voxel.u));
-    grid_[static_cast<std::size_t>(row * cells_ + column)].push_back(n);
+    grid_[cell(row, column)].push_back(n);
   }
 }
 
@@ -85,7 +85,7 @@ LineProfile LineSearch::profile(const VoidLine& line) const {
   const CellRange rows = cells_near(line.v, line.v_slope, disc.reach_mm);
   for (int row = rows.first; row <= rows.last; ++row)
     for (int column = columns.first; column <= columns.last; ++column)
-      for (std::uint32_t n : grid_[static_cast<std::size_t>(row * cells_ + column)]) {
+      for (std::uint32_t n : grid_[cell(row, column)]) {
         const CorridorVoxel& voxel = corridor_.voxels[n];
         const double t = static_cast<double>(voxel.t);
         const double covered = disc.of_voxel(static_cast<double>(voxel.u) - line.u - line.u_slope * t,

@@ -44,6 +44,10 @@ class LineSearch {
     int first, last;
   };
   int cell_of(double beside_mm) const;
+  std::size_t cell(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_) +
+           static_cast<std::size_t>(column);
+  }
   CellRange cells_near(double at_entry, double slope, double reach_mm) const;
 
   const Corridor& corridor_;

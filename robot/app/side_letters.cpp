@@ -18,6 +18,7 @@ struct Share {
 std::vector<Share> shares(const Direction& lps) {
   constexpr std::array<std::array<char, 2>, 3> kLetters{{{'R', 'L'}, {'A', 'P'}, {'I', 'S'}}};
   std::vector<Share> out;
+  out.reserve(3);
   for (int axis = 0; axis < 3; ++axis)
     out.push_back({kLetters[static_cast<std::size_t>(axis)][lps[axis] > 0 ? 1 : 0], std::abs(lps[axis])});
   std::stable_sort(out.begin(), out.end(), [](const Share& a, const Share& b) { return a.size > b.size; });

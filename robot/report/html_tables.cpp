@@ -78,9 +78,7 @@ std::string check_row(const StageResult& result, std::size_t number) {
          number_cell(depth - result.depth_mm, 2) + triple_cell(check.shift_mm) +
          triple_cell(check.rotation_deg) + number_cell(check.registration_score, 3) +
          number_cell(check.contrast_to_noise, 1) + "<td>" + escaped(check.reason) +
-         (result.hv_switching_during_image
-              ? " The drive switched while the image was taken."
-              : "") +
+         (result.hv_switching_during_image ? " The drive switched while the image was taken." : "") +
          "</td></tr>\n";
 }
 

@@ -65,7 +65,7 @@ struct Drift {
   double saddle;
 
   Drift(double fraction, std::uint64_t seed) : amount(fraction), saddle(2.0 * uniform(seed, 103) - 1.0) {
-    for (int a = 0; a < 3; ++a) slope[a] = 2.0 * uniform(seed, static_cast<std::uint64_t>(100 + a)) - 1.0;
+    for (int a = 0; a < 3; ++a) slope[a] = 2.0 * uniform(seed, 100U + static_cast<std::uint64_t>(a)) - 1.0;
   }
   double at(const Eigen::Vector3d& place) const {  // place: -1 to 1 over the volume
     return 1.0 + amount * (slope.dot(place) + saddle * place.x() * place.y()) / 4.0;
