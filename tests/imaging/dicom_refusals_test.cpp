@@ -4,7 +4,7 @@
 #include "planner/imaging/read_volume.hpp"
 #include "tests/imaging/dicom_fixture.hpp"
 #include "tests/imaging/refusal.hpp"
-#include "tests/imaging/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace biopsy::imaging {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/imaging/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace biopsy::imaging {
 

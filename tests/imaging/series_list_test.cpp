@@ -5,7 +5,7 @@
 
 #include "tests/imaging/dicom_fixture.hpp"
 #include "tests/imaging/refusal.hpp"
-#include "tests/imaging/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace biopsy::imaging {
 namespace {

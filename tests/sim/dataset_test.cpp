@@ -6,7 +6,8 @@
 
 #include <cmath>
 
-#include "tests/sim/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/sim/refusal.hpp"
 
 namespace biopsy::sim {
 namespace {

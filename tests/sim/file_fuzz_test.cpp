@@ -7,7 +7,8 @@
 
 #include "sim/dataset.hpp"
 #include "sim/simulate.hpp"
-#include "tests/sim/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/sim/refusal.hpp"
 #include "tests/sim/staged_model.hpp"
 
 namespace biopsy::sim {

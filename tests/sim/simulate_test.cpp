@@ -5,7 +5,8 @@
 
 #include <cmath>
 
-#include "tests/sim/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/sim/refusal.hpp"
 #include "tests/sim/staged_model.hpp"
 
 namespace biopsy::sim {

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/scratch_folder.hpp"
+
 namespace biopsy::stories {
 
 inline const std::filesystem::path kHouse = BIOPSY_SOURCE_DIR;
@@ -36,36 +38,8 @@ inline Answer biopsy(const std::string& words) {
   return answer;
 }
 
-// An empty folder of this test alone, removed at its end.
-class Folder {
- public:
-  Folder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            (std::string("biopsy-") + test->test_suite_name() + "-" + test->name());
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 inline nlohmann::json json_of(const std::filesystem::path& file) {
-  return nlohmann::json::parse(text_of(file));
+  return nlohmann::json::parse(file_content(file));
 }
 
 }  // namespace biopsy::stories

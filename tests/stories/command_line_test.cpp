@@ -31,7 +31,7 @@ TEST(CommandLine, NoCommandOrAnUnknownOneIsAMistake) {
 }
 
 TEST(CommandLine, BadInputIsNamedWithARemedy) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string out = " --out " + (folder / "out").string();
   expect_refused("dry-run no-such-case" + out, "no-such-case");
   expect_refused("dry-run --image /no/such/image --entry 0,0,0 --target 0,0,5" + out, "/no/such/image");
@@ -47,15 +47,15 @@ TEST(CommandLine, BadInputIsNamedWithARemedy) {
 }
 
 TEST(CommandLine, AFolderThatIsNotOursIsLeftAlone) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::ofstream(folder / "letters.txt") << "mine";
   expect_refused("dry-run gap --out " + folder.path().string(), folder.path().string());
-  EXPECT_EQ(text_of(folder / "letters.txt"), "mine");
+  EXPECT_EQ(file_content(folder / "letters.txt"), "mine");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
 TEST(CommandLine, ACaseFileWithAMistakeNamesFileAndLine) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto file = folder / "case.toml";
   const auto refuse = [&](const std::string& text, const std::string& named) {
     std::ofstream(file) << text;
@@ -71,7 +71,7 @@ TEST(CommandLine, ACaseFileWithAMistakeNamesFileAndLine) {
 }
 
 TEST(CommandLine, APlanMovesNothing) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Answer answer = biopsy("plan liver --out " + (folder / "out").string());
   EXPECT_EQ(answer.code, 0) << answer.text;
   const nlohmann::json report = json_of(folder / "out/report.json");
@@ -81,7 +81,7 @@ TEST(CommandLine, APlanMovesNothing) {
 }
 
 TEST(CommandLine, ATargetOutOfReachIsRefusedWithTheDistanceAndWhatToDo) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::ofstream(folder / "far.toml") << "[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 14.0\n";
   const Answer answer =
       biopsy("dry-run " + (folder / "far.toml").string() + " --out " + (folder / "out").string());
@@ -93,7 +93,7 @@ TEST(CommandLine, ATargetOutOfReachIsRefusedWithTheDistanceAndWhatToDo) {
 }
 
 TEST(CommandLine, SimulatedDataSetCanBeReadAgainAndIsTheSame) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::filesystem::create_directories(folder / "data");
   std::ofstream(folder / "data/dataset.toml")
       << "title = \"step\"\n[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = 50\n";
@@ -108,8 +108,8 @@ TEST(CommandLine, SimulatedDataSetCanBeReadAgainAndIsTheSame) {
   const Answer twice =
       biopsy("simulate " + (folder / "one").string() + model + " --out " + (folder / "two").string());
   ASSERT_EQ(twice.code, 0) << twice.text;
-  EXPECT_EQ(text_of(folder / "one/a.csv"), text_of(folder / "two/a.csv"));
-  EXPECT_EQ(text_of(folder / "one/a.csv").substr(0, 60),
+  EXPECT_EQ(file_content(folder / "one/a.csv"), file_content(folder / "two/a.csv"));
+  EXPECT_EQ(file_content(folder / "one/a.csv").substr(0, 60),
             "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,exter");
 }
 

@@ -58,7 +58,7 @@ std::vector<Line> lines_of(const fs::path& document) {
 }
 
 std::string prose_of(const std::string& document) {
-  return text_of(kHouse / "docs" / document);
+  return file_content(kHouse / "docs" / document);
 }
 
 // Each match of `pattern` in `text`: its first group.
@@ -103,7 +103,7 @@ class Document : public testing::TestWithParam<fs::path> {
 };
 
 std::set<std::string> dev_verbs() {
-  const std::string help = text_of(kHouse / "dev");
+  const std::string help = file_content(kHouse / "dev");
   return found_in(help, R"(\n  ([a-z]+)\)  # )");
 }
 
@@ -155,7 +155,7 @@ std::set<std::string> anchors_of(const fs::path& document) {
 TEST(Documents, EveryLinkLeadsSomewhere) {
   int links = 0;
   for (const fs::path& document : documents())
-    for (const std::string& link : found_in(text_of(document), R"(\]\(([^)]+)\))")) {
+    for (const std::string& link : found_in(file_content(document), R"(\]\(([^)]+)\))")) {
       if (link.starts_with("http")) continue;
       ++links;
       const std::string file = link.substr(0, link.find('#'));
@@ -169,7 +169,7 @@ TEST(Documents, EveryLinkLeadsSomewhere) {
 }
 
 TEST(Documents, EachIsLinkedFromTheReadme) {
-  const std::string readme = text_of(kHouse / "README.md");
+  const std::string readme = file_content(kHouse / "README.md");
   for (const fs::path& document : documents())
     if (document.filename() != "README.md") {
       EXPECT_NE(readme.find("(" + name_of(document) + ")"), std::string::npos) << name_of(document);
@@ -177,7 +177,7 @@ TEST(Documents, EachIsLinkedFromTheReadme) {
 }
 
 TEST(Documents, TellEveryOptionAndCommand) {
-  const std::string source = text_of(kHouse / "robot/app/command_line.cpp"),
+  const std::string source = file_content(kHouse / "robot/app/command_line.cpp"),
                     reference = prose_of("reference.md");
   const auto options = found_in(source, R"(add_(?:option|flag)\("([^"]+)\")"),
              commands = found_in(source, R"(add_subcommand\("([^"]+)\")");
@@ -191,7 +191,7 @@ TEST(Documents, TellEveryOptionAndCommand) {
 TEST(Documents, TellEveryEntryOfACaseFile) {
   const std::string reference = prose_of("reference.md");
   const auto entries =
-      found_in(text_of(kHouse / "robot/app/case.cpp"),
+      found_in(file_content(kHouse / "robot/app/case.cpp"),
                R"rx((?:has|text|number|numbers|flag|table|tables|ras_point)\((?:table, )?"(\w+)")rx");
   EXPECT_GT(entries.size(), 20U);
   for (const std::string& entry : entries) EXPECT_TRUE(mentions(reference, entry)) << entry;
@@ -200,7 +200,7 @@ TEST(Documents, TellEveryEntryOfACaseFile) {
 TEST(Documents, PrintTheExamplesAsTheyAre) {
   const std::string reference = prose_of("reference.md");
   for (const char* example : {"case.toml", "fiducials.csv"})
-    EXPECT_NE(reference.find(text_of(kHouse / "docs/examples" / example)), std::string::npos) << example;
+    EXPECT_NE(reference.find(file_content(kHouse / "docs/examples" / example)), std::string::npos) << example;
 }
 
 // The line of a table whose first cell is `name`.
@@ -214,7 +214,7 @@ TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
   const std::regex parameter(R"rx("(\w+)",\s*&\w+::\w+,\s*[-\d.e]+,\s*([-\d.e]+),\s*([-\d.e]+))rx");
   int parameters = 0;
   for (const auto& file : fs::directory_iterator(kHouse / "sim/effects")) {
-    const std::string name = file.path().stem().string(), source = text_of(file.path());
+    const std::string name = file.path().stem().string(), source = file_content(file.path());
     if (name == "effect") continue;
     const std::string row = row_of(model, "`" + name + "`");
     for (std::sregex_iterator match(source.begin(), source.end(), parameter), end; match != end;
@@ -285,7 +285,7 @@ void expect_told(const nlohmann::json& value, const std::string& reference) {
 }
 
 TEST(Documents, TellEveryFieldOfTheReports) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string reference = prose_of("reference.md"), run = (folder / "run").string(),
                     image = run + "/planning";
   EXPECT_NE(biopsy("dry-run gap --out " + run).code, 2);
@@ -295,7 +295,7 @@ TEST(Documents, TellEveryFieldOfTheReports) {
   ASSERT_EQ(checked.code, 0) << checked.text;
   expect_told(json_of(folder / "run/report.json"), reference);
   expect_told(json_of(folder / "check/check.json"), reference);
-  std::string header = text_of(folder / "run/run.csv");
+  std::string header = file_content(folder / "run/run.csv");
   header = header.substr(0, header.find('\n'));
   for (const std::string& column : found_in(header + ",", "([^,]+),"))
     EXPECT_TRUE(mentions(reference, column)) << column;

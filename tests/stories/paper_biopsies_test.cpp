@@ -6,7 +6,7 @@
 namespace biopsy::stories {
 namespace {
 
-nlohmann::json rehearsed(const std::string& name, int seed, const Folder& folder) {
+nlohmann::json rehearsed(const std::string& name, int seed, const ScratchFolder& folder) {
   const std::filesystem::path out = folder / (name + std::to_string(seed));
   const Answer answer =
       biopsy("dry-run " + name + " --seed " + std::to_string(seed) + " --out " + out.string());
@@ -25,24 +25,24 @@ void expect_biopsy(const nlohmann::json& report, double target_mm, const std::st
 }
 
 TEST(PaperBiopsies, GapSamplingEndsInTheGap) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (int seed = 1; seed <= 3; ++seed) expect_biopsy(rehearsed("gap", seed, folder), 2.5, "gap", 0.051);
 }
 
 TEST(PaperBiopsies, LiverSamplingEndsInTheLiver) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (int seed = 1; seed <= 3; ++seed) expect_biopsy(rehearsed("liver", seed, folder), 3.5, "liver", 0.067);
 }
 
 TEST(PaperBiopsies, SameSeedSameRunToTheByte) {
-  const Folder folder;
+  const ScratchFolder folder;
   rehearsed("liver", 7, folder);
   std::filesystem::rename(folder / "liver7", folder / "first");
   rehearsed("liver", 7, folder);
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "first")) {
     if (!entry.is_regular_file() || entry.path().filename() == "report.json") continue;
     const auto other = folder / "liver7" / std::filesystem::relative(entry.path(), folder / "first").string();
-    EXPECT_EQ(text_of(entry.path()), text_of(other)) << entry.path();
+    EXPECT_EQ(file_content(entry.path()), file_content(other)) << entry.path();
   }
   auto first = json_of(folder / "first/report.json"), second = json_of(folder / "liver7/report.json");
   first.erase("wall_s");
@@ -51,10 +51,10 @@ TEST(PaperBiopsies, SameSeedSameRunToTheByte) {
 }
 
 TEST(PaperBiopsies, AnotherSeedIsAnotherRun) {
-  const Folder folder;
+  const ScratchFolder folder;
   rehearsed("gap", 1, folder);
   rehearsed("gap", 2, folder);
-  EXPECT_NE(text_of(folder / "gap1/run.csv"), text_of(folder / "gap2/run.csv"));
+  EXPECT_NE(file_content(folder / "gap1/run.csv"), file_content(folder / "gap2/run.csv"));
 }
 
 }  // namespace

@@ -7,12 +7,12 @@
 #include <fstream>
 #include <string>
 
-namespace biopsy::imaging {
+namespace biopsy {
 
 class ScratchFolder {
  public:
   ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "biopsy_imaging_XXXXXX").string();
+    std::string pattern = (std::filesystem::temp_directory_path() / "biopsy_test_XXXXXX").string();
     path_ = mkdtemp(pattern.data());
   }
   ~ScratchFolder() {
@@ -24,6 +24,9 @@ class ScratchFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  void write(const std::string& name, const std::string& content) const {
+    std::ofstream(path_ / name, std::ios::binary) << content;
+  }
 
  private:
   std::filesystem::path path_;
@@ -38,4 +41,4 @@ inline void write_content(const std::filesystem::path& file, const std::string& 
   std::ofstream(file, std::ios::binary) << content;
 }
 
-}  // namespace biopsy::imaging
+}  // namespace biopsy
