@@ -136,7 +136,7 @@ Case read_case(const std::string& name_or_path) {
   root.ignore("seed");
   for (const char* table : {"robot", "plan", "rehearsal"}) root.ignore(table);
   root.refuse_rest();
-  if (out.layers.empty() == out.labels.empty() && !out.layers.empty())
+  if (!out.layers.empty() && !out.labels.empty())
     throw SetupError("both a table of layers and a label map", file.string(), "keep one of them");
   return out;
 }

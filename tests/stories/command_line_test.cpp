@@ -66,6 +66,11 @@ TEST(CommandLine, ACaseFileWithAMistakeNamesFileAndLine) {
   refuse("[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 2.5\ndepht_mm = 2.5\n", "depht_mm");
   refuse("[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 2.5\n[robot]\nweight_g = -3\n", "case.toml:6");
   refuse("[image\n", "case.toml:1");
+  refuse(
+      "[image]\npath = \"a\"\nlabels = \"b\"\n[target]\nentry_ras_mm = [0, 0, 0]\ntarget_ras_mm = [0, 0, "
+      "5]\n[plan]\n"
+      "layer = [{ name = \"fat\", from_mm = 0, to_mm = 9 }]\n",
+      "both a table of layers and a label map");
   refuse("[image]\npath = \"nowhere\"\n[target]\nentry_ras_mm = [0, 0]\ntarget_ras_mm = [0, 0, 5]\n",
          "case.toml");
 }
