@@ -10,6 +10,16 @@ namespace biopsy::sim {
 
 enum class Attachment { Electrical, Pouch, Stage, Tissue, Sensor };
 
+// What a number does in its effect; tells a search where to begin.
+enum class Role {
+  Strength,   // all strengths 0: the effect is absent, exactly
+  Shape,      // how it acts; the typical value is a start, within a factor of ten or so
+  Place,      // where along the displacement it acts
+  Level,      // above which voltage it acts
+  Frequency,  // to be read off a spectrum
+  Phase,
+};
+
 template <class Effect>
 struct Parameter {
   std::string_view name;   // with its unit, as it stands in files
@@ -18,6 +28,7 @@ struct Parameter {
   double low, high;        // sensible range, file units
   double typical;          // file units
   std::string_view meaning;
+  Role role = Role::Strength;
 };
 
 struct EffectInfo {

@@ -1,0 +1,111 @@
+// What a comparison of a model with measurements found: where they disagree, what is missing, and how much of
+// the gap it closes. Values only; sim/gap makes it, robot/report prints it. Lengths in mm, times in s.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace biopsy {
+
+enum class GapVerdict : std::uint8_t { NoGap, Parameter, Effect, Unexplained };
+
+struct GapEstimate {
+  std::string name;  // with its unit, as in model files
+  double value = 0.0, std = 0.0;
+};
+
+struct GapProbability {
+  std::string name;
+  double probability = 0.0;
+};
+
+struct FoundEffect {
+  std::string name;
+  std::string sentence;  // the effect's own, for a person
+  double probability = 0.0;
+  double share_explained = 0.0;  // of the held-out excess squared error, when it entered
+  std::vector<GapEstimate> parameters;
+  std::vector<GapProbability> confused_with;
+};
+
+struct ChangedParameter {
+  std::string name;  // of the baseline, SI
+  double before = 0.0, after = 0.0, std = 0.0;
+};
+
+// A situation within the runs. Shares are of all runs together; a moment may belong to several regimes.
+struct GapRegime {
+  std::string name;
+  double share_of_time = 0.0, share_of_excess_error = 0.0;
+  double rmse_before = 0.0, rmse_after = 0.0;
+};
+
+enum class CandidateKind : std::uint8_t { Effect, Parameter };
+
+// One thing that was tried. Numbers that were not computed are NaN.
+struct GapCandidate {
+  std::string name;
+  CandidateKind kind = CandidateKind::Effect;
+  int round = 1;               // of the forward selection
+  double score = 0.0;          // share of the gap the score test promises, training runs
+  bool fitted = false;         // otherwise the score test ruled it out
+  double held_out_rmse = std::numeric_limits<double>::quiet_NaN();
+  double probability = 0.0;    // among the candidates of its round
+  bool chosen = false;
+};
+
+// One run, thinned for drawing; all vectors of equal length. residual = measured - model.
+struct GapTrace {
+  std::string run;
+  bool held_out = false;
+  std::vector<double> time, input, measured, before, after;
+  std::vector<std::uint8_t> regime;  // index into regime_names of GapFinding, the main one at each point
+};
+
+// Mean residual as a function of one quantity, for what stayed unexplained.
+struct ResidualShape {
+  std::string quantity, unit;
+  double share_explained = 0.0;  // of the residual's variance by this curve
+  std::vector<double> at, mean, count;
+};
+
+struct NextExperiment {
+  std::string name;                    // of the menu; empty: none needed
+  std::vector<std::string> separates;  // effects
+  double difference = 0.0;             // RMS between what they predict there
+  std::string sentence;
+};
+
+// One figure of a dry-run of a reference plan with the old model and with the new one.
+struct MarginChange {
+  std::string plan, quantity, unit;
+  double limit = 0.0, before = 0.0, after = 0.0;  // used, of the limit
+  bool ok = true;                                 // with the new model
+};
+
+struct GapFinding {
+  GapVerdict verdict = GapVerdict::NoGap;
+  std::string sentence;  // the verdict, for a person
+  std::string dataset;   // its title
+  bool force_drive = false;
+  std::vector<FoundEffect> effects;  // in the order found, the strongest first
+  std::vector<ChangedParameter> parameters_changed;
+  double rmse_before = 0.0, rmse_after = 0.0, noise_floor = 0.0;  // held-out runs
+  bool noise_given = false;                                       // by the data set; otherwise estimated
+  double gap_closed = 0.0;
+  std::vector<GapRegime> where;  // the most telling first
+  std::vector<std::string> regime_names;
+  std::vector<GapCandidate> candidates;
+  std::vector<GapTrace> traces;
+  std::vector<ResidualShape> shapes;  // best first
+  NextExperiment next;
+  std::vector<MarginChange> margins;
+  std::vector<std::string> held_out_runs, training_runs, warnings;
+  std::string model_before, model_after;  // as files
+  double seconds = 0.0;                   // of work, wall time
+};
+
+}  // namespace biopsy
