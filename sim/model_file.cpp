@@ -2,40 +2,31 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
+#include <limits>
 
 #include "robot/messages/setup_error.hpp"
+#include "sim/baseline_entries.hpp"
 #include "sim/toml_values.hpp"
 
 namespace biopsy::sim {
 namespace {
 
-// What [baseline] may hold: name as in the reference model, member, sensible range (SI).
-struct BaselineEntry {
-  std::string_view name;
-  double Baseline::*member;
-  double low, high;
-};
-
-constexpr std::array kBaselineEntries{BaselineEntry{"K", &Baseline::K, 0.01, 2.0},
-                                      BaselineEntry{"tau", &Baseline::tau, 1e-3, 1e6},
-                                      BaselineEntry{"eps_film", &Baseline::eps_film, 1.0, 100.0},
-                                      BaselineEntry{"d_film", &Baseline::d_film, 1e-6, 1e-2},
-                                      BaselineEntry{"L0", &Baseline::L0, 1e-3, 1.0},
-                                      BaselineEntry{"V0", &Baseline::V0, 1e-10, 1e-3},
-                                      BaselineEntry{"H_0", &Baseline::H_0, 0.0, 0.05},
-                                      BaselineEntry{"n", &Baseline::n, 1.0, 1000.0},
-                                      BaselineEntry{"tau_h", &Baseline::tau_h, 1e-3, 10.0},
-                                      BaselineEntry{"k", &Baseline::k, 0.0, 1e6},
-                                      BaselineEntry{"c_k", &Baseline::c_k, 0.0, 1e3},
-                                      BaselineEntry{"c_s", &Baseline::c_s, 0.0, 1e4},
-                                      BaselineEntry{"fixture_mass", &Baseline::fixture_mass, 1e-4, 100.0},
-                                      BaselineEntry{"m_B", &Baseline::m_B, 0.0, 100.0},
-                                      BaselineEntry{"m", &Baseline::m, 1e-4, 1e4},
-                                      BaselineEntry{"C1", &Baseline::C1, 1e-13, 1e-3},
-                                      BaselineEntry{"T", nullptr, 1e-5, 0.05},
-                                      BaselineEntry{"g", &Baseline::g, 0.0, 100.0}};
+// A value, and what stands beside it under `key` in the notes.
+double read_value(TomlTable& table, std::string_view name, double low, double high, const std::string& key,
+                  ModelNotes& notes) {
+  const double value = table.number(name, low, high);
+  if (!table.holds_table(name)) return value;
+  TomlTable described = table.table(name);
+  described.ignore("value");
+  described.ignore("std");
+  described.ignore("source");
+  described.refuse_rest();
+  ValueNote note;
+  if (described.has("std")) note.std = described.number("std", 0.0, std::numeric_limits<double>::max());
+  if (described.has("source")) note.source = described.text("source");
+  if (note != ValueNote{}) notes.values[key] = note;
+  return value;
+}
 
 void read_drive(TomlTable& table, Baseline& baseline) {
   const std::string word = table.text("drive");
@@ -45,55 +36,74 @@ void read_drive(TomlTable& table, Baseline& baseline) {
 }
 
 // What a file leaves out keeps the reference value.
-void read_baseline(TomlTable table, Baseline& baseline) {
+void read_baseline(TomlTable table, NotedModel& out) {
+  Baseline& baseline = out.model.baseline;
   if (table.has("drive")) read_drive(table, baseline);
-  for (const BaselineEntry& entry : kBaselineEntries) {
+  for (const BaselineEntry& entry : baseline_entries()) {
     table.ignore(entry.name);
-    if (!table.has(entry.name)) continue;
-    const double value = table.number(entry.name, entry.low, entry.high);
-    if (entry.member != nullptr) baseline.*(entry.member) = value;
+    if (table.has(entry.name))
+      baseline.*(entry.member) =
+          read_value(table, entry.name, entry.low, entry.high, std::string(entry.name), out.notes);
   }
+  table.ignore("T");
+  if (baseline.drive == Drive::Force) out.notes.T.reset();  // rows of the data set say it
+  if (table.has("T")) out.notes.T = read_value(table, "T", 1e-5, 0.05, "T", out.notes);
   table.refuse_rest();
 }
 
-// An effect that is present gives all its parameters: half an effect is a mistake.
+// An effect that is present gives all its parameters, half an effect being a mistake, except those that say
+// they may be left out.
 template <class Effect>
-Effect read_effect(TomlTable table) {
+Effect read_effect(TomlTable table, ModelNotes& notes) {
   Effect effect;
-  for (const auto& parameter : Effect::parameters())
+  for (const auto& parameter : Effect::parameters()) {
+    table.ignore(parameter.name);
+    effect.*(parameter.member) = 0.0;
+    if (parameter.optional && !table.has(parameter.name)) continue;
     effect.*(parameter.member) =
-        table.number(parameter.name, parameter.low, parameter.high) * parameter.si_per_unit;
+        parameter.si_per_unit * read_value(table, parameter.name, parameter.low, parameter.high,
+                                           fmt::format("{}.{}", Effect::info.name, parameter.name), notes);
+  }
   table.refuse_rest();
   return effect;
 }
 
-void read_effects(TomlTable table, Effects& effects) {
-  for_each_effect(effects, [&](auto& slot) {
+void read_effects(TomlTable table, NotedModel& out) {
+  for_each_effect(out.model.effects, [&](auto& slot) {
     using Effect = typename std::decay_t<decltype(slot)>::value_type;
-    if (table.has(Effect::info.name)) slot = read_effect<Effect>(table.table(Effect::info.name));
+    if (table.has(Effect::info.name)) slot = read_effect<Effect>(table.table(Effect::info.name), out.notes);
     table.ignore(Effect::info.name);
   });
   table.refuse_rest();
 }
 
-PlantModel model_of(TomlTable root) {
-  PlantModel model;
+NotedModel model_of(TomlTable root) {
+  NotedModel out;
+  if (root.has("title")) out.notes.title = root.text("title");
   root.ignore("title");
-  read_baseline(root.table("baseline"), model.baseline);
+  read_baseline(root.table("baseline"), out);
   root.ignore("effect");
-  if (root.has("effect")) read_effects(root.table("effect"), model.effects);
+  if (root.has("effect")) read_effects(root.table("effect"), out);
   root.refuse_rest();
-  return model;
+  return out;
 }
 
 }  // namespace
 
-PlantModel parse_model(const std::string& text, const std::string& name) {
+NotedModel parse_noted_model(const std::string& text, const std::string& name) {
   return model_of(parse_toml(text, name));
 }
 
-PlantModel read_model(const std::filesystem::path& file) {
+NotedModel read_noted_model(const std::filesystem::path& file) {
   return model_of(read_toml(file));
+}
+
+PlantModel parse_model(const std::string& text, const std::string& name) {
+  return parse_noted_model(text, name).model;
+}
+
+PlantModel read_model(const std::filesystem::path& file) {
+  return read_noted_model(file).model;
 }
 
 }  // namespace biopsy::sim

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/circuit.hpp"
+#include "sim/mechanics.hpp"
 #include "sim/pouch.hpp"
 #include "sim/seeded_noise.hpp"
+#include "sim/sensor.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -16,143 +19,49 @@ constexpr int kRootSteps = 6;
 constexpr double kRootResolution = 1e-9;  // s
 constexpr double kReach = 0.5e-3;         // m: further than any needle moves within a step
 constexpr int kEventsPerStep = 8;  // stick or slip; more within one step means chatter below any resolution
+constexpr int kMostCuts = 64;      // of one step where something is on its way that is faster than the step
+constexpr double kArrived = 1e-3;  // share of the voltage that an amplifier may still be away
 
-// Everything one evaluation of the mechanics needs besides the motion itself.
-struct Surroundings {
-  const PlantModel& model;
-  const PlantInputs& inputs;
-  std::size_t layers;  // of tissue that the needle can touch within this step
-  double zipped;       // height memory at the beginning of the step
-  double x_max;
-  double u_start;  // V, stack voltage at the beginning of the step
-};
-
-struct Derivative {
-  double dH = 0.0, dx = 0.0, dv = 0.0, dcrept_lone = 0.0;
-  std::array<double, kMaxLayers> dcrept;  // only for the layers within reach
-};
-
-// Force of the tissue against the needle except dry friction. N, down
-double tissue_force(const Surroundings& s, const Motion& m) {
-  double force = 0.0;
-  for (std::size_t i = 0; i < s.layers; ++i) {
-    const TissueLayer& layer = s.model.tissue[i];
-    force += layer.surface.push_back(m.x, s.x_max) + layer.shaft.viscous * layer.shaft.inserted(m.x) * m.v +
-             layer.relaxation.push_back(m.x, m.crept[i]);
-  }
-  const Effects& e = s.model.effects;
-  if (e.layer_puncture) force += e.layer_puncture->push_back(m.x, s.x_max);
-  if (e.shaft_friction) force += e.shaft_friction->viscous * e.shaft_friction->inserted(m.x) * m.v;
-  if (e.tissue_relaxation) force += e.tissue_relaxation->push_back(m.x, m.crept_lone);
-  return force;
-}
-
-void creep_rates(const Surroundings& s, const Motion& m, Derivative& d) {
-  for (std::size_t i = 0; i < s.layers; ++i) d.dcrept[i] = s.model.tissue[i].relaxation.rate(m.x, m.crept[i]);
-  if (const auto& lone = s.model.effects.tissue_relaxation) d.dcrept_lone = lone->rate(m.x, m.crept_lone);
-}
-
-// Dry friction available at this position and speed. N
-double friction_bound(const PlantModel& model, double x, double v) {
-  const Effects& e = model.effects;
-  double bound = 0.0;
-  if (e.coulomb_friction) bound += e.coulomb_friction->force;
-  if (e.stribeck_friction) bound += e.stribeck_friction->magnitude(v);
-  if (e.shaft_friction) bound += e.shaft_friction->coulomb * e.shaft_friction->inserted(x);
-  for (const TissueLayer& layer : model.tissue) bound += layer.shaft.coulomb * layer.shaft.inserted(x);
-  return bound;
-}
-
-// The spring's push without the part of its damper that depends on plate B's speed. N
-double undamped_spring(const PlantModel& model, const Motion& m) {
-  const Baseline& b = model.baseline;
-  return model.mass_A() * b.g + b.k * (b.n * (m.H - b.H_0) - m.x) - b.c_k * m.v;
-}
-
-// Upward force of the series spring; sets the pouches' rate. The damper c_k makes the load depend on the
-// speed of plate B and that speed on the load: one Newton step from the undamped load solves it, the coupling
-// being a few %.
-double spring_force(const Surroundings& s, const Motion& m, double u_o, double& dH) {
-  const Baseline& b = s.model.baseline;
-  const double undamped = undamped_spring(s.model, m);
-  const double F0 = std::max(0.0, undamped);
-  Equilibrium goal = equilibrium(b, pressure(b, u_o), F0 + b.m_B * b.g);
-  if (const auto& play = s.model.effects.zipping_hysteresis) {
-    const double zipped = std::max(b.H_0, play->zipped(goal.H, s.zipped));
-    if (zipped == s.zipped || zipped == b.H_0) goal.slope = 0.0;  // inside the play the load has no say
-    goal.H = zipped;
-  }
-  const double slope = undamped > 0.0 ? goal.slope : 0.0;
-  dH = (goal.H - m.H) / (b.tau_h - slope * b.c_k * b.n);
-  return std::max(0.0, undamped + b.c_k * b.n * dH);
-}
-
-// Net force on plate A without dry friction. N, up
-double net_force(const Surroundings& s, const Motion& m, double u_o, double& dH) {
-  const Baseline& b = s.model.baseline;
-  const double down = b.c_s * m.v + s.inputs.external_force + tissue_force(s, m);
-  if (b.drive == Drive::Force) return s.inputs.force - b.k * m.x - down;
-  return spring_force(s, m, u_o, dH) - s.model.mass_A() * b.g - down;
-}
-
-// direction: +1 or -1 while sliding (friction opposes it), 0 while stuck.
-Derivative rates(const Surroundings& s, const Motion& m, double u_o, int direction) {
-  Derivative d;
-  creep_rates(s, m, d);
-  if (direction == 0) {
-    if (s.model.baseline.drive == Drive::Stack) spring_force(s, m, u_o, d.dH);
-    return d;
-  }
-  d.dx = m.v;
-  d.dv = (net_force(s, m, u_o, d.dH) - direction * friction_bound(s.model, m.x, m.v)) / s.model.mass_A();
-  return d;
-}
-
-// m + h (a d + b e + c f): one row of the tableau, without touching layers out of reach.
-Motion advanced(const Motion& m, std::size_t layers, double h, const Derivative& d, double a,
+// m + h (a d + b e + c f): one row of the tableau, without touching what does not move.
+Motion advanced(const Surroundings& s, const Motion& m, double h, const Derivative& d, double a,
                 const Derivative& e, double b, const Derivative& f, double c) {
   Motion out = m;
   out.H += h * (a * d.dH + b * e.dH + c * f.dH);
   out.x += h * (a * d.dx + b * e.dx + c * f.dx);
   out.v += h * (a * d.dv + b * e.dv + c * f.dv);
-  out.crept_lone += h * (a * d.dcrept_lone + b * e.dcrept_lone + c * f.dcrept_lone);
-  for (std::size_t i = 0; i < layers; ++i)
+  if (s.has.inner) {
+    out.pouch_crept += h * (a * d.dpouch + b * e.dpouch + c * f.dpouch);
+    out.yielded += h * (a * d.dyielded + b * e.dyielded + c * f.dyielded);
+    out.crept_lone += h * (a * d.dcrept_lone + b * e.dcrept_lone + c * f.dcrept_lone);
+  }
+  for (std::size_t i = 0; i < s.layers; ++i)
     out.crept[i] += h * (a * d.dcrept[i] + b * e.dcrept[i] + c * f.dcrept[i]);
   return out;
 }
 
-// Kutta's third-order method. `decay`: what is left of the stack voltage after half of h.
-Motion runge_kutta(const Surroundings& s, const Motion& m, double h, double decay, int direction) {
-  const double u_half = s.u_start * decay, u_end = u_half * decay;
-  const std::size_t n = s.layers;
-  const Derivative a = rates(s, m, s.u_start, direction);
-  const Derivative b = rates(s, advanced(m, n, h, a, 0.5, a, 0.0, a, 0.0), u_half, direction);
-  const Derivative c = rates(s, advanced(m, n, h, a, -1.0, b, 2.0, b, 0.0), u_end, direction);
-  return advanced(m, n, h, a, 1.0 / 6, b, 4.0 / 6, c, 1.0 / 6);
+// Kutta's third-order method.
+Motion runge_kutta(const Surroundings& s, const Motion& m, double h, const Passage& volts, int direction) {
+  const Derivative a = rates(s, m, {volts.start, 0.0}, direction);
+  const Derivative b = rates(s, advanced(s, m, h, a, 0.5, a, 0.0, a, 0.0), {volts.half, 0.5 * h}, direction);
+  const Derivative c = rates(s, advanced(s, m, h, a, -1.0, b, 2.0, b, 0.0), {volts.end, h}, direction);
+  return advanced(s, m, h, a, 1.0 / 6, b, 4.0 / 6, c, 1.0 / 6);
 }
 
-double half_decay(const PlantModel& model, double h) {
-  return std::exp(-0.5 * h / model.baseline.tau);
+Potentials potentials(const PlantState& state) {
+  return {state.u_i, state.u_o, state.memory.screened};
 }
 
 // Positive while plate A keeps doing what it does: force in reserve while stuck (N), speed while sliding
 // (m/s).
-double regime_margin(const Surroundings& s, const Motion& m, double u_o, int direction) {
+double regime_margin(const Surroundings& s, const Motion& m, Instant at, int direction) {
   if (direction != 0) return m.v * direction;
-  double unused = 0.0;
-  return friction_bound(s.model, m.x, 0.0) - std::abs(net_force(s, m, u_o, unused));
-}
-
-bool has_dry_friction(const PlantModel& model) {
-  const Effects& e = model.effects;
-  return e.coulomb_friction || e.stribeck_friction || e.shaft_friction || !model.tissue.empty();
+  return friction_bound(s.model, m.x, 0.0) - std::abs(net_force(s, m, at));
 }
 
 // +1, -1, or 0 where friction holds plate A.
 int slide_direction(const Surroundings& s, const Motion& m, bool breaks_away) {
   if (m.v != kStopped) return m.v > 0.0 ? 1 : -1;
-  double unused = 0.0;
-  const double net = net_force(s, m, s.u_start, unused);
+  const double net = net_force(s, m, {acting_voltage(s.model, potentials(s.state)), 0.0});
   if (!breaks_away && std::abs(net) <= friction_bound(s.model, m.x, 0.0)) return 0;
   return net > 0.0 ? 1 : -1;
 }
@@ -162,41 +71,56 @@ void remember_zipping(const PlantModel& model, PlantState& state) {
   const auto& play = model.effects.zipping_hysteresis;
   const Baseline& b = model.baseline;
   if (!play || b.drive == Drive::Force) return;
-  const double load = std::max(0.0, undamped_spring(model, state.motion)) + b.m_B * b.g;
-  state.zipped = std::max(b.H_0, play->zipped(equilibrium(b, pressure(b, state.u_o), load).H, state.zipped));
+  const double top = on_top(model, state.motion, state.memory.largest);
+  const double load = std::max(0.0, undamped_spring(model, state.motion, model.mass_A(), top)) + b.m_B * b.g;
+  const double P = pressure(b, acting_voltage(model, potentials(state)));
+  state.zipped = std::max(b.H_0, play->zipped(equilibrium(b, P, load).H, state.zipped));
 }
 
-// Commits what the step leaves behind: voltage decayed, deepest position, zipped height.
-void remember(const PlantModel& model, PlantState& state, const Motion& after, double h, double decay) {
-  const Baseline& b = model.baseline;
-  const double u_before = state.u_o;
-  state.u_o *= decay * decay;
-  state.charge += b.C1 * (u_before - state.u_o);
-  state.motion = after;
-  state.x_max = std::max(state.x_max, after.x);
-  remember_zipping(model, state);
-  if (const auto& lag = model.effects.sensor_lag)
-    state.reading += (after.x - state.reading) * -std::expm1(-h / lag->time);
-}
-
-// How far a step of one regime got: its length, the motion there, and the voltage's decay over half of it.
+// A piece of time in which plate A does one thing: its length, what the volts did, and the motion at its end.
 struct Piece {
   double h;
-  double decay;
+  Passage volts;
   Motion after;
 };
 
+// Commits what a piece leaves behind.
+void remember(const PlantModel& model, PlantState& state, const Piece& piece) {
+  const Baseline& b = model.baseline;
+  const Effects& e = model.effects;
+  const double seen_before = e.sensor_lag ? sensed(model, state) : 0.0;
+  const Potentials& volts = piece.volts.after;
+  state.charge += b.C1 * ((volts.u_i - state.u_i) - (volts.u_o - state.u_o));
+  state.u_i = volts.u_i;
+  state.u_o = volts.u_o;
+  state.memory.screened = volts.screened;
+  state.motion = piece.after;
+  state.time += piece.h;
+  state.x_max = std::max(state.x_max, state.motion.x);
+  if (e.hysteretic_spring) state.motion.yielded = e.hysteretic_spring->bounded(state.motion.yielded);
+  if (const auto& set = e.residual_set)
+    state.memory.largest = set->remembered(set->faded(state.memory.largest, piece.h), state.motion.H - b.H_0);
+  if (e.backlash) state.memory.carried = e.backlash->carried(state.motion.x, state.memory.carried);
+  remember_zipping(model, state);
+  remember_reading(model, state, seen_before, piece.h);
+}
+
+Piece piece_of(const Surroundings& s, Circuit& circuit, double h, int direction) {
+  Piece piece{h, circuit.over(potentials(s.state), h), {}};
+  piece.after = runge_kutta(s, s.state.motion, h, piece.volts, direction);
+  return piece;
+}
+
 // The step, cut where the regime ends: found by false position (Illinois variant).
-Piece until_event(const Surroundings& s, const Motion& start, double h, double decay, int direction) {
-  Piece piece{h, decay, runge_kutta(s, start, h, decay, direction)};
-  double at_high = regime_margin(s, piece.after, s.u_start * decay * decay, direction);
+Piece until_event(const Surroundings& s, Circuit& circuit, double h, int direction) {
+  Piece piece = piece_of(s, circuit, h, direction);
+  double at_high = regime_margin(s, piece.after, {piece.volts.end, h}, direction);
   if (at_high >= 0.0) return piece;
-  double low = 0.0, high = h, at_low = regime_margin(s, start, s.u_start, direction);
+  double low = 0.0, high = h;
+  double at_low = regime_margin(s, s.state.motion, {piece.volts.start, 0.0}, direction);
   for (int i = 0; i < kRootSteps && high - low > kRootResolution; ++i) {
-    piece.h = high - at_high * (high - low) / (at_high - at_low);
-    piece.decay = half_decay(s.model, piece.h);
-    piece.after = runge_kutta(s, start, piece.h, piece.decay, direction);
-    const double here = regime_margin(s, piece.after, s.u_start * piece.decay * piece.decay, direction);
+    piece = piece_of(s, circuit, high - at_high * (high - low) / (at_high - at_low), direction);
+    const double here = regime_margin(s, piece.after, {piece.volts.end, piece.h}, direction);
     if (here < 0.0) {
       high = piece.h, at_high = here, at_low *= 0.5;
     } else {
@@ -214,23 +138,51 @@ std::size_t layers_within_reach(const PlantModel& model, const PlantState& state
 
 // One internal step of length h. With dry friction the step is cut where plate A stops or breaks away; the
 // pieces keep the method's order, which a cut at the step's end would not.
-void internal_step(const PlantModel& model, PlantState& state, double h, double decay,
-                   const PlantInputs& inputs) {
-  const bool dry = has_dry_friction(model);
+void internal_step(const PlantModel& model, const Presence& has, PlantState& state, double h,
+                   Circuit& circuit, const PlantInputs& inputs) {
   bool breaks_away = false;
   for (int event = 0; h > kRootResolution; ++event) {
-    const Surroundings s{model,        inputs,      layers_within_reach(model, state),
-                         state.zipped, state.x_max, state.u_o};
-    const int direction = dry ? slide_direction(s, state.motion, breaks_away) : 1;
-    const bool locate = dry && event < kEventsPerStep;
-    Piece piece = locate ? until_event(s, state.motion, h, decay, direction)
-                         : Piece{h, decay, runge_kutta(s, state.motion, h, decay, direction)};
-    if (dry && direction != 0 && (piece.h < h || piece.after.v * direction <= 0.0)) piece.after.v = kStopped;
+    const Surroundings s{model, inputs, state, has, layers_within_reach(model, state), model.mass_A()};
+    const int direction = has.dry ? slide_direction(s, state.motion, breaks_away) : 1;
+    const bool locate = has.dry && event < kEventsPerStep;
+    Piece piece = locate ? until_event(s, circuit, h, direction) : piece_of(s, circuit, h, direction);
+    if (has.dry && direction != 0 && (piece.h < h || piece.after.v * direction <= 0.0))
+      piece.after.v = kStopped;
     breaks_away = direction == 0 && piece.h < h;
-    remember(model, state, piece.after, piece.h, piece.decay);
+    remember(model, state, piece);
     h -= piece.h;
-    if (h > kRootResolution) decay = half_decay(model, h);
   }
+}
+
+// Into how many a step of h is to be cut because the amplifier is on its way or plate A about to hit the
+// stop.
+int cuts(const PlantModel& model, const PlantState& state, double h) {
+  double rate = 0.0;  // 1/s
+  const double missing = std::abs(state.memory.asked - state.u_i);
+  const auto& lag = model.effects.amplifier_lag;
+  if (lag && !lag->instant() &&
+      missing > kArrived * std::max(std::abs(state.memory.asked), std::abs(state.u_i)))
+    rate = 16.0 / (lag->time + missing * lag->slew);
+  const Motion& m = state.motion;
+  const auto& stop = model.effects.end_stop;
+  if (stop && m.x + 2.0 * std::abs(m.v) * h > stop->position) {
+    const double mass = model.mass_A();
+    rate = std::max({rate, 4.0 / h, 10.0 * (std::sqrt(stop->stiffness / mass) + stop->damping / mass)});
+  }
+  return static_cast<int>(std::clamp(std::ceil(h * rate), 1.0, static_cast<double>(kMostCuts)));
+}
+
+// What is asked of the amplifier; one without lag jumps there, and the stack with it (eq. (2) at a sample).
+void ask(const PlantModel& model, PlantState& state, double voltage) {
+  const Effects& e = model.effects;
+  const double asked = e.voltage_saturation ? e.voltage_saturation->limited(voltage) : voltage;
+  state.memory.asked = asked;
+  state.charge = 0.0;
+  if (e.amplifier_lag && !e.amplifier_lag->instant()) return;
+  const double jump = asked - state.u_i;
+  state.u_i = asked;
+  state.u_o += model.baseline.K * jump;
+  state.charge = model.baseline.C1 * (1.0 - model.baseline.K) * jump;
 }
 
 }  // namespace
@@ -239,39 +191,65 @@ PlantState at_rest(const PlantModel& model) {
   PlantState state;
   state.motion.H = model.baseline.H_0;
   state.zipped = model.baseline.H_0;
+  settle_reading(model, state, 0.0);
   return state;
+}
+
+void place(const PlantModel& model, PlantState& state, double x, double v) {
+  const Baseline& b = model.baseline;
+  const Effects& e = model.effects;
+  Motion& m = state.motion;
+  if (b.drive == Drive::Stack) {
+    const double floor = b.H_0 + (e.residual_set ? e.residual_set->floor_share * state.memory.largest : 0.0);
+    const double H = std::max(floor, m.H + (x - m.x) / b.n);
+    state.zipped = std::max(b.H_0, state.zipped + (H - m.H));
+    state.memory.largest = std::max(state.memory.largest, H - b.H_0);
+    m.H = H;
+  }
+  m.x = x;
+  m.v = v;
+  state.x_max = std::max(state.x_max, x);
+  if (e.backlash) state.memory.carried = v == 0.0 ? x : x - std::copysign(0.5 * e.backlash->gap, v);
+  settle_reading(model, state, v);
 }
 
 PlantState step(const PlantModel& model, PlantState state, const PlantInputs& inputs, Seconds duration) {
   assert(model.tissue.size() <= kMaxLayers);
-  const Baseline& b = model.baseline;
-  const double jump = inputs.voltage - state.u_i;
-  state.u_i = inputs.voltage;
-  state.u_o += b.K * jump;
-  state.charge = b.C1 * (1.0 - b.K) * jump;
-  remember_zipping(model, state);  // the jump asks for most at once, before the load has risen
+  ask(model, state, inputs.voltage);
+  remember_zipping(model, state);  // a jump asks for most at once, before the load has risen
   const int pieces = std::max(1, static_cast<int>(std::ceil(duration.count() / model.internal_step - 1e-9)));
   const double h = duration.count() / pieces;
-  const double decay = half_decay(model, h);
-  for (int i = 0; i < pieces; ++i) internal_step(model, state, h, decay, inputs);
+  Circuit circuit(model, state.memory.asked, h);
+  const Presence has = presence(model);
+  const bool may_cut = model.effects.amplifier_lag || model.effects.end_stop;
+  for (int i = 0; i < pieces; ++i) {
+    const int parts = may_cut ? cuts(model, state, h) : 1;
+    const double part = parts > 1 ? h / parts : h;
+    for (int j = 0; j < parts; ++j) internal_step(model, has, state, part, circuit, inputs);
+  }
   ++state.readings;
   return state;
 }
 
 double displacement_reading(const PlantModel& model, const PlantState& state) {
   const Effects& e = model.effects;
-  double reading = e.sensor_lag ? state.reading : state.motion.x;
+  double reading = e.sensor_lag ? state.reading - state.memory.delay.Dw : sensed(model, state);
+  if (e.sensor_scale) reading *= 1.0 + e.sensor_scale->share;
+  if (e.sensor_drift) reading += e.sensor_drift->walked(state.time);
   if (e.sensor_offset) reading += e.sensor_offset->offset;
   if (e.sensor_noise) reading += e.sensor_noise->std * normals(model.noise_seed, state.readings).first;
   return reading;
 }
 
 double plate_b(const PlantModel& model, const PlantState& state) {
-  return model.baseline.n * (state.motion.H - model.baseline.H_0);
+  const double top = on_top(model, state.motion, state.memory.largest);
+  return model.baseline.n * (state.motion.H - model.baseline.H_0 + top);
 }
 
 double current(const PlantModel& model, const PlantState& state) {
-  return model.baseline.C1 * state.u_o / model.baseline.tau;
+  const Baseline& b = model.baseline;
+  const double rising = (1.0 - b.K) * amplifier_slope(model, state.u_i, state.memory.asked);
+  return b.C1 * (state.u_o / b.tau + rising);
 }
 
 int layers_entered(const PlantModel& model, const PlantState& state) {

@@ -55,6 +55,11 @@ bool TomlTable::has(std::string_view name) const {
   return node_->table->contains(name);
 }
 
+bool TomlTable::holds_table(std::string_view name) const {
+  const toml::node* node = node_->table->get(name);
+  return node != nullptr && node->is_table();
+}
+
 std::string TomlTable::where() const {
   return at_line(node_->file, *node_->table);
 }

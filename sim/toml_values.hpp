@@ -21,6 +21,7 @@ class TomlTable {
 
   std::vector<std::string> names() const;
   bool has(std::string_view name) const;
+  bool holds_table(std::string_view name) const;   // { value, std, source } and not a plain number
   std::string where() const;                       // file:line of the table,
   std::string place(std::string_view name) const;  // and of one entry; throws where it is missing
 

@@ -96,6 +96,50 @@ void add_image(CLI::App& app, ImageOptions& options, int& code) {
   command->callback([&] { code = image(options); });
 }
 
+void add_effects(CLI::App& app, EffectsOptions& options, int& code) {
+  CLI::App* command = app.add_subcommand("effects", "what a model may contain besides its baseline");
+  command->footer(
+      "Lists the physical effects of the library; with NAME its equation, parameters and the experiment that "
+      "shows it best.\n\n"
+      "Example:\n  biopsy effects\n  biopsy effects coulomb_friction\n\n"
+      "Exit code: 0, or 2 for a name that is not in the library.");
+  command->add_option("NAME", options.name, "one effect (default: all)");
+  CLI::Option* json = command->add_flag("--json", options.json, "print as JSON");
+  command->add_flag("--markdown", options.markdown, "print as the page docs/effects.md")->excludes(json);
+  command->callback([&] { code = effects(options); });
+}
+
+void add_gap(CLI::App& app, GapOptions& options, int& code) {
+  CLI::App* command = app.add_subcommand("gap", "what a model is missing, from measured runs");
+  command->footer(
+      "Compares the model with every run of the data set, says where they disagree and which effect or "
+      "parameter explains it,\n"
+      "and shows on runs it did not use how far that closes the gap. Writes report.html, gap.json and "
+      "model.toml, the better model.\n\n"
+      "Example:\n  biopsy gap measured --model sim/models/rehearsal.toml --out out/gap\n"
+      "  biopsy gap rig --model rig.toml --free m,c_s,k --window 0.5 --out out/rig\n\n"
+      "Exit code: 0 for any honest verdict, \"unexplained\" included; 2 for unusable input.");
+  command->add_option("DATASET", options.dataset, "folder of the data set (docs/model.md, section 3)")
+      ->required();
+  command->add_option("--model", options.model, "model file (TOML)")->required();
+  command->add_option("--out", options.out, "folder for the report and the better model")->required();
+  command
+      ->add_option("--free", options.free,
+                   "baseline parameters that are not known, fitted in every hypothesis")
+      ->delimiter(',');
+  command
+      ->add_option("--window", options.window,
+                   "simulate in windows of this many seconds, each from a free initial state")
+      ->check(CLI::Range(1e-3, 1e6));
+  command->add_flag("--accept", options.accept,
+                    "replace the model file by the better model; the old one is kept beside it");
+  command->add_option("--seed", options.seed,
+                      "seed of all random draws; the same seed gives the same answer");
+  command->add_flag_callback(
+      "--no-recheck", [&] { options.recheck = false; }, "leave out the rehearsals with the better model");
+  command->callback([&] { code = gap(options); });
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -108,12 +152,16 @@ int run_command_line(int argc, const char* const* argv) {
   CheckOptions checked;
   SimulateOptions simulated;
   ImageOptions shown;
+  EffectsOptions listed;
+  GapOptions compared;
   int code = 0;
   add_dry_run(app, rehearsed, code);
   add_plan(app, planned, code);
   add_check(app, checked, code);
   add_simulate(app, simulated, code);
   add_image(app, shown, code);
+  add_effects(app, listed, code);
+  add_gap(app, compared, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -50,4 +50,24 @@ struct ImageOptions {
 
 int image(const ImageOptions& options);
 
+struct EffectsOptions {
+  std::string name;       // empty: all
+  bool json = false;      // for programs
+  bool markdown = false;  // docs/effects.md
+};
+
+int effects(const EffectsOptions& options);
+
+struct GapOptions {
+  std::filesystem::path dataset, model, out;
+  std::vector<std::string> free;  // baseline parameters that are not known
+  std::optional<double> window;   // s; empty: each run from its start in one piece
+  std::uint64_t seed = 1;
+  bool accept = false;  // the model file is replaced by what was found
+  bool recheck = true;  // rehearse with the model that was found
+};
+
+// Exit code 0 for any honest verdict.
+int gap(const GapOptions& options);
+
 }  // namespace biopsy::app

@@ -35,6 +35,7 @@ class Drawing {
   std::string finished() {
     place();
     draw_head();
+    draw_shades();
     draw_bands();
     draw_markers();
     for (std::size_t i = 0; i < chart_.panels.size(); ++i) draw_panel(chart_.panels[i], tops_[i]);
@@ -58,8 +59,11 @@ class Drawing {
     return top + panel.height_px * (panel.y_high - y) / (panel.y_high - panel.y_low);
   }
 
+  static double legend_height(const ChartPanel& panel);
   void place();
+  double place_shade_names();
   void draw_head();
+  void draw_shades();
   void draw_bands();
   void draw_markers();
   void draw_panel(const ChartPanel& panel, double top);
@@ -74,6 +78,7 @@ class Drawing {
   const Chart& chart_;
   std::string svg_;
   std::vector<int> marker_rows_;
+  std::vector<Vertex> shade_names_;  // where each shade's legend entry begins
   double plot_width_ = 0, names_top_ = 0, plots_top_ = 0, states_top_ = 0, plots_bottom_ = 0, height_ = 0;
   std::vector<double> tops_;  // of the panels
 };
@@ -92,18 +97,36 @@ void Drawing::place() {
     row_ends[row] = from + text_width(marker.name) + 24;
     marker_rows_.push_back(static_cast<int>(row));
   }
-  names_top_ = kTop + (chart_.note.empty() ? 0 : kNameRow);
+  names_top_ = kTop + (chart_.note.empty() ? 0 : kNameRow) + place_shade_names();
   plots_top_ =
       names_top_ + kNameRow * static_cast<double>(row_ends.size() + (chart_.bands.empty() ? 0 : 1)) + 4;
   double y = plots_top_;
   for (const ChartPanel& panel : chart_.panels) {
-    tops_.push_back(y + kLegendRow);
-    y += kLegendRow + panel.height_px + 10;
+    tops_.push_back(y + legend_height(panel));
+    y = tops_.back() + panel.height_px + 10;
   }
   states_top_ = y + kLegendRow;
   plots_bottom_ =
       chart_.states.empty() ? y : states_top_ + kStateRow * static_cast<double>(chart_.states.size());
   height_ = plots_bottom_ + 48;
+}
+
+double Drawing::legend_height(const ChartPanel& panel) {
+  const auto named = [](const ChartLine& line) { return !line.name.empty(); };
+  const bool any = !panel.dots.empty() || std::any_of(panel.lines.begin(), panel.lines.end(), named);
+  return any ? kLegendRow : 8;
+}
+
+// Left to right, a new row where one is full. Returns the height of all rows.
+double Drawing::place_shade_names() {
+  Vertex at{kLeft, kTop + (chart_.note.empty() ? 0 : kNameRow)};
+  for (const ChartShade& shade : chart_.shades) {
+    const double width = 26 + text_width(shade.name) + 14;
+    if (at.x > kLeft && at.x + width > kWidth) at = {kLeft, at.y + kNameRow};
+    shade_names_.push_back(at);
+    at.x += width;
+  }
+  return chart_.shades.empty() ? 0 : at.y + kNameRow - shade_names_.front().y;
 }
 
 void Drawing::draw_head() {
@@ -115,6 +138,24 @@ void Drawing::draw_head() {
   if (!chart_.note.empty())
     put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end" font-weight="bold">{}</text>)", kWidth - 8,
         kTop + 12, escaped(chart_.note));
+}
+
+// One path a shade: a run may turn around hundreds of times.
+void Drawing::draw_shades() {
+  for (std::size_t i = 0; i < chart_.shades.size(); ++i) {
+    const ChartShade& shade = chart_.shades[i];
+    put(R"(<rect x="{:.1f}" y="{:.1f}" width="20" height="13" fill="{}" stroke="#5d6a75"/>)",
+        shade_names_[i].x, shade_names_[i].y + 1, shade.colour);
+    put(R"(<text x="{:.1f}" y="{:.1f}">{}</text>)", shade_names_[i].x + 26, shade_names_[i].y + 13,
+        escaped(shade.name));
+    svg_ += R"(<path class="shade" d=")";
+    for (std::size_t p = 0; p < tops_.size(); ++p)
+      for (const ChartSpan& span : shade.spans)
+        fmt::format_to(std::back_inserter(svg_), "M{:.1f} {:.1f}H{:.1f}v{:.1f}H{:.1f}z", to_px(span.x_from),
+                       tops_[p], std::max(to_px(span.x_to), to_px(span.x_from) + 0.3),
+                       chart_.panels[p].height_px, to_px(span.x_from));
+    put(R"(" fill="{}"/>)", shade.colour);
+  }
 }
 
 // A named strip above the panels, and the same shade in every panel; legends between them stay on white.
@@ -165,7 +206,8 @@ void Drawing::draw_panel(const ChartPanel& panel, double top) {
 }
 
 void Drawing::draw_grid(const ChartPanel& panel, double top) {
-  for (const double y : round_ticks(panel.y_low, panel.y_high, 6)) {
+  const int ticks = std::clamp(static_cast<int>(panel.height_px / 24), 3, 6);
+  for (const double y : round_ticks(panel.y_low, panel.y_high, ticks)) {
     const double at = to_px(panel, top, y);
     put(R"(<path d="M{:.1f} {:.1f}h{:.1f}" stroke="{}"/>)", kLeft, at, plot_width_, kGridInk);
     put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end">{:g}</text>)", kLeft - 7, at + 4.5, y);
@@ -221,6 +263,7 @@ void Drawing::draw_dots(const ChartPanel& panel, double top) {
 }
 
 void Drawing::draw_legend(const ChartPanel& panel, double top) {
+  if (legend_height(panel) < kLegendRow) return;
   double x = kLeft;
   const double y = top - 8;
   put(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="20" fill="#ffffff"/>)", kLeft, y - 15,

@@ -63,6 +63,12 @@ struct ChartBand {
   std::string name, short_name;  // the short one where there is no room
 };
 
+// Stretches of one kind, shaded in one colour through all panels and named once, in a legend on top.
+struct ChartShade {
+  std::string name, colour;
+  std::vector<ChartSpan> spans;
+};
+
 // A vertical line through all panels, named above them.
 struct ChartMarker {
   double x = 0;
@@ -78,6 +84,7 @@ struct Chart {
   std::vector<ChartPanel> panels;
   std::string states_title;
   std::vector<ChartState> states;
+  std::vector<ChartShade> shades;
   std::vector<ChartBand> bands;
   std::vector<ChartMarker> markers;
 };

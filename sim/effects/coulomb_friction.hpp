@@ -18,8 +18,8 @@ struct CoulombFriction {
       "slow_triangle",
       "Coulomb 1785; paper IV.D: stick-slip from nonlinear friction"};
   static constexpr auto parameters() {
-    return std::array{Parameter<CoulombFriction>{"force_N", &CoulombFriction::force, 1.0, 0.0, 2.0, 0.05,
-                                                 "friction of the guide, either direction"}};
+    return std::array{Parameter<CoulombFriction>{"force_N", &CoulombFriction::force, 1.0, 0.0, 1e4, 0.05,
+                                                 "friction of the guide, either direction", Role::Strength}};
   }
 };
 

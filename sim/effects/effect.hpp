@@ -20,6 +20,8 @@ enum class Role {
   Phase,
 };
 
+inline constexpr bool kMayBeLeftOut = true;
+
 template <class Effect>
 struct Parameter {
   std::string_view name;   // with its unit, as it stands in files
@@ -29,6 +31,7 @@ struct Parameter {
   double typical;          // file units
   std::string_view meaning;
   Role role = Role::Strength;
+  bool optional = false;  // may be left out of a file, and is then 0
 };
 
 struct EffectInfo {

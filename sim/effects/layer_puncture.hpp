@@ -45,13 +45,15 @@ struct LayerPuncture {
   static constexpr auto parameters() {
     using E = LayerPuncture;
     return std::array{
-        Parameter<E>{"depth_mm", &E::depth, 1e-3, -5.0, 100.0, 2.0,
-                     "position of the surface before it is touched"},
-        Parameter<E>{"force_N", &E::force, 1.0, 0.0, 5.0, 0.2, "force at which it gives way"},
-        Parameter<E>{"deflection_mm", &E::deflection, 1e-3, 0.01, 10.0, 0.3, "bulge at that force"},
-        Parameter<E>{"collapse_mm", &E::collapse, 1e-3, 0.01, 5.0, 0.2,
-                     "travel over which the force collapses"},
-        Parameter<E>{"cutting_N", &E::cutting, 1.0, 0.0, 2.0, 0.05, "force at the tip while cutting on"}};
+        Parameter<E>{"depth_mm", &E::depth, 1e-3, -1e4, 1e4, 2.0,
+                     "position of the surface before it is touched", Role::Place},
+        Parameter<E>{"force_N", &E::force, 1.0, 0.0, 1e4, 0.2, "force at which it gives way", Role::Strength},
+        Parameter<E>{"deflection_mm", &E::deflection, 1e-3, 0.001, 1e3, 0.3, "bulge at that force",
+                     Role::Shape},
+        Parameter<E>{"collapse_mm", &E::collapse, 1e-3, 0.001, 1e3, 0.2,
+                     "travel over which the force collapses", Role::Shape},
+        Parameter<E>{"cutting_N", &E::cutting, 1.0, 0.0, 1e4, 0.05, "force at the tip while cutting on",
+                     Role::Strength}};
   }
 };
 

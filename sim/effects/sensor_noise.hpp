@@ -17,8 +17,8 @@ struct SensorNoise {
                                    "dc_hold",
                                    "white noise; BL-100NMZ class sensor: 10 um"};
   static constexpr auto parameters() {
-    return std::array{
-        Parameter<SensorNoise>{"std_mm", &SensorNoise::std, 1e-3, 0.0, 1.0, 0.010, "standard deviation"}};
+    return std::array{Parameter<SensorNoise>{"std_mm", &SensorNoise::std, 1e-3, 0.0, 1.0, 0.010,
+                                             "standard deviation", Role::Strength}};
   }
 };
 

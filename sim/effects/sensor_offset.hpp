@@ -17,8 +17,8 @@ struct SensorOffset {
                                    "closed_loop_steps",
                                    "calibration error"};
   static constexpr auto parameters() {
-    return std::array{Parameter<SensorOffset>{"offset_mm", &SensorOffset::offset, 1e-3, -20.0, 20.0, 0.1,
-                                              "added to every reading"}};
+    return std::array{Parameter<SensorOffset>{"offset_mm", &SensorOffset::offset, 1e-3, -1e3, 1e3, 0.1,
+                                              "added to every reading", Role::Strength}};
   }
 };
 

@@ -25,11 +25,12 @@ struct ShaftFriction {
       "Okamura, Simone, O'Leary 2004, IEEE TBME 51(10), modified Karnopp model"};
   static constexpr auto parameters() {
     using E = ShaftFriction;
-    return std::array{Parameter<E>{"from_mm", &E::from, 1e-3, -5.0, 100.0, 0.0, "where the tissue begins"},
-                      Parameter<E>{"coulomb_N_per_mm", &E::coulomb, 1e3, 0.0, 0.5, 0.02,
-                                   "dry friction per inserted length"},
-                      Parameter<E>{"viscous_N_s_per_m_per_mm", &E::viscous, 1e3, 0.0, 5.0, 0.1,
-                                   "viscous drag per inserted length"}};
+    return std::array{
+        Parameter<E>{"from_mm", &E::from, 1e-3, -1e4, 1e4, 0.0, "where the tissue begins", Role::Place},
+        Parameter<E>{"coulomb_N_per_mm", &E::coulomb, 1e3, 0.0, 1e3, 0.02, "dry friction per inserted length",
+                     Role::Strength},
+        Parameter<E>{"viscous_N_s_per_m_per_mm", &E::viscous, 1e3, 0.0, 1e4, 0.1,
+                     "viscous drag per inserted length", Role::Strength}};
   }
 };
 

@@ -28,12 +28,12 @@ struct StribeckFriction {
       "Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7)"};
   static constexpr auto parameters() {
     using E = StribeckFriction;
-    return std::array{
-        Parameter<E>{"sliding_N", &E::sliding, 1.0, 0.0, 2.0, 0.03, "friction while sliding fast"},
-        Parameter<E>{"breakaway_N", &E::breakaway, 1.0, 0.0, 3.0, 0.05,
-                     "friction that must be overcome from rest"},
-        Parameter<E>{"speed_mm_s", &E::speed, 1e-3, 0.05, 50.0, 1.0,
-                     "speed at which the excess has faded to 1/e"}};
+    return std::array{Parameter<E>{"sliding_N", &E::sliding, 1.0, 0.0, 1e4, 0.03,
+                                   "friction while sliding fast", Role::Strength},
+                      Parameter<E>{"breakaway_N", &E::breakaway, 1.0, 0.0, 1e4, 0.05,
+                                   "friction that must be overcome from rest", Role::Strength},
+                      Parameter<E>{"speed_mm_s", &E::speed, 1e-3, 0.001, 1e4, 1.0,
+                                   "speed at which the excess has faded to 1/e", Role::Shape}};
   }
 };
 

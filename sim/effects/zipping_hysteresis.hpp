@@ -26,8 +26,9 @@ struct ZippingHysteresis {
       "voltage_staircase_up_and_down",
       "Prandtl play operator; paper Fig. 8b: loop of about 30 % of the largest strain"};
   static constexpr auto parameters() {
-    return std::array{Parameter<ZippingHysteresis>{"width_mm", &ZippingHysteresis::width, 1e-3, 0.0, 1.5, 0.1,
-                                                   "full width of the loop, height of one pouch"}};
+    return std::array{Parameter<ZippingHysteresis>{"width_mm", &ZippingHysteresis::width, 1e-3, 0.0, 5.0, 0.1,
+                                                   "full width of the loop, height of one pouch",
+                                                   Role::Strength}};
   }
 };
 

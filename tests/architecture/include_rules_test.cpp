@@ -25,9 +25,10 @@ const std::map<std::string, std::set<std::string>> kMaySee{
     {"planner", {"robot/messages"}},
     {"drivers/port", {"robot/messages", "safety"}},
     {"sim", {"robot/messages", "drivers/port", "safety"}},
+    {"sim/gap", {"robot/messages", "sim"}},
     {"robot/app",
      {"robot/messages", "safety", "robot/control", "robot/report", "planner", "planner/imaging",
-      "drivers/port", "sim"}},
+      "drivers/port", "sim", "sim/gap"}},
 };
 
 std::string room_of(const std::string& path) {

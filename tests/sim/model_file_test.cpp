@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"MissingParameter",
                 "[baseline]\n[effect.stribeck_friction]\nsliding_N = 0.1\nbreakaway_N = 0.2\n",
                 "m.toml:2: ", "`speed_mm_s` is missing"},
-        Refused{"TooLarge", "[baseline]\nK = 0.8\nk = 1e9\n", "m.toml:3: ", "`k` = 1000000000 is outside"},
+        Refused{"TooLarge", "[baseline]\nK = 0.8\nk = 1e10\n", "m.toml:3: ", "`k` = 10000000000 is outside"},
         Refused{"Negative", "[baseline]\nfixture_mass = -0.03\n", "m.toml:2: ", "is outside"},
         Refused{"ZeroTime", "[baseline]\ntau = 0\n", "m.toml:2: ", "is outside"},
         Refused{"EffectOutOfRange", "[baseline]\n[effect.sensor_noise]\nstd_mm = 10\n",

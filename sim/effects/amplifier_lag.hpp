@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+
+#include "sim/effects/effect.hpp"
+
+namespace biopsy::sim {
+
+// The amplifier follows what it is asked for as a first-order lag whose slope is limited.
+struct AmplifierLag {
+  double time = 0.0;  // s
+  double slew = 0.0;  // s/V, the least time a volt takes; 0 is unlimited
+
+  bool instant() const { return time <= 0.0 && slew <= 0.0; }
+
+  static constexpr EffectInfo info{
+      "amplifier_lag",
+      Attachment::Electrical,
+      "The amplifier's output lags behind what it is asked for and cannot change "
+      "faster than its current allows.",
+      "d u_i/dt = (u - u_i)/time, and |d u_i/dt| <= 1/slew",
+      "frequency_sweep",
+      "Horowitz, Hill 2015, The Art of Electronics, 3rd ed., ch. 4: slew rate "
+      "into a capacitive load"};
+  static constexpr auto parameters() {
+    using E = AmplifierLag;
+    return std::array{
+        Parameter<E>{"time_ms", &E::time, 1e-3, 0.0, 1000.0, 1.0, "time constant", Role::Strength},
+        Parameter<E>{"slew_ms_per_kV", &E::slew, 1e-6, 0.0, 1000.0, 0.2,
+                     "least time that a kilovolt takes; 0 is unlimited", Role::Strength}};
+  }
+};
+
+}  // namespace biopsy::sim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/effects/effect.hpp"
+
+namespace biopsy::sim {
+
+// Bouc-Wen spring between plate A and the frame, normalised: it starts with `stiffness`, yields at a
+// displacement `yield` after the last reversal, and its inner displacement z never leaves +-yield.
+struct HystereticSpring {
+  double stiffness = 0.0;  // N/m
+  double yield = 0.5e-3;   // m
+  double sharpness = 2.0;  // exponent n: 1 a smooth bend, large a corner
+  double beta = 0.5;       // share of the reversible part: 0.5 unloads with the full stiffness
+
+  double pull(double z) const { return stiffness * z; }
+  double bounded(double z) const { return std::clamp(z, -yield, yield); }
+  double rate(double v, double z) const {
+    const double turn = v * z > 0.0 ? beta : v * z < 0.0 ? -beta : 0.0;
+    return v * (1.0 - std::pow(std::abs(z) / yield, sharpness) * (turn + 1.0 - beta));
+  }
+
+  static constexpr EffectInfo info{
+      "hysteretic_spring",
+      Attachment::Stage,
+      "A restoring force that depends on the way plate A came: stiff after each reversal, then yielding.",
+      "F = -stiffness z, dz/dt = v (1 - |z/yield|^n (beta sign(v z) + 1 - beta))",
+      "slow_triangle",
+      "Bouc 1967; Wen 1976, ASCE J. Eng. Mech. 102(2); Ikhouane, Rodellar 2007, normalised form"};
+  static constexpr auto parameters() {
+    using E = HystereticSpring;
+    return std::array{
+        Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 0.0, 1e6, 0.05, "before it yields",
+                     Role::Strength},
+        Parameter<E>{"yield_mm", &E::yield, 1e-3, 1e-4, 1e4, 0.5, "displacement at which it yields",
+                     Role::Shape},
+        Parameter<E>{"sharpness", &E::sharpness, 1.0, 1.0, 6.0, 2.0, "exponent n of the bend", Role::Shape},
+        Parameter<E>{"beta", &E::beta, 1.0, 0.05, 1.0, 0.5, "how much a reversal stiffens it", Role::Shape}};
+  }
+};
+
+}  // namespace biopsy::sim

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+
+#include "sim/effects/effect.hpp"
+
+namespace biopsy::sim {
+
+// The laser's gain is wrong.
+struct SensorScale {
+  double share = 0.0;
+
+  static constexpr EffectInfo info{
+      "sensor_scale",
+      Attachment::Sensor,
+      "The sensor's gain is wrong: every distance is read a little too long or short.",
+      "reading *= 1 + share",
+      "closed_loop_steps",
+      "calibration error; JCGM 100:2008, F.2.4"};
+  static constexpr auto parameters() {
+    using E = SensorScale;
+    return std::array{Parameter<E>{"share", &E::share, 1.0, -0.9, 9.0, 0.05, "by which readings are too long",
+                                   Role::Strength}};
+  }
+};
+
+}  // namespace biopsy::sim

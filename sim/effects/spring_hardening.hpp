@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+
+#include "sim/effects/effect.hpp"
+
+namespace biopsy::sim {
+
+// Cubic term of the series spring (of the spring to the frame where a force drives).
+struct SpringHardening {
+  double cubic = 0.0;  // N/m^3; negative softens
+
+  double force(double stretch) const { return cubic * stretch * stretch * stretch; }
+  double stiffness(double stretch) const { return 3.0 * cubic * stretch * stretch; }
+
+  static constexpr EffectInfo info{"spring_hardening",
+                                   Attachment::Stage,
+                                   "The spring gets stiffer (or softer) the further it is deformed.",
+                                   "F_s += cubic (x_B - x_A)^3; with drive = force: F = -cubic x^3",
+                                   "weight_drop",
+                                   "Duffing 1918, Erzwungene Schwingungen bei veraenderlicher Eigenfrequenz"};
+  static constexpr auto parameters() {
+    using E = SpringHardening;
+    return std::array{Parameter<E>{"cubic_N_per_mm3", &E::cubic, 1e9, -1e6, 1e6, 1.0,
+                                   "force at 1 mm beyond the linear one", Role::Strength}};
+  }
+};
+
+}  // namespace biopsy::sim

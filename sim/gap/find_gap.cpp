@@ -1,0 +1,53 @@
+#include "sim/gap/find_gap.hpp"
+
+#include <cmath>
+
+#include "sim/gap/conclude.hpp"
+#include "sim/gap/fit.hpp"
+#include "sim/gap/predict.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr int kIterations = 25;
+
+// The model as it was given, but for the numbers that were said to be unknown.
+Hypothesis as_written(const Hypothesis& start, const Evidence& evidence) {
+  Hypothesis out = start;
+  std::erase_if(out.unknowns, [](const Unknown& u) { return std::isfinite(u.prior_std); });
+  fit(out, evidence, kIterations);
+  return out;
+}
+
+// The unknowns of `fitted` carried over to the hypothesis that has more of them.
+void carry_over(Hypothesis& to, const Hypothesis& fitted) {
+  std::vector<double> thetas;
+  for (Unknown& u : to.unknowns) {
+    for (const Unknown& known : fitted.unknowns)
+      if (known.effect == u.effect && known.parameter == u.parameter) u.theta = known.theta;
+    thetas.push_back(u.theta);
+  }
+  to.settle(thetas);
+}
+
+}  // namespace
+
+FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
+                  const Progress& progress) {
+  const Evidence evidence = prepare(dataset, model, options.window, Grain::Fine);
+  Hypothesis start = baseline_hypothesis(model, options.free);
+  progress("simulating every run with the model as it is");
+  const Hypothesis before = as_written(start, evidence);
+  Selection selection{.start = before, .best = before, .trials = {}, .chosen = {}, .squares = {}, .rivals = {}};
+  if (!is_only_noise(mean_square(residual(before.model, evidence, Part::All)), evidence)) {
+    progress("fitting the baseline's numbers within their calibration errors");
+    carry_over(start, before);
+    fit(start, evidence, kIterations);
+    selection = select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse), evidence, progress);
+    progress("standard deviations");
+    estimate_uncertainty(selection.best, evidence);
+  }
+  return conclude(model, before, selection, evidence);
+}
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,28 @@
+// Least squares of a hypothesis on the training runs, by Ceres' trust region with simulated derivatives.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sim/gap/unknowns.hpp"
+
+namespace biopsy::sim::gap {
+
+// How many independent looks a stretch of time gives. Readings are dense, but what a model misses lasts as
+// long as the stage's response: neighbours err together, and counting each reading would over-select.
+double independent_looks(double seconds);
+
+// d residual / d theta over the training rows; one column an unknown. Forward differences.
+Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evidence,
+                              const std::vector<double>& residual_now);
+
+// Weight of one squared residual against one squared prior: independent looks at the present misfit. 1/m^2
+double residual_weight(const Evidence& evidence, double mean_square);
+
+// Moves the unknowns to the optimum; `iterations` bounds the work.
+void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations);
+
+// Fills the unknowns' standard deviations: the larger of what the residual's scatter allows block by block and
+// what the runs say when each in turn is left out.
+void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence);
+
+}  // namespace biopsy::sim::gap
