@@ -18,7 +18,7 @@ constexpr double kStopped = 0.0;  // plate A at rest is exactly at rest
 constexpr int kRootSteps = 6;
 constexpr double kRootResolution = 1e-9;  // s
 constexpr double kReach = 0.5e-3;         // m: further than any needle moves within a step
-constexpr int kEventsPerStep = 8;  // stick or slip; more within one step means chatter below any resolution
+constexpr int kEventsPerStep = 4;  // stick or slip; more within one step means chatter below any resolution
 constexpr int kMostCuts = 64;      // of one step where something is on its way that is faster than the step
 constexpr double kArrived = 1e-3;  // share of the voltage that an amplifier may still be away
 

@@ -63,4 +63,8 @@ std::filesystem::path accept_model(const std::filesystem::path& model_file, cons
   return old;
 }
 
+void refuse_unless_replaceable(const fs::path& model_file) {
+  replaceable(model_file);
+}
+
 }  // namespace biopsy::app

@@ -11,4 +11,7 @@ namespace biopsy::app {
 // no model or the file cannot be replaced. A link is followed: the file behind it is replaced.
 std::filesystem::path accept_model(const std::filesystem::path& model_file, const std::string& new_text);
 
+// Throws the SetupError that accept_model would throw because of the file, before any work is done.
+void refuse_unless_replaceable(const std::filesystem::path& model_file);
+
 }  // namespace biopsy::app

@@ -133,8 +133,6 @@ void add_gap(CLI::App& app, GapOptions& options, int& code) {
       ->check(CLI::Range(1e-3, 1e6));
   command->add_flag("--accept", options.accept,
                     "replace the model file by the better model; the old one is kept beside it");
-  command->add_option("--seed", options.seed,
-                      "seed of all random draws; the same seed gives the same answer");
   command->add_flag_callback(
       "--no-recheck", [&] { options.recheck = false; }, "leave out the rehearsals with the better model");
   command->callback([&] { code = gap(options); });

@@ -62,7 +62,6 @@ struct GapOptions {
   std::filesystem::path dataset, model, out;
   std::vector<std::string> free;  // baseline parameters that are not known
   std::optional<double> window;   // s; empty: each run from its start in one piece
-  std::uint64_t seed = 1;
   bool accept = false;  // the model file is replaced by what was found
   bool recheck = true;  // rehearse with the model that was found
 };

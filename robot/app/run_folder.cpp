@@ -14,7 +14,8 @@ constexpr const char* kMark = ".biopsy-run";
 
 // Names a run writes; whatever else a person has put beside them stays.
 bool is_ours(const std::string& name) {
-  for (const char* ours : {"planning", "images", "planning.png", "report.html", "report.json", "run.csv"})
+  for (const char* ours : {"planning", "images", "planning.png", "report.html", "report.json", "run.csv",
+                           "gap.json", "model.toml"})
     if (name == ours) return true;
   return name.starts_with("stage-") && name.ends_with(".png");
 }

@@ -5,40 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/gap/next_experiment.hpp"
 #include "sim/gap/predict.hpp"
+#include "sim/gap/residual_shape.hpp"
+#include "sim/gap/sentences.hpp"
+#include "sim/gap/trace.hpp"
+#include "sim/gap/verdict.hpp"
+#include "sim/gap/where.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
 constexpr double kMm = 1e3;
-constexpr double kWellClosed = 0.9;        // of the RMSE above the noise
-constexpr double kWellBelowNoise = 0.5;    // what is left, in shares of the noise
-constexpr double kLeastClosed = 0.6;       // where one candidate stands out from all others
-constexpr double kStandsOut = 1.4;         // next best held-out RMSE over its own
-constexpr double kMovedStds = 3.0;         // a calibration error worth telling
-constexpr double kMovedShare = 0.002;
-constexpr double kWorthNaming = 0.005;     // probability of a rival
-
-bool well_explained(double before, double after, const Evidence& evidence) {
-  if (std::sqrt(excess(after, evidence)) < kWellBelowNoise * evidence.noise) return true;
-  return std::sqrt(before) - std::sqrt(after) >= kWellClosed * (std::sqrt(before) - evidence.noise);
-}
-
-double gap_closed(double before, double after, double noise) {
-  const double gap = std::sqrt(before) - noise;
-  return gap <= 0.0 ? 0.0 : std::clamp((std::sqrt(before) - std::sqrt(after)) / gap, 0.0, 1.0);
-}
-
-bool stands_out(const Selection& selection) {
-  const Trial* winner = nullptr;
-  double next = std::numeric_limits<double>::infinity();
-  for (const Trial& t : selection.trials) {
-    if (t.round != 1 || !t.fitted) continue;
-    if (t.chosen) winner = &t;
-    else next = std::min(next, t.held_out_square);
-  }
-  return winner != nullptr && next > kStandsOut * kStandsOut * winner->held_out_square;
-}
+constexpr double kMovedStds = 3.0;  // a calibration error worth telling: surely there,
+constexpr double kMovedShare = 0.005;  // and not a hair
+constexpr double kWorthNaming = 0.005;  // probability of a rival
 
 std::string number_name(const Unknown& u, Drive drive) {
   if (u.effect == kBaseline) return std::string(uncertain_baseline(drive)[u.parameter].name);
@@ -46,30 +27,32 @@ std::string number_name(const Unknown& u, Drive drive) {
   return fmt::format("{}.{}", effect.info.name, effect.parameters[u.parameter].name);
 }
 
-double value_std(const Unknown& u) {  // SI
-  return u.logarithmic ? u.value() * u.std : std::abs(u.scale) * u.std;
+double si_per_unit(const Unknown& u) {
+  return u.effect == kBaseline
+             ? 1.0
+             : library()[static_cast<std::size_t>(u.effect)].parameters[u.parameter].si_per_unit;
 }
 
-FoundEffect describe(const Candidate& candidate, const Hypothesis& best, const Selection& selection,
-                     std::size_t entered) {
-  const LibraryEffect& effect = library()[static_cast<std::size_t>(candidate.effect)];
+double value_std(const Unknown& u) {  // in the unit of files
+  return (u.logarithmic ? u.value() : std::abs(u.scale)) * u.std / si_per_unit(u);
+}
+
+FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
+  const LibraryEffect& effect = library()[static_cast<std::size_t>(entrant.candidate.effect)];
   FoundEffect out;
   out.name = effect.info.name;
   out.sentence = effect.info.sentence;
+  out.share_explained = entrant.reduction;
   for (const Unknown& u : best.unknowns)
-    if (u.effect == candidate.effect) {
-      const LibraryParameter& p = effect.parameters[u.parameter];
-      out.parameters.push_back({std::string(p.name), u.value() / p.si_per_unit, value_std(u) / p.si_per_unit});
-    }
-  const int round = static_cast<int>(entered) + 1;
-  for (const Trial& t : selection.trials) {
-    if (t.round != round || !t.fitted) continue;
-    if (t.chosen) out.probability = t.probability;
-    else if (t.probability >= kWorthNaming)
+    if (u.effect == entrant.candidate.effect)
+      out.parameters.push_back(
+          {std::string(effect.parameters[u.parameter].name), u.value() / si_per_unit(u), value_std(u)});
+  for (std::size_t i = 0; i < entrant.contest.size(); ++i) {
+    const Trial& t = entrant.contest[i];
+    if (i == 0) out.probability = t.probability;
+    else if (t.fitted && (t.probability >= kWorthNaming))
       out.confused_with.push_back({t.candidate.name(best.model.baseline.drive), t.probability});
   }
-  const double first = selection.squares[entered];
-  out.share_explained = first <= 0.0 ? 0.0 : 1.0 - selection.squares[entered + 1] / first;
   return out;
 }
 
@@ -77,29 +60,17 @@ void tell_changes(FoundGap& found, const PlantModel& given, const Hypothesis& be
   const Drive drive = given.baseline.drive;
   for (const Unknown& u : best.unknowns) {
     found.changed.push_back({number_name(u, drive), value_std(u)});
-    if (u.effect != kBaseline) {
-      const LibraryParameter& p = library()[static_cast<std::size_t>(u.effect)].parameters[u.parameter];
-      found.changed.back().std /= p.si_per_unit;
-      continue;
-    }
+    if (u.effect != kBaseline) continue;
     const double was = given.baseline.*(uncertain_baseline(drive)[u.parameter].member);
     const double moved = std::abs(u.value() - was);
     const bool free = !std::isfinite(u.prior_std);
     if (free || (moved > kMovedStds * value_std(u) && moved > kMovedShare * was))
       found.finding.parameters_changed.push_back({number_name(u, drive), was, u.value(), value_std(u)});
   }
-}
-
-GapVerdict verdict_of(const Selection& selection, double before, double after, const Evidence& evidence) {
-  if (is_only_noise(before, evidence)) return GapVerdict::NoGap;
-  const bool named = std::any_of(selection.chosen.begin(), selection.chosen.end(),
-                                 [](const Candidate& c) { return c.effect != kBaseline; });
-  const bool closed = well_explained(before, after, evidence);
-  if (named) {
-    const bool enough = gap_closed(before, after, evidence.noise) >= kLeastClosed && stands_out(selection);
-    return closed || enough ? GapVerdict::Effect : GapVerdict::Unexplained;
-  }
-  return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
+  std::stable_sort(found.finding.parameters_changed.begin(), found.finding.parameters_changed.end(),
+                   [](const ChangedParameter& a, const ChangedParameter& b) {
+                     return std::abs(std::log(a.after / a.before)) > std::abs(std::log(b.after / b.before));
+                   });
 }
 
 std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive) {
@@ -111,7 +82,7 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
     c.round = t.round;
     c.score = t.share;
     c.fitted = t.fitted;
-    if (t.fitted) c.held_out_rmse = std::sqrt(t.held_out_square) * kMm;
+    if (t.fitted) c.held_out_rmse = std::sqrt(t.judged.square) * kMm;
     c.probability = t.probability;
     c.chosen = t.chosen;
     out.push_back(c);
@@ -119,35 +90,63 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
   return out;
 }
 
-}  // namespace
+// The winner and the next best that were fitted, for the experiment that would tell them apart.
+NextExperiment experiment_between(const Selection& selection, const Evidence& evidence) {
+  if (selection.entrants.empty()) return {};
+  const Entrant& first = selection.entrants.front();
+  std::vector<PlantModel> models;
+  std::vector<std::string> names;
+  for (const Trial& t : first.contest) {
+    if (!t.fitted || !std::isfinite(t.judged.square) || models.size() == 2) continue;
+    if (!models.empty() && t.candidate.effect == kBaseline) continue;
+    models.push_back(t.judged.hypothesis.model);
+    names.push_back(t.candidate.name(models.back().baseline.drive));
+  }
+  if (models.size() < 2) return {};
+  return next_experiment(models, names, evidence.noise, evidence.u_max);
+}
 
-FoundGap conclude(const PlantModel& given, const Hypothesis& before, const Selection& selection,
-                  const Evidence& evidence) {
-  FoundGap found;
-  GapFinding& f = found.finding;
-  const Drive drive = given.baseline.drive;
-  const double was = held_out_square(before.model, evidence);
-  const double is = held_out_square(selection.best.model, evidence);
-  f.force_drive = drive == Drive::Force;
-  f.verdict = verdict_of(selection, was, is, evidence);
-  const bool adopted = f.verdict == GapVerdict::Effect || f.verdict == GapVerdict::Parameter;
-  found.model = adopted ? selection.best.model : given;
-  f.noise_floor = evidence.noise * kMm;
-  f.noise_given = evidence.noise_given;
-  f.rmse_before = std::sqrt(was) * kMm;
-  f.rmse_after = std::sqrt(adopted ? is : was) * kMm;
-  f.gap_closed = adopted ? gap_closed(was, is, evidence.noise) : 0.0;
-  f.candidates = candidates_of(selection, drive);
-  if (f.verdict == GapVerdict::Effect)
-    for (std::size_t i = 0; i < selection.chosen.size(); ++i)
-      if (selection.chosen[i].effect != kBaseline)
-        f.effects.push_back(describe(selection.chosen[i], selection.best, selection, i));
-  if (adopted) tell_changes(found, given, selection.best);
+void name_runs(GapFinding& f, const Evidence& evidence) {
   for (const EvidenceRun& run : evidence.runs) {
     if (run.training_rows > 0) f.training_runs.push_back(run.name);
     if (run.training_rows < run.rows.size())
       f.held_out_runs.push_back(run.training_rows > 0 ? run.name + " (last third)" : run.name);
   }
+}
+
+}  // namespace
+
+FoundGap conclude(const PlantModel& given, const Judged& before, const Selection& selection,
+                  const Evidence& evidence) {
+  FoundGap found;
+  GapFinding& f = found.finding;
+  const Drive drive = given.baseline.drive;
+  f.force_drive = drive == Drive::Force;
+  f.verdict = verdict(before, selection, evidence);
+  const bool adopted = f.verdict == GapVerdict::Effect || f.verdict == GapVerdict::Parameter;
+  found.model = adopted ? selection.best.hypothesis.model : given;
+  f.noise_floor = evidence.noise * kMm;
+  f.noise_given = evidence.noise_given;
+  f.rmse_before = std::sqrt(before.square) * kMm;
+  f.rmse_after = adopted ? std::sqrt(selection.best.square) * kMm : f.rmse_before;
+  f.gap_closed = adopted ? gap_closed(before.square, selection.best.square, evidence.noise) : 0.0;
+  f.candidates = candidates_of(selection, drive);
+  if (f.verdict == GapVerdict::Effect)
+    for (const Entrant& entrant : selection.entrants)
+      if (entrant.candidate.effect != kBaseline) f.effects.push_back(describe(entrant, selection.best.hypothesis));
+  if (adopted) tell_changes(found, given, selection.best.hypothesis);
+  name_runs(f, evidence);
+  const std::vector<double> was = residual(before.hypothesis.model, evidence, Part::All);
+  const std::vector<double> is = adopted ? residual(found.model, evidence, Part::All) : was;
+  f.where = where(evidence, was, is, drive);
+  const MainRegimes regimes = main_regime(evidence, was, drive);
+  f.regime_names = regimes.names;
+  f.traces = traces(evidence, was, is, regimes, drive);
+  if (f.verdict == GapVerdict::Unexplained)
+    f.shapes = residual_shapes(evidence, selection.start.hypothesis.model,
+                               residual(selection.start.hypothesis.model, evidence, Part::All));
+  if (f.verdict != GapVerdict::NoGap) f.next = experiment_between(selection, evidence);
+  f.sentence = verdict_sentence(f);
   return found;
 }
 

@@ -1,4 +1,5 @@
-// From a selection to what is said: verdict, names with probabilities, numbers that changed, the new model.
+// From a selection to what is said: verdict, names with probabilities, numbers that changed, the new model,
+// and where the gap was.
 #pragma once
 
 #include "sim/gap/find_gap.hpp"
@@ -6,7 +7,7 @@
 namespace biopsy::sim::gap {
 
 // `before`: the model as given, with only the numbers fitted that were said to be unknown.
-FoundGap conclude(const PlantModel& given, const Hypothesis& before, const Selection& selection,
+FoundGap conclude(const PlantModel& given, const Judged& before, const Selection& selection,
                   const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "robot/messages/setup_error.hpp"
-#include "sim/gap/window_start.hpp"
+#include "sim/gap/window_starts.hpp"
 #include "sim/plant.hpp"
 
 namespace biopsy::sim::gap {
@@ -17,6 +17,7 @@ namespace {
 // Step in shares of the fastest rate's time. Third order: a quarter of it loses 2e-3 of a free oscillation's
 // amplitude by the time that has faded, an eighth 1e-4.
 constexpr double kCoarse = 0.25, kFine = 0.125;
+constexpr double kStiffest = 8.0;  // times the given model's rate is followed, beyond that steps stay as they are
 constexpr double kLongestSpan = 5e-3;     // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
 constexpr std::size_t kFewestRows = 50;
@@ -89,10 +90,10 @@ EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, st
   const double tolerance = model.baseline.drive == Drive::Force ? u_max * 2.0 : u_max * kInputTolerance;
   const double longest = std::min(kLongestSpan, step_share / fastest_rate(model));
   run.rows = joined_rows(recorded, longest, tolerance, window_rows, begins);
-  for (const std::size_t row : window_rows) {
-    const auto at = std::lower_bound(begins.begin(), begins.end(), row) - begins.begin();
-    const Motion2 start = window_start(recorded, row, noise);
-    run.windows.push_back({static_cast<std::size_t>(at), start.x, start.v});
+  const std::vector<StartMotion> starts = window_starts(recorded, window_rows, noise);
+  for (std::size_t i = 0; i < window_rows.size(); ++i) {
+    const auto at = std::lower_bound(begins.begin(), begins.end(), window_rows[i]) - begins.begin();
+    run.windows.push_back({static_cast<std::size_t>(at), starts[i].x, starts[i].v});
   }
   return run;
 }
@@ -140,6 +141,7 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
       throw SetupError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
                        run.file, fmt::format("record at least {} rows", kFewestRows));
   evidence.step_share = grain == Grain::Coarse ? kCoarse : kFine;
+  evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
   evidence.noise = evidence.noise_given ? *dataset.sensor_noise : estimated_noise(dataset.runs);
   for (const RecordedRun& run : dataset.runs)

@@ -38,7 +38,8 @@ struct Evidence {
   double training_seconds = 0.0, held_out_seconds = 0.0;
   double x_low = 0.0, x_high = 0.0;  // m, range of what was measured
   double u_max = 0.0;                // largest |input|
-  double step_share = 0.1;           // of the fastest rate's time that a step may take
+  double step_share = 0.1;           // of the fastest rate's time that a step may take,
+  double shortest_step = 1e-4;       // s, but no less, however stiff an effect makes the model
 };
 
 // Every third run is held out, the second first; of a single run its last third. `window` [s] splits the runs

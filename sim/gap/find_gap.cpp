@@ -38,16 +38,17 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
   Hypothesis start = baseline_hypothesis(model, options.free);
   progress("simulating every run with the model as it is");
   const Hypothesis before = as_written(start, evidence);
-  Selection selection{.start = before, .best = before, .trials = {}, .chosen = {}, .squares = {}, .rivals = {}};
+  const Judged as_given = judge(before, evidence);
+  Selection selection{.start = as_given, .best = as_given, .trials = {}, .entrants = {}};
   if (!is_only_noise(mean_square(residual(before.model, evidence, Part::All)), evidence)) {
     progress("fitting the baseline's numbers within their calibration errors");
     carry_over(start, before);
     fit(start, evidence, kIterations);
     selection = select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse), evidence, progress);
     progress("standard deviations");
-    estimate_uncertainty(selection.best, evidence);
+    estimate_uncertainty(selection.best.hypothesis, evidence);
   }
-  return conclude(model, before, selection, evidence);
+  return conclude(model, as_given, selection, evidence);
 }
 
 }  // namespace biopsy::sim::gap

@@ -65,8 +65,10 @@ class Misfit : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Hypothesis here = hypothesis_;
-    here.settle({parameters[0], parameters[0] + here.unknowns.size()});
-    const std::vector<double> now = residual(here.model, evidence_, Part::Training);
+    const std::vector<double> at(parameters[0], parameters[0] + here.unknowns.size());
+    here.settle(at);
+    if (at != last_at_) last_at_ = at, last_ = residual(here.model, evidence_, Part::Training);
+    const std::vector<double>& now = last_;
     for (std::size_t i = 0; i < rows_; ++i) residuals[i] = root_ * now[i];
     for (std::size_t k = 0; k < known_.size(); ++k) {
       const Unknown& u = here.unknowns[known_[k]];
@@ -100,6 +102,7 @@ class Misfit : public ceres::CostFunction {
   const Evidence& evidence_;
   mutable Eigen::MatrixXd columns_;
   mutable int age_ = 0;
+  mutable std::vector<double> last_at_, last_;  // a derivative is asked for where the value was
   double root_;
   std::size_t rows_;
   std::vector<std::size_t> known_;

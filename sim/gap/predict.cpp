@@ -8,14 +8,15 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kShortestStep = 2e-5, kLongestStep = 5e-3;  // s
+constexpr double kLongestStep = 5e-3;  // s
 
 }  // namespace
 
-std::vector<double> predict(PlantModel model, const EvidenceRun& run, std::size_t rows, double step_share) {
+std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
+                            std::size_t rows) {
   model.weight = run.weight;
   model.effects.sensor_noise.reset();
-  model.internal_step = std::clamp(step_share / fastest_rate(model), kShortestStep, kLongestStep);
+  model.internal_step = std::clamp(evidence.step_share / fastest_rate(model), evidence.shortest_step, kLongestStep);
   const bool stack = model.baseline.drive == Drive::Stack;
   std::vector<double> out;
   out.reserve(rows);
@@ -43,7 +44,7 @@ std::vector<double> residual(const PlantModel& model, const Evidence& evidence, 
     const std::size_t from = part == Part::HeldOut ? run.training_rows : 0;
     const std::size_t to = part == Part::Training ? run.training_rows : run.rows.size();
     if (from >= to) continue;
-    const std::vector<double> model_says = predict(model, run, to, evidence.step_share);
+    const std::vector<double> model_says = predict(model, evidence, run, to);
     for (std::size_t i = from; i < to; ++i) out.push_back(run.rows[i].measured - model_says[i]);
   }
   return out;

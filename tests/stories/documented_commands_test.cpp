@@ -114,14 +114,20 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
   ASSERT_TRUE(verbs.contains("run"));
   for (const Line& line : lines_of(GetParam())) {
     const std::string where = name_of(GetParam()) + ":" + std::to_string(line.number) + ": " + line.text;
-    const bool ours = line.text.starts_with("biopsy "), front_door = line.text.starts_with("./dev ");
+    const bool ours = line.text.starts_with("biopsy "), front_door = line.text.starts_with("./dev "),
+               copy = line.text.starts_with("cp ");
     if (line.fence != "sh") {
       EXPECT_FALSE((ours || front_door) && !line.fence.empty())
           << where << ": a command outside of a sh block";
       continue;
     }
-    ASSERT_TRUE(ours || front_door) << where << ": neither a command of the program nor of ./dev";
-    if (ours) {
+    ASSERT_TRUE(ours || front_door || copy) << where << ": neither a command of the program nor of ./dev";
+    if (copy) {
+      std::istringstream words(line.text.substr(3));
+      std::string from, to;
+      words >> from >> to;
+      fs::copy_file(from, to);
+    } else if (ours) {
       const Answer answer = biopsy(line.text.substr(7, line.text.find(" # ") - 7));
       ASSERT_EQ(answer.code, promised_code(line.text)) << where << "\n" << answer.text;
     } else {  // not run: some of them run this test
@@ -311,6 +317,11 @@ TEST(Documents, TellEveryFieldOfTheReports) {
   ASSERT_EQ(checked.code, 0) << checked.text;
   expect_told(json_of(folder / "run/report.json"), reference);
   expect_told(json_of(folder / "check/check.json"), reference);
+  const Answer compared =
+      biopsy("gap " + (kHouse / "docs/examples/gap").string() + " --model " +
+             (kHouse / "docs/examples/gap/stage.toml").string() + " --out " + (folder / "gap").string());
+  ASSERT_EQ(compared.code, 0) << compared.text;
+  expect_told(json_of(folder / "gap/gap.json"), reference);
   std::string header = file_content(folder / "run/run.csv");
   header = header.substr(0, header.find('\n'));
   for (const std::string& column : found_in(header + ",", "([^,]+),"))

@@ -1,0 +1,157 @@
+#include "sim/gap/contest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/gap/fit.hpp"
+#include "sim/gap/in_parallel.hpp"
+#include "sim/gap/predict.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr std::size_t kQuickFits = 9, kFullFits = 4;
+constexpr int kQuickIterations = 5, kFullIterations = 25;
+constexpr double kAsPromising = 0.8;  // a second start, where its probe scored this share of the first
+constexpr double kHopeless = 4.0;     // mean square over that of a rival that left only noise
+constexpr double kWorthAFit = 0.1;    // of the best score
+constexpr double kTolerance = 0.1;    // of the noise
+constexpr double kTwin = 0.3;         // of what the winner explains
+
+Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
+                const Evidence& evidence) {
+  Hypothesis out = current;
+  if (candidate.effect == kBaseline) release(out, candidate.baseline_number);
+  else include(out, candidate.effect, probe.start, evidence);
+  return out;
+}
+
+// A few steps from the best probe, and from the second best where that scored as well.
+Hypothesis quick_fit(const Hypothesis& current, const Score& score, const Evidence& evidence) {
+  const bool second = score.probes.size() > 1 && score.probes[1].share > kAsPromising * score.share();
+  const std::size_t starts = score.candidate.effect != kBaseline && second ? 2 : 1;
+  double least = std::numeric_limits<double>::infinity();
+  Hypothesis best;
+  for (std::size_t i = 0; i < starts; ++i) {
+    Hypothesis attempt = with(current, score.candidate, score.probes[i], evidence);
+    fit(attempt, evidence, kQuickIterations);
+    const double cost = mean_square(residual(attempt.model, evidence, Part::Training));
+    if (i == 0 || cost < least) least = cost, best = std::move(attempt);
+  }
+  return best;
+}
+
+double log_evidence(const Judged& judged, double looks, const Evidence& evidence) {
+  const double tolerated = kTolerance * evidence.noise;
+  double free = 0.0;
+  for (const Unknown& u : judged.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
+  if (!std::isfinite(judged.square)) return -std::numeric_limits<double>::infinity();
+  return -0.5 * looks * std::log(judged.square + tolerated * tolerated) -
+         0.5 * judged.hypothesis.prior_cost() - 0.5 * free * std::log(looks);
+}
+
+auto by_square = [](const Trial& a, const Trial& b) { return a.judged.square < b.judged.square; };
+
+void judge_trial(Trial& trial, Hypothesis hypothesis, const Evidence& evidence) {
+  trial.judged = judge(std::move(hypothesis), evidence);
+  if (!std::isfinite(trial.judged.square)) trial.judged.square = std::numeric_limits<double>::infinity();
+  trial.fitted = true;
+}
+
+// The best to convergence, and those beside it that could still beat it.
+void fit_best_well(std::vector<Trial>& trials, std::size_t promising, const Evidence& fine) {
+  std::size_t count = std::min(kFullFits, promising);
+  if (count > 0 && is_only_noise(trials[0].judged.square, fine))
+    while (count > 1 && trials[count - 1].judged.square > kHopeless * trials[0].judged.square) --count;
+  in_parallel(count, [&](std::size_t i) {
+    Hypothesis better = trials[i].judged.hypothesis;
+    fit(better, fine, kFullIterations);
+    judge_trial(trials[i], std::move(better), fine);
+  });
+  // What was only searched on coarse rows is judged on the same rows as the rest.
+  in_parallel(promising - count, [&](std::size_t i) {
+    judge_trial(trials[count + i], trials[count + i].judged.hypothesis, fine);
+  });
+}
+
+void share_probability(Round& round) {
+  double top = round.nothing;
+  for (const Trial& t : round.trials)
+    if (t.fitted) top = std::max(top, t.log_evidence);
+  double sum = std::exp(round.nothing - top);
+  for (const Trial& t : round.trials)
+    if (t.fitted) sum += std::exp(t.log_evidence - top);
+  for (Trial& t : round.trials)
+    if (t.fitted) t.probability = std::exp(t.log_evidence - top) / sum;
+}
+
+void mark_twins(Round& round, const Judged& now) {
+  const Trial& winner = round.trials.front();
+  const double explained = std::max(0.0, now.square - winner.judged.square);
+  for (Trial& t : round.trials) {
+    if (!t.fitted || &t == &winner || !std::isfinite(t.judged.square)) continue;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < t.judged.residual.size(); ++i)
+      sum += std::pow(t.judged.residual[i] - winner.judged.residual[i], 2);
+    t.twin = sum < kTwin * kTwin * explained * static_cast<double>(t.judged.residual.size());
+  }
+}
+
+std::string names(const std::vector<Score>& scores, std::size_t count, Drive drive) {
+  std::string out;
+  for (std::size_t i = 0; i < count; ++i) out += (i ? ", " : "") + scores[i].candidate.name(drive);
+  return out;
+}
+
+}  // namespace
+
+Judged judge(Hypothesis hypothesis, const Evidence& evidence) {
+  Judged out{std::move(hypothesis), {}, 0.0};
+  out.residual = residual(out.hypothesis.model, evidence, Part::HeldOut);
+  out.square = mean_square(out.residual);
+  return out;
+}
+
+double held_out_looks(const Evidence& evidence) {
+  double windows = 0.0;
+  for (const EvidenceRun& run : evidence.runs)
+    if (run.training_rows < run.rows.size()) windows += static_cast<double>(run.windows.size());
+  const double looks = independent_looks(evidence.held_out_seconds);
+  return windows > 0.0 ? std::min(looks, windows) : looks;
+}
+
+Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
+                 const Progress& progress) {
+  const std::vector<Candidate> open = open_candidates(now.hypothesis);
+  progress(fmt::format("{}: score test of {} candidates", name.title, open.size()));
+  const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
+  std::size_t promising = 0;
+  while (promising < std::min(kQuickFits, scores.size()) &&
+         scores[promising].share() > kWorthAFit * scores.front().share() && scores[promising].share() > 0.0)
+    ++promising;
+  Round round;
+  for (const Score& score : scores)
+    round.trials.push_back({.candidate = score.candidate, .round = name.number, .share = score.share(), .judged = {}});
+  progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, fine_drive(now))));
+  in_parallel(promising, [&](std::size_t i) {
+    judge_trial(round.trials[i], quick_fit(now.hypothesis, scores[i], coarse), coarse);
+  });
+  const auto end = round.trials.begin() + static_cast<std::ptrdiff_t>(promising);
+  std::stable_sort(round.trials.begin(), end, by_square);
+  fit_best_well(round.trials, promising, fine);
+  std::stable_sort(round.trials.begin(), end, by_square);
+  if (promising == 0) return round;
+  const double looks = held_out_looks(fine);
+  round.nothing = log_evidence(now, looks, fine);
+  for (Trial& t : round.trials)
+    if (t.fitted) t.log_evidence = log_evidence(t.judged, looks, fine);
+  std::stable_sort(round.trials.begin(), end,
+                   [](const Trial& a, const Trial& b) { return a.log_evidence > b.log_evidence; });
+  share_probability(round);
+  mark_twins(round, now);
+  return round;
+}
+
+}  // namespace biopsy::sim::gap

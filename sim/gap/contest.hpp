@@ -1,0 +1,28 @@
+// One round: every open candidate against the hypothesis as it stands. Scored, the promising fitted on coarse
+// rows, the best fitted well and judged on the held-out runs.
+#pragma once
+
+#include "sim/gap/select.hpp"
+
+namespace biopsy::sim::gap {
+
+struct Round {
+  std::vector<Trial> trials;  // the best first
+  double nothing = 0.0;       // log evidence of the hypothesis as it stood
+};
+
+struct RoundName {
+  int number = 1;
+  std::string title;
+};
+
+inline Drive fine_drive(const Judged& judged) { return judged.hypothesis.model.baseline.drive; }
+
+Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
+                 const Progress& progress);
+
+// How many stretches of the held-out runs err on their own: one per response time of the stage, one per window
+// at most.
+double held_out_looks(const Evidence& evidence);
+
+}  // namespace biopsy::sim::gap

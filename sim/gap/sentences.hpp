@@ -1,0 +1,12 @@
+// The verdict of a finding in a sentence or two, for a person.
+#pragma once
+
+#include <string>
+
+#include "robot/messages/gap_finding.hpp"
+
+namespace biopsy::sim::gap {
+
+std::string verdict_sentence(const GapFinding& finding);
+
+}  // namespace biopsy::sim::gap

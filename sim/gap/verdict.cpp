@@ -1,0 +1,50 @@
+#include "sim/gap/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr double kWellClosed = 0.9;       // of the RMSE above the noise
+constexpr double kWellBelowNoise = 0.5;   // what is left, in shares of the noise
+constexpr double kLeastClosed = 0.6;      // enough where one candidate leaves all others behind:
+constexpr double kFarAhead = 1.4 * 1.4;   // mean square of the next that predicts something else
+
+bool is_effect(const Entrant& entrant) { return entrant.candidate.effect != kBaseline; }
+
+bool well_explained(double before, double after, const Evidence& evidence) {
+  return std::sqrt(excess(after, evidence)) < kWellBelowNoise * evidence.noise ||
+         gap_closed(before, after, evidence.noise) >= kWellClosed;
+}
+
+}  // namespace
+
+double gap_closed(double before, double after, double noise) {
+  const double gap = std::sqrt(before) - noise;
+  return gap <= 0.0 ? 0.0 : std::clamp((std::sqrt(before) - std::sqrt(after)) / gap, 0.0, 1.0);
+}
+
+double lead(const Selection& selection) {
+  const auto first = std::find_if(selection.entrants.begin(), selection.entrants.end(), is_effect);
+  double next = std::numeric_limits<double>::infinity();
+  if (first == selection.entrants.end()) return next;
+  for (std::size_t i = 1; i < first->contest.size(); ++i) {
+    const Trial& t = first->contest[i];
+    if (t.fitted && !t.twin) next = std::min(next, t.judged.square);
+  }
+  return next / first->contest.front().judged.square;
+}
+
+GapVerdict verdict(const Judged& before, const Selection& selection, const Evidence& evidence) {
+  if (is_only_noise(before.square, evidence) && selection.entrants.empty()) return GapVerdict::NoGap;
+  const bool closed = well_explained(before.square, selection.best.square, evidence);
+  if (!std::any_of(selection.entrants.begin(), selection.entrants.end(), is_effect))
+    return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
+  const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
+                          lead(selection) >= kFarAhead;
+  return closed || stands_out ? GapVerdict::Effect : GapVerdict::Unexplained;
+}
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,148 @@
+#include "tests/bench/gap_peers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/gap/fit.hpp"
+#include "sim/gap/in_parallel.hpp"
+#include "sim/gap/predict.hpp"
+#include "sim/gap/score.hpp"
+#include "sim/gap/select.hpp"
+
+namespace biopsy::bench {
+namespace {
+
+using sim::Drive;
+using sim::gap::Evidence;
+using sim::gap::Hypothesis;
+
+constexpr double kMm = 1e3;
+constexpr int kIterations = 25;
+constexpr double kHelps = 0.95;  // held-out RMSE after over before
+constexpr double kTwoSided95 = 1.96;
+constexpr std::size_t kFits = 6;  // of each round, the most promising by the score test
+constexpr int kMostEffects = 3, kMostRounds = 5;
+
+double training_square(const Hypothesis& hypothesis, const Evidence& evidence) {
+  return sim::gap::mean_square(residual(hypothesis.model, evidence, sim::gap::Part::Training));
+}
+
+std::vector<std::string> baseline_numbers(const sim::PlantModel& model) {
+  std::vector<std::string> names;
+  for (const auto& number : sim::gap::uncertain_baseline(model.baseline.drive))
+    if (number.candidate && model.baseline.*(number.member) > 0.0) names.emplace_back(number.name);
+  return names;
+}
+
+// Every reading counts for one, as the textbook has it.
+double textbook_bic(const Hypothesis& hypothesis, const Evidence& evidence, double readings) {
+  return readings * std::log(training_square(hypothesis, evidence)) + hypothesis.prior_cost() +
+         static_cast<double>(hypothesis.unknowns.size()) * std::log(readings);
+}
+
+double training_readings(const sim::Dataset& data, const Evidence& evidence) {
+  double out = 0.0;
+  for (std::size_t i = 0; i < data.runs.size(); ++i)
+    out += static_cast<double>(data.runs[i].time.size()) *
+           static_cast<double>(evidence.runs[i].training_rows) /
+           static_cast<double>(evidence.runs[i].rows.size());
+  return out;
+}
+
+struct Attempt {
+  sim::gap::Candidate candidate;
+  Hypothesis hypothesis;
+  double bic = 0.0;
+};
+
+// The round's most promising candidates, fitted; the least criterion first.
+std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidence, double readings) {
+  const auto scores = score_candidates(current, evidence, open_candidates(current));
+  std::vector<Attempt> out(std::min(kFits, scores.size()));
+  sim::gap::in_parallel(out.size(), [&](std::size_t i) {
+    Attempt& one = out[i];
+    one.candidate = scores[i].candidate;
+    one.hypothesis = current;
+    if (one.candidate.effect == sim::gap::kBaseline)
+      release(one.hypothesis, one.candidate.baseline_number);
+    else
+      include(one.hypothesis, one.candidate.effect, scores[i].probes.front().start, evidence);
+    fit(one.hypothesis, evidence, kIterations);
+    one.bic = textbook_bic(one.hypothesis, evidence, readings);
+  });
+  std::ranges::sort(out, {}, &Attempt::bic);
+  return out;
+}
+
+hidden::AnsweredEffect answered(const Hypothesis& hypothesis, int effect, double probability) {
+  const auto& entry = sim::gap::library()[static_cast<std::size_t>(effect)];
+  hidden::AnsweredEffect out{std::string(entry.info.name), probability, {}, {}};
+  for (const auto& unknown : hypothesis.unknowns)
+    if (unknown.effect == effect) {
+      const auto& p = entry.parameters[unknown.parameter];
+      const double per_theta = unknown.logarithmic ? std::abs(unknown.value()) : unknown.scale;
+      out.parameters.push_back(
+          {std::string(p.name), unknown.value() / p.si_per_unit, per_theta * unknown.std / p.si_per_unit});
+    }
+  return out;
+}
+
+double best_weight(const std::vector<Attempt>& tried) {
+  double sum = 0.0;
+  for (const Attempt& one : tried) sum += std::exp(-0.5 * (one.bic - tried.front().bic));
+  return 1.0 / sum;
+}
+
+}  // namespace
+
+void mark(hidden::Answer& answer, double square_before, double square_after, double noise) {
+  answer.rmse_before = kMm * std::sqrt(square_before);
+  answer.rmse_after = kMm * std::sqrt(square_after);
+  answer.noise = kMm * noise;
+  const double gap = answer.rmse_before - answer.noise;
+  answer.gap_closed = gap > 0.0 ? (answer.rmse_before - answer.rmse_after) / gap : 0.0;
+}
+
+hidden::Answer fit_all_parameters(const sim::Dataset& data, const sim::PlantModel& model) {
+  const Evidence evidence = sim::gap::prepare(data, model, {}, sim::gap::Grain::Fine);
+  Hypothesis all = sim::gap::baseline_hypothesis(model, baseline_numbers(model));
+  fit(all, evidence, kIterations);
+  estimate_uncertainty(all, evidence);
+  const double before = held_out_square(model, evidence), after = held_out_square(all.model, evidence);
+  hidden::Answer answer;
+  const bool helps = after < kHelps * kHelps * before;
+  answer.verdict = helps ? "parameter" : "no_gap";
+  mark(answer, before, helps ? after : before, evidence.noise);
+  for (const auto& unknown : all.unknowns)
+    if (helps && std::abs(unknown.theta) > kTwoSided95 * unknown.std)
+      answer.parameters_changed.emplace_back(
+          sim::gap::uncertain_baseline(model.baseline.drive)[unknown.parameter].name);
+  return answer;
+}
+
+hidden::Answer select_naively(const sim::Dataset& data, const sim::PlantModel& model) {
+  const Evidence evidence = sim::gap::prepare(data, model, {}, sim::gap::Grain::Coarse);
+  const double readings = training_readings(data, evidence);
+  Hypothesis best = sim::gap::baseline_hypothesis(model, {});
+  fit(best, evidence, kIterations);
+  double bic = textbook_bic(best, evidence, readings);
+  hidden::Answer answer;
+  std::vector<std::pair<int, double>> effects;
+  for (int round = 1; round <= kMostRounds && effects.size() < kMostEffects; ++round) {
+    const auto tried = attempts(best, evidence, readings);
+    if (tried.empty() || !(tried.front().bic < bic)) break;
+    best = tried.front().hypothesis, bic = tried.front().bic;
+    const auto& entered = tried.front().candidate;
+    if (entered.effect == sim::gap::kBaseline)
+      answer.parameters_changed.push_back(entered.name(model.baseline.drive));
+    else
+      effects.emplace_back(entered.effect, best_weight(tried));
+  }
+  estimate_uncertainty(best, evidence);  // kinder than the textbook's, which takes errors as independent
+  for (const auto& [effect, weight] : effects) answer.effects.push_back(answered(best, effect, weight));
+  answer.verdict = !effects.empty() ? "effect" : !answer.parameters_changed.empty() ? "parameter" : "no_gap";
+  mark(answer, held_out_square(model, evidence), held_out_square(best.model, evidence), evidence.noise);
+  return answer;
+}
+
+}  // namespace biopsy::bench
