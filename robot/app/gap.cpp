@@ -60,6 +60,17 @@ void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, 
   sim::gap::prepare(dataset, model, options.window, sim::gap::Grain::Coarse);
 }
 
+// For one line of a terminal.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMost = 76;
+  return text.size() <= kMost ? text : text.substr(0, kMost - 4) + " ...";
+}
+
+// A data set without a title goes by the name of its folder.
+std::string title_of(const sim::Dataset& dataset, const fs::path& folder) {
+  return dataset.title.empty() ? fs::canonical(folder).filename().string() : dataset.title;
+}
+
 // Data set and runs: where the numbers of the new model come from.
 std::string source_of(const sim::Dataset& dataset) {
   std::string source = dataset.title + ": ";
@@ -67,10 +78,15 @@ std::string source_of(const sim::Dataset& dataset) {
   return source;
 }
 
+// Nobody knows a standard deviation better.
+double three_digits(double value) {
+  return std::stod(fmt::format("{:.2e}", value));
+}
+
 std::string new_text(const sim::gap::FoundGap& found, sim::ModelNotes notes, const std::string& source) {
   for (const auto& [name, std] : found.changed) {
     sim::ValueNote& note = notes.values[name];
-    note.std = std::isfinite(std) ? std::optional(std) : std::nullopt;
+    note.std = std::isfinite(std) ? std::optional(three_digits(std)) : std::nullopt;
     note.source = source;
   }
   return sim::model_toml(found.model, notes);
@@ -82,10 +98,9 @@ bool is_better(const GapFinding& finding) {
 
 void add_recheck(GapFinding& finding, const GapOptions& options, ProgressLine& line) {
   report::write_whole_file(options.out / "model.toml", finding.model_after);
-  const Recheck checked = recheck(options.model, options.out / "model.toml", finding.noise_floor,
-                                  [&line](double share, const std::string& what) {
-                                    line.show(share, "safety margins with the new model: " + what);
-                                  });
+  const Recheck checked =
+      recheck(options.model, options.out / "model.toml", finding.noise_floor,
+              [&line](double share, const std::string& what) { line.show(share, "margins: " + what); });
   finding.margins = checked.margins;
   finding.warnings.insert(finding.warnings.end(), checked.warnings.begin(), checked.warnings.end());
 }
@@ -95,7 +110,7 @@ GapFinding compared(const GapOptions& options, const sim::Dataset& dataset, cons
   ProgressLine line;
   const sim::gap::FoundGap found =
       sim::gap::find_gap(dataset, given.model, {.free = options.free, .window = options.window},
-                         [&line](const std::string& doing) { line.show(-1.0, doing); });
+                         [&line](const std::string& doing) { line.show(-1.0, shortened(doing)); });
   GapFinding finding = found.finding;
   finding.dataset = dataset.title;
   finding.model_before = sim::model_toml(given.model, given.notes);
@@ -120,7 +135,8 @@ void accept(const GapFinding& finding, const fs::path& model) {
 
 int gap(const GapOptions& options) {
   const sim::NotedModel given = sim::read_noted_model(options.model);
-  const sim::Dataset dataset = sim::read_dataset(options.dataset, given.model.baseline.drive);
+  sim::Dataset dataset = sim::read_dataset(options.dataset, given.model.baseline.drive);
+  dataset.title = title_of(dataset, options.dataset);
   refuse_unusable(dataset, given.model, options);
   keep_apart(options);
   if (options.accept) refuse_unless_replaceable(options.model);

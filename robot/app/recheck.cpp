@@ -120,9 +120,9 @@ void compare(const std::string& plan, const report::RunRecord& old_run, const re
 Recheck recheck(const fs::path& old_model, const fs::path& new_model, double noise_mm,
                 const Progress& progress) {
   const TemporaryFolder scratch;
-  const std::vector<PreparedCase> plans = prepared_plans(scratch.path());
   const fs::path old_file = with_noise(old_model, noise_mm, scratch.path() / "old.toml");
   const fs::path new_file = with_noise(new_model, noise_mm, scratch.path() / "new.toml");
+  const std::vector<PreparedCase> plans = prepared_plans(scratch.path());
   // A rehearsal shares nothing with another but what it only reads.
   auto old_runs = std::async(std::launch::async, [&] {
     return rehearsed(plans, old_file, scratch.path() / "old", [](double, const std::string&) {});

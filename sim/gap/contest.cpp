@@ -12,10 +12,10 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr std::size_t kQuickFits = 9, kFullFits = 4;
-constexpr int kQuickIterations = 5, kFullIterations = 25;
+constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4;
+constexpr int kQuickIterations = 5, kFullIterations = 15;
 constexpr double kAsPromising = 0.8;  // a second start, where its probe scored this share of the first
-constexpr double kHopeless = 4.0;     // mean square over that of a rival that left only noise
+constexpr double kHopeless = 4.0;     // mean square over the best rival's, after the first few steps
 constexpr double kWorthAFit = 0.1;    // of the best score
 constexpr double kTolerance = 0.1;    // of the noise
 constexpr double kTwin = 0.3;         // of what the winner explains
@@ -63,8 +63,7 @@ void judge_trial(Trial& trial, Hypothesis hypothesis, const Evidence& evidence) 
 // The best to convergence, and those beside it that could still beat it.
 void fit_best_well(std::vector<Trial>& trials, std::size_t promising, const Evidence& fine) {
   std::size_t count = std::min(kFullFits, promising);
-  if (count > 0 && is_only_noise(trials[0].judged.square, fine))
-    while (count > 1 && trials[count - 1].judged.square > kHopeless * trials[0].judged.square) --count;
+  while (count > 1 && trials[count - 1].judged.square > kHopeless * trials[0].judged.square) --count;
   in_parallel(count, [&](std::size_t i) {
     Hypothesis better = trials[i].judged.hypothesis;
     fit(better, fine, kFullIterations);
@@ -127,8 +126,9 @@ Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine
   const std::vector<Candidate> open = open_candidates(now.hypothesis);
   progress(fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
+  const std::size_t most = std::min(name.number > 1 ? kLaterQuickFits : kQuickFits, scores.size());
   std::size_t promising = 0;
-  while (promising < std::min(kQuickFits, scores.size()) &&
+  while (promising < most &&
          scores[promising].share() > kWorthAFit * scores.front().share() && scores[promising].share() > 0.0)
     ++promising;
   Round round;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLookSeconds = 0.1;  // the stage's response: its period is 0.15 s, its oil flow 0.03 s
 constexpr double kToleranceOfNoise = 0.1;
-constexpr double kConverged = 1e-5;
+constexpr double kConverged = 1e-4;  // of the cost: a tenth of a unit of log evidence
 constexpr int kRefresh = 4;  // the calibration's columns hardly change: computed anew every so many times
 
 double difference_step(const Unknown& u) {

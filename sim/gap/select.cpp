@@ -15,17 +15,20 @@ constexpr std::size_t kMostEffects = 3, kMostRounds = 5;
 constexpr double kNeededEvidence = 10.0;  // odds of 20000 to 1: the whole library gets its say well under 5 %
 constexpr double kWorthTrying = 0.25;     // of the excess square that is left: two equals share it,
 constexpr double kWorthKeeping = 0.5;     // but the last to enter must close most of what was left
+constexpr double kMuchLeft = 0.05;         // of the first excess square
 constexpr double kOnlyNoise = 0.25;       // excess below this share of the noise changes no RMSE by 4 %
 constexpr double kAsGood = 1.05;          // mean square: then the evidence decides who has the place
 constexpr int kRefitIterations = 15;
 
 bool is_effect(const Entrant& entrant) { return entrant.candidate.effect != kBaseline; }
 
-bool convinces(const Round& round, const Judged& now, const Evidence& evidence) {
+// `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
+bool convinces(const Round& round, const Judged& now, bool much_left, const Evidence& evidence) {
   if (round.trials.empty() || !round.trials.front().fitted) return false;
   const Trial& first = round.trials.front();
+  const double needed = much_left ? kWorthTrying : kWorthKeeping;
   return first.log_evidence > round.nothing + kNeededEvidence &&
-         excess(first.judged.square, evidence) < (1.0 - kWorthTrying) * excess(now.square, evidence);
+         excess(first.judged.square, evidence) < (1.0 - needed) * excess(now.square, evidence);
 }
 
 double reduction(const Judged& from, const Judged& to, const Evidence& evidence) {
@@ -77,7 +80,8 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
          static_cast<std::size_t>(std::count_if(out.entrants.begin(), out.entrants.end(), is_effect)) < kMostEffects) {
     const int number = static_cast<int>(out.entrants.size()) + 1;
     Round round = hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
-    const bool found = convinces(round, stands.back(), fine);
+    const bool much_left = excess(stands.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
+    const bool found = convinces(round, stands.back(), much_left, fine);
     if (found) {
       round.trials.front().chosen = true;
       out.entrants.push_back({round.trials.front().candidate,

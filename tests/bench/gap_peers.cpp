@@ -7,7 +7,6 @@
 #include "sim/gap/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/score.hpp"
-#include "sim/gap/select.hpp"
 
 namespace biopsy::bench {
 namespace {
@@ -95,10 +94,14 @@ double best_weight(const std::vector<Attempt>& tried) {
 
 }  // namespace
 
-void mark(hidden::Answer& answer, double square_before, double square_after, double noise) {
-  answer.rmse_before = kMm * std::sqrt(square_before);
-  answer.rmse_after = kMm * std::sqrt(square_after);
-  answer.noise = kMm * noise;
+void mark(hidden::Answer& answer, const sim::PlantModel& before, const sim::PlantModel& after,
+          const Evidence& evidence) {
+  const auto rmse = [&](const sim::PlantModel& model) {
+    return kMm * std::sqrt(sim::gap::mean_square(residual(model, evidence, sim::gap::Part::HeldOut)));
+  };
+  answer.rmse_before = rmse(before);
+  answer.rmse_after = rmse(after);
+  answer.noise = kMm * evidence.noise;
   const double gap = answer.rmse_before - answer.noise;
   answer.gap_closed = gap > 0.0 ? (answer.rmse_before - answer.rmse_after) / gap : 0.0;
 }
@@ -108,11 +111,11 @@ hidden::Answer fit_all_parameters(const sim::Dataset& data, const sim::PlantMode
   Hypothesis all = sim::gap::baseline_hypothesis(model, baseline_numbers(model));
   fit(all, evidence, kIterations);
   estimate_uncertainty(all, evidence);
-  const double before = held_out_square(model, evidence), after = held_out_square(all.model, evidence);
   hidden::Answer answer;
-  const bool helps = after < kHelps * kHelps * before;
+  mark(answer, model, all.model, evidence);
+  const bool helps = answer.rmse_after < kHelps * answer.rmse_before;
   answer.verdict = helps ? "parameter" : "no_gap";
-  mark(answer, before, helps ? after : before, evidence.noise);
+  if (!helps) mark(answer, model, model, evidence);
   for (const auto& unknown : all.unknowns)
     if (helps && std::abs(unknown.theta) > kTwoSided95 * unknown.std)
       answer.parameters_changed.emplace_back(
@@ -141,7 +144,7 @@ hidden::Answer select_naively(const sim::Dataset& data, const sim::PlantModel& m
   estimate_uncertainty(best, evidence);  // kinder than the textbook's, which takes errors as independent
   for (const auto& [effect, weight] : effects) answer.effects.push_back(answered(best, effect, weight));
   answer.verdict = !effects.empty() ? "effect" : !answer.parameters_changed.empty() ? "parameter" : "no_gap";
-  mark(answer, held_out_square(model, evidence), held_out_square(best.model, evidence), evidence.noise);
+  mark(answer, model, best.model, evidence);
   return answer;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/dataset.hpp"
+#include "sim/gap/evidence_runs.hpp"
 #include "sim/plant_model.hpp"
 #include "tests/gap/gap_score.hpp"
 
@@ -18,11 +19,12 @@ hidden::Answer select_naively(const sim::Dataset& data, const sim::PlantModel& m
 
 // Sparse identification (Brunton, Proctor, Kutz, PNAS 2016): the balance of forces on plate A
 // (gap_balance.hpp), regressed on a dictionary of quantities by sequentially thresholded least squares; the
-// threshold is the one whose terms predict the held-out runs best. What plate B and the spring do is taken
-// from the baseline. Terms that survive are read as effects of the library.
+// threshold is the one whose terms predict the held-out runs best. What plate B does is taken from its
+// recording, or from the baseline. Terms that survive are read as effects of the library.
 hidden::Answer regress_sparsely(const sim::Dataset& data, const sim::PlantModel& model);
 
-// RMSE of held-out runs into an answer, mm. Shared by the three.
-void mark(hidden::Answer& answer, double square_before, double square_after, double noise);
+// RMSE of the held-out runs with either model into an answer, mm. Shared by the three.
+void mark(hidden::Answer& answer, const sim::PlantModel& before, const sim::PlantModel& after,
+          const sim::gap::Evidence& evidence);
 
 }  // namespace biopsy::bench

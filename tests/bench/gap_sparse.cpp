@@ -8,7 +8,6 @@
 
 #include "sim/gap/evidence_runs.hpp"
 #include "sim/gap/library.hpp"
-#include "sim/gap/select.hpp"
 #include "tests/bench/gap_balance.hpp"
 #include "tests/bench/gap_peers.hpp"
 
@@ -162,9 +161,7 @@ hidden::Answer regress_sparsely(const sim::Dataset& data, const sim::PlantModel&
   const auto found = survivors(trained, c, columns);
   hidden::Answer answer;
   name(answer, found);
-  const double before = held_out_square(model, evidence),
-               after = held_out_square(with_terms(model, found), evidence);
-  mark(answer, before, after, evidence.noise);
+  mark(answer, model, with_terms(model, found), evidence);
   return answer;
 }
 

@@ -7,6 +7,7 @@
 
 #include "sim/model_file.hpp"
 #include "tests/stories/command.hpp"
+#include "tests/stories/told.hpp"
 
 namespace biopsy::stories {
 namespace {
@@ -98,6 +99,10 @@ TEST_F(GapExample, RehearsesTheReferencePlansWithBothModels) {
   EXPECT_NE(file_content(in("first/report.html")).find("Used now"), std::string::npos);
 }
 
+TEST_F(GapExample, TheReferenceTellsEveryFieldOfTheAnswer) {
+  expect_told(json_of(in("first/gap.json")), file_content(kHouse / "docs/reference.md"));
+}
+
 TEST_F(GapExample, FindsNothingMoreInTheSameData) {
   const std::string accepted = file_content(model());
   const Answer again = biopsy(gap("again") + " --accept");
@@ -129,6 +134,24 @@ TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
   const std::string air = "dry-run " + (kHouse / "docs/examples/air.toml").string() + " --model ";
   EXPECT_EQ(biopsy(air + in("stage.toml.1").string() + " --out " + in("old").string()).code, 3);
   EXPECT_EQ(biopsy(air + model().string() + " --out " + in("new").string()).code, 0);
+}
+
+TEST(GapCommand, SaysWhichNumberOfTheBaselineIsWrong) {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  const std::string recorded = (kHouse / "docs/examples/gap").string();
+  folder.write("truth.toml", "[baseline]\nK = 0.86\n[effect.sensor_noise]\nstd_mm = 0.010\n");
+  fs::copy_file(kHouse / "docs/examples/gap/stage.toml", folder / "stage.toml");
+  ASSERT_EQ(biopsy("simulate " + recorded + " --model " + in("truth.toml") + " --out " + in("data")).code, 0);
+  const Answer answer = biopsy("gap " + in("data") + " --model " + in("stage.toml") + " --out " + in("out") +
+                               " --accept --no-recheck");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json found = json_of(folder / "out/gap.json");
+  EXPECT_EQ(found["verdict"], "parameter") << answer.text;
+  EXPECT_TRUE(found["effects"].empty());
+  EXPECT_TRUE(found["margins"].empty()) << "--no-recheck";
+  EXPECT_NEAR(sim::read_model(folder / "stage.toml").baseline.K, 0.86, 0.005);
+  EXPECT_TRUE(fs::exists(folder / "stage.toml.1"));
 }
 
 }  // namespace
