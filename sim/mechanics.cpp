@@ -31,7 +31,10 @@ double stage_force(const Surroundings& s, const Motion& m, double since) {
   const Effects& e = s.model.effects;
   double force = 0.0;
   if (e.quadratic_damping) force += e.quadratic_damping->drag(m.v);
-  if (e.hysteretic_spring) force += e.hysteretic_spring->pull(e.hysteretic_spring->bounded(m.yielded));
+  if (const auto& spring = e.hysteretic_spring) {
+    const double on_frame = s.model.baseline.drive == Drive::Force ? 1.0 : 1.0 - spring->across;
+    force += on_frame * spring->pull(spring->bounded(m.yielded));
+  }
   if (e.external_force) force += e.external_force->force;
   if (e.periodic_disturbance)
     force -= e.periodic_disturbance->force * e.periodic_disturbance->wave(s.state.time + since);
@@ -46,8 +49,17 @@ void memory_rates(const Surroundings& s, const Motion& m, Derivative& d) {
   const Effects& e = s.model.effects;
   d.dcrept_lone = e.tissue_relaxation ? e.tissue_relaxation->rate(m.x, m.crept_lone) : 0.0;
   d.dpouch = e.pouch_creep ? e.pouch_creep->rate(m.H - s.model.baseline.H_0, m.pouch_crept) : 0.0;
-  const auto& spring = e.hysteretic_spring;
-  d.dyielded = spring ? spring->rate(m.v, spring->bounded(m.yielded)) : 0.0;
+}
+
+// Once the pouches' rate is known: the yielding spring may ride on plate B.
+void yield_rate(const Surroundings& s, const Motion& m, double v, Derivative& d) {
+  const auto& spring = s.model.effects.hysteretic_spring;
+  if (!s.has.inner) return;
+  const bool stack = s.model.baseline.drive == Drive::Stack;
+  d.dyielded = 0.0;
+  if (spring)
+    d.dyielded = spring->rate(v - (stack ? spring->across * s.model.baseline.n * d.dH : 0.0),
+                              spring->bounded(m.yielded));
 }
 
 // What set and creep add on top of a pouch, how fast that grows by itself, how much of it per growth of H,
@@ -93,8 +105,8 @@ double spring_force(const Surroundings& s, const Motion& m, Instant at, double& 
   if (const auto& play = s.model.effects.zipping_hysteresis) {
     const double zipped = std::max(b.H_0, play->zipped(goal.H, s.state.zipped));
     const bool inside = std::abs(goal.H - s.state.zipped) < 0.5 * play->width - kEdge;
-    if (inside || zipped == b.H_0) goal.slope = 0.0;  // there the load has no say
-    goal.H = zipped;
+    if (inside || zipped == b.H_0) goal.slope *= play->free;  // there the load has no say
+    goal.H = play->height(goal.H, zipped);
   }
   if (kTopped && goal.H < top.floor) goal = {top.floor, 0.0};
   const double slope = undamped > 0.0 ? goal.slope : 0.0;
@@ -153,11 +165,13 @@ Derivative rates(const Surroundings& s, const Motion& m, Instant at, int directi
   memory_rates(s, m, d);
   if (direction == 0) {
     if (s.model.baseline.drive == Drive::Stack) spring_force(s, m, at, d.dH);
+    yield_rate(s, m, 0.0, d);
     return d;
   }
   d.dx = m.v;
   const double friction = s.has.dry ? direction * friction_bound(s.model, m.x, m.v) : 0.0;
   d.dv = (net_force(s, m, at, d.dH) - friction) / s.mass;
+  yield_rate(s, m, m.v, d);
   return d;
 }
 

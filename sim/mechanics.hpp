@@ -54,8 +54,11 @@ double on_top(const PlantModel& model, const Motion& m, double largest);
 inline double undamped_spring(const PlantModel& model, const Motion& m, double mass, double on_top) {
   const Baseline& b = model.baseline;
   const double stretch = b.n * (m.H - b.H_0 + on_top) - m.x;
-  const double linear = mass * b.g + b.k * stretch - b.c_k * m.v;
-  return model.effects.spring_hardening ? linear + model.effects.spring_hardening->force(stretch) : linear;
+  double push = mass * b.g + b.k * stretch - b.c_k * m.v;
+  if (const auto& cubic = model.effects.spring_hardening) push += cubic->force(stretch);
+  if (const auto& bouc = model.effects.hysteretic_spring)
+    push -= bouc->across * bouc->pull(bouc->bounded(m.yielded));
+  return push;
 }
 
 }  // namespace biopsy::sim

@@ -62,8 +62,8 @@ struct GapOptions {
   std::filesystem::path dataset, model, out;
   std::vector<std::string> free;  // baseline parameters that are not known
   std::optional<double> window;   // s; empty: each run from its start in one piece
-  bool accept = false;  // the model file is replaced by what was found
-  bool recheck = true;  // rehearse with the model that was found
+  bool accept = false;            // the model file is replaced by what was found
+  bool recheck = true;            // rehearse with the model that was found
 };
 
 // Exit code 0 for any honest verdict.

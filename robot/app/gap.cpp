@@ -12,6 +12,7 @@
 #include "robot/messages/setup_error.hpp"
 #include "robot/report/gap_console.hpp"
 #include "robot/report/gap_report.hpp"
+#include "robot/report/gap_sentence.hpp"
 #include "robot/report/whole_file.hpp"
 #include "sim/gap/evidence_runs.hpp"
 #include "sim/gap/find_gap.hpp"
@@ -113,6 +114,7 @@ GapFinding compared(const GapOptions& options, const sim::Dataset& dataset, cons
                          [&line](const std::string& doing) { line.show(-1.0, shortened(doing)); });
   GapFinding finding = found.finding;
   finding.dataset = dataset.title;
+  finding.sentence = report::verdict_sentence(finding);
   finding.model_before = sim::model_toml(given.model, given.notes);
   finding.model_after =
       is_better(finding) ? new_text(found, given.notes, source_of(dataset)) : finding.model_before;

@@ -49,11 +49,11 @@ enum class CandidateKind : std::uint8_t { Effect, Parameter };
 struct GapCandidate {
   std::string name;
   CandidateKind kind = CandidateKind::Effect;
-  int round = 1;               // of the forward selection
-  double score = 0.0;          // share of the gap the score test promises, training runs
-  bool fitted = false;         // otherwise the score test ruled it out
+  int round = 1;        // of the forward selection
+  double score = 0.0;   // share of the gap the score test promises, training runs
+  bool fitted = false;  // otherwise the score test ruled it out
   double held_out_rmse = std::numeric_limits<double>::quiet_NaN();
-  double probability = 0.0;    // among the candidates of its round
+  double probability = 0.0;  // among the candidates of its round
   bool chosen = false;
 };
 

@@ -8,13 +8,15 @@
 
 namespace biopsy::sim {
 
-// Bouc-Wen spring between plate A and the frame, normalised: it starts with `stiffness`, yields at a
-// displacement `yield` after the last reversal, and its inner displacement z never leaves +-yield.
+// Bouc-Wen spring, normalised: it starts with `stiffness`, yields at a displacement `yield` after the last
+// reversal, and its inner displacement z never leaves +-yield. It stands between plate A and the frame, or
+// across the series spring, where it feels plate A move against plate B.
 struct HystereticSpring {
   double stiffness = 0.0;  // N/m
   double yield = 0.5e-3;   // m
   double sharpness = 2.0;  // exponent n: 1 a smooth bend, large a corner
   double beta = 0.5;       // share of the reversible part: 0.5 unloads with the full stiffness
+  double across = 0.0;     // 0: against the frame, 1: across the series spring
 
   double pull(double z) const { return stiffness * z; }
   double bounded(double z) const { return std::clamp(z, -yield, yield); }
@@ -27,7 +29,7 @@ struct HystereticSpring {
       "hysteretic_spring",
       Attachment::Stage,
       "A restoring force that depends on the way plate A came: stiff after each reversal, then yielding.",
-      "F = -stiffness z, dz/dt = v (1 - |z/yield|^n (beta sign(v z) + 1 - beta))",
+      "F = -stiffness z, dz/dt = v (1 - |z/yield|^n (beta sign(v z) + 1 - beta)), v = v_A - across v_B",
       "slow_triangle",
       "Bouc 1967; Wen 1976, ASCE J. Eng. Mech. 102(2); Ikhouane, Rodellar 2007, normalised form"};
   static constexpr auto parameters() {
@@ -38,7 +40,10 @@ struct HystereticSpring {
         Parameter<E>{"yield_mm", &E::yield, 1e-3, 1e-4, 1e4, 0.5, "displacement at which it yields",
                      Role::Shape},
         Parameter<E>{"sharpness", &E::sharpness, 1.0, 1.0, 6.0, 2.0, "exponent n of the bend", Role::Shape},
-        Parameter<E>{"beta", &E::beta, 1.0, 0.05, 1.0, 0.5, "how much a reversal stiffens it", Role::Shape}};
+        Parameter<E>{"beta", &E::beta, 1.0, 0.05, 1.0, 0.5, "how much a reversal stiffens it", Role::Shape},
+        Parameter<E>{"across_share", &E::across, 1.0, 0.0, 1.0, 0.0,
+                     "0: between plate A and the frame, 1: across the series spring", Role::Shape,
+                     kMayBeLeftOut}};
   }
 };
 

@@ -11,24 +11,32 @@ namespace biopsy::sim {
 // height that the pouch goes to.
 struct ZippingHysteresis {
   double width = 0.0;  // m of height per pouch, full width of the loop
+  double free = 0.0;   // share of the height that follows pressure at once
 
   // The play operator: the zipped height stays where it was while pressure asks for anything within the play.
   double zipped(double asked, double before) const {
     return std::clamp(before, asked - 0.5 * width, asked + 0.5 * width);
   }
 
+  // What the pouch goes to, the play standing at `held`.
+  double height(double asked, double held) const { return free * asked + (1.0 - free) * held; }
+
   static constexpr EffectInfo info{
       "zipping_hysteresis",
       Attachment::Pouch,
       "A pouch rises later than the voltage and falls later than it, because zipped films hold on to each "
       "other.",
-      "H_zip = clamp(H_zip, H_eq - width/2, H_eq + width/2), never below H_0",
+      "H = free H_eq + (1 - free) H_zip, H_zip = clamp(H_zip, H_eq - width/2, H_eq + width/2), never below "
+      "H_0",
       "voltage_staircase_up_and_down",
-      "Prandtl play operator; paper Fig. 8b: loop of about 30 % of the largest strain"};
+      "Prandtl-Ishlinskii: a play beside a direct part; paper Fig. 8b: loop of about 30 % of the largest "
+      "strain"};
   static constexpr auto parameters() {
-    return std::array{Parameter<ZippingHysteresis>{"width_mm", &ZippingHysteresis::width, 1e-3, 0.0, 5.0, 0.1,
-                                                   "full width of the loop, height of one pouch",
-                                                   Role::Strength}};
+    using E = ZippingHysteresis;
+    return std::array{Parameter<E>{"width_mm", &E::width, 1e-3, 0.0, 5.0, 0.1,
+                                   "full width of the loop, height of one pouch", Role::Strength},
+                      Parameter<E>{"free_share", &E::free, 1.0, 0.0, 1.0, 0.0,
+                                   "share of the height that has no play", Role::Shape, kMayBeLeftOut}};
   }
 };
 

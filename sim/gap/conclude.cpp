@@ -8,7 +8,6 @@
 #include "sim/gap/next_experiment.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/residual_shape.hpp"
-#include "sim/gap/sentences.hpp"
 #include "sim/gap/trace.hpp"
 #include "sim/gap/verdict.hpp"
 #include "sim/gap/where.hpp"
@@ -17,8 +16,9 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr double kMm = 1e3;
-constexpr double kMovedStds = 3.0;  // a calibration error worth telling: surely there,
-constexpr double kMovedShare = 0.005;  // and not a hair
+constexpr double kMovedStds = 3.0;      // a calibration error worth telling: surely there,
+constexpr double kMovedShare = 0.005;   // and not a hair
+constexpr double kGrain = 0.1;          // of a standard deviation: the last digit written
 constexpr double kWorthNaming = 0.005;  // probability of a rival
 
 std::string number_name(const Unknown& u, Drive drive) {
@@ -37,6 +37,21 @@ double value_std(const Unknown& u) {  // in the unit of files
   return (u.logarithmic ? u.value() : std::abs(u.scale)) * u.std / si_per_unit(u);
 }
 
+// Digits far below the standard deviation say nothing and read badly.
+Hypothesis rounded(Hypothesis hypothesis) {
+  std::vector<double> thetas;
+  for (const Unknown& u : hypothesis.unknowns) {
+    const double unit = si_per_unit(u), std = value_std(u);
+    const bool known = std::isfinite(std) && std > 0.0;
+    const double grain = known ? std::pow(10.0, std::floor(std::log10(std * kGrain))) : 0.0;
+    const double value = known ? std::round(u.value() / unit / grain) * grain * unit : u.value();
+    const double theta = u.theta_of(value);
+    thetas.push_back(std::isfinite(theta) && theta >= u.low && theta <= u.high ? theta : u.theta);
+  }
+  hypothesis.settle(thetas);
+  return hypothesis;
+}
+
 FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
   const LibraryEffect& effect = library()[static_cast<std::size_t>(entrant.candidate.effect)];
   FoundEffect out;
@@ -49,7 +64,8 @@ FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
           {std::string(effect.parameters[u.parameter].name), u.value() / si_per_unit(u), value_std(u)});
   for (std::size_t i = 0; i < entrant.contest.size(); ++i) {
     const Trial& t = entrant.contest[i];
-    if (i == 0) out.probability = t.probability;
+    if (i == 0)
+      out.probability = t.probability;
     else if (t.fitted && (t.probability >= kWorthNaming))
       out.confused_with.push_back({t.candidate.name(best.model.baseline.drive), t.probability});
   }
@@ -106,6 +122,15 @@ NextExperiment experiment_between(const Selection& selection, const Evidence& ev
   return next_experiment(models, names, evidence.noise, evidence.u_max);
 }
 
+// Without noise a simulated laser would look frozen to the supervisor.
+void lend_noise(FoundGap& found, double noise) {
+  const auto parameter = SensorNoise::parameters()[0];
+  const double um = std::max(1e-3, std::round(noise * 1e9) * 1e-3);
+  found.model.effects.sensor_noise = SensorNoise{um * 1e-6};
+  found.changed.push_back({fmt::format("{}.{}", SensorNoise::info.name, parameter.name),
+                           std::numeric_limits<double>::quiet_NaN()});
+}
+
 void name_runs(GapFinding& f, const Evidence& evidence) {
   for (const EvidenceRun& run : evidence.runs) {
     if (run.training_rows > 0) f.training_runs.push_back(run.name);
@@ -124,7 +149,8 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   f.force_drive = drive == Drive::Force;
   f.verdict = verdict(before, selection, evidence);
   const bool adopted = f.verdict == GapVerdict::Effect || f.verdict == GapVerdict::Parameter;
-  found.model = adopted ? selection.best.hypothesis.model : given;
+  const Hypothesis best = rounded(selection.best.hypothesis);
+  found.model = adopted ? best.model : given;
   f.noise_floor = evidence.noise * kMm;
   f.noise_given = evidence.noise_given;
   f.rmse_before = std::sqrt(before.square) * kMm;
@@ -133,8 +159,9 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   f.candidates = candidates_of(selection, drive);
   if (f.verdict == GapVerdict::Effect)
     for (const Entrant& entrant : selection.entrants)
-      if (entrant.candidate.effect != kBaseline) f.effects.push_back(describe(entrant, selection.best.hypothesis));
-  if (adopted) tell_changes(found, given, selection.best.hypothesis);
+      if (entrant.candidate.effect != kBaseline) f.effects.push_back(describe(entrant, best));
+  if (adopted) tell_changes(found, given, best);
+  if (adopted && !found.model.effects.sensor_noise) lend_noise(found, evidence.noise);
   name_runs(f, evidence);
   const std::vector<double> was = residual(before.hypothesis.model, evidence, Part::All);
   const std::vector<double> is = adopted ? residual(found.model, evidence, Part::All) : was;
@@ -146,7 +173,6 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
     f.shapes = residual_shapes(evidence, selection.start.hypothesis.model,
                                residual(selection.start.hypothesis.model, evidence, Part::All));
   if (f.verdict != GapVerdict::NoGap) f.next = experiment_between(selection, evidence);
-  f.sentence = verdict_sentence(f);
   return found;
 }
 

@@ -14,31 +14,53 @@ namespace {
 
 constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4;
 constexpr int kQuickIterations = 5, kFullIterations = 15;
-constexpr double kAsPromising = 0.8;  // a second start, where its probe scored this share of the first
+constexpr std::size_t kMostStarts = 3;
+constexpr double kAsPromising = 0.5;  // a further start, where its probe scored this share of the first
 constexpr double kHopeless = 4.0;     // mean square over the best rival's, after the first few steps
 constexpr double kWorthAFit = 0.1;    // of the best score
 constexpr double kTolerance = 0.1;    // of the noise
-constexpr double kTwin = 0.3;         // of what the winner explains
+constexpr double kPlainness =
+    1.0;                       // log odds that a number must earn beyond that: of two that fit, the simpler
+constexpr double kTwin = 0.3;  // of what the winner explains
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
                 const Evidence& evidence) {
   Hypothesis out = current;
-  if (candidate.effect == kBaseline) release(out, candidate.baseline_number);
-  else include(out, candidate.effect, probe.start, evidence);
+  if (candidate.effect == kBaseline)
+    release(out, candidate.baseline_number);
+  else
+    include(out, candidate.effect, probe.start, evidence);
   return out;
 }
 
-// A few steps from the best probe, and from the second best where that scored as well.
+// The best probe of each shape: strengths are found by any fit, shapes are what it gets stuck in.
+std::vector<Probe> different_starts(const Score& score) {
+  std::vector<Probe> out;
+  const auto same_shape = [&](const Probe& a, const Probe& b) {
+    const auto& parameters = library()[static_cast<std::size_t>(score.candidate.effect)].parameters;
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      if (parameters[i].role != Role::Strength && a.start[i] != b.start[i]) return false;
+    return true;
+  };
+  for (const Probe& probe : score.probes) {
+    const bool known =
+        std::any_of(out.begin(), out.end(), [&](const Probe& p) { return same_shape(p, probe); });
+    if (out.empty() || (!known && out.size() < kMostStarts && probe.share > kAsPromising * score.share()))
+      out.push_back(probe);
+    if (score.candidate.effect == kBaseline) break;
+  }
+  return out;
+}
+
+// A few steps from each start; the one that got farthest.
 Hypothesis quick_fit(const Hypothesis& current, const Score& score, const Evidence& evidence) {
-  const bool second = score.probes.size() > 1 && score.probes[1].share > kAsPromising * score.share();
-  const std::size_t starts = score.candidate.effect != kBaseline && second ? 2 : 1;
   double least = std::numeric_limits<double>::infinity();
-  Hypothesis best;
-  for (std::size_t i = 0; i < starts; ++i) {
-    Hypothesis attempt = with(current, score.candidate, score.probes[i], evidence);
+  Hypothesis best = current;
+  for (const Probe& start : different_starts(score)) {
+    Hypothesis attempt = with(current, score.candidate, start, evidence);
     fit(attempt, evidence, kQuickIterations);
     const double cost = mean_square(residual(attempt.model, evidence, Part::Training));
-    if (i == 0 || cost < least) least = cost, best = std::move(attempt);
+    if (std::isinf(least) || cost < least) least = cost, best = std::move(attempt);
   }
   return best;
 }
@@ -49,7 +71,7 @@ double log_evidence(const Judged& judged, double looks, const Evidence& evidence
   for (const Unknown& u : judged.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
   if (!std::isfinite(judged.square)) return -std::numeric_limits<double>::infinity();
   return -0.5 * looks * std::log(judged.square + tolerated * tolerated) -
-         0.5 * judged.hypothesis.prior_cost() - 0.5 * free * std::log(looks);
+         0.5 * judged.hypothesis.prior_cost() - free * (0.5 * std::log(looks) + kPlainness);
 }
 
 auto by_square = [](const Trial& a, const Trial& b) { return a.judged.square < b.judged.square; };
@@ -117,8 +139,7 @@ double held_out_looks(const Evidence& evidence) {
   double windows = 0.0;
   for (const EvidenceRun& run : evidence.runs)
     if (run.training_rows < run.rows.size()) windows += static_cast<double>(run.windows.size());
-  const double looks = independent_looks(evidence.held_out_seconds);
-  return windows > 0.0 ? std::min(looks, windows) : looks;
+  return windows > 0.0 ? windows : independent_looks(evidence.held_out_seconds);
 }
 
 Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
@@ -128,12 +149,13 @@ Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   const std::size_t most = std::min(name.number > 1 ? kLaterQuickFits : kQuickFits, scores.size());
   std::size_t promising = 0;
-  while (promising < most &&
-         scores[promising].share() > kWorthAFit * scores.front().share() && scores[promising].share() > 0.0)
+  while (promising < most && scores[promising].share() > kWorthAFit * scores.front().share() &&
+         scores[promising].share() > 0.0)
     ++promising;
   Round round;
   for (const Score& score : scores)
-    round.trials.push_back({.candidate = score.candidate, .round = name.number, .share = score.share(), .judged = {}});
+    round.trials.push_back(
+        {.candidate = score.candidate, .round = name.number, .share = score.share(), .judged = {}});
   progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, fine_drive(now))));
   in_parallel(promising, [&](std::size_t i) {
     judge_trial(round.trials[i], quick_fit(now.hypothesis, scores[i], coarse), coarse);

@@ -16,13 +16,14 @@ struct RoundName {
   std::string title;
 };
 
-inline Drive fine_drive(const Judged& judged) { return judged.hypothesis.model.baseline.drive; }
+inline Drive fine_drive(const Judged& judged) {
+  return judged.hypothesis.model.baseline.drive;
+}
 
 Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
                  const Progress& progress);
 
-// How many stretches of the held-out runs err on their own: one per response time of the stage, one per window
-// at most.
+// How many stretches of the held-out runs err on their own: the windows, where each starts anew.
 double held_out_looks(const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

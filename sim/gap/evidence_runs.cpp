@@ -17,7 +17,8 @@ namespace {
 // Step in shares of the fastest rate's time. Third order: a quarter of it loses 2e-3 of a free oscillation's
 // amplitude by the time that has faded, an eighth 1e-4.
 constexpr double kCoarse = 0.25, kFine = 0.125;
-constexpr double kStiffest = 8.0;  // times the given model's rate is followed, beyond that steps stay as they are
+constexpr double kStiffest =
+    8.0;  // times the given model's rate is followed, beyond that steps stay as they are
 constexpr double kLongestSpan = 5e-3;     // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
 constexpr std::size_t kFewestRows = 50;
@@ -63,11 +64,13 @@ std::vector<Row> joined_rows(const RecordedRun& recorded, double longest, double
   for (std::size_t i = 0; i < n;) {
     while (window != window_rows.end() && *window <= i) ++window;
     const std::size_t limit = window == window_rows.end() ? n : *window;
-    const std::size_t most = std::max<std::size_t>(1, static_cast<std::size_t>(longest / recorded.period + 1e-6));
+    const std::size_t most =
+        std::max<std::size_t>(1, static_cast<std::size_t>(longest / recorded.period + 1e-6));
     std::size_t end = i + 1;
     double sum = recorded.input[i];
     while (end < limit && end - i < most && joins(recorded, i, end, tolerance)) sum += recorded.input[end++];
-    const double span = (end < n ? recorded.time[end] : recorded.time[n - 1] + recorded.period) - recorded.time[i];
+    const double span =
+        (end < n ? recorded.time[end] : recorded.time[n - 1] + recorded.period) - recorded.time[i];
     rows.push_back({recorded.time[i] - recorded.time[0], span, sum / static_cast<double>(end - i),
                     recorded.external_force[i], recorded.displacement[i]});
     begins.push_back(i);
@@ -81,7 +84,8 @@ EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, st
   EvidenceRun run{.name = recorded.name, .weight = recorded.weight, .rows = {}, .windows = {}};
   std::vector<std::size_t> window_rows, begins;
   if (window) {
-    const auto rows = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(*window / recorded.period)));
+    const auto rows =
+        std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(*window / recorded.period)));
     for (std::size_t i = 0; i < recorded.time.size(); i += rows) window_rows.push_back(i);
   }
   double u_max = 0.0;
@@ -98,10 +102,10 @@ EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, st
   return run;
 }
 
-// Which rows train: every third run is held out beginning with the second; one run alone gives its last third.
+// Which rows train: every third run is held out beginning with the second; one run alone gives its last
+// third.
 void split(std::vector<EvidenceRun>& runs) {
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    runs[i].training_rows = i % 3 == 1 ? 0 : runs[i].rows.size();
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].training_rows = i % 3 == 1 ? 0 : runs[i].rows.size();
   if (runs.size() == 1) runs[0].training_rows = runs[0].rows.size() * 2 / 3;
 }
 

@@ -44,7 +44,8 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
     progress("fitting the baseline's numbers within their calibration errors");
     carry_over(start, before);
     fit(start, evidence, kIterations);
-    selection = select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse), evidence, progress);
+    selection =
+        select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse), evidence, progress);
     progress("standard deviations");
     estimate_uncertainty(selection.best.hypothesis, evidence);
   }

@@ -14,7 +14,9 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kLookSeconds = 0.1;  // the stage's response: its period is 0.15 s, its oil flow 0.03 s
+constexpr double kLookSeconds = 2.0;  // what a model misses comes back with every cycle and ramp of the drive
+constexpr double kFewestLooks = 30.0;
+constexpr double kBlockSeconds = 1.0;
 constexpr double kToleranceOfNoise = 0.1;
 constexpr double kConverged = 1e-4;  // of the cost: a tenth of a unit of log evidence
 constexpr int kRefresh = 4;  // the calibration's columns hardly change: computed anew every so many times
@@ -84,8 +86,10 @@ class Misfit : public ceres::CostFunction {
     Eigen::Map<RowMajor> J(jacobian, num_residuals(), static_cast<Eigen::Index>(here.unknowns.size()));
     J.setZero();
     const bool all = age_++ % kRefresh == 0;
-    if (all) columns_ = sensitivities(here, evidence_, now);
-    else differentiate_again(here, now);
+    if (all)
+      columns_ = sensitivities(here, evidence_, now);
+    else
+      differentiate_again(here, now);
     J.topRows(static_cast<Eigen::Index>(rows_)) = root_ * columns_;
     for (std::size_t k = 0; k < known_.size(); ++k)
       J(static_cast<Eigen::Index>(rows_ + k), static_cast<Eigen::Index>(known_[k])) =
@@ -108,7 +112,7 @@ class Misfit : public ceres::CostFunction {
   std::vector<std::size_t> known_;
 };
 
-// Blocks of rows whose errors count as one draw: a stretch of one run at least ten looks long.
+// Blocks of rows whose errors count as one draw: one second of one run.
 std::vector<std::pair<std::size_t, std::size_t>> blocks(const Evidence& evidence) {
   std::vector<std::pair<std::size_t, std::size_t>> out;
   std::size_t at = 0;
@@ -116,7 +120,7 @@ std::vector<std::pair<std::size_t, std::size_t>> blocks(const Evidence& evidence
     double begun = 0.0;
     std::size_t from = at;
     for (std::size_t i = 0; i < run.training_rows; ++i, ++at)
-      if (run.rows[i].time - begun >= 10.0 * kLookSeconds) {
+      if (run.rows[i].time - begun >= kBlockSeconds) {
         out.emplace_back(from, at);
         from = at, begun = run.rows[i].time;
       }
@@ -128,7 +132,7 @@ std::vector<std::pair<std::size_t, std::size_t>> blocks(const Evidence& evidence
 }  // namespace
 
 double independent_looks(double seconds) {
-  return std::max(10.0, seconds / kLookSeconds);
+  return std::max(kFewestLooks, seconds / kLookSeconds);
 }
 
 double residual_weight(const Evidence& evidence, double square_now) {
@@ -190,7 +194,8 @@ void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
   for (const auto& [from, to] : all) {
     const auto length = static_cast<Eigen::Index>(to - from);
     const Eigen::Map<const Eigen::VectorXd> piece(r.data() + from, length);
-    const Eigen::VectorXd pull = w * J.middleRows(static_cast<Eigen::Index>(from), length).transpose() * piece;
+    const Eigen::VectorXd pull =
+        w * J.middleRows(static_cast<Eigen::Index>(from), length).transpose() * piece;
     scatter += pull * pull.transpose();
   }
   const double few = static_cast<double>(all.size());

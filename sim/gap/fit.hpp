@@ -7,8 +7,9 @@
 
 namespace biopsy::sim::gap {
 
-// How many independent looks a stretch of time gives. Readings are dense, but what a model misses lasts as
-// long as the stage's response: neighbours err together, and counting each reading would over-select.
+// How many independent looks a stretch of time gives. Readings are dense, but what a model misses comes back
+// with every cycle of the drive: neighbours and cycles err together, and counting each reading would take a
+// difference in form (how friction sets in, say) for a discovery.
 double independent_looks(double seconds);
 
 // d residual / d theta over the training rows; one column an unknown. Forward differences.
@@ -21,8 +22,8 @@ double residual_weight(const Evidence& evidence, double mean_square);
 // Moves the unknowns to the optimum; `iterations` bounds the work.
 void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations);
 
-// Fills the unknowns' standard deviations: the larger of what the residual's scatter allows block by block and
-// what the runs say when each in turn is left out.
+// Fills the unknowns' standard deviations: the larger of what the residual's scatter allows block by block
+// and what the runs say when each in turn is left out.
 void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

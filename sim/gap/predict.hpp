@@ -11,7 +11,8 @@ enum class Part : std::uint8_t { Training, HeldOut, All };
 
 // Readings of the model at the rows of a run up to `rows`; m. Not a number where the model is too stiff for
 // the evidence's shortest step.
-std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows);
+std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
+                            std::size_t rows);
 
 // measured - model over one part of all runs, one after the other. m
 std::vector<double> residual(const PlantModel& model, const Evidence& evidence, Part part);

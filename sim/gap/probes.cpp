@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kPeaks = 3;
 constexpr double kLowestFrequency = 0.05, kHighestFrequency = 15.0;  // Hz: breathing to pumps
 constexpr double kSpectrumRate = 60.0;                               // Hz, residual thinned to
-constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85};    // of the range that was measured
+constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85};                  // of the range that was measured
 constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};                  // of the largest voltage
 constexpr std::array kShapeFactors{1.0, 0.2, 5.0};
 
@@ -59,7 +59,13 @@ void vary(Starts& starts, std::size_t i, const Values& values) {
   starts = std::move(out);
 }
 
+// A shape between two forms, not a size.
+bool is_mixture(const LibraryParameter& p) {
+  return p.low == 0.0 && p.high == 1.0;
+}
+
 std::vector<double> shapes_of(const LibraryParameter& p) {
+  if (is_mixture(p)) return {p.typical, 0.5 * (p.low + p.high)};
   if (p.low <= 0.0) return {p.typical, p.high};
   std::vector<double> out;
   for (const double factor : kShapeFactors) out.push_back(std::clamp(p.typical * factor, p.low, p.high));
@@ -72,7 +78,7 @@ std::vector<double> scaled(const auto& shares, double from, double to) {
   return out;
 }
 
-// Each strength alone, or all together.
+// All strengths together, and each alone where there are several.
 Starts strength_sets(const LibraryEffect& effect, bool each_alone) {
   std::vector<double> typical;
   std::vector<std::size_t> strengths;
@@ -83,8 +89,8 @@ Starts strength_sets(const LibraryEffect& effect, bool each_alone) {
     typical.push_back(value);
     if (p.role == Role::Strength) strengths.push_back(i);
   }
-  if (!each_alone || strengths.size() < 2) return {typical};
-  Starts out;
+  Starts out{typical};
+  if (!each_alone || strengths.size() < 2) return out;
   for (const std::size_t kept : strengths) {
     out.push_back(typical);
     for (const std::size_t i : strengths)
@@ -103,7 +109,8 @@ Spectrum residual_spectrum(const std::vector<double>& training_residual, const E
     if (run.time.size() > 1)
       shortest_step = std::max(shortest_step, longest / static_cast<double>(run.time.size()));
   }
-  const double step = 0.5 / std::max(longest, 1.0), highest = std::min(kHighestFrequency, 0.4 / shortest_step);
+  const double step = 0.5 / std::max(longest, 1.0),
+               highest = std::min(kHighestFrequency, 0.4 / shortest_step);
   std::vector<std::pair<double, double>> lines;  // power, frequency
   for (double f = std::max(kLowestFrequency, 2.0 * step); f < highest; f += step) {
     double sum = 0.0;
@@ -112,7 +119,8 @@ Spectrum residual_spectrum(const std::vector<double>& training_residual, const E
   }
   std::vector<std::pair<double, double>> peaks;
   for (std::size_t i = 1; i + 1 < lines.size(); ++i)
-    if (lines[i].first >= lines[i - 1].first && lines[i].first > lines[i + 1].first) peaks.push_back(lines[i]);
+    if (lines[i].first >= lines[i - 1].first && lines[i].first > lines[i + 1].first)
+      peaks.push_back(lines[i]);
   std::sort(peaks.rbegin(), peaks.rend());
   Spectrum out;
   for (std::size_t i = 0; i < std::min(kPeaks, peaks.size()); ++i) out.peaks.push_back(peaks[i].second);
@@ -126,7 +134,8 @@ bool acts_on(const LibraryEffect& effect, Drive drive) {
   return !above_plate_a && effect.info.name != "added_mass";  // there it is the number m
 }
 
-std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence, const Spectrum& spectrum) {
+std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence,
+                                              const Spectrum& spectrum) {
   const LibraryEffect& probed = library()[static_cast<std::size_t>(effect)];
   const bool placed = std::any_of(probed.parameters.begin(), probed.parameters.end(),
                                   [](const LibraryParameter& p) { return p.role == Role::Place; });
@@ -135,14 +144,21 @@ std::vector<std::vector<double>> probe_starts(int effect, const Evidence& eviden
   for (std::size_t i = 0; i < probed.parameters.size(); ++i) {
     const LibraryParameter& p = probed.parameters[i];
     switch (p.role) {
-      case Role::Strength: break;
-      case Role::Shape:
-        if (!shaped) vary(starts, i, shapes_of(p));
-        shaped = true;
+      case Role::Strength:
         break;
-      case Role::Place: vary(starts, i, scaled(kPlaces, evidence.x_low, evidence.x_high)); break;
-      case Role::Level: vary(starts, i, scaled(kLevels, 0.0, evidence.u_max)); break;
-      case Role::Frequency: vary(starts, i, spectrum.peaks); break;
+      case Role::Shape:
+        if (!shaped || is_mixture(p)) vary(starts, i, shapes_of(p));
+        shaped = shaped || !is_mixture(p);
+        break;
+      case Role::Place:
+        vary(starts, i, scaled(kPlaces, evidence.x_low, evidence.x_high));
+        break;
+      case Role::Level:
+        vary(starts, i, scaled(kLevels, 0.0, evidence.u_max));
+        break;
+      case Role::Frequency:
+        vary(starts, i, spectrum.peaks);
+        break;
       case Role::Phase:
         vary(starts, i, std::array{0.0, 0.5 * std::numbers::pi});
         break;

@@ -1,5 +1,5 @@
-// Where to begin looking for an effect: a handful of shapes, places, levels and frequencies, from the library's
-// typical values and the extent of the data.
+// Where to begin looking for an effect: a handful of shapes, places, levels and frequencies, from the
+// library's typical values and the extent of the data.
 #pragma once
 
 #include <vector>

@@ -51,7 +51,8 @@ class Remainder {
 };
 
 // What the model's prediction gains by a change: -(d residual).
-Eigen::VectorXd response(const PlantModel& changed, const Evidence& evidence, const std::vector<double>& now) {
+Eigen::VectorXd response(const PlantModel& changed, const Evidence& evidence,
+                         const std::vector<double>& now) {
   const std::vector<double> after = residual(changed, evidence, Part::Training);
   const auto rows = static_cast<Eigen::Index>(now.size());
   return Eigen::Map<const Eigen::VectorXd>(now.data(), rows) -
@@ -107,8 +108,7 @@ Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Remai
     const Eigen::VectorXd raw =
         response(with_effect(current, effect, start), evidence, remainder.residual_now());
     double scale = 0.0;
-    const double share =
-        explained(remainder, raw, may_be_negative(effect) ? -kLargestScale : 0.0, scale);
+    const double share = explained(remainder, raw, may_be_negative(effect) ? -kLargestScale : 0.0, scale);
     if (share > best.share || best.start.empty()) {
       best = {start, share};
       if (has_strength(effect) && scale != 0.0) scale_strengths(effect, best.start, scale);
@@ -153,7 +153,8 @@ std::vector<Candidate> open_candidates(const Hypothesis& current) {
     const bool free = std::any_of(current.unknowns.begin(), current.unknowns.end(), [&](const Unknown& u) {
       return u.effect == kBaseline && u.parameter == i && !std::isfinite(u.prior_std);
     });
-    if (!free && numbers[i].candidate && current.model.baseline.*(numbers[i].member) > 0.0) out.push_back({.baseline_number = i});
+    if (!free && numbers[i].candidate && current.model.baseline.*(numbers[i].member) > 0.0)
+      out.push_back({.baseline_number = i});
   }
   return out;
 }
@@ -170,9 +171,11 @@ std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& e
   };
   std::vector<Task> tasks;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].effect == kBaseline) tasks.push_back({i, {}});
+    if (candidates[i].effect == kBaseline)
+      tasks.push_back({i, {}});
     else
-      for (auto& start : probe_starts(candidates[i].effect, evidence, spectrum)) tasks.push_back({i, std::move(start)});
+      for (auto& start : probe_starts(candidates[i].effect, evidence, spectrum))
+        tasks.push_back({i, std::move(start)});
   }
   in_parallel(tasks.size(), [&](std::size_t t) {
     const Candidate& c = candidates[tasks[t].candidate];

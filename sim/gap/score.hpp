@@ -1,6 +1,6 @@
-// The cheap look before any fit: were this effect put in at a strength that matters, how much of the gap would
-// go away? Each probe is one shape of the effect; its response is fitted to what the calibration errors leave
-// of the residual.
+// The cheap look before any fit: were this effect put in at a strength that matters, how much of the gap
+// would go away? Each probe is one shape of the effect; its response is fitted to what the calibration errors
+// leave of the residual.
 #pragma once
 
 #include "sim/gap/unknowns.hpp"

@@ -15,12 +15,14 @@ constexpr std::size_t kMostEffects = 3, kMostRounds = 5;
 constexpr double kNeededEvidence = 10.0;  // odds of 20000 to 1: the whole library gets its say well under 5 %
 constexpr double kWorthTrying = 0.25;     // of the excess square that is left: two equals share it,
 constexpr double kWorthKeeping = 0.5;     // but the last to enter must close most of what was left
-constexpr double kMuchLeft = 0.05;         // of the first excess square
+constexpr double kMuchLeft = 0.05;        // of the first excess square
 constexpr double kOnlyNoise = 0.25;       // excess below this share of the noise changes no RMSE by 4 %
 constexpr double kAsGood = 1.05;          // mean square: then the evidence decides who has the place
 constexpr int kRefitIterations = 15;
 
-bool is_effect(const Entrant& entrant) { return entrant.candidate.effect != kBaseline; }
+bool is_effect(const Entrant& entrant) {
+  return entrant.candidate.effect != kBaseline;
+}
 
 // `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
 bool convinces(const Round& round, const Judged& now, bool much_left, const Evidence& evidence) {
@@ -45,15 +47,16 @@ Judged without(const Judged& best, const Candidate& candidate, const Evidence& f
   return judge(std::move(reduced), fine);
 }
 
-// Each effect but the last to enter was chosen when the others were not there yet: it must win its place again.
+// Each effect but the last to enter was chosen when the others were not there yet: it must win its place
+// again.
 void contest_places(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
   for (std::size_t i = 0; i + 1 < out.entrants.size(); ++i) {
     Entrant& entrant = out.entrants[i];
     if (!is_effect(entrant)) continue;
     const std::string name = entrant.candidate.name(fine_drive(out.best));
-    Round again = hold_round(without(out.best, entrant.candidate, fine), coarse, fine,
-                             {.number = static_cast<int>(i) + 1, .title = fmt::format("again for {}'s place", name)},
-                             progress);
+    Round again = hold_round(
+        without(out.best, entrant.candidate, fine), coarse, fine,
+        {.number = static_cast<int>(i) + 1, .title = fmt::format("again for {}'s place", name)}, progress);
     if (again.trials.empty() || !again.trials.front().fitted) continue;
     if (again.trials.front().judged.square < kAsGood * out.best.square) {
       out.best = again.trials.front().judged;
@@ -77,9 +80,11 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   Selection out{.start = judge(std::move(start), fine), .best = {}, .trials = {}, .entrants = {}};
   std::vector<Judged> stands{out.start};
   while (out.entrants.size() < kMostRounds && !is_only_noise(stands.back().square, fine) &&
-         static_cast<std::size_t>(std::count_if(out.entrants.begin(), out.entrants.end(), is_effect)) < kMostEffects) {
+         static_cast<std::size_t>(std::count_if(out.entrants.begin(), out.entrants.end(), is_effect)) <
+             kMostEffects) {
     const int number = static_cast<int>(out.entrants.size()) + 1;
-    Round round = hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
+    Round round =
+        hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
     const bool much_left = excess(stands.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
     const bool found = convinces(round, stands.back(), much_left, fine);
     if (found) {

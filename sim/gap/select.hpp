@@ -1,9 +1,10 @@
 // Forward selection: which candidate explains the gap, and is it anything at all? Held-out runs decide.
 //
-// Evidence of a hypothesis = -looks/2 ln(held-out mean square) - prior cost/2 - free numbers/2 ln(looks): the
-// Bayesian information criterion with an effective sample size. Residuals of a wrong model are correlated,
-// and counting each reading would take every candidate that comes along; `looks` counts stretches that err on
-// their own. A tenth of the noise is tolerated, so that a difference between integrators is nobody's effect.
+// Evidence of a hypothesis = -looks/2 ln(held-out mean square) - prior cost/2 - free numbers (ln(looks)/2 +
+// 1): the Bayesian information criterion with an effective sample size. Residuals of a wrong model are
+// correlated, and counting each reading would take every candidate that comes along; `looks` counts stretches
+// that err on their own (independent_looks). A tenth of the noise is tolerated, so that a difference between
+// integrators is nobody's effect.
 #pragma once
 
 #include <functional>

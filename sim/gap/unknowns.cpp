@@ -20,16 +20,19 @@ constexpr double kUnknownRange = 14.0;
 constexpr double kShapeRange = 4.6;  // a factor of 100 either way, within the library's range
 
 // Films and gain act through K^2 eps_film/d_film^2 alone: K stands for the three.
-const std::vector<UncertainNumber> kStack{
-    {"K", &Baseline::K, true, true},          {"tau", &Baseline::tau, true, true},
-    {"V0", &Baseline::V0, true, true},        {"H_0", &Baseline::H_0, true, true},
-    {"tau_h", &Baseline::tau_h, true, true},  {"k", &Baseline::k, true, true},
-    {"c_k", &Baseline::c_k, true, true},      {"c_s", &Baseline::c_s, true, true},
-    {"L0", &Baseline::L0, false, true},       {"d_film", &Baseline::d_film, false, false},
-    {"eps_film", &Baseline::eps_film, false, false}};
-const std::vector<UncertainNumber> kForce{{"m", &Baseline::m, true, true},
+const std::vector<UncertainNumber> kStack{{"K", &Baseline::K, true, true},
+                                          {"tau", &Baseline::tau, true, true},
+                                          {"V0", &Baseline::V0, true, true},
+                                          {"H_0", &Baseline::H_0, true, true},
+                                          {"tau_h", &Baseline::tau_h, true, true},
+                                          {"k", &Baseline::k, true, true},
+                                          {"c_k", &Baseline::c_k, true, true},
                                           {"c_s", &Baseline::c_s, true, true},
-                                          {"k", &Baseline::k, true, true}};
+                                          {"L0", &Baseline::L0, false, true},
+                                          {"d_film", &Baseline::d_film, false, false},
+                                          {"eps_film", &Baseline::eps_film, false, false}};
+const std::vector<UncertainNumber> kForce{
+    {"m", &Baseline::m, true, true}, {"c_s", &Baseline::c_s, true, true}, {"k", &Baseline::k, true, true}};
 
 Unknown number(const PlantModel& model, std::size_t index, double prior_std, double range) {
   const double now = model.baseline.*(uncertain_baseline(model.baseline.drive)[index].member);
@@ -71,10 +74,18 @@ Unknown effect_unknown(int effect, std::size_t index, double start, const Eviden
       u.logarithmic = p.low > 0.0 && start > 0.0;
       u.scale = u.logarithmic ? start : std::max(std::abs(p.typical), 0.1 * (p.high - p.low));
       break;
-    case Role::Place: u.scale = std::max(1e-9, evidence.x_high - evidence.x_low); break;
-    case Role::Level: u.scale = std::max(1.0, evidence.u_max); break;
-    case Role::Frequency: u.scale = 1.0 / (evidence.training_seconds + evidence.held_out_seconds); break;
-    case Role::Phase: u.scale = 1.0; break;
+    case Role::Place:
+      u.scale = std::max(1e-9, evidence.x_high - evidence.x_low);
+      break;
+    case Role::Level:
+      u.scale = std::max(1.0, evidence.u_max);
+      break;
+    case Role::Frequency:
+      u.scale = 1.0 / (evidence.training_seconds + evidence.held_out_seconds);
+      break;
+    case Role::Phase:
+      u.scale = 1.0;
+      break;
   }
   u.theta = u.logarithmic ? std::log(start / u.scale) : start / u.scale;
   bound_by_range(u, p);
@@ -86,6 +97,10 @@ Unknown effect_unknown(int effect, std::size_t index, double start, const Eviden
 
 double Unknown::value(double at) const {
   return logarithmic ? scale * std::exp(at) : scale * at;
+}
+
+double Unknown::theta_of(double si) const {
+  return logarithmic ? std::log(si / scale) : si / scale;
 }
 
 PlantModel Hypothesis::at(const std::vector<double>& thetas) const {
@@ -122,8 +137,10 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
       throw SetupError(fmt::format("`{}` is to be fitted and is 0 in the model", numbers[i].name), "--free",
                        "give it a value of the right order of magnitude, or leave it out of --free");
     if (is_zero) continue;  // a part that is not there
-    if (is_free) out.unknowns.push_back(number(model, i, std::numeric_limits<double>::infinity(), kUnknownRange));
-    else if (numbers[i].calibrated) out.unknowns.push_back(number(model, i, kCalibrationError, kFreeRange));
+    if (is_free)
+      out.unknowns.push_back(number(model, i, std::numeric_limits<double>::infinity(), kUnknownRange));
+    else if (numbers[i].calibrated)
+      out.unknowns.push_back(number(model, i, kCalibrationError, kFreeRange));
   }
   for (const std::string& name : free)
     if (std::find(known.begin(), known.end(), name) == known.end())

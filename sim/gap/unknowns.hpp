@@ -15,11 +15,11 @@ namespace biopsy::sim::gap {
 inline constexpr int kBaseline = -1;
 
 struct Unknown {
-  int effect = kBaseline;       // index in library(), or a number of the baseline
-  std::size_t parameter = 0;    // of the effect, or index in uncertain_baseline()
-  bool logarithmic = false;     // value = scale exp(theta), else scale theta
-  double scale = 1.0;           // SI
-  double theta = 0.0;           // where the search stands
+  int effect = kBaseline;     // index in library(), or a number of the baseline
+  std::size_t parameter = 0;  // of the effect, or index in uncertain_baseline()
+  bool logarithmic = false;   // value = scale exp(theta), else scale theta
+  double scale = 1.0;         // SI
+  double theta = 0.0;         // where the search stands
   double low = -std::numeric_limits<double>::infinity(), high = -low;
   double prior_mean = 0.0;
   double prior_std = std::numeric_limits<double>::infinity();  // of theta; infinite: nothing is known
@@ -27,6 +27,7 @@ struct Unknown {
 
   double value(double at) const;  // SI, at a theta
   double value() const { return value(theta); }
+  double theta_of(double si) const;
 };
 
 struct Hypothesis {

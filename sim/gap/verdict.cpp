@@ -7,12 +7,34 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kWellClosed = 0.9;       // of the RMSE above the noise
-constexpr double kWellBelowNoise = 0.5;   // what is left, in shares of the noise
-constexpr double kLeastClosed = 0.6;      // enough where one candidate leaves all others behind:
-constexpr double kFarAhead = 1.4 * 1.4;   // mean square of the next that predicts something else
+constexpr double kWellClosed = 0.9;      // of the RMSE above the noise
+constexpr double kWellBelowNoise = 0.5;  // what is left, in shares of the noise
+constexpr double kHardlyMore = 0.25;     // excess square, in squares of the noise
+constexpr double kNoticed = 0.05;
+constexpr double kLeastClosed = 0.6;     // enough where one candidate leaves all others behind:
+constexpr double kFarAhead = 1.4 * 1.4;  // mean square of the next that predicts something else
 
-bool is_effect(const Entrant& entrant) { return entrant.candidate.effect != kBaseline; }
+bool is_effect(const Entrant& entrant) {
+  return entrant.candidate.effect != kBaseline;
+}
+
+// One contains the other: it is no argument against a name that its own special case does nearly as well.
+bool are_kin(const Candidate& a, const Candidate& b) {
+  const auto is = [](const Candidate& c, std::string_view name) {
+    return c.effect != kBaseline && library()[static_cast<std::size_t>(c.effect)].info.name == name;
+  };
+  const auto friction = [&](const Candidate& c) {
+    return is(c, "coulomb_friction") || is(c, "stribeck_friction");
+  };
+  return friction(a) && friction(b);
+}
+
+// Only noise, or so little more that no number of the baseline makes it less: the noise is not known better.
+bool is_hardly_a_gap(double before, double after, const Evidence& evidence) {
+  if (is_only_noise(before, evidence)) return true;
+  const double noise = evidence.noise * evidence.noise;
+  return excess(before, evidence) < kHardlyMore * noise && before - after < kNoticed * noise;
+}
 
 bool well_explained(double before, double after, const Evidence& evidence) {
   return std::sqrt(excess(after, evidence)) < kWellBelowNoise * evidence.noise ||
@@ -32,13 +54,15 @@ double lead(const Selection& selection) {
   if (first == selection.entrants.end()) return next;
   for (std::size_t i = 1; i < first->contest.size(); ++i) {
     const Trial& t = first->contest[i];
-    if (t.fitted && !t.twin) next = std::min(next, t.judged.square);
+    if (t.fitted && !t.twin && !are_kin(t.candidate, first->candidate))
+      next = std::min(next, t.judged.square);
   }
   return next / first->contest.front().judged.square;
 }
 
 GapVerdict verdict(const Judged& before, const Selection& selection, const Evidence& evidence) {
-  if (is_only_noise(before.square, evidence) && selection.entrants.empty()) return GapVerdict::NoGap;
+  if (selection.entrants.empty() && is_hardly_a_gap(before.square, selection.best.square, evidence))
+    return GapVerdict::NoGap;
   const bool closed = well_explained(before.square, selection.best.square, evidence);
   if (!std::any_of(selection.entrants.begin(), selection.entrants.end(), is_effect))
     return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;

@@ -7,16 +7,16 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kFollows = 1.5;         // of the noise
-constexpr double kAtThisManyOf = 0.75;   // moments
+constexpr double kFollows = 1.5;        // of the noise
+constexpr double kAtThisManyOf = 0.75;  // moments
 constexpr double kWider = 1.4;
-constexpr double kStandstill = 3.0;      // standard deviations of the speed
+constexpr double kStandstill = 3.0;  // standard deviations of the speed
 constexpr std::size_t kNarrowest = 2;
 constexpr Eigen::Index kTerms = 4;
 
 struct LocalCubic {
   double x = 0.0, v = 0.0;
-  double scatter = 0.0;   // m, of the readings around it
+  double scatter = 0.0;      // m, of the readings around it
   double v_per_noise = 0.0;  // 1/s, standard deviation of v for readings of unit noise
 };
 
@@ -39,7 +39,8 @@ LocalCubic local_cubic(const RecordedRun& run, std::size_t row, std::size_t half
   return {c[0], c[1] / width, (y - A * c).norm() / std::sqrt(freedom), solve.row(1).norm() / width};
 }
 
-std::vector<LocalCubic> at_each(const RecordedRun& run, const std::vector<std::size_t>& rows, std::size_t half) {
+std::vector<LocalCubic> at_each(const RecordedRun& run, const std::vector<std::size_t>& rows,
+                                std::size_t half) {
   std::vector<LocalCubic> out;
   for (const std::size_t row : rows) out.push_back(local_cubic(run, row, half));
   return out;
@@ -53,7 +54,8 @@ bool follows(const std::vector<LocalCubic>& fits, double noise) {
 
 }  // namespace
 
-std::vector<StartMotion> window_starts(const RecordedRun& run, const std::vector<std::size_t>& rows, double noise) {
+std::vector<StartMotion> window_starts(const RecordedRun& run, const std::vector<std::size_t>& rows,
+                                       double noise) {
   const std::size_t apart = rows.size() > 1 ? rows[1] - rows[0] : run.time.size();
   std::vector<LocalCubic> best = at_each(run, rows, kNarrowest);
   for (double half = kNarrowest * kWider; half <= static_cast<double>(apart) / 4.0; half *= kWider) {

@@ -5,8 +5,8 @@
 
 #include "robot/messages/gap_finding.hpp"
 
-namespace biopsy::sim::gap {
+namespace biopsy::report {
 
 std::string verdict_sentence(const GapFinding& finding);
 
-}  // namespace biopsy::sim::gap
+}  // namespace biopsy::report
