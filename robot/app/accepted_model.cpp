@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 fs::path replaceable(const fs::path& model_file) {
   std::error_code trouble;
-  const fs::path file = fs::canonical(model_file, trouble);
+  fs::path file = fs::canonical(model_file, trouble);
   if (trouble) refuse(model_file, trouble.message());
   if (!fs::is_regular_file(file)) refuse(model_file, "it is not a file");
   // The mode is asked as well as the system: who marks a model read-only means it, whoever runs this.
@@ -34,7 +34,7 @@ fs::path replaceable(const fs::path& model_file) {
 // A copy under the first free number. The copy refuses to overwrite, so two programs never share a number.
 fs::path keep_old(const fs::path& file) {
   for (int number = 1;; ++number) {
-    const fs::path old = fmt::format("{}.{}", file.string(), number);
+    fs::path old = fmt::format("{}.{}", file.string(), number);
     std::error_code trouble;
     if (fs::exists(fs::symlink_status(old, trouble))) continue;
     if (fs::copy_file(file, old, fs::copy_options::none, trouble)) return old;
@@ -51,7 +51,7 @@ std::filesystem::path accept_model(const std::filesystem::path& model_file, cons
   const fs::path file = replaceable(model_file);
   sim::parse_model(new_text, "the new text of " + model_file.string());
   const fs::perms mode = fs::status(file).permissions();
-  const fs::path old = keep_old(file);
+  fs::path old = keep_old(file);
   std::error_code trouble;
   try {
     report::write_whole_file(file, new_text);

@@ -10,6 +10,7 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr int kIterations = 25;
+constexpr double kNotWorse = 1.05;  // held-out mean square
 
 // The model as it was given, but for the numbers that were said to be unknown.
 Hypothesis as_written(const Hypothesis& start, const Evidence& evidence) {
@@ -30,6 +31,14 @@ void carry_over(Hypothesis& to, const Hypothesis& fitted) {
   to.settle(thetas);
 }
 
+// The numbers as the readings alone have them, unless other runs are predicted worse so.
+Judged polished(const Judged& best, const Evidence& evidence) {
+  Hypothesis fitted = best.hypothesis;
+  fit(fitted, evidence, kIterations, kNothingMissing);
+  Judged judged = judge(std::move(fitted), evidence);
+  return judged.square < kNotWorse * best.square ? judged : best;
+}
+
 }  // namespace
 
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
@@ -46,7 +55,8 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
     fit(start, evidence, kIterations);
     selection =
         select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse), evidence, progress);
-    progress("standard deviations");
+    progress("the last fit, and standard deviations");
+    selection.best = polished(selection.best, evidence);
     estimate_uncertainty(selection.best.hypothesis, evidence);
   }
   return conclude(model, as_given, selection, evidence);

@@ -151,13 +151,13 @@ Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evid
   return J;
 }
 
-void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations) {
+void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust) {
   if (hypothesis.unknowns.empty()) return;
   const std::vector<double> before = residual(hypothesis.model, evidence, Part::Training);
   std::vector<double> thetas = thetas_of(hypothesis);
   ceres::Problem::Options owned;
   owned.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  Misfit misfit(hypothesis, evidence, residual_weight(evidence, mean_square(before)), before.size());
+  Misfit misfit(hypothesis, evidence, trust * residual_weight(evidence, mean_square(before)), before.size());
   ceres::Problem problem(owned);
   problem.AddResidualBlock(&misfit, nullptr, thetas.data());
   for (std::size_t i = 0; i < thetas.size(); ++i) {

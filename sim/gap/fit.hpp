@@ -19,8 +19,11 @@ Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evid
 // Weight of one squared residual against one squared prior: independent looks at the present misfit. 1/m^2
 double residual_weight(const Evidence& evidence, double mean_square);
 
-// Moves the unknowns to the optimum; `iterations` bounds the work.
-void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations);
+// Moves the unknowns to the optimum; `iterations` bounds the work. While something may still be missing the
+// calibration holds the baseline's numbers back (trust 1); a model that lacks nothing lets the readings
+// speak: `trust` times the weight.
+void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust = 1.0);
+inline constexpr double kNothingMissing = 100.0;
 
 // Fills the unknowns' standard deviations: the larger of what the residual's scatter allows block by block
 // and what the runs say when each in turn is left out.

@@ -230,6 +230,7 @@ std::vector<Closest> hold_all(const std::vector<Experiment>& menu, const std::ve
     outcomes[e][r] = outcome_of(rivals[r], menu[e], noise);
   });
   std::vector<Closest> out;
+  out.reserve(outcomes.size());
   for (const auto& of_rivals : outcomes) out.push_back(closest_pair(of_rivals));
   return out;
 }

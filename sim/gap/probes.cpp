@@ -68,12 +68,14 @@ std::vector<double> shapes_of(const LibraryParameter& p) {
   if (is_mixture(p)) return {p.typical, 0.5 * (p.low + p.high)};
   if (p.low <= 0.0) return {p.typical, p.high};
   std::vector<double> out;
+  out.reserve(kShapeFactors.size());
   for (const double factor : kShapeFactors) out.push_back(std::clamp(p.typical * factor, p.low, p.high));
   return out;
 }
 
 std::vector<double> scaled(const auto& shares, double from, double to) {
   std::vector<double> out;
+  out.reserve(shares.size());
   for (const double share : shares) out.push_back(from + share * (to - from));
   return out;
 }

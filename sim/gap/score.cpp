@@ -184,6 +184,7 @@ std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& e
                           : try_probe(current, evidence, remainder, c.effect, tasks[t].start);
   });
   std::vector<Score> scores;
+  scores.reserve(candidates.size());
   for (const Candidate& c : candidates) scores.push_back({c, {}});
   for (Task& task : tasks) scores[task.candidate].probes.push_back(std::move(task.result));
   for (Score& score : scores)

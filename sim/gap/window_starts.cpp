@@ -42,6 +42,7 @@ LocalCubic local_cubic(const RecordedRun& run, std::size_t row, std::size_t half
 std::vector<LocalCubic> at_each(const RecordedRun& run, const std::vector<std::size_t>& rows,
                                 std::size_t half) {
   std::vector<LocalCubic> out;
+  out.reserve(rows.size());
   for (const std::size_t row : rows) out.push_back(local_cubic(run, row, half));
   return out;
 }
@@ -63,6 +64,7 @@ std::vector<StartMotion> window_starts(const RecordedRun& run, const std::vector
     if (follows(wider, noise)) best = std::move(wider);
   }
   std::vector<StartMotion> out;
+  out.reserve(best.size());
   for (const LocalCubic& fit : best)
     out.push_back({fit.x, std::abs(fit.v) < kStandstill * noise * fit.v_per_noise ? 0.0 : fit.v});
   return out;

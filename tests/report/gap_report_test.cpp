@@ -16,6 +16,7 @@
 #include "robot/report/gap_json.hpp"
 #include "robot/report/gap_words.hpp"
 #include "tests/report/gap_example.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -106,36 +107,22 @@ TEST(GapJson, BearsNamesThatAreNotUtf8) {
   EXPECT_EQ(ordered_json::parse(gap_json(f))["held_out_runs"][0], "ramp-\uFFFD");
 }
 
-struct Folder {
-  Folder() : path(std::filesystem::path(testing::TempDir()) / "gap_report_test") {
-    std::filesystem::remove_all(path);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::filesystem::path path;
-};
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(GapReport, LeavesThreeWholeFilesAndNothingElse) {
-  const Folder folder;
-  save_gap(example_effect(), folder.path / "made" / "on the way");
+  const ScratchFolder folder;
+  save_gap(example_effect(), folder.path() / "made" / "on the way");
   Names names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path / "made" / "on the way"))
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "made" / "on the way"))
     names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, (Names{"gap.json", "model.toml", "report.html"}));
-  EXPECT_EQ(content(folder.path / "made" / "on the way" / "model.toml"), example_effect().model_after);
-  EXPECT_EQ(content(folder.path / "made" / "on the way" / "gap.json"), gap_json(example_effect()));
+  EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "model.toml"), example_effect().model_after);
+  EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "gap.json"), gap_json(example_effect()));
 }
 
 TEST(GapReport, RefusesAFolderThatCannotBeMade) {
-  const Folder folder;
-  std::filesystem::create_directories(folder.path);
-  std::ofstream(folder.path / "taken") << "a file";
-  EXPECT_THROW(save_gap(example_effect(), folder.path / "taken"), SetupError);
+  const ScratchFolder folder;
+  std::ofstream(folder.path() / "taken") << "a file";
+  EXPECT_THROW(save_gap(example_effect(), folder.path() / "taken"), SetupError);
 }
 
 using enum DiffKind;
