@@ -32,7 +32,7 @@ struct FoundEffect {
 };
 
 struct ChangedParameter {
-  std::string name;  // of the baseline, SI
+  std::string name;  // of the baseline, SI; or EFFECT.PARAMETER of an effect the model had, in its file unit
   double before = 0.0, after = 0.0, std = 0.0;
 };
 

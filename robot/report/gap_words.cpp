@@ -183,7 +183,11 @@ ReadableQuantity baseline_quantity(std::string_view name) {
   for (const BaselineName& known_name : kBaseline)
     if (known_name.name == name)
       return {std::string(known_name.words), std::string(known_name.unit), known_name.per_si};
-  return {name_words(name), "", 1.0};
+  const std::size_t dot = name.find('.');  // of an effect that the model had: EFFECT.PARAMETER
+  if (dot == std::string_view::npos) return {name_words(name), "", 1.0};
+  ReadableQuantity quantity = effect_quantity(name.substr(dot + 1));
+  quantity.words = name_words(name.substr(0, dot)) + ", " + quantity.words;
+  return quantity;
 }
 
 std::string estimate_text(double value, double std) {

@@ -38,13 +38,16 @@ double value_std(const Unknown& u) {  // in the unit of files
 }
 
 // Digits far below the standard deviation say nothing and read badly.
+double rounded_to(double value, double grain) {
+  if (value == 0.0 || !std::isfinite(grain) || grain <= 0.0) return value;
+  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(grain));
+  return std::stod(fmt::format("{:.{}e}", value, static_cast<int>(std::clamp(digits, 0.0, 15.0))));
+}
+
 Hypothesis rounded(Hypothesis hypothesis) {
   std::vector<double> thetas;
   for (const Unknown& u : hypothesis.unknowns) {
-    const double unit = si_per_unit(u), std = value_std(u);
-    const bool known = std::isfinite(std) && std > 0.0;
-    const double grain = known ? std::pow(10.0, std::floor(std::log10(std * kGrain))) : 0.0;
-    const double value = known ? std::round(u.value() / unit / grain) * grain * unit : u.value();
+    const double value = rounded_to(u.value() / si_per_unit(u), kGrain * value_std(u)) * si_per_unit(u);
     const double theta = u.theta_of(value);
     thetas.push_back(std::isfinite(theta) && theta >= u.low && theta <= u.high ? theta : u.theta);
   }
@@ -72,20 +75,27 @@ FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
   return out;
 }
 
+double given_value(const PlantModel& given, const Unknown& u) {  // SI
+  if (u.effect != kBaseline) return library()[static_cast<std::size_t>(u.effect)].get(given, u.parameter);
+  return given.baseline.*(uncertain_baseline(given.baseline.drive)[u.parameter].member);
+}
+
 void tell_changes(FoundGap& found, const PlantModel& given, const Hypothesis& best) {
   const Drive drive = given.baseline.drive;
   for (const Unknown& u : best.unknowns) {
     found.changed.push_back({number_name(u, drive), value_std(u)});
-    if (u.effect != kBaseline) continue;
-    const double was = given.baseline.*(uncertain_baseline(drive)[u.parameter].member);
-    const double moved = std::abs(u.value() - was);
+    const bool new_effect =
+        u.effect != kBaseline && !library()[static_cast<std::size_t>(u.effect)].present(given);
+    if (new_effect) continue;
+    const double was = given_value(given, u) / si_per_unit(u), is = u.value() / si_per_unit(u);
+    const double moved = std::abs(is - was);
     const bool free = !std::isfinite(u.prior_std);
-    if (free || (moved > kMovedStds * value_std(u) && moved > kMovedShare * was))
-      found.finding.parameters_changed.push_back({number_name(u, drive), was, u.value(), value_std(u)});
+    if (free || (moved > kMovedStds * value_std(u) && moved > kMovedShare * std::abs(was)))
+      found.finding.parameters_changed.push_back({number_name(u, drive), was, is, value_std(u)});
   }
   std::stable_sort(found.finding.parameters_changed.begin(), found.finding.parameters_changed.end(),
                    [](const ChangedParameter& a, const ChangedParameter& b) {
-                     return std::abs(std::log(a.after / a.before)) > std::abs(std::log(b.after / b.before));
+                     return std::abs(a.after / a.before - 1.0) > std::abs(b.after / b.before - 1.0);
                    });
 }
 

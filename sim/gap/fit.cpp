@@ -33,7 +33,7 @@ double difference_step(const Unknown& u) {
 }
 
 bool is_calibration(const Unknown& u) {
-  return u.effect == kBaseline && std::isfinite(u.prior_std);
+  return std::isfinite(u.prior_std);
 }
 
 std::vector<double> thetas_of(const Hypothesis& hypothesis) {

@@ -13,6 +13,8 @@ namespace {
 
 // What a careful calibration leaves of doubt about a number of the baseline.
 constexpr double kCalibrationError = 0.02;
+// Effects are harder to measure than springs.
+constexpr double kEffectError = 0.3;
 // A number that was let go may be anything within a factor of about e^2 of what is written.
 constexpr double kFreeRange = 2.0;
 // Named on the command line as not known: any order of magnitude.
@@ -93,6 +95,25 @@ Unknown effect_unknown(int effect, std::size_t index, double start, const Eviden
   return u;
 }
 
+// The numbers of an effect that the model has already; what is zero is not there.
+void add_given_effect(Hypothesis& out, std::size_t effect) {
+  const LibraryEffect& given = library()[effect];
+  for (std::size_t i = 0; i < given.parameters.size(); ++i) {
+    const LibraryParameter& p = given.parameters[i];
+    const double now = given.get(out.model, i);
+    if (now == 0.0 || p.role == Role::Phase || p.role == Role::Frequency) continue;
+    Unknown u{
+        .effect = static_cast<int>(effect), .parameter = i, .logarithmic = now > 0.0, .scale = std::abs(now)};
+    u.theta = u.prior_mean = u.theta_of(now);
+    u.low = -kFreeRange;
+    u.high = kFreeRange;
+    u.prior_std = kEffectError;
+    if (u.logarithmic && p.high > 0.0) u.high = std::min(u.high, std::max(0.0, std::log(p.high / now)));
+    if (u.logarithmic && p.low > 0.0) u.low = std::max(u.low, std::min(0.0, std::log(p.low / now)));
+    out.unknowns.push_back(u);
+  }
+}
+
 }  // namespace
 
 double Unknown::value(double at) const {
@@ -142,6 +163,8 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
     else if (numbers[i].calibrated)
       out.unknowns.push_back(number(model, i, kCalibrationError, kFreeRange));
   }
+  for (std::size_t i = 0; i < library().size(); ++i)
+    if (library()[i].present(model)) add_given_effect(out, i);
   for (const std::string& name : free)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw SetupError(fmt::format("\"{}\" is no number that can be fitted", name), "--free",

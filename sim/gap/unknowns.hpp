@@ -49,8 +49,9 @@ struct UncertainNumber {
 };
 const std::vector<UncertainNumber>& uncertain_baseline(Drive drive);
 
-// Baseline as written up to small errors of calibration, the named numbers free. Throws SetupError for a name
-// that is none of this drive's.
+// The model as written up to small errors of calibration, the named numbers of the baseline free. Numbers of
+// effects that it has already are known less well and may move by some tens of per cent. Throws SetupError
+// for a name that is none of this drive's.
 Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::string>& free);
 
 // One number of the baseline let go.
