@@ -169,7 +169,7 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   f.candidates = candidates_of(selection, drive);
   if (f.verdict == GapVerdict::Effect)
     for (const Entrant& entrant : selection.entrants)
-      if (entrant.candidate.effect != kBaseline) f.effects.push_back(describe(entrant, best));
+      if (entrant.is_effect()) f.effects.push_back(describe(entrant, best));
   if (adopted) tell_changes(found, given, best);
   if (adopted && !found.model.effects.sensor_noise) lend_noise(found, evidence.noise);
   name_runs(f, evidence);

@@ -156,7 +156,7 @@ Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine
   for (const Score& score : scores)
     round.trials.push_back(
         {.candidate = score.candidate, .round = name.number, .share = score.share(), .judged = {}});
-  progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, fine_drive(now))));
+  progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, now.drive())));
   in_parallel(promising, [&](std::size_t i) {
     judge_trial(round.trials[i], quick_fit(now.hypothesis, scores[i], coarse), coarse);
   });

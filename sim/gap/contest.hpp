@@ -16,10 +16,6 @@ struct RoundName {
   std::string title;
 };
 
-inline Drive fine_drive(const Judged& judged) {
-  return judged.hypothesis.model.baseline.drive;
-}
-
 Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
                  const Progress& progress);
 

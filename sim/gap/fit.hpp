@@ -25,8 +25,8 @@ double residual_weight(const Evidence& evidence, double mean_square);
 void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust = 1.0);
 inline constexpr double kNothingMissing = 100.0;
 
-// Fills the unknowns' standard deviations: the larger of what the residual's scatter allows block by block
-// and what the runs say when each in turn is left out.
+// Fills the unknowns' standard deviations: the larger of what white noise of the residual's size allows and
+// what the scatter from one second to the next does (a sandwich estimate, for residuals that are correlated).
 void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

@@ -1,9 +1,8 @@
 #include "sim/gap/score.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/gap/fit.hpp"
 #include "sim/gap/in_parallel.hpp"

@@ -20,10 +20,6 @@ constexpr double kOnlyNoise = 0.25;       // excess below this share of the nois
 constexpr double kAsGood = 1.05;          // mean square: then the evidence decides who has the place
 constexpr int kRefitIterations = 15;
 
-bool is_effect(const Entrant& entrant) {
-  return entrant.candidate.effect != kBaseline;
-}
-
 // `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
 bool convinces(const Round& round, const Judged& now, bool much_left, const Evidence& evidence) {
   if (round.trials.empty() || !round.trials.front().fitted) return false;
@@ -52,8 +48,8 @@ Judged without(const Judged& best, const Candidate& candidate, const Evidence& f
 void contest_places(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
   for (std::size_t i = 0; i + 1 < out.entrants.size(); ++i) {
     Entrant& entrant = out.entrants[i];
-    if (!is_effect(entrant)) continue;
-    const std::string name = entrant.candidate.name(fine_drive(out.best));
+    if (!entrant.is_effect()) continue;
+    const std::string name = entrant.candidate.name(out.best.drive());
     Round again = hold_round(
         without(out.best, entrant.candidate, fine), coarse, fine,
         {.number = static_cast<int>(i) + 1, .title = fmt::format("again for {}'s place", name)}, progress);
@@ -79,9 +75,9 @@ bool is_only_noise(double square, const Evidence& evidence) {
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
   Selection out{.start = judge(std::move(start), fine), .best = {}, .trials = {}, .entrants = {}};
   std::vector<Judged> stands{out.start};
-  while (out.entrants.size() < kMostRounds && !is_only_noise(stands.back().square, fine) &&
-         static_cast<std::size_t>(std::count_if(out.entrants.begin(), out.entrants.end(), is_effect)) <
-             kMostEffects) {
+  std::size_t effects = 0;
+  while (out.entrants.size() < kMostRounds && effects < kMostEffects &&
+         !is_only_noise(stands.back().square, fine)) {
     const int number = static_cast<int>(out.entrants.size()) + 1;
     Round round =
         hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
@@ -92,6 +88,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
       out.entrants.push_back({round.trials.front().candidate,
                               reduction(stands.back(), round.trials.front().judged, fine), round.trials});
       stands.push_back(round.trials.front().judged);
+      if (out.entrants.back().is_effect()) ++effects;
     }
     out.trials.insert(out.trials.end(), round.trials.begin(), round.trials.end());
     if (!found) break;

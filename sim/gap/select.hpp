@@ -20,6 +20,8 @@ struct Judged {
   Hypothesis hypothesis;
   std::vector<double> residual;  // m, held-out rows
   double square = 0.0;           // m^2, its mean square
+
+  Drive drive() const { return hypothesis.model.baseline.drive; }
 };
 
 // One candidate, tried: with its fit where the score test let it through.
@@ -40,6 +42,8 @@ struct Entrant {
   Candidate candidate;
   double reduction = 0.0;  // of the excess square that was left
   std::vector<Trial> contest;
+
+  bool is_effect() const { return candidate.effect != kBaseline; }
 };
 
 struct Selection {

@@ -14,10 +14,6 @@ constexpr double kNoticed = 0.05;
 constexpr double kLeastClosed = 0.6;     // enough where one candidate leaves all others behind:
 constexpr double kFarAhead = 1.4 * 1.4;  // mean square of the next that predicts something else
 
-bool is_effect(const Entrant& entrant) {
-  return entrant.candidate.effect != kBaseline;
-}
-
 // One contains the other: it is no argument against a name that its own special case does nearly as well.
 bool are_kin(const Candidate& a, const Candidate& b) {
   const auto is = [](const Candidate& c, std::string_view name) {
@@ -49,7 +45,8 @@ double gap_closed(double before, double after, double noise) {
 }
 
 double lead(const Selection& selection) {
-  const auto first = std::find_if(selection.entrants.begin(), selection.entrants.end(), is_effect);
+  const auto first = std::find_if(selection.entrants.begin(), selection.entrants.end(),
+                                  [](const Entrant& entrant) { return entrant.is_effect(); });
   double next = std::numeric_limits<double>::infinity();
   if (first == selection.entrants.end()) return next;
   for (std::size_t i = 1; i < first->contest.size(); ++i) {
@@ -64,7 +61,8 @@ GapVerdict verdict(const Judged& before, const Selection& selection, const Evide
   if (selection.entrants.empty() && is_hardly_a_gap(before.square, selection.best.square, evidence))
     return GapVerdict::NoGap;
   const bool closed = well_explained(before.square, selection.best.square, evidence);
-  if (!std::any_of(selection.entrants.begin(), selection.entrants.end(), is_effect))
+  if (std::none_of(selection.entrants.begin(), selection.entrants.end(),
+                   [](const Entrant& entrant) { return entrant.is_effect(); }))
     return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
                           lead(selection) >= kFarAhead;
