@@ -65,11 +65,10 @@ FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
     if (u.effect == entrant.candidate.effect)
       out.parameters.push_back(
           {std::string(effect.parameters[u.parameter].name), u.value() / si_per_unit(u), value_std(u)});
-  for (std::size_t i = 0; i < entrant.contest.size(); ++i) {
-    const Trial& t = entrant.contest[i];
-    if (i == 0)
+  for (const Trial& t : entrant.contest) {
+    if (t.candidate == entrant.candidate)
       out.probability = t.probability;
-    else if (t.fitted && (t.probability >= kWorthNaming))
+    else if (t.fitted && t.probability >= kWorthNaming)
       out.confused_with.push_back({t.candidate.name(best.model.baseline.drive), t.probability});
   }
   return out;

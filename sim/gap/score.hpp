@@ -13,6 +13,7 @@ struct Candidate {
   std::size_t baseline_number = 0;  // where effect == kBaseline
 
   std::string name(Drive drive) const;
+  bool operator==(const Candidate&) const = default;
 };
 
 struct Probe {

@@ -49,12 +49,14 @@ double lead(const Selection& selection) {
                                   [](const Entrant& entrant) { return entrant.is_effect(); });
   double next = std::numeric_limits<double>::infinity();
   if (first == selection.entrants.end()) return next;
-  for (std::size_t i = 1; i < first->contest.size(); ++i) {
-    const Trial& t = first->contest[i];
-    if (t.fitted && !t.twin && !are_kin(t.candidate, first->candidate))
+  double own = selection.best.square;
+  for (const Trial& t : first->contest) {
+    if (t.candidate == first->candidate)
+      own = t.judged.square;
+    else if (t.fitted && !t.twin && !are_kin(t.candidate, first->candidate))
       next = std::min(next, t.judged.square);
   }
-  return next / first->contest.front().judged.square;
+  return next / own;
 }
 
 GapVerdict verdict(const Judged& before, const Selection& selection, const Evidence& evidence) {
