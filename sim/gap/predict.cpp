@@ -12,14 +12,19 @@ constexpr double kLongestStep = 5e-3;  // s
 constexpr double kGrace =
     1.25;  // rows were joined for the given model; one a little faster still takes them whole
 
+// Steps that follow everything but an end stop: step() itself cuts those that meet it, and only those.
+double usual_step(PlantModel model, const Evidence& evidence) {
+  model.effects.end_stop.reset();
+  return std::clamp(kGrace * evidence.step_share / fastest_rate(model), evidence.shortest_step, kLongestStep);
+}
+
 }  // namespace
 
 std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
                             std::size_t rows) {
   model.weight = run.weight;
   model.effects.sensor_noise.reset();
-  model.internal_step =
-      std::clamp(kGrace * evidence.step_share / fastest_rate(model), evidence.shortest_step, kLongestStep);
+  model.internal_step = usual_step(model, evidence);
   const bool stack = model.baseline.drive == Drive::Stack;
   std::vector<double> out;
   out.reserve(rows);
