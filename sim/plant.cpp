@@ -167,7 +167,7 @@ int cuts(const PlantModel& model, const PlantState& state, double h) {
   const auto& stop = model.effects.end_stop;
   if (stop && m.x + 2.0 * std::abs(m.v) * h > stop->position) {
     const double mass = model.mass_A();
-    rate = std::max({rate, 4.0 / h, 10.0 * (std::sqrt(stop->stiffness / mass) + stop->damping / mass)});
+    rate = std::max({rate, 4.0 / h, 5.0 * (std::sqrt(stop->stiffness / mass) + stop->damping / mass)});
   }
   return static_cast<int>(std::clamp(std::ceil(h * rate), 1.0, static_cast<double>(kMostCuts)));
 }
