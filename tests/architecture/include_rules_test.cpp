@@ -26,9 +26,15 @@ const std::map<std::string, std::set<std::string>> kMaySee{
     {"drivers/port", {"robot/messages", "safety"}},
     {"sim", {"robot/messages", "drivers/port", "safety"}},
     {"sim/gap", {"robot/messages", "sim"}},
+    {"sim/paper", {"robot/messages", "robot/control", "sim"}},
+    {"sim/calibration", {"robot/messages", "sim", "sim/paper"}},
+    {"sim/identification", {"robot/messages", "sim"}},
+    {"sim/design", {"robot/messages", "sim"}},
+    {"sim/tuning", {"robot/messages", "robot/control", "sim", "sim/paper"}},
     {"robot/app",
      {"robot/messages", "safety", "robot/control", "robot/report", "planner", "planner/imaging",
-      "drivers/port", "sim", "sim/gap"}},
+      "drivers/port", "sim", "sim/gap", "sim/paper", "sim/calibration", "sim/identification", "sim/design",
+      "sim/tuning"}},
 };
 
 std::string room_of(const std::string& path) {
