@@ -40,7 +40,8 @@ struct PaperRow {
   double paper = 0.0, ours = 0.0;
   double band = 0.2;  // share of the paper's number that ours may be off; 0 unless kind is Number
   bool ok = false;
-  std::string note;  // why it is missed, or how it was read; never empty where ok is false
+  double margin = 0.0;  // of a Trend: how far from turning, as a share; positive where it holds
+  std::string note;     // why it is missed, or how it was read; never empty where ok is false
 };
 
 struct PaperFigure {
