@@ -20,7 +20,9 @@ constexpr double kRootResolution = 1e-9;  // s
 constexpr double kReach = 0.5e-3;         // m: further than any needle moves within a step
 constexpr int kEventsPerStep = 4;  // stick or slip; more within one step means chatter below any resolution
 constexpr int kMostCuts = 64;      // of one step where something is on its way that is faster than the step
-constexpr double kArrived = 1e-3;  // share of the voltage that an amplifier may still be away
+constexpr double kRestInContact = 0.5e-6;         // m that plate A still rings against a stop
+constexpr double kResolved = 5.0, kStable = 1.0;  // steps in the time in which contact rings by one radian
+constexpr double kArrived = 1e-3;                 // share of the voltage that an amplifier may still be away
 
 // m + h (a d + b e + c f): one row of the tableau, without touching what does not move.
 Motion advanced(const Surroundings& s, const Motion& m, double h, const Derivative& d, double a,
@@ -167,7 +169,9 @@ int cuts(const PlantModel& model, const PlantState& state, double h) {
   const auto& stop = model.effects.end_stop;
   if (stop && m.x + 2.0 * std::abs(m.v) * h > stop->position) {
     const double mass = model.mass_A();
-    rate = std::max({rate, 4.0 / h, 5.0 * (std::sqrt(stop->stiffness / mass) + stop->damping / mass)});
+    const double ringing = std::sqrt(stop->stiffness / mass) + stop->damping / mass;
+    const bool at_rest_in_it = m.x > stop->position && std::abs(m.v) < kRestInContact * ringing;
+    rate = std::max({rate, (at_rest_in_it ? 1.0 : 4.0) / h, (at_rest_in_it ? kStable : kResolved) * ringing});
   }
   return static_cast<int>(std::clamp(std::ceil(h * rate), 1.0, static_cast<double>(kMostCuts)));
 }

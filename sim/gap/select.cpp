@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/gap/contest.hpp"
 #include "sim/gap/fit.hpp"
@@ -17,7 +18,9 @@ constexpr double kWorthTrying = 0.25;     // of the excess square that is left: 
 constexpr double kWorthKeeping = 0.5;     // but the last to enter must close most of what was left
 constexpr double kMuchLeft = 0.05;        // of the first excess square
 constexpr double kOnlyNoise = 0.25;       // excess below this share of the noise changes no RMSE by 4 %
+constexpr double kBelowNoise = 1.0;       // what is left of a gap that has a name already, in noises
 constexpr double kAsGood = 1.05;          // mean square: then the evidence decides who has the place
+constexpr double kFarBehind = 9.0;        // mean square: a third of the winner's precision
 constexpr int kRefitIterations = 15;
 
 // `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
@@ -34,6 +37,12 @@ double reduction(const Judged& from, const Judged& to, const Evidence& evidence)
   return left > 0.0 ? 1.0 - excess(to.square, evidence) / left : 0.0;
 }
 
+// Nothing left that could be told from the noise, or too little to be asked for a second name.
+bool is_closed(const Judged& now, bool named, const Evidence& evidence) {
+  if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
+  return is_only_noise(now.square, evidence);
+}
+
 // The hypothesis without one of its effects, the rest fitted anew.
 Judged without(const Judged& best, const Candidate& candidate, const Evidence& fine) {
   Hypothesis reduced = best.hypothesis;
@@ -43,12 +52,24 @@ Judged without(const Judged& best, const Candidate& candidate, const Evidence& f
   return judge(std::move(reduced), fine);
 }
 
+// Nothing came near it when it entered: what entered later did not decide that.
+bool stood_alone(const Entrant& entrant) {
+  double own = 0.0, next = std::numeric_limits<double>::infinity();
+  for (const Trial& t : entrant.contest) {
+    if (t.candidate == entrant.candidate)
+      own = t.judged.square;
+    else if (t.fitted)
+      next = std::min(next, t.judged.square);
+  }
+  return next > kFarBehind * own;
+}
+
 // Each effect but the last to enter was chosen when the others were not there yet: it must win its place
-// again.
+// again, unless it had it without a rival.
 void contest_places(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
   for (std::size_t i = 0; i + 1 < out.entrants.size(); ++i) {
     Entrant& entrant = out.entrants[i];
-    if (!entrant.is_effect()) continue;
+    if (!entrant.is_effect() || stood_alone(entrant)) continue;
     const std::string name = entrant.candidate.name(out.best.drive());
     Round again = hold_round(
         without(out.best, entrant.candidate, fine), coarse, fine,
@@ -77,7 +98,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   std::vector<Judged> stands{out.start};
   std::size_t effects = 0;
   while (out.entrants.size() < kMostRounds && effects < kMostEffects &&
-         !is_only_noise(stands.back().square, fine)) {
+         !is_closed(stands.back(), effects > 0, fine)) {
     const int number = static_cast<int>(out.entrants.size()) + 1;
     Round round =
         hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
