@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "sim/gap/next_experiment.hpp"
 #include "sim/gap/predict.hpp"
@@ -15,7 +17,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMm = 1e3;
+constexpr double kMm = 1e3, kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMovedStds = 3.0;      // a calibration error worth telling: surely there,
 constexpr double kMovedShare = 0.005;   // and not a hair
 constexpr double kGrain = 0.1;          // of a standard deviation: the last digit written
@@ -53,6 +55,17 @@ Hypothesis rounded(Hypothesis hypothesis) {
   }
   hypothesis.settle(thetas);
   return hypothesis;
+}
+
+// The phases that the runs began with: their circular mean and scatter, deg. A model file has one.
+GapEstimate common_phase(const PlantModel& model, const Evidence& evidence) {
+  std::complex<double> sum = 0.0;
+  for (const EvidenceRun& run : evidence.runs)
+    sum +=
+        std::polar(1.0, in_step(model, evidence, run, run.rows.size()).effects.periodic_disturbance->phase);
+  const double agreement = std::abs(sum) / static_cast<double>(evidence.runs.size());
+  const double scatter = std::sqrt(-2.0 * std::log(std::clamp(agreement, 1e-3, 1.0)));
+  return {"phase_deg", std::round(std::arg(sum) * kDegrees), scatter * kDegrees};
 }
 
 FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
@@ -158,7 +171,12 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   f.force_drive = drive == Drive::Force;
   f.verdict = verdict(before, selection, evidence);
   const bool adopted = f.verdict == GapVerdict::Effect || f.verdict == GapVerdict::Parameter;
-  const Hypothesis best = rounded(selection.best.hypothesis);
+  Hypothesis best = rounded(selection.best.hypothesis);
+  std::optional<GapEstimate> phase;
+  if (auto& wave = best.model.effects.periodic_disturbance) {
+    phase = common_phase(best.model, evidence);
+    wave->phase = phase->value / kDegrees;
+  }
   found.model = adopted ? best.model : given;
   f.noise_floor = evidence.noise * kMm;
   f.noise_given = evidence.noise_given;
@@ -169,6 +187,8 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   if (f.verdict == GapVerdict::Effect)
     for (const Entrant& entrant : selection.entrants)
       if (entrant.is_effect()) f.effects.push_back(describe(entrant, best));
+  for (FoundEffect& effect : f.effects)
+    if (phase && effect.name == PeriodicDisturbance::info.name) effect.parameters.push_back(*phase);
   if (adopted) tell_changes(found, given, best);
   if (adopted && !found.model.effects.sensor_noise) lend_noise(found, evidence.noise);
   name_runs(f, evidence);

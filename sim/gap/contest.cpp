@@ -67,7 +67,8 @@ Hypothesis quick_fit(const Hypothesis& current, const Score& score, const Eviden
 
 double log_evidence(const Judged& judged, double looks, const Evidence& evidence) {
   const double tolerated = kTolerance * evidence.noise;
-  double free = 0.0;
+  const bool waves = judged.hypothesis.model.effects.periodic_disturbance.has_value();
+  double free = waves ? static_cast<double>(evidence.runs.size()) : 0.0;  // each run has its phase
   for (const Unknown& u : judged.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
   if (!std::isfinite(judged.square)) return -std::numeric_limits<double>::infinity();
   return -0.5 * looks * std::log(judged.square + tolerated * tolerated) -

@@ -18,7 +18,8 @@ constexpr double kLookSeconds = 2.0;  // what a model misses comes back with eve
 constexpr double kFewestLooks = 30.0;
 constexpr double kBlockSeconds = 1.0;
 constexpr double kToleranceOfNoise = 0.1;
-constexpr double kConverged = 1e-4;  // of the cost: a tenth of a unit of log evidence
+constexpr double kConverged = 1e-4;   // of the cost: a tenth of a unit of log evidence
+constexpr double kWidestRange = 1e6;  // of theta
 constexpr int kRefresh = 4;  // the calibration's columns hardly change: computed anew every so many times
 
 double difference_step(const Unknown& u) {
@@ -26,7 +27,7 @@ double difference_step(const Unknown& u) {
   if (!u.logarithmic) h = 5e-3 * std::max(std::abs(u.theta), 0.2);
   if (u.effect != kBaseline) {
     const Role role = library()[static_cast<std::size_t>(u.effect)].parameters[u.parameter].role;
-    if (role == Role::Phase || role == Role::Frequency) h = 0.02;
+    if (role == Role::Frequency) h = 0.02;
     if (role == Role::Place || role == Role::Level) h = 2e-3;
   }
   return u.theta + h <= u.high ? h : -h;
@@ -34,6 +35,12 @@ double difference_step(const Unknown& u) {
 
 bool is_calibration(const Unknown& u) {
   return std::isfinite(u.prior_std);
+}
+
+// What was known of a number before any reading: at the least, that it lies in its range. Standard deviation.
+double known_before(const Unknown& u) {
+  const double range = std::min(u.high - u.low, kWidestRange) / std::sqrt(12.0);
+  return is_calibration(u) ? u.prior_std : range;
 }
 
 std::vector<double> thetas_of(const Hypothesis& hypothesis) {
@@ -184,9 +191,8 @@ void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
   const double w = 1.0 / std::max(mean_square(r), evidence.noise * evidence.noise);
   Eigen::MatrixXd information = w * J.transpose() * J;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double known = hypothesis.unknowns[static_cast<std::size_t>(i)].prior_std;
-    if (std::isfinite(known)) information(i, i) += 1.0 / (known * known);
-    information(i, i) += 1e-12;
+    const double known = known_before(hypothesis.unknowns[static_cast<std::size_t>(i)]);
+    information(i, i) += 1.0 / (known * known);
   }
   const Eigen::MatrixXd inverse = information.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(n, n);

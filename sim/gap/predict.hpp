@@ -14,7 +14,11 @@ enum class Part : std::uint8_t { Training, HeldOut, All };
 std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
                             std::size_t rows);
 
-// measured - model over one part of all runs, one after the other. m
+// The model with its periodic disturbance, if it has one, in step with this run: nobody starts a recording on
+// a breath, so the phase is each run's own. Found from the rows before `rows`.
+PlantModel in_step(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows);
+
+// measured - model over one part of all runs, one after the other, each run in step. m
 std::vector<double> residual(const PlantModel& model, const Evidence& evidence, Part part);
 
 double mean_square(const std::vector<double>& values);

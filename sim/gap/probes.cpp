@@ -162,7 +162,6 @@ std::vector<std::vector<double>> probe_starts(int effect, const Evidence& eviden
         vary(starts, i, spectrum.peaks);
         break;
       case Role::Phase:
-        vary(starts, i, std::array{0.0, 0.5 * std::numbers::pi});
         break;
     }
   }

@@ -86,12 +86,10 @@ Unknown effect_unknown(int effect, std::size_t index, double start, const Eviden
       u.scale = 1.0 / (evidence.training_seconds + evidence.held_out_seconds);
       break;
     case Role::Phase:
-      u.scale = 1.0;
       break;
   }
   u.theta = u.logarithmic ? std::log(start / u.scale) : start / u.scale;
   bound_by_range(u, p);
-  if (p.role == Role::Phase) u.low = -1e3, u.high = 1e3;  // a phase has no end
   return u;
 }
 
@@ -186,6 +184,7 @@ void include(Hypothesis& hypothesis, int effect, const std::vector<double>& star
   const LibraryEffect& added = library()[static_cast<std::size_t>(effect)];
   added.add(hypothesis.model);
   for (std::size_t i = 0; i < added.parameters.size(); ++i) {
+    if (added.parameters[i].role == Role::Phase) continue;  // each run's own: predict.hpp, in_step
     hypothesis.unknowns.push_back(effect_unknown(effect, i, start[i], evidence));
     write(hypothesis.model, hypothesis.unknowns.back(), hypothesis.unknowns.back().theta);
   }
