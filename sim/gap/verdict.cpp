@@ -12,6 +12,7 @@ constexpr double kWellBelowNoise = 0.5;  // what is left, in shares of the noise
 constexpr double kHardlyMore = 0.25;     // excess square, in squares of the noise
 constexpr double kNoticed = 0.05;
 constexpr double kLeastClosed = 0.6;     // enough where one candidate leaves all others behind:
+constexpr double kBent = 3.0;            // standard deviations of a calibration
 constexpr double kFarAhead = 1.4 * 1.4;  // mean square of the next that predicts something else
 
 // One contains the other: it is no argument against a name that its own special case does nearly as well.
@@ -30,6 +31,15 @@ bool is_hardly_a_gap(double before, double after, const Evidence& evidence) {
   if (is_only_noise(before, evidence)) return true;
   const double noise = evidence.noise * evidence.noise;
   return excess(before, evidence) < kHardlyMore * noise && before - after < kNoticed * noise;
+}
+
+// Whether the explanation holds only if the calibration is wrong as well: then both make up for something
+// else.
+bool bends_calibration(const Hypothesis& hypothesis) {
+  return std::any_of(hypothesis.unknowns.begin(), hypothesis.unknowns.end(), [](const Unknown& u) {
+    return u.effect == kBaseline && std::isfinite(u.prior_std) &&
+           std::abs(u.theta - u.prior_mean) > kBent * u.prior_std;
+  });
 }
 
 bool well_explained(double before, double after, const Evidence& evidence) {
@@ -67,7 +77,7 @@ GapVerdict verdict(const Judged& before, const Selection& selection, const Evide
                    [](const Entrant& entrant) { return entrant.is_effect(); }))
     return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
-                          lead(selection) >= kFarAhead;
+                          lead(selection) >= kFarAhead && !bends_calibration(selection.best.hypothesis);
   return closed || stands_out ? GapVerdict::Effect : GapVerdict::Unexplained;
 }
 
