@@ -206,8 +206,15 @@ void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
   }
   const double few = static_cast<double>(all.size());
   const Eigen::MatrixXd robust = inverse * scatter * inverse * (few / std::max(1.0, few - 1.0));
-  for (Eigen::Index i = 0; i < n; ++i)
-    hypothesis.unknowns[static_cast<std::size_t>(i)].std = std::sqrt(std::max(inverse(i, i), robust(i, i)));
+  // What is left above the noise is the model's error, which comes back with every cycle: few looks, not
+  // rows.
+  const double square = mean_square(r), above = std::max(0.0, 1.0 - std::pow(evidence.noise, 2) / square);
+  const double repeats = above * static_cast<double>(r.size()) / independent_looks(evidence.training_seconds);
+  const Eigen::MatrixXd coherent = inverse * (1.0 + repeats);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    hypothesis.unknowns[static_cast<std::size_t>(i)].std =
+        std::sqrt(std::max({inverse(i, i), robust(i, i), coherent(i, i)}));
+  }
 }
 
 }  // namespace biopsy::sim::gap
