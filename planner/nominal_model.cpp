@@ -17,10 +17,10 @@ constexpr double kFilmThickness = 100e-6;                     // both films of a
 constexpr double kPouchWidth = 0.060, kPouchVolume = 1.9e-7;  // L0, V0
 constexpr double kRestHeight = 0.35e-3;                       // H_0
 constexpr double kPouches = 11;
+constexpr double kOilFlow_s = 0.030;                 // first order
 constexpr double kSpring = 140;                      // N/m; the paper's 14 is a slip of units
 constexpr double kFixture = 0.030, kPlateB = 0.030;  // kg
 constexpr double kGravity = 9.81;
-constexpr double kHalfPeriod = 0.25;  // a of eq. (11) at 2 Hz
 
 // What a real stage does that the equations do not know.
 // Fig. 8b: the hysteresis loop is 30 % of the strain reached, at every load.
@@ -44,11 +44,12 @@ constexpr double kSuddenForce_N = 0.15;
 
 }  // namespace
 
-FilmShare film_share() {
-  const double decay = std::exp(-kHalfPeriod / kLeakTau);
+FilmShare film_share(Seconds half_period) {
+  const double a = half_period.count();  // of eq. (11)
+  const double decay = std::exp(-a / kLeakTau);
   const double start = 2.0 * kCouplingK / (1.0 + decay), end = start * decay;
   // Mean over the half-period of (start exp(-t / tau))^2.
-  const double mean_square = (start * start - end * end) * kLeakTau / (2.0 * kHalfPeriod);
+  const double mean_square = (start * start - end * end) * kLeakTau / (2.0 * a);
   return {start, end, std::sqrt(mean_square)};
 }
 
@@ -76,6 +77,18 @@ double NominalModel::depth_m(double film_volts, double force_N) const {
 
 Millimetres NominalModel::depth(Volts amplitude, double force_N) const {
   return Millimetres(1e3 * depth_m(film_share().rms * amplitude.value, force_N));
+}
+
+Millimetres NominalModel::depth_on_films(Volts films, double force_N) const {
+  return Millimetres(1e3 * depth_m(films.value, force_N));
+}
+
+double NominalModel::speed_after_push() const {
+  return std::sqrt(kSpring / plate_a_kg_);
+}
+
+double NominalModel::speed_after_voltage() const {
+  return speed_after_push() / std::hypot(1.0, speed_after_push() * kOilFlow_s);
 }
 
 std::optional<Volts> NominalModel::drive(Millimetres depth, double force_N) const {

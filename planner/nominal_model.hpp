@@ -20,6 +20,14 @@ class NominalModel {
   // force_N (negative: friction holds it in). Below zero where the push is stronger than the drive.
   Millimetres depth(Volts amplitude, double force_N = 0.0) const;
 
+  // Depth where the films see this voltage, whatever wave made it.
+  Millimetres depth_on_films(Volts films, double force_N = 0.0) const;
+
+  // How fast the loaded plate moves at most, mm/s, after a change that lets it settle 1 mm elsewhere: at once
+  // (a push on the plate: it swings on the series spring), or as the oil flows (a jump of the voltage).
+  double speed_after_push() const;
+  double speed_after_voltage() const;
+
   // The amplitude that holds this depth against force_N: the inverse of depth(). 0 V where the stage is there
   // without drive; nothing where no drive could do it, because the pouches are empty before.
   std::optional<Volts> drive(Millimetres depth, double force_N = 0.0) const;
@@ -39,13 +47,13 @@ class NominalModel {
   double plate_a_kg_;
 };
 
-// The share of the drive amplitude that acts on the films under a 2 Hz square wave, settled: at the start of
-// a half-period, at its end (equations (16), (17)), and root mean square over it, because pressure follows
-// the square.
+// The share of the drive amplitude that acts on the films under a square wave (2 Hz where nothing is said),
+// settled: at the start of a half-period, at its end (equations (16), (17)), and root mean square over it,
+// because pressure follows the square.
 struct FilmShare {
   double start, end, rms;
 };
-FilmShare film_share();
+FilmShare film_share(Seconds half_period = Seconds(0.25));
 
 inline constexpr Grams kWeightMax{300.0};
 inline constexpr double kTissueForce_N =

@@ -97,6 +97,10 @@ std::vector<std::uint8_t> canonical_bytes(const Plan& plan) {
   to.number(plan.limits.depth_max.value);
   to.number(plan.limits.v_max.value);
   write(to, plan.limits.plausible);
+  if (plan.bench) {
+    to.text("bench");
+    to.number(plan.bench->half_period.count());
+  }
   return to.take();
 }
 

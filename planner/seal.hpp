@@ -13,7 +13,7 @@ namespace biopsy::planner {
 
 // Fields in the order of the struct, after the tag "biopsy-plan-1". Integers little-endian; strings and lists
 // with a 64-bit length before them; doubles as IEEE 754 bits, -0 as +0; X_SR as 16 doubles row by row; enums
-// and flags one byte.
+// and flags one byte. A plan for the bench has the text "bench" and its half period behind all that.
 std::vector<std::uint8_t> canonical_bytes(const Plan& plan);
 
 void seal(Plan& plan);

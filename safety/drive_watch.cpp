@@ -63,27 +63,35 @@ void forget_wave(DriveWatch& watch) {
   watch.wrong_frequency = false;
 }
 
-void note_flip(DriveWatch& watch) {
+void note_flip(DriveWatch& watch, std::int32_t half_period) {
   if (watch.flips == 4) {  // four half-periods lie between the oldest of these and now
-    const std::int64_t off = watch.tick - watch.flip_tick[3] - kTwoPeriods_ticks;
-    watch.wrong_frequency = std::abs(off) > kTwoPeriodsOff_ticks;
+    const std::int64_t two_periods = kTwoPeriods_half_periods * half_period;
+    const std::int64_t off = watch.tick - watch.flip_tick[3] - two_periods;
+    watch.wrong_frequency = kOffOneIn * std::abs(off) > two_periods;
   }
   watch.flip_tick = {watch.tick, watch.flip_tick[0], watch.flip_tick[1], watch.flip_tick[2]};
   watch.flips = std::min(watch.flips + 1, 4);
 }
 
-HazardSet look_at_wave(DriveWatch& watch, const Measurement& m, Mode mode) {
+// A slow wave needs as many of its own periods to show its balance.
+std::int64_t forgetting_ticks(std::int32_t half_period) {
+  return kForget_ticks * std::max(half_period, kHalfPeriod_ticks) / kHalfPeriod_ticks;
+}
+
+HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measurement& m, Mode mode) {
   ++watch.tick;
   if (mode != Mode::Active && mode != Mode::Hold) watch.signed_mVms = watch.total_mVms = watch.wave_ticks = 0;
   if (mode != Mode::Active || magnitude(m.command_mV) < kWaveMin_mV) return forget_wave(watch), 0;
   const std::int32_t polarity = m.command_mV < 0 ? -1 : 1;
-  if (watch.polarity == -polarity) note_flip(watch);
+  const std::int32_t half_period = half_period_ticks(plan);
+  if (watch.polarity == -polarity) note_flip(watch, half_period);
   watch.polarity = polarity;
-  constexpr std::int64_t kForget = std::int64_t{1} << kImbalanceShift;
-  watch.signed_mVms += m.monitor_mV - watch.signed_mVms / kForget;
-  watch.total_mVms += magnitude(m.monitor_mV) - watch.total_mVms / kForget;
-  watch.wave_ticks = std::min(watch.wave_ticks + 1, kImbalanceSeen_ticks);
-  const bool judged = watch.wave_ticks >= kImbalanceSeen_ticks;
+  const std::int64_t forgetting = forgetting_ticks(half_period);
+  const auto seen = static_cast<std::int32_t>(forgetting / kForgetPerSeen);
+  watch.signed_mVms += m.monitor_mV - watch.signed_mVms / forgetting;
+  watch.total_mVms += magnitude(m.monitor_mV) - watch.total_mVms / forgetting;
+  watch.wave_ticks = std::min(watch.wave_ticks + 1, seen);
+  const bool judged = watch.wave_ticks >= seen;
   const bool unbalanced = 2 * std::abs(watch.signed_mVms) > watch.total_mVms;
   return when(judged && unbalanced, Hazard::PolarityStuck) |
          when(watch.wrong_frequency, Hazard::WrongFrequency);
@@ -95,7 +103,8 @@ bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
 
 }  // namespace
 
-DriveFindings look(DriveWatch& watch, const Observation& seen, bool fresh, bool stale) {
+DriveFindings look(const PlanFacts& plan, DriveWatch& watch, const Observation& seen, bool fresh,
+                   bool stale) {
   const Measurement& m = seen.measurement;
   DriveFindings findings;
   findings.image_disturbed = seen.acquiring && (!fresh || is_switching(watch.command_mV, m.command_mV));
@@ -104,7 +113,7 @@ DriveFindings look(DriveWatch& watch, const Observation& seen, bool fresh, bool 
     watch.found |= look_at_current(watch, m);
     watch.found |= look_at_obedience(watch, m, seen.permit);
     watch.found |= look_at_zero(watch, m, seen.permit.mode);
-    watch.found |= look_at_wave(watch, m, seen.permit.mode);
+    watch.found |= look_at_wave(plan, watch, m, seen.permit.mode);
     watch.command_mV = m.command_mV;
   }
   findings.found = watch.found;

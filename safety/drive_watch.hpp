@@ -6,6 +6,7 @@
 
 #include "safety/hazards.hpp"
 #include "safety/observation.hpp"
+#include "safety/plan_facts.hpp"
 #include "safety/thresholds.hpp"
 
 namespace biopsy::safety {
@@ -35,6 +36,6 @@ struct DriveFindings {
 };
 
 // `fresh`: the measurement is new; `stale`: none for more than 3 ms.
-DriveFindings look(DriveWatch& watch, const Observation& seen, bool fresh, bool stale);
+DriveFindings look(const PlanFacts& plan, DriveWatch& watch, const Observation& seen, bool fresh, bool stale);
 
 }  // namespace biopsy::safety

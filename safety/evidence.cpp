@@ -5,7 +5,7 @@ namespace biopsy::safety {
 Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen) {
   const LinkFindings link = look(plan, memory.link, seen);
   const bool stale = (link.found & bit(Hazard::SensorStale)) != 0;
-  const DriveFindings drive = look(memory.drive, seen, link.fresh, stale);
+  const DriveFindings drive = look(plan, memory.drive, seen, link.fresh, stale);
   const DepthFindings depth = look(plan, memory.depth, seen, link.fresh, drive.zero_volts);
   Evidence evidence;
   evidence.clear = ~(link.found | drive.found | depth.found) & kAllHazards;

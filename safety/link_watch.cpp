@@ -110,7 +110,9 @@ HazardSet look_at_plan(const PlanFacts& plan, LinkWatch& watch, const Observatio
   if (!is_hot(seen.permit.mode)) watch.plan_plausible = is_plausible(plan);
   const bool same_plan = plan.plan_tag != 0 && seen.plan_tag == plan.plan_tag;
   const bool same_config = plan.config_tag != 0 && seen.config_tag == plan.config_tag;
-  const bool confirmed = seen.confirmed_tag[0] == plan.plan_tag && seen.confirmed_tag[1] == plan.plan_tag;
+  const bool for_patient = plan.bench_half_period_ticks == 0;
+  const bool confirmed = seen.confirmed_tag[0] == plan.plan_tag && seen.confirmed_tag[1] == plan.plan_tag &&
+                         (for_patient || seen.bench_confirmed);
   return when(!same_plan, Hazard::PlanChanged) | when(!same_config, Hazard::ConfigChanged) |
          when(!watch.plan_plausible, Hazard::PlanImplausible) |
          when(!confirmed || plan.plan_tag == 0, Hazard::PlanUnconfirmed);

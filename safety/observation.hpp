@@ -26,6 +26,7 @@ struct Observation {
   std::int32_t tissue_residual_um = std::numeric_limits<std::int32_t>::max();  // |depth - the model's depth|
   std::uint64_t plan_tag = 0, config_tag = 0;    // as recomputed from what is in use now
   std::array<std::uint64_t, 2> confirmed_tag{};  // plan tags that two separate confirmations were given for
+  bool bench_confirmed = false;                  // somebody at the stage says: no patient, no needle
 };
 
 }  // namespace biopsy::safety

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "robot/messages/limits.hpp"
+#include "safety/thresholds.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -48,6 +49,8 @@ DepthRange plausible_at(const PlanFacts& plan, std::int32_t drive_mV) {
 }  // namespace
 
 bool is_plausible(const PlanFacts& plan) {
+  if (plan.bench_half_period_ticks != half_period_ticks(plan) && plan.bench_half_period_ticks != 0)
+    return false;
   if (!is_within(plan.depth_max_um, kStageMin_um, limits::kStroke_um)) return false;
   if (!is_within(plan.tissue_residual_max_um, 1, limits::kStroke_um)) return false;
   if (plan.stage_count == 0 || plan.stage_count > kMaxStages) return false;
@@ -59,6 +62,12 @@ bool is_plausible(const PlanFacts& plan) {
   for (std::size_t i = 1; i < plan.band_count; ++i)
     if (plan.bands[i].drive_mV <= plan.bands[i - 1].drive_mV) return false;
   return true;
+}
+
+std::int32_t half_period_ticks(const PlanFacts& plan) {
+  const bool own =
+      is_within(plan.bench_half_period_ticks, kBenchHalfPeriodMin_ticks, kBenchHalfPeriodMax_ticks);
+  return own ? plan.bench_half_period_ticks : kHalfPeriod_ticks;
 }
 
 DepthRange plausible_depth(const PlanFacts& plan, std::int32_t drive_low_mV, std::int32_t drive_high_mV) {

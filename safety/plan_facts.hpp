@@ -27,10 +27,11 @@ struct PlausibleBand {
 };
 
 struct PlanFacts {
-  std::uint64_t plan_tag = 0;               // first 8 bytes of the seal; 0 = no plan
-  std::uint64_t config_tag = 0;             // of the configuration at start; 0 = none
-  std::int32_t depth_max_um = 0;            // target plus the allowed overshoot (PlanLimits::depth_max)
-  std::int32_t tissue_residual_max_um = 0;  // |depth - depth the tissue model expects| that is still normal
+  std::uint64_t plan_tag = 0;                // first 8 bytes of the seal; 0 = no plan
+  std::uint64_t config_tag = 0;              // of the configuration at start; 0 = none
+  std::int32_t depth_max_um = 0;             // target plus the allowed overshoot (PlanLimits::depth_max)
+  std::int32_t tissue_residual_max_um = 0;   // |depth - depth the tissue model expects| that is still normal
+  std::int32_t bench_half_period_ticks = 0;  // 0: for a patient, polarity at 2 Hz; else a bench plan's own
   std::uint32_t stage_count = 0;
   std::uint32_t band_count = 0;
   std::array<StagePermit, kMaxStages> stages{};
@@ -40,6 +41,9 @@ struct PlanFacts {
 // Whether every number is one this robot could mean: a plan in metres or volts fails here. A default plan
 // fails.
 bool is_plausible(const PlanFacts& plan);
+
+// Ticks between two changes of polarity that this plan is held to.
+std::int32_t half_period_ticks(const PlanFacts& plan);
 
 struct DepthRange {
   std::int32_t low_um = 0, high_um = 0;

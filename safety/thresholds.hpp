@@ -45,11 +45,14 @@ inline constexpr std::int32_t kArc_ticks = 2;  // safety concept: 2 samples
 
 // Square wave: 2 Hz, amplitude from 1 kV up (below, a change of sign cannot be told from amplitude control)
 inline constexpr std::int32_t kWaveMin_mV = 1'000'000;
-inline constexpr std::int64_t kTwoPeriods_ticks = 1'000;   // paper: 2 Hz
-inline constexpr std::int64_t kTwoPeriodsOff_ticks = 200;  // safety concept: 20 %
-inline constexpr std::int32_t kImbalanceShift = 11;        // forgetting: 2048 ms, four periods
+inline constexpr std::int32_t kHalfPeriod_ticks = 250;  // paper: 2 Hz; the only one with a patient
+// A plan for the bench may declare another one. Fastest: 10 Hz, the paper's highest. Slowest: 0.2 Hz; a stuck
+// polarity is then seen after 15 s, little more than the 10 s of one polarity that every hold may last.
+inline constexpr std::int32_t kBenchHalfPeriodMin_ticks = 50, kBenchHalfPeriodMax_ticks = 2'500;
+inline constexpr std::int64_t kTwoPeriods_half_periods = 4, kOffOneIn = 5;  // safety concept: 20 %
+inline constexpr std::int64_t kForget_ticks = 2'048;                        // four periods at 2 Hz, no less
 // Judged once half of that was seen; a sound wave then has < 25 % (half a half-period), a stuck one 100 %.
-inline constexpr std::int32_t kImbalanceSeen_ticks = 1'024;
+inline constexpr std::int64_t kForgetPerSeen = 2;
 
 // Depth
 inline constexpr std::int32_t kDepth_ticks = 2;              // one sample may be a spike of the laser

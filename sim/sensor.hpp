@@ -17,7 +17,7 @@ inline double sensed(const PlantModel& model, const PlantState& state) {
 // The sensor's filters after h, its target having gone straight from `from` to where it stands now.
 inline void remember_reading(const PlantModel& model, PlantState& state, double from, double h) {
   const auto& lag = model.effects.sensor_lag;
-  if (!lag) return;
+  if (!lag || h <= 0.0) return;  // plate A broke away in the very instant in which it stopped
   const double before = state.reading;
   state.reading = lag->lagged(from, sensed(model, state), before, h);
   state.memory.delay = lag->delayed(before, state.reading, state.memory.delay, h);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "robot/app/commands.hpp"
+#include "robot/app/study_commands.hpp"
 
 namespace biopsy::app {
 namespace {
@@ -138,6 +139,27 @@ void add_gap(CLI::App& app, GapOptions& options, int& code) {
   command->callback([&] { code = gap(options); });
 }
 
+void add_characterise(CLI::App& app, CharacteriseOptions& options, int& code) {
+  CLI::App* command =
+      app.add_subcommand("characterise", "experiments on a stage without patient and needle, for gap");
+  command->footer(
+      "Plays voltages open loop under the supervisor: dc, staircase, load, impact, frequency. Stores a data "
+      "set (one CSV a\nrun) and report.html. A run that the supervisor stops is kept and marked.\n\n"
+      "Example:\n  biopsy characterise --dry-run\n  biopsy characterise staircase dc --bench --out "
+      "out/stage\n\n"
+      "Exit code: 0 completed, 3 stopped, 2 unusable input.");
+  command->add_option("EXPERIMENT", options.experiments, "which (default: all)");
+  command->add_option("--device", options.device, "the stage: sim");
+  command->add_option("--model", options.model,
+                      "model of the simulated stage (TOML); default: sim/models/rehearsal.toml");
+  command->add_option("--weight-g", options.weight_g, "weight on the fixture, g (default 50)");
+  command->add_option("--seed", options.seed, "seed of the simulated stage's noise");
+  command->add_flag("--dry-run", options.dry_run, "say what would be done; nothing moves");
+  command->add_flag("--bench", options.bench, "I confirm: no patient, no needle");
+  command->add_option("--out", options.out, "folder for the data set");
+  command->callback([&] { code = characterise(options); });
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -152,6 +174,8 @@ int run_command_line(int argc, const char* const* argv) {
   ImageOptions shown;
   EffectsOptions listed;
   GapOptions compared;
+  CharacteriseOptions measured;
+  StudyOptions studied;
   int code = 0;
   add_dry_run(app, rehearsed, code);
   add_plan(app, planned, code);
@@ -160,6 +184,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_image(app, shown, code);
   add_effects(app, listed, code);
   add_gap(app, compared, code);
+  add_characterise(app, measured, code);
+  add_study_commands(app, studied, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

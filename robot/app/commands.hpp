@@ -69,4 +69,58 @@ struct GapOptions {
 // Exit code 0 for any honest verdict.
 int gap(const GapOptions& options);
 
+struct ReproduceOptions {
+  std::string figure;           // "6", "7a", "9" for all its parts; empty: all
+  std::filesystem::path model;  // empty: sim/models/calibrated.toml
+  std::filesystem::path out;
+};
+
+// Exit code 0 also where rows are missed: an honest result.
+int reproduce(const ReproduceOptions& options);
+
+struct CalibrateOptions {
+  std::filesystem::path model;  // empty: sim/models/rehearsal.toml
+  std::filesystem::path out;
+  std::vector<std::filesystem::path> data;  // measured runs that count beside the paper's rows
+  int evaluations = 600;
+  std::uint64_t seed = 1;
+};
+
+int calibrate(const CalibrateOptions& options);
+
+struct IdentifyOptions {
+  std::filesystem::path dataset, model, out;  // model empty: sim/models/baseline.toml
+};
+
+int identify(const IdentifyOptions& options);
+
+struct DesignOptions {
+  std::filesystem::path model, out;  // model empty: sim/models/calibrated.toml
+  std::uint64_t seed = 1;
+};
+
+int design(const DesignOptions& options);
+
+struct TuneOptions {
+  std::filesystem::path model, out;  // model empty: sim/models/calibrated.toml; out empty: no files
+  int stages = 8;                    // that the model's uncertainty leaves room for
+  std::uint64_t seed = 1;
+};
+
+int tune(const TuneOptions& options);
+
+struct CharacteriseOptions {
+  std::vector<std::string> experiments;  // none: all
+  std::string device = "sim";
+  std::filesystem::path model;  // of the simulated stage; empty: the one of rehearsals
+  double weight_g = 50.0;
+  std::uint64_t seed = 1;
+  bool dry_run = false;  // says what would be done
+  bool bench = false;    // no patient, no needle
+  std::filesystem::path out;
+};
+
+// Exit code 0: every run came to its end; 3: the supervisor stopped one.
+int characterise(const CharacteriseOptions& options);
+
 }  // namespace biopsy::app

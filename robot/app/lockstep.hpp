@@ -1,68 +1,33 @@
-// Stage, supervisor, controller and gate on one virtual clock: the very functions that the live processes
-// run, called in turn, one tick at a time. Same inputs, same run, to the bit.
+// A procedure's stage, supervisor, controller and gate on one virtual clock. Same inputs, same run, to the
+// bit.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "drivers/port/gated_stage.hpp"
+#include "robot/app/supervised_stage.hpp"
 #include "robot/control/stage_runner.hpp"
 #include "robot/messages/plan.hpp"
-#include "safety/evidence.hpp"
-#include "safety/supervisor.hpp"
 
 namespace biopsy::app {
-
-// What people and the rest of the world do in a tick. Default: nobody asks for anything and all is well.
-struct World {
-  bool arm = false, reset = false;  // keys on the device
-  safety::MotionPress press;        // hold-to-run
-  StopCategory stop = StopCategory::None;
-  bool finish = false;          // the operator is done: withdraw
-  bool acquiring = false;       // the scanner takes an image
-  bool depth_accepted = false;  // the depth check of `accepted_stage` said Accept
-  std::uint32_t accepted_stage = 0;
-  std::int32_t patient_motion_um = 0;
-  std::int32_t log_backlog_ms = 0;
-  bool estop_closed = true;
-  std::int32_t writers = 1;
-};
-
-struct Tick {
-  Measurement measurement;
-  safety::Evidence evidence;
-  safety::SupervisorOutput supervisor;
-  DriveRequest request;
-  std::int32_t drive_mV = 0;  // put out at the end of the tick, until the next
-};
 
 class Lockstep {
  public:
   // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
   Lockstep(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage,
-           const std::array<std::uint64_t, 2>& confirmed);
+           const std::array<std::uint64_t, 2>& confirmed)
+      : plan_(plan), stage_(plan, facts, stage, confirmed) {}
 
   Tick tick(const World& world);
 
-  std::int64_t ticks() const { return ticks_; }
-  Mode mode() const { return supervisor_.mode; }
+  std::int64_t ticks() const { return stage_.ticks(); }
+  Mode mode() const { return stage_.mode(); }
   const control::RunnerState& controller() const { return controller_; }
 
  private:
-  safety::Observation observed(const Measurement& measurement, const World& world) const;
-
   const Plan& plan_;
-  const safety::PlanFacts& facts_;
-  std::array<std::uint64_t, 2> confirmed_;
-  std::uint64_t plan_tag_;  // of the plan the controller really runs, sealed anew here
-  port::GatedStage stage_;
-  safety::EvidenceMemory memory_;
-  safety::SupervisorState supervisor_;
+  SupervisedStage stage_;
   control::RunnerState controller_;
-  Permit permit_;
-  DriveRequest request_;
-  std::int64_t ticks_ = 0;
-  std::int32_t mean_drive_mV_ = 0;  // |V| over about half a second, for the tissue residual
 };
 
 }  // namespace biopsy::app

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "planner/seal.hpp"
 #include "robot/messages/limits.hpp"
 #include "robot/messages/setup_error.hpp"
@@ -31,6 +34,9 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
   facts.config_tag = config_tag;
   facts.depth_max_um = to_um(plan.limits.depth_max);
   facts.tissue_residual_max_um = kTissueResidual_um;
+  if (plan.bench)  // never 0, which would make it a plan for a patient
+    facts.bench_half_period_ticks =
+        static_cast<std::int32_t>(std::max(1L, std::lround(plan.bench->half_period / kTick)));
   for (const Stage& stage : plan.stages)
     facts.stages[facts.stage_count++] = {
         .depth_max_um = std::min(to_um(stage.depth + kStageOvershoot), facts.depth_max_um),

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,11 @@ struct PlanLimits {
   std::vector<DepthBand> plausible;  // rising drive
 };
 
+// What only a plan for the bench may ask for: the stage alone, no patient and no needle on it.
+struct BenchDrive {
+  Seconds half_period{0.25};  // between two changes of polarity; every plan with a patient has 0.25 s (2 Hz)
+};
+
 struct Plan {
   Target target;
   RigidTransform X_SR = RigidTransform::Identity();             // robot to scanner
@@ -59,7 +65,8 @@ struct Plan {
   std::vector<Layer> layers;
   std::vector<Stage> stages;
   PlanLimits limits;
-  Sha256 seal{};  // SHA-256 over all of the above
+  std::optional<BenchDrive> bench = std::nullopt;  // not for a patient
+  Sha256 seal{};                                   // SHA-256 over all of the above
 
   std::string layer_at(Millimetres depth) const {
     for (const Layer& layer : layers)

@@ -44,7 +44,7 @@ port::SensorReading SimStage::read() {
 }
 
 void SimStage::write(const safety::GatedVoltage& voltage) {
-  state_ = step(model_, state_, {.voltage = voltage.mV() * 1e-3}, Seconds(kTick));
+  state_ = step(model_, state_, {.voltage = voltage.mV() * 1e-3, .external_force = push_N_}, Seconds(kTick));
   now_us_ += std::chrono::microseconds(kTick).count();
 }
 

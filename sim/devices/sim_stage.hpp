@@ -23,6 +23,10 @@ class SimStage final : public port::NeedleStage {
   port::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
 
+  // What pushes plate A down from the next write() on, N: a hand or a weight on the bench, without its
+  // inertia.
+  void push(double force_N) { push_N_ = force_N; }
+
   // The truth, for reports and the simulated scanner; a real stage has no such thing.
   const PlantState& truth() const { return state_; }
   const PlantModel& model() const { return model_; }
@@ -34,6 +38,7 @@ class SimStage final : public port::NeedleStage {
   std::uint64_t seed_;
   PlantState state_;
   std::int64_t now_us_ = 0;
+  double push_N_ = 0.0;
 };
 
 }  // namespace biopsy::sim

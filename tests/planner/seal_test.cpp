@@ -57,7 +57,8 @@ TEST(Seal, BreaksWithEverySingleField) {
       [](Plan& p) { p.limits.plausible[0].drive += Volts(1); },
       [](Plan& p) { p.limits.plausible[0].low -= Millimetres(0.1); },
       [](Plan& p) { p.limits.plausible[0].high += Millimetres(0.1); },
-      [](Plan& p) { p.limits.plausible.clear(); },
+      [](Plan& p) { p.limits.plausible.clear(); }, [](Plan& p) { p.bench = BenchDrive{}; },
+      [](Plan& p) { p.bench = BenchDrive{Seconds(0.5)}; },
       [](Plan& p) { p.target_depth = Millimetres(std::nextafter(3.5, 4.0)); },
       // The same characters, divided differently.
       [](Plan& p) { p.target.patient_id = "P-71", p.target.series_uid = ".2.840.1"; }};

@@ -16,7 +16,8 @@ void expect_refused(const std::string& words, const std::string& named) {
 }
 
 TEST(CommandLine, EveryCommandTeachesWithAnExample) {
-  for (const char* command : {"dry-run", "plan", "check", "simulate", "image", "effects", "gap"}) {
+  for (const char* command :
+       {"dry-run", "plan", "check", "simulate", "image", "effects", "gap", "characterise"}) {
     const Answer answer = biopsy(std::string(command) + " --help");
     EXPECT_EQ(answer.code, 0);
     EXPECT_NE(answer.text.find("Example:\n  biopsy " + std::string(command)), std::string::npos)

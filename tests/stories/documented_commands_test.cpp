@@ -181,7 +181,8 @@ TEST(Documents, EachIsLinkedFromTheReadme) {
 }
 
 TEST(Documents, TellEveryOptionAndCommand) {
-  const std::string source = file_content(kHouse / "robot/app/command_line.cpp"),
+  const std::string source = file_content(kHouse / "robot/app/command_line.cpp") +
+                             file_content(kHouse / "robot/app/study_commands.cpp"),
                     reference = prose_of("reference.md");
   const auto options = found_in(source, R"(add_(?:option|flag|flag_callback)\("([^"]+)\")"),
              commands = found_in(source, R"(add_subcommand\("([^"]+)\")");

@@ -1,0 +1,28 @@
+// A sealed plan for the bench: the stage alone, open loop, no patient and no needle. What the supervisor
+// holds an experiment to.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "robot/messages/plan.hpp"
+
+namespace biopsy::planner {
+
+struct BenchRequest {
+  std::string what;           // of the run, for a person; sealed with the plan
+  Grams weight;               // on the fixture
+  Volts highest;              // amplitude the run may reach, and the plan's limit
+  Seconds half_period{0.25};  // of the square wave
+};
+
+// How deep the nominal stage goes at most in such a run.
+Millimetres expected_travel(const BenchRequest& request);
+
+// One stage over the whole stroke with the run's own voltage as limit: a stage that is not known yet may go
+// anywhere within its stroke. So every depth from 1 mm below rest to the stroke is plausible at any drive
+// (R-21, R-27 and R-32 do not judge it), all other limits stand. Refused where the nominal stage already
+// would come nearer than 1 mm to the end of the stroke, above 8 kV, or with a weight that is not modelled.
+std::variant<Plan, PlanRefusal> plan_bench(const BenchRequest& request);
+
+}  // namespace biopsy::planner

@@ -1,0 +1,126 @@
+#include "robot/app/bench_run.hpp"
+
+#include <fmt/format.h>
+
+#include "planner/seal.hpp"
+#include "robot/app/plan_facts.hpp"
+#include "robot/app/supervised_stage.hpp"
+
+namespace biopsy::app {
+namespace {
+
+constexpr std::int64_t kThink_ticks = 300;       // between two acts of a hand
+constexpr std::int64_t kReadyMax_ticks = 5'000;  // a healthy robot is ready within seconds
+constexpr std::int64_t kReturn_ticks = 1'500;    // gravity brings the stage back, and R-02 would be seen
+constexpr std::int64_t kToldEvery_ticks = 500;
+
+// The person at the bench, as a script.
+class BenchOperator {
+ public:
+  // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold.
+  World act(const Tick& seen, bool played, bool holds) {
+    watch(seen, played, holds);
+    ++waited_;
+    World world;
+    world.bench_confirmed = true;
+    world.arm = step_ == Step::Arm;
+    world.press = {step_ == Step::Run ? 1U : 0U, step_ == Step::Run};
+    world.finish = step_ == Step::Withdraw;
+    return world;
+  }
+  bool running() const { return step_ == Step::Run; }
+  bool done() const { return step_ == Step::Done; }
+  const std::string& stopped_because() const { return stopped_because_; }
+
+ private:
+  enum class Step : std::uint8_t { WaitReady, Arm, Run, Withdraw, Done };
+
+  void go(Step step) { step_ = step, waited_ = 0; }
+
+  void note(const Tick& seen) {
+    const safety::SupervisorOutput& s = seen.supervisor;
+    const safety::Hazard hazard = step_ == Step::WaitReady ? s.worst : s.reason;
+    const bool unnamed = hazard == safety::Hazard::None;
+    stopped_because_ = fmt::format("{}: {}", safety::name_of(s.permit.mode),
+                                   unnamed ? safety::name_of(s.event) : safety::name_of(hazard));
+  }
+
+  void give_up(const Tick& seen) {
+    note(seen);
+    go(Step::Withdraw);
+  }
+
+  void watch(const Tick& seen, bool played, bool holds) {
+    const Mode mode = seen.supervisor.permit.mode;
+    const bool off = mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock;
+    switch (step_) {
+      case Step::WaitReady:
+        if (mode == Mode::Ready && waited_ > kThink_ticks) return go(Step::Arm);
+        if (mode == Mode::Trip || mode == Mode::Lock || waited_ > kReadyMax_ticks) give_up(seen);
+        return;
+      case Step::Arm:
+        if (mode == Mode::Armed && waited_ > kThink_ticks) return go(Step::Run);
+        if (waited_ > 1 && mode != Mode::Armed) give_up(seen);
+        return;
+      case Step::Run:
+        if (played) return go(Step::Withdraw);
+        if (waited_ > 1 && mode != Mode::Active && !(mode == Mode::Hold && holds)) give_up(seen);
+        return;
+      case Step::Withdraw:
+        if ((mode == Mode::Trip || mode == Mode::Lock) && stopped_because_.empty()) note(seen);
+        if (off && waited_ > kReturn_ticks) go(Step::Done);
+        return;
+      case Step::Done:
+        return;
+    }
+  }
+
+  Step step_ = Step::WaitReady;
+  std::int64_t waited_ = 0;
+  std::string stopped_because_;
+};
+
+// Row k: measured at its time; then its voltage and its force act until the next row.
+void record(sim::RecordedRun& rows, const Tick& tick, double push_N) {
+  rows.time.push_back(static_cast<double>(rows.time.size()) * rows.period);
+  rows.input.push_back(tick.drive_mV * 1e-3);
+  rows.displacement.push_back(tick.measurement.depth_um * 1e-6);
+  rows.current.push_back(tick.measurement.current_nA * 1e-9);
+  rows.external_force.push_back(push_N);
+}
+
+}  // namespace
+
+BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag,
+                         const Bench& bench) {
+  const safety::PlanFacts facts = plan_facts(plan, config_tag);
+  const std::uint64_t tag = planner::plan_tag(plan);
+  SupervisedStage stage(plan, facts, bench.stage, {tag, tag});
+  const std::uint32_t length = control::length_ticks(run.program);
+  BenchResult result;
+  result.recorded.name = run.name;
+  result.recorded.file = "run-" + run.name + ".csv";
+  result.recorded.weight = run.weight.value * 1e-3;
+  BenchOperator person;
+  control::ProgramState state;
+  Tick seen;
+  for (bool played = false; !person.done();) {
+    const World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick);
+    const double push_N = person.running() ? push_at(run, state.ticks) : 0.0;
+    bench.push(push_N);
+    seen = stage.tick(world, [&](const Measurement&, const safety::SupervisorOutput& decided) {
+      const control::ProgramStep next = control::play(run.program, state, decided.permit, world.finish);
+      state = next.state;
+      return next.request;
+    });
+    played = played || control::is_played(run.program, state);
+    record(result.recorded, seen, push_N);
+    if (result.stopped_s == 0.0 && !person.stopped_because().empty())
+      result.stopped_s = result.recorded.time.back();
+    if (stage.ticks() % kToldEvery_ticks == 0) bench.played(state.ticks / static_cast<double>(length));
+  }
+  result.stopped_because = person.stopped_because();
+  return result;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,32 @@
+// One experiment on a stage, under the supervisor, from rest to rest.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "drivers/port/needle_stage.hpp"
+#include "robot/app/experiments.hpp"
+#include "robot/messages/plan.hpp"
+#include "sim/dataset.hpp"
+
+namespace biopsy::app {
+
+struct BenchResult {
+  sim::RecordedRun recorded;
+  std::string stopped_because;  // empty: the program was played to its end
+  double stopped_s = 0.0;       // when it was stopped
+};
+
+struct Bench {
+  port::NeedleStage& stage;            // at rest and discharged
+  std::function<void(double)> push;    // N on plate A, from the next voltage on
+  std::function<void(double)> played;  // told now and then which share of the program
+};
+
+// Arms, holds the button while the program plays, then withdraws; gives up at whatever ends the motion before
+// the program does. Recorded from the first tick to the last, with the voltage that the gate really put out.
+// `plan`: made for this run by planner::plan_bench. `config_tag` is never 0.
+BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag, const Bench& bench);
+
+}  // namespace biopsy::app

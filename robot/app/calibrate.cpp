@@ -1,0 +1,155 @@
+// biopsy calibrate: one parameter set for all of the paper's figures.
+#include "sim/calibration/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "robot/app/case.hpp"
+#include "robot/app/commands.hpp"
+#include "robot/app/progress.hpp"
+#include "robot/app/run_folder.hpp"
+#include "robot/messages/setup_error.hpp"
+#include "robot/report/whole_file.hpp"
+#include "sim/calibration/paper_text.hpp"
+#include "sim/model_text.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using sim::calibration::Calibration;
+using sim::calibration::KnobFound;
+
+constexpr double kWorthSaying = 0.7;  // correlation from which two numbers are hardly known apart
+
+double three_digits(double value) {
+  return std::stod(fmt::format("{:.2e}", value));
+}
+
+sim::calibration::Question question_of(const CalibrateOptions& options) {
+  sim::calibration::Question question;
+  question.start = sim::paper::read_paper_model(options.model, resources() / "sim/models/paper.toml");
+  question.knobs = sim::calibration::standard_knobs();
+  question.figures = sim::calibration::calibrated_figures();
+  for (const fs::path& folder : options.data)
+    for (sim::RecordedRun& run : sim::read_dataset(folder, sim::Drive::Stack).runs)
+      question.runs.push_back(std::move(run));
+  return question;
+}
+
+Calibration calibrated(const sim::calibration::Question& question, const CalibrateOptions& options) {
+  ProgressLine line;
+  return sim::calibration::calibrate(
+      question, {.evaluations = options.evaluations, .seed = options.seed},
+      [&line](double share, const std::string& doing) { line.show(share, doing); });
+}
+
+std::string source_of(const CalibrateOptions& options) {
+  std::string source = fmt::format("biopsy calibrate --evaluations {} --seed {}: the paper's figures 6 to 13",
+                                   options.evaluations, options.seed);
+  for (const fs::path& folder : options.data) source += ", " + folder.filename().string();
+  return source;
+}
+
+// Of the numbers found; the others keep the notes of the model that was started from.
+sim::ModelNotes notes_of(const Calibration& result, sim::ModelNotes notes, const std::string& source) {
+  for (const KnobFound& found : result.knobs)
+    notes.values[found.knob.name] = {three_digits(found.std), source + "; known before: " + found.knob.why};
+  notes.title = "SE-HASEL needle stage, calibrated on the paper's figures";
+  return notes;
+}
+
+bool is_of_stage(const std::string& name) {
+  return !name.starts_with("film.") && !name.starts_with("joint.");
+}
+
+void write_models(const Calibration& result, const CalibrateOptions& options) {
+  const sim::NotedModel given = sim::read_noted_model(options.model);
+  const sim::ModelNotes notes = notes_of(result, given.notes, source_of(options));
+  sim::ModelNotes stage_notes = notes;
+  std::erase_if(stage_notes.values, [](const auto& entry) { return !is_of_stage(entry.first); });
+  report::write_whole_file(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
+  report::write_whole_file(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
+}
+
+Json row_json(const PaperRow& row) {
+  return {{"figure", row.figure}, {"quantity", row.quantity}, {"unit", row.unit}, {"paper", row.paper},
+          {"ours", row.ours},     {"band", row.band},         {"ok", row.ok},     {"note", row.note}};
+}
+
+std::string json_text(const Calibration& result, const CalibrateOptions& options, double seconds) {
+  Json values = Json::array(), matrix = Json::array(), rows = Json::array();
+  for (const KnobFound& found : result.knobs)
+    values.push_back({{"name", found.knob.name},
+                      {"value", found.value},
+                      {"std", found.std},
+                      {"nominal", found.knob.nominal},
+                      {"low", found.knob.low},
+                      {"high", found.knob.high},
+                      {"at_bound", found.at_bound},
+                      {"source", found.knob.why}});
+  for (Eigen::Index i = 0; i < result.correlations.rows(); ++i) {
+    Json line = Json::array();
+    for (Eigen::Index j = 0; j < result.correlations.cols(); ++j)
+      line.push_back(std::round(1e3 * result.correlations(i, j)) / 1e3);
+    matrix.push_back(line);
+  }
+  for (const PaperRow& row : result.rows) rows.push_back(row_json(row));
+  const Json all = {{"values", values},
+                    {"correlations", matrix},
+                    {"rows", rows},
+                    {"cost_before", result.before},
+                    {"cost_after", result.after},
+                    {"evaluations", result.evaluations},
+                    {"seed", options.seed},
+                    {"seconds", seconds}};
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void print_correlations(const Calibration& result) {
+  for (Eigen::Index i = 0; i < result.correlations.rows(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      if (std::abs(result.correlations(i, j)) >= kWorthSaying)
+        fmt::print("hardly known apart: {} and {} (correlation {:.2f})\n", result.knobs[j].knob.name,
+                   result.knobs[i].knob.name, result.correlations(i, j));
+}
+
+void print(const Calibration& result, double seconds) {
+  fmt::print("{:<32} {:>10} {:>10} {:>10}\n", "", "value", "std", "nominal");
+  for (const KnobFound& found : result.knobs)
+    fmt::print("{:<32} {:>10.4g} {:>10.2g} {:>10.4g}{}\n", found.knob.name, found.value, found.std,
+               found.knob.nominal, found.at_bound ? "  at the edge of what is plausible" : "");
+  print_correlations(result);
+  std::size_t reached = 0;
+  for (const PaperRow& row : result.rows) reached += row.ok ? 1 : 0;
+  fmt::print("\nrows reached: {} of {} (fitted; biopsy reproduce judges the model)\n", reached,
+             result.rows.size());
+  for (const PaperRow& row : result.rows)
+    if (!row.ok)
+      fmt::print("  missed: {} {}: {:.4g} against {:.4g} {}\n", row.figure, row.quantity, row.ours, row.paper,
+                 row.unit);
+  fmt::print("{} evaluations, {:.0f} s\n", result.evaluations, seconds);
+}
+
+}  // namespace
+
+int calibrate(const CalibrateOptions& given) {
+  CalibrateOptions options = given;
+  if (options.model.empty()) options.model = resources() / "sim/models/rehearsal.toml";
+  const sim::calibration::Question question = question_of(options);
+  claim_run_folder(options.out);
+  const auto started = std::chrono::steady_clock::now();
+  const Calibration result = calibrated(question, options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  write_models(result, options);
+  report::write_whole_file(options.out / "calibration.json", json_text(result, options, seconds));
+  print(result, seconds);
+  fmt::print("\nstage:  {}\nfilms:  {}\nvalues: {}\n", (options.out / "calibrated.toml").string(),
+             (options.out / "paper.toml").string(), (options.out / "calibration.json").string());
+  return 0;
+}
+
+}  // namespace biopsy::app

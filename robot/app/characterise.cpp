@@ -1,0 +1,202 @@
+// biopsy characterise: the paper's open-loop experiments on a stage, under the supervisor, stored as a data
+// set.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <variant>
+
+#include "robot/app/bench_run.hpp"
+#include "robot/app/case.hpp"
+#include "robot/app/commands.hpp"
+#include "robot/app/experiments.hpp"
+#include "robot/app/progress.hpp"
+#include "robot/app/run_folder.hpp"
+#include "robot/messages/setup_error.hpp"
+#include "robot/report/bench_report.hpp"
+#include "robot/report/whole_file.hpp"
+#include "sim/devices/sim_stage.hpp"
+#include "sim/model_file.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLentNoise = 10e-6;  // m, laser of the 10 um class; without noise R-19 takes it for frozen
+
+struct Session {
+  fs::path model_file;
+  sim::PlantModel model;
+  std::vector<BenchRun> runs;
+  std::vector<Plan> plans;  // one a run
+  std::vector<std::string> notes;
+};
+
+void refuse_device(const std::string& device) {
+  if (device == "sim") return;
+  if (device == "nidaqmx")
+    throw SetupError("no hardware can be driven yet: the driver of the NI-DAQmx stage is not there",
+                     "--device", "use --device sim");
+  throw SetupError(fmt::format("there is no device \"{}\"", device), "--device", "use --device sim");
+}
+
+Session prepared(const CharacteriseOptions& options) {
+  refuse_device(options.device);
+  Session session;
+  session.model_file = options.model.empty() ? blank_case().rehearsal.model : options.model;
+  session.model = sim::read_model(session.model_file);
+  if (session.model.baseline.drive != sim::Drive::Stack)
+    throw SetupError("the model is driven by a force and has no voltage", session.model_file.string(),
+                     "give a model of the stage with its stack");
+  auto& noise = session.model.effects.sensor_noise;
+  if (!noise || !(noise->std > 0.0)) {
+    noise = sim::SensorNoise{.std = kLentNoise};
+    session.notes.push_back(
+        "The model has no noise of the laser; it was lent 0.010 mm, because a depth that never changes looks "
+        "like a broken sensor (R-19).");
+  }
+  session.runs = runs_of(options.experiments, Grams(options.weight_g));
+  for (const BenchRun& run : session.runs) {
+    auto plan = planner::plan_bench(bench_request(run));
+    if (const auto* refusal = std::get_if<PlanRefusal>(&plan))
+      throw SetupError(run.name + " is refused: " + refusal->what, "--weight-g", refusal->remedy);
+    session.plans.push_back(std::get<Plan>(std::move(plan)));
+  }
+  return session;
+}
+
+// The folder for the data is cleared: the model must not lie in it.
+void keep_apart(const fs::path& model, const fs::path& out) {
+  std::error_code ignored;
+  if (fs::equivalent(fs::absolute(model).parent_path(), out, ignored))
+    throw SetupError("the model lies where the data shall go", model.string(),
+                     "copy it to another place, or give --out another folder");
+}
+
+// What will happen, before it happens.
+void print_intention(const Session& session) {
+  fmt::print("{:<24} {:>8} {:>7} {:>9} {:>12}  {}\n", "run", "weight g", "time s", "drive kV", "expected mm",
+             "what");
+  double seconds = 0.0, travel = 0.0;
+  for (const BenchRun& run : session.runs) {
+    const planner::BenchRequest request = bench_request(run);
+    const double lasts = control::length_ticks(run.program) * Seconds(kTick).count();
+    const double expected = planner::expected_travel(request).value;
+    seconds += lasts, travel = std::max(travel, expected);
+    fmt::print("{:<24} {:>8.0f} {:>7.1f} {:>9.2f} {:>12.1f}  {}\n", run.name, run.weight.value, lasts,
+               request.highest.value * 1e-3, expected, run.what);
+  }
+  fmt::print(
+      "\n{} runs, {:.0f} s under voltage, largest expected travel {:.1f} mm; the supervisor ends a run "
+      "beyond {:.1f} mm\n",
+      session.runs.size(), seconds, travel, session.plans.front().limits.depth_max.value);
+}
+
+report::BenchRunRecord record_of(const BenchRun& run, const BenchResult& result) {
+  report::BenchRunRecord record{.name = run.name,
+                                .file = result.recorded.file,
+                                .what = run.what,
+                                .weight_g = run.weight.value,
+                                .stopped_because = result.stopped_because,
+                                .stopped_s = result.stopped_s,
+                                .expected_mm = planner::expected_travel(bench_request(run)).value,
+                                .time_s = result.recorded.time,
+                                .drive_kV = result.recorded.input,
+                                .displacement_mm = result.recorded.displacement,
+                                .push_N = result.recorded.external_force};
+  for (double& volts : record.drive_kV) volts *= 1e-3;
+  for (double& metres : record.displacement_mm) metres *= 1e3;
+  return record;
+}
+
+// The laser's scatter before the first voltage, over all runs. m
+double noise_at_rest(const std::vector<sim::RecordedRun>& runs) {
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (const sim::RecordedRun& run : runs) {
+    std::size_t rest = 0;
+    double mean = 0.0;
+    while (rest < run.input.size() && run.input[rest] == 0.0) mean += run.displacement[rest++];
+    mean /= static_cast<double>(std::max<std::size_t>(rest, 1));
+    for (std::size_t i = 0; i < rest; ++i) squares += std::pow(run.displacement[i] - mean, 2);
+    count += rest > 0 ? rest - 1 : 0;
+  }
+  return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+}
+
+// The CSV first: whoever finds a run in dataset.toml finds its rows.
+void store(const BenchResult& result, const sim::Dataset& dataset, const fs::path& folder) {
+  std::string head;
+  if (!result.stopped_because.empty())
+    head = fmt::format("# incomplete: stopped at {:.3f} s, {}\n", result.stopped_s, result.stopped_because);
+  report::write_whole_file(folder / result.recorded.file,
+                           head + sim::run_csv(result.recorded, sim::Drive::Stack));
+  report::write_whole_file(folder / "dataset.toml", sim::dataset_toml(dataset));
+}
+
+std::string title_of(const report::BenchRecord& record) {
+  std::string title = "Simulated needle stage on the bench";
+  const std::size_t done = record.runs.size();
+  if (done > 0 && !record.runs.back().stopped_because.empty())
+    return title + fmt::format(" (incomplete: {} stopped, {})", record.runs.back().name,
+                               record.runs.back().stopped_because);
+  return done < record.planned_runs
+             ? title + fmt::format(" (incomplete: {} of {} runs)", done, record.planned_runs)
+             : title;
+}
+
+report::BenchRecord carried_out(const Session& session, const CharacteriseOptions& options) {
+  ProgressLine line;
+  report::BenchRecord record;
+  record.device = "simulated stage";
+  record.model = session.model_file.string();
+  record.notes = session.notes;
+  record.planned_runs = session.runs.size();
+  sim::Dataset dataset;
+  for (std::size_t i = 0; i < session.runs.size(); ++i) {
+    const BenchRun& run = session.runs[i];
+    sim::PlantModel model = session.model;
+    model.weight = run.weight.value * 1e-3;
+    sim::SimStage stage(model, options.seed + i);  // a new one: at rest, discharged, its films recovered
+    const auto show = [&](double share) {
+      line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()), run.name);
+    };
+    const BenchResult result = run_on_bench(run, session.plans[i], 1 + options.seed,
+                                            {stage, [&](double force_N) { stage.push(force_N); }, show});
+    record.runs.push_back(record_of(run, result));
+    record.title = dataset.title = title_of(record);
+    dataset.runs.push_back(result.recorded);
+    dataset.sensor_noise = noise_at_rest(dataset.runs);
+    record.sensor_noise_mm = *dataset.sensor_noise * 1e3;
+    store(result, dataset, options.out);
+    if (!result.stopped_because.empty()) break;
+  }
+  report::write_whole_file(options.out / "report.html", report::bench_html(record));
+  return record;
+}
+
+}  // namespace
+
+int characterise(const CharacteriseOptions& options) {
+  const Session session = prepared(options);
+  if (options.dry_run) {
+    print_intention(session);
+    fmt::print("nothing was moved\n");
+    return 0;
+  }
+  if (options.out.empty())
+    throw SetupError("nowhere to put the data set", "command line", "add --out FOLDER, or --dry-run");
+  if (!options.bench)
+    throw SetupError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
+                     "look at what would be done with --dry-run; then clear the stage and add --bench");
+  keep_apart(session.model_file, options.out);
+  claim_run_folder(options.out);
+  const report::BenchRecord record = carried_out(session, options);
+  fmt::print("{}\ndata set: {}\nreport:   {}\n", report::bench_console(record), options.out.string(),
+             (options.out / "report.html").string());
+  const bool complete =
+      record.runs.size() == record.planned_runs && record.runs.back().stopped_because.empty();
+  return complete ? 0 : 3;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,23 @@
+// The part of the command line that studies the stage rather than moves it.
+#pragma once
+
+#include "robot/app/commands.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace biopsy::app {
+
+// What is typed; lives as long as the parsing.
+struct StudyOptions {
+  ReproduceOptions reproduced;
+  CalibrateOptions calibrated;
+  IdentifyOptions identified;
+  DesignOptions designed;
+  TuneOptions tuned;
+};
+
+void add_study_commands(CLI::App& app, StudyOptions& options, int& code);
+
+}  // namespace biopsy::app

@@ -1,0 +1,38 @@
+// What calibration may turn: numbers of the paper's model, each with the range that is physically plausible
+// and the value to which it is drawn where the paper says nothing.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "sim/paper/paper_model.hpp"
+
+namespace biopsy::sim::calibration {
+
+struct Knob {
+  std::string name;    // as in files: "K", "stribeck_friction.sliding_N", "film.pi25.tau", "joint.mass_g"
+  double low, high;    // file units
+  double nominal;      // what it is drawn to where the paper says nothing: docs/model.md or the effect's page
+  double start;        // where the search begins: a first guess from the paper and from earlier searches
+  double doubt;        // one standard deviation of what is known beforehand: of ln(value), or of a share
+  bool share = false;  // counts in steps of its own, may be 0; all others in factors
+  std::string why;     // where nominal and range come from
+};
+
+const std::vector<Knob>& standard_knobs();
+
+// The number a knob stands for, in file units; an effect that the stage lacks is put there with zeros.
+// Throws SetupError for a name that nothing has.
+double value_of(const paper::PaperModel& model, const std::string& name);
+void set_value(paper::PaperModel& model, const std::string& name, double value);
+
+// In units of doubt, 0 at nominal: what the search sees. And back, held within the knob's range.
+double to_search(const Knob& knob, double value);
+double from_search(const Knob& knob, double z);
+
+// The model with all knobs set so. What follows from them: breakaway is at least sliding friction, and the
+// other films' K follows the stage's by C2, which goes with eps_film/d_film (same size, same cable).
+paper::PaperModel turned(paper::PaperModel model, const std::vector<Knob>& knobs, const Eigen::VectorXd& z);
+
+}  // namespace biopsy::sim::calibration

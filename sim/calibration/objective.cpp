@@ -1,0 +1,106 @@
+#include "sim/calibration/objective.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/in_parallel.hpp"
+#include "sim/paper/figures.hpp"
+#include "sim/paper/rows.hpp"
+#include "sim/simulate.hpp"
+
+namespace biopsy::sim::calibration {
+namespace {
+
+constexpr double kPrior = 0.1;  // a knob one doubt off its nominal value, against a number a band off its own
+constexpr double kCentre = 0.15;  // pull of a number that is within its band towards its middle
+constexpr double kRoom = 0.03;  // share by which a statement is to hold, so that it does not hang by a thread
+constexpr double kTip = 0.02;   // bands
+constexpr double kRunBand = 0.05;  // rms error of a measured run, of its span, that weighs as much as a band
+constexpr double kFarthest = 5.0;  // bands, where a number's pull ends
+
+// Its square grows with |miss| at first and towards 2 in the end, with a rounded tip: a sum of such is least
+// where most rows are reached and a few are given up, rather than where all are missed a little.
+double tamed(double miss) {
+  const double size = std::abs(miss);
+  return std::copysign(std::sqrt(2.0 * (std::hypot(kTip, size) - kTip) / (1.0 + size)), miss);
+}
+
+double in_bands(const PaperRow& row) {
+  const double ratio = row.ours / row.paper;
+  if (!std::isfinite(ratio) || ratio <= 0.0) return kFarthest;
+  return std::clamp(std::log(ratio) / row.band, -kFarthest, kFarthest);
+}
+
+double row_residual(const PaperRow& row) {
+  const double miss = tamed(paper::shortfall(row));
+  if (row.kind == RowKind::Number)
+    return std::copysign(std::hypot(miss, kCentre * in_bands(row)), in_bands(row));
+  if (row.kind == RowKind::Trend && row.ok) return std::max(0.0, kRoom - row.margin);
+  return row.kind == RowKind::Trend ? miss + kRoom : miss;
+}
+
+double run_residual(const PlantModel& stage, const RecordedRun& run) {
+  PlantModel quiet = stage;
+  quiet.effects.sensor_noise.reset();
+  const RecordedRun ours = simulate(quiet, run);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < run.displacement.size(); ++i)
+    sum += (ours.displacement[i] - run.displacement[i]) * (ours.displacement[i] - run.displacement[i]);
+  const auto [low, high] = std::minmax_element(run.displacement.begin(), run.displacement.end());
+  const double rms = std::sqrt(sum / static_cast<double>(run.displacement.size()));
+  const double miss = rms / (kRunBand * std::max(1e-4, *high - *low));
+  return std::isfinite(miss) ? std::min(miss, 20.0) : 20.0;
+}
+
+void add_runs_and_priors(const Question& question, const Eigen::VectorXd& z, std::vector<double>& out) {
+  const PlantModel stage = turned(question.start, question.knobs, z).stage;
+  for (const RecordedRun& run : question.runs) out.push_back(tamed(run_residual(stage, run)));
+  for (const double knob : z) out.push_back(kPrior * knob);
+}
+
+Eigen::VectorXd as_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+}  // namespace
+
+std::vector<paper::FigureEntry> calibrated_figures() {
+  std::vector<paper::FigureEntry> figures = paper::all_figures();
+  std::erase_if(figures,
+                [](const auto& figure) { return figure.number == "2" || figure.number == "beyond"; });
+  return figures;
+}
+
+std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z, bool parallel) {
+  paper::PaperModel model = turned(question.start, question.knobs, z);
+  model.brief = true;
+  std::vector<std::vector<PaperRow>> found(question.figures.size());
+  const auto run = [&](std::size_t i) { found[i] = question.figures[i].run(model).rows; };
+  if (parallel)
+    in_parallel(found.size(), run);
+  else
+    for (std::size_t i = 0; i < found.size(); ++i) run(i);
+  std::vector<PaperRow> rows;
+  for (const std::vector<PaperRow>& some : found)
+    std::copy_if(some.begin(), some.end(), std::back_inserter(rows), [](const PaperRow& row) {
+      return row.kind != RowKind::Shown && row.quantity != paper::kSpringQuantity;
+    });
+  return rows;
+}
+
+Eigen::VectorXd residuals(const Question& question, const Eigen::VectorXd& z, bool parallel) {
+  std::vector<double> out;
+  for (const PaperRow& row : rows_at(question, z, parallel)) out.push_back(row_residual(row));
+  add_runs_and_priors(question, z, out);
+  return as_vector(out);
+}
+
+Eigen::VectorXd readings(const Question& question, const Eigen::VectorXd& z, bool parallel) {
+  std::vector<double> out;
+  for (const PaperRow& row : rows_at(question, z, parallel))
+    if (row.kind == RowKind::Number) out.push_back(in_bands(row));
+  add_runs_and_priors(question, z, out);
+  return as_vector(out);
+}
+
+}  // namespace biopsy::sim::calibration

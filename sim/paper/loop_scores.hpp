@@ -1,0 +1,62 @@
+// What is read off a closed-loop course. One place says what "settled" means.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sim/paper/closed_loop.hpp"
+
+namespace biopsy::sim::paper {
+
+// A tick is settled from kSettling after the target's last jump (of more than kJump within a tick) or, before
+// the first one, after the loop was closed. So a sine is settled but for its first moment, and a square wave
+// faster than 0.25 Hz never is.
+inline constexpr double kSettling = 2.0;  // s: twice what the paper's stage takes to recover (IV.E)
+inline constexpr double kJump = 0.1;      // mm
+
+std::vector<bool> settled(const Course& course);
+
+// Of target - plate A, over everything and over settled ticks; the latter is NaN where nothing settles. mm
+double rmse(const Course& course);
+double rmse_settled(const Course& course);
+
+// Of target - plate A where low <= target < high. mm
+double rmse_between(const Course& course, double low, double high);
+
+// A jump of the target and what follows until the next. Ticks; mm.
+struct Edge {
+  std::size_t at = 0, until = 0;
+  double from = 0.0, to = 0.0;
+
+  bool rises() const { return to > from; }
+};
+std::vector<Edge> edges(const Course& course);
+
+// How far plate A goes beyond the new target, in mm (negative: it does not get there); and how long it takes
+// for 90 % of the way, in s (the whole time where it does not get there).
+double beyond_target(const Course& course, const Edge& edge);
+double travel_time(const Course& course, const Edge& edge);
+
+// Mean travel time of the rising or the falling edges. s
+double mean_travel(const Course& course, bool rising);
+
+// Largest overshoot of rising edges, % of the target.
+double overshoot_percent(const Course& course);
+
+// Course against target at one frequency, from `from` on: 1 and 0 where it follows.
+struct Transfer {
+  double gain = 0.0;
+  double lag_degrees = 0.0;  // positive: late
+};
+Transfer transfer(const Course& course, double frequency, double from);
+
+struct Span {
+  double low = 0.0, high = 0.0;
+
+  double width() const { return high - low; }
+};
+// Of `values` between two times. The course gives the times.
+Span span(const Course& course, const std::vector<double>& values, double from, double to);
+double mean(const Course& course, const std::vector<double>& values, double from, double to);
+
+}  // namespace biopsy::sim::paper

@@ -1,0 +1,100 @@
+#include "sim/paper/open_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace biopsy::sim::paper {
+namespace {
+
+constexpr double kRigid = 20e3;     // N/m: three hundred times the stack's own stiffness
+constexpr double kRigidStep = 0.8;  // of the time of what moves fastest: a third of where the integrator ends
+constexpr double kShortest = 4.0;   // s in which the pouches and the plate come to rest
+
+// What is left of the last half period when the next begins with +amplitude: eq. (17), and of the retained
+// charge s what its own equation leaves when s changes sign every half period a: s(a) = -s(0).
+void start_settled(const PlantModel& model, const OpenLoopDrive& drive, PlantState& state) {
+  const Baseline& b = model.baseline;
+  const double a = 0.5 / drive.frequency, left = std::exp(-a / b.tau);
+  const double upper = 2.0 * b.K / (1.0 + left) * drive.amplitude;  // eq. (16)
+  state.u_i = state.memory.asked = -drive.amplitude;
+  state.u_o = -upper * left;
+  const auto& charge = model.effects.charge_retention;
+  if (!charge) return;
+  const double apart = charge->time / b.tau - 1.0;
+  const double time = std::abs(apart) < 1e-6 ? (1.0 + 1e-6) * b.tau : charge->time;  // else it divides by 0
+  const double kept = std::exp(-a / time);
+  const double driven = (left - kept) / (1.0 - time / b.tau);
+  state.memory.screened = -charge->share * upper * driven / (1.0 + kept);
+}
+
+}  // namespace
+
+double polarity_at(double time, double frequency) {
+  if (frequency <= 0.0) return 1.0;
+  constexpr double kEarly = 1e-6;  // of half a period: a switch is not missed by rounding
+  return std::fmod(std::floor(time * 2.0 * frequency + kEarly), 2.0) == 0.0 ? 1.0 : -1.0;
+}
+
+OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, bool skip_settling) {
+  PlantModel quiet = model;
+  quiet.effects.sensor_noise.reset();
+  PlantState state = at_rest(quiet);
+  double settle = drive.settle;
+  if (skip_settling && drive.frequency > 0.0) {
+    start_settled(quiet, drive, state);
+    settle = std::min(settle, std::ceil(2.0 * kShortest * drive.frequency) / (2.0 * drive.frequency));
+  }
+  const auto waits = static_cast<std::size_t>(std::lround(settle / drive.period));
+  const auto rows = static_cast<std::size_t>(std::lround(drive.watch / drive.period));
+  OpenLoopRun run;
+  for (std::size_t i = 0; i < waits + rows; ++i) {
+    const double now = static_cast<double>(i) * drive.period;
+    const double voltage = drive.amplitude * polarity_at(now, drive.frequency);
+    state = step(quiet, state, {.voltage = voltage}, Seconds(drive.period));
+    if (i < waits) continue;
+    run.time.push_back(now + drive.period + (drive.settle - settle));
+    run.displacement.push_back(1e3 * displacement_reading(quiet, state));
+    run.plate_b.push_back(1e3 * plate_b(quiet, state));
+  }
+  return run;
+}
+
+PlantModel with_rigid_pole(PlantModel stage) {
+  stage.baseline.k = kRigid;
+  stage.effects.spring_hardening.reset();
+  stage.internal_step = std::min(stage.internal_step, kRigidStep / fastest_rate(stage));
+  return stage;
+}
+
+namespace {
+
+void halve_guide(PlantModel& stage) {
+  stage.baseline.c_s *= 0.5;
+  if (auto& dry = stage.effects.coulomb_friction) dry->force *= 0.5;
+  if (auto& dry = stage.effects.stribeck_friction) {
+    dry->sliding *= 0.5;
+    dry->breakaway *= 0.5;
+  }
+}
+
+}  // namespace
+
+PlantModel plate_on_stack(PlantModel stage, double pouches, double weight) {
+  stage.baseline.n = pouches;
+  stage.baseline.m_B = 0.0;
+  stage.weight = weight;
+  halve_guide(stage);
+  return with_rigid_pole(std::move(stage));
+}
+
+double peak_to_peak(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+}  // namespace biopsy::sim::paper

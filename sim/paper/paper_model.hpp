@@ -1,0 +1,55 @@
+// What all the paper's experiments run on: one needle stage, the films of the other two materials, and what
+// is hung on the stage in Fig. 12 and 13. Only these differ from figure to figure. SI units.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/plant_model.hpp"
+
+namespace biopsy::sim::paper {
+
+// All of a pouch that its material decides; what the stage's own film retains of charge goes with that film.
+// Electrical only: same size and same oil, paper IV.A.
+struct Film {
+  double K = 0.80;         // C1/(C1+C2)
+  double tau = 6.9;        // s, R (C1+C2)
+  double eps_film = 3.4;   // relative permittivity
+  double d_film = 100e-6;  // m, both films of a zipped pouch
+};
+
+// Rotary joint, IV.F.1: a link-slider mechanism that plate A carries.
+struct Joint {
+  double mass = 0.050;  // kg carried by plate A: link, output shaft's inertia and load as felt at the slider
+  double friction = 0.050;  // N, dry friction of its bearings as felt at the slider
+  double crank = 10e-3;     // m, from the shaft to the link's pin
+  double start = 0.0;       // rad, crank at displacement 0, from the perpendicular to the slider
+};
+
+// Needle, IV.F.2: 50 g on the fixture, muscle up to `muscle`, an air gap up to `liver`.
+struct Needle {
+  double muscle = 2.0e-3;  // m, thickness of the chicken breast, IV.F.2
+  double liver = 2.9e-3;   // m, where the liver begins: 2 mm and the 0.9 mm gap
+  std::vector<TissueLayer> tissue;
+};
+
+struct PaperModel {
+  std::string name;   // for the page: where it came from
+  PlantModel stage;   // 50 um PI, 11 pouches: the needle stage
+  Film pi25, bopp25;  // 25 um PI, 25 um pre-coated BOPP: Fig. 6 alone
+  Joint joint;
+  Needle needle;
+  // For calibration: no waiting for what a row does not see. Rows differ by less than 1 %.
+  bool brief = false;
+};
+
+// `stage` is a model file. `paper` holds the other films and what is hung on (sim/models/paper.toml: tables
+// [film.pi25], [film.bopp25], [joint], [needle]); tissues.toml beside it holds the needle's tissues. Every
+// value may be a number or { value, std, source }, as in model files. Throw SetupError.
+PaperModel read_paper_model(const std::filesystem::path& stage, const std::filesystem::path& paper);
+
+// A stage of another film; what is known only of its own film (retained charge) goes with that.
+PlantModel with_film(PlantModel stage, const Film& film);
+
+}  // namespace biopsy::sim::paper

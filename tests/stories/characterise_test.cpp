@@ -1,0 +1,177 @@
+// A stage on the bench, from the first volt to the name of what its model is missing.
+#include <cmath>
+#include <numeric>
+
+#include "sim/dataset.hpp"
+#include "sim/model_file.hpp"
+#include "sim/simulate.hpp"
+#include "tests/stories/command.hpp"
+
+namespace biopsy::stories {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNoise = "[effect.sensor_noise]\nstd_mm = 0.010\n";
+constexpr const char* kFriction = "[effect.coulomb_friction]\nforce_N = 0.050\n";
+
+double rms_mm(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return 1e3 * std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+sim::Dataset stored(const fs::path& folder) {
+  return sim::read_dataset(folder, sim::Drive::Stack);
+}
+
+TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
+  const ScratchFolder folder;
+  folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
+  folder.write("believed.toml", std::string("[baseline]\n") + kNoise);
+  const Answer measured = biopsy("characterise staircase dc --bench --model " +
+                                 (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+  ASSERT_EQ(measured.code, 0) << measured.text;
+  const Answer answer =
+      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
+             " --out " + (folder / "gap").string() + " --no-recheck");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json found = json_of(folder / "gap/gap.json");
+  ASSERT_EQ(found["verdict"], "effect") << answer.text;
+  ASSERT_EQ(found["effects"].size(), 1U) << answer.text;
+  EXPECT_EQ(found["effects"][0]["name"], "coulomb_friction");
+  EXPECT_NEAR(found["effects"][0]["parameters"]["force_N"]["value"], 0.050, 0.002);
+  EXPECT_LT(found["rmse_mm"]["after"], 0.0105);
+}
+
+// Row k is measured, then its voltage and its push act. One row off would show in every change of polarity.
+TEST(Characterise, StoresEachRowAsTheModelOfADataSetHasIt) {
+  const ScratchFolder folder;
+  folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
+  const Answer measured = biopsy("characterise load dc --seed 7 --bench --model " +
+                                 (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+  ASSERT_EQ(measured.code, 0) << measured.text;
+  const sim::Dataset data = stored(folder / "data");
+  ASSERT_EQ(data.runs.size(), 4U);
+  sim::PlantModel truth = sim::read_model(folder / "stage.toml");
+  for (std::size_t i = 0; i < data.runs.size(); ++i) {
+    truth.noise_seed = 7 + i;
+    const sim::RecordedRun& run = data.runs[i];
+    const sim::RecordedRun again = sim::simulate(truth, run);
+    EXPECT_LT(rms_mm(run.displacement, again.displacement), 0.0005) << run.name << ": 1 um is one code";
+    EXPECT_DOUBLE_EQ(run.period, 1e-3);
+    EXPECT_EQ(run.input.front(), 0.0);
+    EXPECT_EQ(run.input.back(), 0.0);
+  }
+  EXPECT_GT(*std::max_element(data.runs.back().external_force.begin(), data.runs.back().external_force.end()),
+            0.05);
+  ASSERT_TRUE(data.sensor_noise);
+  EXPECT_NEAR(*data.sensor_noise * 1e3, 0.010, 0.001);
+}
+
+TEST(Characterise, ItsStepTellsResistanceAndCapacitances) {
+  const ScratchFolder folder;
+  folder.write("stage.toml",
+               std::string("[baseline]\nC1 = 1.6e-9\ntau = 5\nK = 0.75\n") + kNoise + kFriction);
+  const Answer measured = biopsy("characterise dc --bench --model " + (folder / "stage.toml").string() +
+                                 " --out " + (folder / "data").string());
+  ASSERT_EQ(measured.code, 0) << measured.text;
+  const Answer answer =
+      biopsy("identify " + (folder / "data").string() + " --out " + (folder / "identified").string());
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json values = json_of(folder / "identified/identify.json")["values"];
+  const double C1 = 1.6e-9, C2 = C1 / 0.75 - C1, R = 5.0 / (C1 + C2);  // eq. (7), (8)
+  EXPECT_NEAR(values["C1"]["value"], C1, 0.03 * C1);
+  EXPECT_NEAR(values["C2"]["value"], C2, 0.03 * C2);
+  EXPECT_NEAR(values["R"]["value"], R, 0.03 * R);
+}
+
+TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {
+  const ScratchFolder folder;
+  for (const std::string weight : {"0", "50", "250"}) {
+    const Answer answer =
+        biopsy("characterise --bench --weight-g " + weight + " --out " + (folder / weight).string());
+    EXPECT_EQ(answer.code, 0) << answer.text;
+    const sim::Dataset data = stored(folder / weight);
+    EXPECT_EQ(data.title.find("incomplete"), std::string::npos);
+    EXPECT_EQ(data.runs.size(), 13U);
+    for (const sim::RecordedRun& run : data.runs) {
+      const double travel = *std::max_element(run.displacement.begin(), run.displacement.end());
+      EXPECT_EQ(travel > 0.3e-3, !run.name.starts_with("dc-step")) << run.name << " moves " << travel << " m";
+    }
+    EXPECT_NE(file_content(folder / weight / "report.html").find("<svg"), std::string::npos);
+  }
+}
+
+// Films that pull almost twice as hard as the nominal stage's: it would run into the end of its stroke.
+TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
+  const ScratchFolder folder;
+  folder.write("strong.toml", std::string("[baseline]\neps_film = 10\n") + kNoise + kFriction);
+  const std::string command = "characterise staircase load --bench --model " +
+                              (folder / "strong.toml").string() + " --out " + (folder / "data").string();
+  const Answer answer = biopsy(command);
+  ASSERT_EQ(answer.code, 3) << answer.text;
+  EXPECT_NE(answer.text.find("R-"), std::string::npos) << answer.text;
+  EXPECT_NE(answer.text.find("not begun"), std::string::npos) << answer.text;
+  const sim::Dataset data = stored(folder / "data");
+  EXPECT_TRUE(data.title.starts_with("Simulated"));
+  EXPECT_NE(data.title.find("incomplete: staircase-50g stopped"), std::string::npos) << data.title;
+  ASSERT_EQ(data.runs.size(), 1U);
+  const sim::RecordedRun& run = data.runs.front();
+  EXPECT_TRUE(file_content(folder / "data" / run.file).starts_with("# incomplete: stopped at "));
+  EXPECT_EQ(run.input.back(), 0.0) << "recorded until the stage was off";
+  EXPECT_LT(run.displacement.back(), 1e-3) << "and back";
+  EXPECT_LT(*std::max_element(run.displacement.begin(), run.displacement.end()), 13e-3);
+  EXPECT_NE(file_content(folder / "data/report.html").find("stopped"), std::string::npos);
+}
+
+TEST(Characterise, SameSeedSameData) {
+  const ScratchFolder folder;
+  const auto run_in = [&](const std::string& name, int seed) {
+    const Answer answer = biopsy("characterise impact --bench --seed " + std::to_string(seed) + " --out " +
+                                 (folder / name).string());
+    EXPECT_EQ(answer.code, 0) << answer.text;
+    return file_content(folder / name / "run-impact-50g.csv");
+  };
+  const std::string first = run_in("a", 3);
+  EXPECT_EQ(first, run_in("b", 3));
+  EXPECT_NE(first, run_in("c", 4));
+}
+
+TEST(Characterise, ADryRunSaysWhatWouldBeDoneAndMovesNothing) {
+  const ScratchFolder folder;
+  const Answer answer = biopsy("characterise dc impact --dry-run --out " + (folder / "out").string());
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  for (const char* told : {"dc-plus-50g", "impact-50g", "kV", "largest expected travel", "nothing was moved"})
+    EXPECT_NE(answer.text.find(told), std::string::npos) << told << "\n" << answer.text;
+  EXPECT_EQ(answer.text.find("staircase"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(Characterise, RefusesWithWhatToDo) {
+  const ScratchFolder folder;
+  const std::string out = " --out " + (folder / "out").string();
+  folder.write("force.toml", "[baseline]\ndrive = \"force\"\nm = 0.1\nc_s = 1\nk = 100\n");
+  const auto refuse = [&](const std::string& words, const std::string& told) {
+    const Answer answer = biopsy("characterise " + words);
+    EXPECT_EQ(answer.code, 2) << answer.text;
+    EXPECT_NE(answer.text.find(told), std::string::npos) << words << "\n" << answer.text;
+    EXPECT_NE(answer.text.find("to do: "), std::string::npos) << answer.text;
+  };
+  refuse("dc" + out, "no patient, no needle");
+  refuse("--bench", "--out");
+  refuse("fly --bench" + out, "choose from: dc, staircase, load, impact, frequency");
+  refuse("--device nidaqmx --bench" + out, "NI-DAQmx");
+  refuse("--device toaster --bench" + out, "toaster");
+  refuse("--weight-g 400 --bench" + out, "300 g");
+  refuse("--weight-g nan --bench" + out, "--weight-g");
+  refuse("--model " + (folder / "force.toml").string() + " --bench" + out, "force");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  fs::create_directories(folder / "out");
+  folder.write("out/model.toml", std::string("[baseline]\n") + kNoise);
+  refuse("impact --bench --model " + (folder / "out/model.toml").string() + out, "the model lies where");
+  EXPECT_TRUE(fs::exists(folder / "out/model.toml"));
+}
+
+}  // namespace
+}  // namespace biopsy::stories
