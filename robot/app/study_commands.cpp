@@ -1,7 +1,5 @@
 #include "robot/app/study_commands.hpp"
 
-#include <CLI/CLI.hpp>
-
 namespace biopsy::app {
 namespace {
 

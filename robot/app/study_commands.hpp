@@ -1,11 +1,9 @@
 // The part of the command line that studies the stage rather than moves it.
 #pragma once
 
-#include "robot/app/commands.hpp"
+#include <CLI/CLI.hpp>
 
-namespace CLI {
-class App;
-}
+#include "robot/app/commands.hpp"
 
 namespace biopsy::app {
 

@@ -124,6 +124,7 @@ CmaResult minimise(const Cost& cost, const Eigen::VectorXd& start, const CmaSett
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return values[a] < values[b]; });
     std::vector<Eigen::VectorXd> ranked;
+    ranked.reserve(population);
     for (const std::size_t i : order) ranked.push_back(points[i]);
     if (values[order[0]] < out.value) {
       out.value = values[order[0]];

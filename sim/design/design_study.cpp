@@ -107,26 +107,25 @@ std::vector<std::string> demands_in_words(const Demands& d) {
           "Strain of {:.3g} % or less: the paper measured 50 % (IV.C), and far beyond it eq. (18) is only a "
           "guess.",
           100.0 * d.strain),
-      "The oil lies flat at rest: S + pi H_0/2 of eq. (18) is not longer than a chamber (half the pouch less "
-      "its seam of 3 mm). More oil thickens the pouch before any voltage."};
+      std::string("The oil lies flat at rest: S + pi H_0/2 of eq. (18) is not longer than a chamber (half "
+                  "the pouch less its seam of 3 mm). More oil thickens the pouch before any voltage.")};
 }
 
 std::vector<std::string> assumptions() {
   return {
-      "Oil volume scales V0, the pouch's side L0, films d_film; electrodes, films and number of pouches "
-      "scale C2, "
-      "and 1/R with it (a material's R C2 is constant). C1 is the cable's and stays.",
-      "Oil flow (tau_h), guide damping and masses stay as they are: larger pouches or thicker films may flow "
-      "slower or faster; the paper does not say.",
-      "Dry friction of the guide, the play of zipping and errors of the laser are left out: they hide "
-      "ripple.",
-      "Ripple: plate A, peak to peak, under a 2 Hz square wave that has gone on for long, 50 g, against the "
-      "push. "
-      "Bandwidth: of small changes of amplitude, the equations made linear; a lightly damped spring peaks "
-      "below "
-      "it, and a controller must live with that (`biopsy tune`).",
-      "The films' stiffness, ageing, partial discharge and the yield of welding thin films are not in the "
-      "model."};
+      std::string(
+          "Oil volume scales V0, the pouch's side L0, films d_film; electrodes, films and number of pouches "
+          "scale C2, and 1/R with it (a material's R C2 is constant). C1 is the cable's and stays."),
+      std::string("Oil flow (tau_h), guide damping and masses stay as they are: larger pouches or thicker "
+                  "films may flow slower or faster; the paper does not say."),
+      std::string("Dry friction of the guide, the play of zipping and errors of the laser are left out: they "
+                  "hide ripple."),
+      std::string(
+          "Ripple: plate A, peak to peak, under a 2 Hz square wave that has gone on for long, 50 g, against "
+          "the push. Bandwidth: of small changes of amplitude, the equations made linear; a lightly damped "
+          "spring peaks below it, and a controller must live with that (`biopsy tune`)."),
+      std::string("The films' stiffness, ageing, partial discharge and the yield of welding thin films are "
+                  "not in the model.")};
 }
 
 }  // namespace

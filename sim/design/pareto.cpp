@@ -193,6 +193,7 @@ std::vector<DesignedStack> search(const DesignedStack& start, const Evaluate& ev
       genes.front() = encoded(start.design);
     } else {
       std::vector<Genes> parents;
+      parents.reserve(kept.size());
       for (const Individual& one : kept) parents.push_back(one.genes);
       for (std::size_t i = 0; i < parents.size(); ++i) genes.push_back(varied(parents, i, dice));
     }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sim/gap/fit.hpp"
-#include "sim/gap/in_parallel.hpp"
+#include "sim/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
 
 namespace biopsy::sim::gap {

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "robot/messages/limits.hpp"
-#include "sim/gap/in_parallel.hpp"
+#include "sim/in_parallel.hpp"
 #include "sim/plant.hpp"
 #include "sim/seeded_noise.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sim/gap/fit.hpp"
-#include "sim/gap/in_parallel.hpp"
+#include "sim/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/probes.hpp"
 

@@ -30,6 +30,7 @@ std::vector<Followed> follow_all(const PaperModel& model, OfTime (*target)(doubl
   PlantModel stage = model.stage;
   stage.weight = kWeight;
   std::vector<Followed> out;
+  out.reserve(kFrequencies.size());
   for (const double f : kFrequencies) {
     out.push_back(
         {f, follow(stage, {.target = target(low, high, f), .seconds = kPeriods / f, .loads = {}}), 1.0 / f});

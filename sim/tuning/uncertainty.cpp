@@ -73,7 +73,7 @@ UncertainStages uncertain_stages(const NotedModel& model, int count, std::uint64
   out.assumed = knows_none(model.notes);
   for (int i = 0; i < count; ++i)
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      const auto which = static_cast<std::uint64_t>(i * kAttempts + attempt);
+      const auto which = static_cast<std::uint64_t>(i) * kAttempts + static_cast<std::uint64_t>(attempt);
       const PlantModel stage = drawn(model, out.assumed, hashed(seed, which), out.varied);
       if (can_be && !can_be(stage) && attempt + 1 < kAttempts) {
         ++out.refused;

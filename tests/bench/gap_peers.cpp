@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/gap/fit.hpp"
-#include "sim/gap/in_parallel.hpp"
+#include "sim/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/score.hpp"
 
@@ -58,7 +58,7 @@ struct Attempt {
 std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidence, double readings) {
   const auto scores = score_candidates(current, evidence, open_candidates(current));
   std::vector<Attempt> out(std::min(kFits, scores.size()));
-  sim::gap::in_parallel(out.size(), [&](std::size_t i) {
+  sim::in_parallel(out.size(), [&](std::size_t i) {
     Attempt& one = out[i];
     one.candidate = scores[i].candidate;
     one.hypothesis = current;
