@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "sim/gap/fit.hpp"
-#include "sim/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/score.hpp"
+#include "sim/in_parallel.hpp"
 
 namespace biopsy::bench {
 namespace {
