@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "sim/gap/fit.hpp"
-#include "sim/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
+#include "sim/in_parallel.hpp"
 
 namespace biopsy::sim::gap {
 namespace {

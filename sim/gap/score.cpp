@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "sim/gap/fit.hpp"
-#include "sim/in_parallel.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/probes.hpp"
+#include "sim/in_parallel.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
