@@ -1,0 +1,33 @@
+// The steps of a first power-up, in order: from nothing that can hurt to small voltages. Every limit has its
+// reason; both are printed by `biopsy commission --dry-run` and stand in the record.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/commissioning/rig.hpp"
+
+namespace biopsy::commissioning {
+
+struct Limit {
+  std::string_view what, unit;
+  double low, high;
+  std::string_view why;
+};
+
+struct Measured {
+  std::vector<double> values;  // one a limit, in their order; NaN: could not be measured
+  std::string note;
+};
+
+struct Step {
+  std::string_view name;
+  std::string_view asks;  // of the person, before anything is measured
+  std::vector<Limit> limits;
+  Measured (*measure)(Rig&, Person&);
+};
+
+const std::vector<Step>& all_steps();
+
+}  // namespace biopsy::commissioning

@@ -1,0 +1,99 @@
+// What stands in the shared memory that simulates the copper between processes: fixed layout, one block an
+// owner, each on a page of its own so that a process can be given the right to write its block and no other.
+// All zero = nobody drives: 0 V, HV off, relay open, keys not turned, E-stop contacts open.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace biopsy::lines {
+
+using Word = std::atomic<std::uint64_t>;
+using Nanoseconds = std::atomic<std::int64_t>;  // CLOCK_MONOTONIC, the same in every process of a machine
+static_assert(Word::is_always_lock_free && Nanoseconds::is_always_lock_free,
+              "a lock would be held for ever by a process that is killed inside it");
+
+inline constexpr std::size_t kPage = 4096;
+inline constexpr std::uint64_t kMagic = 0x6c'79'73'70'6f'69'62'01;  // 01 "biopsyl", low byte first
+inline constexpr std::uint32_t kVersion = 1;
+
+// Written before the file gets its name, never after.
+struct alignas(kPage) Title {
+  std::uint64_t magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint32_t size = 0;  // of Wires, bytes
+};
+
+struct alignas(kPage) StageWires {
+  Word converter;  // ConverterOutput in one word: code and enable change together
+  Word pulses;
+};
+
+struct alignas(kPage) SupervisorWires {
+  Word pulses;
+};
+
+struct alignas(kPage) InterlockWires {
+  Word load;  // RelayOutput in one word
+  Nanoseconds changed_ns, zero_ns, ticked_ns;
+  Word ticks;
+};
+
+struct alignas(kPage) PanelWires {
+  Word levels;  // PanelLevels
+};
+
+struct Wires {
+  Title title;
+  StageWires stage;
+  SupervisorWires supervisor;
+  InterlockWires interlock;
+  PanelWires panel;
+};
+static_assert(std::is_standard_layout_v<Wires> && sizeof(Wires) == 5 * kPage);
+
+// What the converter puts out and whether the amplifier may.
+struct ConverterOutput {
+  std::int32_t mV = 0;  // signed high voltage
+  bool hv_enabled = false;
+  bool operator==(const ConverterOutput&) const = default;
+};
+
+struct RelayOutput {
+  std::int32_t load_mV = 0;  // on the stack, signed
+  bool closed = false;
+  bool operator==(const RelayOutput&) const = default;
+};
+
+// Keys and buttons on the device, as levels. Both E-stop contacts closed = not pressed.
+struct PanelLevels {
+  bool arm_key = false, reset_key = false;
+  bool estop_a_closed = false, estop_b_closed = false;
+  bool bench_key = false;  // nobody and no needle at the stage
+  bool operator==(const PanelLevels&) const = default;
+};
+
+// A voltage in the low half of a word, a flag above it.
+constexpr std::uint64_t packed(std::int32_t mV, bool flag) {
+  return static_cast<std::uint32_t>(mV) | std::uint64_t{flag} << 32;
+}
+constexpr std::int32_t voltage_mV(std::uint64_t word) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(word));
+}
+constexpr bool flag(std::uint64_t word) {
+  return (word >> 32 & 1) != 0;
+}
+
+constexpr std::uint64_t packed(const PanelLevels& panel) {
+  return std::uint64_t{panel.arm_key} | std::uint64_t{panel.reset_key} << 1 |
+         std::uint64_t{panel.estop_a_closed} << 2 | std::uint64_t{panel.estop_b_closed} << 3 |
+         std::uint64_t{panel.bench_key} << 4;
+}
+constexpr PanelLevels panel_levels(std::uint64_t word) {
+  const auto level = [word](int wire) { return (word >> wire & 1) != 0; };
+  return {level(0), level(1), level(2), level(3), level(4)};
+}
+
+}  // namespace biopsy::lines

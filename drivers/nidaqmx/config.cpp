@@ -1,0 +1,165 @@
+#include "drivers/nidaqmx/config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "drivers/nidaqmx/config_table.hpp"
+#include "drivers/nidaqmx/daqmx_functions.hpp"
+#include "robot/messages/limits.hpp"
+#include "robot/messages/setup_error.hpp"
+
+namespace biopsy::nidaqmx {
+namespace {
+
+constexpr double kBoard_V = 10.0;   // converters of the 6211, in and out
+constexpr std::uint32_t kPair = 8;  // a differential input is this and the one so many higher
+constexpr std::uint32_t kInputs = 15, kOutputs = 1, kPorts = 1, kLines = 3;  // highest numbers on the 6211
+constexpr double kMost_kV = limits::kDriveMax_mV * 1e-6;
+constexpr double kTrip_kV = limits::kMonitorTrip_mV * 1e-6;
+// The arc detector's margin is 1 mA beyond what the capacitance draws: twice that must be visible.
+constexpr double kVisible_mA = 2.0;
+// From a millimetre below rest to where the supervisor stops hard.
+constexpr double kShallow_mm = -1.0, kDeep_mm = (limits::kStroke_um + limits::kDepthHard_um) * 1e-3;
+
+AnalogInput read_input(ConfigTable& table) {
+  AnalogInput input;
+  input.number = table.numbered("channel", "ai", kInputs);
+  const std::string terminal = table.text("terminal");
+  if (terminal != "RSE" && terminal != "Diff")
+    table.refuse("terminal", fmt::format("= \"{}\" is neither RSE nor Diff", terminal),
+                 "RSE: against ground; Diff: against the channel eight higher");
+  input.terminal = terminal == "RSE" ? kRse : kDiff;
+  if (input.terminal == kDiff && input.number >= kPair)
+    table.refuse("channel", "has no partner for Diff", "use ai0 to ai7");
+  input.low_V = table.number("low_V", -kBoard_V, kBoard_V, "V");
+  input.high_V = table.number("high_V", -kBoard_V, kBoard_V, "V");
+  if (input.low_V >= input.high_V) table.refuse("high_V", "is not above `low_V`", "give low_V < high_V");
+  return input;
+}
+
+Laser read_laser(ConfigTable table) {
+  Laser laser;
+  laser.input = read_input(table);
+  laser.zero_V = table.number("zero_V", laser.input.low_V, laser.input.high_V, "V");
+  laser.mm_per_V = table.number("mm_per_V", -100.0, 100.0, "mm/V");
+  if (std::abs(laser.mm_per_V) < 0.01)
+    table.refuse("mm_per_V", "is zero", "take it from the laser's data sheet");
+  laser.valid_low_V = table.number("valid_low_V", laser.input.low_V, laser.input.high_V, "V");
+  laser.valid_high_V = table.number("valid_high_V", laser.input.low_V, laser.input.high_V, "V");
+  for (const double depth_mm : {kShallow_mm, kDeep_mm}) {
+    const double volts = laser.zero_V + depth_mm / laser.mm_per_V;
+    if (volts < laser.valid_low_V || volts > laser.valid_high_V)
+      table.refuse(
+          "zero_V",
+          fmt::format("puts a needle at {:.0f} mm, {:.2f} V, outside what counts as valid", depth_mm, volts),
+          "mount the laser so that it sees the whole stroke and 2 mm more");
+  }
+  table.refuse_rest();
+  return laser;
+}
+
+// `unit` of what is monitored; `visible`: how much of it, of either sign, the range must be able to show.
+Monitor read_monitor(ConfigTable table, const std::string& unit, double visible) {
+  Monitor monitor;
+  monitor.input = read_input(table);
+  const std::string scale = unit + "_per_V";
+  monitor.per_V = table.number(scale, 0.01, 100.0, unit + "/V");
+  if (std::min(-monitor.input.low_V, monitor.input.high_V) * monitor.per_V < visible)
+    table.refuse(scale, fmt::format("and the range cannot show {} {} of either sign", visible, unit),
+                 "widen low_V and high_V, or correct the scale");
+  table.refuse_rest();
+  return monitor;
+}
+
+Command read_command(ConfigTable table) {
+  Command command;
+  command.number = table.numbered("channel", "ao", kOutputs);
+  command.kV_per_V = table.number("kV_per_V", 0.1, 10.0, "kV/V");
+  command.highest_kV = table.number("highest_kV", 0.1, kMost_kV, "kV");
+  if (command.highest_kV / command.kV_per_V > kBoard_V)
+    table.refuse("highest_kV", "is more than the board's 10 V can ask of the amplifier", "lower it");
+  table.refuse_rest();
+  return command;
+}
+
+Interlock read_interlock(ConfigTable table) {
+  Interlock interlock;
+  interlock.port = table.numbered("port", "port", kPorts);
+  interlock.pulse_line = table.numbered("pulse", "line", kLines);
+  if (table.has("enable")) interlock.enable_line = table.numbered("enable", "line", kLines);
+  if (interlock.enable_line == interlock.pulse_line)
+    table.refuse("enable", "is the line of the pulse", "give each its own line");
+  table.refuse_rest();
+  return interlock;
+}
+
+PanelInputs read_panel(ConfigTable table) {
+  PanelInputs panel;
+  panel.port = table.numbered("port", "port", kPorts);
+  std::uint32_t used = 0;
+  const auto line = [&](std::string_view name) {
+    const std::uint32_t number = table.numbered(name, "line", kLines);
+    if ((used >> number & 1U) != 0) table.refuse(name, "is used twice", "give each contact its own line");
+    used |= 1U << number;
+    return number;
+  };
+  panel.arm_line = line("arm_key");
+  panel.reset_line = line("reset_key");
+  panel.estop_a_line = line("estop_a");
+  panel.estop_b_line = line("estop_b");
+  table.refuse_rest();
+  return panel;
+}
+
+void refuse_shared_inputs(const Config& config, const ConfigTable& root) {
+  std::set<std::uint32_t> used;
+  for (const AnalogInput* input : {&config.laser.input, &config.voltage.input, &config.current.input}) {
+    const std::uint32_t last = input->terminal == kDiff ? input->number + kPair : input->number;
+    for (std::uint32_t pin = input->number; pin <= last; pin += kPair)
+      if (!used.insert(pin).second)
+        root.refuse("device", fmt::format("has ai{} connected twice", pin),
+                    "give each signal its own inputs; Diff takes two, eight apart");
+  }
+}
+
+}  // namespace
+
+Config parse_config(const std::string& text, const std::string& name) {
+  ConfigTable root = parse_config_table(text, name);
+  Config config;
+  if (root.has("library")) config.library = root.text("library");
+  config.device = root.text("device");
+  if (config.device.find_first_of("/, :") != std::string::npos)
+    root.refuse("device", "is not one device", "give the name alone, like \"Dev1\"");
+  if (root.has("serial")) config.serial = root.whole("serial", std::numeric_limits<std::uint32_t>::max());
+  if (root.has("timeout_ms")) config.timeout_s = root.number("timeout_ms", 0.1, 20.0, "ms") * 1e-3;
+  config.laser = read_laser(root.table("laser"));
+  config.voltage = read_monitor(root.table("voltage_monitor"), "kV", kTrip_kV);
+  config.current = read_monitor(root.table("current_monitor"), "mA", kVisible_mA);
+  config.command = read_command(root.table("command"));
+  config.interlock = read_interlock(root.table("interlock"));
+  if (root.has("panel")) config.panel = read_panel(root.table("panel"));
+  if (config.panel && config.panel->port == config.interlock.port)
+    root.refuse("panel", "uses the port of the interlock", "inputs are port0 and outputs port1 on the 6211");
+  refuse_shared_inputs(config, root);
+  root.refuse_rest();
+  return config;
+}
+
+Config read_config(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file))
+    throw SetupError("cannot be opened", file.string(),
+                     "give the stage's configuration; a sample is drivers/nidaqmx/usb6211.toml");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return parse_config(text.str(), file.string());
+}
+
+}  // namespace biopsy::nidaqmx

@@ -1,0 +1,66 @@
+// How sensors and amplifier are wired to the board and what their volts mean (TOML; docs/hardware.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace biopsy::nidaqmx {
+
+struct AnalogInput {
+  std::uint32_t number = 0;      // of ai0, ai1, ...
+  std::int32_t terminal = 0;     // kRse or kDiff
+  double low_V = 0, high_V = 0;  // range asked of the board
+};
+
+struct Laser {
+  AnalogInput input;
+  double zero_V = 0;                         // where the needle waits
+  double mm_per_V = 0;                       // negative where the voltage falls as the needle goes deeper
+  double valid_low_V = 0, valid_high_V = 0;  // outside: target out of range or too little light
+};
+
+struct Monitor {
+  AnalogInput input;
+  double per_V = 0;  // kV or mA
+};
+
+struct Command {
+  std::uint32_t number = 0;  // of ao0, ao1
+  double kV_per_V = 0;       // the amplifier's gain
+  double highest_kV = 0;     // |command| never goes beyond, whatever the gate lets through; at most 8 kV
+};
+
+// Lines of one port; bit = number of the line.
+struct Interlock {
+  std::uint32_t port = 0;
+  std::uint32_t pulse_line = 0;
+  std::optional<std::uint32_t> enable_line;  // high: the amplifier's output may be on
+};
+
+// Contacts to the port's inputs; high = contact closed.
+struct PanelInputs {
+  std::uint32_t port = 0;
+  std::uint32_t arm_line = 0, reset_line = 0;
+  std::uint32_t estop_a_line = 0, estop_b_line = 0;  // closed = not pressed
+};
+
+struct Config {
+  std::string library = "libnidaqmx.so";
+  std::string device;                   // "Dev1"
+  std::optional<std::uint32_t> serial;  // where given, no other board is accepted
+  double timeout_s = 0.002;             // for one call within a tick
+  Laser laser;
+  Monitor voltage, current;
+  Command command;
+  Interlock interlock;
+  std::optional<PanelInputs> panel;
+};
+
+// Throw SetupError, with file and line, for what is missing, unknown, out of range, or cannot work together:
+// a monitor that could not show 8.2 kV, a laser that could not see a needle 2 mm beyond the stroke.
+Config parse_config(const std::string& text, const std::string& name);
+Config read_config(const std::filesystem::path& file);
+
+}  // namespace biopsy::nidaqmx

@@ -1,0 +1,51 @@
+// How every process of the live robot begins and ends.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "robot/keys/roles.hpp"
+#include "robot/live/live_settings.hpp"
+#include "robot/realtime/service_notice.hpp"
+#include "robot/realtime/stop_signals.hpp"
+#include "robot/transport/bus.hpp"
+
+namespace biopsy::live {
+
+// The bus as the settings want it. Keys are looked through first. Throws SetupError, naming the file.
+transport::BusSettings bus_settings(const LiveSettings& settings, keys::Role role);
+
+// The same wire without security, under an id that the bus does not use.
+transport::BusSettings plain_settings(const LiveSettings& settings);
+
+class LiveProcess {
+ public:
+  // Reads the settings and joins the bus. Throws SetupError.
+  LiveProcess(const std::filesystem::path& run_folder, keys::Role role);
+
+  const LiveSettings& settings() const { return settings_; }
+  std::uint64_t config_tag() const { return config_tag_; }
+  const transport::Participant& bus() const { return bus_; }
+
+  // From here on ticks count: memory is locked, if that is permitted.
+  void start_ticking();
+  bool stop_asked() { return signals_.came(); }
+  void stroke_watchdog(std::int64_t now_us);  // once a tick: systemd's own
+
+  ~LiveProcess() { notice_.stopping(); }
+
+ private:
+  realtime::StopSignals signals_;  // first: threads that are started later inherit it
+  realtime::ServiceNotice notice_;
+  LiveSettings settings_;
+  std::uint64_t config_tag_;
+  std::string precedence_;  // SCHED_FIFO where it is wanted and permitted: before the bus starts its threads
+  transport::Participant bus_;
+  std::int64_t stroked_us_ = 0;
+};
+
+// main() of a process that takes a run folder and nothing else.
+int live_main(int argc, char** argv, const char* name, void (*run)(const std::filesystem::path& run_folder));
+
+}  // namespace biopsy::live

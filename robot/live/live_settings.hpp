@@ -1,0 +1,46 @@
+// What every process of the live robot reads at its start, once, from its run folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "robot/messages/plan.hpp"
+
+namespace biopsy::live {
+
+struct LiveSettings {
+  std::uint32_t domain = 0;                 // of DDS, 0 to 230
+  std::uint32_t robot = 1;                  // whose messages
+  std::filesystem::path keys;               // folder of `biopsy keys init`; empty: without security
+  std::string network;                      // interface; empty: loopback
+  std::string device = "sim";               // or "nidaqmx"
+  std::filesystem::path device_config;      // of the hardware,
+  std::filesystem::path commissioning;      // the folder of its commissioning record,
+  std::filesystem::path commissioning_key;  // and the public key that this is signed with
+  std::filesystem::path log;                // the procedure log
+  std::filesystem::path log_key;            // private key that signs it (PEM)
+  std::filesystem::path lines;              // folder of the electrical lines, in memory
+  int fifo_priority = 0;  // SCHED_FIFO of the control processes, 0 to 90; 0: ordinary scheduling
+  // of the simulated stage
+  std::filesystem::path model, tissues;
+  double weight_g = 50.0;
+  std::uint64_t seed = 1;
+  std::vector<Layer> layers;  // along the needle's path
+};
+
+// In a run folder: the file, and what is written beside it.
+std::filesystem::path settings_file(const std::filesystem::path& run_folder);
+
+std::string to_json(const LiveSettings& settings);
+// Throws SetupError for a missing file, an unknown name, a value out of range.
+LiveSettings read_settings(const std::filesystem::path& run_folder);
+LiveSettings parse_settings(const std::string& text, const std::string& name);
+
+// First 8 bytes of the SHA-256 over the settings and every file they name but keys, log and lines: what
+// stands for "the configuration". Recomputed by each process from the files themselves; never 0. Throws
+// SetupError where a file cannot be read.
+std::uint64_t config_tag(const std::filesystem::path& run_folder, const LiveSettings& settings);
+
+}  // namespace biopsy::live

@@ -1,0 +1,80 @@
+// The supervisor process: gathers what one tick needs and calls the very functions that a rehearsal calls,
+// once for each measurement, or once a millisecond where none come.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+
+#include "drivers/lines/line_views.hpp"
+#include "robot/live/heartbeat.hpp"
+#include "robot/messages/drive_request.hpp"
+#include "robot/messages/measurement.hpp"
+#include "robot/transport/bus.hpp"
+#include "safety/supervisor.hpp"
+#include "safety/tissue_watch.hpp"
+
+namespace biopsy::live {
+
+class SupervisorLoop {
+ public:
+  // `session`: larger at every start; seconds since 1970 will do. `lines` and `panel` must outlive this.
+  SupervisorLoop(const transport::Participant& bus, lines::SupervisorLines& lines,
+                 const lines::LinesReader& panel, std::uint64_t config_tag, std::uint32_t session);
+
+  // Waits for the next measurement or the next millisecond, and decides.
+  void turn();
+
+  Heartbeat& heartbeat() { return heartbeat_; }
+  Mode mode() const { return state_.mode; }
+
+ private:
+  // All that came since the last turn, in order: one tick each.
+  struct Burst {
+    static constexpr std::size_t kMost = 16;
+    std::array<Measurement, kMost> measured;
+    std::array<DriveRequest, kMost> requested;
+    std::size_t measurements = 0, requests = 0;
+  };
+  void take_burst();
+  void tick(std::int64_t now_us);
+  void listen(std::int64_t now_us);
+  void take_plan();
+  safety::Observation observed(std::int64_t now_us);
+  safety::SupervisorInput input_of(const safety::Observation& seen);
+  void announce(const safety::SupervisorOutput& output, std::int64_t now_us);
+  std::int32_t writers() const;
+
+  lines::SupervisorLines& lines_;
+  const lines::LinesReader& panel_;
+  transport::Reader<Measurement> measurements_;
+  transport::Reader<DriveRequest> requests_;
+  transport::Reader<OperatorAct> acts_;
+  transport::Reader<SealedPlan> plans_;
+  transport::Reader<DepthVerdictNote> verdicts_;
+  transport::Reader<LogHealth> log_;
+  transport::Writer<Permit> permits_;
+  transport::Writer<Decision> decisions_;
+  transport::Waker waker_;
+  Heartbeat heartbeat_;
+  HealthBoard board_;
+
+  std::uint64_t config_tag_;
+  safety::PlanFacts facts_;
+  std::array<std::uint64_t, 2> confirmed_{};
+  std::uint64_t sealed_tag_ = 0;  // of the plan that was sent last, opened or not
+  safety::EvidenceMemory memory_;
+  safety::TissueWatch tissue_;
+  safety::SupervisorState state_;
+  Burst burst_;
+  Permit permit_;
+  Measurement measured_;
+  DriveRequest request_;
+  OperatorAct act_;
+  DepthVerdictNote verdict_;
+  LogHealth logged_;
+  std::int64_t act_us_ = 0, logged_us_ = 0, ticked_us_ = 0;
+  bool measurement_late_ = false, act_is_new_ = false;
+};
+
+}  // namespace biopsy::live

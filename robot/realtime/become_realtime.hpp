@@ -1,0 +1,30 @@
+// Asks the kernel for what a control loop needs: memory that stays, a stack that is there, precedence, a
+// processor of its own. What is not permitted is not an error, it is said.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace biopsy::realtime {
+
+struct RealtimeSettings {
+  bool lock_memory = true;
+  int fifo_priority = 0;         // SCHED_FIFO 1..99, not handed on to new threads; 0 = ordinary scheduling
+  bool threads_inherit = false;  // so do threads and programs started from here afterwards
+  std::optional<int> cpu{};      // bind the calling thread to this one
+};
+
+enum class Grant { NotAsked, Given, Refused };
+
+struct RealtimeObtained {
+  Grant memory = Grant::NotAsked, fifo = Grant::NotAsked, cpu = Grant::NotAsked;
+  std::string why_not;  // the kernel's reasons for what was refused, empty if nothing was
+};
+
+// For the calling thread and, as to memory, the process. Before the first tick: it allocates and faults.
+RealtimeObtained become_realtime(const RealtimeSettings& settings);
+
+// One line for the log: "memory locked, SCHED_FIFO refused (Operation not permitted)".
+std::string to_text(const RealtimeObtained& obtained);
+
+}  // namespace biopsy::realtime

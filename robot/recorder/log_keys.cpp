@@ -1,0 +1,117 @@
+#include "robot/recorder/log_keys.hpp"
+
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "robot/messages/setup_error.hpp"
+
+namespace biopsy::recorder {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
+using Bio = std::unique_ptr<BIO, decltype(&BIO_free)>;
+using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+
+const unsigned char* bytes_of(std::string_view text) {
+  return reinterpret_cast<const unsigned char*>(text.data());
+}
+
+void must(bool done) {
+  if (done) return;
+  std::fputs("Ed25519 is not available in this build of OpenSSL\n", stderr);
+  std::abort();
+}
+
+// A key with a password is refused: the recorder has nobody to ask.
+int no_password(char*, int, int, void*) {
+  return -1;
+}
+
+struct Sort {
+  const char* name;
+  decltype(&PEM_read_bio_PrivateKey) read;
+  const char* remedy;
+};
+constexpr Sort kPrivate{"private", PEM_read_bio_PrivateKey,
+                        "make keys with `biopsy keys init`, or name the right file"};
+constexpr Sort kPublic{"public", PEM_read_bio_PUBKEY,
+                       "name the public key of the recorder that wrote the log, with --public-key"};
+
+Key read_key(const fs::path& file, const Sort& sort) {
+  const std::string name = sort.name;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string pem{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw SetupError("cannot read the log's " + name + " key", file.string(), sort.remedy);
+  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
+  Key key(sort.read(bio.get(), nullptr, no_password, nullptr), EVP_PKEY_free);
+  ERR_clear_error();
+  if (!key || EVP_PKEY_get_id(key.get()) != EVP_PKEY_ED25519)
+    throw SetupError("this is no " + name + " Ed25519 key in PEM without a password", file.string(),
+                     sort.remedy);
+  return key;
+}
+
+PublicKey public_key_of(const EVP_PKEY* key) {
+  PublicKey raw{};
+  std::size_t size = raw.size();
+  must(EVP_PKEY_get_raw_public_key(key, raw.data(), &size) == 1 && size == raw.size());
+  return raw;
+}
+
+Key key_of(const PublicKey& raw) {
+  return {EVP_PKEY_new_raw_public_key(EVP_PKEY_ED25519, nullptr, raw.data(), raw.size()), EVP_PKEY_free};
+}
+
+}  // namespace
+
+PublicKey read_public_key(const fs::path& pem) {
+  return public_key_of(read_key(pem, kPublic).get());
+}
+
+std::string pem_of(const PublicKey& key) {
+  const Bio bio(BIO_new(BIO_s_mem()), BIO_free);
+  must(bio && PEM_write_bio_PUBKEY(bio.get(), key_of(key).get()) == 1);
+  char* text = nullptr;
+  const long size = BIO_get_mem_data(bio.get(), &text);
+  return {text, static_cast<std::size_t>(size)};
+}
+
+bool is_signed_by(const PublicKey& key, const Signature& signature, std::string_view bytes) {
+  const Key known = key_of(key);
+  const Context context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  must(known && context && EVP_DigestVerifyInit(context.get(), nullptr, nullptr, nullptr, known.get()) == 1);
+  const bool holds =
+      EVP_DigestVerify(context.get(), signature.data(), signature.size(), bytes_of(bytes), bytes.size()) == 1;
+  ERR_clear_error();
+  return holds;
+}
+
+void SigningKey::Free::operator()(EVP_PKEY* key) const {
+  EVP_PKEY_free(key);
+}
+
+SigningKey::SigningKey(const fs::path& pem) : key_(read_key(pem, kPrivate).release()) {}
+
+PublicKey SigningKey::public_key() const {
+  return public_key_of(key_.get());
+}
+
+Signature SigningKey::sign(std::string_view bytes) const {
+  const Context context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  Signature signature{};
+  std::size_t size = signature.size();
+  must(context && EVP_DigestSignInit(context.get(), nullptr, nullptr, nullptr, key_.get()) == 1 &&
+       EVP_DigestSign(context.get(), signature.data(), &size, bytes_of(bytes), bytes.size()) == 1);
+  return signature;
+}
+
+}  // namespace biopsy::recorder

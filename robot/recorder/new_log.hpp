@@ -1,0 +1,13 @@
+// Makes an empty log with its signed head, and lays the public key beside it. It appears under its name whole
+// or not at all. Throws SetupError where the folder cannot be written.
+#pragma once
+
+#include <filesystem>
+
+#include "robot/recorder/log_keys.hpp"
+
+namespace biopsy::recorder {
+
+void make_log(const std::filesystem::path& log, const SigningKey& key);
+
+}  // namespace biopsy::recorder

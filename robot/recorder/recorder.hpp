@@ -1,0 +1,80 @@
+// Writes the procedure log: one SQLite file, a chain of hashes through its records and a signed head. Used by
+// one thread, off the control path. Time is given, in microseconds of the recorder's monotonic clock.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "robot/recorder/chain.hpp"
+#include "robot/recorder/database.hpp"
+#include "robot/recorder/one_writer.hpp"
+
+namespace biopsy::recorder {
+
+// A group is written when its oldest record is this old: 20 ms before the 100 ms that are promised, for a
+// caller that polls every 10 ms and for the disk.
+inline constexpr std::int64_t kGroup_us = 80'000;
+// While the disk refuses.
+inline constexpr std::int64_t kRetry_us = 20'000;
+inline constexpr std::size_t kMemory_bytes = 32U << 20U;
+
+class Recorder {
+ public:
+  // Makes the log where there is none; continues one that verifies, whole, with this key. Throws SetupError:
+  // the log does not verify (it is left as it is), another recorder writes it, the folder cannot be written.
+  Recorder(const std::filesystem::path& log, SigningKey key, std::size_t memory_bytes = kMemory_bytes);
+
+  // Keeps the record in memory; an urgent one is written at once, with all before it.
+  void append(Entry entry, Urgency urgency, std::int64_t now_us) noexcept;
+  // Writes what is due. To be called every 10 ms.
+  void poll(std::int64_t now_us) noexcept;
+  // Writes everything, as the last act. False: something is left in memory, and lost with this object.
+  bool flush(std::int64_t now_us) noexcept;
+
+  // Age of the oldest record that is not on disk; 0 where there is none.
+  std::int64_t backlog_ms(std::int64_t now_us) const;
+  // What is on disk: survives kill -9 and power failure.
+  const LogHead& written() const { return head_; }
+  // Why the last write failed; empty while all is well.
+  const std::string& trouble() const { return trouble_; }
+
+ private:
+  struct Pending {
+    Record record;  // its number and hashes are given when it is written
+    std::int64_t arrived_us = 0;
+  };
+  // Records that found memory full: their place in the log is taken by one record that counts them.
+  struct Lost {
+    std::uint64_t records = 0, urgent = 0;
+    std::int64_t first_utc_ns = 0, first_us = 0, last_us = 0;
+  };
+
+  static std::size_t cost(const Record& record);
+  void keep(Record record, std::int64_t arrived_us);
+  void lose(const Record& record, Urgency urgency, std::int64_t now_us);
+  void confess_losses();
+  void write_all(std::int64_t now_us);
+  bool write_batch(std::ptrdiff_t records);
+  bool insert(Record& record, LogHead& head);
+  bool move_head(const LogHead& to);
+  bool file_is_gone();
+
+  SigningKey key_;
+  std::filesystem::path log_;
+  OneWriter only_;
+  LogHead head_;
+  Database database_;
+  Statement insert_, move_head_;
+  std::size_t memory_bytes_, used_bytes_ = 0;
+  std::deque<Pending> pending_;
+  std::optional<Lost> lost_;  // only behind something pending
+  bool urgent_ = false;       // among the pending
+  std::int64_t retry_us_ = 0;
+  std::string trouble_;
+};
+
+}  // namespace biopsy::recorder

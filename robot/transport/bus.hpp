@@ -1,0 +1,104 @@
+// The robot's bus: a participant, and one writer or reader a topic. The only door to DDS.
+//
+// Nothing here decides about safety: a message that arrives proves nothing but that it arrived.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace biopsy::transport {
+
+struct BusSettings {
+  std::uint32_t domain = 0;
+  std::string configuration;  // Cyclone's XML, security included; the environment is not read
+  std::uint32_t robot = 1;    // whose messages; others on the same bus are not seen
+};
+
+// A handle of the C library, closed with its owner.
+class Entity {
+ public:
+  Entity() = default;
+  // `handle` < 0 is an error of the library: throws SetupError saying that `what` could not be made.
+  Entity(std::int32_t handle, const char* what);
+  Entity(Entity&& other) noexcept;
+  Entity& operator=(Entity&& other) noexcept;
+  ~Entity();
+  std::int32_t handle() const { return handle_; }
+
+ private:
+  std::int32_t handle_ = 0;
+};
+
+// Messages of participants that were not let in, since this process started.
+std::uint32_t refused_strangers();
+
+class Participant {
+ public:
+  // Throws SetupError where the configuration is not accepted, keys included. One per domain and process.
+  explicit Participant(const BusSettings& settings);
+  std::int32_t handle() const { return participant_.handle(); }
+  std::uint32_t robot() const { return robot_; }
+
+ private:
+  Entity domain_, participant_;
+  std::uint32_t robot_;
+};
+
+template <class Message>
+class Writer {
+ public:
+  explicit Writer(const Participant& participant);
+  ~Writer();
+  Writer(Writer&&) noexcept;
+
+  // False: not sent. True proves nothing about its arrival.
+  bool write(const Message& message);
+  int readers() const;  // matched now
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+template <class Message>
+class Reader {
+ public:
+  explicit Reader(const Participant& participant);
+  ~Reader();
+  Reader(Reader&&) noexcept;
+
+  // The oldest message not yet taken. Allocates nothing for messages of fixed size.
+  bool take(Message& message);
+  // The newest; those before it are dropped. How many there were.
+  int take_newest(Message& message);
+  int writers() const;        // matched now
+  int alive_writers() const;  // that wrote within their lease
+  std::int32_t handle() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+// Sleeps until one of its readers has something.
+class Waker {
+ public:
+  explicit Waker(const Participant& participant);
+  template <class Message>
+  void add(const Reader<Message>& reader) {
+    add(reader.handle());
+  }
+  // False: nothing came in time.
+  bool wait(std::chrono::nanoseconds timeout);
+
+ private:
+  void add(std::int32_t reader);
+  Entity set_;
+  std::array<Entity, 8> conditions_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace biopsy::transport

@@ -1,0 +1,42 @@
+// How late this machine wakes a real-time thread: the part of a live figure that is not the robot's.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "robot/realtime/become_realtime.hpp"
+#include "robot/realtime/tick_clock.hpp"
+
+namespace biopsy::live_tests {
+
+// A 2 kHz clock on every processor, above everything it judges (SCHED_FIFO 85 where permitted), while it
+// lives. One clock alone would wander to the processor that is not held up.
+class HostWatch {
+ public:
+  HostWatch() {
+    for (int cpu = 0; cpu < static_cast<int>(std::thread::hardware_concurrency()); ++cpu)
+      threads_.emplace_back([this, cpu](std::stop_token stop) { watch(stop, cpu); });
+  }
+  double worst_ms() const { return static_cast<double>(worst_ns_.load()) * 1e-6; }
+  void reset() { worst_ns_ = 0; }
+
+ private:
+  void watch(const std::stop_token& stop, int cpu) {
+    realtime::become_realtime({.lock_memory = false, .fifo_priority = 85, .cpu = cpu});
+    realtime::TickClock clock(std::chrono::microseconds(500));
+    while (!stop.stop_requested()) {
+      const std::int64_t late_ns = clock.wait().late_ns();
+      std::int64_t worst_ns = worst_ns_.load();
+      while (late_ns > worst_ns && !worst_ns_.compare_exchange_weak(worst_ns, late_ns)) {
+      }
+    }
+  }
+
+  std::atomic<std::int64_t> worst_ns_{0};
+  std::vector<std::jthread> threads_;
+};
+
+}  // namespace biopsy::live_tests

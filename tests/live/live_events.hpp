@@ -1,0 +1,32 @@
+// What happens to the high voltage when a process of the live robot dies or stands still: real processes, a
+// real procedure, the person's finger staying on the button.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "robot/app/live_options.hpp"
+#include "robot/app/prepared_case.hpp"
+#include "robot/messages/live.hpp"
+
+namespace biopsy::live_tests {
+
+struct LiveEvent {
+  Process victim = Process::Stage;
+  int signal = 0;                // SIGKILL or SIGSTOP
+  std::int64_t after_ticks = 0;  // of motion
+};
+
+struct EventOutcome {
+  std::string trouble;        // empty: the event took place while high voltage was on
+  double to_zero_ms = -1.0;   // from the event to the last volt on the stack; < 0: it stayed on
+  double host_late_ms = 0.0;  // the worst wake of a 2 kHz real-time clock on this machine meanwhile
+};
+
+// Starts a robot in `folder`, moves the needle, sends the signal and watches the lines for `watch_ms`.
+EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
+                        const app::PreparedCase& prepared, const std::filesystem::path& folder,
+                        std::int64_t watch_ms);
+
+}  // namespace biopsy::live_tests

@@ -1,0 +1,24 @@
+// A person who sets a live robot in motion.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "robot/app/live_session.hpp"
+#include "robot/messages/plan.hpp"
+
+namespace biopsy::live_tests {
+
+// Arms, presses, and goes on until the needle has moved for so many ticks and high voltage is on. What the
+// person then does: presses. Nothing: it never came to that.
+std::optional<app::World> move(app::LiveSession& session, const Plan& plan, std::int64_t ticks);
+
+// A secured or plain robot that moves, in `folder`. A machine that stalls may stop one: three are tried.
+// Empty: none of them moved.
+std::unique_ptr<app::LiveSession> moving_robot(const app::LiveOptions& options,
+                                               const app::PreparedCase& prepared,
+                                               const std::filesystem::path& folder);
+
+}  // namespace biopsy::live_tests

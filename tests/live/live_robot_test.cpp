@@ -1,0 +1,300 @@
+// Claims about the robot as processes: real ones, over DDS, in real time. What is measured in milliseconds is
+// compared with how late this machine was meanwhile.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "drivers/lines/line_views.hpp"
+#include "planner/seal.hpp"
+#include "robot/app/case.hpp"
+#include "robot/app/live_session.hpp"
+#include "robot/app/rehearsal.hpp"
+#include "robot/messages/setup_error.hpp"
+#include "robot/recorder/log_keys.hpp"
+#include "robot/recorder/verify.hpp"
+#include "tests/live/live_events.hpp"
+#include "tests/live/live_motion.hpp"
+#include "tests/safety/verifies.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::live_tests {
+namespace {
+
+constexpr std::uint32_t kDomain = 80;  // and the next: of these tests alone
+
+const app::PreparedCase& gap_case() {
+  static const ScratchFolder folder;
+  static const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+  return prepared;
+}
+
+const Plan& gap_plan() {
+  return std::get<Plan>(gap_case().plan);
+}
+
+app::LiveOptions plain() {
+  app::LiveOptions options;
+  options.domain = kDomain;
+  options.without_security = true;
+  return options;
+}
+
+// Goes on with the same world until the robot is in `mode`.
+bool reaches(app::LiveSession& session, const app::World& world, Mode mode, int ticks) {
+  for (int n = 0; n < ticks; ++n) {
+    const std::optional<app::Beat> beat = session.robot().tick(world);
+    if (beat && beat->tick.supervisor.permit.mode == mode) return true;
+  }
+  return false;
+}
+
+// Whether the log in this folder says that somebody without keys was on the bus.
+bool tells_of_strangers(const std::filesystem::path& folder) {
+  bool told = false;
+  const std::filesystem::path log = folder / "procedure.log.sqlite";
+  recorder::verify(log, recorder::read_public_key(log.string() + ".pub.pem"),
+                   [&told](const recorder::Record& record) {
+                     told = told || record.body.find("endpoints_without_keys") != std::string::npos;
+                   });
+  return told;
+}
+
+// What the stage puts out once a decision has reached it.
+lines::ConverterOutput settled_output(app::LiveSession& session) {
+  for (int n = 0; n < 20; ++n) session.robot().tick({});
+  return lines::LinesReader(session.settings().lines).converter();
+}
+
+TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
+  const ScratchFolder folder;
+  app::LiveOptions options;
+  options.domain = kDomain;
+  report::RunRecord record;
+  // A host that stalls may stop a procedure; it may not do so again and again.
+  for (int attempt = 0; attempt < 3 && record.outcome != report::Outcome::Completed; ++attempt) {
+    app::LiveSession session(options, "sim", {}, gap_case(), folder.path());
+    session.wait_until_healthy();
+    session.send_plan(gap_plan());
+    record = app::rehearse_on([&](const app::World& world) { return session.robot().tick(world); },
+                              gap_case(), folder.path(), [](double, const std::string&) {});
+    EXPECT_TRUE(session.stop().empty());
+  }
+  ASSERT_EQ(record.outcome, report::Outcome::Completed) << record.refusal;
+  EXPECT_NEAR(record.final_depth_mm, 2.5, 0.1);
+  EXPECT_EQ(record.layer_at_tip, "gap");
+  const recorder::PublicKey key = recorder::read_public_key(folder.path() / "procedure.log.sqlite.pub.pem");
+  const recorder::Verdict verdict = recorder::verify(folder.path() / "procedure.log.sqlite", key);
+  const auto* head = std::get_if<recorder::LogHead>(&verdict);
+  ASSERT_NE(head, nullptr) << std::get<recorder::Flaw>(verdict).what;
+  EXPECT_GT(head->count, 20U);
+  EXPECT_FALSE(tells_of_strangers(folder.path()));
+}
+
+class LiveEventTest : public ::testing::TestWithParam<std::tuple<Process, int, double>> {};
+
+TEST_P(LiveEventTest, TakesTheHighVoltageOff) {
+  verifies(std::get<0>(GetParam()) == Process::Supervisor   ? "R-44"
+           : std::get<0>(GetParam()) == Process::Controller ? "R-25"
+           : std::get<0>(GetParam()) == Process::Recorder   ? "R-28"
+                                                            : "R-43");
+  const auto [victim, signal, allowed_ms] = GetParam();
+  EventOutcome outcome;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const ScratchFolder folder;
+    outcome = live_event({victim, signal, 700}, plain(), gap_case(), folder.path(),
+                         victim == Process::Recorder ? 2'000 : 300);
+    if (outcome.trouble.empty()) break;
+  }
+  ASSERT_EQ(outcome.trouble, "");
+  ASSERT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
+  const std::string which = std::string(name_of(victim)) + (signal == SIGKILL ? "_killed" : "_stopped");
+  RecordProperty(which + "_to_zero_ms", fmt::format("{:.2f}", outcome.to_zero_ms));
+  RecordProperty(which + "_host_late_ms", fmt::format("{:.2f}", outcome.host_late_ms));
+  EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryProcess, LiveEventTest,
+                         ::testing::Values(std::tuple(Process::Supervisor, SIGKILL, 10.0),
+                                           std::tuple(Process::Supervisor, SIGSTOP, 10.0),
+                                           std::tuple(Process::Controller, SIGKILL, 10.0),
+                                           std::tuple(Process::Controller, SIGSTOP, 10.0),
+                                           std::tuple(Process::Stage, SIGKILL, 20.0),
+                                           std::tuple(Process::Stage, SIGSTOP, 20.0),
+                                           std::tuple(Process::Recorder, SIGKILL, 1'500.0),
+                                           std::tuple(Process::Interlock, SIGKILL, 21.0)),
+                         [](const auto& given) {
+                           return std::string(name_of(std::get<0>(given.param))) +
+                                  (std::get<1>(given.param) == SIGKILL ? "Killed" : "Stopped");
+                         });
+
+TEST(LiveRobot, ASecondWriterOfRequestsTrips) {
+  verifies("R-11");
+  const ScratchFolder folder;
+  const auto robot = moving_robot(plain(), gap_case(), folder.path());
+  ASSERT_TRUE(robot);
+  app::LiveSession& session = *robot;
+  transport::Writer<DriveRequest> rogue(session.bus());
+  EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+  EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+}
+
+TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
+  verifies("R-11");
+  const ScratchFolder folder;
+  const auto robot = moving_robot(plain(), gap_case(), folder.path());
+  ASSERT_TRUE(robot);
+  app::LiveSession& session = *robot;
+  transport::Writer<Permit> rogue(session.bus());
+  Permit forged;
+  forged.session = 0xffff'ffff;
+  forged.epoch = 9;
+  forged.seq = 0xffff'0000;
+  forged.ttl_us = 5'000;
+  forged.mode = Mode::Active;
+  forged.stop = StopCategory::None;
+  forged.hv_enable = true;
+  forged.v_max_mV = 8'000'000;
+  forged.slew_up_mV_per_tick = 400'000;
+  for (int n = 0; n < 200; ++n) {
+    ++forged.seq;
+    rogue.write(forged);
+    session.robot().tick({});
+  }
+  EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+  EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+}
+
+TEST(LiveRobot, TheNetworkCannotArm) {
+  verifies("R-39", "R-40");
+  const ScratchFolder folder;
+  app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+  session.wait_until_healthy();
+  session.send_plan(gap_plan());
+  ASSERT_TRUE(reaches(session, {}, Mode::Ready, 5'000));
+  app::World asking;
+  asking.remote_arm = true;
+  asking.press = {1, true};
+  EXPECT_FALSE(reaches(session, asking, Mode::Armed, 1'000));
+}
+
+TEST(LiveRobot, AnotherPlanInMotionTrips) {
+  verifies("R-12");
+  const ScratchFolder folder;
+  const auto robot = moving_robot(plain(), gap_case(), folder.path());
+  ASSERT_TRUE(robot);
+  app::LiveSession& session = *robot;
+  Plan other = gap_plan();
+  other.target.patient_id = "SOMEBODY ELSE";
+  planner::seal(other);
+  session.send_plan(other);
+  EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+}
+
+TEST(LiveRobot, AProgramThatStandsStillHoldsNoButton) {
+  verifies("R-41");
+  const ScratchFolder folder;
+  const auto robot = moving_robot(plain(), gap_case(), folder.path());
+  ASSERT_TRUE(robot);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // while its bus goes on
+  app::World pressing;
+  pressing.press = {1, true};
+  EXPECT_TRUE(reaches(*robot, pressing, Mode::Hold, 2'000));
+}
+
+TEST(LiveRobot, APlanOfOneConfirmationIsNotReady) {
+  verifies("R-30");
+  const ScratchFolder folder;
+  app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+  session.wait_until_healthy();
+  session.robot().send_plan(gap_plan(), {planner::plan_tag(gap_plan()), 0});
+  EXPECT_FALSE(reaches(session, {}, Mode::Ready, 1'500));
+}
+
+TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
+  verifies("R-46");
+  const ScratchFolder folder;
+  app::LiveOptions secured;
+  secured.domain = kDomain + 1;
+  app::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
+  session.wait_until_healthy();
+  session.send_plan(gap_plan());
+  ASSERT_TRUE(reaches(session, {}, Mode::Ready, 5'000));
+  // The planner's identity may not write requests: no writer at all, and no second one is seen.
+  EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), SetupError);
+  EXPECT_FALSE(reaches(session, {}, Mode::Safe, 500));
+}
+
+// A program without keys on the same domain, while this lives.
+class Rogue {
+ public:
+  explicit Rogue(std::uint32_t domain) {
+    const std::string number = std::to_string(domain);
+    char* const arguments[] = {const_cast<char*>(ROGUE), const_cast<char*>(number.c_str()), nullptr};
+    EXPECT_EQ(posix_spawn(&pid_, ROGUE, nullptr, nullptr, arguments, environ), 0);
+  }
+  ~Rogue() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  Rogue(const Rogue&) = delete;
+  Rogue& operator=(const Rogue&) = delete;
+
+ private:
+  pid_t pid_ = -1;
+};
+
+// Ticks of two seconds with the button held in which the needle was free to move.
+int active_ticks(app::LiveSession& session) {
+  app::World pressing;
+  pressing.press = {1, true};
+  int active = 0;
+  for (int n = 0; n < 2'000; ++n) {
+    const std::optional<app::Beat> beat = session.robot().tick(pressing);
+    if (!beat) return active;
+    active += beat->tick.supervisor.permit.mode == Mode::Active;
+    EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
+  }
+  return active;
+}
+
+TEST(LiveRobot, SecuredItMovesOnWhileAStrangerShoutsAndLogsThatOneIsThere) {
+  verifies("R-46");
+  app::LiveOptions secured;
+  secured.domain = kDomain + 1;
+  int active = 0;
+  bool told = false;
+  // A host that stalls may stop a motion; it may not do so again and again.
+  for (int attempt = 0; attempt < 3 && active <= 1'500; ++attempt) {
+    const ScratchFolder folder;
+    const auto robot = moving_robot(secured, gap_case(), folder.path());
+    ASSERT_TRUE(robot);
+    const Rogue rogue(secured.domain);
+    active = active_ticks(*robot);
+    EXPECT_TRUE(robot->stop().empty());
+    told = tells_of_strangers(folder.path());
+  }
+  EXPECT_GT(active, 1'500);
+  EXPECT_TRUE(told);
+}
+
+TEST(LiveRobot, MissingKeysAreNamed) {
+  const ScratchFolder folder;
+  app::LiveOptions options;
+  options.domain = kDomain;
+  options.keys = folder.path() / "no-keys";
+  try {
+    app::LiveSession session(options, "sim", {}, gap_case(), folder.path());
+    FAIL() << "started without keys";
+  } catch (const SetupError& error) {
+    EXPECT_NE(error.where.find("no-keys"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace biopsy::live_tests

@@ -1,0 +1,91 @@
+// Keys, logs and ways to spoil them, for the claims about the recorder.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <sqlite3.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "robot/recorder/log_file.hpp"
+#include "robot/recorder/recorder.hpp"
+#include "robot/recorder/verify.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::recorder {
+
+namespace fs = std::filesystem;
+
+inline void make_key(const fs::path& pem) {
+  EVP_PKEY* key = EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519");
+  std::FILE* file = std::fopen(pem.c_str(), "w");
+  PEM_write_PrivateKey(file, key, nullptr, nullptr, 0, nullptr, nullptr);
+  std::fclose(file);
+  EVP_PKEY_free(key);
+}
+
+inline Entry entry(std::int64_t n, std::string body = "") {
+  constexpr std::int64_t kNovember2026_ns = 1'795'000'000'000'000'000;
+  if (body.empty()) body = R"({"n":)" + std::to_string(n) + R"(,"state":"hold"})";
+  return {.utc_ns = kNovember2026_ns + n * 1'000'000,
+          .mono_us = n * 1000,
+          .source = n % 2 ? "supervisor" : "stage",
+          .kind = static_cast<RecordKind>(n % static_cast<std::int64_t>(kRecordKinds)),
+          .body = std::move(body)};
+}
+
+// A folder with a key and, where asked for, a closed log of some records.
+struct LogFolder {
+  LogFolder() { make_key(scratch / "key.pem"); }
+  explicit LogFolder(std::int64_t records) : LogFolder() { write(log, records); }
+
+  SigningKey key() const { return SigningKey(scratch / "key.pem"); }
+  PublicKey public_key() const { return key().public_key(); }
+  void write(const fs::path& file, std::int64_t records) const {
+    Recorder recorder(file, key());
+    for (std::int64_t n = 1; n <= records; ++n) recorder.append(entry(n), Urgency::Grouped, 0);
+    ASSERT_TRUE(recorder.flush(0)) << recorder.trouble();
+  }
+  Verdict verdict() const { return verify(log, public_key()); }
+
+  ScratchFolder scratch;
+  fs::path log = scratch / "procedure.log";
+};
+
+inline std::vector<Record> records_of(const fs::path& log, const PublicKey& key) {
+  std::vector<Record> records;
+  (void)verify(log, key, [&](const Record& record) { records.push_back(record); });
+  return records;
+}
+
+inline bool is_intact(const Verdict& verdict) {
+  return std::holds_alternative<LogHead>(verdict);
+}
+
+inline std::uint64_t count_of(const Verdict& verdict) {
+  const auto* head = std::get_if<LogHead>(&verdict);
+  return head ? head->count : 0;
+}
+
+inline std::string told(const Verdict& verdict) {
+  const auto* flaw = std::get_if<Flaw>(&verdict);
+  return flaw ? std::string(word(flaw->kind)) + " " + std::to_string(flaw->record) : "intact";
+}
+
+// What a tamperer with the right tools does: SQL on the file, then closed so that no WAL remains.
+inline void tamper(const fs::path& log, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(log.c_str(), &database), SQLITE_OK);
+  char* message = nullptr;
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &message), SQLITE_OK)
+      << (message ? message : "") << "\n"
+      << sql;
+  sqlite3_free(message);
+  sqlite3_close(database);
+}
+
+}  // namespace biopsy::recorder
