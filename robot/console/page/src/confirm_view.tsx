@@ -1,0 +1,119 @@
+// Before and after, side by side: detected tip, planned target, error and confidence. No default answer.
+import type { Checked, Judgement } from './generated/messages'
+import { ask, withToken } from './link'
+import { checked, state, welcome, whyNot } from './robot'
+
+// Both pictures have the same pixels.
+function Picture(props: { of: Checked; after: boolean }) {
+  const { of } = props
+  const place = (depth: number): [number, number] => [
+    of.entry_px[0] + (of.axis[0] * depth) / of.per_pixel,
+    of.entry_px[1] + (of.axis[1] * depth) / of.per_pixel,
+  ]
+  const [px, py] = place(of.planned)
+  const [tx, ty] = place(of.found)
+  const size = of.width / 60
+  return (
+    <figure>
+      <figcaption>
+        {props.after ? 'After: needle in place' : 'Before'}
+        {welcome.value?.simulated && ' · SIMULATED'}
+      </figcaption>
+      <svg viewBox={`0 0 ${of.width} ${of.height}`} role="img" aria-label={props.after ? 'image after' : 'image before'}>
+        <image
+          href={`data:image/png;base64,${props.after ? of.after_png : of.before_png}`}
+          width={of.width}
+          height={of.height}
+        />
+        {of.per_pixel > 0 && (
+          <g data-name="planned" data-mm={of.planned} class="mark target" style={{ strokeWidth: size / 4 }}>
+            <path d={`M${px - size},${py}H${px + size}M${px},${py - size}V${py + size}`} />
+          </g>
+        )}
+        {of.per_pixel > 0 && props.after && of.tip_found && (
+          <g data-name="found" data-mm={of.found} class="tip">
+            <circle class="solid" cx={tx} cy={ty} r={size / 3} />
+            <circle class="uncertain" cx={tx} cy={ty} r={Math.max((2 * of.sigma) / of.per_pixel, size / 2)} />
+          </g>
+        )}
+      </svg>
+    </figure>
+  )
+}
+
+function Buttons(props: { of: Checked }) {
+  const why = whyNot.value || state.value?.disabled.judge || ''
+  const sure = props.of.verdict === 'accept'
+  const whyNotAccept = why || (sure ? '' : 'The image does not show the tip where it should be.')
+  const judge = (judgement: Judgement) => void ask({ type: 'Judge', stage: props.of.stage, judgement })
+  return (
+    <div class="row">
+      <button aria-disabled={whyNotAccept !== ''} title={whyNotAccept} onClick={() => judge('Accept')}>
+        Accept this depth
+      </button>
+      <button aria-disabled={why !== ''} title={why} onClick={() => judge('Adjust')}>
+        Adjust: let back, plan again
+      </button>
+      <button aria-disabled={why !== ''} title={why} onClick={() => judge('Reject')}>
+        Reject: let back, end
+      </button>
+      {whyNotAccept && <span data-name="why-not-accept">{whyNotAccept}</span>}
+    </div>
+  )
+}
+
+export function ConfirmView() {
+  const now = state.value
+  const last = checked.value.at(-1)
+  if (now?.step !== 'Confirm') return null
+  if (!last || (now.scanner !== 'Idle' && !now.report))
+    return (
+      <div class="confirm" role="status">
+        <h2>{now.scanner === 'Checking' ? 'Looking for the tip in the new image…' : 'The scanner takes the image…'}</h2>
+        {now.hold_left > 0 && <p>The needle is held for {Math.ceil(now.hold_left)} s more, then let back.</p>}
+      </div>
+    )
+  return (
+    <div class="confirm">
+      <div class="pair">
+        <Picture of={last} after={false} />
+        <Picture of={last} after={true} />
+      </div>
+      <dl>
+        <div>
+          <dt>Planned</dt>
+          <dd>{last.planned.toFixed(2)} mm</dd>
+        </div>
+        <div>
+          <dt>In the image</dt>
+          <dd data-name="found-depth">
+            {last.tip_found ? `${last.found.toFixed(2)} ± ${last.sigma.toFixed(2)} mm` : 'no tip found'}
+          </dd>
+        </div>
+        <div>
+          <dt>Error</dt>
+          <dd data-name="error">{last.tip_found ? `${last.error.toFixed(2)} mm` : 'unknown'}</dd>
+        </div>
+        <div>
+          <dt>Confidence</dt>
+          <dd>{(100 * last.confidence).toFixed(0)} %</dd>
+        </div>
+        <div>
+          <dt>Depth check</dt>
+          <dd data-name="verdict">{last.verdict}</dd>
+        </div>
+      </dl>
+      <p>{last.reason}</p>
+      {now.hold_left > 0 && (
+        <p data-name="hold-left">The needle is held for {Math.ceil(now.hold_left)} s more, then let back.</p>
+      )}
+      {now.report ? (
+        <a href={withToken(now.report)} target="_blank" rel="noreferrer" style={{ color: '#fff' }}>
+          {now.completed ? 'Accepted.' : 'Not accepted.'} Open the report
+        </a>
+      ) : (
+        <Buttons of={last} />
+      )}
+    </div>
+  )
+}

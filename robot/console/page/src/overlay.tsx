@@ -1,0 +1,103 @@
+// What is drawn over the image: entry, target, path, the live tip, proposals of the case, scale bars. SVG, so that a
+// test can read every place in mm from the page. Dashed: in front of or behind the slice that is shown.
+import { add, length, minus, project, type Tile } from './geometry'
+import { crosshair, tiles } from './viewer'
+import { isOld, opened, plan, planned, state, type Vec3 } from './robot'
+
+const kOff_mm = 0.5
+const kTipSigma_mm = 0.1 // the laser's loop settles within this; paper IV.F
+
+const mmText = (p: Vec3) => p.map((v) => v.toFixed(3)).join(',')
+
+function Mark(props: { tile: Tile; at: Vec3; kind: 'entry' | 'target'; proposed?: boolean }) {
+  const { x, y, off } = project(props.tile, props.at)
+  const dash = Math.abs(off) > kOff_mm || props.proposed ? '5 4' : 'none'
+  const name = props.proposed ? `proposed-${props.kind}` : props.kind
+  const shape =
+    props.kind === 'entry' ? (
+      <circle cx={x} cy={y} r="9" />
+    ) : (
+      <path d={`M${x - 9},${y}H${x + 9}M${x},${y - 9}V${y + 9}`} />
+    )
+  return (
+    <g class={`mark ${props.kind}`} data-name={name} data-mm={mmText(props.at)} data-off-mm={off.toFixed(3)}
+       stroke-dasharray={dash} opacity={props.proposed ? 0.75 : 1}>
+      {shape}
+    </g>
+  )
+}
+
+function Path(props: { tile: Tile; from: Vec3; to: Vec3 }) {
+  const a = project(props.tile, props.from)
+  const b = project(props.tile, props.to)
+  const off = Math.max(Math.abs(a.off), Math.abs(b.off)) > kOff_mm
+  return (
+    <line class="path" data-name="path" x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-dasharray={off ? '6 4' : 'none'} />
+  )
+}
+
+// Hollow and "OLD" once nobody knows any more where it is.
+function Tip(props: { tile: Tile; from: Vec3; to: Vec3 }) {
+  const known = state.value
+  if (!known?.measured) return null
+  const way = minus(props.to, props.from)
+  const tip = add(props.from, way, Math.round(50 * known.depth) / 50 / length(way)) // no repainting for noise
+  const { x, y, off } = project(props.tile, tip)
+  const radius = (2 * kTipSigma_mm) / length(props.tile.right)
+  return (
+    <g class="tip" data-name="tip" data-mm={mmText(tip)} data-off-mm={off.toFixed(3)} data-old={isOld.value}>
+      <circle class="uncertain" cx={x} cy={y} r={Math.max(radius, 6)} />
+      <circle class={isOld.value ? 'hollow' : 'solid'} cx={x} cy={y} r="4" />
+      {isOld.value && (
+        <text x={x + 10} y={y + 5}>
+          OLD
+        </text>
+      )}
+    </g>
+  )
+}
+
+function Scale(props: { tile: Tile }) {
+  const { tile } = props
+  const wide = 10 / length(tile.right)
+  const [x, y] = [tile.left + 16, tile.top + tile.height - 14]
+  return (
+    <g class="scale" data-mm="10">
+      <path d={`M${x},${y - 5}V${y}H${x + wide}V${y - 5}`} />
+      <text x={x + wide + 6} y={y}>
+        10 mm
+      </text>
+    </g>
+  )
+}
+
+export function Overlay() {
+  const points = planned.value
+  const entry = points?.entry[0]?.ras as Vec3 | undefined
+  const target = points?.target[0]?.ras as Vec3 | undefined
+  const proposal = opened.value?.proposal[0]
+  return (
+    <svg class="overlay" role="img" aria-label="entry, target, path and needle tip over the image">
+      {crosshair.value && <g data-name="crosshair" data-mm={mmText(crosshair.value)} />}
+      {tiles.value.map((tile, n) => (
+        <g key={n} data-tile={n === 0 ? `large ${tile.plane}` : tile.plane}>
+          <clipPath id={`tile${n}`}>
+            <rect x={tile.left} y={tile.top} width={tile.width} height={tile.height} />
+          </clipPath>
+          <g clip-path={`url(#tile${n})`}>
+            {proposal && !entry && <Mark tile={tile} at={proposal.entry_ras as Vec3} kind="entry" proposed />}
+            {proposal && !target && <Mark tile={tile} at={proposal.target_ras as Vec3} kind="target" proposed />}
+            {entry && target && <Path tile={tile} from={entry} to={target} />}
+            {entry && <Mark tile={tile} at={entry} kind="entry" />}
+            {target && <Mark tile={tile} at={target} kind="target" />}
+            {plan.value && entry && target && <Tip tile={tile} from={entry} to={target} />}
+            <text class="plane" x={tile.left + 14} y={tile.top + 26}>
+              {tile.plane}
+            </text>
+            <Scale tile={tile} />
+          </g>
+        </g>
+      ))}
+    </svg>
+  )
+}

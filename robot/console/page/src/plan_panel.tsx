@@ -1,0 +1,153 @@
+// What was planned: points, depth, layers, stages, limits; and the three ticks before arming.
+import type { Tick } from './generated/messages'
+import { mm, ras } from './geometry'
+import { ask } from './link'
+import { opened, plan, planned, state, whyNot, type Vec3 } from './robot'
+
+function Points() {
+  const told = planned.value
+  return (
+    <dl>
+      <dt>Entry</dt>
+      <dd data-name="entry">{told?.entry[0] ? `${ras(told.entry[0].ras as Vec3)} mm` : 'not set'}</dd>
+      <dt>Target</dt>
+      <dd data-name="target">{told?.target[0] ? `${ras(told.target[0].ras as Vec3)} mm` : 'not set'}</dd>
+      {plan.value && (
+        <>
+          <dt>Depth</dt>
+          <dd>
+            <b data-name="planned-depth">{mm(plan.value.depth, 2)} mm</b>, {mm(plan.value.angle, 0)} deg to the axial
+            plane, from {plan.value.side}
+          </dd>
+        </>
+      )}
+    </dl>
+  )
+}
+
+function Layers() {
+  const layers = plan.value!.layers
+  const end = Math.min(layers.at(-1)!.to, plan.value!.depth_max)
+  return (
+    <div class="layers" role="img" aria-label="layers along the path">
+      {layers
+        .filter((layer) => layer.from < end)
+        .map((layer) => (
+          <span key={layer.from} style={{ flex: Math.min(layer.to, end) - layer.from }} title={layer.name}>
+            {layer.name} {mm(Math.min(layer.to, end) - layer.from)}
+          </span>
+        ))}
+    </div>
+  )
+}
+
+function Stages() {
+  return (
+    <table>
+      <caption hidden>stages</caption>
+      <thead>
+        <tr>
+          <th>Stage</th>
+          <th>Depth mm</th>
+          <th>Speed mm/s</th>
+          <th>Then</th>
+        </tr>
+      </thead>
+      <tbody>
+        {plan.value!.stages.map((stage, n) => (
+          <tr key={n} aria-current={state.value?.stage === n ? 'true' : undefined}>
+            <td>{n + 1}</td>
+            <td>{mm(stage.depth, 2)}</td>
+            <td>{mm(stage.speed)}</td>
+            <td>{stage.image_confirms ? 'hold, image' : 'hold'}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+// Value, warn tick, hard tick, number and unit.
+function Limit(props: { name: string; value: number; warn: number; hard: number; unit: string }) {
+  const x = (value: number) => `${Math.min((100 * Math.max(value, 0)) / (1.1 * props.hard), 100)}%`
+  return (
+    <div class="limit">
+      <span>{props.name}</span>
+      <svg role="img" aria-label={`${props.name} ${props.value.toFixed(2)} of ${props.hard.toFixed(2)} ${props.unit}`}>
+        <rect x="0" y="4" width="100%" height="14" fill="#f7f8f9" stroke="#3d464e" />
+        <rect x="0" y="4" width={x(props.value)} height="14" fill="#5c6670" />
+        <line x1={x(props.warn)} x2={x(props.warn)} y1="2" y2="20" stroke="#15191d" stroke-dasharray="3 2" />
+        <line x1={x(props.hard)} x2={x(props.hard)} y1="0" y2="22" stroke="#15191d" stroke-width="3" />
+      </svg>
+      <span>
+        {props.value.toFixed(2)} / {props.hard.toFixed(2)} {props.unit}
+      </span>
+    </div>
+  )
+}
+
+function Checks() {
+  const series = opened.value!.series
+  const now = plan.value!
+  const ticks: [Tick, string][] = [
+    ['Patient', `The patient is ${series.patient || 'without a name'}, ID ${series.patient_id || 'none'}.`],
+    ['Place', `Needle from ${now.side}, ${mm(now.depth, 2)} mm deep, through ${now.layers.map((l) => l.name).join(', ')}.`],
+    ['Risks', 'High voltage comes on and the needle moves. The E-stop is in reach.'],
+  ]
+  return (
+    <div class="checks">
+      {ticks.map(([tick, text], n) => (
+        <label key={tick}>
+          <input
+            type="checkbox"
+            checked={state.value?.ticks[n] ?? false}
+            disabled={whyNot.value !== ''}
+            onChange={(event) =>
+              void ask({ type: 'SetTick', tick, on: event.currentTarget.checked, seal: now.seal })
+            }
+          />
+          {text}
+        </label>
+      ))}
+      {(state.value?.ticks_left ?? 0) > 0 && <p>Checked; good for {Math.ceil(state.value!.ticks_left)} s.</p>}
+    </div>
+  )
+}
+
+export function PlanPanel(props: { children?: preact.ComponentChildren }) {
+  const told = planned.value
+  const now = state.value
+  const over = now?.step === 'Confirm' && now.report !== '' // another run of the same plan begins with its checks
+  const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || over)
+  const why = whyNot.value || now?.disabled.plan || ''
+  return (
+    <section class="plan" aria-label="plan">
+      <h2>Plan</h2>
+      <Points />
+      {told?.refusal && (
+        <p role="status" data-name="refusal">
+          <b>No plan:</b> {told.refusal}. {told.remedy}
+        </p>
+      )}
+      {!opened.value && <p>Open a series, then set entry and target.</p>}
+      {plan.value && (
+        <>
+          <Layers />
+          {checking ? <Checks /> : <Stages />}
+          <Limit name="Depth" value={now?.depth ?? 0} warn={plan.value.depth} hard={plan.value.depth_max} unit="mm" />
+          <Limit name="Voltage" value={Math.abs(now?.drive ?? 0)} warn={plan.value.v_max} hard={8} unit="kV" />
+          {!plan.value.confirmed && (
+            <button
+              aria-disabled={why !== ''}
+              title={why}
+              onClick={() => void ask({ type: 'ConfirmPlan', seal: plan.value!.seal })}
+            >
+              Confirm this plan
+            </button>
+          )}
+        </>
+      )}
+      {props.children}
+    </section>
+  )
+}

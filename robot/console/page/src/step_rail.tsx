@@ -1,0 +1,37 @@
+// Where we are. The supervisor decides the step; the page only shows it, and what to do in it.
+import type { Step } from './generated/messages'
+import { planned, state } from './robot'
+
+const kSteps: [Step, string][] = [
+  ['Image', 'Open a series.'],
+  ['Plan', 'Click the image, then Set entry and Set target. Confirm the plan.'],
+  ['Check', 'Compare with the patient and tick all three.'],
+  ['Arm', 'Hold Arm for 2 seconds.'],
+  ['Insert', 'Hold to insert. Let go to hold the needle.'],
+  ['Confirm', 'Look at the new image: accept, adjust or reject.'],
+]
+
+function hintOf(step: Step, hint: string): string {
+  if (step === 'Plan' && planned.value?.entry.length === 0) return 'Click where the tip waits, then Set entry.'
+  if (step === 'Plan' && planned.value?.target.length === 0) return 'Click where it shall go, then Set target.'
+  if (step === 'Plan') return 'Look at depth, layers and limits. Confirm the plan.'
+  if (step === 'Confirm' && state.value?.report) return 'The run is over: see its report.'
+  if (step === 'Confirm' && state.value?.completed) return 'Accepted. Take the sample, then Retract.'
+  return hint
+}
+
+export function StepRail() {
+  const now = state.value?.step
+  return (
+    <nav aria-label="steps" style={{ gridArea: 'steps' }}>
+      <ol class="steps">
+        {kSteps.map(([step, hint], n) => (
+          <li key={step} aria-current={step === now ? 'step' : undefined}>
+            {n + 1} {step}
+            {step === now && <span class="hint">{hintOf(step, hint)}</span>}
+          </li>
+        ))}
+      </ol>
+    </nav>
+  )
+}

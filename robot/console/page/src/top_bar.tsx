@@ -1,0 +1,86 @@
+// Always in view: state, patient, depth, voltage, scanner, age of the link; and below it the alarm line.
+import type { Mode } from './generated/messages'
+import { connected, isOld, linkAge, opened, refused, state, welcome } from './robot'
+
+// A word, a shape and, for the two that stop, the only colour.
+const kShapes: Record<Mode, string> = {
+  Boot: 'M4,14h20',
+  Safe: 'M14,4a10,10 0 1,0 .1,0z',
+  Ready: 'M4,14l7,8l13,-16',
+  Armed: 'M14,3L25,24H3z',
+  Active: 'M6,4L24,14L6,24z',
+  Hold: 'M7,4v20M21,4v20',
+  Retract: 'M22,4L4,14L22,24z',
+  Trip: 'M5,5L23,23M23,5L5,23',
+  Lock: 'M6,13h16v11h-16zM9,13v-4a5,5 0 0,1 10,0v4',
+}
+
+function Value(props: { name: string; text: string }) {
+  return (
+    <div class="value">
+      {props.name}
+      <b data-name={props.name}>{props.text}</b>
+    </div>
+  )
+}
+
+export function TopBar() {
+  const now = state.value
+  const series = opened.value?.series
+  const mode = now?.mode ?? 'Boot'
+  const stopped = mode === 'Trip' || mode === 'Lock'
+  const known = now?.measured && !isOld.value
+  return (
+    <header class="top">
+      <h1>Needle biopsy</h1>
+      <div class="mode" data-name="mode" data-mode={mode}>
+        <svg width="28" height="28" aria-hidden="true">
+          <path d={kShapes[mode]} fill="none" stroke={stopped ? '#b00020' : '#15191d'} stroke-width="3.5" />
+        </svg>
+        {connected.value ? mode.toUpperCase() : 'NO LINK'}
+      </div>
+      {welcome.value?.simulated && <div class="simulated">SIMULATED</div>}
+      <div class="who">
+        {series ? (
+          <>
+            <b>{series.patient || 'no name'}</b> · ID {series.patient_id || 'none'}
+            <br />
+            {series.description || series.series_uid} · {series.date || 'no date'}
+          </>
+        ) : (
+          'No series is open'
+        )}
+      </div>
+      <Value name="Depth" text={known ? `${(Math.round(100 * now.depth) / 100 + 0).toFixed(2)} mm` : 'OLD'} />
+      <Value name="Voltage" text={known ? `${Math.abs(now.drive).toFixed(2)} kV` : 'OLD'} />
+      <Value name="Scanner" text={(now?.scanner ?? 'Idle').toLowerCase()} />
+      <Value name="Link" text={connected.value ? `${Math.min(linkAge.value, 9950)} ms` : 'lost'} />
+    </header>
+  )
+}
+
+export function AlarmLine() {
+  const lost = !connected.value && {
+    severity: 'Alarm',
+    code: 'E-100',
+    what: 'No link to the console.',
+    robot_did: 'The robot holds the needle, then lets it back by itself.',
+    to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
+  }
+  const asked = refused.value && { severity: 'Notice', ...refused.value }
+  const worst = lost || state.value?.alarms[0] || asked
+  return (
+    <section class={`alarm ${worst ? worst.severity : ''}`} role="alert" aria-label="alarms">
+      {worst ? (
+        <>
+          <b>{worst.severity === 'Notice' ? 'NOTE' : worst.severity.toUpperCase()}</b>
+          <span data-name="alarm">
+            <b>{worst.code}</b> {worst.what} {worst.robot_did} {worst.to_do}
+          </span>
+        </>
+      ) : (
+        <span>No alarms</span>
+      )}
+    </section>
+  )
+}

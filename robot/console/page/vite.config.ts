@@ -1,0 +1,9 @@
+import { defineConfig } from 'vite'
+
+// The viewer brings readers for images over the network, compressed by zstd; ours come plain from the server.
+export default defineConfig({
+  base: './',
+  esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
+  resolve: { alias: [{ find: /^zarrita$/, replacement: new URL('./src/no_zarr.ts', import.meta.url).pathname }] },
+  build: { target: 'es2022', modulePreload: false, assetsInlineLimit: 0, chunkSizeWarningLimit: 2000 },
+})

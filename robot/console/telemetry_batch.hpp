@@ -1,0 +1,38 @@
+// Twenty ticks in one message: lowest and highest of each value, so that a spike of one tick is still drawn.
+#pragma once
+
+#include <algorithm>
+#include <console_messages.hpp>  // generated from idl/console.idl
+#include <optional>
+
+namespace biopsy::console {
+
+inline constexpr int kBatch_ticks = 20;
+
+class TelemetryBatch {
+ public:
+  struct Sample {
+    double time_ms = 0, depth_mm = 0, setpoint_mm = 0, drive_kV = 0, envelope_kV = 0;
+  };
+  // The batch, with every kBatch_ticks-th sample.
+  std::optional<tell::Telemetry> add(const Sample& sample) {
+    if (count_++ == 0)
+      batch_ = {sample.time_ms,  sample.depth_mm, sample.depth_mm,   sample.setpoint_mm,
+                sample.drive_kV, sample.drive_kV, sample.envelope_kV};
+    batch_.depth_low = std::min(batch_.depth_low, sample.depth_mm);
+    batch_.depth_high = std::max(batch_.depth_high, sample.depth_mm);
+    batch_.drive_low = std::min(batch_.drive_low, sample.drive_kV);
+    batch_.drive_high = std::max(batch_.drive_high, sample.drive_kV);
+    batch_.setpoint = sample.setpoint_mm;
+    batch_.envelope = sample.envelope_kV;
+    if (count_ < kBatch_ticks) return std::nullopt;
+    count_ = 0;
+    return batch_;
+  }
+
+ private:
+  tell::Telemetry batch_;
+  int count_ = 0;
+};
+
+}  // namespace biopsy::console
