@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <mutex>
+
+#include "hunt.hpp"
+#include "parallel.hpp"
+#include "parts.hpp"
+
+namespace biopsy::explore {
+namespace {
+
+// What an unchanged copy breaks, by part: nothing, if the shipped code is clean.
+std::array<Catch, 2> hunt_in_unchanged_copy(const Workshop& workshop) {
+  const SeededSubject subject(workshop, nullptr);
+  return {hunt(subject.get(), Part::Supervisor, {}), hunt(subject.get(), Part::Gate, {})};
+}
+
+void add_row(Report& report, const SeededBug& bug, const Catch& caught) {
+  report.tables["bugs"].push_back({{"id", bug.id},
+                                   {"sentence", bug.sentence},
+                                   {"part", bug.part == Part::Gate ? "gate" : "supervisor"},
+                                   {"file", fmt::format("safety/{}", bug.file)},
+                                   {"caught_by", fmt::format("{}", fmt::join(caught.claims, ", "))},
+                                   {"story", caught.stories.empty() ? "" : caught.stories.front()}});
+}
+
+}  // namespace
+
+void prove_bugs(Report& report, const Workshop& workshop) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::array<Catch, 2> unchanged = hunt_in_unchanged_copy(workshop);
+  const std::span<const SeededBug> bugs = seeded_bugs();
+  std::vector<Catch> caught(bugs.size());
+  std::mutex mutex;
+  in_parallel(bugs.size(), [&](std::size_t i) {
+    const SeededSubject subject(workshop, &bugs[i]);
+    caught[i] = hunt(subject.get(), bugs[i].part, unchanged[static_cast<std::size_t>(bugs[i].part)].claims);
+    const std::lock_guard lock(mutex);
+    fmt::print(stderr, "seeded bug {}: breaks {}\n", bugs[i].id,
+               caught[i].claims.empty() ? "nothing that is looked at"
+                                        : fmt::format("{}", fmt::join(caught[i].claims, ", ")));
+  });
+  for (std::size_t i = 0; i < bugs.size(); ++i) add_row(report, bugs[i], caught[i]);
+  const auto found = std::ranges::count_if(caught, [](const Catch& c) { return !c.claims.empty(); });
+  const std::size_t broken_unchanged = unchanged[0].claims.size() + unchanged[1].claims.size();
+  report.figures["bugs_total"] = bugs.size();
+  report.figures["bugs_caught"] = found;
+  report.figures["bugs_missed"] = bugs.size() - found;
+  report.figures["unchanged_copy_broken_claims"] = broken_unchanged;
+  report.figures["bugs_seconds"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.require(found == static_cast<std::ptrdiff_t>(bugs.size()) && broken_unchanged == 0);
+}
+
+}  // namespace biopsy::explore

@@ -1,0 +1,25 @@
+// What is explored: the shipped step and gate, or a copy with a seeded bug behind the same two functions.
+#pragma once
+
+#include "safety/gate.hpp"
+#include "safety/supervisor.hpp"
+
+namespace biopsy::explore {
+
+using safety::PlanFacts;
+using safety::SupervisorInput;
+using safety::SupervisorOutput;
+using safety::SupervisorState;
+
+// As C entry points, so that a copy can stand behind dlopen. The gate's voltage travels in its state.
+struct Subject {
+  void (*step)(const PlanFacts*, const SupervisorState*, const SupervisorInput*, SupervisorState*,
+               SupervisorOutput*);
+  void (*gate)(const safety::GateState*, const DriveRequest*, const Permit*, std::int64_t now_us,
+               std::int32_t writer_count, safety::GateState*, std::int32_t* mV, bool* hv_enabled,
+               GateVerdict*);
+};
+
+Subject shipped();
+
+}  // namespace biopsy::explore

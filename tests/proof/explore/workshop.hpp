@@ -1,0 +1,29 @@
+// Builds a copy of safety/ with one seeded bug, or none, as a shared object and loads it.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "bugs.hpp"
+#include "subject.hpp"
+
+namespace biopsy::explore {
+
+// Where sources and compiler are, and where copies go.
+struct Workshop {
+  std::filesystem::path source, compiler, bench;
+};
+
+class SeededSubject {
+ public:
+  // `bug` null: an unchanged copy. Throws SetupError where it cannot be built.
+  SeededSubject(const Workshop& workshop, const SeededBug* bug);
+  const Subject& get() const { return subject_; }
+
+ private:
+  std::shared_ptr<void> library_;
+  Subject subject_{};
+};
+
+}  // namespace biopsy::explore

@@ -1,0 +1,193 @@
+#!/usr/bin/python3
+"""Kills mutants of the safety core: runs, for each, the tests that reach it until one fails.
+
+Exit 0: every mutant is dead or proven equivalent, the canary died, the unmutated copy passes all tests.
+Exit 3: one of these does not hold. Exit 2: wrong usage.
+"""
+
+import argparse
+import json
+import os
+import random
+import resource
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+EQUIVALENTS = Path(__file__).with_name("equivalents.toml")
+QUICK_ONE_IN, QUICK_SEED = 12, 6
+
+
+class Killers:
+    """A running program `killers`: one mutant after the other in it, each in a process of its own."""
+
+    def __init__(self, program, mutant=0):
+        self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                        stderr=subprocess.DEVNULL, env={**os.environ, "MUTANT": str(mutant)})
+
+    def first_to_fail(self, mutant, tests):
+        """Name of the test that kills, "-" if all pass, "start" if it dies before the first one."""
+        order = " ".join(f"{round(200 + 10 * test['ms'])} {test['name']}" for test in tests)
+        try:
+            print(mutant, order, file=self.process.stdin, flush=True)
+            return self.process.stdout.readline().strip() or "start"
+        except BrokenPipeError:
+            return "start"
+
+    def end(self):
+        try:
+            self.process.stdin.close()
+        except BrokenPipeError:
+            pass
+        self.process.stdout.close()
+        self.process.wait()
+
+
+class Mill:
+    """What was built, and what the tests reach in it."""
+
+    def __init__(self, build):
+        self.build = build
+        self.mutants = json.loads((build / "mutants.json").read_text())
+        reach = json.loads(self.run(-1, "killers", "--reach").stdout)
+        self.slow = [test["name"] for test in reach["tests"] if not test["in_time"]]  # left out
+        in_time = [test for test in reach["tests"] if test["in_time"]]
+        self.failing = [test["name"] for test in in_time if not test["passed"]]  # they prove nothing
+        self.tests = sorted((test for test in in_time if test["passed"]), key=lambda test: test["ms"])
+        self.before_main = set(reach["before_main"])
+        for test in self.tests:
+            test["reached"] = set(test["reached"])
+        self.relations = {}
+        self.of_thread = threading.local()
+
+    def run(self, mutant, program, *arguments):
+        environment = {**os.environ, "MUTANT": str(mutant)}
+        return subprocess.run([str(self.build / program), *arguments], env=environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, text=True, check=False)
+
+    def killer_of(self, mutant):
+        """Name of the test that kills it, None if it survives."""
+        number = mutant["id"]
+        if number in self.before_main:  # it is in tables that are filled when a program starts
+            killers = Killers(self.build / "killers", number)
+            killer = killers.first_to_fail(number, self.tests)
+            killers.end()
+        else:
+            if not hasattr(self.of_thread, "killers"):
+                self.of_thread.killers = Killers(self.build / "killers")
+            killer = self.of_thread.killers.first_to_fail(
+                number, [test for test in self.tests if number in test["reached"]])
+        return None if killer == "-" else killer
+
+    def relation(self, number, name):
+        """Hash of all pairs of input and output that the program `relations` knows under this name."""
+        done = self.run(number, "relations", name)
+        return done.stdout if done.returncode == 0 else None
+
+    def is_same_relation(self, mutant, name):
+        return self.relations[name] is not None and self.relation(mutant["id"], name) == self.relations[name]
+
+
+def key_of(mutant):
+    return mutant["file"], mutant["text"], mutant["operator"], mutant["change"]
+
+
+def read_equivalents():
+    """Key of each mutant in equivalents.toml -> (reason, relations that prove it)."""
+    entries = {}
+    for group in tomllib.loads(EQUIVALENTS.read_text())["equivalent"]:
+        for file, text, operator, change in group["mutants"]:
+            entries[file, text, operator, change] = group["reason"], group["proof"]
+    return entries
+
+
+def judge(mill, mutants, equivalents, verdicts):
+    """Fills verdicts: id -> (verdict, name of the test or reason)."""
+    def one(mutant):
+        reason, relations = equivalents.get(key_of(mutant), ("", []))
+        if relations and all(mill.is_same_relation(mutant, name) for name in relations):
+            return "equivalent", reason
+        killer = mill.killer_of(mutant)  # also where a line of the same text has the equivalent one
+        if killer is None:
+            return "survivor", "claimed equivalent, but its relation differs" if relations else ""
+        return "killed", killer
+
+    for name in {name for _, names in equivalents.values() for name in names}:
+        mill.relations[name] = mill.relation(0, name)
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        for done, (mutant, verdict) in enumerate(zip(mutants, pool.map(one, mutants)), 1):
+            verdicts[mutant["id"]] = verdict
+            if done % 200 == 0:
+                print(f"{done} of {len(mutants)} mutants", file=sys.stderr)
+
+
+def tables_of(mutants, verdicts, stale, slow):
+    def rows(wanted):
+        return [{"file": mutant["file"], "line": mutant["line"], "text": mutant["text"],
+                 "operator": mutant["operator"], "change": mutant["change"], "reason": verdicts[mutant["id"]][1]}
+                for mutant in mutants if verdicts[mutant["id"]][0] == wanted]
+    operators = [{"operator": name, "mutants": count,
+                  "killed": sum(1 for each in mutants
+                                if each["operator"] == name and verdicts[each["id"]][0] == "killed")}
+                 for name, count in sorted(Counter(mutant["operator"] for mutant in mutants).items())]
+    killers = Counter(why for verdict, why in verdicts.values() if verdict == "killed")
+    return {"operators": operators, "survivors": rows("survivor"), "equivalents": rows("equivalent"),
+            "stale_entries": [dict(zip(("file", "text", "operator", "change"), key)) for key in stale],
+            "too_slow": [{"test": name} for name in slow],
+            "killers": [{"test": name, "mutants": count} for name, count in killers.most_common()]}
+
+
+def report(figures, tables, failing):
+    for row in tables["survivors"]:
+        print(f"survivor: {row['file']}:{row['line']}: {row['operator']}: {row['change']} {row['reason']}")
+    for row in tables["stale_entries"]:
+        print(f"equivalents.toml: no such mutant: {row['file']}: {row['text']}: {row['change']}")
+    for name in failing:
+        print(f"fails without a mutant: {name}")
+    for row in tables["operators"]:
+        print(f"{row['operator']:14} {row['mutants']:5} mutants, {row['killed']:5} killed")
+    print(", ".join(f"{name} {value:g}" for name, value in figures.items()))
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="mutate", description=__doc__)
+    parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--json", type=Path, help="file for the figures")
+    parser.add_argument("--quick", action="store_true", help=f"one mutant in {QUICK_ONE_IN}, the same ones each time")
+    options = parser.parse_args()
+    if not (options.build / "killers").exists():
+        parser.error("build the target `mutants` first")
+    start = time.monotonic()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    mill = Mill(options.build)
+    equivalents = read_equivalents()
+    stale = set(equivalents) - {key_of(mutant) for mutant in mill.mutants}
+    canary = [mutant for mutant in mill.mutants if mutant["operator"] == "canary"]
+    mutants = [mutant for mutant in mill.mutants if mutant["operator"] != "canary"]
+    if options.quick:
+        mutants = random.Random(QUICK_SEED).sample(mutants, len(mutants) // QUICK_ONE_IN)
+    verdicts = {}
+    judge(mill, mutants, equivalents, verdicts)
+    count = Counter(verdict for verdict, _ in verdicts.values())
+    figures = {"mutants": len(mutants), "killed": count["killed"], "equivalent": count["equivalent"],
+               "survivors": count["survivor"], "canary_killed": sum(mill.killer_of(each) is not None for each in canary),
+               "tests": len(mill.tests), "tests_too_slow": len(mill.slow),
+               "tests_failing_unmutated": len(mill.failing),
+               "seconds": round(time.monotonic() - start, 1)}
+    passed = not (count["survivor"] or stale or mill.failing) and figures["canary_killed"] == 1
+    tables = tables_of(mutants, verdicts, stale, mill.slow)
+    report(figures, tables, mill.failing)
+    if options.json:
+        fresh = options.json.with_name(options.json.name + ".new")
+        fresh.write_text(json.dumps({"tool": "mutation", "passed": passed, "figures": figures, "tables": tables}, indent=1))
+        fresh.replace(options.json)
+    return 0 if passed else 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())

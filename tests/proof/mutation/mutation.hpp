@@ -1,0 +1,41 @@
+// Switches of the mutated copy of safety/: mutant n is the one whose condition `on(n)` holds. One mutant is
+// active in a process. It may be named by the environment, so that tables filled before main() are mutated as
+// well.
+#pragma once
+
+#include <sys/time.h>
+
+#include <bitset>
+#include <cstddef>
+#include <cstdlib>
+
+namespace mutation {
+
+inline constexpr int kRecording = -1;  // no mutant is active; those that are reached are noted
+inline constexpr std::size_t kMostMutants = 1 << 14;
+
+// Ends the process after so much processor time from now: a mutant that loops for ever is found out.
+inline void limit_time(long milliseconds) {
+  const itimerval limit{{0, 0}, {milliseconds / 1'000, milliseconds % 1'000 * 1'000}};
+  setitimer(ITIMER_PROF, &limit, nullptr);
+}
+
+inline int active = [] {
+  limit_time(5'000);
+  const char* name = std::getenv("MUTANT");
+  return name == nullptr ? 0 : std::atoi(name);
+}();
+inline std::bitset<kMostMutants> reached;
+
+inline bool on(int mutant) {
+  if (active == kRecording) reached[static_cast<std::size_t>(mutant)] = true;
+  return active == mutant;
+}
+
+// What a static_assert of the original becomes: it kills before main().
+inline bool must(bool holds) {
+  if (!holds) std::abort();
+  return holds;
+}
+
+}  // namespace mutation
