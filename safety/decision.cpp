@@ -122,13 +122,16 @@ Event event_in_trip(const Tick& t) {
 
 Refusal refusal_to_arm(const Tick& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
-  return t.state.mode == Mode::Ready ? Refusal::None : Refusal::NotReady;
+  if (t.state.mode != Mode::Ready) return Refusal::NotReady;
+  return Refusal::VoltageLeft;  // in this very tick: else it would be armed
 }
 
+// Of a press that was not followed.
 Refusal refusal_to_move(const Tick& t) {
   if (t.state.mode != Mode::Armed && t.state.mode != Mode::Hold) return Refusal::NotArmed;
   if (!t.pressed) return Refusal::TokenSpent;
-  return refusal_to_go_on(t);
+  const Refusal refusal = refusal_to_go_on(t);
+  return refusal == Refusal::None ? Refusal::NotArmed : refusal;  // the mode ends in this very tick
 }
 
 }  // namespace
@@ -139,7 +142,7 @@ Tick tick_of(const PlanFacts& plan, const SupervisorState& state, const Supervis
           state,
           input,
           hazards,
-          std::max(input.stop, needed_stop(hazards)),
+          std::min(std::max(input.stop, needed_stop(hazards)), StopCategory::C0Off),
           std::min(state.ticks_in_mode, limits::kArmedMax_ms) + 1,
           input.motion.held && input.motion.token > state.token,
           input.local_arm && !state.arm_was_down,

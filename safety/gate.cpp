@@ -4,7 +4,7 @@
 
 #include "robot/messages/limits.hpp"
 #include "safety/challenge.hpp"
-#include "safety/thresholds.hpp"
+#include "safety/clock_step.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -14,7 +14,7 @@ constexpr std::int64_t magnitude(std::int32_t mV) {
 }
 
 bool is_sound_clock(const GateState& state, std::int64_t now_us) {
-  return !state.started || (now_us > state.now_us && now_us <= state.now_us + kClockStepMax_us);
+  return !state.started || is_sound_step(state.now_us, now_us);
 }
 
 bool is_off(const GateState& state) {
@@ -23,7 +23,7 @@ bool is_off(const GateState& state) {
 
 bool is_live(const GateState& state, std::int64_t now_us) {
   const std::int32_t ttl_us = std::min(state.permit.ttl_us, limits::kPermitTtl_us);
-  return state.permit.seq != 0 && now_us >= state.permit_us && now_us < state.permit_us + ttl_us;
+  return state.permit.seq != 0 && is_less_than_after(state.permit_us, now_us, ttl_us);
 }
 
 // A new supervisor takes over only where nothing can move: output off, no permit of the old one alive, itself
@@ -34,7 +34,7 @@ bool may_bind(const GateState& state, const Permit& permit, std::int64_t now_us)
 }
 
 bool is_fresh(const GateState& state, const Permit* permit) {
-  return permit != nullptr && !(permit->session == state.permit.session && permit->seq == state.permit.seq);
+  return permit != nullptr && (permit->session != state.permit.session || permit->seq != state.permit.seq);
 }
 
 // Granted: to be honoured.

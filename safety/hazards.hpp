@@ -24,6 +24,7 @@ enum class Hazard : std::uint8_t {
   DriverDisobeys,
   WrongAnswer,
   SecondWriter,
+  ControllerSilent,
   PlanChanged,
   ConfigChanged,
   HardOverDepth,
@@ -37,7 +38,6 @@ enum class Hazard : std::uint8_t {
   PolarityStuck,
   WrongFrequency,
   LoopOverrun,
-  ControllerSilent,
   MessageOrder,
   WrongTissueModel,
   LogBacklog,
@@ -71,6 +71,8 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::DriverDisobeys, StopCategory::C0Off, 4, "R-09 driver does not follow the permit"},
     {Hazard::WrongAnswer, StopCategory::C0Off, 7, "R-10 driver answers the challenge wrongly or not at all"},
     {Hazard::SecondWriter, StopCategory::C0Off, 1, "R-11 not exactly one writer of requests and permits"},
+    // A controller that died is a drive without a loop: the gate would only hold its last amplitude.
+    {Hazard::ControllerSilent, StopCategory::C0Off, 4, "R-25 no new request from the controller"},
     {Hazard::PlanChanged, StopCategory::C0Off, 1, "R-12 plan is missing or is not the sealed one"},
     {Hazard::ConfigChanged, StopCategory::C0Off, 1, "R-13 configuration is not the one at start"},
     {Hazard::HardOverDepth, StopCategory::C0Off, 2, "R-14 needle beyond the plan and its margin"},
@@ -84,7 +86,6 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::PolarityStuck, StopCategory::C1Ramp, 1500, "R-22 polarity is unbalanced: charge builds up"},
     {Hazard::WrongFrequency, StopCategory::C1Ramp, 1300, "R-23 polarity changes at the wrong rate"},
     {Hazard::LoopOverrun, StopCategory::C1Ramp, 4, "R-24 control loop missed three periods"},
-    {Hazard::ControllerSilent, StopCategory::C1Ramp, 4, "R-25 no new request from the controller"},
     {Hazard::MessageOrder, StopCategory::C1Ramp, 3, "R-26 messages lost, repeated or out of order"},
     {Hazard::WrongTissueModel, StopCategory::C1Ramp, 1100, "R-27 tissue keeps behaving unlike the plan"},
     {Hazard::LogBacklog, StopCategory::C1Ramp, 1, "R-28 procedure log cannot be written"},
@@ -95,7 +96,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::PatientMotion, StopCategory::C2Hold, 1, "R-33 patient moved"},
 }};
 
-constexpr bool is_ordered_by_severity() {
+consteval bool is_ordered_by_severity() {
   for (std::size_t i = 0; i < kHazards; ++i) {
     if (kHazardTable[i].hazard != static_cast<Hazard>(i)) return false;
     if (i > 0 && kHazardTable[i].stop > kHazardTable[i - 1].stop) return false;

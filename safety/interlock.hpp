@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "safety/clock_step.hpp"
 #include "safety/thresholds.hpp"
 
 namespace biopsy::safety {
@@ -30,7 +31,7 @@ constexpr Interlock feed_from_driver(Interlock interlock, std::int64_t now_us) {
 // Whether HV may be enabled now. A time before the last feeding counts as too late: the clock is wrong.
 constexpr bool is_closed(const Interlock& interlock, std::int64_t now_us) {
   const auto live = [now_us](bool fed, std::int64_t fed_us) {
-    return fed && now_us >= fed_us && now_us - fed_us < kInterlock_us;
+    return fed && is_less_than_after(fed_us, now_us, kInterlock_us);
   };
   return live(interlock.fed_by_supervisor, interlock.supervisor_us) &&
          live(interlock.fed_by_driver, interlock.driver_us);

@@ -3,15 +3,12 @@
 #include <algorithm>
 
 #include "safety/challenge.hpp"
+#include "safety/clock_step.hpp"
 #include "safety/counting.hpp"
 #include "safety/transitions.hpp"
 
 namespace biopsy::safety {
 namespace {
-
-constexpr bool is_sound_step(std::int64_t from_us, std::int64_t to_us) {
-  return to_us > from_us && to_us <= from_us + kClockStepMax_us;
-}
 
 // Our own clock: every call is one tick.
 HazardSet look_at_clock(LinkWatch& watch, const Observation& seen) {
@@ -68,7 +65,8 @@ HazardSet look_at_answer(LinkWatch& watch, const Observation& seen, bool fresh) 
   return when(watch.answer_score > kScoreTrip, Hazard::WrongAnswer);
 }
 
-HazardSet look_at_controller(LinkWatch& watch, const Observation& seen) {
+// A controller answers measurements: its silence counts only where there was one to answer.
+HazardSet look_at_controller(LinkWatch& watch, const Observation& seen, bool measured) {
   const DriveRequest& request = seen.request;
   const bool fresh = request.seq > watch.request_seq ||
                      (request.seq != watch.request_seq && may_restart(watch.silent_ticks, seen.permit.mode));
@@ -78,7 +76,7 @@ HazardSet look_at_controller(LinkWatch& watch, const Observation& seen) {
                            ? kMissMax
                            : std::min(watch.miss_score + static_cast<std::int32_t>(missed) * kMiss, kMissMax);
   if (fresh) watch.request_seq = request.seq, watch.overruns = request.overruns;
-  watch.silent_ticks = counted(watch.silent_ticks, !fresh, kStale_ticks + 1);
+  if (fresh || measured) watch.silent_ticks = counted(watch.silent_ticks, !fresh, kStale_ticks + 1);
   const bool overrun = watch.miss_score > kMissTrip;
   watch.miss_score = std::max(watch.miss_score - 1, 0);
   return when(overrun, Hazard::LoopOverrun) |
@@ -131,7 +129,7 @@ LinkFindings look(const PlanFacts& plan, LinkWatch& watch, const Observation& se
   const Arrival arrival = look_at_measurement(watch, seen);
   found |= arrival.found;
   found |= look_at_answer(watch, seen, arrival.fresh);
-  found |= look_at_controller(watch, seen);
+  found |= look_at_controller(watch, seen, arrival.fresh);
   found |= look_at_estop(watch, seen);
   found |= look_at_patient(plan, watch, seen);
   found |= look_at_plan(plan, watch, seen);

@@ -1,6 +1,6 @@
 #include "safety/plan_facts.hpp"
 
-#include <cstdlib>
+#include <algorithm>
 
 #include "robot/messages/limits.hpp"
 #include "safety/thresholds.hpp"
@@ -28,6 +28,15 @@ bool is_plausible(const PlausibleBand& band) {
          is_within(band.high_um, band.low_um, 2 * limits::kStroke_um);
 }
 
+// A depth that a band may mean, whatever stands there: what is interpolated cannot overflow.
+constexpr std::int32_t bounded_um(std::int32_t um) {
+  return std::clamp(um, -limits::kStroke_um, 2 * limits::kStroke_um);
+}
+
+constexpr DepthRange range_of(const PlausibleBand& band) {
+  return {bounded_um(band.low_um), bounded_um(band.high_um)};
+}
+
 std::int32_t between(std::int64_t from, std::int64_t to, std::int64_t part, std::int64_t whole) {
   return static_cast<std::int32_t>(from + (to - from) * part / whole);
 }
@@ -37,13 +46,14 @@ DepthRange plausible_at(const PlanFacts& plan, std::int32_t drive_mV) {
   const std::size_t count = plan.band_count < kMaxBands ? plan.band_count : kMaxBands;
   std::size_t above = 0;
   while (above < count && plan.bands[above].drive_mV < drive_mV) ++above;
-  if (above == 0) return {plan.bands[0].low_um, plan.bands[0].high_um};
-  if (above == count) return {plan.bands[count - 1].low_um, plan.bands[count - 1].high_um};
+  if (above == 0) return range_of(plan.bands[0]);
+  if (above == count) return range_of(plan.bands[count - 1]);
   const PlausibleBand& a = plan.bands[above - 1];
   const PlausibleBand& b = plan.bands[above];
   const std::int64_t part = std::int64_t{drive_mV} - a.drive_mV,
                      whole = std::int64_t{b.drive_mV} - a.drive_mV;
-  return {between(a.low_um, b.low_um, part, whole), between(a.high_um, b.high_um, part, whole)};
+  const DepthRange from = range_of(a), to = range_of(b);
+  return {between(from.low_um, to.low_um, part, whole), between(from.high_um, to.high_um, part, whole)};
 }
 
 }  // namespace

@@ -28,6 +28,11 @@ StagePermit stage_limits(const PlanFacts& plan, std::uint32_t stage) {
   return allowed;
 }
 
+// |V| when Hold or Retract began: whatever a memory says, not beyond what the robot can do.
+std::int32_t held_mV(const SupervisorState& state) {
+  return std::clamp(state.held_mV, 0, limits::kDriveMax_mV);
+}
+
 // What the change of mode does to the plan's progress and to the envelope.
 void enter(SupervisorState& next, const Tick& t, Event event) {
   const Mode from = t.state.mode;
@@ -39,7 +44,7 @@ void enter(SupervisorState& next, const Tick& t, Event event) {
   if (event == Event::StageReached) next.stage_done = true;
   if (event == Event::Move && t.state.stage_done) ++next.stage, next.stage_done = false;
   const std::int32_t envelope =
-      from == Mode::Active ? stage_limits(t.plan, t.state.stage).v_max_mV : t.state.held_mV;
+      from == Mode::Active ? stage_limits(t.plan, t.state.stage).v_max_mV : held_mV(t.state);
   if (next.mode == Mode::Hold || next.mode == Mode::Retract)
     next.held_mV = std::clamp(t.input.evidence.drive_mV, 0, envelope);
 }
@@ -60,14 +65,14 @@ SupervisorState next_state(const Tick& t, Event event) {
   next.reset_was_down = t.input.local_reset;
   const bool renewed =
       t.input.motion.held && t.input.motion.token >= t.state.token && t.input.motion.token != 0;
-  next.ticks_since_held = renewed ? 0 : std::min(t.state.ticks_since_held + 1, kHeldTimeout_ticks);
+  next.ticks_since_held = renewed ? 0 : std::min(t.state.ticks_since_held, kHeldTimeout_ticks - 1) + 1;
   if (next.mode != t.state.mode) enter(next, t, event);
   return next;
 }
 
 std::int32_t ramp_mV(const SupervisorState& state) {
-  const std::int64_t left = std::max(kRamp_ticks - state.ticks_in_mode, 0);
-  return static_cast<std::int32_t>(state.held_mV * left / kRamp_ticks);
+  const std::int64_t left = kRamp_ticks - std::clamp(state.ticks_in_mode, 0, kRamp_ticks);
+  return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ticks);
 }
 
 Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64_t now_us) {
@@ -95,17 +100,13 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64
       break;
     case Mode::Hold:
       permit.stop = StopCategory::C2Hold;
-      permit.v_max_mV = state.held_mV;
+      permit.v_max_mV = held_mV(state);
       break;
     case Mode::Retract:
       permit.stop = StopCategory::C1Ramp;
       permit.v_max_mV = ramp_mV(state);
       break;
-    case Mode::Boot:
-    case Mode::Safe:
-    case Mode::Ready:
-    case Mode::Trip:
-    case Mode::Lock:
+    default:  // every other mode: nothing is allowed
       break;
   }
   return permit;

@@ -6,12 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-// toml++ 3.3 asserts on a table header that begins with a wrong character, "[.x]", and then reports it
-// properly all the same: a person's typing mistake must not abort.
-#define TOML_ASSERT(expr) static_assert(true)
-#include <toml++/toml.h>
-
 #include "robot/messages/setup_error.hpp"
+#include "robot/messages/toml_library.hpp"
 
 namespace biopsy::sim {
 
@@ -103,6 +99,18 @@ std::vector<double> TomlTable::numbers(std::string_view name, double low, double
   std::vector<double> out;
   for (const toml::node& element : *array)
     out.push_back(ranged(finite(element, name, line), name, low, high, line));
+  return out;
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view name) {
+  const std::string line = place(name);
+  known_.emplace(name);
+  const toml::array* array = node_->table->get(name)->as_array();
+  if (array == nullptr || !(array->empty() || array->is_homogeneous(toml::node_type::string)))
+    throw SetupError(fmt::format("`{}` is not a list of texts", name), line,
+                     fmt::format("write {} = [\"one\", \"two\"]", name));
+  std::vector<std::string> out;
+  for (const toml::node& element : *array) out.push_back(*element.value<std::string>());
   return out;
 }
 

@@ -29,6 +29,7 @@ class TomlTable {
   double number(std::string_view name, double low, double high);  // or the `value` of { value, std, source }
   std::string text(std::string_view name);
   std::vector<double> numbers(std::string_view name, double low, double high);
+  std::vector<std::string> texts(std::string_view name);
   bool flag(std::string_view name);
   TomlTable table(std::string_view name);
   std::vector<TomlTable> tables(std::string_view name);  // none if absent

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "planner/seal.hpp"
-#include "robot/app/plan_facts.hpp"
 #include "robot/app/supervised_stage.hpp"
+#include "robot/live/plan_facts.hpp"
 
 namespace biopsy::app {
 namespace {
@@ -12,11 +12,15 @@ namespace {
 constexpr std::int64_t kThink_ticks = 300;       // between two acts of a hand
 constexpr std::int64_t kReadyMax_ticks = 5'000;  // a healthy robot is ready within seconds
 constexpr std::int64_t kReturn_ticks = 1'500;    // gravity brings the stage back, and R-02 would be seen
+constexpr std::int64_t kHand_ticks = 60'000;     // for somebody to turn the key
 constexpr std::int64_t kToldEvery_ticks = 500;
 
 // The person at the bench, as a script.
 class BenchOperator {
  public:
+  // `by_hand`: the arm key is a real one.
+  explicit BenchOperator(bool by_hand) : by_hand_(by_hand) {}
+
   // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold.
   World act(const Tick& seen, bool played, bool holds) {
     watch(seen, played, holds);
@@ -60,7 +64,7 @@ class BenchOperator {
         return;
       case Step::Arm:
         if (mode == Mode::Armed && waited_ > kThink_ticks) return go(Step::Run);
-        if (waited_ > 1 && mode != Mode::Armed) give_up(seen);
+        if (waited_ > (by_hand_ ? kHand_ticks : 1) && mode != Mode::Armed) give_up(seen);
         return;
       case Step::Run:
         if (played) return go(Step::Withdraw);
@@ -75,6 +79,7 @@ class BenchOperator {
     }
   }
 
+  bool by_hand_;
   Step step_ = Step::WaitReady;
   std::int64_t waited_ = 0;
   std::string stopped_because_;
@@ -93,7 +98,7 @@ void record(sim::RecordedRun& rows, const Tick& tick, double push_N) {
 
 BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag,
                          const Bench& bench) {
-  const safety::PlanFacts facts = plan_facts(plan, config_tag);
+  const safety::PlanFacts facts = live::plan_facts(plan, config_tag);
   const std::uint64_t tag = planner::plan_tag(plan);
   SupervisedStage stage(plan, facts, bench.stage, {tag, tag});
   const std::uint32_t length = control::length_ticks(run.program);
@@ -101,11 +106,16 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   result.recorded.name = run.name;
   result.recorded.file = "run-" + run.name + ".csv";
   result.recorded.weight = run.weight.value * 1e-3;
-  BenchOperator person;
+  BenchOperator person(static_cast<bool>(bench.keys));
   control::ProgramState state;
   Tick seen;
   for (bool played = false; !person.done();) {
-    const World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick);
+    World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick);
+    if (bench.keys) {
+      const BenchKeys keys = bench.keys();
+      world.arm = keys.arm;
+      world.estop_closed = keys.estop_closed;
+    }
     const double push_N = person.running() ? push_at(run, state.ticks) : 0.0;
     bench.push(push_N);
     seen = stage.tick(world, [&](const Measurement&, const safety::SupervisorOutput& decided) {

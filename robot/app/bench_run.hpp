@@ -18,10 +18,16 @@ struct BenchResult {
   double stopped_s = 0.0;       // when it was stopped
 };
 
+// Keys of a real device, as of its last reading.
+struct BenchKeys {
+  bool arm = false, estop_closed = false;
+};
+
 struct Bench {
-  port::NeedleStage& stage;            // at rest and discharged
-  std::function<void(double)> push;    // N on plate A, from the next voltage on
-  std::function<void(double)> played;  // told now and then which share of the program
+  port::NeedleStage& stage;              // at rest and discharged
+  std::function<void(double)> push;      // N on plate A, from the next voltage on
+  std::function<void(double)> played;    // told now and then which share of the program
+  std::function<BenchKeys()> keys = {};  // turned by hand; none: the script turns them
 };
 
 // Arms, holds the button while the program plays, then withdraws; gives up at whatever ends the motion before

@@ -138,7 +138,7 @@ void print(const Calibration& result, double seconds) {
 
 int calibrate(const CalibrateOptions& given) {
   CalibrateOptions options = given;
-  if (options.model.empty()) options.model = resources() / "sim/models/rehearsal.toml";
+  if (options.model.empty()) options.model = resources() / "sim/models/calibrated.toml";
   const sim::calibration::Question question = question_of(options);
   claim_run_folder(options.out);
   const auto started = std::chrono::steady_clock::now();

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <variant>
 
 #include "robot/app/bench_run.hpp"
 #include "robot/app/case.hpp"
 #include "robot/app/commands.hpp"
 #include "robot/app/experiments.hpp"
+#include "robot/app/hardware_stage.hpp"
 #include "robot/app/progress.hpp"
 #include "robot/app/run_folder.hpp"
+#include "robot/keys/key_files.hpp"
 #include "robot/messages/setup_error.hpp"
 #include "robot/report/bench_report.hpp"
 #include "robot/report/whole_file.hpp"
@@ -32,16 +36,31 @@ struct Session {
   std::vector<std::string> notes;
 };
 
-void refuse_device(const std::string& device) {
-  if (device == "sim") return;
-  if (device == "nidaqmx")
-    throw SetupError("no hardware can be driven yet: the driver of the NI-DAQmx stage is not there",
-                     "--device", "use --device sim");
-  throw SetupError(fmt::format("there is no device \"{}\"", device), "--device", "use --device sim");
+bool is_real(const CharacteriseOptions& options) {
+  return options.device == "nidaqmx";
+}
+
+// A load or an impact is laid on by the simulation; on a real stage nobody is there to do it on the tick.
+void leave_out_pushed_runs(Session& session) {
+  const auto pushed = [](const BenchRun& run) { return !run.loads.empty(); };
+  std::string names;
+  for (const BenchRun& run : session.runs)
+    if (pushed(run)) names += (names.empty() ? "" : ", ") + run.name;
+  if (names.empty()) return;
+  std::erase_if(session.runs, pushed);
+  session.notes.push_back("Left out, because a weight must be laid on at a given moment: " + names + ".");
+  if (session.runs.empty())
+    throw SetupError("only experiments that lay on a weight were asked for", "EXPERIMENT",
+                     "ask for dc, staircase or frequency on a real stage");
 }
 
 Session prepared(const CharacteriseOptions& options) {
-  refuse_device(options.device);
+  if (!is_real(options) && options.device != "sim")
+    throw SetupError(fmt::format("there is no device \"{}\"", options.device), "--device",
+                     "there are sim and nidaqmx");
+  if (is_real(options) && (options.device_config.empty() || options.commissioning.empty()))
+    throw SetupError("a real stage without --device-config or --commissioning", "command line",
+                     "give both; `biopsy commission` makes the record");
   Session session;
   session.model_file = options.model.empty() ? blank_case().rehearsal.model : options.model;
   session.model = sim::read_model(session.model_file);
@@ -56,6 +75,7 @@ Session prepared(const CharacteriseOptions& options) {
         "like a broken sensor (R-19).");
   }
   session.runs = runs_of(options.experiments, Grams(options.weight_g));
+  if (is_real(options)) leave_out_pushed_runs(session);
   for (const BenchRun& run : session.runs) {
     auto plan = planner::plan_bench(bench_request(run));
     if (const auto* refusal = std::get_if<PlanRefusal>(&plan))
@@ -135,7 +155,8 @@ void store(const BenchResult& result, const sim::Dataset& dataset, const fs::pat
 }
 
 std::string title_of(const report::BenchRecord& record) {
-  std::string title = "Simulated needle stage on the bench";
+  const std::string title = record.device == "simulated stage" ? "Simulated needle stage on the bench"
+                                                               : "Needle stage on the bench";
   const std::size_t done = record.runs.size();
   if (done > 0 && !record.runs.back().stopped_because.empty())
     return title + fmt::format(" (incomplete: {} stopped, {})", record.runs.back().name,
@@ -145,24 +166,53 @@ std::string title_of(const report::BenchRecord& record) {
              : title;
 }
 
-report::BenchRecord carried_out(const Session& session, const CharacteriseOptions& options) {
+// One run on a new simulated stage: at rest, discharged, its films recovered.
+BenchResult run_simulated(const Session& session, std::size_t i, const CharacteriseOptions& options,
+                          const std::function<void(double)>& show) {
+  const BenchRun& run = session.runs[i];
+  sim::PlantModel model = session.model;
+  model.weight = run.weight.value * 1e-3;
+  sim::SimStage stage(model, options.seed + i);
+  return run_on_bench(run, session.plans[i], 1 + options.seed,
+                      {stage, [&](double force_N) { stage.push(force_N); }, show});
+}
+
+// One run on the laboratory's stage: somebody turns the arm key for each.
+BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::NidaqmxStage& hardware,
+                            const CharacteriseOptions& options, const std::function<void(double)>& show) {
+  fmt::print("{}: turn the arm key when the stage is clear\n", session.runs[i].name);
+  PacedStage stage(hardware);
+  const auto keys = [&] {
+    const nidaqmx::Panel& panel = hardware.panel();
+    return BenchKeys{panel.arm, panel.estop_a_closed && panel.estop_b_closed};
+  };
+  return run_on_bench(session.runs[i], session.plans[i], 1 + options.seed,
+                      {stage, [](double) {}, show, keys});
+}
+
+std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& options) {
+  const fs::path keys = options.keys.empty() ? keys::default_folder() : options.keys;
+  return commissioned_stage(options.device_config, options.commissioning,
+                            keys::signing_files(keys, keys::Signer::Commissioning).public_key);
+}
+
+// `hardware`: null for the simulated stage.
+report::BenchRecord carried_out(const Session& session, const CharacteriseOptions& options,
+                                nidaqmx::NidaqmxStage* hardware) {
   ProgressLine line;
   report::BenchRecord record;
-  record.device = "simulated stage";
+  record.device = hardware ? hardware->product() : "simulated stage";
   record.model = session.model_file.string();
   record.notes = session.notes;
   record.planned_runs = session.runs.size();
   sim::Dataset dataset;
   for (std::size_t i = 0; i < session.runs.size(); ++i) {
     const BenchRun& run = session.runs[i];
-    sim::PlantModel model = session.model;
-    model.weight = run.weight.value * 1e-3;
-    sim::SimStage stage(model, options.seed + i);  // a new one: at rest, discharged, its films recovered
     const auto show = [&](double share) {
       line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()), run.name);
     };
-    const BenchResult result = run_on_bench(run, session.plans[i], 1 + options.seed,
-                                            {stage, [&](double force_N) { stage.push(force_N); }, show});
+    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show)
+                                        : run_simulated(session, i, options, show);
     record.runs.push_back(record_of(run, result));
     record.title = dataset.title = title_of(record);
     dataset.runs.push_back(result.recorded);
@@ -190,8 +240,9 @@ int characterise(const CharacteriseOptions& options) {
     throw SetupError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
                      "look at what would be done with --dry-run; then clear the stage and add --bench");
   keep_apart(session.model_file, options.out);
+  const auto hardware = is_real(options) ? hardware_of(options) : nullptr;
   claim_run_folder(options.out);
-  const report::BenchRecord record = carried_out(session, options);
+  const report::BenchRecord record = carried_out(session, options, hardware.get());
   fmt::print("{}\ndata set: {}\nreport:   {}\n", report::bench_console(record), options.out.string(),
              (options.out / "report.html").string());
   const bool complete =

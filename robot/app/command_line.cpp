@@ -3,29 +3,13 @@
 #include <CLI/CLI.hpp>
 
 #include "robot/app/commands.hpp"
+#include "robot/app/live_commands.hpp"
 #include "robot/app/study_commands.hpp"
 
 namespace biopsy::app {
 namespace {
 
-void procedure_options(CLI::App& command, ProcedureOptions& options) {
-  command.add_option("CASE", options.case_name,
-                     "case file (TOML) or a built-in case: gap, liver (default: liver)");
-  command.add_option("--image", options.image, "planning image: a DICOM folder or file, NIfTI or NRRD");
-  command.add_option("--series", options.series,
-                     "series UID, where the folder holds several (see `biopsy image`)");
-  command.add_option("--entry", options.entry, "where the needle tip waits, R,A,S in mm");
-  command.add_option("--target", options.target, "where it shall go, R,A,S in mm");
-  command.add_option("--labels", options.labels, "label map of the tissues on the same patient");
-  command.add_option("--fiducials", options.fiducials,
-                     "CSV of fiducial pairs, robot and scanner (docs/reference.md)");
-  command.add_option("--model", options.model, "plant model (TOML); default: sim/models/rehearsal.toml");
-  command.add_option("--seed", options.seed,
-                     "seed of noise and patient motion; the same seed gives the same run");
-  command.add_option("--out", options.out, "folder for the report")->required();
-}
-
-void add_dry_run(CLI::App& app, ProcedureOptions& options, int& code) {
+void add_dry_run(CLI::App& app, DryRunOptions& options, int& code) {
   CLI::App* command = app.add_subcommand("dry-run", "rehearse a whole procedure on the simulated stage");
   command->footer(
       "Plans, drives the simulated stage through every stage of the plan under the supervisor, takes the "
@@ -33,10 +17,16 @@ void add_dry_run(CLI::App& app, ProcedureOptions& options, int& code) {
       "images, checks the depth on them and writes report.html, report.json and run.csv. Nothing real "
       "moves.\n\n"
       "Example:\n  biopsy dry-run liver --out out/liver\n"
-      "  biopsy dry-run --image scans/t2 --entry 10,-40,20 --target 10,-34,20 --out out/mine\n\n"
+      "  biopsy dry-run --image scans/t2 --entry 10,-40,20 --target 10,-34,20 --out out/mine\n"
+      "  biopsy dry-run --live gap --out out/live\n\n"
       "Exit code: 0 completed, 3 refused or stopped, 2 unusable input.");
-  procedure_options(*command, options);
-  command->callback([&] { code = dry_run(options); });
+  procedure_options(*command, options.procedure);
+  command->add_flag("--live", options.live,
+                    "through the real processes over DDS, in real time, instead of one virtual clock");
+  live_options(*command, options.network);
+  command->callback([&] {
+    code = options.live ? dry_run_live(options.procedure, options.network) : dry_run(options.procedure);
+  });
 }
 
 void add_plan(CLI::App& app, ProcedureOptions& options, int& code) {
@@ -149,7 +139,12 @@ void add_characterise(CLI::App& app, CharacteriseOptions& options, int& code) {
       "out/stage\n\n"
       "Exit code: 0 completed, 3 stopped, 2 unusable input.");
   command->add_option("EXPERIMENT", options.experiments, "which (default: all)");
-  command->add_option("--device", options.device, "the stage: sim");
+  command->add_option("--device", options.device, "the stage: sim or nidaqmx (default sim)");
+  command->add_option("--device-config", options.device_config, "channels and scales of the hardware (TOML)");
+  command->add_option("--commissioning", options.commissioning,
+                      "folder that `biopsy commission` wrote, for a real stage");
+  command->add_option("--keys", options.keys,
+                      "whose commissioning key signed it; default: the user's own set");
   command->add_option("--model", options.model,
                       "model of the simulated stage (TOML); default: sim/models/rehearsal.toml");
   command->add_option("--weight-g", options.weight_g, "weight on the fixture, g (default 50)");
@@ -168,7 +163,8 @@ int run_command_line(int argc, const char* const* argv) {
       "Start with:\n  biopsy dry-run --out out/first\n\nEach command explains itself: biopsy COMMAND --help");
   app.set_version_flag("--version", BIOPSY_VERSION);
   app.require_subcommand(1);
-  ProcedureOptions rehearsed, planned;
+  DryRunOptions rehearsed;
+  ProcedureOptions planned;
   CheckOptions checked;
   SimulateOptions simulated;
   ImageOptions shown;
@@ -176,6 +172,7 @@ int run_command_line(int argc, const char* const* argv) {
   GapOptions compared;
   CharacteriseOptions measured;
   StudyOptions studied;
+  LiveCommandOptions lived;
   int code = 0;
   add_dry_run(app, rehearsed, code);
   add_plan(app, planned, code);
@@ -186,6 +183,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_gap(app, compared, code);
   add_characterise(app, measured, code);
   add_study_commands(app, studied, code);
+  add_live_commands(app, lived, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

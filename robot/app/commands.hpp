@@ -79,7 +79,7 @@ struct ReproduceOptions {
 int reproduce(const ReproduceOptions& options);
 
 struct CalibrateOptions {
-  std::filesystem::path model;  // empty: sim/models/rehearsal.toml
+  std::filesystem::path model;  // empty: sim/models/calibrated.toml
   std::filesystem::path out;
   std::vector<std::filesystem::path> data;  // measured runs that count beside the paper's rows
   int evaluations = 600;
@@ -101,6 +101,15 @@ struct DesignOptions {
 
 int design(const DesignOptions& options);
 
+struct SafetyCaseOptions {
+  std::filesystem::path out;
+  std::filesystem::path collect;  // evidence gathered earlier; empty: run everything
+  bool quick = false;             // the short subset
+};
+
+// Exit code 0: no gap; 3: the case does not hold.
+int safety_case(const SafetyCaseOptions& options);
+
 struct TuneOptions {
   std::filesystem::path model, out;  // model empty: sim/models/calibrated.toml; out empty: no files
   int stages = 8;                    // that the model's uncertainty leaves room for
@@ -117,6 +126,8 @@ struct CharacteriseOptions {
   std::uint64_t seed = 1;
   bool dry_run = false;  // says what would be done
   bool bench = false;    // no patient, no needle
+  std::filesystem::path device_config, commissioning,
+      keys;  // of a real stage; keys empty: the user's own set
   std::filesystem::path out;
 };
 

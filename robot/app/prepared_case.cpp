@@ -62,32 +62,37 @@ void check_frames(const Volume& image, const Volume& labels) {
 
 }  // namespace
 
-PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {
-  PreparedCase out{given, {}, {}, {}, PlanRefusal{}};
-  std::optional<Volume> labels;
-  planner::LabelNames names = given.label_names;
+PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
+  PreparedCase out{
+      given, {}, {}, {}, PlanRefusal{"no points are set", "set entry and target"}, {}, given.label_names};
   if (given.phantom) {
     sim::Phantom phantom = sim::paper_phantom();
     sim::write_dicom_series(phantom.image, folder / "planning");
     out.image = imaging::read_volume(folder / "planning");
     out.target.p_SE = phantom.p_SE;
     out.target.p_ST = phantom.p_SE + given.depth.value_or(Millimetres(0)).value * phantom.axis_S;
-    labels = std::move(phantom.labels);
-    for (std::size_t i = 0; i < phantom.names.size(); ++i) names[static_cast<int>(i)] = phantom.names[i];
+    out.labels = std::move(phantom.labels);
+    for (std::size_t i = 0; i < phantom.names.size(); ++i)
+      out.label_names[static_cast<int>(i)] = phantom.names[i];
   } else {
     out.image = imaging::read_volume(given.image, given.series_uid);
     out.target.p_SE = *given.p_SE;
     out.target.p_ST = *given.p_ST;
-    if (!given.labels.empty()) labels = imaging::read_volume(given.labels);
-    if (labels) check_frames(out.image, *labels);
+    if (!given.labels.empty()) out.labels = imaging::read_volume(given.labels);
+    if (out.labels) check_frames(out.image, *out.labels);
   }
   out.target.patient_id = out.image.identity.patient_id;
   out.target.series_uid = out.image.identity.series_uid;
-  out.layers = layers_of(given, labels ? &*labels : nullptr, names, out.target);
+  return out;
+}
+
+void plan_to_target(PreparedCase& out) {
+  const Case& given = out.given;
+  out.layers = layers_of(given, out.labels ? &*out.labels : nullptr, out.label_names, out.target);
   const auto pose = pose_of(given, out.target);
   if (const auto* refusal = std::get_if<PlanRefusal>(&pose)) {
     out.plan = *refusal;
-    return out;
+    return;
   }
   planner::InsertionRequest request;
   request.target = out.target;
@@ -100,6 +105,11 @@ PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {
   request.staging = given.staging;
   request.pace = given.pace;
   out.plan = planner::plan_insertion(request);
+}
+
+PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {
+  PreparedCase out = open_case(given, folder);
+  plan_to_target(out);
   return out;
 }
 

@@ -19,10 +19,19 @@ struct PreparedCase {
   Target target;
   std::vector<Layer> layers;
   std::variant<Plan, PlanRefusal> plan;
+  std::optional<Volume> labels;  // of the tissues, on the same patient
+  planner::LabelNames label_names;
 };
 
-// Reads the image and plans. A phantom is first written to `folder`/planning as DICOM, so that it goes the
-// way of any image. Throws SetupError for bad input; a plan that is refused for medical reasons is a value.
+// Reads the image, without a plan yet; `target` holds the points that the case names. A phantom is first
+// written to `folder`/planning as DICOM, so that it goes the way of any image. Throws SetupError for bad
+// input.
+PreparedCase open_case(const Case& given, const std::filesystem::path& folder);
+
+// Layers and plan to `target`. A plan that is refused for medical reasons is a value.
+void plan_to_target(PreparedCase& opened);
+
+// Both.
 PreparedCase prepare(const Case& given, const std::filesystem::path& folder);
 
 }  // namespace biopsy::app

@@ -1,10 +1,9 @@
 // biopsy dry-run and biopsy plan.
+#include "robot/app/procedure.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
-
-#include "robot/app/commands.hpp"
 #include "robot/app/prepared_case.hpp"
 #include "robot/app/progress.hpp"
 #include "robot/app/provenance.hpp"
@@ -16,7 +15,6 @@
 #include "robot/report/report_folder.hpp"
 
 namespace biopsy::app {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -45,17 +43,14 @@ Case case_of(const ProcedureOptions& options) {
   return given;
 }
 
-int finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
-           std::chrono::steady_clock::time_point started) {
+void finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
+            std::chrono::steady_clock::time_point started) {
   record.provenance = provenance(prepared, record);
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   report::save_report(record, out);
   fmt::print("{}", report::console_table(record, isatty(STDOUT_FILENO) == 1));
   fmt::print("\nreport: {}\n", (out / "report.html").string());
-  return 0;
 }
-
-}  // namespace
 
 int dry_run(const ProcedureOptions& options) {
   const auto started = std::chrono::steady_clock::now();

@@ -14,9 +14,12 @@ constexpr const char* kMark = ".biopsy-run";
 
 // Names a run writes; whatever else a person has put beside them stays.
 bool is_ours(const std::string& name) {
-  for (const char* ours : {"planning", "images", "planning.png", "report.html", "report.json", "run.csv",
-                           "gap.json", "model.toml", "reproduce.json", "calibrated.toml", "paper.toml",
-                           "calibration.json", "identify.json", "design.json", "tune.json", "dataset.toml"})
+  for (const char* ours :
+       {"planning",     "images",           "planning.png",  "report.html",    "report.json",
+        "run.csv",      "gap.json",         "model.toml",    "reproduce.json", "calibrated.toml",
+        "paper.toml",   "calibration.json", "identify.json", "design.json",    "tune.json",
+        "dataset.toml", "safety-case.json", "argument.dot",  "argument.svg",   "evidence",
+        "console",      "console.url"})
     if (name == ours) return true;
   return (name.starts_with("stage-") && name.ends_with(".png")) ||
          (name.starts_with("run-") && name.ends_with(".csv"));

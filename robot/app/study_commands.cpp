@@ -33,7 +33,7 @@ void add_calibrate(CLI::App& app, CalibrateOptions& options, int& code) {
       "  biopsy calibrate --data measured --out out/calibrated\n\n"
       "Exit code: 0, or 2 for unusable input. The same seed and number of evaluations give the same answer.");
   command->add_option("--model", options.model,
-                      "what no search turns, such as the sensor; default: sim/models/rehearsal.toml");
+                      "what no search turns, such as the sensor; default: sim/models/calibrated.toml");
   command->add_option("--data", options.data,
                       "folder of a data set (docs/model.md, section 3); may be repeated");
   command->add_option("--evaluations", options.evaluations, "budget of the global search (default 600)")
@@ -96,6 +96,24 @@ void add_tune(CLI::App& app, TuneOptions& options, int& code) {
   command->callback([&] { code = tune(options); });
 }
 
+void add_safety_case(CLI::App& app, SafetyCaseOptions& options, int& code) {
+  CLI::App* command =
+      app.add_subcommand("safety-case", "hazards, requirements, argument and evidence of this build");
+  command->footer(
+      "Runs every test and proof that the case names (about a quarter of an hour) and writes report.html, "
+      "argument.svg and safety-case.json.\nFails on a requirement without fresh evidence, a test that names "
+      "an unknown "
+      "requirement, a broken link, a figure outside its bar.\n./dev safety-case builds what it needs and "
+      "runs it.\n\n"
+      "Example:\n  biopsy safety-case --out out/safety-case\n"
+      "  biopsy safety-case --collect out/safety-case/evidence --out out/again\n\n"
+      "Exit code: 0 no gap, 3 the case does not hold, 2 for unusable input.");
+  command->add_flag("--quick", options.quick, "the short subset, two minutes; releases nothing");
+  command->add_option("--collect", options.collect, "evidence folder of an earlier case; nothing is run");
+  command->add_option("--out", options.out, "folder for the case")->required();
+  command->callback([&] { code = safety_case(options); });
+}
+
 }  // namespace
 
 void add_study_commands(CLI::App& app, StudyOptions& options, int& code) {
@@ -104,6 +122,7 @@ void add_study_commands(CLI::App& app, StudyOptions& options, int& code) {
   add_identify(app, options.identified, code);
   add_design(app, options.designed, code);
   add_tune(app, options.tuned, code);
+  add_safety_case(app, options.safety, code);
 }
 
 }  // namespace biopsy::app

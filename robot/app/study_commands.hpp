@@ -14,6 +14,7 @@ struct StudyOptions {
   IdentifyOptions identified;
   DesignOptions designed;
   TuneOptions tuned;
+  SafetyCaseOptions safety;
 };
 
 void add_study_commands(CLI::App& app, StudyOptions& options, int& code);

@@ -1,7 +1,5 @@
 #include "robot/app/supervised_stage.hpp"
 
-#include <algorithm>
-#include <cstdlib>
 #include <tuple>
 
 #include "planner/seal.hpp"
@@ -9,15 +7,7 @@
 namespace biopsy::app {
 namespace {
 
-constexpr std::uint32_t kSession = 1;     // a virtual clock starts its first session
-constexpr std::int32_t kMeanTicks = 512;  // about one period of the square wave
-
-// How far the needle is outside what the plan's tissue explains at this mean drive. um
-std::int32_t tissue_residual(const safety::PlanFacts& facts, std::int32_t mean_drive_mV,
-                             std::int32_t depth_um) {
-  const safety::DepthRange range = safety::plausible_depth(facts, mean_drive_mV, mean_drive_mV);
-  return std::max({range.low_um - depth_um, depth_um - range.high_um, 0});
-}
+constexpr std::uint32_t kSession = 1;  // a virtual clock starts its first session
 
 // Sealed anew: a plan that was changed after its seal has another tag than the one that was permitted and
 // confirmed.
@@ -36,9 +26,9 @@ SupervisedStage::SupervisedStage(const Plan& plan, const safety::PlanFacts& fact
       stage_(stage),
       supervisor_(safety::started(kSession)) {}
 
-safety::Observation SupervisedStage::observed(const Measurement& measurement, const World& world) const {
+safety::Observation SupervisedStage::observed(const Measurement& measurement, const World& world) {
   safety::Observation seen;
-  seen.now_us = (ticks_ + 1) * std::chrono::microseconds(kTick).count();
+  seen.now_us = now_us();
   seen.measurement = measurement;
   seen.request = request_;
   seen.permit = permit_;
@@ -47,7 +37,7 @@ safety::Observation SupervisedStage::observed(const Measurement& measurement, co
   seen.acquiring = world.acquiring;
   seen.log_backlog_ms = world.log_backlog_ms;
   seen.patient_motion_um = world.patient_motion_um;
-  seen.tissue_residual_um = tissue_residual(facts_, mean_drive_mV_, measurement.depth_um);
+  seen.tissue_residual_um = safety::tissue_residual_um(facts_, tissue_, measurement);
   seen.plan_tag = plan_tag_;
   seen.config_tag = facts_.config_tag;
   seen.confirmed_tag = confirmed_;
@@ -58,27 +48,31 @@ safety::Observation SupervisedStage::observed(const Measurement& measurement, co
 Tick SupervisedStage::tick(const World& world, const Controller& controller) {
   Tick tick;
   tick.measurement = stage_.measure();
-  mean_drive_mV_ += (std::abs(tick.measurement.command_mV) - mean_drive_mV_) / kMeanTicks;
-
-  const safety::Observation seen = observed(tick.measurement, world);
-  tick.evidence = safety::assess(facts_, memory_, seen);
+  safety::Observation seen = observed(tick.measurement, world);
+  if (wires_ != nullptr) wires_->carry(seen);
   safety::SupervisorInput input;
   input.now_us = seen.now_us;
-  input.evidence = tick.evidence;
+  input.evidence = safety::assess(facts_, memory_, seen);
   input.self_test = safety::SelfTest::Passed;
   input.local_arm = world.arm;
   input.local_reset = world.reset;
+  input.remote_arm = world.remote_arm;
+  input.remote_reset = world.remote_reset;
   input.stop = world.stop;
   input.motion = world.press;
-  input.request = request_;
+  input.request = seen.request;
   input.depth_accepted = world.depth_accepted;
   input.accepted_stage = world.accepted_stage;
+  if (wires_ != nullptr) wires_->carry(input);
+  tick.evidence = input.evidence;
   std::tie(supervisor_, tick.supervisor) = safety::step(facts_, supervisor_, input);
   permit_ = tick.supervisor.permit;
 
   request_ = tick.request = controller(tick.measurement, tick.supervisor);
 
-  stage_.drive(&request_, &permit_, seen.now_us, world.writers);
+  Delivery delivery{&request_, &permit_, now_us(), world.writers};
+  if (wires_ != nullptr) wires_->carry(delivery);
+  stage_.drive(delivery.request, delivery.permit, delivery.now_us, delivery.writers);
   tick.drive_mV = stage_.command_mV();
   ++ticks_;
   return tick;

@@ -10,13 +10,15 @@
 #include "robot/messages/plan.hpp"
 #include "safety/evidence.hpp"
 #include "safety/supervisor.hpp"
+#include "safety/tissue_watch.hpp"
 
 namespace biopsy::app {
 
 // What people and the rest of the world do in a tick. Default: nobody asks for anything and all is well.
 struct World {
-  bool arm = false, reset = false;  // keys on the device
-  safety::MotionPress press;        // hold-to-run
+  bool arm = false, reset = false;                // keys on the device
+  bool remote_arm = false, remote_reset = false;  // asked over the network: always refused
+  safety::MotionPress press;                      // hold-to-run
   StopCategory stop = StopCategory::None;
   bool finish = false;          // the operator is done: withdraw
   bool acquiring = false;       // the scanner takes an image
@@ -37,6 +39,21 @@ struct Tick {
   std::int32_t drive_mV = 0;  // put out at the end of the tick, until the next
 };
 
+// The ways between the parts. These carry everything as it was sent; fault injection brings its own.
+struct Delivery {
+  const DriveRequest* request;  // null: lost
+  const Permit* permit;
+  std::int64_t now_us;  // gate's clock
+  std::int32_t writers;
+};
+class Wires {
+ public:
+  virtual ~Wires() = default;
+  virtual void carry(safety::Observation& /*to the supervisor*/) {}
+  virtual void carry(safety::SupervisorInput& /*to its decision*/) {}
+  virtual void carry(Delivery& /*to the gate*/) {}
+};
+
 class SupervisedStage {
  public:
   // Sees what was measured and decided in this tick; answers with what it wants.
@@ -48,22 +65,27 @@ class SupervisedStage {
 
   Tick tick(const World& world, const Controller& controller);
 
+  // `wires` must outlive this.
+  void connect(Wires& wires) { wires_ = &wires; }
+
   std::int64_t ticks() const { return ticks_; }
   Mode mode() const { return supervisor_.mode; }
 
  private:
-  safety::Observation observed(const Measurement& measurement, const World& world) const;
+  safety::Observation observed(const Measurement& measurement, const World& world);
+  std::int64_t now_us() const { return (ticks_ + 1) * std::chrono::microseconds(kTick).count(); }
 
+  Wires* wires_ = nullptr;  // none: everything arrives
   const safety::PlanFacts& facts_;
   std::array<std::uint64_t, 2> confirmed_;
   std::uint64_t plan_tag_;  // of the plan the controller really runs, sealed anew here
   port::GatedStage stage_;
   safety::EvidenceMemory memory_;
+  safety::TissueWatch tissue_;
   safety::SupervisorState supervisor_;
   Permit permit_;
   DriveRequest request_;
   std::int64_t ticks_ = 0;
-  std::int32_t mean_drive_mV_ = 0;  // |V| over about half a second, for the tissue residual
 };
 
 }  // namespace biopsy::app

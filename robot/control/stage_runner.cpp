@@ -80,6 +80,8 @@ RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
   request.stage = stage_index;
   request.stage_reached = state.reached;
   request.finished = finish;
+  request.measured_seq = measurement.seq;
+  request.setpoint_um = to_um(state.setpoint);
   return {state, request};
 }
 

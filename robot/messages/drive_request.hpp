@@ -6,12 +6,14 @@
 namespace biopsy {
 
 struct DriveRequest {
-  std::uint32_t seq = 0;       // rises every tick
-  std::int32_t wanted_mV = 0;  // signed: amplitude times the square wave's polarity
-  std::uint32_t stage = 0;     // index of the stage being driven
-  bool stage_reached = false;  // within tolerance for the stage's dwell: asks for Hold
-  bool finished = false;       // last stage confirmed: asks for Retract
-  std::uint32_t overruns = 0;  // control periods missed since start
+  std::uint32_t seq = 0;           // rises every tick
+  std::int32_t wanted_mV = 0;      // signed: amplitude times the square wave's polarity
+  std::uint32_t stage = 0;         // index of the stage being driven
+  bool stage_reached = false;      // within tolerance for the stage's dwell: asks for Hold
+  bool finished = false;           // last stage confirmed: asks for Retract
+  std::uint32_t overruns = 0;      // control periods missed since start
+  std::uint32_t measured_seq = 0;  // of the measurement it was made from; for timing, decides nothing
+  std::int32_t setpoint_um = 0;    // the rate-limited target depth, for people
 };
 
 }  // namespace biopsy

@@ -24,11 +24,10 @@ struct FigurePanel {
 };
 
 enum class RowKind : std::uint8_t {
-  Number,   // |ours / paper - 1| <= band
-  AtMost,   // ours <= paper
-  AtLeast,  // ours >= paper
-  Trend,    // a statement of the paper: paper is 1, ours is 1 where it holds and 0 where it does not
-  Shown,    // nothing in the paper to compare with: what lies beyond it. Counts in no score
+  Number,  // |ours / paper - 1| <= band
+  AtMost,  // ours <= paper
+  Trend,   // a statement of the paper: paper is 1, ours is 1 where it holds and 0 where it does not
+  Shown,   // nothing in the paper to compare with: what lies beyond it. Counts in no score
 };
 
 // One number or statement of the paper against ours. Shown rows leave paper and ours as they are told.

@@ -2,10 +2,12 @@
 // edges (files, wires, screens), where the unit moves into the name (`depth_mm`).
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <limits>
 
 namespace biopsy {
 
@@ -40,12 +42,19 @@ constexpr Millimetres operator*(MillimetresPerSecond speed, Seconds time) {
 // The control period T of the whole robot: one measurement, one permit, one voltage.
 inline constexpr std::chrono::milliseconds kTick{1};
 
-// Safety and wires count in integers: micrometres and millivolts, rounded to nearest.
+// The nearest integer; what is larger than any of them, as the largest: a wrap would make 4.3 km of 4 mm.
+inline std::int32_t to_integer(double number) {
+  constexpr double kLeast = std::numeric_limits<std::int32_t>::min(),
+                   kMost = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::lround(std::clamp(number, kLeast, kMost)));
+}
+
+// Safety and wires count in integers: micrometres and millivolts.
 inline std::int32_t to_um(Millimetres length) {
-  return static_cast<std::int32_t>(std::lround(length.value * 1e3));
+  return to_integer(length.value * 1e3);
 }
 inline std::int32_t to_mV(Volts voltage) {
-  return static_cast<std::int32_t>(std::lround(voltage.value * 1e3));
+  return to_integer(voltage.value * 1e3);
 }
 constexpr Millimetres from_um(std::int32_t um) {
   return Millimetres(um * 1e-3);

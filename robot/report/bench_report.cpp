@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/report/gap_markup.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
@@ -75,14 +75,6 @@ std::string table_of(const BenchRecord& record) {
       rows);
 }
 
-std::string head_of(const BenchRecord& record) {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
-         "<title>" +
-         escaped(record.title) + "</title>\n<style>" + kPageStyle + markup::kGapStyle + "</style>\n</head>\n";
-}
-
 }  // namespace
 
 std::string bench_html(const BenchRecord& record) {
@@ -100,9 +92,10 @@ std::string bench_html(const BenchRecord& record) {
                       record.sensor_noise_mm > 0.0 ? fixed(record.sensor_noise_mm, 4, "mm") : ""}});
   const std::string banner =
       record.simulated ? "<p class=\"simulated\"><strong>SIMULATED</strong> No stage moved.</p>\n" : "";
-  return head_of(record) + "<body>\n" + banner + "<main>\n<h1>" + escaped(record.title) + "</h1>\n" +
-         markup::section("What was done", facts + notes) + markup::section("Runs", table_of(record)) +
-         markup::section("Pictures", pictures) + "</main>\n</body>\n</html>\n";
+  return markup::page_head(record.title, markup::kGapStyle) + "<body>\n" + banner + "<main>\n<h1>" +
+         escaped(record.title) + "</h1>\n" + markup::section("What was done", facts + notes) +
+         markup::section("Runs", table_of(record)) + markup::section("Pictures", pictures) +
+         "</main>\n</body>\n</html>\n";
 }
 
 std::string bench_console(const BenchRecord& record) {

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "robot/report/figure_svg.hpp"
-#include "robot/report/gap_markup.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
@@ -97,12 +97,8 @@ std::string design_html(const DesignStudy& study) {
   std::string panels = "<div class=\"panels\">\n";
   for (const FigurePanel& panel : study.panels) panels += "<figure>\n" + figure_svg(panel) + "\n</figure>\n";
   panels += "</div>\n";
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
-         "<title>Design study</title>\n<style>" +
-         std::string(kPageStyle) + kStyle +
-         "</style>\n</head>\n<body>\n<main>\n<h1>Design study of the stack</h1>\n"
+  return markup::page_head("Design study", kStyle) +
+         "<body>\n<main>\n<h1>Design study of the stack</h1>\n"
          "<section class=\"verdict\">\n<p class=\"sentence\">" +
          escaped(sentence(study)) + "</p>\n" + paper_says(study) + "<p>Scaled from " + escaped(study.model) +
          "; everything is simulated.</p>\n</section>\n" +

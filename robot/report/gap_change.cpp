@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "robot/report/gap_diff.hpp"
-#include "robot/report/gap_markup.hpp"
 #include "robot/report/gap_sections.hpp"
 #include "robot/report/gap_words.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
 

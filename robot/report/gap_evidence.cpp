@@ -6,9 +6,9 @@
 
 #include "robot/report/gap_candidates.hpp"
 #include "robot/report/gap_figures.hpp"
-#include "robot/report/gap_markup.hpp"
 #include "robot/report/gap_sections.hpp"
 #include "robot/report/gap_words.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
 

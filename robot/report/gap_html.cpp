@@ -3,29 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/report/gap_markup.hpp"
 #include "robot/report/gap_sections.hpp"
 #include "robot/report/gap_words.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
 
 namespace biopsy::report {
 namespace {
-
-// The policy keeps the page from loading anything, whatever a file's text may contain.
-std::string head(const GapFinding& finding) {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
-         "<title>" +
-         escaped("Model gap – " + finding.dataset) + "</title>\n<style>" + kPageStyle + markup::kGapStyle +
-         "</style>\n</head>\n";
-}
-
-std::string key_figure(const std::string& name, const std::string& value) {
-  return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
-}
 
 std::string key_figures(const GapFinding& f) {
   double smallest = f.noise_floor;
@@ -34,18 +20,18 @@ std::string key_figures(const GapFinding& f) {
   const int decimals = decimals_for(smallest);
   const bool gap = f.verdict != GapVerdict::NoGap;  // the share closed of nothing is no figure
   std::string html = "<dl class=\"figures\">\n" +
-                     key_figure("RMSE before", fixed(f.rmse_before, decimals, "mm")) +
-                     key_figure("RMSE after", fixed(f.rmse_after, decimals, "mm")) +
-                     key_figure(f.noise_given ? "Noise floor, given" : "Noise floor, estimated",
-                                fixed(f.noise_floor, decimals, "mm"));
-  if (gap) html += key_figure("Gap closed", percent_text(f.gap_closed));
+                     markup::key_figure("RMSE before", fixed(f.rmse_before, decimals, "mm")) +
+                     markup::key_figure("RMSE after", fixed(f.rmse_after, decimals, "mm")) +
+                     markup::key_figure(f.noise_given ? "Noise floor, given" : "Noise floor, estimated",
+                                        fixed(f.noise_floor, decimals, "mm"));
+  if (gap) html += markup::key_figure("Gap closed", percent_text(f.gap_closed));
   for (const FoundEffect& effect : f.effects)
-    html +=
-        key_figure(f.effects.size() == 1 ? "Probability" : "Probability, " + escaped(name_words(effect.name)),
-                   fixed(effect.probability, 2));
+    html += markup::key_figure(
+        f.effects.size() == 1 ? "Probability" : "Probability, " + escaped(name_words(effect.name)),
+        fixed(effect.probability, 2));
   return html +
-         key_figure("Judged on", std::to_string(f.held_out_runs.size()) + " held-out run" +
-                                     (f.held_out_runs.size() == 1 ? "" : "s")) +
+         markup::key_figure("Judged on", std::to_string(f.held_out_runs.size()) + " held-out run" +
+                                             (f.held_out_runs.size() == 1 ? "" : "s")) +
          "</dl>\n";
 }
 
@@ -90,7 +76,8 @@ std::string verdict_section(const GapFinding& f) {
 }  // namespace
 
 std::string gap_html(const GapFinding& f) {
-  return head(f) + "<body>\n<main>\n<h1>Model gap: " + escaped(f.dataset) + "</h1>\n" + verdict_section(f) +
+  return markup::page_head("Model gap – " + f.dataset, markup::kGapStyle) +
+         "<body>\n<main>\n<h1>Model gap: " + escaped(f.dataset) + "</h1>\n" + verdict_section(f) +
          gap_where_section(f) + gap_overlay_section(f) + gap_closer_section(f) + gap_effects_section(f) +
          gap_parameters_section(f) + gap_shapes_section(f) + gap_candidates_section(f) +
          gap_doubts_section(f) + gap_regimes_section(f) + gap_diff_section(f) + gap_margins_section(f) +

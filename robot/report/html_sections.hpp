@@ -20,7 +20,4 @@ std::string plan_section(const RunRecord& record);
 std::string figure_section(const RunRecord& record);
 std::string images_section(const RunRecord& record);
 
-// The look of the page, on screen and on paper; html_style.cpp.
-extern const char* const kPageStyle;
-
 }  // namespace biopsy::report

@@ -1,6 +1,6 @@
-#include "robot/report/html_sections.hpp"
+#include "robot/report/html_markup.hpp"
 
-namespace biopsy::report {
+namespace biopsy::report::markup {
 
 // Grey ground, ink and white; the only saturated colour (#b00020) is for alarms. State = word + shape +
 // colour.
@@ -54,4 +54,4 @@ figcaption { font-size: .9rem; color: #333e47; margin-top: 5px; }
 }
 )css";
 
-}  // namespace biopsy::report
+}  // namespace biopsy::report::markup

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
@@ -12,34 +13,10 @@
 namespace biopsy::report {
 namespace {
 
-std::string section(const std::string& heading, const std::string& content) {
-  return "<section>\n<h2>" + heading + "</h2>\n" + content + "</section>\n";
-}
+using markup::facts, markup::section, markup::table, markup::text_cell;
 
-std::string text_cell(const std::string& text) {
-  return "<td>" + escaped(text.empty() ? "–" : text) + "</td>";
-}
 std::string number_cell(double value, int decimals) {
-  return "<td class=\"n\">" + fixed(value, decimals) + "</td>";
-}
-
-// A leading > marks a heading over numbers.
-std::string table(const std::string& caption, const std::vector<std::string>& headings,
-                  const std::string& rows) {
-  std::string html = "<table>\n<caption>" + caption + "</caption>\n<thead><tr>";
-  for (const std::string& heading : headings)
-    html += heading.starts_with('>') ? "<th scope=\"col\" class=\"n\">" + heading.substr(1) + "</th>"
-                                     : "<th scope=\"col\">" + heading + "</th>";
-  return html + "</tr></thead>\n<tbody>\n" + rows + "</tbody>\n</table>\n";
-}
-
-std::string fact(const std::string& name, const std::string& value) {
-  return "<tr><th scope=\"row\">" + escaped(name) + "</th><td class=\"long\">" +
-         escaped(value.empty() ? "–" : value) + "</td></tr>\n";
-}
-
-std::string facts(const std::string& rows) {
-  return "<table class=\"facts\">\n<tbody>\n" + rows + "</tbody>\n</table>\n";
+  return markup::number_cell(fixed(value, decimals));
 }
 
 std::string stage_row(const StageResult& result, std::size_t number) {
@@ -114,11 +91,14 @@ std::string seal_hex(const Sha256& seal) {
 
 std::string patient_section(const RunRecord& record) {
   const SeriesIdentity& series = record.series;
-  std::string html =
-      facts(fact("Patient", person_name(series.patient_name)) + fact("Patient ID", series.patient_id) +
-            fact("Series", series.description) + fact("Modality", series.modality) +
-            fact("Date", series.date) + fact("Series UID", series.series_uid) +
-            fact("Study UID", series.study_uid) + fact("Read from", record.image_source));
+  std::string html = facts({{"Patient", person_name(series.patient_name)},
+                            {"Patient ID", series.patient_id},
+                            {"Series", series.description},
+                            {"Modality", series.modality},
+                            {"Date", series.date},
+                            {"Series UID", series.series_uid},
+                            {"Study UID", series.study_uid},
+                            {"Read from", record.image_source}});
   if (!record.image_warnings.empty()) {
     html += "<h3>Warnings from reading the image</h3>\n<ul>\n";
     for (const std::string& warning : record.image_warnings) html += "<li>▲ " + escaped(warning) + "</li>\n";
@@ -180,9 +160,9 @@ std::string trips_section(const RunRecord& record) {
 }
 
 std::string provenance_section(const RunRecord& record) {
-  std::string rows = fact("Seed", std::to_string(record.seed));
-  if (record.plan) rows += fact("Plan seal, SHA-256", seal_hex(record.plan->seal));
-  for (const auto& [name, value] : record.provenance) rows += fact(name, value);
+  std::vector<std::pair<std::string, std::string>> rows{{"Seed", std::to_string(record.seed)}};
+  if (record.plan) rows.emplace_back("Plan seal, SHA-256", seal_hex(record.plan->seal));
+  rows.insert(rows.end(), record.provenance.begin(), record.provenance.end());
   return section("How to get this report again", facts(rows));
 }
 

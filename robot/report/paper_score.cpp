@@ -61,8 +61,6 @@ std::string paper_text(const PaperRow& row) {
       return with_unit(printed, row.unit);
     case RowKind::AtMost:
       return "at most " + with_unit(printed, row.unit);
-    case RowKind::AtLeast:
-      return "at least " + with_unit(printed, row.unit);
     case RowKind::Trend:
       return "as stated";
     case RowKind::Shown:
@@ -92,8 +90,6 @@ std::string kind_name(RowKind kind) {
       return "number";
     case RowKind::AtMost:
       return "at_most";
-    case RowKind::AtLeast:
-      return "at_least";
     case RowKind::Trend:
       return "trend";
     case RowKind::Shown:

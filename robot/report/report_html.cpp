@@ -1,5 +1,6 @@
 #include "robot/report/report_html.hpp"
 
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
@@ -10,16 +11,11 @@
 namespace biopsy::report {
 namespace {
 
-// The policy keeps the page from loading anything, whatever a file's text may contain.
 std::string head(const RunRecord& record) {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-         "style-src "
-         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" "
-         "/>\n<title>" +
-         escaped((record.simulated ? "SIMULATED – " : "") + record.title) + "</title>\n<style>" + kPageStyle +
-         (record.simulated ? "@page { @top-center { content: \"SIMULATED\"; font-weight: bold; } }\n" : "") +
-         "</style>\n</head>\n";
+  return markup::page_head(
+      (record.simulated ? "SIMULATED – " : "") + record.title,
+      record.simulated ? "@page { @top-center { content: \"SIMULATED\"; font-weight: bold; } }\n" : "",
+      markup::Pictures::Embedded);
 }
 
 std::string simulated_banner(const RunRecord& record) {
@@ -41,25 +37,22 @@ const char* shape(Outcome outcome) {
   return "";
 }
 
-std::string key_figure(const std::string& name, const std::string& value) {
-  return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
-}
-
 std::string key_figures(const RunRecord& record) {
   if (record.outcome == Outcome::Refused || record.samples.empty()) return {};
   const double target = record.plan ? record.plan->target_depth.value : kUnknown;
-  return "<dl class=\"figures\">\n" + key_figure("Target depth", fixed(target, 2, "mm")) +
-         key_figure("Depth by laser", fixed(record.final_depth_mm, 3, "mm")) +
-         key_figure("Depth by image", fixed(record.image_depth_mm, 2, "mm")) +
-         key_figure("Image, standard deviation", fixed(record.image_depth_sigma_mm, 2, "mm")) +
-         key_figure("Layer at the tip", record.layer_at_tip.empty() ? "–" : record.layer_at_tip) +
-         key_figure("Laser − target", fixed(record.final_depth_mm - target, 3, "mm")) +
-         key_figure("Image − laser", fixed(record.image_depth_mm - record.final_depth_mm, 3, "mm")) +
-         key_figure("RMSE, settled", fixed(record.rmse_settled_mm, 3, "mm")) +
-         key_figure("RMSE, whole run", fixed(record.rmse_all_mm, 3, "mm")) +
-         key_figure("Overshoot", fixed(record.overshoot_mm, 3, "mm")) +
-         key_figure("Peak drive", fixed(record.peak_kV, 2, "kV")) +
-         key_figure(record.simulated ? "Simulated time" : "Duration", fixed(record.simulated_s, 1, "s")) +
+  return "<dl class=\"figures\">\n" + markup::key_figure("Target depth", fixed(target, 2, "mm")) +
+         markup::key_figure("Depth by laser", fixed(record.final_depth_mm, 3, "mm")) +
+         markup::key_figure("Depth by image", fixed(record.image_depth_mm, 2, "mm")) +
+         markup::key_figure("Image, standard deviation", fixed(record.image_depth_sigma_mm, 2, "mm")) +
+         markup::key_figure("Layer at the tip", record.layer_at_tip.empty() ? "–" : record.layer_at_tip) +
+         markup::key_figure("Laser − target", fixed(record.final_depth_mm - target, 3, "mm")) +
+         markup::key_figure("Image − laser", fixed(record.image_depth_mm - record.final_depth_mm, 3, "mm")) +
+         markup::key_figure("RMSE, settled", fixed(record.rmse_settled_mm, 3, "mm")) +
+         markup::key_figure("RMSE, whole run", fixed(record.rmse_all_mm, 3, "mm")) +
+         markup::key_figure("Overshoot", fixed(record.overshoot_mm, 3, "mm")) +
+         markup::key_figure("Peak drive", fixed(record.peak_kV, 2, "kV")) +
+         markup::key_figure(record.simulated ? "Simulated time" : "Duration",
+                            fixed(record.simulated_s, 1, "s")) +
          "</dl>\n";
 }
 

@@ -6,7 +6,7 @@
 #include <cctype>
 
 #include "robot/report/figure_svg.hpp"
-#include "robot/report/gap_markup.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/number_text.hpp"
 #include "robot/report/outside_text.hpp"
@@ -37,14 +37,6 @@ pre { background: #fff; border: 1px solid #aab1b7; padding: 6px 10px; margin: 6p
   .figure-section p { break-after: avoid; } .panels { break-inside: avoid; }
 }
 )css";
-
-std::string head() {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
-         "<title>The paper, reproduced</title>\n<style>" +
-         std::string(kPageStyle) + kStyle + "</style>\n</head>\n";
-}
 
 std::string figure_name(const PaperFigure& figure) {
   const bool numbered =
@@ -164,8 +156,9 @@ std::string findings_section(const Reproduction& r) {
 }  // namespace
 
 std::string reproduction_html(const Reproduction& r) {
-  std::string html = head() + "<body>\n<main>\n<h1>The paper's experiments, reproduced</h1>\n" +
-                     verdict_section(r) + glance_section(r);
+  std::string html = markup::page_head("The paper, reproduced", kStyle) +
+                     "<body>\n<main>\n<h1>The paper's experiments, reproduced</h1>\n" + verdict_section(r) +
+                     glance_section(r);
   for (const PaperFigure& figure : r.figures) html += figure_section(figure);
   return html + findings_section(r) + "</main>\n</body>\n</html>\n";
 }

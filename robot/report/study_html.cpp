@@ -1,7 +1,7 @@
 #include "robot/report/study_html.hpp"
 
 #include "robot/report/figure_svg.hpp"
-#include "robot/report/gap_markup.hpp"
+#include "robot/report/html_markup.hpp"
 #include "robot/report/html_sections.hpp"
 #include "robot/report/outside_text.hpp"
 
@@ -15,14 +15,6 @@ constexpr const char* kStyle = R"css(
 td.n, th.n { padding-left: 8px; }
 @media print { .panels { grid-template-columns: 1fr 1fr; } section h2 { break-after: avoid; } }
 )css";
-
-std::string head(const std::string& title) {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-         "'unsafe-inline'\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n"
-         "<title>" +
-         escaped(title) + "</title>\n<style>" + std::string(kPageStyle) + kStyle + "</style>\n</head>\n";
-}
 
 std::string table_section(const StudyTable& table) {
   std::string rows;
@@ -49,7 +41,7 @@ std::string pictures(const std::vector<FigurePanel>& panels) {
 }  // namespace
 
 std::string study_html(const StudyPage& page) {
-  std::string html = head(page.title) + "<body>\n<main>\n<h1>" + escaped(page.title) +
+  std::string html = markup::page_head(page.title, kStyle) + "<body>\n<main>\n<h1>" + escaped(page.title) +
                      "</h1>\n<section class=\"verdict" + (page.doubted ? " doubted" : "") +
                      "\">\n<p class=\"sentence\">" + escaped(page.sentence) + "</p>\n";
   for (const std::string& remark : page.remarks) html += markup::paragraph(remark);

@@ -41,7 +41,8 @@ Place in_effects(Effects& effects, const std::string& name) {
       if (name != fmt::format("{}.{}", Effect::info.name, parameter.name)) continue;
       if (!slot) {
         slot.emplace();
-        for (const auto& other : Effect::parameters()) (*slot).*(other.member) = 0.0;
+        for (const auto& other : Effect::parameters())
+          (*slot).*(other.member) = other.role == Role::Strength ? 0.0 : other.typical * other.si_per_unit;
       }
       found = {&((*slot).*(parameter.member)), parameter.si_per_unit};
     }

@@ -22,7 +22,8 @@ struct Knob {
 
 const std::vector<Knob>& standard_knobs();
 
-// The number a knob stands for, in file units; an effect that the stage lacks is put there with zeros.
+// The number a knob stands for, in file units; an effect that the stage lacks is put there absent: no
+// strength, its typical shape.
 // Throws SetupError for a name that nothing has.
 double value_of(const paper::PaperModel& model, const std::string& name);
 void set_value(paper::PaperModel& model, const std::string& name, double value);

@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kPrior = 0.1;  // a knob one doubt off its nominal value, against a number a band off its own
 constexpr double kCentre = 0.15;  // pull of a number that is within its band towards its middle
-constexpr double kRoom = 0.03;  // share by which a statement is to hold, so that it does not hang by a thread
-constexpr double kTip = 0.02;   // bands
+// Share by which a statement is to hold, and of a band that stays free, so that no row hangs by a thread.
+constexpr double kRoom = 0.03;
+constexpr double kTip = 0.02;      // bands
 constexpr double kRunBand = 0.05;  // rms error of a measured run, of its span, that weighs as much as a band
 constexpr double kFarthest = 5.0;  // bands, where a number's pull ends
 
@@ -32,7 +33,9 @@ double in_bands(const PaperRow& row) {
 }
 
 double row_residual(const PaperRow& row) {
-  const double miss = tamed(paper::shortfall(row));
+  PaperRow with_room = row;
+  with_room.band *= 1.0 - kRoom;
+  const double miss = tamed(paper::shortfall(with_room));
   if (row.kind == RowKind::Number)
     return std::copysign(std::hypot(miss, kCentre * in_bands(row)), in_bands(row));
   if (row.kind == RowKind::Trend && row.ok) return std::max(0.0, kRoom - row.margin);

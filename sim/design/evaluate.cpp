@@ -87,6 +87,7 @@ PlantModel plant_of(const PlantModel& known, const StackDesign& design) {
   e.zipping_hysteresis.reset();
   e.coulomb_friction.reset();
   e.stribeck_friction.reset();
+  e.hysteretic_spring.reset();
   e.sensor_noise.reset();
   e.sensor_drift.reset();
   plant.weight = kWeight;

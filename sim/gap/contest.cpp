@@ -109,15 +109,34 @@ void share_probability(Round& round) {
     if (t.fitted) t.probability = std::exp(t.log_evidence - top) / sum;
 }
 
+// One contains the other: it is no argument against a name that its own special case does nearly as well.
+bool are_kin(const Candidate& a, const Candidate& b) {
+  const auto is = [](const Candidate& c, std::string_view name) {
+    return c.effect != kBaseline && library()[static_cast<std::size_t>(c.effect)].info.name == name;
+  };
+  const auto friction = [&](const Candidate& c) {
+    return is(c, "coulomb_friction") || is(c, "stribeck_friction");
+  };
+  return friction(a) && friction(b);
+}
+
+bool predict_the_same(const Judged& a, const Judged& b, double explained) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.residual.size(); ++i) sum += std::pow(a.residual[i] - b.residual[i], 2);
+  return sum < kTwin * kTwin * explained * static_cast<double>(a.residual.size());
+}
+
+// Kin of the winner, and what predicts the same as the winner or its kin: shaft friction that begins far
+// above the needle, say, is Coulomb's under another name.
 void mark_twins(Round& round, const Judged& now) {
-  const Trial& winner = round.trials.front();
-  const double explained = std::max(0.0, now.square - winner.judged.square);
-  for (Trial& t : round.trials) {
-    if (!t.fitted || &t == &winner || !std::isfinite(t.judged.square)) continue;
-    double sum = 0.0;
-    for (std::size_t i = 0; i < t.judged.residual.size(); ++i)
-      sum += std::pow(t.judged.residual[i] - winner.judged.residual[i], 2);
-    t.twin = sum < kTwin * kTwin * explained * static_cast<double>(t.judged.residual.size());
+  const Candidate& winner = round.trials.front().candidate;
+  for (const Trial& one : round.trials) {
+    const bool family = one.candidate == winner || are_kin(one.candidate, winner);
+    if (!family || !one.fitted || !std::isfinite(one.judged.square)) continue;
+    const double explained = std::max(0.0, now.square - one.judged.square);
+    for (Trial& t : round.trials)
+      if (t.fitted && std::isfinite(t.judged.square) && !(t.candidate == winner))
+        t.twin = t.twin || t.candidate == one.candidate || predict_the_same(t.judged, one.judged, explained);
   }
 }
 

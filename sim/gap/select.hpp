@@ -34,7 +34,7 @@ struct Trial {
   double log_evidence = 0.0;
   double probability = 0.0;  // in its round, among all candidates and "nothing"
   bool chosen = false;
-  bool twin = false;  // predicts what the winner predicts
+  bool twin = false;  // predicts what the winner, or a special case of it, predicts
 };
 
 // What entered, and the last contest for its place: all candidates in the company of the others that entered.

@@ -15,17 +15,6 @@ constexpr double kLeastClosed = 0.6;     // enough where one candidate leaves al
 constexpr double kBent = 3.0;            // standard deviations of a calibration
 constexpr double kFarAhead = 1.4 * 1.4;  // mean square of the next that predicts something else
 
-// One contains the other: it is no argument against a name that its own special case does nearly as well.
-bool are_kin(const Candidate& a, const Candidate& b) {
-  const auto is = [](const Candidate& c, std::string_view name) {
-    return c.effect != kBaseline && library()[static_cast<std::size_t>(c.effect)].info.name == name;
-  };
-  const auto friction = [&](const Candidate& c) {
-    return is(c, "coulomb_friction") || is(c, "stribeck_friction");
-  };
-  return friction(a) && friction(b);
-}
-
 // Only noise, or so little more that no number of the baseline makes it less: the noise is not known better.
 bool is_hardly_a_gap(double before, double after, const Evidence& evidence) {
   if (is_only_noise(before, evidence)) return true;
@@ -63,7 +52,7 @@ double lead(const Selection& selection) {
   for (const Trial& t : first->contest) {
     if (t.candidate == first->candidate)
       own = t.judged.square;
-    else if (t.fitted && !t.twin && !are_kin(t.candidate, first->candidate))
+    else if (t.fitted && !t.twin)
       next = std::min(next, t.judged.square);
   }
   return next / own;

@@ -23,12 +23,16 @@ struct LoopTask {
   std::vector<LoadStep> loads;  // one at a time
 };
 
-// The paper's, unless told otherwise.
+// The paper's gains on this robot's own range, unless told otherwise.
 struct LoopSettings {
   control::PiGains gains;
-  double highest = 8000.0;  // V, as far as the paper drives its stack (Fig. 8b)
+  double highest = 8000.0;  // V, as far as the paper sweeps its stack (Fig. 8b) and the gate lets it go
   OfTime feed;              // V added to the PI loop's, of time; empty: none, as in the paper
 };
+
+// The paper's own loop. It names no limit but its amplifier's: Trek 10/40, 10 V from the DAQ times 1000
+// (III.D).
+LoopSettings paper_loop();
 
 // One entry a tick. What was read, and what the tick then asked for.
 struct Course {

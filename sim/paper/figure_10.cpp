@@ -34,7 +34,7 @@ PaperFigure figure_10(const PaperModel& model) {
   PlantModel stage = model.stage;
   stage.weight = kWeight;
   const Course course =
-      follow(stage, {.target = [](double) { return kHeld; }, .seconds = kUntil, .loads = {}});
+      follow(stage, {.target = [](double) { return kHeld; }, .seconds = kUntil, .loads = {}}, paper_loop());
   const double a = span(course, course.plate_a, kFrom, kUntil).width();
   const double b = span(course, course.plate_b, kFrom, kUntil).width();
   const double drive_a = with_the_drive(course, course.plate_a),

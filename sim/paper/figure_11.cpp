@@ -63,9 +63,11 @@ void add_rows(PaperFigure& figure, const PlantModel& stage, const Course& course
 PaperFigure figure_11(const PaperModel& model) {
   PlantModel stage = model.stage;
   stage.weight = kWeight;
-  const Course course = follow(stage, {.target = [](double) { return kHeld; },
-                                       .seconds = kEnd,
-                                       .loads = {{.from = kOn, .to = kOff, .mass = kImpact}}});
+  const Course course = follow(stage,
+                               {.target = [](double) { return kHeld; },
+                                .seconds = kEnd,
+                                .loads = {{.from = kOn, .to = kOff, .mass = kImpact}}},
+                               paper_loop());
   PaperFigure figure;
   figure.number = "11";
   figure.title = "Impact: 50 g put on plate A at 5 mm, and taken off";

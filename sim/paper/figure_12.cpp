@@ -77,7 +77,8 @@ void add_rows(PaperFigure& figure, const Joint& joint, const Course& course) {
 }  // namespace
 
 PaperFigure figure_12(const PaperModel& model) {
-  const Course course = follow(jointed(model), {.target = manual_steps(), .seconds = kEnd, .loads = {}});
+  const Course course =
+      follow(jointed(model), {.target = manual_steps(), .seconds = kEnd, .loads = {}}, paper_loop());
   PaperFigure figure;
   figure.number = "12";
   figure.title = "Rotary joint: 0 to 8 mm and back in steps of 2 mm";

@@ -72,11 +72,13 @@ void add_rows(PaperFigure& figure, const Needle& needle, const Course& gap, cons
 PaperFigure figure_13(const PaperModel& model) {
   assert(!model.needle.tissue.empty());
   const PlantModel stage = with_needle(model);
-  const Course gap =
-      follow(stage, {.target = [](double) { return kGapTarget; }, .seconds = kHold, .loads = {}});
-  const Course liver = follow(stage, {.target = stair_target({0.0, kHold}, {kLiverFirst, kLiverTarget}),
-                                      .seconds = 2.0 * kHold,
-                                      .loads = {}});
+  const Course gap = follow(
+      stage, {.target = [](double) { return kGapTarget; }, .seconds = kHold, .loads = {}}, paper_loop());
+  const Course liver = follow(stage,
+                              {.target = stair_target({0.0, kHold}, {kLiverFirst, kLiverTarget}),
+                               .seconds = 2.0 * kHold,
+                               .loads = {}},
+                              paper_loop());
   PaperFigure figure;
   figure.number = "13";
   figure.title = "Needle: the gap at 2.5 mm, the liver at 2 and then 3.5 mm";

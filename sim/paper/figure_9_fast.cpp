@@ -33,7 +33,9 @@ std::vector<Followed> follow_all(const PaperModel& model, OfTime (*target)(doubl
   out.reserve(kFrequencies.size());
   for (const double f : kFrequencies) {
     out.push_back(
-        {f, follow(stage, {.target = target(low, high, f), .seconds = kPeriods / f, .loads = {}}), 1.0 / f});
+        {f,
+         follow(stage, {.target = target(low, high, f), .seconds = kPeriods / f, .loads = {}}, paper_loop()),
+         1.0 / f});
   }
   return out;
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRigid = 20e3;     // N/m: three hundred times the stack's own stiffness
 constexpr double kRigidStep = 0.8;  // of the time of what moves fastest: a third of where the integrator ends
-constexpr double kShortest = 4.0;   // s in which the pouches and the plate come to rest
+constexpr double kShortest = 12.0;  // s in which the pouches and the plate come to rest, shaken as it is
 
 // What is left of the last half period when the next begins with +amplitude: eq. (17), and of the retained
 // charge s what its own equation leaves when s changes sign every half period a: s(a) = -s(0).
@@ -69,6 +69,7 @@ PlantModel with_rigid_pole(PlantModel stage) {
 
 namespace {
 
+// One slider instead of two; friction that is elastic before it slides yields at the same displacement.
 void halve_guide(PlantModel& stage) {
   stage.baseline.c_s *= 0.5;
   if (auto& dry = stage.effects.coulomb_friction) dry->force *= 0.5;
@@ -76,6 +77,7 @@ void halve_guide(PlantModel& stage) {
     dry->sliding *= 0.5;
     dry->breakaway *= 0.5;
   }
+  if (auto& spring = stage.effects.hysteretic_spring) spring->stiffness *= 0.5;
 }
 
 }  // namespace
@@ -86,6 +88,15 @@ PlantModel plate_on_stack(PlantModel stage, double pouches, double weight) {
   stage.weight = weight;
   halve_guide(stage);
   return with_rigid_pole(std::move(stage));
+}
+
+double guide_friction(const PlantModel& stage) {
+  const Effects& e = stage.effects;
+  double force = 0.0;
+  if (e.coulomb_friction) force += e.coulomb_friction->force;
+  if (e.stribeck_friction) force += e.stribeck_friction->breakaway;
+  if (const auto& spring = e.hysteretic_spring) force += (1.0 - spring->across) * spring->pull(spring->yield);
+  return force;
 }
 
 double peak_to_peak(const std::vector<double>& values) {

@@ -39,6 +39,9 @@ PlantModel plate_on_stack(PlantModel stage, double pouches, double weight);
 // any motion but the first leap.
 PlantModel with_rigid_pole(PlantModel stage);
 
+// Most that the guide's friction holds, whichever effect stands for it. N
+double guide_friction(const PlantModel& stage);
+
 // Largest less smallest; mean.
 double peak_to_peak(const std::vector<double>& values);
 double mean(const std::vector<double>& values);

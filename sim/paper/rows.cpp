@@ -36,12 +36,6 @@ PaperRow at_most_row(RowName name, double paper, double ours, std::string note) 
   return out;
 }
 
-PaperRow at_least_row(RowName name, double paper, double ours, std::string note) {
-  PaperRow out = row(std::move(name), RowKind::AtLeast, paper, ours, 0.0, std::move(note));
-  out.ok = ours >= paper;
-  return out;
-}
-
 PaperRow trend_row(std::string figure, std::string statement, double margin, std::string note) {
   const double holds = margin > 0.0 ? 1.0 : 0.0;
   PaperRow out =
@@ -74,9 +68,6 @@ double shortfall(const PaperRow& row) {
     }
     case RowKind::AtMost:
       out = (row.ours - row.paper) / std::abs(row.paper);
-      break;
-    case RowKind::AtLeast:
-      out = (row.paper - row.ours) / std::abs(row.paper);
       break;
     case RowKind::Trend:
       out = -row.margin;

@@ -17,7 +17,6 @@ struct RowName {
 
 PaperRow number_row(RowName name, double paper, double ours, std::string note, double band = kBand);
 PaperRow at_most_row(RowName name, double paper, double ours, std::string note);
-PaperRow at_least_row(RowName name, double paper, double ours, std::string note);
 
 // A statement that holds where margin > 0. The margin is dimensionless: (what is seen)/(what is needed) - 1.
 PaperRow trend_row(std::string figure, std::string statement, double margin, std::string note);

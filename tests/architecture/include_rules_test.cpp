@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/safety/verifies.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,6 +26,18 @@ const std::map<std::string, std::set<std::string>> kMaySee{
     {"planner/imaging", {"robot/messages"}},
     {"planner", {"robot/messages"}},
     {"drivers/port", {"robot/messages", "safety"}},
+    {"drivers/lines", {"robot/messages", "safety"}},
+    {"drivers/nidaqmx", {"robot/messages", "safety", "drivers/port"}},
+    {"drivers/commissioning", {"robot/messages", "safety", "drivers/port"}},
+    {"robot/realtime", {"robot/messages"}},
+    {"robot/transport", {"robot/messages"}},
+    {"robot/live",
+     {"robot/messages", "safety", "robot/control", "robot/transport", "robot/realtime", "drivers/lines",
+      "drivers/port", "planner", "robot/keys"}},
+    {"robot/keys", {"robot/messages"}},
+    {"robot/recorder", {"robot/messages"}},
+    {"robot/console", {"robot/messages"}},
+    {"robot/assurance", {"robot/messages", "robot/report"}},
     {"sim", {"robot/messages", "drivers/port", "safety"}},
     {"sim/gap", {"robot/messages", "sim"}},
     {"sim/paper", {"robot/messages", "robot/control", "sim"}},
@@ -32,9 +46,30 @@ const std::map<std::string, std::set<std::string>> kMaySee{
     {"sim/design", {"robot/messages", "sim"}},
     {"sim/tuning", {"robot/messages", "robot/control", "sim", "sim/paper"}},
     {"robot/app",
-     {"robot/messages", "safety", "robot/control", "robot/report", "planner", "planner/imaging",
-      "drivers/port", "sim", "sim/gap", "sim/paper", "sim/calibration", "sim/identification", "sim/design",
-      "sim/tuning"}},
+     {"robot/messages",
+      "safety",
+      "robot/control",
+      "robot/report",
+      "planner",
+      "planner/imaging",
+      "drivers/port",
+      "sim",
+      "sim/gap",
+      "sim/paper",
+      "sim/calibration",
+      "sim/identification",
+      "sim/design",
+      "sim/tuning",
+      "drivers/lines",
+      "drivers/nidaqmx",
+      "drivers/commissioning",
+      "robot/realtime",
+      "robot/transport",
+      "robot/live",
+      "robot/keys",
+      "robot/recorder",
+      "robot/assurance",
+      "robot/console"}},
 };
 
 std::string room_of(const std::string& path) {
@@ -103,6 +138,7 @@ TEST(Architecture, SafetyUsesNoClockHeapInputOutputOrException) {
 }
 
 TEST(Architecture, OnlyTheGateMakesAVoltage) {
+  biopsy::verifies("R-35");
   const std::regex made(R"(GatedVoltage\s*[({]\s*[^)}\s])");
   for (const fs::path& file : sources()) {
     const std::string path = fs::relative(file, kHouse).string();

@@ -13,7 +13,7 @@
 #include "planner/seal.hpp"
 #include "robot/app/lockstep.hpp"
 #include "robot/app/operator.hpp"
-#include "robot/app/plan_facts.hpp"
+#include "robot/live/plan_facts.hpp"
 #include "sim/devices/sim_stage.hpp"
 #include "sim/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
@@ -62,7 +62,7 @@ Biopsy liver_biopsy() {
   request.waypoints = {Millimetres(2)};
   Biopsy biopsy;
   biopsy.plan = std::get<Plan>(planner::plan_insertion(request));
-  biopsy.facts = app::plan_facts(biopsy.plan, 7);
+  biopsy.facts = live::plan_facts(biopsy.plan, 7);
   biopsy.model = sim::read_model(models / "rehearsal.toml");
   biopsy.model.tissue = sim::tissue_along(biopsy.plan.layers, sim::read_tissues(models / "tissues.toml"));
   return biopsy;

@@ -59,6 +59,17 @@ TEST(Knobs, BreakawayIsNeverBelowSliding) {
   EXPECT_EQ(friction->breakaway, friction->sliding);
 }
 
+TEST(Knobs, AnEffectThatTheStageLacksComesAbsentAndWithItsTypicalShape) {
+  paper::PaperModel model = start_model();
+  model.stage.effects.hysteretic_spring.reset();
+  set_value(model, "hysteretic_spring.yield_mm", 0.03);
+  const auto& spring = *model.stage.effects.hysteretic_spring;
+  EXPECT_EQ(spring.stiffness, 0.0);
+  EXPECT_DOUBLE_EQ(spring.yield, 0.03e-3);
+  EXPECT_EQ(spring.sharpness, 2.0);
+  EXPECT_EQ(spring.beta, 0.5);
+}
+
 TEST(Knobs, RefuseANameThatNothingHas) {
   paper::PaperModel model = start_model();
   EXPECT_THROW(set_value(model, "stiction", 1.0), SetupError);

@@ -58,6 +58,12 @@ TEST(PaperLoop, AsksForNoLessThanNothingAndNoMoreThanItMay) {
   EXPECT_EQ(*high, 4.0);
 }
 
+TEST(PaperLoop, ThePapersOwnEndsWhereItsAmplifierDoes) {
+  const Course course =
+      follow(rehearsal(), {.target = [](double) { return 50.0; }, .seconds = 1.0, .loads = {}}, paper_loop());
+  EXPECT_EQ(*std::max_element(course.amplitude.begin(), course.amplitude.end()), 10.0);
+}
+
 TEST(PaperLoop, HoldsADampedStageWithinThePapersError) {
   const Course course =
       follow(rehearsal(), {.target = [](double) { return 4.0; }, .seconds = 10.0, .loads = {}});

@@ -35,6 +35,26 @@ TEST(Figure7, FallsWithFrequencyAndLevelsOff) {
     EXPECT_TRUE(row.quantity.find("fall") == std::string::npos || row.ok) << row.quantity << row.note;
 }
 
+// The same friction, once rigid until it breaks away and once elastic before it slides.
+TEST(Figure7, ARipplePassesFrictionThatIsElasticBeforeItSlides) {
+  PaperModel model = bare_paper_model();
+  model.brief = true;
+  model.stage.effects.coulomb_friction = CoulombFriction{.force = 0.1};
+  EXPECT_FALSE(row_about(figure_7a(model), "10 Hz")->ok);
+  model.stage.effects.coulomb_friction.reset();
+  model.stage.effects.hysteretic_spring = HystereticSpring{.stiffness = 2e3, .yield = 0.05e-3};
+  EXPECT_TRUE(row_about(figure_7a(model), "10 Hz")->ok);
+}
+
+TEST(OpenLoop, OneSliderHasHalfOfTheGuidesFriction) {
+  PlantModel stage = bare_paper_model().stage;
+  EXPECT_EQ(guide_friction(stage), 0.0);
+  stage.effects.coulomb_friction = CoulombFriction{.force = 0.04};
+  stage.effects.hysteretic_spring = HystereticSpring{.stiffness = 2e3, .yield = 0.03e-3};
+  EXPECT_DOUBLE_EQ(guide_friction(stage), 0.10);
+  EXPECT_DOUBLE_EQ(guide_friction(plate_on_stack(stage, 11.0, 0.020)), 0.05);
+}
+
 void expect_same_without_settling(const PlantModel& stage) {
   const OpenLoopDrive drive{.amplitude = 6000.0, .frequency = 0.5, .settle = 80.0, .watch = 2.0};
   const OpenLoopRun full = run_open_loop(stage, drive, false), brief = run_open_loop(stage, drive, true);

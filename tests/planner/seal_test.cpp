@@ -6,6 +6,8 @@
 #include <functional>
 #include <set>
 
+#include "tests/safety/verifies.hpp"
+
 namespace biopsy::planner {
 namespace {
 
@@ -38,6 +40,7 @@ TEST(Seal, AnUnsealedPlanDoesNotHold) {
 }
 
 TEST(Seal, BreaksWithEverySingleField) {
+  verifies("R-50");
   const std::vector<std::function<void(Plan&)>> changes = {
       [](Plan& p) { p.target.patient_id = "P-8"; }, [](Plan& p) { p.target.series_uid = "1.2.840.2"; },
       [](Plan& p) { p.target.p_SE.x() += 0.1; }, [](Plan& p) { p.target.p_SE.y() += 0.1; },
@@ -80,6 +83,7 @@ TEST(Seal, BreaksWithEverySingleField) {
 }
 
 TEST(Seal, BreaksWithEveryBitOfItself) {
+  verifies("R-50");
   Plan plan = sample_plan();
   seal(plan);
   for (std::size_t bit = 0; bit < 256; ++bit) {

@@ -4,6 +4,7 @@
 
 #include "rig.hpp"
 #include "safety/thresholds.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -27,6 +28,7 @@ TEST(BenchPlan, MayChangePolarityAtTheRateItDeclares) {
 }
 
 TEST(BenchPlan, IsHeldToTheRateItDeclares) {
+  verifies("R-23");
   for (const auto& [declared, real] :
        {std::pair{100, 250}, {1'000, 250}, {250, 100}, {100, 78}, {100, 123}}) {
     Rig rig = bench_rig(declared, real);
@@ -57,6 +59,7 @@ TEST(BenchPlan, ThatIsFasterThanTheBenchAllowsStillEndsAStuckPolarityAsSoonAsAny
 }
 
 TEST(BenchPlan, IsNeverReadyUnlessSomebodySaysNoPatientNoNeedle) {
+  verifies("R-30");
   Rig rig = bench_rig(100, 100);
   rig.on_observation = [](Observation&) {};
   EXPECT_FALSE(rig.go_ready());

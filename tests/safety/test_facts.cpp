@@ -5,6 +5,7 @@
 #include "robot/messages/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/interlock.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -15,6 +16,7 @@ TEST(PlanFacts, AcceptTheTestPlanAndRefuseADefaultOne) {
 }
 
 TEST(PlanFacts, RefuseEveryNumberTheRobotCannotMean) {
+  verifies("R-29");
   const auto spoilt = [](auto spoil) {
     PlanFacts plan = three_stage_plan();
     spoil(plan);
@@ -55,6 +57,7 @@ TEST(PlanFacts, AcceptAsManyStagesAndBandsAsThereIsRoomFor) {
 }
 
 TEST(PlanFacts, APlanInTheWrongUnitsIsNeverReady) {
+  verifies("R-29");
   Rig rig;
   rig.plan.depth_max_um = 4;
   rig.run(200);
@@ -81,6 +84,7 @@ TEST(HazardTable, NamesTheWorstOfASet) {
 }
 
 TEST(Interlock, OpensTwentyMillisecondsAfterEitherSideStops) {
+  verifies("R-43");
   const Interlock fed = feed_from_driver(feed_from_supervisor(Interlock{}, 1'000'000), 1'005'000);
   EXPECT_FALSE(is_closed(Interlock{}, 1'000));
   EXPECT_TRUE(is_closed(fed, 1'019'999));
@@ -93,6 +97,7 @@ TEST(Interlock, OpensTwentyMillisecondsAfterEitherSideStops) {
 }
 
 TEST(Voltage, ThatAppearsWhileReadyTripsInThreeTicks) {
+  verifies("R-36");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
   rig.on_measurement = [](Measurement& m) { m.monitor_mV = -150'000; };
@@ -109,6 +114,7 @@ TEST(Voltage, CommandedWithoutShowingOnTheMonitorIsNotZero) {
 }
 
 TEST(Voltage, IsUnknownWhenTheStageFallsSilent) {
+  verifies("R-18");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
   rig.on_measurement = [old = rig.measurement](Measurement& m) { m = old; };
@@ -116,6 +122,7 @@ TEST(Voltage, IsUnknownWhenTheStageFallsSilent) {
 }
 
 TEST(Polarity, BalanceIsKeptOverAHoldAndForgottenWhenTheDriveWasOff) {
+  verifies("R-22");
   Rig rig;
   rig.flip_ticks = 1'000'000;
   ASSERT_TRUE(rig.go_active());  // 900 ticks of one polarity, below 1 kV for the first 50
@@ -143,6 +150,7 @@ TEST(Polarity, AWaveWithoutAmplitudeOrOutsideActiveIsNotJudged) {
 }
 
 TEST(Polarity, FrequencyMayBeOffByLessThanAFifth) {
+  verifies("R-23");
   for (const std::int32_t half_period : {205, 295}) {
     Rig rig;
     rig.flip_ticks = half_period;
@@ -162,6 +170,7 @@ TEST(Polarity, FrequencyMayBeOffByLessThanAFifth) {
 }
 
 TEST(Depth, IsJudgedByWhereTheNeedleWouldComeToRest) {
+  verifies("R-14", "R-16");
   Rig rig;
   rig.wanted_mV = 5'000'000;
   ASSERT_TRUE(rig.go_active());
@@ -172,6 +181,7 @@ TEST(Depth, IsJudgedByWhereTheNeedleWouldComeToRest) {
 }
 
 TEST(Depth, ACodeThatStaysTheSameAtASteadyVoltageIsNotFrozen) {
+  verifies("R-19");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.on_measurement = [old = rig.measurement](Measurement& m) {
@@ -182,6 +192,7 @@ TEST(Depth, ACodeThatStaysTheSameAtASteadyVoltageIsNotFrozen) {
 }
 
 TEST(Ramp, StartsAtThePresentVoltageAndFallsInAStraightLine) {
+  verifies("R-37");
   Rig rig;
   ASSERT_TRUE(rig.go_retract());
   EXPECT_EQ(rig.output.permit.v_max_mV, 6'000'000);
@@ -193,6 +204,7 @@ TEST(Ramp, StartsAtThePresentVoltageAndFallsInAStraightLine) {
 }
 
 TEST(Challenge, NothingIsProvenBeforeTheFirstPermit) {
+  verifies("R-10");
   LinkWatch watch;
   watch.answer_score = 0;
   EXPECT_NE(look(three_stage_plan(), watch, Observation{}).found & bit(Hazard::WrongAnswer), 0U);
@@ -207,6 +219,7 @@ TEST(Challenge, LostPermitsAreForgivenAslongAsTheAnswersAreRight) {
 }
 
 TEST(Challenge, ADriverThatKeepsGivingAnOldAnswerIsFoundOut) {
+  verifies("R-10");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.flip_ticks = 1'000'000;
@@ -227,6 +240,7 @@ TEST(Challenge, AnAnswerFromTheFutureIsWrong) {
 }
 
 TEST(Clock, MustAdvanceByOneToFiveMillisecondsOnBothSides) {
+  verifies("R-05");
   for (const std::int64_t step_us : {std::int64_t{-1'000}, std::int64_t{0}, std::int64_t{5'001}}) {
     Rig supervisor, stage;
     ASSERT_TRUE(supervisor.go_active() && stage.go_active());
@@ -245,6 +259,7 @@ TEST(Clock, MustAdvanceByOneToFiveMillisecondsOnBothSides) {
 }
 
 TEST(EStop, LatchesADisagreementUntilBothContactsWereSeenOpen) {
+  verifies("R-04");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
   rig.on_observation = [](Observation& seen) { seen.estop_a_closed = false; };
@@ -260,6 +275,7 @@ TEST(EStop, LatchesADisagreementUntilBothContactsWereSeenOpen) {
 }
 
 TEST(Lockstep, ASupervisorThatDiesLeavesTheNeedleWithoutDriveInFiveMilliseconds) {
+  verifies("R-44");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.on_permit = [](Permit&) { return false; };

@@ -9,6 +9,7 @@
 #include "robot/messages/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/gate.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -56,6 +57,7 @@ struct Bench {
 };
 
 TEST(Gate, GivesNothingForNothing) {
+  verifies("R-34", "R-47");
   const GateResult result = gate(GateState{}, nullptr, nullptr, 0, 0);
   EXPECT_EQ(result.voltage.mV(), 0);
   EXPECT_FALSE(result.voltage.hv_enabled());
@@ -65,6 +67,7 @@ TEST(Gate, GivesNothingForNothing) {
 }
 
 TEST(Gate, BindsToASessionOnlyByAPermitThatSaysOff) {
+  verifies("R-34");
   Bench bench;
   bench.allow(8'000'000);
   EXPECT_EQ(bench.tick(100'000).verdict, GateVerdict::WrongSession);
@@ -100,6 +103,7 @@ TEST(Gate, TakesALaterSessionOnlyWhenOffAndTheOldOneIsSilent) {
 }
 
 TEST(Gate, RefusesOldEpochsAndOldNumbersWithoutLettingTheVoltageRise) {
+  verifies("R-34", "R-26");
   Bench bench;
   bench.raise_to(1'000'000);
   Permit old = bench.permit;
@@ -128,6 +132,7 @@ TEST(Gate, APermitOfANewEpochEndsTheOldOnes) {
 }
 
 TEST(Gate, IsOffFiveMillisecondsAfterTheSupervisorFellSilentAndStaysOff) {
+  verifies("R-44");
   Bench bench;
   bench.raise_to(5'000'000);
   const auto silent_tick = [&] { return ++bench.request.seq, bench.call(&bench.request, nullptr); };
@@ -158,6 +163,7 @@ TEST(Gate, APermitMayShortenItsLifeButNotLengthenIt) {
 }
 
 TEST(Gate, SwitchesOffAtOnceOnAClockThatJumpsOrStandsStill) {
+  verifies("R-05");
   for (const std::int64_t dt_us : {std::int64_t{0}, std::int64_t{-1'000}, std::int64_t{5'001}}) {
     Bench bench;
     bench.raise_to(3'000'000);
@@ -170,6 +176,7 @@ TEST(Gate, SwitchesOffAtOnceOnAClockThatJumpsOrStandsStill) {
 }
 
 TEST(Gate, SwitchesOffAtOnceUnlessThereIsExactlyOneWriter) {
+  verifies("R-11");
   for (const std::int32_t writers : {0, 2}) {
     Bench bench;
     bench.raise_to(3'000'000);
@@ -190,6 +197,7 @@ TEST(Gate, TheSamePermitAgainDoesNotLiveLonger) {
 }
 
 TEST(Gate, C0TakesEffectInTheSameTickWhateverTheRestOfThePermitSays) {
+  verifies("R-36");
   Bench bench;
   bench.raise_to(8'000'000);
   bench.permit.stop = StopCategory::C0Off;
@@ -203,6 +211,7 @@ TEST(Gate, C0TakesEffectInTheSameTickWhateverTheRestOfThePermitSays) {
 }
 
 TEST(Gate, LowersAtOnceWithoutAnyLeave) {
+  verifies("R-34");
   Bench bench;
   bench.raise_to(8'000'000);
   bench.permit.slew_down_mV_per_tick = 1;
@@ -220,6 +229,7 @@ TEST(Gate, ClampsDownToAnEnvelopeBelowThePresentVoltage) {
 }
 
 TEST(Gate, OnlyActiveWithoutAStopMayRiseButPolarityMayChange) {
+  verifies("R-34");
   for (const Mode mode : {Mode::Armed, Mode::Hold, Mode::Retract, Mode::Safe}) {
     Bench bench;
     bench.raise_to(2'000'000);
@@ -233,6 +243,7 @@ TEST(Gate, OnlyActiveWithoutAStopMayRiseButPolarityMayChange) {
 }
 
 TEST(Gate, HardLimitsCannotBePermittedAway) {
+  verifies("R-35");
   Bench bench;
   bench.bind();
   bench.allow(std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max());
@@ -287,6 +298,7 @@ TEST(Gate, AnswersTheLastHonouredChallengeWithTheVoltageItReallyPutOut) {
 }
 
 TEST(Challenge, EveryPartOfTheAnswerMatters) {
+  verifies("R-10");
   const std::uint32_t right = answer_to(1, 5'000'000, Mode::Active, 77);
   EXPECT_NE(right, answer_to(2, 5'000'000, Mode::Active, 77));
   EXPECT_NE(right, answer_to(1, -5'000'000, Mode::Active, 77));
@@ -298,6 +310,7 @@ TEST(Challenge, EveryPartOfTheAnswerMatters) {
 
 // |V| rises only under a permit that was honoured, is alive and allows it; and never beyond any limit.
 TEST(Gate, NeverRisesWithoutLeaveOverARandomWalk) {
+  verifies("R-34");
   std::mt19937 random(31);
   const auto one_in = [&](unsigned n) { return random() % n == 0; };
   Bench bench;

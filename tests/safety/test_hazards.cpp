@@ -7,6 +7,7 @@
 
 #include "rig.hpp"
 #include "safety/thresholds.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -100,6 +101,7 @@ Mode mode_after(const HazardFacts& facts) {
 class EveryHazard : public testing::TestWithParam<Fault> {};
 
 TEST_P(EveryHazard, IsNamedInTimeAndStopsTheNeedleAsItsRequirementSays) {
+  verifies(name_of(GetParam().hazard).substr(0, 4));
   const Fault& fault = GetParam();
   const HazardFacts& facts = facts_of(fault.hazard);
   Rig rig;
@@ -117,6 +119,7 @@ TEST_P(EveryHazard, IsNamedInTimeAndStopsTheNeedleAsItsRequirementSays) {
 }
 
 TEST_P(EveryHazard, AloneLeadsFromActiveExactlyToItsStop) {
+  verifies(name_of(GetParam().hazard).substr(0, 4));
   const HazardFacts& facts = facts_of(GetParam().hazard);
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -129,6 +132,7 @@ TEST_P(EveryHazard, AloneLeadsFromActiveExactlyToItsStop) {
 }
 
 TEST_P(EveryHazard, RefusesReadyAndArming) {
+  verifies(name_of(GetParam().hazard).substr(0, 4));
   const HazardFacts& facts = facts_of(GetParam().hazard);
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
@@ -154,6 +158,7 @@ TEST(HazardTable, HasAFaultForEveryHazardButTheOneTestedOnPlans) {
 }
 
 TEST(Evidence, ProvesNothingFromNothing) {
+  verifies("R-47");
   EvidenceMemory memory;
   const Evidence evidence = assess(PlanFacts{}, memory, Observation{});
   EXPECT_FALSE(evidence.zero_volts);

@@ -6,6 +6,7 @@
 
 #include "rig.hpp"
 #include "robot/messages/limits.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -101,6 +102,7 @@ std::int32_t rise_limit(const Permit& permit) {
 }
 
 TEST(Invariants, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
+  verifies("R-48");
   const PlanFacts plan = three_stage_plan();
   Dice dice(2024);
   std::array<int, kModes> visits{};
@@ -140,6 +142,7 @@ TEST(Invariants, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
 }
 
 TEST(Invariants, HoldInEveryStepOfARandomWalk) {
+  verifies("R-36", "R-39", "R-40", "R-47");
   const PlanFacts plan = three_stage_plan();
   Dice dice(7);
   SupervisorState state = started(5);
@@ -188,6 +191,7 @@ TEST(Invariants, HoldInEveryStepOfARandomWalk) {
 }
 
 TEST(Invariants, TheEnvelopeOnlyFallsInHoldAndRetract) {
+  verifies("R-37", "R-38");
   const PlanFacts plan = three_stage_plan();
   Dice dice(99);
   SupervisorState state = started(5);
@@ -204,6 +208,7 @@ TEST(Invariants, TheEnvelopeOnlyFallsInHoldAndRetract) {
 }
 
 TEST(Invariants, WorseObservationsNeverClearAHazard) {
+  verifies("R-48");
   Rig rig;
   Dice dice(5);
   ASSERT_TRUE(rig.go_active());
@@ -288,6 +293,7 @@ TEST(Nuisance, AnHourOfHealthyProceduresStopsForNothing) {
 }
 
 TEST(Nuisance, APlannedPunctureOfHalfAMillimetreIsNoBreakThrough) {
+  verifies("R-17");
   Rig rig;
   rig.wanted_mV = 5'000'000;
   ASSERT_TRUE(rig.go_active());

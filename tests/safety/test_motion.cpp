@@ -3,6 +3,7 @@
 
 #include "rig.hpp"
 #include "safety/thresholds.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -17,6 +18,7 @@ void reach(Rig& rig) {
 }
 
 TEST(HoldToRun, StopsInTheTickOfTheRelease) {
+  verifies("R-41");
   Rig rig;
   EXPECT_TRUE(rig.go_hold());
   EXPECT_EQ(rig.state.last_event, Event::Stop);
@@ -24,6 +26,7 @@ TEST(HoldToRun, StopsInTheTickOfTheRelease) {
 }
 
 TEST(HoldToRun, StopsWhenTheConsoleFallsSilent) {
+  verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.release();
@@ -31,6 +34,7 @@ TEST(HoldToRun, StopsWhenTheConsoleFallsSilent) {
 }
 
 TEST(HoldToRun, ALateHeartbeatOfASpentTokenCannotRestartMotion) {
+  verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   const std::uint32_t spent = rig.state.token;
@@ -49,6 +53,7 @@ TEST(HoldToRun, ALateHeartbeatOfASpentTokenCannotRestartMotion) {
 }
 
 TEST(HoldToRun, APressWhileNotArmedIsSpentAndMustBeRepeated) {
+  verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
   rig.press();
@@ -64,6 +69,7 @@ TEST(HoldToRun, APressWhileNotArmedIsSpentAndMustBeRepeated) {
 }
 
 TEST(HoldToRun, ASecondPressDuringMotionStopsIt) {
+  verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.press();
@@ -87,6 +93,7 @@ TEST(HoldToRun, AnOldTokenNeitherStopsNorFeedsTheMotion) {
 }
 
 TEST(Stages, EndInHoldAndGoOnWithAFreshPress) {
+  verifies("R-42");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   EXPECT_EQ(rig.output.permit.depth_max_um, rig.plan.stages[0].depth_max_um);
@@ -107,6 +114,7 @@ TEST(Stages, EndInHoldAndGoOnWithAFreshPress) {
 }
 
 TEST(Stages, WaitForTheDepthCheckOfThatVeryStage) {
+  verifies("R-42");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   reach(rig);
@@ -189,6 +197,7 @@ TEST(Stages, AFinishedPlanRetractsAndStartsOverFromTheFirstStage) {
 }
 
 TEST(Stages, NeverAllowMoreThanTheRobotsOwnLimits) {
+  verifies("R-35");
   Rig rig;
   rig.plan.stages[0].v_max_mV = 20'000'000;
   rig.plan.stages[0].slew_up_mV_per_tick = 20'000'000;
@@ -206,6 +215,7 @@ TEST(Stages, NeverAllowMoreThanTheRobotsOwnLimits) {
 }
 
 TEST(Images, AreFlaggedWhenTheDriveSwitchesWhileTheyAreTaken) {
+  verifies("R-49");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.on_observation = [](Observation& seen) { seen.acquiring = true; };

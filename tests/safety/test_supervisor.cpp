@@ -6,6 +6,7 @@
 #include "rig.hpp"
 #include "robot/messages/limits.hpp"
 #include "safety/thresholds.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -41,6 +42,7 @@ TEST(Supervisor, ReachesEveryMode) {
 }
 
 TEST(Supervisor, RefusesEverythingFromADefaultInput) {
+  verifies("R-47");
   for (const Mode mode : kAllModes) {
     const auto [next, output] = step(PlanFacts{}, in(mode), SupervisorInput{});
     EXPECT_FALSE(output.permit.hv_enable) << name_of(mode);
@@ -52,6 +54,7 @@ TEST(Supervisor, RefusesEverythingFromADefaultInput) {
 }
 
 TEST(Supervisor, C0DisablesInTheSameTickFromEveryHotModeAndStartsANewEpoch) {
+  verifies("R-36");
   for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
     SupervisorInput input = healthy();
     input.evidence.clear &= ~bit(Hazard::Arc);
@@ -65,6 +68,7 @@ TEST(Supervisor, C0DisablesInTheSameTickFromEveryHotModeAndStartsANewEpoch) {
 }
 
 TEST(Supervisor, LeavesBootOnlyWithSelfTestAndZeroVolts) {
+  verifies("R-51");
   SupervisorInput input = healthy();
   EXPECT_EQ(after(in(Mode::Boot), input), Mode::Safe);
   input.evidence.zero_volts = false;
@@ -77,6 +81,7 @@ TEST(Supervisor, LeavesBootOnlyWithSelfTestAndZeroVolts) {
 }
 
 TEST(Supervisor, LocksABootThatTakesTooLong) {
+  verifies("R-51");
   SupervisorState state = in(Mode::Boot);
   SupervisorInput input = healthy();
   input.evidence.zero_volts = false;
@@ -94,6 +99,7 @@ TEST(Supervisor, TripsOnVoltageWhereThereMustBeNone) {
 }
 
 TEST(Supervisor, LocksOnResidualChargeOrANeedleThatStaysOutFromEveryColdMode) {
+  verifies("R-01", "R-02", "R-51");
   for (const Hazard hazard : {Hazard::ResidualCharge, Hazard::NeedleNotBack})
     for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Trip}) {
       SupervisorInput input = healthy();
@@ -103,6 +109,7 @@ TEST(Supervisor, LocksOnResidualChargeOrANeedleThatStaysOutFromEveryColdMode) {
 }
 
 TEST(Supervisor, ArmsOnAnEdgeOfTheLocalKeyOnly) {
+  verifies("R-40");
   SupervisorInput input = healthy();
   input.remote_arm = true;
   auto [next, output] = step(three_stage_plan(), in(Mode::Ready), input);
@@ -136,6 +143,7 @@ TEST(Supervisor, StopsOfEachCategoryLeaveArmedAndReady) {
 }
 
 TEST(Supervisor, ForgetsAnArmingThatNobodyUsesAfterThirtySeconds) {
+  verifies("R-40");
   Rig rig;
   ASSERT_TRUE(rig.go_armed());
   EXPECT_EQ(rig.ticks_until([&] { return rig.state.mode != Mode::Armed; }, 40'000), limits::kArmedMax_ms);
@@ -143,6 +151,7 @@ TEST(Supervisor, ForgetsAnArmingThatNobodyUsesAfterThirtySeconds) {
 }
 
 TEST(Supervisor, HoldEndsInRetractAfterTenSecondsWithoutEverRising) {
+  verifies("R-38");
   Rig rig;
   ASSERT_TRUE(rig.go_hold());
   std::int32_t highest = std::abs(rig.gate_state.drive_mV);
@@ -159,6 +168,7 @@ TEST(Supervisor, HoldEndsInRetractAfterTenSecondsWithoutEverRising) {
 }
 
 TEST(Supervisor, RetractReachesZeroVoltsWithinThreeHundredMilliseconds) {
+  verifies("R-37");
   Rig rig;
   ASSERT_TRUE(rig.go_retract());
   EXPECT_LT(rig.ticks_until([&] { return rig.state.mode != Mode::Retract; }, 1'000), limits::kRampTime_ms);
@@ -167,6 +177,7 @@ TEST(Supervisor, RetractReachesZeroVoltsWithinThreeHundredMilliseconds) {
 }
 
 TEST(Supervisor, ARetractWhoseVoltageStaysTrips) {
+  verifies("R-37");
   SupervisorState state = in(Mode::Retract);
   SupervisorInput input = healthy();
   input.evidence.zero_volts = false;
@@ -177,6 +188,7 @@ TEST(Supervisor, ARetractWhoseVoltageStaysTrips) {
 }
 
 TEST(Supervisor, LeavesTripOnlyOnALocalResetEdgeWithEverythingBackToNormal) {
+  verifies("R-39");
   SupervisorInput good = healthy();
   good.local_reset = true;
   EXPECT_EQ(after(in(Mode::Trip), good), Mode::Safe);
@@ -207,6 +219,7 @@ TEST(Supervisor, LeavesTripOnlyOnALocalResetEdgeWithEverythingBackToNormal) {
 }
 
 TEST(Supervisor, AResetKeyHeldSinceBeforeTheTripDoesNotResetIt) {
+  verifies("R-39");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.reset = true;
@@ -238,10 +251,29 @@ TEST(Supervisor, TheReasonOfATripStaysUntilItIsReset) {
 }
 
 TEST(Supervisor, LockAbsorbsEveryHealthyInput) {
+  verifies("R-51");
   SupervisorInput input = healthy();
   input.local_reset = input.local_arm = true;
   input.motion = {99, true};
   EXPECT_EQ(after(in(Mode::Lock), input), Mode::Lock);
+}
+
+TEST(Supervisor, AKeyOrAPressInTheTickThatEndsTheModeIsAnswered) {
+  verifies("R-47");
+  Rig ready;
+  ASSERT_TRUE(ready.go_ready());
+  ready.on_input = [](SupervisorInput& input) { input.evidence.zero_volts = false; };
+  ready.arm = true;
+  ready.tick();
+  EXPECT_EQ(ready.state.mode, Mode::Trip);
+  EXPECT_EQ(ready.output.refusal, Refusal::VoltageLeft);
+  Rig holding;
+  ASSERT_TRUE(holding.go_hold());
+  holding.on_input = [](SupervisorInput& input) { input.request.finished = true; };
+  holding.press();
+  holding.tick();
+  EXPECT_EQ(holding.state.mode, Mode::Retract);
+  EXPECT_EQ(holding.output.refusal, Refusal::NotArmed);
 }
 
 TEST(Supervisor, RefusesNothingWhereNothingWasAsked) {
@@ -250,6 +282,7 @@ TEST(Supervisor, RefusesNothingWhereNothingWasAsked) {
 }
 
 TEST(Supervisor, TreatsABrokenModeAsLock) {
+  verifies("R-47");
   EXPECT_EQ(after(in(static_cast<Mode>(77)), healthy()), Mode::Lock);
 }
 

@@ -49,6 +49,16 @@ TEST(Simulate, IsThePlantSteppedByHand) {
   }
 }
 
+// Where the voltage jumps from 0 to U the charge is C1 (1 - K) U, plus what leaks within the row.
+TEST(Simulate, CurrentHoldsTheChargeOfAJumpAtAnyRate) {
+  for (const double period : {1e-4, 1e-3, 0.05}) {
+    const RecordedRun run = simulate(PlantModel{}, steps(20, period));
+    const Baseline b;
+    const double leaked = b.C1 * b.K * 4000.0 * -std::expm1(-period / b.tau);
+    EXPECT_NEAR(run.current[4] * period, b.C1 * (1.0 - b.K) * 4000.0 + leaked, 1e-12) << period;
+  }
+}
+
 TEST(Simulate, ACoarselySampledRunIsTheSameMotionSeenLessOften) {
   RecordedRun coarse = steps(100, 0.05), fine = steps(5000, 1e-3);
   for (std::size_t k = 0; k < 5000; ++k) {

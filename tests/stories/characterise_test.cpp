@@ -161,7 +161,12 @@ TEST(Characterise, RefusesWithWhatToDo) {
   refuse("dc" + out, "no patient, no needle");
   refuse("--bench", "--out");
   refuse("fly --bench" + out, "choose from: dc, staircase, load, impact, frequency");
-  refuse("--device nidaqmx --bench" + out, "NI-DAQmx");
+  refuse("--device nidaqmx --bench" + out, "--commissioning");
+  const std::string board = " --device-config " BIOPSY_SOURCE_DIR
+                            "/drivers/nidaqmx/usb6211.toml --commissioning " +
+                            (folder / "none").string();
+  refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
+  refuse("load --device nidaqmx --bench" + board + out, "weight");
   refuse("--device toaster --bench" + out, "toaster");
   refuse("--weight-g 400 --bench" + out, "300 g");
   refuse("--weight-g nan --bench" + out, "--weight-g");

@@ -89,6 +89,7 @@ class Document : public testing::TestWithParam<fs::path> {
     fs::copy(kHouse / "docs/examples", folder_ / "docs/examples", fs::copy_options::recursive);
     fs::copy(kHouse / "sim/models", folder_ / "sim/models", fs::copy_options::recursive);
     came_from_ = fs::current_path();
+    setenv("XDG_CONFIG_HOME", (folder_ / "config").c_str(), 1);  // no test touches a user's own keys
     fs::current_path(folder_);
   }
   void TearDown() override {
@@ -102,7 +103,7 @@ class Document : public testing::TestWithParam<fs::path> {
 
 std::set<std::string> dev_verbs() {
   const std::string help = file_content(kHouse / "dev");
-  return found_in(help, R"(\n  ([a-z]+)\)  # )");
+  return found_in(help, R"(\n  ([a-z-]+)\)  # )");
 }
 
 TEST_P(Document, EveryCommandRunsAsWritten) {
@@ -124,7 +125,11 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
       words >> from >> to;
       fs::copy_file(from, to);
     } else if (ours) {
-      const Answer answer = biopsy(line.text.substr(7, line.text.find(" # ") - 7));
+      Answer answer = biopsy(line.text.substr(7, line.text.find(" # ") - 7));
+      // In real time a machine that stalls may stop a procedure; it may not do so again and again.
+      for (int again = 0; again < 2 && answer.code == 3 && line.text.find("--live") != std::string::npos;
+           ++again)
+        answer = biopsy(line.text.substr(7));
       ASSERT_EQ(answer.code, promised_code(line.text)) << where << "\n" << answer.text;
     } else {  // not run: some of them run this test
       EXPECT_TRUE(verbs.contains(line.text.substr(6, line.text.find(' ', 6) - 6)))
@@ -182,10 +187,11 @@ TEST(Documents, EachIsLinkedFromTheReadme) {
 
 TEST(Documents, TellEveryOptionAndCommand) {
   const std::string source = file_content(kHouse / "robot/app/command_line.cpp") +
-                             file_content(kHouse / "robot/app/study_commands.cpp"),
+                             file_content(kHouse / "robot/app/study_commands.cpp") +
+                             file_content(kHouse / "robot/app/live_commands.cpp"),
                     reference = prose_of("reference.md");
   const auto options = found_in(source, R"(add_(?:option|flag|flag_callback)\("([^"]+)\")"),
-             commands = found_in(source, R"(add_subcommand\("([^"]+)\")");
+             commands = found_in(source, R"(app\.add_subcommand\("([^"]+)\")");
   EXPECT_GT(options.size(), 15U);
   EXPECT_GE(commands.size(), 5U);
   for (const std::string& option : options) EXPECT_TRUE(mentions(reference, option)) << option;

@@ -1,4 +1,4 @@
-#include "robot/report/gap_markup.hpp"
+#include "robot/report/html_markup.hpp"
 
 #include <fmt/format.h>
 
@@ -10,6 +10,20 @@
 #include "robot/report/outside_text.hpp"
 
 namespace biopsy::report::markup {
+
+std::string page_head(const std::string& title, const std::string& own_style, Pictures pictures) {
+  return std::string(
+             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n"
+             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; ") +
+         (pictures == Pictures::Embedded ? "img-src data:; " : "") +
+         "style-src 'unsafe-inline'\" />\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n<title>" +
+         escaped(title) + "</title>\n<style>" + kPageStyle + own_style + "</style>\n</head>\n";
+}
+
+std::string key_figure(const std::string& name_markup, const std::string& value) {
+  return "<div><dt>" + name_markup + "</dt><dd>" + escaped(value) + "</dd></div>\n";
+}
 
 std::string section(const std::string& heading, const std::string& content) {
   if (content.empty()) return {};

@@ -1,0 +1,62 @@
+// Turns what goes over the bus into records of the procedure log: what changed, never every tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "robot/live/heartbeat.hpp"
+#include "robot/messages/drive_request.hpp"
+#include "robot/messages/measurement.hpp"
+#include "robot/recorder/recorder.hpp"
+#include "robot/transport/bus.hpp"
+#include "robot/transport/doorkeeper.hpp"
+
+namespace biopsy::app {
+
+class LogScribe {
+ public:
+  // `doorkeeper`: of a secured bus; null: everybody may come in.
+  LogScribe(const transport::Participant& bus, recorder::Recorder& recorder, std::uint64_t config_tag,
+            const transport::Doorkeeper* doorkeeper);
+
+  // Reads all that came and writes what is due; every 10 ms.
+  void turn(std::int64_t now_us);
+
+  // The recorder's own start and end.
+  void note(recorder::RecordKind kind, const std::string& body, std::int64_t now_us);
+
+ private:
+  void write(recorder::RecordKind kind, const char* source, std::string body, recorder::Urgency urgency,
+             std::int64_t now_us);
+  void follow_decisions(std::int64_t now_us);
+  void follow_acts(std::int64_t now_us);
+  void follow_plan_and_checks(std::int64_t now_us);
+  void follow_stage(std::int64_t now_us);
+  void follow_health(std::int64_t now_us);
+  void follow_strangers(std::int64_t now_us);
+  void report_itself(std::int64_t now_us);
+
+  recorder::Recorder& recorder_;
+  const transport::Doorkeeper* doorkeeper_;
+  transport::Reader<Decision> decisions_;
+  transport::Reader<OperatorAct> acts_;
+  transport::Reader<SealedPlan> plans_;
+  transport::Reader<DepthVerdictNote> verdicts_;
+  transport::Reader<Measurement> measurements_;
+  transport::Reader<DriveRequest> requests_;
+  transport::Writer<LogHealth> log_health_;
+  live::Heartbeat heartbeat_;
+  live::HealthBoard board_;
+  Decision decision_;
+  OperatorAct act_;
+  Measurement measured_;
+  DriveRequest request_;
+  std::array<bool, kProcesses> alive_{};
+  std::array<std::uint32_t, kProcesses> refused_{};
+  int strangers_ = 0;
+  std::uint32_t health_seq_ = 0;
+  std::int64_t reported_us_ = 0;
+};
+
+}  // namespace biopsy::app

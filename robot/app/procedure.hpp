@@ -1,0 +1,20 @@
+// What every procedure begins and ends with, on whichever robot it runs.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+
+#include "robot/app/commands.hpp"
+#include "robot/app/prepared_case.hpp"
+#include "robot/report/run_record.hpp"
+
+namespace biopsy::app {
+
+// Throws SetupError where the options do not fit together.
+Case case_of(const ProcedureOptions& options);
+
+// Writes the report and prints its table and path.
+void finish(report::RunRecord& record, const PreparedCase& prepared, const std::filesystem::path& out,
+            std::chrono::steady_clock::time_point started);
+
+}  // namespace biopsy::app

@@ -1,0 +1,13 @@
+// Hours of rehearsal compressed to minutes of real time: how often does the live robot stop for nothing?
+#pragma once
+
+#include "robot/app/live_options.hpp"
+#include "robot/app/prepared_case.hpp"
+
+namespace biopsy::bench {
+
+// Rehearses the case again and again through the real processes; prints trips, and how late host and
+// processes were.
+void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepared, double minutes);
+
+}  // namespace biopsy::bench
