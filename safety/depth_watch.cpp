@@ -66,6 +66,16 @@ HazardSet look_at_plausibility(const PlanFacts& plan, DepthWatch& watch, std::in
   return when(watch.implausible_ticks >= kImplausible_ticks, Hazard::OffsetOrScale);
 }
 
+// A needle goes back when the drive was lowered. One that seems to go back without is the laser's zero
+// walking off, which the loop would follow into the tissue.
+HazardSet look_at_return(DepthWatch& watch, Mode mode, std::int32_t drive_mV, std::int32_t depth_um) {
+  const bool lifted = mode == Mode::Active || mode == Mode::Hold;
+  const bool lowered = drive_mV < watch.window.highest_mV() - kLowered_mV;
+  watch.deepest_um = !lifted || lowered ? depth_um : std::max(watch.deepest_um, depth_um);
+  watch.sunk_ticks = counted(watch.sunk_ticks, watch.deepest_um - depth_um > kSunk_um, kSunk_ticks);
+  return when(watch.sunk_ticks >= kSunk_ticks, Hazard::OffsetOrScale);
+}
+
 void look_at_valid(const PlanFacts& plan, DepthWatch& watch, const Observation& seen, bool zero_volts) {
   const Measurement& m = seen.measurement;
   const std::int32_t depth_um = std::clamp(m.depth_um, -1'000'000, 1'000'000);  // no sensor reaches a metre
@@ -75,6 +85,7 @@ void look_at_valid(const PlanFacts& plan, DepthWatch& watch, const Observation& 
   watch.not_back_ticks = counted(watch.not_back_ticks, zero_volts && !watch.needle_home, kNotBack_ticks);
   watch.found = look_at_depth(plan, watch, seen.permit, depth_um);
   watch.found |= look_at_motion(watch, seen.permit.mode);
+  watch.found |= look_at_return(watch, seen.permit.mode, magnitude(m.command_mV), depth_um);
   watch.found |= look_at_code(watch, m);
   watch.found |= look_at_plausibility(plan, watch, depth_um);
   watch.found |= when(watch.not_back_ticks >= kNotBack_ticks, Hazard::NeedleNotBack);

@@ -73,6 +73,16 @@ void note_flip(DriveWatch& watch, std::int32_t half_period) {
   watch.flips = std::min(watch.flips + 1, 4);
 }
 
+// Already longer than any sound wave takes, since one of the last flips or since the wave began.
+bool is_too_slow(const DriveWatch& watch, std::int32_t half_period) {
+  const std::int64_t allowed = kTwoPeriods_half_periods * half_period / kOffOneIn;
+  const std::size_t known = std::min<std::size_t>(std::max(watch.flips, 0) + 1, watch.flip_tick.size());
+  for (std::size_t i = 0; i < known; ++i)
+    if (watch.tick - watch.flip_tick[i] - static_cast<std::int64_t>(i + 1) * half_period > allowed)
+      return true;
+  return false;
+}
+
 // A slow wave needs as many of its own periods to show its balance.
 std::int64_t forgetting_ticks(std::int32_t half_period) {
   return kForget_ticks * std::max(half_period, kHalfPeriod_ticks) / kHalfPeriod_ticks;
@@ -81,9 +91,12 @@ std::int64_t forgetting_ticks(std::int32_t half_period) {
 HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measurement& m, Mode mode) {
   ++watch.tick;
   if (mode != Mode::Active && mode != Mode::Hold) watch.signed_mVms = watch.total_mVms = watch.wave_ticks = 0;
-  if (mode != Mode::Active || magnitude(m.command_mV) < kWaveMin_mV) return forget_wave(watch), 0;
+  // Only a plan for the bench may hold with one polarity.
+  const bool judged = mode == Mode::Active || (mode == Mode::Hold && plan.bench_half_period_ticks == 0);
+  if (!judged || magnitude(m.command_mV) < kWaveMin_mV) return forget_wave(watch), 0;
   const std::int32_t polarity = m.command_mV < 0 ? -1 : 1;
   const std::int32_t half_period = half_period_ticks(plan);
+  if (watch.polarity == 0) watch.flip_tick[0] = watch.tick;
   if (watch.polarity == -polarity) note_flip(watch, half_period);
   watch.polarity = polarity;
   const std::int64_t forgetting = forgetting_ticks(half_period);
@@ -91,10 +104,28 @@ HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measureme
   watch.signed_mVms += m.monitor_mV - watch.signed_mVms / forgetting;
   watch.total_mVms += magnitude(m.monitor_mV) - watch.total_mVms / forgetting;
   watch.wave_ticks = std::min(watch.wave_ticks + 1, seen);
-  const bool judged = watch.wave_ticks >= seen;
-  const bool unbalanced = 2 * std::abs(watch.signed_mVms) > watch.total_mVms;
-  return when(judged && unbalanced, Hazard::PolarityStuck) |
-         when(watch.wrong_frequency, Hazard::WrongFrequency);
+  const bool unbalanced = watch.wave_ticks >= seen && 2 * std::abs(watch.signed_mVms) > watch.total_mVms;
+  return when(unbalanced, Hazard::PolarityStuck) |
+         when(watch.wrong_frequency || is_too_slow(watch, half_period), Hazard::WrongFrequency);
+}
+
+// Rounded down.
+std::int64_t root_of(std::int64_t square) {
+  std::int64_t root = 0;
+  for (std::int64_t bit = std::int64_t{1} << 13; bit != 0; bit /= 2)
+    if ((root + bit) * (root + bit) <= square) root += bit;
+  return root;
+}
+
+// A plan for the bench moves no needle, and steps as it likes.
+std::int32_t look_at_pull(const PlanFacts& plan, DriveWatch& watch, const Measurement& m, Mode mode) {
+  constexpr std::int64_t kMost_V = limits::kDriveMax_mV / 1'000;
+  const std::int64_t drive_V = std::min(magnitude(m.command_mV) / 1'000, kMost_V);
+  watch.pull_V2 = std::clamp<std::int64_t>(watch.pull_V2, 0, kMost_V * kMost_V);
+  watch.pull_V2 += (drive_V * drive_V - watch.pull_V2) / kPull_ticks;
+  if (!is_hot(mode)) watch.pull_V2 = 0;
+  if (plan.bench_half_period_ticks != 0) return limits::kDriveMax_mV;
+  return static_cast<std::int32_t>(std::min(root_of(watch.pull_V2 + kPullLead_V2), kMost_V) * 1'000);
 }
 
 bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
@@ -114,9 +145,11 @@ DriveFindings look(const PlanFacts& plan, DriveWatch& watch, const Observation& 
     watch.found |= look_at_obedience(watch, m, seen.permit);
     watch.found |= look_at_zero(watch, m, seen.permit.mode);
     watch.found |= look_at_wave(plan, watch, m, seen.permit.mode);
+    watch.ceiling_mV = look_at_pull(plan, watch, m, seen.permit.mode);
     watch.command_mV = m.command_mV;
   }
   findings.found = watch.found;
+  findings.ceiling_mV = watch.ceiling_mV;
   if (stale) watch.zero_volts = false, watch.zero_ticks = 0;
   findings.zero_volts = watch.zero_volts;
   findings.drive_mV =

@@ -21,11 +21,14 @@ struct DriveWatch {
   std::int32_t off_ticks = 0;                    // measurements since the drive was to be off
   std::int64_t signed_mVms = 0, total_mVms = 0;  // integrals of V and |V|, forgetting
   std::int32_t wave_ticks = 0;                   // integrated so far
-  std::array<std::int64_t, 4> flip_tick{};       // when the last four changes of polarity were, newest first
+  std::array<std::int64_t, 4>
+      flip_tick{};  // the last four changes of polarity, newest first, and the wave's begin
   std::int32_t flips = 0;
   std::int64_t tick = 0;
   std::int32_t polarity = 0;
   bool wrong_frequency = false;
+  std::int64_t pull_V2 = 0;  // mean of V^2 over kPull_ticks, to which the pull of the pouches is proportional
+  std::int32_t ceiling_mV = 0;
 };
 
 struct DriveFindings {
@@ -33,6 +36,7 @@ struct DriveFindings {
   bool zero_volts = false;
   bool image_disturbed = true;
   std::int32_t drive_mV = 0;
+  std::int32_t ceiling_mV = 0;  // |V| beyond which the pull would lead its mean by too much
 };
 
 // `fresh`: the measurement is new; `stale`: none for more than 3 ms.

@@ -13,6 +13,7 @@ Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation
   evidence.needle_home = depth.needle_home;
   evidence.image_disturbed = drive.image_disturbed;
   evidence.drive_mV = drive.drive_mV;
+  evidence.ceiling_mV = drive.ceiling_mV;
   return evidence;
 }
 

@@ -30,6 +30,7 @@ struct Evidence {
   bool needle_home = false;     // depth measured and below 1 mm
   bool image_disturbed = true;  // the drive switched while an image was taken: flag the image
   std::int32_t drive_mV = 0;    // |V| the gate put out last
+  std::int32_t ceiling_mV = 0;  // no rise beyond: the pull would run ahead of what the needle answered
 
   constexpr HazardSet hazards() const { return ~clear & kAllHazards; }
 };

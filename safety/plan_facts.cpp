@@ -71,6 +71,9 @@ bool is_plausible(const PlanFacts& plan) {
     if (!is_plausible(plan.bands[i])) return false;
   for (std::size_t i = 1; i < plan.band_count; ++i)
     if (plan.bands[i].drive_mV <= plan.bands[i - 1].drive_mV) return false;
+  const std::int32_t judged_up_to_mV = plan.bands[plan.band_count - 1].drive_mV;
+  for (std::size_t i = 0; i < plan.stage_count; ++i)
+    if (plan.stages[i].v_max_mV > judged_up_to_mV) return false;
   return true;
 }
 

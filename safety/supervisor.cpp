@@ -28,6 +28,11 @@ StagePermit stage_limits(const PlanFacts& plan, std::uint32_t stage) {
   return allowed;
 }
 
+// How far |V| may rise in this tick.
+std::int32_t rising_mV(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+  return std::clamp(input.evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV);
+}
+
 // |V| when Hold or Retract began: whatever a memory says, not beyond what the robot can do.
 std::int32_t held_mV(const SupervisorState& state) {
   return std::clamp(state.held_mV, 0, limits::kDriveMax_mV);
@@ -43,8 +48,7 @@ void enter(SupervisorState& next, const Tick& t, Event event) {
   if (next.mode == Mode::Armed) next.stage = 0, next.stage_done = false;
   if (event == Event::StageReached) next.stage_done = true;
   if (event == Event::Move && t.state.stage_done) ++next.stage, next.stage_done = false;
-  const std::int32_t envelope =
-      from == Mode::Active ? stage_limits(t.plan, t.state.stage).v_max_mV : held_mV(t.state);
+  const std::int32_t envelope = from == Mode::Active ? rising_mV(t.plan, t.state, t.input) : held_mV(t.state);
   if (next.mode == Mode::Hold || next.mode == Mode::Retract)
     next.held_mV = std::clamp(t.input.evidence.drive_mV, 0, envelope);
 }
@@ -75,12 +79,12 @@ std::int32_t ramp_mV(const SupervisorState& state) {
   return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ticks);
 }
 
-Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64_t now_us) {
+Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
   Permit permit;  // off: no enable, no voltage, no rise
   permit.session = state.session;
   permit.epoch = state.epoch;
   permit.seq = state.seq;
-  permit.issued_us = now_us;
+  permit.issued_us = input.now_us;
   permit.ttl_us = limits::kPermitTtl_us;
   permit.mode = state.mode;
   permit.hv_enable = is_hot(state.mode);
@@ -94,7 +98,7 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64
       break;
     case Mode::Active:
       permit.stop = StopCategory::None;
-      permit.v_max_mV = stage.v_max_mV;
+      permit.v_max_mV = rising_mV(plan, state, input);
       permit.slew_up_mV_per_tick = stage.slew_up_mV_per_tick;
       permit.depth_max_um = stage.depth_max_um;
       break;
@@ -120,7 +124,7 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   const Event event = event_of(tick);
   const SupervisorState next = next_state(tick, event);
   SupervisorOutput output;
-  output.permit = permit_of(plan, next, input.now_us);
+  output.permit = permit_of(plan, next, input);
   output.event = event;
   output.worst = worst_of(tick.hazards);
   output.reason = next.reason;

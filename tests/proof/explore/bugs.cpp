@@ -110,6 +110,12 @@ constexpr SeededBug kBugs[] = {
      "  if (t.ticks >= limits::kRampTime_ms) return Event::RampTooLong;\n", ""},
     {"hold-at-the-stages-limit", "Hold allows what the stage allows, not what is there.", Part::Supervisor,
      "supervisor.cpp", "permit.v_max_mV = held_mV(state);", "permit.v_max_mV = stage.v_max_mV;"},
+    {"ceiling-ignored", "The voltage may rise ahead of what the needle answered.", Part::Supervisor,
+     "supervisor.cpp", "std::clamp(input.evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV)",
+     "(void)input, stage_limits(plan, state.stage).v_max_mV"},
+    {"hold-follows-the-driver", "A hold begins at whatever a driver without leave put out.", Part::Supervisor,
+     "supervisor.cpp", "rising_mV(t.plan, t.state, t.input) : held_mV(t.state)",
+     "stage_limits(t.plan, t.state.stage).v_max_mV : held_mV(t.state)"},
     {"voltage-ignored-in-safe", "Safe does not look at the voltage.", Part::Supervisor, "decision.cpp",
      "  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;\n"
      "  if (t.stop == StopCategory::None) return Event::Healthy;",

@@ -143,7 +143,7 @@ void Explorer::try_twin(const SupervisorState& before, const SupervisorInput& in
 
 void Explorer::compare_with_worse(std::uint32_t from, const SupervisorState& before) {
   const InputSpace& space = inputs_of(before.mode);
-  const std::int32_t envelope_mV = envelope_before_mV(plan_, before);
+  const std::int32_t held_mV = envelope_mV(plan_, before, {});  // in Active nothing: no ceiling
   for (std::size_t d = 0; d < kDimensions; ++d) {
     const std::uint32_t stride = space.stride_of(static_cast<Dimension>(d));
     const std::uint32_t block = stride * space.size_of(static_cast<Dimension>(d));
@@ -153,7 +153,7 @@ void Explorer::compare_with_worse(std::uint32_t from, const SupervisorState& bef
           ++result_.pairs;
           const std::uint32_t better = i + good * stride, worse = i + bad * stride;
           if (outcomes_[better] == outcomes_[worse]) continue;
-          if (!is_no_more_permissive(outcomes_[worse], outcomes_[better], envelope_mV))
+          if (!is_no_more_permissive(outcomes_[worse], outcomes_[better], held_mV))
             break_claim(GraphClaim::WorseNeverPermitsMore, from, better, worse);
         }
   }

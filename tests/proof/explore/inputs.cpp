@@ -11,6 +11,8 @@ using safety::bit;
 using safety::Hazard;
 using safety::HazardSet;
 
+constexpr std::int32_t kAll_mV = 8'000'000;
+
 std::vector<HazardSet> hazard_values(Grain grain) {
   std::vector<HazardSet> values{0};
   if (grain == Grain::Quick) {
@@ -74,8 +76,8 @@ HazardSet class_of(Hazard hazard) {
 
 InputSpace::InputSpace(Mode mode, Grain grain)
     : hazards_(hazard_values(grain)),
-      drives_mV_(grain == Grain::Quick ? std::vector<std::int32_t>{0, 8'000'000}
-                                       : std::vector<std::int32_t>{0, 1, 8'000'000}) {
+      drives_(grain == Grain::Quick ? std::vector<Drive>{{0, 0}, {kAll_mV, kAll_mV}}
+                                    : std::vector<Drive>{{0, 0}, {1, 1}, {kAll_mV, 0}, {kAll_mV, kAll_mV}}) {
   set_sizes(mode);
   set_worse(mode);
   for (std::size_t d = 0; d < kDimensions; ++d) {
@@ -86,7 +88,7 @@ InputSpace::InputSpace(Mode mode, Grain grain)
 
 void InputSpace::set_sizes(Mode mode) {
   const bool moving = mode == Mode::Active || mode == Mode::Hold;
-  const auto drives = static_cast<std::uint32_t>(drives_mV_.size());
+  const auto drives = static_cast<std::uint32_t>(drives_.size());
   sizes_ = {static_cast<std::uint32_t>(hazards_.size()),
             4,
             2,
@@ -97,7 +99,7 @@ void InputSpace::set_sizes(Mode mode) {
             mode == Mode::Trip ? 2U : 1U,
             moving ? 8U : 1U,
             mode == Mode::Hold ? 4U : 1U,
-            moving ? drives : 1U,
+            moving || mode == Mode::Armed ? drives : 1U,
             mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock ? 4U : 1U};
 }
 
@@ -109,8 +111,11 @@ void InputSpace::set_worse(Mode mode) {
   of(Dimension::Stop) = {{0, 1}, {1, 2}, {2, 3}};
   of(Dimension::Motion) = worse_motions(mode);
   for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey, Dimension::SelfTest,
-                            Dimension::NeedleHome, Dimension::Drive})
+                            Dimension::NeedleHome})
     of(d) = chain_down(size_of(d));
+  of(Dimension::Drive) = size_of(Dimension::Drive) == 4
+                             ? std::vector<Worsening>{{3, 1}, {3, 2}, {1, 0}, {2, 0}}
+                             : chain_down(size_of(Dimension::Drive));
   // Values are reached + 2 finished + 4 another stage.
   if (size_of(Dimension::Request) > 1)
     of(Dimension::Request) = {{0, 1}, {0, 2}, {1, 3}, {2, 3}, {4, 5}, {4, 6}, {5, 7}, {6, 7}};
@@ -170,7 +175,8 @@ void InputSpace::put(SupervisorInput& input, Dimension d, std::uint8_t value,
       input.accepted_stage = state.stage + (value == 2 ? 1U : 0U) - (value == 3 ? 1U : 0U);
       break;
     case Dimension::Drive:
-      input.evidence.drive_mV = forgotten ? 0 : drives_mV_[value];
+      input.evidence.drive_mV = forgotten ? 0 : drives_[value].drive_mV;
+      input.evidence.ceiling_mV = forgotten ? 0 : drives_[value].ceiling_mV;
       break;
     case Dimension::Network:
       input.remote_arm = (value & 1U) != 0;

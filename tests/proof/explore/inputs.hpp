@@ -26,7 +26,7 @@ enum class Dimension : std::uint8_t {
   NeedleHome,
   Request,  // {reached, finished} x {this stage, another}
   Depth,    // refused, accepted, accepted for the next stage, accepted for the one before
-  Drive,    // 0, 1 mV, all
+  Drive,    // {|V|, ceiling}: both 0, both 1 mV, all under no ceiling, all
   Network,  // {arm} x {reset} asked over it
 };
 inline constexpr std::size_t kDimensions = 12;
@@ -77,7 +77,10 @@ class InputSpace {
   void set_worse(Mode mode);
 
   std::vector<safety::HazardSet> hazards_;
-  std::vector<std::int32_t> drives_mV_;
+  struct Drive {
+    std::int32_t drive_mV, ceiling_mV;
+  };
+  std::vector<Drive> drives_;
   std::array<std::uint32_t, kDimensions> sizes_{}, strides_{};
   std::array<std::vector<Worsening>, kDimensions> worse_;
   std::uint32_t size_ = 1;

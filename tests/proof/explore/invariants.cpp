@@ -282,19 +282,19 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     {"envelope-falls", "In Hold and Retract the envelope only falls.",
      [](const Step& s) {
        return Finding{s.after.mode == Mode::Hold || s.after.mode == Mode::Retract,
-                      s.output.permit.v_max_mV <= envelope_before_mV(s.plan, s.before)};
+                      s.output.permit.v_max_mV <= envelope_mV(s.plan, s.before, s.input)};
      }},
     {"envelope-holds-what-is-there", "The envelope of a hold or ramp begins at the voltage that is there.",
      [](const Step& s) {
        const bool begins = s.enters(Mode::Hold) || s.enters(Mode::Retract);
        const std::int32_t there =
-           std::clamp(s.input.evidence.drive_mV, 0, envelope_before_mV(s.plan, s.before));
+           std::clamp(s.input.evidence.drive_mV, 0, envelope_mV(s.plan, s.before, s.input));
        return Finding{begins, s.output.permit.v_max_mV == there};
      }},
     {"envelope-is-the-modes",
-     "The envelope is the stage's in Active, the ramp's in Retract: a line to 0 in 250 ms.",
+     "The envelope is the stage's under the ceiling in Active, the ramp's in Retract: a line to 0 in 250 ms.",
      [](const Step& s) {
-       return Finding{true, s.output.permit.v_max_mV == envelope_before_mV(s.plan, s.after)};
+       return Finding{true, s.output.permit.v_max_mV == envelope_mV(s.plan, s.after, s.input)};
      }},
     {"limits", "No permit goes beyond 8 kV, 400 V a tick, or the depth of plan and stage.",
      [](const Step& s) {

@@ -48,7 +48,7 @@ struct Findings {
 };
 Findings check_all(const Step& step);
 
-// |V| that the permit of the tick before allowed, and the plan's own limits of a stage.
-std::int32_t envelope_before_mV(const PlanFacts& plan, const SupervisorState& before);
+// |V| that a permit of this state allows: the stage's limit under the ceiling, what is held, or the ramp.
+std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input);
 
 }  // namespace biopsy::explore

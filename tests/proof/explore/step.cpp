@@ -23,17 +23,19 @@ StopCategory Step::strongest_stop(const SupervisorInput& input) {
   return std::max(needed, input.stop);
 }
 
-std::int32_t envelope_before_mV(const PlanFacts& plan, const SupervisorState& before) {
-  switch (before.mode) {
+std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+  switch (state.mode) {
     case Mode::Active:
-      return before.stage < plan.stage_count
-                 ? std::clamp(plan.stages[before.stage % safety::kMaxStages].v_max_mV, 0, kHighest_mV)
+      return state.stage < plan.stage_count
+                 ? std::clamp(std::min(plan.stages[state.stage % safety::kMaxStages].v_max_mV,
+                                       input.evidence.ceiling_mV),
+                              0, kHighest_mV)
                  : 0;
     case Mode::Hold:
-      return before.held_mV;
+      return state.held_mV;
     case Mode::Retract:
-      return static_cast<std::int32_t>(std::int64_t{before.held_mV} *
-                                       std::max(kEnvelopeGone_ms - before.ticks_in_mode, 0) /
+      return static_cast<std::int32_t>(std::int64_t{state.held_mV} *
+                                       std::max(kEnvelopeGone_ms - state.ticks_in_mode, 0) /
                                        kEnvelopeGone_ms);
     case Mode::Boot:
     case Mode::Safe:

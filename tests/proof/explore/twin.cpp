@@ -89,6 +89,8 @@ void vary_input(const SupervisorState& state, SupervisorInput& input, std::uint6
     input.request.finished = chosen(14);
     input.evidence.drive_mV = static_cast<std::int32_t>((choice >> 16) % 8'000'001);
   }
+  if (!moving && mode != Mode::Armed)
+    input.evidence.ceiling_mV = static_cast<std::int32_t>((choice >> 20) % 8'000'001);
   if (mode != Mode::Hold) input.depth_accepted = chosen(15);
   if (input.request.stage != state.stage) input.request.stage = state.stage + other;
   if (mode != Mode::Hold || input.accepted_stage != state.stage) input.accepted_stage = state.stage + other;

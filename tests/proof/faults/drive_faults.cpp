@@ -164,6 +164,7 @@ std::vector<FaultClass> drive_faults() {
   FaultClass over = class_of(Hazard::OverVoltage);
   over.row = 2;
   over.modes = {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
+  over.fits = [](const Glimpse& g) { return g.left > 1; };  // a drive that is just off cannot run away
   over.inject = run_away;
   over.raises_drive = true;
 
@@ -202,6 +203,8 @@ std::vector<FaultClass> drive_faults() {
   rate.modes = {Mode::Active};
   rate.fits = [](const Glimpse& g) { return std::abs(g.drive_mV) > 1'200'000 && g.left > 1'700; };
   rate.inject = change_rate;
+  // A slow wave that has just begun is all of one sign; the charge it builds up moves the needle.
+  rate.instead = bit(Hazard::PolarityStuck) | bit(Hazard::OffsetOrScale);
   return {residual, over, arcing, differs, disobeys, stuck, rate};
 }
 

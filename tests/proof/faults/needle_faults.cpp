@@ -161,7 +161,9 @@ std::vector<FaultClass> needle_faults() {
   stage.modes = {Mode::Active};
   stage.fits = [](const Glimpse& g) { return g.depth_um > 300; };
   stage.inject = drag_beyond_stage;
-  stage.instead = beyond | bit(Hazard::PopThrough);
+  // Dragged on slowly it is first unlike its tissue, or out at 0 V: the loop gives way.
+  stage.instead =
+      beyond | bit(Hazard::PopThrough) | bit(Hazard::SuspectTissueModel) | bit(Hazard::NeedleNotBack);
   stage.moves_needle = true;
 
   FaultClass fall = class_of(Hazard::FastDrop);

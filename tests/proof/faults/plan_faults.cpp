@@ -130,7 +130,9 @@ std::vector<FaultClass> plan_faults() {
   runaway.row = 2;
   runaway.modes = {Mode::Active};
   runaway.inject = ask_too_much;
-  runaway.instead = bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth) | bit(Hazard::PopThrough);
+  // Where the controller wants nothing its sign is lost, and with it the wave.
+  runaway.instead = bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth) | bit(Hazard::PopThrough) |
+                    bit(Hazard::WrongFrequency) | bit(Hazard::PolarityStuck);
   return {anywhere(Hazard::PlanChanged, change_plan),   other, anywhere(Hazard::ConfigChanged, tamper),
           anywhere(Hazard::PlanUnconfirmed, unconfirm), units, runaway};
 }

@@ -90,6 +90,7 @@ safety::SupervisorInput unpack(const SpinInput& packed, const safety::Supervisor
   input.evidence.zero_volts = packed.zero != 0;
   input.evidence.needle_home = packed.home != 0;
   input.evidence.drive_mV = kHeld_mV;
+  input.evidence.ceiling_mV = 8'000'000;
   input.self_test = static_cast<safety::SelfTest>(packed.self_test);
   input.local_arm = packed.arm != 0;
   input.local_reset = packed.reset != 0;
