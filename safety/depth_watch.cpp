@@ -71,7 +71,8 @@ HazardSet look_at_plausibility(const PlanFacts& plan, DepthWatch& watch, std::in
 HazardSet look_at_return(DepthWatch& watch, Mode mode, std::int32_t drive_mV, std::int32_t depth_um) {
   const bool lifted = mode == Mode::Active || mode == Mode::Hold;
   const bool lowered = drive_mV < watch.window.highest_mV() - kLowered_mV;
-  watch.deepest_um = !lifted || lowered ? depth_um : std::max(watch.deepest_um, depth_um);
+  const std::int32_t surely_um = watch.history.surely_um();
+  watch.deepest_um = !lifted || lowered ? surely_um : std::max(watch.deepest_um, surely_um);
   watch.sunk_ticks = counted(watch.sunk_ticks, watch.deepest_um - depth_um > kSunk_um, kSunk_ticks);
   return when(watch.sunk_ticks >= kSunk_ticks, Hazard::OffsetOrScale);
 }

@@ -76,10 +76,11 @@ void note_flip(DriveWatch& watch, std::int32_t half_period) {
 // Already longer than any sound wave takes, since one of the last flips or since the wave began.
 bool is_too_slow(const DriveWatch& watch, std::int32_t half_period) {
   const std::int64_t allowed = kTwoPeriods_half_periods * half_period / kOffOneIn;
-  const std::size_t known = std::min<std::size_t>(std::max(watch.flips, 0) + 1, watch.flip_tick.size());
-  for (std::size_t i = 0; i < known; ++i)
-    if (watch.tick - watch.flip_tick[i] - static_cast<std::int64_t>(i + 1) * half_period > allowed)
-      return true;
+  const std::int32_t oldest = std::clamp(watch.flips, 0, 3);  // the begin, while there were fewer than four
+  for (std::int32_t i = 0; i <= oldest; ++i) {
+    const std::int64_t ago = watch.tick - watch.flip_tick[static_cast<std::size_t>(i)];
+    if (ago - std::int64_t{i + 1} * half_period > allowed) return true;
+  }
   return false;
 }
 
@@ -92,7 +93,7 @@ HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measureme
   ++watch.tick;
   if (mode != Mode::Active && mode != Mode::Hold) watch.signed_mVms = watch.total_mVms = watch.wave_ticks = 0;
   // Only a plan for the bench may hold with one polarity.
-  const bool judged = mode == Mode::Active || (mode == Mode::Hold && plan.bench_half_period_ticks == 0);
+  const bool judged = mode == Mode::Active || (mode == Mode::Hold && plan.bench_half_period_ticks <= 0);
   if (!judged || magnitude(m.command_mV) < kWaveMin_mV) return forget_wave(watch), 0;
   const std::int32_t polarity = m.command_mV < 0 ? -1 : 1;
   const std::int32_t half_period = half_period_ticks(plan);
@@ -109,10 +110,10 @@ HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measureme
          when(watch.wrong_frequency || is_too_slow(watch, half_period), Hazard::WrongFrequency);
 }
 
-// Rounded down.
+// Rounded down; of squares up to 8191^2.
 std::int64_t root_of(std::int64_t square) {
   std::int64_t root = 0;
-  for (std::int64_t bit = std::int64_t{1} << 13; bit != 0; bit /= 2)
+  for (std::int64_t bit = std::int64_t{1} << 12; bit > 0; bit /= 2)
     if ((root + bit) * (root + bit) <= square) root += bit;
   return root;
 }
@@ -124,7 +125,7 @@ std::int32_t look_at_pull(const PlanFacts& plan, DriveWatch& watch, const Measur
   watch.pull_V2 = std::clamp<std::int64_t>(watch.pull_V2, 0, kMost_V * kMost_V);
   watch.pull_V2 += (drive_V * drive_V - watch.pull_V2) / kPull_ticks;
   if (!is_hot(mode)) watch.pull_V2 = 0;
-  if (plan.bench_half_period_ticks != 0) return limits::kDriveMax_mV;
+  if (plan.bench_half_period_ticks > 0) return limits::kDriveMax_mV;
   return static_cast<std::int32_t>(std::min(root_of(watch.pull_V2 + kPullLead_V2), kMost_V) * 1'000);
 }
 

@@ -36,9 +36,9 @@ inline void fill(Feed& feed, safety::SupervisorState& s) {
 
 inline void fill(Feed& feed, safety::SupervisorInput& i) {
   feed.fill(i.now_us, i.evidence.clear, i.evidence.zero_volts, i.evidence.needle_home,
-            i.evidence.image_disturbed, i.evidence.drive_mV, i.self_test, i.local_arm, i.local_reset,
-            i.remote_arm, i.remote_reset, i.stop, i.motion.token, i.motion.held, i.depth_accepted,
-            i.accepted_stage);
+            i.evidence.image_disturbed, i.evidence.drive_mV, i.evidence.ceiling_mV, i.self_test, i.local_arm,
+            i.local_reset, i.remote_arm, i.remote_reset, i.stop, i.motion.token, i.motion.held,
+            i.depth_accepted, i.accepted_stage);
   fill(feed, i.request);
 }
 

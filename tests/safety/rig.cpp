@@ -126,7 +126,8 @@ bool Rig::go_armed() {
 bool Rig::go_active() {
   if (!go_armed()) return false;
   press();
-  run(900);  // up, settled, and the climb forgotten
+  ticks_until([this] { return std::abs(gate_state.drive_mV) == wanted_mV; }, 8'000);
+  run(900);  // settled, and the climb forgotten
   return state.mode == Mode::Active;
 }
 

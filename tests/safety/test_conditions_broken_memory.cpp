@@ -14,7 +14,7 @@ namespace {
 
 SupervisorInput healthy() {
   SupervisorInput input;
-  input.evidence = {kAllHazards, true, true, false, 0};
+  input.evidence = {kAllHazards, true, true, false, 0, 8'000'000};
   return input;
 }
 

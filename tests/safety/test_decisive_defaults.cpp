@@ -161,11 +161,14 @@ TEST(Absence, TheWatchOverTheDriveHasSeenNoZeroVolts) {
   EXPECT_EQ(watch.tick, 0);
   EXPECT_EQ(watch.polarity, 0);
   EXPECT_FALSE(watch.wrong_frequency);
+  EXPECT_EQ(watch.pull_V2, 0);
+  EXPECT_EQ(watch.ceiling_mV, 0);
   const DriveFindings findings;
   EXPECT_EQ(findings.found, 0U);
   EXPECT_FALSE(findings.zero_volts);
   EXPECT_TRUE(findings.image_disturbed);
   EXPECT_EQ(findings.drive_mV, 0);
+  EXPECT_EQ(findings.ceiling_mV, 0) << "no rise";
 }
 
 TEST(Absence, TheWatchOverTheDepthHasSeenNoTargetAndNoNeedleAtHome) {
@@ -182,6 +185,8 @@ TEST(Absence, TheWatchOverTheDepthHasSeenNoTargetAndNoNeedleAtHome) {
   EXPECT_EQ(watch.range_low_mV, -1) << "no drive: the range is looked up at the first";
   EXPECT_EQ(watch.range_high_mV, -1);
   EXPECT_EQ(watch.range_tag, 0U);
+  EXPECT_EQ(watch.deepest_um, 0);
+  EXPECT_EQ(watch.sunk_ticks, 0);
   EXPECT_EQ(watch.dropout_ticks, 3);
   for (const std::int32_t ticks : {watch.over_ticks, watch.hard_ticks, watch.stage_ticks, watch.pop_ticks,
                                    watch.implausible_ticks, watch.not_back_ticks, watch.same_code_ticks})

@@ -177,10 +177,11 @@ TEST(ResidualCharge, IsVoltageAtTheTwoHundredthMeasurementAfterSwitchingOff) {
   }
 }
 
-TEST(Wave, IsForgottenOutsideActiveAndBelowAKilovoltItsBalanceOutsideActiveAndHold) {
+TEST(Wave, OnTheBenchIsForgottenOutsideActiveAndBelowAKilovoltItsBalanceOutsideActiveAndHold) {
   verifies("R-22", "R-23");
-  const auto after = [](Mode mode, std::int32_t command_mV) {
+  const auto after = [](Mode mode, std::int32_t command_mV, std::int32_t half_period_ticks = 250) {
     Bench bench(mode);
+    bench.plan.bench_half_period_ticks = half_period_ticks;
     bench.watch.flips = 4, bench.watch.polarity = 1, bench.watch.wrong_frequency = true;
     bench.watch.signed_mVms = bench.watch.total_mVms = 7'000'000, bench.watch.wave_ticks = 9;
     bench.sample(command_mV, command_mV);

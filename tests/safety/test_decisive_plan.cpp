@@ -50,7 +50,7 @@ TEST(PlanNumbers, OfEveryBandHaveTheirEdges) {
   verifies("R-29");
   expect_edges(0, 3'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[0].drive_mV = mV; });
   expect_edges(1, 7'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[1].drive_mV = mV; });
-  expect_edges(4'000'001, 8'200'000, [](PlanFacts& plan, std::int32_t mV) { plan.bands[2].drive_mV = mV; });
+  expect_edges(7'500'000, 8'200'000, [](PlanFacts& plan, std::int32_t mV) { plan.bands[2].drive_mV = mV; });
   for (const std::size_t i : {0U, 1U, 2U}) {
     const std::int32_t high_um = three_stage_plan().bands[i].high_um,
                        low_um = three_stage_plan().bands[i].low_um;
@@ -63,8 +63,20 @@ TEST(PlanNumbers, OfEveryBandHaveTheirEdges) {
   expect_edges(-12'000, 24'000, all_low);
 }
 
+TEST(PlanNumbers, OfNoStageReachBeyondTheDrivesThatTheBandKnows) {
+  verifies("R-29");
+  for (const std::size_t i : {0U, 1U, 2U})
+    for (const std::int32_t mV : {7'600'000, 7'600'001})
+      EXPECT_EQ(is_plausible_with([&](PlanFacts& plan) {
+                  plan.bands[2].drive_mV = 7'600'000, plan.stages[i].v_max_mV = mV;
+                }),
+                mV == 7'600'000)
+          << i;
+}
+
 TEST(PlanNumbers, OfAPlanWithOneStageAndOneBandAreEnough) {
-  EXPECT_TRUE(is_plausible_with([](PlanFacts& plan) { plan.stage_count = plan.band_count = 1; }));
+  EXPECT_TRUE(is_plausible_with(
+      [](PlanFacts& plan) { plan.stage_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000; }));
 }
 
 TEST(HalfPeriod, OfABenchPlanIsItsOwnBetweenItsEdges) {

@@ -14,7 +14,7 @@ namespace {
 SupervisorInput healthy() {
   SupervisorInput input;
   input.now_us = 123'456;
-  input.evidence = {kAllHazards, true, true, false, 5'000'000};
+  input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
   return input;
 }
@@ -160,16 +160,22 @@ TEST(Epochs, BeginWithATripOrALockAndWithNothingElse) {
 }
 
 TEST(Envelopes, OfAHoldNeverBeginBelowZeroOrAboveTheStage) {
-  const auto held = [](std::int32_t drive_mV) {
+  std::int32_t ceiling_mV = 8'000'000;
+  const auto held = [&](std::int32_t drive_mV) {
     SupervisorInput input = healthy();
     input.stop = StopCategory::C2Hold;
     input.evidence.drive_mV = drive_mV;
+    input.evidence.ceiling_mV = ceiling_mV;
     return step(three_stage_plan(), in(Mode::Active), input).second.permit.v_max_mV;
   };
   EXPECT_EQ(held(-5), 0);
   EXPECT_EQ(held(0), 0);
   EXPECT_EQ(held(1), 1);
   EXPECT_EQ(held(6'500'001), 6'500'000);
+  ceiling_mV = 3'000'000;
+  EXPECT_EQ(held(3'000'001), 3'000'000) << "a driver above its ceiling is not followed";
+  ceiling_mV = -1;
+  EXPECT_EQ(held(1), 0);
 }
 
 TEST(Envelopes, OfARampThatIsOverStayAtZero) {

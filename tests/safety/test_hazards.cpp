@@ -53,7 +53,7 @@ const Fault kFaults[] = {
      [](Rig& r) { r.on_measurement = [old = r.measurement](Measurement& m) { m = old; }; }},
     {Hazard::SensorFrozen,
      [](Rig& r) {
-       r.wanted_mV = 6'500'000;
+       r.wanted_mV = 5'500'000;
        r.on_measurement = [old = r.measurement](Measurement& m) {
          m.laser_code = old.laser_code, m.depth_um = old.depth_um;
        };
@@ -61,7 +61,15 @@ const Fault kFaults[] = {
     {Hazard::LaserDropout, [](Rig& r) { r.on_measurement = [](Measurement& m) { m.laser_valid = false; }; }},
     {Hazard::OffsetOrScale,
      [](Rig& r) { r.wanted_mV = 4'000'000, r.run(900), move_depth(r, 15, 1'400), r.run(87); }},
-    {Hazard::PolarityStuck, [](Rig& r) { r.flip_ticks = 1'000'000; }},
+    // Changes twice in half a second as it must, and is positive in nine tenths of it.
+    {Hazard::PolarityStuck,
+     [](Rig& r) {
+       r.press();
+       r.on_request = [tick = 0](DriveRequest& q) mutable {
+         q.wanted_mV = (tick++ % 500 < 440 ? 1 : -1) * std::abs(q.wanted_mV);
+       };
+     },
+     Mode::Armed},
     {Hazard::WrongFrequency, [](Rig& r) { r.flip_ticks = 190; }},
     {Hazard::LoopOverrun, [](Rig& r) { r.on_request = [](DriveRequest& q) { ++q.overruns; }; }},
     {Hazard::ControllerSilent,

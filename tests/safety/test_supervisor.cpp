@@ -16,7 +16,7 @@ constexpr Mode kAllModes[] = {Mode::Boot, Mode::Safe,    Mode::Ready, Mode::Arme
 
 SupervisorInput healthy() {
   SupervisorInput input;
-  input.evidence = {kAllHazards, true, true, false, 5'000'000};
+  input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
   return input;
 }

@@ -76,7 +76,7 @@ HazardSet class_of(Hazard hazard) {
 
 InputSpace::InputSpace(Mode mode, Grain grain)
     : hazards_(hazard_values(grain)),
-      drives_(grain == Grain::Quick ? std::vector<Drive>{{0, 0}, {kAll_mV, kAll_mV}}
+      drives_(grain == Grain::Quick ? std::vector<Drive>{{0, 0}, {kAll_mV, 0}, {kAll_mV, kAll_mV}}
                                     : std::vector<Drive>{{0, 0}, {1, 1}, {kAll_mV, 0}, {kAll_mV, kAll_mV}}) {
   set_sizes(mode);
   set_worse(mode);

@@ -33,7 +33,7 @@ std::vector<Glimpse> rehearse(const Scene& scene) {
   return seen;
 }
 
-// A tick at which the class may begin: first its mode, then any tick of it, all alike.
+// The tick before one at which the class may begin: first its mode, then any tick of it, all alike.
 std::optional<std::size_t> choose(Draw& draw, const FaultClass& fault, const std::vector<Glimpse>& seen) {
   const auto modes = static_cast<std::int32_t>(fault.modes.size());
   const std::int32_t first = draw.whole(0, modes - 1);
@@ -41,7 +41,7 @@ std::optional<std::size_t> choose(Draw& draw, const FaultClass& fault, const std
     const Mode mode = fault.modes[static_cast<std::size_t>((first + i) % modes)];
     std::vector<std::size_t> fitting;
     for (std::size_t k = 1; k < seen.size(); ++k)
-      if (seen[k].mode == mode && fault.fits(seen[k])) fitting.push_back(k);
+      if (seen[k].mode == mode && seen[k].left > 0 && fault.fits(seen[k])) fitting.push_back(k);
     if (!fitting.empty())
       return fitting[static_cast<std::size_t>(draw.whole(0, static_cast<std::int32_t>(fitting.size()) - 1))];
   }

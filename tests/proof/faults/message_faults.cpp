@@ -1,4 +1,5 @@
 // Messages lost, repeated, swapped and replayed; parts that stop altogether; a scanner that runs meanwhile.
+#include <algorithm>
 #include <deque>
 #include <memory>
 
@@ -14,13 +15,13 @@ using Inject = Spoilers (*)(Draw&, Procedure&, const Line&);
 const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
 const std::vector<Mode> kHot{Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
 
-// Shown by the second number out of order: one slip is forgiven.
-auto second_slip(const Procedure& procedure) {
-  return [newest = procedure.last().measurement.seq, slips = 0](const Sight& s) mutable {
+// Shown as R-26 counts: a number out of order is 2, one in order -1, above 2 is wrong. One slip is forgiven.
+auto out_of_order(const Procedure& procedure) {
+  return [newest = procedure.last().measurement.seq, score = 0](const Sight& s) mutable {
     const std::uint32_t seq = s.seen.measurement.seq;
-    if (seq != newest && seq != newest + 1) ++slips;
+    score = seq == newest + 1 ? std::max(score - 1, 0) : seq != newest ? score + 2 : score;
     if (seq > newest) newest = seq;
-    return slips >= 2;
+    return score > 2;
   };
 }
 
@@ -36,7 +37,7 @@ Spoilers lose(Draw& draw, Procedure& procedure, const Line&) {
       lost = draw.whole(1, 3);
     }
   };
-  spoil.shows = second_slip(procedure);
+  spoil.shows = out_of_order(procedure);
   return spoil;
 }
 
@@ -50,7 +51,7 @@ Spoilers repeat(Draw& draw, Procedure& procedure, const Line&) {
       seen.measurement =
           past[static_cast<std::size_t>(draw.whole(2, static_cast<std::int32_t>(past.size()) - 1))];
   };
-  spoil.shows = second_slip(procedure);
+  spoil.shows = out_of_order(procedure);
   return spoil;
 }
 
@@ -64,7 +65,7 @@ Spoilers swap(Draw&, Procedure& procedure, const Line&) {
     if (!second) seen.measurement = late.seq > 0 ? late : now;
     second = !second;
   };
-  spoil.shows = second_slip(procedure);
+  spoil.shows = out_of_order(procedure);
   return spoil;
 }
 
@@ -78,7 +79,7 @@ Spoilers replay(Draw& draw, Procedure& procedure, const Line&) {
     else
       seen.measurement = record[next++ % length];
   };
-  spoil.shows = second_slip(procedure);
+  spoil.shows = out_of_order(procedure);
   return spoil;
 }
 

@@ -159,7 +159,7 @@ std::vector<FaultClass> needle_faults() {
   FaultClass stage = class_of(Hazard::StageDepth);
   stage.row = 2;
   stage.modes = {Mode::Active};
-  stage.fits = [](const Glimpse& g) { return g.depth_um > 300; };
+  stage.fits = [](const Glimpse& g) { return g.depth_um > 300 && g.left > 500; };  // the slowest drag
   stage.inject = drag_beyond_stage;
   // Dragged on slowly it is first unlike its tissue, or out at 0 V: the loop gives way.
   stage.instead =

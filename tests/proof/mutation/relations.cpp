@@ -121,6 +121,7 @@ SupervisorInput input_of(Dice& dice, const SupervisorState& state) {
   input.evidence.needle_home = !dice.one_in(5);
   input.evidence.image_disturbed = dice.one_in(5);
   input.evidence.drive_mV = static_cast<std::int32_t>(dice.below(8'000'001));
+  input.evidence.ceiling_mV = static_cast<std::int32_t>(dice.below(8'000'001));
   input.self_test = dice.one_in(20) ? static_cast<SelfTest>(dice.below(3)) : SelfTest::Passed;
   input.local_arm = dice.one_in(2), input.local_reset = dice.one_in(2);
   input.remote_arm = dice.one_in(20), input.remote_reset = dice.one_in(20);
@@ -286,7 +287,7 @@ void hash_evidence(Hash& hash) {
       course.tick();
       const Evidence evidence = assess(course.plan(), course.memory(), course.seen());
       hash.add(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.image_disturbed,
-               evidence.drive_mV);
+               evidence.drive_mV, evidence.ceiling_mV);
       Measurement sane = course.seen().measurement;
       sane.command_mV %= 10'000'000, sane.depth_um %= 1'000'000;
       hash.add(tissue_residual_um(course.plan(), tissue, sane));
