@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4;
 constexpr int kQuickIterations = 5, kFullIterations = 15;
 constexpr std::size_t kMostStarts = 3;
+constexpr int kAttempts = 3;  // of one start, each weaker:
+constexpr double kWeaker = 0.2;
 constexpr double kAsPromising = 0.5;  // a further start, where its probe scored this share of the first
 constexpr double kHopeless = 4.0;     // mean square over the best rival's, after the first few steps
 constexpr double kWorthAFit = 0.1;    // of the best score
@@ -52,15 +54,30 @@ std::vector<Probe> different_starts(const Score& score) {
   return out;
 }
 
-// A few steps from each start; the one that got farthest.
+// False where nothing of the candidate has a strength.
+bool weaken(const Candidate& candidate, Probe& probe) {
+  bool any = false;
+  if (candidate.effect == kBaseline) return any;
+  const auto& parameters = library()[static_cast<std::size_t>(candidate.effect)].parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (parameters[i].role == Role::Strength) probe.start[i] *= kWeaker, any = true;
+  return any;
+}
+
+// A few steps from each start; the one that got farthest. A start so strong that its fit ends worse than
+// nothing lies beyond a ridge (a resonance that it moved, say): there is a way down from nearer to nothing.
 Hypothesis quick_fit(const Hypothesis& current, const Score& score, const Evidence& evidence) {
+  const double nothing = mean_square(residual(current.model, evidence, Part::Training));
   double least = std::numeric_limits<double>::infinity();
   Hypothesis best = current;
-  for (const Probe& start : different_starts(score)) {
-    Hypothesis attempt = with(current, score.candidate, start, evidence);
-    fit(attempt, evidence, kQuickIterations);
-    const double cost = mean_square(residual(attempt.model, evidence, Part::Training));
-    if (std::isinf(least) || cost < least) least = cost, best = std::move(attempt);
+  for (Probe start : different_starts(score)) {
+    for (int attempts = 0; attempts < kAttempts; ++attempts) {
+      Hypothesis attempt = with(current, score.candidate, start, evidence);
+      fit(attempt, evidence, kQuickIterations);
+      const double cost = mean_square(residual(attempt.model, evidence, Part::Training));
+      if (std::isinf(least) || cost < least) least = cost, best = std::move(attempt);
+      if (cost <= nothing || !weaken(score.candidate, start)) break;
+    }
   }
   return best;
 }
@@ -111,13 +128,7 @@ void share_probability(Round& round) {
 
 // One contains the other: it is no argument against a name that its own special case does nearly as well.
 bool are_kin(const Candidate& a, const Candidate& b) {
-  const auto is = [](const Candidate& c, std::string_view name) {
-    return c.effect != kBaseline && library()[static_cast<std::size_t>(c.effect)].info.name == name;
-  };
-  const auto friction = [&](const Candidate& c) {
-    return is(c, "coulomb_friction") || is(c, "stribeck_friction");
-  };
-  return friction(a) && friction(b);
+  return is_dry_friction(a) && is_dry_friction(b);
 }
 
 bool predict_the_same(const Judged& a, const Judged& b, double explained) {
@@ -147,6 +158,12 @@ std::string names(const std::vector<Score>& scores, std::size_t count, Drive dri
 }
 
 }  // namespace
+
+bool is_dry_friction(const Candidate& candidate) {
+  if (candidate.effect == kBaseline) return false;
+  const std::string_view name = library()[static_cast<std::size_t>(candidate.effect)].info.name;
+  return name == CoulombFriction::info.name || name == StribeckFriction::info.name;
+}
 
 Judged judge(Hypothesis hypothesis, const Evidence& evidence) {
   Judged out{std::move(hypothesis), {}, 0.0};

@@ -19,6 +19,9 @@ struct RoundName {
 Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
                  const Progress& progress);
 
+// Friction between plate A and its guide, in either of its forms: one contains the other.
+bool is_dry_friction(const Candidate& candidate);
+
 // How many stretches of the held-out runs err on their own: the windows, where each starts anew.
 double held_out_looks(const Evidence& evidence);
 

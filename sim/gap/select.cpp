@@ -12,7 +12,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr std::size_t kMostEffects = 3, kMostRounds = 5;
+constexpr std::size_t kMostRounds = 5;
 constexpr double kNeededEvidence = 10.0;  // odds of 20000 to 1: the whole library gets its say well under 5 %
 constexpr double kWorthTrying = 0.25;     // of the excess square that is left: two equals share it,
 constexpr double kWorthKeeping = 0.5;     // but the last to enter must close most of what was left
@@ -93,11 +93,12 @@ bool is_only_noise(double square, const Evidence& evidence) {
   return std::sqrt(excess(square, evidence)) < kOnlyNoise * evidence.noise;
 }
 
-Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
+Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
+                 std::size_t most_effects) {
   Selection out{.start = judge(std::move(start), fine), .best = {}, .trials = {}, .entrants = {}};
   std::vector<Judged> stands{out.start};
   std::size_t effects = 0;
-  while (out.entrants.size() < kMostRounds && effects < kMostEffects &&
+  while (out.entrants.size() < kMostRounds && effects < most_effects &&
          !is_closed(stands.back(), effects > 0, fine)) {
     const int number = static_cast<int>(out.entrants.size()) + 1;
     Round round =

@@ -63,6 +63,8 @@ double excess(double square, const Evidence& evidence);
 bool is_only_noise(double square, const Evidence& evidence);
 
 // Coarse evidence to search on, fine to fit and judge on.
-Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress);
+inline constexpr std::size_t kMostEffects = 3;
+Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
+                 std::size_t most_effects = kMostEffects);
 
 }  // namespace biopsy::sim::gap

@@ -31,16 +31,16 @@ bool bends_calibration(const Hypothesis& hypothesis) {
   });
 }
 
-bool well_explained(double before, double after, const Evidence& evidence) {
-  return std::sqrt(excess(after, evidence)) < kWellBelowNoise * evidence.noise ||
-         gap_closed(before, after, evidence.noise) >= kWellClosed;
-}
-
 }  // namespace
 
 double gap_closed(double before, double after, double noise) {
   const double gap = std::sqrt(before) - noise;
   return gap <= 0.0 ? 0.0 : std::clamp((std::sqrt(before) - std::sqrt(after)) / gap, 0.0, 1.0);
+}
+
+bool well_explained(double before, double after, const Evidence& evidence) {
+  return std::sqrt(excess(after, evidence)) < kWellBelowNoise * evidence.noise ||
+         gap_closed(before, after, evidence.noise) >= kWellClosed;
 }
 
 double lead(const Selection& selection) {

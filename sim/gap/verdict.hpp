@@ -12,6 +12,9 @@ GapVerdict verdict(const Judged& before, const Selection& selection, const Evide
 // Share of the held-out RMSE above the noise that is gone.
 double gap_closed(double square_before, double square_after, double noise);
 
+// Whether that leaves nothing to ask for: most of the gap is gone, or what is left is far below the noise.
+bool well_explained(double square_before, double square_after, const Evidence& evidence);
+
 // The first effect's contest: the least mean square of any candidate that predicts something else, over the
 // winner's. Infinite where there was none.
 double lead(const Selection& selection);

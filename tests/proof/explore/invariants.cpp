@@ -19,8 +19,8 @@ constexpr std::int32_t kBoot_ms = 10'000, kArmed_ms = 30'000, kHold_ms = 10'000,
 constexpr std::int32_t kSilence_ms = 100, kPermitLife_us = 5'000;
 constexpr std::int32_t kHighest_mV = 8'000'000, kSteepest_mV = 400'000;
 
-constexpr HazardSet kLocking = safety::locking_hazards();
-constexpr HazardSet kC0 = safety::hazards_with(StopCategory::C0Off);
+const HazardSet kLocking = safety::locking_hazards();
+const HazardSet kC0 = safety::hazards_with(StopCategory::C0Off);
 
 constexpr bool is_hot(Mode mode) {
   return mode == Mode::Armed || mode == Mode::Active || mode == Mode::Hold || mode == Mode::Retract;
@@ -44,7 +44,7 @@ bool is_heartbeat(const Step& s) {
   return s.input.motion.held && s.input.motion.token != 0 && s.input.motion.token >= s.before.token;
 }
 // {from, event} -> to, as the table in transitions.hpp says.
-constexpr auto kTo = [] {
+const auto kTo = [] {
   std::array<std::array<Mode, safety::kEvents>, safety::kModes> to{};
   for (std::size_t from = 0; from < safety::kModes; ++from)
     for (std::size_t event = 0; event < safety::kEvents; ++event)

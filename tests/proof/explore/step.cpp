@@ -10,8 +10,8 @@ using safety::HazardSet;
 // From the safety concept.
 constexpr std::int32_t kEnvelopeGone_ms = 250, kHighest_mV = 8'000'000;
 
-constexpr HazardSet kC0 = safety::hazards_with(StopCategory::C0Off);
-constexpr HazardSet kC1 = safety::hazards_with(StopCategory::C1Ramp);
+const HazardSet kC0 = safety::hazards_with(StopCategory::C0Off);
+const HazardSet kC1 = safety::hazards_with(StopCategory::C1Ramp);
 
 }  // namespace
 

@@ -1,0 +1,25 @@
+// What every relation is folded into: order counts.
+#pragma once
+
+#include <cstdint>
+
+namespace biopsy::safety {
+
+class Hash {
+ public:
+  template <class... Values>
+  void add(Values... values) {
+    ((value_ = (value_ ^ static_cast<std::uint64_t>(values)) * 0x100'0000'01B3, value_ ^= value_ >> 29), ...);
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xCBF2'9CE4'8422'2325;
+};
+
+// Every step of the supervisor, or of the gate, that the exploration takes from its start
+// (tests/proof/explore): the reachable relation at its abstraction.
+void hash_reachable_steps(Hash& hash);
+void hash_reachable_gates(Hash& hash);
+
+}  // namespace biopsy::safety
