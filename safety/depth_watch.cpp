@@ -67,13 +67,14 @@ HazardSet look_at_plausibility(const PlanFacts& plan, DepthWatch& watch, std::in
 }
 
 // A needle goes back when the drive was lowered. One that seems to go back without is the laser's zero
-// walking off, which the loop would follow into the tissue.
-HazardSet look_at_return(DepthWatch& watch, Mode mode, std::int32_t drive_mV, std::int32_t depth_um) {
+// walking off, which the loop would follow into the tissue. (On the bench DC decays, and is measured.)
+HazardSet look_at_return(const PlanFacts& plan, DepthWatch& watch, Mode mode, std::int32_t drive_mV) {
   const bool lifted = mode == Mode::Active || mode == Mode::Hold;
   const bool lowered = drive_mV < watch.window.highest_mV() - kLowered_mV;
   const std::int32_t surely_um = watch.history.surely_um();
   watch.deepest_um = !lifted || lowered ? surely_um : std::max(watch.deepest_um, surely_um);
-  watch.sunk_ticks = counted(watch.sunk_ticks, watch.deepest_um - depth_um > kSunk_um, kSunk_ticks);
+  const bool sunk = is_for_patient(plan) && watch.deepest_um - watch.history.latest_um() > kSunk_um;
+  watch.sunk_ticks = counted(watch.sunk_ticks, sunk, kSunk_ticks);
   return when(watch.sunk_ticks >= kSunk_ticks, Hazard::OffsetOrScale);
 }
 
@@ -86,7 +87,7 @@ void look_at_valid(const PlanFacts& plan, DepthWatch& watch, const Observation& 
   watch.not_back_ticks = counted(watch.not_back_ticks, zero_volts && !watch.needle_home, kNotBack_ticks);
   watch.found = look_at_depth(plan, watch, seen.permit, depth_um);
   watch.found |= look_at_motion(watch, seen.permit.mode);
-  watch.found |= look_at_return(watch, seen.permit.mode, magnitude(m.command_mV), depth_um);
+  watch.found |= look_at_return(plan, watch, seen.permit.mode, magnitude(m.command_mV));
   watch.found |= look_at_code(watch, m);
   watch.found |= look_at_plausibility(plan, watch, depth_um);
   watch.found |= when(watch.not_back_ticks >= kNotBack_ticks, Hazard::NeedleNotBack);

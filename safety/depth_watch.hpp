@@ -24,12 +24,11 @@ struct DepthHistory {
   void fill(std::int32_t depth);
   void push(std::int32_t depth);
   std::int64_t velocity_um_per_s() const { return std::int64_t{newest - before} * 125 / 8; }
+  std::int32_t latest_um() const { return depth_um[(next - 1) % 32]; }
   std::int32_t surely_um() const {  // reached by both of the last two samples: one may be a spike
-    return std::min(depth_um[(next - 1) % 32], depth_um[(next - 2) % 32]);
+    return std::min(latest_um(), depth_um[(next - 2) % 32]);
   }
-  std::int32_t advance_um() const {
-    return depth_um[(next - 1) % 32] - depth_um[(next - 1 - kSpan_ticks) % 32];
-  }
+  std::int32_t advance_um() const { return latest_um() - depth_um[(next - 1 - kSpan_ticks) % 32]; }
 };
 
 // Smallest and largest |V| of the last 500 ms, in blocks of 50 ms, so that dynamics do not look like a wrong

@@ -74,12 +74,12 @@ void note_flip(DriveWatch& watch, std::int32_t half_period) {
 }
 
 // Already longer than any sound wave takes, since one of the last flips or since the wave began.
-bool is_too_slow(const DriveWatch& watch, std::int32_t half_period) {
-  const std::int64_t allowed = kTwoPeriods_half_periods * half_period / kOffOneIn;
+bool is_too_slow(const DriveWatch& watch) {
+  constexpr std::int64_t kAllowed = kTwoPeriods_half_periods * kHalfPeriod_ticks / kOffOneIn;
   const std::int32_t oldest = std::clamp(watch.flips, 0, 3);  // the begin, while there were fewer than four
   for (std::int32_t i = 0; i <= oldest; ++i) {
     const std::int64_t ago = watch.tick - watch.flip_tick[static_cast<std::size_t>(i)];
-    if (ago - std::int64_t{i + 1} * half_period > allowed) return true;
+    if (ago - std::int64_t{i + 1} * kHalfPeriod_ticks > kAllowed) return true;
   }
   return false;
 }
@@ -92,8 +92,9 @@ std::int64_t forgetting_ticks(std::int32_t half_period) {
 HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measurement& m, Mode mode) {
   ++watch.tick;
   if (mode != Mode::Active && mode != Mode::Hold) watch.signed_mVms = watch.total_mVms = watch.wave_ticks = 0;
-  // Only a plan for the bench may hold with one polarity.
-  const bool judged = mode == Mode::Active || (mode == Mode::Hold && plan.bench_half_period_ticks <= 0);
+  // A plan for the bench may begin and hold with one polarity; its balance is what ends that.
+  const bool for_patient = is_for_patient(plan);
+  const bool judged = mode == Mode::Active || (mode == Mode::Hold && for_patient);
   if (!judged || magnitude(m.command_mV) < kWaveMin_mV) return forget_wave(watch), 0;
   const std::int32_t polarity = m.command_mV < 0 ? -1 : 1;
   const std::int32_t half_period = half_period_ticks(plan);
@@ -107,7 +108,7 @@ HazardSet look_at_wave(const PlanFacts& plan, DriveWatch& watch, const Measureme
   watch.wave_ticks = std::min(watch.wave_ticks + 1, seen);
   const bool unbalanced = watch.wave_ticks >= seen && 2 * std::abs(watch.signed_mVms) > watch.total_mVms;
   return when(unbalanced, Hazard::PolarityStuck) |
-         when(watch.wrong_frequency || is_too_slow(watch, half_period), Hazard::WrongFrequency);
+         when(watch.wrong_frequency || (for_patient && is_too_slow(watch)), Hazard::WrongFrequency);
 }
 
 // Rounded down; of squares up to 8191^2.
@@ -125,7 +126,7 @@ std::int32_t look_at_pull(const PlanFacts& plan, DriveWatch& watch, const Measur
   watch.pull_V2 = std::clamp<std::int64_t>(watch.pull_V2, 0, kMost_V * kMost_V);
   watch.pull_V2 += (drive_V * drive_V - watch.pull_V2) / kPull_ticks;
   if (!is_hot(mode)) watch.pull_V2 = 0;
-  if (plan.bench_half_period_ticks > 0) return limits::kDriveMax_mV;
+  if (!is_for_patient(plan)) return limits::kDriveMax_mV;
   return static_cast<std::int32_t>(std::min(root_of(watch.pull_V2 + kPullLead_V2), kMost_V) * 1'000);
 }
 

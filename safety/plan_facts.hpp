@@ -42,6 +42,11 @@ struct PlanFacts {
 // fails.
 bool is_plausible(const PlanFacts& plan);
 
+// Whatever is not a bench's own rate is for a patient.
+constexpr bool is_for_patient(const PlanFacts& plan) {
+  return plan.bench_half_period_ticks <= 0;
+}
+
 // Ticks between two changes of polarity that this plan is held to.
 std::int32_t half_period_ticks(const PlanFacts& plan);
 

@@ -149,6 +149,14 @@ TEST(SunkNeedle, IsNotBelievedOnceItIsMoreThanSixTenthsBackForTwentySamples) {
   }
 }
 
+TEST(SunkNeedle, IsWhatABenchMeasures) {
+  verifies("R-21");
+  Needle needle;
+  needle.plan.bench_half_period_ticks = 250;
+  for (int i = 0; i < 30; ++i) needle.sinks(2'300);
+  EXPECT_EQ(needle.ticks_until_named(1'600), 0);
+}
+
 TEST(SunkNeedle, IsMeasuredFromTheSurfaceWhereNothingWasSeenBefore) {
   verifies("R-21");
   EXPECT_EQ(Needle().ticks_until_named(-600, 0), 0);
@@ -235,6 +243,16 @@ TEST(SlowWave, BeginsWhereTheDriveReachesAKilovolt) {
   while ((drive.watch.found & bit(Hazard::WrongFrequency)) == 0 && ticks < 1'000)
     drive.ceiling_mV(1'000'000), ++ticks;
   EXPECT_EQ(ticks, 452) << "a half-period, 200 ms, and more than that";
+}
+
+TEST(SlowWave, IsABenchsOwnAffair) {
+  verifies("R-23");
+  for (const std::int32_t half_period_ticks : {1, 250}) {
+    Drive drive;
+    drive.plan.bench_half_period_ticks = half_period_ticks;
+    for (int i = 0; i < 600; ++i) drive.ceiling_mV(2'000'000);
+    EXPECT_EQ(drive.watch.found & bit(Hazard::WrongFrequency), 0U);
+  }
 }
 
 TEST(Wave, OfAPatientsPlanIsJudgedInAHoldToo) {
