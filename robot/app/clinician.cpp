@@ -44,7 +44,10 @@ Clinician::Clinician(PreparedCase opened, bool simulated, std::filesystem::path 
       send_plan_(std::move(send_plan)),
       hold_(first_token),
       prepared_(std::move(opened)),
-      proposed_(prepared_.target) {}
+      series_(prepared_),
+      proposed_(prepared_.target) {
+  prepared_.image.identity.series_uid = series_.all().front().series_uid;
+}
 
 // A check that still runs holds its run: waited for, so that both end.
 Clinician::~Clinician() {
@@ -132,6 +135,19 @@ void Clinician::see(const Beat& beat, std::int64_t now_us) {
   }
   follow_run(beat, before);
   send_confirmations();
+  if (!is_hot()) show_series();
+}
+
+// Points and plan were of the series before.
+void Clinician::show_series() {
+  std::optional<Volume> image = series_.take();
+  if (!image) return;
+  prepared_.image = std::move(*image);
+  prepared_.target.series_uid = prepared_.image.identity.series_uid;
+  p_SE_.reset();
+  p_ST_.reset();
+  opened_ = true;
+  ++version_;
 }
 
 void Clinician::follow_run(const Beat& beat, Mode before) {
@@ -215,7 +231,7 @@ std::optional<tell::Opened> Clinician::opened() const {
   tell::Opened told;
   told.series = series_of(prepared_.image);
   told.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
-  told.volume = "/volume.nii";
+  told.volume = series_.file_name();
   return told;
 }
 
@@ -263,6 +279,7 @@ tell::State Clinician::state(console::Client client, std::int64_t now_us) {
   if (hold_.held(now_us)) told.held.push_back(button_);
   if (button_ == console::Button::Arm) told.arm_held = static_cast<double>(hold_.held_for_us(now_us)) * 1e-6;
   told.completed = run_ && run_->completed;
+  told.reading = series_.reading();
   told.report = report_.empty() ? "" : "/report.html";
   told.disabled = disabled();
   told.alarms = alarms_of(seen_, stopped_);

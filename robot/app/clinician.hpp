@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "robot/app/confirmation_image.hpp"
+#include "robot/app/console_series.hpp"
 #include "robot/app/run_notes.hpp"
 #include "robot/console/hold_to_run.hpp"
 #include "robot/console/lease.hpp"
@@ -50,6 +51,7 @@ class Clinician {
   std::vector<console::tell::Checked> checked() const;
   // Rises with each change of one of the three above.
   std::uint32_t version() const { return version_; }
+  const ConsoleSeries& series() const { return series_; }
   const PreparedCase& prepared() const { return prepared_; }
   // Of the last run that ended; empty: none yet.
   const std::filesystem::path& report() const { return report_; }
@@ -75,6 +77,7 @@ class Clinician {
   void unconfirm();
   void send_confirmations();
   bool all_ticked() const { return ticks_ == std::array{true, true, true}; }
+  void show_series();
   void follow_run(const Beat& beat, Mode before);
   void follow_image();
   void let_back();
@@ -95,6 +98,7 @@ class Clinician {
   std::uint32_t last_token_ = 0;                      // of the last press to insert
 
   PreparedCase prepared_;
+  ConsoleSeries series_;
   Target proposed_;  // what the case names
   bool opened_ = false, confirmed_ = false, announced_ = false, confirmations_due_ = false;
   std::optional<Point> p_SE_, p_ST_;

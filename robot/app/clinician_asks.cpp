@@ -60,8 +60,13 @@ Clinician::Answer Clinician::on(console::Client client, const ask::TakeControl& 
 }
 
 Clinician::Answer Clinician::on(const ask::OpenSeries& asked) {
-  if (asked.series_uid != prepared_.image.identity.series_uid)
-    return refusal(asked.id, Refused::NoSeries, "there is no such series in this case");
+  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  if (asked.series_uid != prepared_.image.identity.series_uid) {
+    if (run_ && !run_->ended) return refusal(asked.id, Refused::NotNow, "the last run is not over");
+    if (const auto why = series_.begin(asked.series_uid)) return refusal(asked.id, Refused::NoSeries, *why);
+    unconfirm();
+    return done(asked.id);
+  }
   opened_ = true;
   ++version_;
   return done(asked.id);

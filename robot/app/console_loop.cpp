@@ -9,7 +9,6 @@
 #include "robot/app/console_words.hpp"
 #include "robot/console/ask_from_json.hpp"
 #include "robot/console/guest_rules.hpp"
-#include "robot/console/nifti_bytes.hpp"
 #include "robot/realtime/tick_clock.hpp"
 
 namespace biopsy::app {
@@ -47,9 +46,7 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& 
       clinician_(std::move(opened), settings.simulated, settings.folder, settings.first_token,
                  [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                    robot.send_plan(plan, confirmed);
-                 }),
-      volume_{"application/octet-stream",
-              std::make_shared<const std::string>(console::nifti_bytes(clinician_.prepared().image))} {
+                 }) {
   console::WebEvents events;
   events.came = [this](Client client) { came(client); };
   events.said = [this](Client client, const std::string& text) { said(client, text); };
@@ -86,11 +83,12 @@ void ConsoleLoop::said(Client client, const std::string& text) {
 }
 
 std::optional<console::Document> ConsoleLoop::document(const std::string& path) {
-  if (path == "/volume.nii") return volume_;
-  if (path != "/report.html") return std::nullopt;
   std::filesystem::path written;
   {
     const std::lock_guard lock(mutex_);
+    const ConsoleSeries& series = clinician_.series();
+    if (path == series.file_name()) return console::Document{"application/octet-stream", series.file()};
+    if (path != "/report.html") return std::nullopt;
     written = clinician_.report();
   }
   std::ifstream file(written, std::ios::binary);
@@ -128,6 +126,9 @@ void ConsoleLoop::tell_states(std::int64_t now_us) {
 
 void ConsoleLoop::tell_news() {
   const bool changed = std::exchange(told_version_, clinician_.version()) != clinician_.version();
+  const std::uint32_t series_version = clinician_.series().version();
+  if (std::exchange(told_series_, series_version) != series_version)
+    for (const auto& [client, told] : told_) newcomers_.insert(client);
   const auto tell_all = [this](Client client) {
     if (const auto opened = clinician_.opened()) server_->send(client, text_of(*opened), Worth::MustArrive);
     server_->send(client, text_of(clinician_.planned()), Worth::MustArrive);
@@ -138,7 +139,8 @@ void ConsoleLoop::tell_news() {
     tell::Welcome welcome;
     welcome.simulated = settings_.simulated;
     welcome.title = clinician_.prepared().given.title;
-    welcome.series.push_back(series_of(clinician_.prepared().image));
+    welcome.sample = clinician_.prepared().given.phantom;
+    welcome.series = clinician_.series().all();
     server_->send(client, text_of(welcome), Worth::MustArrive);
     if (!changed) tell_all(client);
   }

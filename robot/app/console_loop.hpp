@@ -42,10 +42,9 @@ class ConsoleLoop {
   Settings settings_;
   std::mutex mutex_;  // over the clinician and what pages were told
   Clinician clinician_;
-  console::Document volume_;
   std::map<console::Client, std::string> told_;  // last State of each page, without what always changes
   std::set<console::Client> newcomers_;
-  std::uint32_t told_version_ = 0;
+  std::uint32_t told_version_ = 0, told_series_ = 0;
   console::TelemetryBatch batch_;
   std::int64_t ticks_ = 0, states_us_ = 0;
   std::unique_ptr<console::WebServer> server_;  // last: it calls into all the others

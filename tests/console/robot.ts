@@ -1,164 +1,104 @@
-// A robot with its console, brought up for one test file, and what a person does on the page.
+// A robot with its console, brought up for one test file, and what its log says of it afterwards.
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process'
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs'
+import { closeSync, existsSync, mkdtempSync, openSync, readFileSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 
-import { expect, type Locator, type Page } from '@playwright/test'
+export const kProgram = process.env.BIOPSY ?? 'biopsy'
+export const pause = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms))
 
-export type Vec3 = [number, number, number]
+const kStart_ms = 60_000
+const kStop_ms = 20_000
+const kReply_ms = 10_000
 
-// Where the built-in phantom truly is: of `biopsy dry-run gap`, R, A, S in mm.
-export const kEntry: Vec3 = [-4.396, 33.092, 51.854]
-export const kGapDepth_mm = 2.5
+export interface Entry {
+  at: number // ms since 1970
+  kind: string
+  body: Record<string, any>
+}
 
 export class Robot {
   folder = mkdtempSync(join(tmpdir(), 'biopsy-console-'))
   url = ''
   private up?: ChildProcess
 
-  constructor(private domain: number, private caseName = 'gap') {}
+  // `words`: the case, as for `biopsy up`.
+  constructor(private words = ['gap']) {}
 
   async start(): Promise<void> {
-    const program = process.env.BIOPSY!
-    const words = ['up', this.caseName, '--console', '--without-security', '--domain', String(this.domain), '--out', this.folder]
-    this.up = spawn(program, words, { stdio: ['ignore', 'inherit', 'inherit'] })
-    const address = join(this.folder, 'console.url')
-    for (let n = 0; n < 600 && !existsSync(address); ++n) await pause(100)
-    this.url = readFileSync(address, 'utf8').trim()
+    const domain = 30 + (process.pid % 200) // robots of other builds on this machine have theirs
+    const words = ['up', ...this.words, '--console', '--without-security', '--domain', String(domain), '--out', this.folder]
+    const said = openSync(join(this.folder, '..', `${this.name()}.txt`), 'w')
+    this.up = spawn(kProgram, words, { stdio: ['ignore', said, said] })
+    closeSync(said)
+    await this.until(() => existsSync(this.address()) && readFileSync(this.address(), 'utf8').includes('http'), kStart_ms)
+    this.url = readFileSync(this.address(), 'utf8').trim()
   }
   async stop(): Promise<void> {
-    const ended = new Promise((resolve) => this.up!.once('exit', resolve))
-    this.up!.kill('SIGINT')
-    await ended
-    if (!process.env.KEEP) rmSync(this.folder, { recursive: true })
+    const up = this.up!
+    if (up.exitCode === null && up.signalCode === null) {
+      const ended = new Promise((resolve) => up.once('exit', resolve))
+      up.kill('SIGINT')
+      if ((await Promise.race([ended, pause(kStop_ms).then(() => 'late')])) === 'late') up.kill('SIGKILL')
+    }
+    if (process.env.KEEP) return
+    rmSync(this.folder, { recursive: true, force: true })
+    rmSync(`${this.folder}.txt`, { force: true })
   }
   pid(program: string): number {
     const children = execFileSync('ps', ['--ppid', String(this.up!.pid), '-o', 'pid=,comm=']).toString()
     return Number(children.split('\n').find((line) => line.includes(program.slice(0, 15)))!.trim().split(' ')[0])
   }
-  // The procedure log: when (ms since 1970), what, and its content.
-  log(): { at: number; kind: string; body: Record<string, unknown> }[] {
-    const shown = execFileSync(process.env.BIOPSY!, ['log', 'show', join(this.folder, 'procedure.log.sqlite')])
+  // What `up` printed.
+  said(): string {
+    return readFileSync(`${this.folder}.txt`, 'utf8')
+  }
+
+  // The procedure log.
+  log(): Entry[] {
+    const shown = execFileSync(kProgram, ['log', 'show', join(this.folder, 'procedure.log.sqlite')], { maxBuffer: 1e8 })
     const line = /^ *\d+  (\S+ \S+)  \S+ +(.*?) +(\{.*\})$/
     return shown.toString().split('\n').flatMap((text) => {
       const [, at, kind, body] = line.exec(text) ?? []
       return at ? [{ at: Date.parse(at.replace(' ', 'T') + 'Z'), kind: kind!, body: JSON.parse(body!) }] : []
     })
   }
-  modes(): unknown[] {
-    return this.log().filter((one) => one.kind === 'state change').map((one) => one.body.mode)
+  // The first record from `moment` on that is `wanted`; waits for it, for it is written in groups.
+  async logged(moment: number, wanted: (entry: Entry) => boolean): Promise<Entry> {
+    let found: Entry | undefined
+    await this.until(() => (found = this.log().find((entry) => entry.at >= moment && wanted(entry))) !== undefined, kReply_ms)
+    return found!
   }
-  // From each moment on: ms until the stage put out 0 V with high voltage off.
-  msToZero(moments: number[]): number[] {
-    const off = this.log().filter((one) => one.kind === 'permit change' && one.body.hv_enabled === false)
-    return moments.map((moment) => (off.find((one) => one.at >= moment)?.at ?? NaN) - moment)
+  // ms from then until the stage itself reported that high voltage is off and it puts out nothing.
+  async msToZero(moment: number): Promise<number> {
+    const off = await this.logged(moment, ({ kind, body }) => kind === 'permit change' && body.hv_enabled === false)
+    return off.at - moment
   }
+  async msToMode(moment: number, mode: string): Promise<number> {
+    return (await this.logged(moment, ({ kind, body }) => kind === 'state change' && body.mode === mode)).at - moment
+  }
+  modesSince(moment: number): string[] {
+    return this.log().flatMap(({ at, kind, body }) => (at >= moment && kind === 'state change' ? [body.mode] : []))
+  }
+  // What was asked of the console, and what it answered.
   acts(): { asked: string; answer: string }[] {
     const all = execFileSync('sh', ['-c', `cat ${this.folder}/console/*/console-acts.jsonl`]).toString()
     return all.trim().split('\n').map((line) => JSON.parse(line))
   }
-}
-
-export const pause = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms))
-
-export class Console {
-  acts = 0 // that a person did on purpose
-  constructor(readonly page: Page, readonly url: string) {}
-
-  async open(): Promise<void> {
-    await this.page.goto(this.url)
-    await expect(this.page.locator('.steps [aria-current]')).toBeVisible()
-  }
-  button(name: string | RegExp): Locator {
-    return this.page.getByRole('button', { name })
-  }
-  async click(name: string | RegExp): Promise<void> {
-    ++this.acts
-    await this.button(name).click()
-  }
-  mode(): Locator {
-    return this.page.locator('[data-name=mode]')
-  }
-  async is(mode: string, timeout = 15_000): Promise<void> {
-    await expect(this.mode()).toHaveAttribute('data-mode', mode, { timeout })
-  }
-  async openSeries(): Promise<void> {
-    await this.click(/^Open /)
-    await expect(this.page.locator('body[data-image=shown]')).toBeAttached({ timeout: 60_000 })
-    await expect(this.page.locator('[data-tile^=large]')).toBeAttached()
+  // Tokens of presses of the insert button that were accepted.
+  presses(): number[] {
+    return this.acts().flatMap(({ asked, answer }) => {
+      const said = answer === 'done' && asked.includes('"Insert"') ? JSON.parse(asked) : {}
+      return said.type === 'Press' ? [said.token] : []
+    })
   }
 
-  // Clicks the image where the mark of this name is drawn in the large view.
-  async clickAt(mark: string): Promise<void> {
-    ++this.acts
-    const box = (await this.page.locator(`[data-tile^=large] [data-name=${mark}]`).boundingBox())!
-    await this.page.mouse.click(box.x + box.width / 2, box.y + box.height / 2)
-  }
-  async mm(name: string): Promise<Vec3> {
-    const text = await this.page.locator(`[data-name=${name}]`).first().getAttribute('data-mm')
-    return text!.split(',').map(Number) as Vec3
-  }
-  async setPoints(): Promise<void> {
-    await this.clickAt('proposed-entry')
-    await this.click('Set entry')
-    await expect(this.page.locator('dd[data-name=entry]')).not.toHaveText('not set')
-    await this.clickAt('proposed-target')
-    await this.click('Set target')
-    await expect(this.page.locator('[data-name=planned-depth]')).toBeVisible()
-  }
-  async confirmPlan(): Promise<void> {
-    await this.click('Confirm this plan')
-    const boxes = this.page.getByRole('checkbox')
-    await expect(boxes).toHaveCount(3)
-    for (const box of await boxes.all()) {
-      ++this.acts
-      await box.click()
-      await expect(box).toBeChecked() // by the server's word, not the page's
+  private address = () => join(this.folder, 'console.url')
+  private name = () => this.folder.split('/').at(-1)!
+  private async until(reached: () => boolean, patience_ms: number): Promise<void> {
+    for (const from = Date.now(); !reached(); await pause(50)) {
+      if (this.up!.exitCode !== null) throw new Error(`the robot ended: ${this.said()}`)
+      if (Date.now() - from > patience_ms) throw new Error(`the robot did not get there: ${this.said()}`)
     }
   }
-  async hold(name: string | RegExp, while_: () => Promise<void>): Promise<void> {
-    ++this.acts
-    await this.button(name).hover()
-    await this.page.mouse.down()
-    await while_()
-    await this.page.mouse.up()
-  }
-  // A host that stalls takes the hand off the button, as it should; a person then presses again.
-  async again(button: Locator, reached: () => Promise<boolean>): Promise<void> {
-    ++this.acts
-    for (let presses = 0; presses < 12 && !(await reached()); ++presses) {
-      await button.hover()
-      await this.page.mouse.down()
-      for (let n = 0; n < 100 && !(await reached()); ++n) {
-        await pause(50)
-        if (n > 5 && (await button.getAttribute('data-alive')) !== 'true') break
-      }
-      await this.page.mouse.up()
-      await pause(200)
-    }
-    expect(await reached()).toBe(true)
-  }
-  async modeIs(mode: string): Promise<boolean> {
-    return (await this.mode().getAttribute('data-mode')) === mode
-  }
-  async arm(): Promise<void> {
-    await expect(this.button(/^Arm/)).toHaveAttribute('aria-disabled', 'false')
-    await this.again(this.button(/^Arm/), () => this.modeIs('Armed'))
-  }
-  // To the end of the stage.
-  async insert(): Promise<void> {
-    await this.again(this.button('Hold to insert'), () => this.page.locator('.confirm').isVisible())
-  }
-  // From an open page to a robot that waits for the button.
-  async prepare(): Promise<void> {
-    await this.open()
-    await this.openSeries()
-    await this.setPoints()
-    await this.confirmPlan()
-    await this.is('Ready')
-    await this.arm()
-  }
 }
-
-export const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2])

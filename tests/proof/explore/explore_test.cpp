@@ -117,11 +117,11 @@ TEST(Story, OfASeededBugReadsAsAPersonWouldTellIt) {
             R"(       0 ms  boot | 0 V measured -> safe (self-test passed)
        1 ms  safe | 0 V measured -> ready (healthy and plan sealed)
        2 ms  ready | 0 V measured, arm key turned -> armed (armed on the device), up to 0 V
-       3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), stage 1, up to 6500 V, may rise
+       3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), stage 1, up to 0 V, may rise
        4 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 1 done, up to 0 V
-       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), stage 2, up to 7000 V, may rise
+       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), stage 2, up to 0 V, may rise
        6 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 2 done, up to 0 V
-       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another stage -> active (motion button pressed), stage 3, up to 7500 V, may rise
+       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another stage -> active (motion button pressed), stage 3, up to 0 V, may rise
   broken:    depth-check: Past a stage that an image confirms only with the depth check of that very stage.
 )");
 }

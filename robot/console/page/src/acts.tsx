@@ -23,6 +23,7 @@ function HoldButton(props: { button: Button; name: string; why: string }) {
         onPointerUp={stop}
         onPointerCancel={stop}
         onLostPointerCapture={stop}
+        onPointerLeave={stop} // of a pointer that was never caught
         onContextMenu={(event) => event.preventDefault()}
         onBlur={stop}
         onKeyDown={(event) => {

@@ -62,10 +62,40 @@ function Buttons(props: { of: Checked }) {
   )
 }
 
+// The browser's own print makes the PDF; the report brings its style for paper.
+function printReport(path: string): void {
+  const report = window.open(withToken(path), '_blank')
+  report?.addEventListener('load', () => report.print())
+}
+
+function Report(props: { path: string; completed: boolean }) {
+  return (
+    <div class="row" data-name="report">
+      <a class="button" href={withToken(props.path)} target="_blank" rel="noreferrer">
+        {props.completed ? 'Accepted.' : 'Not accepted.'} Open the report
+      </a>
+      <button onClick={() => printReport(props.path)}>Print the report or save it as PDF</button>
+    </div>
+  )
+}
+
+// Stopped or let back before the end of a stage.
+function NoImage(props: { path: string }) {
+  return (
+    <div class="confirm" role="status">
+      <h2>The needle went back before its stage ended: no image was taken.</h2>
+      <Report path={props.path} completed={false} />
+      <p>Another run begins with the three checks.</p>
+    </div>
+  )
+}
+
 export function ConfirmView() {
   const now = state.value
   const last = checked.value.at(-1)
   if (now?.step !== 'Confirm') return null
+  if (!last && now.report) return <NoImage path={now.report} />
+  if (!last && now.mode !== 'Hold' && now.scanner === 'Idle') return null // the tip on its way back is to be seen
   if (!last || (now.scanner !== 'Idle' && !now.report))
     return (
       <div class="confirm" role="status">
@@ -107,13 +137,7 @@ export function ConfirmView() {
       {now.hold_left > 0 && (
         <p data-name="hold-left">The needle is held for {Math.ceil(now.hold_left)} s more, then let back.</p>
       )}
-      {now.report ? (
-        <a href={withToken(now.report)} target="_blank" rel="noreferrer" style={{ color: '#fff' }}>
-          {now.completed ? 'Accepted.' : 'Not accepted.'} Open the report
-        </a>
-      ) : (
-        <Buttons of={last} />
-      )}
+      {now.report ? <Report path={now.report} completed={now.completed} /> : <Buttons of={last} />}
     </div>
   )
 }

@@ -46,6 +46,12 @@ export function voxelOf(rows: readonly number[], p: Vec3): Vec3 {
   return [along(0), along(1), along(2)]
 }
 
+// The side of the patient that lies most in this direction.
+export function letterOf(way: Vec3, sign: number): string {
+  const axis = [0, 1, 2].reduce((best, n) => (Math.abs(way[n]!) > Math.abs(way[best]!) ? n : best), 0)
+  return (sign * way[axis]! > 0 ? 'RAS' : 'LPI')[axis]!
+}
+
 export const mm = (value: number, digits = 1) => value.toFixed(digits)
 export const ras = (p: Vec3) => {
   const letters = [p[0] < 0 ? 'L' : 'R', p[1] < 0 ? 'P' : 'A', p[2] < 0 ? 'I' : 'S']

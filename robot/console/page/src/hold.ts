@@ -4,7 +4,7 @@ import { effect, signal } from '@preact/signals'
 
 import type { Button } from './generated/messages'
 import { ask, onLost, say } from './link'
-import { state } from './robot'
+import { isOld, state } from './robot'
 
 const kBeat_ms = 25
 
@@ -40,6 +40,13 @@ effect(() => {
   if (!taken && held.peek() && performance.now() - pressedAt > kTaken_ms) letGo()
 })
 
+// What the page shows is old: nobody can hold by that.
+effect(() => {
+  if (isOld.value) letGo()
+})
+
+window.addEventListener('pointerup', letGo) // wherever the pointer is by then
+window.addEventListener('pointercancel', letGo)
 window.addEventListener('blur', letGo)
 window.addEventListener('pagehide', letGo)
 document.addEventListener('visibilitychange', () => document.hidden && letGo())

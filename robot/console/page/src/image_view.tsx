@@ -1,7 +1,8 @@
 // The image, and what is done on it: crosshair by click, wheel and arrows; Set entry and Set target commit it.
+import { effect, signal } from '@preact/signals'
 import { useEffect, useRef } from 'preact/hooks'
 
-import type { Mark } from './generated/messages'
+import type { Mark, Series, Step } from './generated/messages'
 import { add, kPlanes, length, ras, voxelOf } from './geometry'
 import { ask, withToken } from './link'
 import { Overlay } from './overlay'
@@ -9,6 +10,12 @@ import { opened, state, welcome, whyNot, type Vec3 } from './robot'
 import { arrange, crosshair, large, moveTo, showVolume, tiles } from './viewer'
 
 const kFine_mm = 0.1
+const kPlanning: Step[] = ['Plan', 'Check', 'Arm'] // until then a person may think again
+
+const choosing = signal(false) // the list is shown again, to open another
+effect(() => {
+  if (opened.value) choosing.value = false
+})
 
 function setPoint(mark: Mark): void {
   const series = opened.value?.series
@@ -38,20 +45,33 @@ function nudge(event: KeyboardEvent): void {
 
 function Picking() {
   const why = whyNot.value
+  const several = (welcome.value?.series.length ?? 0) > 1
   return (
-    <div class="picking">
+    <>
       <button onClick={() => setPoint('Entry')} aria-disabled={why !== ''} title={why}>
         Set entry
       </button>
       <button onClick={() => setPoint('Target')} aria-disabled={why !== ''} title={why}>
         Set target
       </button>
+      {several && (
+        <button onClick={() => why === '' && (choosing.value = true)} aria-disabled={why !== ''} title={why}>
+          Other series
+        </button>
+      )}
+    </>
+  )
+}
+
+function Planes() {
+  return (
+    <>
       {kPlanes.map((plane) => (
         <button key={plane} aria-pressed={large.value === plane} onClick={() => arrange(plane)}>
           {plane}
         </button>
       ))}
-    </div>
+    </>
   )
 }
 
@@ -64,48 +84,77 @@ function Shown() {
     })
     const keys = canvas.current!
     keys.addEventListener('keydown', nudge, { capture: true })
-    return () => keys.removeEventListener('keydown', nudge, { capture: true })
-  }, [series.series_uid])
+    return () => {
+      keys.removeEventListener('keydown', nudge, { capture: true })
+      delete document.body.dataset.image
+    }
+  }, [])
   return (
     <>
-      <canvas ref={canvas} tabIndex={0} aria-label="image: click or arrow keys move the crosshair, wheel the slice" />
-      <Overlay />
-      <p class="caption">
-        {welcome.value?.simulated && <b>SIMULATED · </b>}
-        {series.description}
-        {series.oblique > 0.5 && ` · OBLIQUE ${series.oblique.toFixed(0)} deg`}
-        {crosshair.value && <span data-name="place"> · {ras(crosshair.value)} mm</span>}
-      </p>
-      {!state.value?.disabled.plan.startsWith('It is confirmed') && <Picking />}
+      <div class="slices">
+        <canvas ref={canvas} tabIndex={0} aria-label="image: click or arrow keys move the crosshair, wheel the slice" />
+        <Overlay />
+      </div>
+      <div class="picking">
+        {kPlanning.includes(state.value?.step ?? 'Image') && <Picking />}
+        <Planes />
+        <p class="caption">
+          {welcome.value?.simulated && <b>SIMULATED · </b>}
+          {series.description}
+          {series.oblique > 0.5 && ` · OBLIQUE ${series.oblique.toFixed(0)} deg`}
+          {crosshair.value && <span data-name="place"> · {ras(crosshair.value)} mm</span>}
+        </p>
+      </div>
     </>
   )
 }
 
-function Empty() {
+function OpenButton(props: { series: Series; sample: boolean }) {
+  const { series } = props
+  const reading = state.value?.reading ?? ''
+  const why =
+    whyNot.value || series.problem || (reading && (reading === series.series_uid ? 'It is being read…' : 'Wait.'))
+  const open = () => {
+    if (opened.value?.series.series_uid === series.series_uid) choosing.value = false
+    else void ask({ type: 'OpenSeries', series_uid: series.series_uid })
+  }
+  return (
+    <li>
+      <button aria-disabled={why !== ''} onClick={() => why === '' && open()}>
+        Open {props.sample && 'the sample: '}
+        {series.description || series.series_uid}
+        {series.modality && ` · ${series.modality}`}
+        {series.patient_id && ` · patient ${series.patient_id}`}
+        {series.date && ` · ${series.date}`}
+        {series.size[0]! > 0 && ` · ${series.size.join(' x ')} voxels`}
+      </button>
+      {why && <span class="why">{why}</span>}
+    </li>
+  )
+}
+
+// Where a person begins.
+function SeriesList() {
   const found = welcome.value
   if (!found) return <div class="empty">Waiting for the console…</div>
   return (
     <div class="empty">
       <p>{found.title}: open a series to begin.</p>
-      {found.series.map((series) => (
-        <button
-          key={series.series_uid}
-          aria-disabled={whyNot.value !== ''}
-          onClick={() => void ask({ type: 'OpenSeries', series_uid: series.series_uid })}
-        >
-          Open {series.description || series.series_uid} · patient {series.patient_id || 'without ID'} ·{' '}
-          {series.size.join(' x ')} voxels
-        </button>
-      ))}
-      {whyNot.value && <p>{whyNot.value}</p>}
+      {found.sample && <p>This is a built-in sample case. It belongs to no patient.</p>}
+      <ul>
+        {found.series.map((series) => (
+          <OpenButton key={series.series_uid} series={series} sample={found.sample} />
+        ))}
+      </ul>
     </div>
   )
 }
 
 export function ImageView(props: { children?: preact.ComponentChildren }) {
+  const series = opened.value?.series
   return (
     <main class="image" aria-label="image">
-      {opened.value ? <Shown /> : <Empty />}
+      {series && !choosing.value ? <Shown key={series.series_uid} /> : <SeriesList />}
       {props.children}
     </main>
   )

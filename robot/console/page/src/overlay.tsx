@@ -1,6 +1,6 @@
 // What is drawn over the image: entry, target, path, the live tip, proposals of the case, scale bars. SVG, so that a
 // test can read every place in mm from the page. Dashed: in front of or behind the slice that is shown.
-import { add, length, minus, project, type Tile } from './geometry'
+import { add, length, letterOf, minus, project, type Tile } from './geometry'
 import { crosshair, tiles } from './viewer'
 import { isOld, opened, plan, planned, state, type Vec3 } from './robot'
 
@@ -57,15 +57,37 @@ function Tip(props: { tile: Tile; from: Vec3; to: Vec3 }) {
   )
 }
 
+// Which side of the patient lies where.
+function Letters(props: { tile: Tile }) {
+  const { left, top, width, height, right, down } = props.tile
+  const [x, y] = [left + width / 2, top + height / 2]
+  const letters: [string, number, number, Vec3, number][] = [
+    ['left', left + 14, y, right, -1],
+    ['right', left + width - 14, y, right, 1],
+    ['top', x, top + 24, down, -1],
+    ['bottom', x, top + height - 12, down, 1],
+  ]
+  return (
+    <>
+      {letters.map(([edge, at, line, way, sign]) => (
+        <text key={edge} class="letter" data-edge={edge} x={at} y={line} text-anchor="middle">
+          {letterOf(way, sign)}
+        </text>
+      ))}
+    </>
+  )
+}
+
 function Scale(props: { tile: Tile }) {
   const { tile } = props
-  const wide = 10 / length(tile.right)
-  const [x, y] = [tile.left + 16, tile.top + tile.height - 14]
+  const mm = 10 / length(tile.right) + 82 < tile.width / 2 ? 10 : 5 // the letter in the middle stays free
+  const wide = mm / length(tile.right)
+  const [x, y] = [tile.left + tile.width - wide - 68, tile.top + tile.height - 12]
   return (
-    <g class="scale" data-mm="10">
+    <g class="scale" data-mm={mm}>
       <path d={`M${x},${y - 5}V${y}H${x + wide}V${y - 5}`} />
       <text x={x + wide + 6} y={y}>
-        10 mm
+        {mm} mm
       </text>
     </g>
   )
@@ -94,6 +116,7 @@ export function Overlay() {
             <text class="plane" x={tile.left + 14} y={tile.top + 26}>
               {tile.plane}
             </text>
+            <Letters tile={tile} />
             <Scale tile={tile} />
           </g>
         </g>

@@ -19,7 +19,7 @@ function options(title: string, unit: string, low: number, series: uPlot.Series[
   const axis = { stroke: kInk, font: '16px DejaVu Sans, sans-serif', grid: { stroke: '#b4babf' } }
   return {
     width: 530,
-    height: 150,
+    height: 128, // two of them below the three checks
     title,
     legend: { show: false },
     cursor: { show: false },

@@ -18,9 +18,12 @@ export let heardAt = 0 // performance.now() of the last message
 export const linkAge = signal(0) // ms, in steps
 export const heard = () => void (heardAt = performance.now())
 export const kOld_ms = 200
+const kLost_ms = 2500 // a robot that is silent lets the console speak once a second
 
 export const isOld = computed(() => !connected.value || linkAge.value > kOld_ms)
-export const controls = computed(() => connected.value && (state.value?.controller ?? false))
+// A cable that is cut does not close the socket: silence says it too.
+export const linked = computed(() => connected.value && linkAge.value < kLost_ms)
+export const controls = computed(() => linked.value && (state.value?.controller ?? false))
 export const plan = computed(() => (planned.value?.stages.length ? planned.value : null))
 
 // The last 30 s of plots; not signals: they are drawn by their own clock.
@@ -38,7 +41,7 @@ export function remember(sample: Telemetry): void {
 
 // Why the page cannot act at all; empty: it can.
 export const whyNot = computed(() => {
-  if (!connected.value) return 'No link to the console.'
+  if (!linked.value) return 'No link to the console.'
   if (!controls.value) return 'Another page controls the robot; this one watches.'
   return ''
 })

@@ -1,6 +1,6 @@
 // Always in view: state, patient, depth, voltage, scanner, age of the link; and below it the alarm line.
 import type { Mode } from './generated/messages'
-import { connected, isOld, linkAge, opened, refused, state, welcome } from './robot'
+import { isOld, linkAge, linked, opened, refused, state, welcome } from './robot'
 
 // A word, a shape and, for the two that stop, the only colour.
 const kShapes: Record<Mode, string> = {
@@ -37,7 +37,7 @@ export function TopBar() {
         <svg width="28" height="28" aria-hidden="true">
           <path d={kShapes[mode]} fill="none" stroke={stopped ? '#b00020' : '#15191d'} stroke-width="3.5" />
         </svg>
-        {connected.value ? mode.toUpperCase() : 'NO LINK'}
+        {linked.value ? mode.toUpperCase() : 'NO LINK'}
       </div>
       {welcome.value?.simulated && <div class="simulated">SIMULATED</div>}
       <div class="who">
@@ -54,13 +54,13 @@ export function TopBar() {
       <Value name="Depth" text={known ? `${(Math.round(100 * now.depth) / 100 + 0).toFixed(2)} mm` : 'OLD'} />
       <Value name="Voltage" text={known ? `${Math.abs(now.drive).toFixed(2)} kV` : 'OLD'} />
       <Value name="Scanner" text={(now?.scanner ?? 'Idle').toLowerCase()} />
-      <Value name="Link" text={connected.value ? `${Math.min(linkAge.value, 9950)} ms` : 'lost'} />
+      <Value name="Link" text={linked.value ? `${linkAge.value} ms` : 'lost'} />
     </header>
   )
 }
 
 export function AlarmLine() {
-  const lost = !connected.value && {
+  const lost = !linked.value && {
     severity: 'Alarm',
     code: 'E-100',
     what: 'No link to the console.',

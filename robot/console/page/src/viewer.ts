@@ -18,7 +18,7 @@ export async function showVolume(canvas: HTMLCanvasElement, url: string): Promis
   const shown = new Niivue({
     isRadiologicalConvention: true,
     dragAndDropEnabled: false,
-    isOrientationTextVisible: true,
+    isOrientationTextVisible: false, // ours are on all four sides and easier to read
     show3Dcrosshair: false,
     crosshairColor: [0.2, 0.85, 0.3, 0.8],
     crosshairWidth: 1,

@@ -1,0 +1,82 @@
+// Who may do what: one page controls, others watch and may stop; what is not the page's own is refused in words.
+import { expect, test } from '@playwright/test'
+
+import { Person } from './person'
+import { Robot } from './robot'
+
+const robot = new Robot()
+test.beforeAll(() => robot.start())
+test.afterAll(() => robot.stop())
+
+test('a spent token, a wrong place and a strange message are refused in words', async ({ page }) => {
+  const person = new Person(page, robot.url)
+  await person.open()
+  await person.openSeries()
+  const answers = await page.evaluate(async () => {
+    const link = window.tap.newest()
+    const heard: { id: number; code: string; what: string; robot_did: string; to_do: string }[] = []
+    const asks = [
+      { type: 'Press', id: 901, button: 'Insert', token: 7, page_ms: 1 },
+      { type: 'SetPoint', id: 902, mark: 'Entry', series_uid: 'another', voxel: [1, 1, 1], ras_mm: [0, 0, 0] },
+      { type: 'OpenSeries', id: 903, series_uid: 'another' },
+      { type: 'Stop' },
+      'garbage',
+    ]
+    return new Promise<typeof heard>((resolve) => {
+      link.addEventListener('message', (event) => {
+        const message = JSON.parse(event.data)
+        if (message.type === 'Answer' && (message.id === 0 || message.id > 900)) heard.push(message)
+        if (heard.length === asks.length) resolve(heard)
+      })
+      for (const ask of asks) link.send(JSON.stringify(ask))
+    })
+  })
+  expect(answers.map((one) => one.code)).toEqual(['E-107', 'E-103', 'E-102', 'E-110', 'E-110'])
+  for (const answer of answers) {
+    expect(answer.what).not.toBe('')
+    expect(answer.robot_did).not.toBe('')
+    expect(answer.to_do).not.toBe('')
+  }
+})
+
+test('a second page watches and may stop; it controls once the first is closed', async ({ page, context }) => {
+  const person = new Person(page, robot.url)
+  await person.armed()
+  const watcher = new Person(await context.newPage(), robot.url)
+  await watcher.open()
+  for (const name of [/^Arm/, 'Hold to insert', 'Retract'])
+    await expect(watcher.button(name)).toHaveAttribute('aria-disabled', 'true')
+  await expect(watcher.page.getByText('Another page controls the robot').first()).toBeVisible()
+  await expect(watcher.button('Take control')).toHaveCount(0)
+  const refused = await watcher.page.evaluate(() => {
+    const link = window.tap.newest()
+    return new Promise<string>((resolve) => {
+      link.addEventListener('message', (event) => {
+        const message = JSON.parse(event.data)
+        if (message.type === 'Answer') resolve(message.code)
+      })
+      link.send('{"type":"TakeControl","id":904}')
+    })
+  })
+  expect(refused).toBe('E-101')
+  await watcher.page.bringToFront()
+  await watcher.button('STOP').hover()
+  await watcher.page.mouse.down()
+  await watcher.is('Trip')
+  await watcher.page.mouse.up()
+  await person.is('Trip')
+
+  await page.close()
+  await watcher.click('Take control')
+  await expect(watcher.page.getByText('Another page controls the robot')).toHaveCount(0)
+  await watcher.reset()
+})
+
+test('without the token there is nothing', async ({ request, page }) => {
+  const { origin } = new URL(robot.url)
+  for (const path of ['/volume-0.nii', '/report.html', '/volume-0.nii?t=0123456789abcdef0123456789abcdef'])
+    expect((await request.get(origin + path)).status()).toBe(403)
+  await page.goto(origin + '/?t=0123456789abcdef0123456789abcdef')
+  await expect(page.locator('[data-name=mode]')).toContainText('NO LINK')
+  await expect(page.getByText('Waiting for the console…')).toBeVisible()
+})

@@ -1,0 +1,190 @@
+// What a person does on the page. Waits for what the page shows, never for time.
+import { expect, type Locator, type Page } from '@playwright/test'
+
+import { pause } from './robot'
+import { heard, nextModes, roundTrip, tap } from './tap'
+
+export type Vec3 = [number, number, number]
+export const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+// Where the built-in phantom truly is: of `biopsy dry-run gap`, R, A, S in mm.
+export const kEntry: Vec3 = [-4.396, 33.092, 51.854]
+export const kGapDepth_mm = 2.5
+
+const kSlow = { timeout: 30_000 } // on a machine that does something else as well
+const kPresses = 20
+
+export class Person {
+  acts = 0 // deliberate ones
+  constructor(readonly page: Page, readonly url: string) {}
+
+  // The page
+  async open(): Promise<void> {
+    await tap(this.page)
+    await this.page.goto(this.url)
+    await expect(this.page.locator('.steps [aria-current]')).toBeVisible(kSlow)
+  }
+  button(name: string | RegExp): Locator {
+    return this.page.getByRole('button', { name })
+  }
+  async click(name: string | RegExp): Promise<void> {
+    ++this.acts
+    await this.button(name).click()
+  }
+  insertButton(): Locator {
+    return this.button('Hold to insert')
+  }
+  mode(): Locator {
+    return this.page.locator('[data-name=mode]')
+  }
+  modeNow(): Promise<string | null> {
+    return this.mode().getAttribute('data-mode')
+  }
+  async is(mode: string): Promise<void> {
+    await expect(this.mode()).toHaveAttribute('data-mode', mode, kSlow)
+  }
+  alarm(): Locator {
+    return this.page.locator('[data-name=alarm]')
+  }
+  async mm(name: string): Promise<Vec3> {
+    const text = await this.page.locator(`[data-name=${name}]`).first().getAttribute('data-mm')
+    return text!.split(',').map(Number) as Vec3
+  }
+
+  // From the image to a robot that waits for the button
+  async openSeries(): Promise<void> {
+    await this.click(/^Open /)
+    await this.imageShown()
+  }
+  async imageShown(): Promise<void> {
+    await expect(this.page.locator('body[data-image=shown]')).toBeAttached({ timeout: 60_000 })
+    await expect(this.page.locator('[data-tile^=large]')).toBeAttached()
+  }
+  // Clicks the image where this mark is drawn in the large view.
+  async clickAt(mark: string): Promise<void> {
+    ++this.acts
+    const box = (await this.page.locator(`[data-tile^=large] [data-name=${mark}]`).boundingBox())!
+    await this.page.mouse.click(box.x + box.width / 2, box.y + box.height / 2)
+  }
+  async setPoints(): Promise<void> {
+    await this.clickAt('proposed-entry')
+    await this.click('Set entry')
+    await expect(this.page.locator('dd[data-name=entry]')).not.toHaveText('not set')
+    await this.clickAt('proposed-target')
+    await this.click('Set target')
+    await expect(this.page.locator('[data-name=planned-depth]')).toBeVisible()
+  }
+  async tickAll(): Promise<void> {
+    const boxes = this.page.getByRole('checkbox')
+    await expect(boxes).toHaveCount(3, kSlow)
+    for (const box of await boxes.all()) {
+      ++this.acts
+      await box.click()
+      await expect(box).toBeChecked() // by the server's word, not the page's
+    }
+  }
+  async confirmPlan(): Promise<void> {
+    await this.click('Confirm this plan')
+    await this.tickAll()
+  }
+  // A host that stalls takes the hand off a held button, as it should; a person then presses again.
+  async again(button: Locator, reached: () => Promise<boolean>): Promise<void> {
+    ++this.acts
+    for (let presses = 0; presses < kPresses && !(await reached()); ++presses) {
+      await expect(button).toHaveAttribute('aria-pressed', 'false')
+      if ((await button.getAttribute('aria-disabled')) === 'true') {
+        await pause(20)
+        continue
+      }
+      await button.hover()
+      await this.page.mouse.down()
+      let lives = true
+      while (lives && !(await reached())) {
+        await pause(20)
+        lives = (await button.getAttribute('aria-pressed')) === 'true'
+      }
+      await this.page.mouse.up()
+    }
+    await expect.poll(reached, kSlow).toBe(true)
+  }
+  async arm(): Promise<void> {
+    await expect(this.button(/^Arm/)).toHaveAttribute('aria-disabled', 'false', kSlow)
+    await this.again(this.button(/^Arm/), async () => (await this.modeNow()) === 'Armed')
+  }
+  // To the end of the stage and its image. A robot on a machine that stalls trips by itself (its clock stood still),
+  // as it should; a person then begins the run again.
+  async insert(stageEnded = async () => {}): Promise<void> {
+    const acts = this.acts
+    const over = this.page.locator('.confirm')
+    const image = this.page.locator('[data-name=verdict]')
+    const none = this.page.getByText('no image was taken')
+    for (let runs = 0; runs < 3; ++runs) {
+      this.acts = acts
+      await this.again(this.insertButton(), async () => (await over.isVisible()) || (await this.modeNow()) === 'Trip')
+      await stageEnded()
+      await expect(image.or(none)).toBeVisible(kSlow)
+      if (await image.isVisible()) return
+      await this.recover()
+      await this.arm()
+    }
+    throw new Error('no run came to its end')
+  }
+  // From a run that is over to the next.
+  async recover(): Promise<void> {
+    if ((await this.modeNow()) === 'Trip') await this.reset()
+    await this.tickAll()
+    await this.is('Ready')
+  }
+
+  // From whatever the test before has left to a plan that is shown,
+  async planned(): Promise<void> {
+    await this.open()
+    const { mode, step } = await heard(this.page, 'State')
+    if (['Armed', 'Active', 'Hold'].includes(mode)) await this.button('Retract').click()
+    await (step === 'Image' ? this.openSeries() : this.imageShown())
+    if ((await heard(this.page, 'Planned')).entry.length === 0) await this.setPoints()
+  }
+  // and to a robot that is ready.
+  async ready(): Promise<void> {
+    await this.planned()
+    if (!(await heard(this.page, 'Planned')).confirmed) await this.click('Confirm this plan')
+    if ((await this.modeNow()) === 'Trip') await this.reset()
+    if ((await this.modeNow()) !== 'Ready') await this.tickAll()
+    await this.is('Ready')
+  }
+  async armed(): Promise<void> {
+    await this.ready()
+    await this.arm()
+  }
+  // Until the supervisor takes it: the key counts once the needle is back.
+  async reset(): Promise<void> {
+    await expect(async () => {
+      await this.button('Reset').click({ timeout: 1000 })
+      await expect(this.mode()).not.toHaveAttribute('data-mode', 'Trip', { timeout: 1000 })
+    }).toPass(kSlow)
+  }
+
+  // Presses until the needle moves, and keeps the button down.
+  async moving(): Promise<void> {
+    for (let presses = 0; presses < kPresses; ++presses) {
+      if ((await this.modeNow()) === 'Trip') await this.recover()
+      if (!['Armed', 'Hold', 'Active'].includes((await this.modeNow())!)) await this.arm()
+      await this.insertButton().hover()
+      await this.page.mouse.down()
+      while ((await this.insertButton().getAttribute('aria-pressed')) === 'true') {
+        if ((await this.modeNow()) === 'Active') return
+        await pause(10)
+      }
+      await this.page.mouse.up()
+    }
+    throw new Error('the needle never moved')
+  }
+  // Whatever was done: the needle is held short of its stage, and nothing that is still on its way moves it.
+  async isHeld(): Promise<void> {
+    await expect(this.mode()).not.toHaveAttribute('data-mode', 'Active', kSlow)
+    await roundTrip(this.page)
+    const modes = await nextModes(this.page, 6)
+    expect(modes).not.toContain('Active')
+    expect((await heard(this.page, 'State')).stage_done).toBe(false)
+  }
+}

@@ -1,0 +1,49 @@
+// For SOAK_MINUTES the page looks at a robot that is ready: it does not grow, and still stops at once afterwards.
+import { readFileSync } from 'node:fs'
+
+import { expect, test } from '@playwright/test'
+
+import { note, round } from './figures'
+import { Person } from './person'
+import { pause, Robot } from './robot'
+
+const kMinutes = Number(process.env.SOAK_MINUTES)
+const kWarm_share = 0.25 // until then buffers fill: 30 s of plots
+const kGrowthMax_MB = 5
+
+const robot = new Robot()
+test.beforeAll(() => robot.start())
+test.afterAll(() => robot.stop())
+
+test('hours do not make it grow', async ({ page }) => {
+  test.setTimeout((kMinutes + 5) * 60_000)
+  const person = new Person(page, robot.url)
+  await person.ready()
+  const browser = await page.context().newCDPSession(page)
+  await browser.send('Performance.enable')
+  const server = robot.pid('biopsy-console')
+  const look = async () => {
+    await browser.send('HeapProfiler.collectGarbage')
+    const { metrics } = await browser.send('Performance.getMetrics')
+    const of = (name: string) => metrics.find((metric) => metric.name === name)!.value
+    const resident = /^VmRSS:\s+(\d+)/m.exec(readFileSync(`/proc/${server}/status`, 'utf8'))![1]
+    return { heap_MB: of('JSHeapUsedSize') / 1e6, nodes: of('Nodes'), server_MB: Number(resident) / 1e3 }
+  }
+  await pause(kMinutes * 60_000 * kWarm_share)
+  const from = await look()
+  await pause(kMinutes * 60_000 * (1 - kWarm_share))
+  const to = await look()
+  note({
+    soak_minutes: kMinutes,
+    soak_page_heap_MB: [round(from.heap_MB), round(to.heap_MB)],
+    soak_page_nodes: [from.nodes, to.nodes],
+    soak_console_resident_MB: [round(from.server_MB), round(to.server_MB)],
+  })
+  expect(to.heap_MB - from.heap_MB).toBeLessThan(kGrowthMax_MB)
+  expect(to.server_MB - from.server_MB).toBeLessThan(kGrowthMax_MB)
+  expect(to.nodes - from.nodes).toBeLessThan(200)
+  await expect(person.mode()).not.toContainText('NO LINK')
+  await person.button('STOP').hover()
+  await page.mouse.down()
+  await person.is('Trip')
+})
