@@ -1,5 +1,5 @@
-// What happens to the high voltage when a process of the live robot dies or stands still: real processes, a
-// real procedure, the person's finger staying on the button.
+// What happens to the high voltage when a process of the live robot dies or stands still, or their network
+// loses packets: real processes, a real procedure, the person's finger staying on the button.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace biopsy::live_tests {
 
 struct LiveEvent {
   Process victim = Process::Stage;
-  int signal = 0;                // SIGKILL or SIGSTOP
-  std::int64_t after_ticks = 0;  // of motion
+  int signal = 0;                    // SIGKILL or SIGSTOP; 0: none, packets are lost instead
+  std::int64_t after_ticks = 0;      // of motion
+  std::uint32_t lost_per_mille = 0;  // of all that the processes send, from the event on
 };
 
 struct EventOutcome {

@@ -133,6 +133,32 @@ INSTANTIATE_TEST_SUITE_P(EveryProcess, LiveEventTest,
                                   (std::get<1>(given.param) == SIGKILL ? "Killed" : "Stopped");
                          });
 
+// Which one tells first is the packets' luck: or the gate itself.
+class LostPacketsLiveEventTest : public ::testing::TestWithParam<std::tuple<std::uint32_t, double>> {};
+
+TEST_P(LostPacketsLiveEventTest, TakeTheHighVoltageOff) {
+  verifies("R-26", "R-44");
+  const auto [per_mille, allowed_ms] = GetParam();
+  EventOutcome outcome;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const ScratchFolder folder;
+    outcome = live_event({Process::Stage, 0, 700, per_mille}, plain(), gap_case(), folder.path(), 3'000);
+    if (outcome.trouble.empty()) break;
+  }
+  ASSERT_EQ(outcome.trouble, "");
+  ASSERT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
+  RecordProperty(fmt::format("lost_{}_per_mille_to_zero_ms", per_mille),
+                 fmt::format("{:.2f}", outcome.to_zero_ms));
+  EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
+}
+
+INSTANTIATE_TEST_SUITE_P(Some, LostPacketsLiveEventTest,
+                         ::testing::Values(std::tuple(1'000U, 10.0), std::tuple(100U, 2'000.0),
+                                           std::tuple(50U, 2'500.0)),
+                         [](const auto& given) {
+                           return std::to_string(std::get<0>(given.param)) + "InAThousand";
+                         });
+
 TEST(LiveRobot, ASecondWriterOfRequestsTrips) {
   verifies("R-11");
   const ScratchFolder folder;
