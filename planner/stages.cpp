@@ -89,7 +89,8 @@ void add_waypoint(std::vector<Stop>& stops, Millimetres waypoint, const std::vec
   });
   const auto place =
       std::find_if(stops.begin(), stops.end(), [&](const Stop& stop) { return stop.depth > waypoint; });
-  stops.insert(place, {StageKind::Waypoint, waypoint, "asked for on the way"});
+  const Stop added{StageKind::Waypoint, waypoint, "asked for on the way"};
+  stops.insert(place, added);
 }
 
 const Layer& layer_of(const std::vector<Layer>& layers, Millimetres target) {

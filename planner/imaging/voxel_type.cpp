@@ -95,7 +95,7 @@ void read_voxels(ByteSource& source, const VoxelCoding& coding, const std::strin
     rounded |= append_any(bytes, coding, volume.voxels);
     refuse_not_finite(volume.voxels, before, file);
   }
-  if (rounded) volume.warnings.push_back("values above 16777216 are rounded to the precision of a float");
+  if (rounded) volume.warnings.emplace_back("values above 16777216 are rounded to the precision of a float");
 }
 
 void refuse_not_finite(const std::vector<float>& voxels, std::size_t from, const std::string& file) {

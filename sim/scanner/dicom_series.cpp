@@ -145,7 +145,7 @@ std::string file_header(const std::string& instance_uid) {
   meta.text(0x00020013, "SH", kImplementationName);
   DicomElements length;
   length.unsigned_long(0x00020000, static_cast<std::uint32_t>(meta.encoded().size()));
-  return std::string(128, '\0') + "DICM" + length.encoded() + meta.encoded();
+  return std::string(128, '\0').append("DICM").append(length.encoded()).append(meta.encoded());
 }
 
 void put_identity(const SeriesIdentity& identity, const std::string& instance_uid, DicomElements& out) {

@@ -1,6 +1,7 @@
 // Writing models: what is written reads back as the same model, with the same notes.
 #include "sim/model_text.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +56,7 @@ class RandomModels {
       slot.emplace();
       for (const auto& p : Effect::parameters()) {
         (*slot).*(p.member) = between(p.low, p.high) * p.si_per_unit;
-        note(std::string(Effect::info.name) + "." + std::string(p.name), out.notes);
+        note(fmt::format("{}.{}", Effect::info.name, p.name), out.notes);
       }
     });
     return out;

@@ -108,7 +108,7 @@ TEST_F(AcceptedModel, LeavesEverythingWhereTheNewFileCannotBeWritten) {
 
 TEST_F(AcceptedModel, LeavesEverythingWhereTheOldOneCannotBeKept) {
   // 255 letters are the most a name may have: there is no room for ".1".
-  const fs::path longest = folder_ / (std::string(250, 'm') + ".toml");
+  const fs::path longest = folder_ / (std::string(250, 'm').append(".toml"));
   write_content(longest, kOld);
   EXPECT_THROW(app::accept_model(longest, kNew), SetupError);
   EXPECT_EQ(file_content(longest), kOld);
