@@ -109,6 +109,10 @@ std::vector<std::string> built_in_cases() {
   return names;
 }
 
+bool has_points(const Case& given) {
+  return given.phantom || (given.p_SE && given.p_ST);
+}
+
 Case blank_case() {
   Case out;
   out.rehearsal.model = resources() / "sim/models/rehearsal.toml";

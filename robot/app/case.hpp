@@ -30,7 +30,7 @@ struct Case {
   std::filesystem::path labels;  // empty: none
   planner::LabelNames label_names;
   std::vector<Layer> layers;                     // a table instead of labels
-  std::optional<Point> p_SE, p_ST;               // LPS mm; a phantom knows its own entry
+  std::optional<Point> p_SE, p_ST;               // LPS mm; neither: picked at the console
   std::optional<Millimetres> depth;              // phantom only: target on the needle's axis
   std::filesystem::path fiducials;               // CSV; empty: none
   std::optional<std::vector<double>> transform;  // 16 numbers, robot to scanner RAS
@@ -41,6 +41,9 @@ struct Case {
   Rehearsal rehearsal;
   std::uint64_t seed = 1;
 };
+
+// Whether it says where to go; otherwise a person picks both points on the image.
+bool has_points(const Case& given);
 
 // `name_or_path`: a case file, or the name of a built-in case. Throws SetupError naming file and line.
 Case read_case(const std::string& name_or_path);

@@ -71,14 +71,15 @@ bool Clinician::is_shown(const std::string& seal) const {
 }
 
 // The first confirmation is that of the plan, the second that of the three ticks. Without both the supervisor
-// does not get ready; nor would it take a reset, so in Trip nothing is withdrawn, and in motion nothing is
-// sent at all.
+// does not get ready; nor would it take a reset, so in Trip both are given but none is withdrawn, and in
+// motion nothing is sent at all.
 void Clinician::send_confirmations() {
-  if (!confirmations_due_ || is_hot() || seen_.supervisor.permit.mode == Mode::Trip) return;
+  const bool complete = plan() != nullptr && confirmed_ && all_ticked();
+  if (!confirmations_due_ || is_hot()) return;
+  if (seen_.supervisor.permit.mode == Mode::Trip && !complete) return;
   confirmations_due_ = false;
   if (plan() == nullptr) return;
   const std::uint64_t tag = planner::plan_tag(*plan());
-  const bool complete = confirmed_ && all_ticked();
   if (complete || announced_) send_plan_(*plan(), {confirmed_ ? tag : 0, complete ? tag : 0});
   announced_ = complete;
 }
@@ -143,6 +144,7 @@ void Clinician::show_series() {
   std::optional<Volume> image = series_.take();
   if (!image) return;
   prepared_.image = std::move(*image);
+  prepared_.target.patient_id = prepared_.image.identity.patient_id;
   prepared_.target.series_uid = prepared_.image.identity.series_uid;
   p_SE_.reset();
   p_ST_.reset();
@@ -230,7 +232,7 @@ std::optional<tell::Opened> Clinician::opened() const {
   if (!opened_) return std::nullopt;
   tell::Opened told;
   told.series = series_of(prepared_.image);
-  told.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
+  if (has_points(prepared_.given)) told.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
   told.volume = series_.file_name();
   return told;
 }

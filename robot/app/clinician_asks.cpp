@@ -225,6 +225,8 @@ tell::Disabled Clinician::disabled() const {
     why.reset = mode == Mode::Lock ? "Locked: service only." : "Nothing to reset.";
   else if (!simulated_)
     why.reset = "Turn the reset key on the device.";
+  else if (waits_for_plan(seen_.supervisor.worst))
+    why.reset = "Confirm the plan and tick the three checks first.";
   if (plan() == nullptr)
     why.plan = p_SE_ && p_ST_ ? "There is no plan to confirm." : "Set entry and target first.";
   else if (confirmed_)

@@ -36,7 +36,7 @@ void serve(const Options& options) {
   const bool simulated = settings.device == "sim";
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   const fs::path own = folder / "console" / fmt::format("{:%Y%m%dT%H%M%S}", fmt::gmtime(now));
-  app::PreparedCase opened = app::open_case(app::case_of(options.procedure), own);
+  app::PreparedCase opened = app::open_case(app::case_of(options.procedure, app::Points::PickedLater), own);
   const transport::Participant bus(live::bus_settings(settings, keys::Role::Console));
   app::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
   app::ConsoleLoop loop(robot, std::move(opened),

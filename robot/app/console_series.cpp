@@ -40,10 +40,19 @@ bool differ(const std::string& one, const std::string& other) {
   return !one.empty() && !other.empty() && one != other;
 }
 
+// Points, layers and fiducials of a case are of its patient, in its frame: on another they would mean
+// nothing.
+bool is_bound(const Case& given) {
+  return has_points(given) || !given.labels.empty() || !given.fiducials.empty() || given.transform ||
+         !given.layers.empty();
+}
+
 }  // namespace
 
 ConsoleSeries::ConsoleSeries(const PreparedCase& opened)
-    : folder_(opened.given.image), of_case_(opened.image.identity), file_(file_of(opened.image)) {
+    : folder_(opened.given.image),
+      of_case_(is_bound(opened.given) ? opened.image.identity : SeriesIdentity()),
+      file_(file_of(opened.image)) {
   all_.push_back(series_of(opened.image));
   if (opened.given.phantom) return;
   for (const imaging::SeriesSummary& found : imaging::list_series(folder_)) {
@@ -76,8 +85,6 @@ std::optional<std::string> ConsoleSeries::begin(const std::string& series_uid) {
   return std::nullopt;
 }
 
-// Points, layers and fiducials of the case are of its patient, in its frame: on another they would mean
-// nothing.
 ConsoleSeries::Outcome ConsoleSeries::read(const std::filesystem::path& folder, const std::string& series_uid,
                                            const SeriesIdentity& of_case) {
   try {

@@ -75,6 +75,10 @@ console::tell::Answer refusal(std::uint32_t id, Refused reason, const std::strin
   return {id, false, fmt::format("E-{}", 101 + number), what, words.robot_did, words.to_do};
 }
 
+bool waits_for_plan(Hazard worst) {
+  return worst == Hazard::PlanChanged || worst == Hazard::PlanUnconfirmed || worst == Hazard::PlanImplausible;
+}
+
 std::vector<Alarm> alarms_of(const Tick& tick, bool stopped_by_person) {
   const safety::SupervisorOutput& said = tick.supervisor;
   const Hazard reason = said.reason;
@@ -103,8 +107,7 @@ std::vector<Alarm> alarms_of(const Tick& tick, bool stopped_by_person) {
     case Mode::Boot:
     case Mode::Safe:
       // A robot that waits for its plan says so in the step rail.
-      if (said.worst != Hazard::None && said.worst != Hazard::PlanChanged &&
-          said.worst != Hazard::PlanUnconfirmed && said.worst != Hazard::PlanImplausible)
+      if (said.worst != Hazard::None && !waits_for_plan(said.worst))
         alarms.push_back(alarm(Severity::Notice, code_of(said.worst), sentence(said.worst), "Not ready.",
                                what_to_do(said.worst)));
       break;

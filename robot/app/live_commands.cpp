@@ -50,6 +50,7 @@ void add_up(CLI::App& app, UpOptions& options, int& code) {
       "health\n"
       "until Ctrl-C; then brings them down in order, HV first. Nothing is armed: that takes the key on the "
       "device.\n\n"
+      "With --console an image folder is enough: series, entry and target are picked on the page.\n\n"
       "Example:\n  biopsy up gap --seconds 5 --keys out/keys --out out/up\n\n"
       "Exit code: 0, or 3 where a process ended by itself or the plan is refused, 2 for unusable input.");
   procedure_options(*command, options.procedure);

@@ -4,6 +4,7 @@
 
 #include "planner/fiducial_file.hpp"
 #include "planner/imaging/read_volume.hpp"
+#include "planner/imaging/series_list.hpp"
 #include "planner/plan_insertion.hpp"
 #include "planner/registration.hpp"
 #include "robot/messages/limits.hpp"
@@ -60,6 +61,14 @@ void check_frames(const Volume& image, const Volume& labels) {
                      "give the label map that was drawn on this image");
 }
 
+// Where nothing names a series, a person at the console begins with the first that can be read.
+std::string series_to_open(const Case& given) {
+  if (!given.series_uid.empty() || has_points(given)) return given.series_uid;
+  for (const imaging::SeriesSummary& found : imaging::list_series(given.image))
+    if (found.problem.empty()) return found.series_uid;
+  return {};
+}
+
 }  // namespace
 
 PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
@@ -75,9 +84,9 @@ PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
     for (std::size_t i = 0; i < phantom.names.size(); ++i)
       out.label_names[static_cast<int>(i)] = phantom.names[i];
   } else {
-    out.image = imaging::read_volume(given.image, given.series_uid);
-    out.target.p_SE = *given.p_SE;
-    out.target.p_ST = *given.p_ST;
+    out.image = imaging::read_volume(given.image, series_to_open(given));
+    out.target.p_SE = given.p_SE.value_or(Point::Zero());
+    out.target.p_ST = given.p_ST.value_or(Point::Zero());
     if (!given.labels.empty()) out.labels = imaging::read_volume(given.labels);
     if (out.labels) check_frames(out.image, *out.labels);
   }
@@ -109,7 +118,10 @@ void plan_to_target(PreparedCase& out) {
 
 PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {
   PreparedCase out = open_case(given, folder);
-  plan_to_target(out);
+  if (has_points(given))
+    plan_to_target(out);
+  else
+    out.layers = {{"unknown", Millimetres(0), kMargin + kBeyond}};
   return out;
 }
 

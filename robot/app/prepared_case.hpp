@@ -16,7 +16,7 @@ namespace biopsy::app {
 struct PreparedCase {
   Case given;
   Volume image;
-  Target target;
+  Target target;  // zeros until a person has picked the points
   std::vector<Layer> layers;
   std::variant<Plan, PlanRefusal> plan;
   std::optional<Volume> labels;  // of the tissues, on the same patient
@@ -31,7 +31,7 @@ PreparedCase open_case(const Case& given, const std::filesystem::path& folder);
 // Layers and plan to `target`. A plan that is refused for medical reasons is a value.
 void plan_to_target(PreparedCase& opened);
 
-// Both.
+// Both; of a case without points the image, and tissue without a name.
 PreparedCase prepare(const Case& given, const std::filesystem::path& folder);
 
 }  // namespace biopsy::app

@@ -18,7 +18,7 @@ namespace biopsy::app {
 
 namespace fs = std::filesystem;
 
-Case case_of(const ProcedureOptions& options) {
+Case case_of(const ProcedureOptions& options, Points points) {
   const bool by_image = !options.image.empty();
   if (by_image && !options.case_name.empty())
     throw SetupError("both a case and --image", "command line",
@@ -27,13 +27,16 @@ Case case_of(const ProcedureOptions& options) {
     throw SetupError("--entry, --target or --labels without --image", "command line", "add --image PATH");
   Case given = by_image ? blank_case() : read_case(options.case_name.empty() ? "liver" : options.case_name);
   if (by_image) {
-    if (options.entry.empty() || options.target.empty())
+    const bool none = options.entry.empty() && options.target.empty();
+    if ((options.entry.empty() || options.target.empty()) && !(none && points == Points::PickedLater))
       throw SetupError("--image without --entry and --target", "command line",
                        "pick both points: --entry R,A,S --target R,A,S");
     given.image = options.image;
-    given.title = options.image.filename().string();
-    given.p_SE = typed_point("--entry", options.entry);
-    given.p_ST = typed_point("--target", options.target);
+    given.title = (options.image / "").parent_path().filename().string();
+    if (!none) {
+      given.p_SE = typed_point("--entry", options.entry);
+      given.p_ST = typed_point("--target", options.target);
+    }
     given.labels = options.labels;
   }
   if (!options.series.empty()) given.series_uid = options.series;

@@ -10,8 +10,11 @@
 
 namespace biopsy::app {
 
+// At the console a person may pick both points on the image.
+enum class Points { Given, PickedLater };
+
 // Throws SetupError where the options do not fit together.
-Case case_of(const ProcedureOptions& options);
+Case case_of(const ProcedureOptions& options, Points points = Points::Given);
 
 // Writes the report and prints its table and path.
 void finish(report::RunRecord& record, const PreparedCase& prepared, const std::filesystem::path& out,

@@ -162,10 +162,10 @@ int up_with_console(const UpOptions& options, const PreparedCase& prepared, real
 int up(const UpOptions& options) {
   realtime::StopSignals signals;
   const auto started = Clock::now();
-  const Case given = case_of(options.procedure);
+  const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
   claim_run_folder(options.procedure.out);
   const PreparedCase prepared = prepare(given, options.procedure.out);
-  if (is_refused(prepared, options.procedure.out, started)) return 3;
+  if (has_points(given) && is_refused(prepared, options.procedure.out, started)) return 3;
   if (options.console) return up_with_console(options, prepared, signals);
   LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out);
   session.wait_until_healthy();
