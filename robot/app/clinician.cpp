@@ -23,9 +23,7 @@ namespace {
 
 constexpr std::int64_t kTicksLive_us = 60'000'000;  // what was checked a minute ago is checked again
 constexpr std::int64_t kArmHold_us = 2'000'000;
-constexpr std::int64_t kKeyTurned_us = 200'000;
-constexpr std::int64_t kStopLasts_us = 500'000;  // longer than a C1 ramp, and any loss of messages
-constexpr std::int64_t kReturn_us = 1'500'000;   // time for gravity to withdraw the needle
+constexpr std::int64_t kReturn_us = 1'500'000;  // time for gravity to withdraw the needle
 constexpr std::int64_t kThink_us =
     120'000'000;  // for a person who looks at an image of a needle that is back
 constexpr std::int64_t kAcquisition_us = kAcquisition_ticks * 1'000;

@@ -18,9 +18,6 @@ namespace tell = console::tell;
 
 namespace {
 
-constexpr std::int64_t kKeyTurned_us = 200'000;
-constexpr std::int64_t kStopLasts_us = 500'000;
-
 tell::Answer done(std::uint32_t id) {
   return {id, true, {}, {}, {}, {}};
 }

@@ -10,6 +10,10 @@
 
 namespace biopsy::app {
 
+// How long the robot is told what was asked for once.
+inline constexpr std::int64_t kKeyTurned_us = 200'000;
+inline constexpr std::int64_t kStopLasts_us = 500'000;  // longer than a C1 ramp, and any loss of messages
+
 struct Clinician::Run {
   Run(const PreparedCase& planned, std::filesystem::path run_folder)
       : prepared(planned),

@@ -70,3 +70,20 @@ test('Esc does the same, says so, and Reset is needed after', async ({ page }) =
   await expect(person.button(/^Arm/)).toHaveAttribute('aria-disabled', 'true')
   await person.reset()
 })
+
+test('STOP and the other buttons are whole and in view on small screens', async ({ page }) => {
+  await new Person(page, robot.url).open()
+  for (const [width, height] of [[1280, 720], [1366, 768], [1600, 900], [1700, 800]] as const) {
+    await page.setViewportSize({ width, height })
+    const buttons = page.locator('.acts .act button, .acts .stopping button')
+    await expect(buttons).toHaveCount(5)
+    const boxes = await Promise.all((await buttons.all()).map(async (button) => (await button.boundingBox())!))
+    boxes.reduce((left, box) => {
+      expect(box.x, `at ${width} x ${height}`).toBeGreaterThanOrEqual(left)
+      expect(box.width).toBeGreaterThan(100)
+      expect(box.y + box.height).toBeLessThanOrEqual(height)
+      return box.x + box.width
+    }, 0)
+    expect(boxes[4]!.x + boxes[4]!.width).toBeLessThanOrEqual(width)
+  }
+})
