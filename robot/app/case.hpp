@@ -29,10 +29,10 @@ struct Case {
   std::string series_uid;
   std::filesystem::path labels;  // empty: none
   planner::LabelNames label_names;
-  std::vector<Layer> layers;                     // a table instead of labels
-  std::optional<Point> p_SE, p_ST;               // LPS mm; neither: picked at the console
-  std::optional<Millimetres> depth;              // phantom only: target on the needle's axis
-  std::filesystem::path fiducials;               // CSV; empty: none
+  std::vector<Layer> layers;         // a table instead of labels
+  std::optional<Point> p_SE, p_ST;   // LPS mm; a phantom knows its own, else neither: picked at the console
+  std::optional<Millimetres> depth;  // phantom only: target on the needle's axis
+  std::filesystem::path fiducials;   // CSV; empty: none
   std::optional<std::vector<double>> transform;  // 16 numbers, robot to scanner RAS
   Grams weight{50.0};
   planner::Staging staging = planner::Staging::Automatic;
