@@ -18,7 +18,7 @@ namespace {
 
 using Refusal = std::optional<PlanRefusal>;  // empty: nothing to refuse
 
-constexpr Millimetres kMargin = from_um(limits::kDepthMargin_um);
+constexpr Millimetres kDepthMargin = from_um(limits::kDepthMargin_um);
 constexpr Millimetres kDeepest = from_um(limits::kStroke_um - limits::kDepthMargin_um);
 
 // Where the target lies as the needle sees it.
@@ -185,18 +185,18 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
   if (Refusal why = first_objection(request, aim)) return *why;
 
   const NominalModel model(request.weight);
-  Plan plan{
-      .target = request.target,
-      .X_SR = request.X_SR,
-      .registration_fre_mm = request.registration_fre_mm,
-      .registration_tre_mm = request.registration_tre_mm,
-      .target_depth = aim.depth(),
-      .axis_offset = aim.offset(),
-      .layers = request.layers,
-      .stages =
-          plan_stages(request.layers, aim.depth(), request.waypoints, request.staging, request.pace, model),
-      .limits = {
-          .depth_max = aim.depth() + kMargin, .v_max = Volts(0.0), .plausible = model.plausible_depths()}};
+  Plan plan{.target = request.target,
+            .X_SR = request.X_SR,
+            .registration_fre_mm = request.registration_fre_mm,
+            .registration_tre_mm = request.registration_tre_mm,
+            .target_depth = aim.depth(),
+            .axis_offset = aim.offset(),
+            .layers = request.layers,
+            .stages = plan_stages(request.layers, aim.depth(), request.waypoints, request.staging,
+                                  request.pace, model),
+            .limits = {.depth_max = aim.depth() + kDepthMargin,
+                       .v_max = Volts(0.0),
+                       .plausible = model.plausible_depths()}};
   for (const Stage& stage : plan.stages) plan.limits.v_max = std::max(plan.limits.v_max, stage.v_max);
   seal(plan);
   return plan;

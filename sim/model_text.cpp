@@ -8,6 +8,7 @@
 
 #include "robot/messages/setup_error.hpp"
 #include "sim/baseline_entries.hpp"
+#include "sim/toml_values.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -19,21 +20,6 @@ double rounded_to_digits(double value, int digits) {
   double out = value;
   std::from_chars(text.data(), text.data() + text.size(), out);
   return out;
-}
-
-// A TOML basic string.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char letter : text) {
-    const auto code = static_cast<unsigned char>(letter);
-    if (letter == '"' || letter == '\\')
-      out += {'\\', letter};
-    else if (code < 0x20 || code == 0x7f)
-      out += fmt::format("\\u{:04x}", code);
-    else
-      out += letter;
-  }
-  return out + '"';
 }
 
 // The lines of one file; remembers which notes found their value.

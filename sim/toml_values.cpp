@@ -178,4 +178,18 @@ TomlTable read_toml(const std::filesystem::path& file) {
   return parse_toml(text.str(), file.string());
 }
 
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char letter : text) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (letter == '"' || letter == '\\')
+      out += {'\\', letter};
+    else if (code < 0x20 || code == 0x7f)
+      out += fmt::format("\\u{:04x}", code);
+    else
+      out += letter;
+  }
+  return out + '"';
+}
+
 }  // namespace biopsy::sim

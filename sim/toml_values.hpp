@@ -46,4 +46,6 @@ class TomlTable {
 TomlTable read_toml(const std::filesystem::path& file);
 TomlTable parse_toml(const std::string& text, const std::string& name);
 
+std::string quoted(const std::string& text);  // as a basic string of TOML
+
 }  // namespace biopsy::sim

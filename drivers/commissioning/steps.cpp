@@ -13,7 +13,7 @@
 namespace biopsy::commissioning {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotSeen = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kSecond = 1'000;        // ticks
 constexpr std::size_t kSettle = 3 * kSecond;  // until the plate hangs still
 constexpr std::int32_t kTestLevel_mV = 300'000;
@@ -46,11 +46,11 @@ Measured laser(Rig& rig, Person& person) {
   const double zero_mm = mean(rest_for(rig, kSecond), depth_mm);
   const bool laid = person.does(Act::LayBlock, "Lay a gauge block of 2 to 8 mm under plate A.");
   rest_for(rig, kSettle);
-  const double block_mm = laid ? person.reads("Height of the block, mm").value_or(kNone) : kNone;
+  const double block_mm = laid ? person.reads("Height of the block, mm").value_or(kNotSeen) : kNotSeen;
   const double read_mm = mean(rest_for(rig, kSecond), depth_mm);
   const bool removed = person.does(Act::RemoveBlock, "Take the block away, let the plate sink back.");
   rest_for(rig, kSettle);
-  const double back_mm = removed ? mean(rest_for(rig, kSecond), depth_mm) : kNone;
+  const double back_mm = removed ? mean(rest_for(rig, kSecond), depth_mm) : kNotSeen;
   return {{zero_mm, block_mm, read_mm - zero_mm - block_mm, back_mm}, {}};
 }
 
@@ -74,7 +74,7 @@ Measured monitor_gain(Rig& rig, Person&) {
     for (const Sample& sample : drive.samples)
       if (sample.command_mV == level_mV) steady.push_back(sample);
     if (!drive.stopped_because.empty() || steady.size() < 200)
-      return {{kNone, kNone, kNone, kNone},
+      return {{kNotSeen, kNotSeen, kNotSeen, kNotSeen},
               fmt::format("stopped at {:.2f} kV: {}", level_mV * 1e-6, drive.stopped_because)};
     steady.erase(steady.begin(), steady.begin() + 50);  // the stack charges
     commands.push_back(mean(steady, command_kV));
@@ -93,13 +93,14 @@ Measured interlock(Rig& rig, Person&) {
     return tick < 105 || has_voltage(sample);
   });
   rig.feed_interlock(true);
-  if (drive.samples.size() < 100) return {{kNone, kNone}, drive.stopped_because};
+  if (drive.samples.size() < 100) return {{kNotSeen, kNotSeen}, drive.stopped_because};
   const Sample& last_fed = drive.samples[99];
   for (const Sample& sample : drive.samples)
     if (sample.reading.time_us > last_fed.reading.time_us && !has_voltage(sample) &&
         sample.command_mV == kTestLevel_mV)
       return {{monitor_kV(last_fed), ms_between(last_fed, sample)}, {}};
-  return {{monitor_kV(last_fed), kNone}, "the voltage stayed until it was taken back: no interlock opened"};
+  return {{monitor_kV(last_fed), kNotSeen},
+          "the voltage stayed until it was taken back: no interlock opened"};
 }
 
 const Sample* first(const std::vector<Sample>& samples, bool (*is)(const Sample&)) {
@@ -112,7 +113,7 @@ Measured emergency_stop(Rig& rig, Person& person) {
   const bool willing =
       person.does(Act::PressEstopUnderVoltage,
                   "The stage will be put to 0.3 kV for 20 s. Press the emergency stop in that time.");
-  if (!willing) return {{kNone, kNone}, "was not pressed"};
+  if (!willing) return {{kNotSeen, kNotSeen}, "was not pressed"};
   const Drive drive = rig.drive(kTestLevel_mV, 20 * kSecond, has_voltage);
   const bool released = person.does(Act::ReleaseEstop, "Release the emergency stop.");
   const Sample* const gone = first(drive.samples, [](const Sample& s) { return !has_voltage(s); });
@@ -120,11 +121,12 @@ Measured emergency_stop(Rig& rig, Person& person) {
       first(drive.samples, [](const Sample& s) { return s.has_contacts && !s.estop_a_closed; });
   const Sample* const b =
       first(drive.samples, [](const Sample& s) { return s.has_contacts && !s.estop_b_closed; });
-  if (!released || gone == nullptr) return {{kNone, kNone}, drive.stopped_because};
+  if (!released || gone == nullptr) return {{kNotSeen, kNotSeen}, drive.stopped_because};
   if (!gone->has_contacts && gone->command_mV == kTestLevel_mV)
     return {{0.0, 0.0}, "the contacts are not on this device: only that the voltage went was seen"};
   if (a == nullptr || b == nullptr)
-    return {{kNone, kNone}, "no contact of the emergency stop opened, or only one " + drive.stopped_because};
+    return {{kNotSeen, kNotSeen},
+            "no contact of the emergency stop opened, or only one " + drive.stopped_because};
   const double skew_ms = ms_between(*a, *b);
   return {{ms_between(skew_ms >= 0.0 ? *a : *b, *gone), std::abs(skew_ms)}, {}};
 }

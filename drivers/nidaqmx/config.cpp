@@ -17,7 +17,6 @@
 namespace biopsy::nidaqmx {
 namespace {
 
-constexpr double kBoard_V = 10.0;   // converters of the 6211, in and out
 constexpr std::uint32_t kPair = 8;  // a differential input is this and the one so many higher
 constexpr std::uint32_t kInputs = 15, kOutputs = 1, kPorts = 1, kLines = 3;  // highest numbers on the 6211
 constexpr double kMost_kV = limits::kDriveMax_mV * 1e-6;

@@ -8,6 +8,8 @@
 
 namespace biopsy::nidaqmx {
 
+constexpr double kBoard_V = 10.0;  // converters of the 6211, in and out
+
 struct AnalogInput {
   std::uint32_t number = 0;      // of ai0, ai1, ...
   std::int32_t terminal = 0;     // kRse or kDiff

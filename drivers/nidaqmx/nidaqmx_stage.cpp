@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kCodes =
     65536.0;  // of 16 bits over the range: each code of the converter keeps one of its own
-constexpr double kBoard_V = 10.0;
 
 std::string channel(const Config& config, const char* kind, std::uint32_t number) {
   return fmt::format("{}/{}{}", config.device, kind, number);

@@ -14,7 +14,7 @@ namespace biopsy::imaging {
 namespace {
 
 constexpr std::uint64_t kBestDeflate = 1032;  // zlib's documentation: the limit of the format is 1032:1
-constexpr const char* kRemedy = "copy the file again";
+constexpr const char* kRemedyForDamage = "copy the file again";
 
 }  // namespace
 
@@ -29,7 +29,8 @@ ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::
   const std::uint64_t length = std::filesystem::file_size(file, error);
   if (error) throw unreadable;
   if (offset > length)
-    throw SetupError("truncated: the data should begin behind the end of the file", file.string(), kRemedy);
+    throw SetupError("truncated: the data should begin behind the end of the file", file.string(),
+                     kRemedyForDamage);
   most_left_ = (length - offset) * (packing == Packing::Gzip ? kBestDeflate : 1);
   if (packing == Packing::Plain) {
     plain_.open(file, std::ios::binary);
@@ -45,7 +46,7 @@ ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::
   }
   gzbuffer(static_cast<gzFile>(gzip_.get()), 1 << 17);
   if (gzdirect(static_cast<gzFile>(gzip_.get())) != 0)  // zlib would pass the bytes through unchanged
-    throw SetupError("the data are not gzip", file.string(), kRemedy);
+    throw SetupError("the data are not gzip", file.string(), kRemedyForDamage);
 }
 
 std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
@@ -58,7 +59,7 @@ std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
   int code = Z_OK;
   const char* text = gzerror(file, &code);
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
-    throw SetupError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedy);
+    throw SetupError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedyForDamage);
   return static_cast<std::size_t>(got);
 }
 
@@ -67,7 +68,7 @@ void ByteSource::read(std::span<std::byte> bytes) {
     const std::size_t got = read_some(bytes.data() + done, bytes.size() - done);
     if (got == 0)
       throw SetupError(fmt::format("truncated: {} bytes missing", bytes.size() - done), path_.string(),
-                       kRemedy);
+                       kRemedyForDamage);
     done += got;
   }
   most_left_ -= std::min<std::uint64_t>(most_left_, bytes.size());
@@ -84,7 +85,7 @@ void ByteSource::refuse_if_shorter_than(std::uint64_t count) const {
   if (count > most_left_)
     throw SetupError(
         fmt::format("truncated: the header promises {} bytes, the file has room for {}", count, most_left_),
-        path_.string(), kRemedy);
+        path_.string(), kRemedyForDamage);
 }
 
 std::uint64_t ByteSource::rest(std::uint64_t limit) {

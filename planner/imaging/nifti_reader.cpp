@@ -19,7 +19,8 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr const char* kRemedy = "convert the original DICOM series again, or give the DICOM series itself";
+constexpr const char* kNiftiRemedy =
+    "convert the original DICOM series again, or give the DICOM series itself";
 
 struct Header {
   nifti_1_header raw;
@@ -54,18 +55,18 @@ Header read_header(ByteSource& source, const std::string& file) {
   if (header.swapped) swap_bytes(header.raw);
   if (size_as_stored == 540 || header.raw.sizeof_hdr == 540)
     throw SetupError("NIfTI-2 is not read", file, "convert to NIfTI-1 (.nii or .nii.gz)");
-  if (header.raw.sizeof_hdr != 348) throw SetupError("not a NIfTI-1 file", file, kRemedy);
+  if (header.raw.sizeof_hdr != 348) throw SetupError("not a NIfTI-1 file", file, kNiftiRemedy);
   if (std::memcmp(header.raw.magic, "ni1", 4) == 0)
     throw SetupError("header and image in two files are not read", file,
                      "convert to one .nii or .nii.gz file");
   if (std::memcmp(header.raw.magic, "n+1", 4) != 0)
-    throw SetupError("not a NIfTI-1 file (no n+1; an Analyze file has no geometry)", file, kRemedy);
+    throw SetupError("not a NIfTI-1 file (no n+1; an Analyze file has no geometry)", file, kNiftiRemedy);
   return header;
 }
 
 Eigen::Vector3i size_of(const nifti_1_header& raw, const std::string& file) {
   if (raw.dim[0] < 1 || raw.dim[0] > 7)
-    throw SetupError(fmt::format("{} dimensions: the header is damaged", raw.dim[0]), file, kRemedy);
+    throw SetupError(fmt::format("{} dimensions: the header is damaged", raw.dim[0]), file, kNiftiRemedy);
   for (int d = 4; d <= raw.dim[0]; ++d)
     if (raw.dim[d] > 1)
       throw SetupError(fmt::format("4-D: {} volumes in one file", raw.dim[d]), file, "extract one volume");
@@ -118,10 +119,10 @@ VoxelCoding coding_of(const Header& header, const std::string& file) {
   if (header.raw.bitpix != static_cast<int>(8 * bytes_of(*type)))
     throw SetupError(
         fmt::format("datatype {} with {} bits a voxel: the header is damaged", datatype, header.raw.bitpix),
-        file, kRemedy);
+        file, kNiftiRemedy);
   const double slope = header.raw.scl_slope, intercept = header.raw.scl_inter;
   if (!std::isfinite(slope) || !std::isfinite(intercept))
-    throw SetupError("scl_slope or scl_inter is not finite", file, kRemedy);
+    throw SetupError("scl_slope or scl_inter is not finite", file, kNiftiRemedy);
   return slope == 0.0 ? VoxelCoding{*type, header.swapped}
                       : VoxelCoding{*type, header.swapped, slope, intercept};
 }
@@ -167,12 +168,12 @@ double furthest_corner_mm(const AffineTransform& a, const AffineTransform& b, co
 
 void place(const nifti_1_header& raw, const std::string& file, Volume& volume) {
   const bool sform = raw.sform_code > 0, qform = raw.qform_code > 0;
-  if (!sform && !qform) throw SetupError("no geometry: neither sform nor qform is set", file, kRemedy);
+  if (!sform && !qform) throw SetupError("no geometry: neither sform nor qform is set", file, kNiftiRemedy);
   const int units = raw.xyzt_units & 0x07;
   if (units != NIFTI_UNITS_MM && units != NIFTI_UNITS_UNKNOWN)
     throw SetupError(
         units == NIFTI_UNITS_METER ? "the unit of length is metres, not mm" : "the unit of length is not mm",
-        file, kRemedy);
+        file, kNiftiRemedy);
   volume.grid.X_SI = sform ? sform_of(raw) : qform_of(raw);
   refuse_bad_grid(volume.grid, file);
   if (!sform || !qform) return;
@@ -200,7 +201,7 @@ OpenNifti open_nifti(const std::filesystem::path& path) {
   place(header.raw, file, open.volume);
   const float offset = header.raw.vox_offset;
   if (!(offset >= 352.0F && offset < 1e9F) || offset != std::floor(offset))
-    throw SetupError(fmt::format("the voxels are said to begin at byte {:g}", offset), file, kRemedy);
+    throw SetupError(fmt::format("the voxels are said to begin at byte {:g}", offset), file, kNiftiRemedy);
   open.source.skip(static_cast<std::uint64_t>(offset) - sizeof(header.raw));
   open.source.refuse_if_shorter_than(open.volume.grid.voxel_count() * bytes_of(open.coding.type));
   return open;

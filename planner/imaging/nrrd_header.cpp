@@ -17,7 +17,7 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr const char* kRemedy =
+constexpr const char* kNrrdRemedy =
     "save the volume again as NRRD with raw or gzip encoding, or give the DICOM series";
 constexpr std::size_t kHeaderMax = 1 << 20;  // key/value pairs of segmentations reach tens of kilobytes
 
@@ -41,7 +41,7 @@ struct HeaderText {
 };
 
 [[noreturn]] void refuse(const std::string& what, const std::string& file) {
-  throw SetupError(what, file, kRemedy);
+  throw SetupError(what, file, kNrrdRemedy);
 }
 
 std::string lower(std::string_view text) {

@@ -70,9 +70,9 @@ struct Finding {
   double seconds = 0.0;
   bool quick = false;
   bool passed = false;
-  std::map<std::string, double> figures;
-  std::map<std::string, std::vector<Row>> tables;
-  std::vector<TestResult> tests;
+  std::map<std::string, double> figures{};
+  std::map<std::string, std::vector<Row>> tables{};
+  std::vector<TestResult> tests{};
 };
 
 // Where the case does not hold: what stands alone, failed, or is missing.

@@ -14,7 +14,7 @@
 namespace biopsy::report {
 namespace {
 
-constexpr int kColumns = 375;  // four points each: at most 1500 a line
+constexpr int kBenchColumns = 375;  // four points each: at most 1500 a line
 
 double largest(const std::vector<double>& values) {
   double most = 0.0;
@@ -43,7 +43,7 @@ ChartPanel panel_of(const BenchRunRecord& run, const std::string& title, const s
   const double room = std::max(0.06 * (*high - *low), 1e-3);
   panel.y_low = *low - room;
   panel.y_high = *high + room;
-  panel.lines = {{"", {}, decimated(points, 0.0, seconds_of(run), kColumns)}};
+  panel.lines = {{"", {}, decimated(points, 0.0, seconds_of(run), kBenchColumns)}};
   return panel;
 }
 

@@ -31,7 +31,7 @@ struct Column {
   double (*value)(const DesignedStack&);
 };
 
-constexpr std::array<Column, 13> kColumns{
+constexpr std::array<Column, 13> kDesignColumns{
     {{"oil, mL", 2, [](const DesignedStack& s) { return s.design.oil_mL; }},
      {"side, mm", 1, [](const DesignedStack& s) { return s.design.side_mm; }},
      {"film, µm", 0, [](const DesignedStack& s) { return s.design.film_um; }},
@@ -49,14 +49,14 @@ constexpr std::array<Column, 13> kColumns{
 
 std::string table_row(const std::string& name, const DesignedStack& stack, bool paper) {
   std::string html = std::string(paper ? "<tr class=\"paper\">" : "<tr>") + markup::text_cell(name);
-  for (const Column& column : kColumns)
+  for (const Column& column : kDesignColumns)
     html += markup::number_cell(fixed(column.value(stack), column.decimals));
   return html + "</tr>\n";
 }
 
 std::string designs_table(const DesignStudy& study) {
   std::vector<std::string> headings{"design"};
-  for (const Column& column : kColumns) headings.push_back(std::string(">") + column.heading);
+  for (const Column& column : kDesignColumns) headings.push_back(std::string(">") + column.heading);
   std::string rows = table_row("the paper's", study.paper, true);
   for (std::size_t i = 0; i < study.best.size(); ++i)
     rows += table_row(fmt::format("{}", i + 1), study.best[i], false);
@@ -110,10 +110,10 @@ std::string design_html(const DesignStudy& study) {
 
 std::string design_console(const DesignStudy& study) {
   std::string text = fmt::format("{:<12}", "design");
-  for (const Column& column : kColumns) text += fmt::format(" {:>13}", column.heading);
+  for (const Column& column : kDesignColumns) text += fmt::format(" {:>13}", column.heading);
   const auto line = [](const std::string& name, const DesignedStack& stack) {
     std::string out = fmt::format("\n{:<12}", name);
-    for (const Column& column : kColumns)
+    for (const Column& column : kDesignColumns)
       out += fmt::format(" {:>13}", fixed(column.value(stack), column.decimals));
     return out;
   };

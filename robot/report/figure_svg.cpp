@@ -14,7 +14,7 @@ namespace biopsy::report {
 namespace {
 
 constexpr double kLeft = 66, kRight = 16, kTitleRow = 24, kLegendRow = 20, kBelow = 50;
-constexpr double kLetter = 7.6;        // generous width of a letter at 14 units
+constexpr double kFigureLetter = 7.6;  // generous width of a letter at 14 units
 constexpr double kSwatch = 30;         // a curve's sample in the legend
 constexpr double kNearest = 0.3;       // units between two points of a curve that can be told apart
 constexpr std::size_t kMostLines = 4;  // of a title
@@ -26,7 +26,7 @@ constexpr std::array kDashes{"7 4", "2 3", "10 3 2 3"};
 
 double text_width(const std::string& text) {
   const auto letters = std::count_if(text.begin(), text.end(), [](char b) { return (b & 0xC0) != 0x80; });
-  return kLetter * static_cast<double>(letters);
+  return kFigureLetter * static_cast<double>(letters);
 }
 
 std::vector<std::string> wrapped(const std::string& text, double width) {

@@ -14,7 +14,7 @@
 namespace biopsy::report {
 namespace {
 
-constexpr std::size_t kWidth = 100;
+constexpr std::size_t kLineWidth = 100;
 constexpr std::size_t kSentenceLines = 5, kMargins = 2, kRegimes = 3, kCandidates = 5, kNextLines = 3;
 
 std::size_t letters(const std::string& text) {
@@ -26,14 +26,14 @@ std::string padded(std::string text, std::size_t width) {
   return text.append(width - std::min(width, letters(text)), ' ');
 }
 
-// At most `most` lines of about kWidth letters, each indented; what does not fit is left out and marked.
+// At most `most` lines of about kLineWidth letters, each indented; what does not fit is left out and marked.
 std::string wrapped(const std::string& text, const std::string& indent, std::size_t most) {
   std::vector<std::string> lines(1);
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
     const std::string next = text.substr(at, end - at);
     at = end + 1;
-    if (!lines.back().empty() && letters(lines.back()) + 1 + letters(next) > kWidth) lines.emplace_back();
+    if (!lines.back().empty() && letters(lines.back()) + 1 + letters(next) > kLineWidth) lines.emplace_back();
     lines.back() += (lines.back().empty() ? "" : " ") + next;
   }
   if (lines.size() > most) {

@@ -25,7 +25,7 @@ constexpr const char* kRoundCaption =
     "fit. Probabilities are among the candidates of the round.";
 constexpr std::size_t kUnfittedRows = 5;  // of a round; the others are named in one sentence
 constexpr std::size_t kShapes = 3;
-constexpr double kConcentrated = 1.2;  // lift below which an error is everywhere
+constexpr double kConcentratedLift = 1.2;  // lift below which an error is everywhere
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
@@ -41,7 +41,7 @@ std::string times_text(double ratio) {
 std::string where_sentence(const GapFinding& finding) {
   const GapRegime& regime = finding.where.front();
   const double lift = regime.share_of_excess_error / regime.share_of_time;
-  if (!(lift >= kConcentrated)) return "The disagreement is spread over all situations.";
+  if (!(lift >= kConcentratedLift)) return "The disagreement is spread over all situations.";
   return "Worst " + regime_words(regime.name, finding.force_drive) + ": " +
          percent_text(regime.share_of_time) + " of the time, " + percent_text(regime.share_of_excess_error) +
          " of the excess error (" + times_text(lift) + " its share).";

@@ -23,7 +23,7 @@ constexpr const char* kTints[] = {"#dce9f5", "#eceff1", "#dcefe3", "#efe3f0",
 // Low enough that verdict, where and before/after share one printed sheet.
 constexpr double kInput_px = 60, kResidual_px = 118, kDisplacement_px = 125;
 
-constexpr int kColumns = 375;           // four points each: at most 1500 a line
+constexpr int kGapColumns = 375;        // four points each: at most 1500 a line
 constexpr std::size_t kManySpans = 25;  // beyond this a shaded run is a blur and gets a closer look
 constexpr double kCloser = 0.1;         // share of the run
 constexpr std::size_t kRegimesInBars = 5;
@@ -64,7 +64,7 @@ ChartLine line(const Chart& chart, const Values& time, const Values& values, std
   std::vector<Vertex> points;
   for (std::size_t i = 0; i < std::min(time.size(), values.size()); ++i)
     if (time[i] >= chart.x_low && time[i] <= chart.x_high) points.push_back({time[i], values[i]});
-  drawn.points = decimated(points, chart.x_low, chart.x_high, kColumns);
+  drawn.points = decimated(points, chart.x_low, chart.x_high, kGapColumns);
   return drawn;
 }
 

@@ -9,7 +9,7 @@
 namespace biopsy::report {
 namespace {
 
-constexpr double kConcentrated = 1.3;  // share of error over share of time that is worth a word
+constexpr double kConcentratedShare = 1.3;  // share of error over share of time that is worth a word
 constexpr std::size_t kMostNumbers = 4;
 
 std::string with_unit(const std::string& number, const std::string& unit) {
@@ -31,7 +31,7 @@ std::string numbers_of(const FoundEffect& effect) {
 std::string concentrated(const GapFinding& finding) {
   if (finding.where.empty()) return "";
   const GapRegime& first = finding.where.front();
-  if (first.share_of_time <= 0.0 || first.share_of_excess_error < kConcentrated * first.share_of_time)
+  if (first.share_of_time <= 0.0 || first.share_of_excess_error < kConcentratedShare * first.share_of_time)
     return "";
   return fmt::format(" It is concentrated {}: {:.0f} % of the error in {:.0f} % of the time.",
                      regime_words(first.name, finding.force_drive), 100.0 * first.share_of_excess_error,

@@ -19,9 +19,9 @@ constexpr const char* kEntry = "#00e5ff";
 constexpr const char* kTarget = "#ff4dff";
 constexpr const char* kPath = "#ffe600";
 
-constexpr double kViewSize = 430;  // of one square view, SVG units
-constexpr double kLabelStep = 20;  // between lines of labels
-constexpr double kLetter = 9.8;    // generous width of a letter at 16 units
+constexpr double kViewSize = 430;       // of one square view, SVG units
+constexpr double kLabelStep = 20;       // between lines of labels
+constexpr double kOverlayLetter = 9.8;  // generous width of a letter at 16 units
 constexpr double kClosestView_mm = 10.0;
 
 struct Spot {
@@ -229,7 +229,7 @@ void Sheet::add_sides(const View& view, const SliceGeometry& geometry) {
 double widest(const std::vector<Label>& labels) {
   std::size_t letters = 0;
   for (const Label& label : labels) letters = std::max(letters, label.text.size());
-  return kLetter * static_cast<double>(letters);
+  return kOverlayLetter * static_cast<double>(letters);
 }
 
 std::vector<Label> planning_labels(const View& view, const Plan& plan, double deepest_mm) {

@@ -14,10 +14,10 @@ namespace biopsy::report {
 namespace {
 
 // Layout in the same user units as svg_chart.
-constexpr double kWidth = 1000, kNames = 290, kValues = 80, kTop = 26, kBar = 12, kGap = 6;
-constexpr double kPlot = kWidth - kNames - kValues;
+constexpr double kBarsWidth = 1000, kNames = 290, kValues = 80, kBarsTop = 26, kBar = 12, kGap = 6;
+constexpr double kPlot = kBarsWidth - kNames - kValues;
 constexpr std::size_t kLongestName = 34;
-constexpr double kLetter = 8.2;
+constexpr double kBarLetter = 8.2;
 
 std::string shortened(const std::string& text) {
   if (text.size() <= kLongestName) return text;
@@ -37,7 +37,7 @@ std::string legend(const BarChart& chart) {
   for (const BarSeries& series : chart.series) {
     svg += fmt::format(R"(<rect x="{:.1f}" y="4" width="20" height="13" fill="{}"/>)", x, series.colour) +
            fmt::format(R"(<text x="{:.1f}" y="16">{}</text>)", x + 26, escaped(series.name)) + "\n";
-    x += 26 + kLetter * static_cast<double>(series.name.size()) + 24;
+    x += 26 + kBarLetter * static_cast<double>(series.name.size()) + 24;
   }
   return svg;
 }
@@ -61,10 +61,11 @@ std::string axis(const BarChart& chart, double bottom) {
   std::string svg;
   for (const double x : round_ticks(0, chart.x_high, 8)) {
     const double at = kNames + length(chart, x);
-    svg += fmt::format(R"(<path d="M{0:.1f} {1:.1f}V{2:.1f}" stroke="#d3d8dc"/>)", at, kTop, bottom) +
+    svg += fmt::format(R"(<path d="M{0:.1f} {1:.1f}V{2:.1f}" stroke="#d3d8dc"/>)", at, kBarsTop, bottom) +
            fmt::format(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{:g}</text>)", at, bottom + 18, x);
   }
-  return svg + fmt::format(R"(<path d="M{0:.1f} {1:.1f}V{2:.1f}" stroke="#5d6a75"/>)", kNames, kTop, bottom) +
+  return svg +
+         fmt::format(R"(<path d="M{0:.1f} {1:.1f}V{2:.1f}" stroke="#5d6a75"/>)", kNames, kBarsTop, bottom) +
          fmt::format(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{}</text>)", kNames + kPlot / 2,
                      bottom + 38, escaped(chart.x_title)) +
          "\n";
@@ -74,17 +75,17 @@ std::string axis(const BarChart& chart, double bottom) {
 
 std::string render(const BarChart& chart) {
   const double pitch = kBar * static_cast<double>(chart.series.size()) + kGap;
-  const double bottom = kTop + kGap + pitch * static_cast<double>(chart.rows.size());
+  const double bottom = kBarsTop + kGap + pitch * static_cast<double>(chart.rows.size());
   std::string svg =
       fmt::format(
           R"(<svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img" viewBox="0 0 {:.0f} {:.0f}" )"
           R"(font-family="'DejaVu Sans',Arial,sans-serif" font-size="15" fill="#1d262e">)",
-          kWidth, bottom + 46) +
+          kBarsWidth, bottom + 46) +
       "<title>" + escaped(chart.title) + "</title><desc>" + escaped(chart.description) + "</desc>\n" +
-      fmt::format(R"(<rect width="{:.0f}" height="{:.0f}" fill="#ffffff"/>)", kWidth, bottom + 46) +
+      fmt::format(R"(<rect width="{:.0f}" height="{:.0f}" fill="#ffffff"/>)", kBarsWidth, bottom + 46) +
       axis(chart, bottom) + legend(chart);
   for (std::size_t i = 0; i < chart.rows.size(); ++i)
-    svg += row(chart, chart.rows[i], kTop + kGap + pitch * static_cast<double>(i));
+    svg += row(chart, chart.rows[i], kBarsTop + kGap + pitch * static_cast<double>(i));
   return svg + "</svg>";
 }
 

@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 
+#include "sim/gap/millimetres.hpp"
 #include "sim/gap/next_experiment.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/residual_shape.hpp"
@@ -17,7 +18,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMm = 1e3, kDegrees = 180.0 / std::numbers::pi;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMovedStds = 3.0;      // a calibration error worth telling: surely there,
 constexpr double kMovedShare = 0.005;   // and not a hair
 constexpr double kGrain = 0.1;          // of a standard deviation: the last digit written

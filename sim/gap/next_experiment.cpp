@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "robot/messages/limits.hpp"
+#include "sim/gap/millimetres.hpp"
 #include "sim/in_parallel.hpp"
 #include "sim/plant.hpp"
 #include "sim/seeded_noise.hpp"
@@ -17,7 +18,6 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMm = 1e3;
 constexpr double kTick = 1e-3;          // s, the control period T
 constexpr double kHalfPeriod = 0.25;    // s, the 2 Hz square wave of paper IV.B
 constexpr double kStepShare = 0.1;      // of the fastest rate's time

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/gap/millimetres.hpp"
 #include "sim/gap/where.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMm = 1e3;
 constexpr std::size_t kBins = 20;
 constexpr std::size_t kFolds = 6;
 constexpr double kWorthShowing = 0.01;

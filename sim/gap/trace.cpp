@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sim/gap/millimetres.hpp"
+
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMm = 1e3, kKilovolt = 1e-3;
+constexpr double kKilovolt = 1e-3;
 constexpr std::size_t kKeptOfABucket = 4;  // least and largest, before and after
 
 struct RowRange {

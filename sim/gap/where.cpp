@@ -6,10 +6,11 @@
 #include <limits>
 #include <map>
 
+#include "sim/gap/millimetres.hpp"
+
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMm = 1e3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAfterReversal = 0.1;                       // s, the stage's response
 constexpr double kSmoothTurn = 0.3;                          // s, longer is a rest

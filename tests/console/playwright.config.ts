@@ -19,7 +19,9 @@ export default defineConfig({
   testIgnore: process.env.SOAK_MINUTES ? [] : ['soak.spec.ts'],
   workers: 1, // the robot runs in real time
   retries: 2, // a host that stalls may stop a robot; it may not do so again and again
+  maxFailures: 1,
   timeout: 120_000,
+  globalTimeout: process.env.SOAK_MINUTES ? 0 : 480_000,
   expect: { timeout: 20_000, toHaveScreenshot: { ...likeness, animations: 'disabled' } },
   updateSnapshots: 'none',
   snapshotPathTemplate: `${baselines}/{arg}{ext}`,

@@ -12,6 +12,9 @@
 
 namespace biopsy::live_tests {
 
+constexpr double kSteady_ms =
+    3.0;  // a robot whose machine stands still for longer stops by itself, and should
+
 // A 2 kHz clock on every processor, above everything it judges (SCHED_FIFO 85 where permitted), while it
 // lives. One clock alone would wander to the processor that is not held up.
 class HostWatch {
@@ -21,14 +24,16 @@ class HostWatch {
       threads_.emplace_back([this, cpu](std::stop_token stop) { watch(stop, cpu); });
   }
   double worst_ms() const { return static_cast<double>(worst_ns_.load()) * 1e-6; }
-  void reset() { worst_ns_ = 0; }
+  int stalls() const { return stalls_; }  // longer than kSteady_ms, on any processor
+  void reset() { worst_ns_ = stalls_ = 0; }
 
  private:
   void watch(const std::stop_token& stop, int cpu) {
     realtime::become_realtime({.lock_memory = false, .fifo_priority = 85, .cpu = cpu});
     realtime::TickClock clock(std::chrono::microseconds(500));
     while (!stop.stop_requested()) {
-      const std::int64_t late_ns = clock.wait().late_ns();
+      const std::int64_t late_ns = clock.wait().late_ns();  // once a stall
+      if (static_cast<double>(late_ns) > kSteady_ms * 1e6) ++stalls_;
       std::int64_t worst_ns = worst_ns_.load();
       while (late_ns > worst_ns && !worst_ns_.compare_exchange_weak(worst_ns, late_ns)) {
       }
@@ -36,6 +41,7 @@ class HostWatch {
   }
 
   std::atomic<std::int64_t> worst_ns_{0};
+  std::atomic<int> stalls_{0};
   std::vector<std::jthread> threads_;
 };
 

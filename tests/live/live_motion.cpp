@@ -7,7 +7,6 @@ namespace {
 
 constexpr std::int64_t kTicksMax = 30'000;
 constexpr std::int64_t kMoving_ticks = 300;
-constexpr int kTries = 3;
 
 }  // namespace
 
@@ -31,14 +30,11 @@ std::unique_ptr<app::LiveSession> moving_robot(const app::LiveOptions& options,
                                                const app::PreparedCase& prepared,
                                                const std::filesystem::path& folder) {
   const Plan& plan = std::get<Plan>(prepared.plan);
-  for (int tries = 0; tries < kTries; ++tries) {
-    auto session =
-        std::make_unique<app::LiveSession>(options, "sim", app::HardwareOptions{}, prepared, folder);
-    session->wait_until_healthy();
-    session->send_plan(plan);
-    if (move(*session, plan, kMoving_ticks)) return session;
-  }
-  return nullptr;
+  auto session = std::make_unique<app::LiveSession>(options, "sim", app::HardwareOptions{}, prepared, folder);
+  session->wait_until_healthy();
+  session->send_plan(plan);
+  if (!move(*session, plan, kMoving_ticks)) return nullptr;
+  return session;
 }
 
 }  // namespace biopsy::live_tests

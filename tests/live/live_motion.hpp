@@ -15,8 +15,7 @@ namespace biopsy::live_tests {
 // person then does: presses. Nothing: it never came to that.
 std::optional<app::World> move(app::LiveSession& session, const Plan& plan, std::int64_t ticks);
 
-// A secured or plain robot that moves, in `folder`. A machine that stalls may stop one: three are tried.
-// Empty: none of them moved.
+// A secured or plain robot that moves, in `folder`. Empty: it never did.
 std::unique_ptr<app::LiveSession> moving_robot(const app::LiveOptions& options,
                                                const app::PreparedCase& prepared,
                                                const std::filesystem::path& folder);

@@ -20,6 +20,7 @@
 #include "robot/recorder/verify.hpp"
 #include "tests/live/live_events.hpp"
 #include "tests/live/live_motion.hpp"
+#include "tests/live/steady_host.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -72,28 +73,27 @@ lines::ConverterOutput settled_output(app::LiveSession& session) {
 }
 
 TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
-  const ScratchFolder folder;
-  app::LiveOptions options;
-  options.domain = kDomain;
-  report::RunRecord record;
-  // A host that stalls may stop a procedure; it may not do so again and again.
-  for (int attempt = 0; attempt < 3 && record.outcome != report::Outcome::Completed; ++attempt) {
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    app::LiveOptions options;
+    options.domain = kDomain;
     app::LiveSession session(options, "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
-    record = app::rehearse_on([&](const app::World& world) { return session.robot().tick(world); },
-                              gap_case(), folder.path(), [](double, const std::string&) {});
+    const report::RunRecord record =
+        app::rehearse_on([&](const app::World& world) { return session.robot().tick(world); }, gap_case(),
+                         folder.path(), [](double, const std::string&) {});
     EXPECT_TRUE(session.stop().empty());
-  }
-  ASSERT_EQ(record.outcome, report::Outcome::Completed) << record.refusal;
-  EXPECT_NEAR(record.final_depth_mm, 2.5, 0.1);
-  EXPECT_EQ(record.layer_at_tip, "gap");
-  const recorder::PublicKey key = recorder::read_public_key(folder.path() / "procedure.log.sqlite.pub.pem");
-  const recorder::Verdict verdict = recorder::verify(folder.path() / "procedure.log.sqlite", key);
-  const auto* head = std::get_if<recorder::LogHead>(&verdict);
-  ASSERT_NE(head, nullptr) << std::get<recorder::Flaw>(verdict).what;
-  EXPECT_GT(head->count, 20U);
-  EXPECT_FALSE(tells_of_strangers(folder.path()));
+    ASSERT_EQ(record.outcome, report::Outcome::Completed) << record.refusal;
+    EXPECT_NEAR(record.final_depth_mm, 2.5, 0.1);
+    EXPECT_EQ(record.layer_at_tip, "gap");
+    const recorder::PublicKey key = recorder::read_public_key(folder.path() / "procedure.log.sqlite.pub.pem");
+    const recorder::Verdict verdict = recorder::verify(folder.path() / "procedure.log.sqlite", key);
+    const auto* head = std::get_if<recorder::LogHead>(&verdict);
+    ASSERT_NE(head, nullptr) << std::get<recorder::Flaw>(verdict).what;
+    EXPECT_GT(head->count, 20U);
+    EXPECT_FALSE(tells_of_strangers(folder.path()));
+  });
 }
 
 class LiveEventTest : public ::testing::TestWithParam<std::tuple<Process, int, double>> {};
@@ -104,19 +104,17 @@ TEST_P(LiveEventTest, TakesTheHighVoltageOff) {
            : std::get<0>(GetParam()) == Process::Recorder   ? "R-28"
                                                             : "R-43");
   const auto [victim, signal, allowed_ms] = GetParam();
-  EventOutcome outcome;
-  for (int attempt = 0; attempt < 3; ++attempt) {
+  on_a_steady_host([&, victim = victim, signal = signal, allowed_ms = allowed_ms] {
     const ScratchFolder folder;
-    outcome = live_event({victim, signal, 700}, plain(), gap_case(), folder.path(),
-                         victim == Process::Recorder ? 2'000 : 300);
-    if (outcome.trouble.empty()) break;
-  }
-  ASSERT_EQ(outcome.trouble, "");
-  ASSERT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
-  const std::string which = std::string(name_of(victim)) + (signal == SIGKILL ? "_killed" : "_stopped");
-  RecordProperty(which + "_to_zero_ms", fmt::format("{:.2f}", outcome.to_zero_ms));
-  RecordProperty(which + "_host_late_ms", fmt::format("{:.2f}", outcome.host_late_ms));
-  EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
+    const EventOutcome outcome = live_event({victim, signal, 700}, plain(), gap_case(), folder.path(),
+                                            victim == Process::Recorder ? 2'000 : 300);
+    ASSERT_EQ(outcome.trouble, "");
+    ASSERT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
+    const std::string which = std::string(name_of(victim)) + (signal == SIGKILL ? "_killed" : "_stopped");
+    RecordProperty(which + "_to_zero_ms", fmt::format("{:.2f}", outcome.to_zero_ms));
+    RecordProperty(which + "_host_late_ms", fmt::format("{:.2f}", outcome.host_late_ms));
+    EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryProcess, LiveEventTest,
@@ -139,17 +137,16 @@ class LostPacketsLiveEventTest : public ::testing::TestWithParam<std::tuple<std:
 TEST_P(LostPacketsLiveEventTest, TakeTheHighVoltageOff) {
   verifies("R-26", "R-44");
   const auto [per_mille, allowed_ms] = GetParam();
-  EventOutcome outcome;
-  for (int attempt = 0; attempt < 3; ++attempt) {
+  on_a_steady_host([&, per_mille = per_mille, allowed_ms = allowed_ms] {
     const ScratchFolder folder;
-    outcome = live_event({Process::Stage, 0, 700, per_mille}, plain(), gap_case(), folder.path(), 3'000);
-    if (outcome.trouble.empty()) break;
-  }
-  ASSERT_EQ(outcome.trouble, "");
-  ASSERT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
-  RecordProperty(fmt::format("lost_{}_per_mille_to_zero_ms", per_mille),
-                 fmt::format("{:.2f}", outcome.to_zero_ms));
-  EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
+    const EventOutcome outcome =
+        live_event({Process::Stage, 0, 700, per_mille}, plain(), gap_case(), folder.path(), 3'000);
+    ASSERT_EQ(outcome.trouble, "");
+    ASSERT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
+    RecordProperty(fmt::format("lost_{}_per_mille_to_zero_ms", per_mille),
+                   fmt::format("{:.2f}", outcome.to_zero_ms));
+    EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Some, LostPacketsLiveEventTest,
@@ -161,99 +158,113 @@ INSTANTIATE_TEST_SUITE_P(Some, LostPacketsLiveEventTest,
 
 TEST(LiveRobot, ASecondWriterOfRequestsTrips) {
   verifies("R-11");
-  const ScratchFolder folder;
-  const auto robot = moving_robot(plain(), gap_case(), folder.path());
-  ASSERT_TRUE(robot);
-  app::LiveSession& session = *robot;
-  transport::Writer<DriveRequest> rogue(session.bus());
-  EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
-  EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    const auto robot = moving_robot(plain(), gap_case(), folder.path());
+    ASSERT_TRUE(robot);
+    app::LiveSession& session = *robot;
+    transport::Writer<DriveRequest> rogue(session.bus());
+    EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+    EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+  });
 }
 
 TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
   verifies("R-11");
-  const ScratchFolder folder;
-  const auto robot = moving_robot(plain(), gap_case(), folder.path());
-  ASSERT_TRUE(robot);
-  app::LiveSession& session = *robot;
-  transport::Writer<Permit> rogue(session.bus());
-  Permit forged;
-  forged.session = 0xffff'ffff;
-  forged.epoch = 9;
-  forged.seq = 0xffff'0000;
-  forged.ttl_us = 5'000;
-  forged.mode = Mode::Active;
-  forged.stop = StopCategory::None;
-  forged.hv_enable = true;
-  forged.v_max_mV = 8'000'000;
-  forged.slew_up_mV_per_tick = 400'000;
-  for (int n = 0; n < 200; ++n) {
-    ++forged.seq;
-    rogue.write(forged);
-    session.robot().tick({});
-  }
-  EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
-  EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    const auto robot = moving_robot(plain(), gap_case(), folder.path());
+    ASSERT_TRUE(robot);
+    app::LiveSession& session = *robot;
+    transport::Writer<Permit> rogue(session.bus());
+    Permit forged;
+    forged.session = 0xffff'ffff;
+    forged.epoch = 9;
+    forged.seq = 0xffff'0000;
+    forged.ttl_us = 5'000;
+    forged.mode = Mode::Active;
+    forged.stop = StopCategory::None;
+    forged.hv_enable = true;
+    forged.v_max_mV = 8'000'000;
+    forged.slew_up_mV_per_tick = 400'000;
+    for (int n = 0; n < 200; ++n) {
+      ++forged.seq;
+      rogue.write(forged);
+      session.robot().tick({});
+    }
+    EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+    EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+  });
 }
 
 TEST(LiveRobot, TheNetworkCannotArm) {
   verifies("R-39", "R-40");
-  const ScratchFolder folder;
-  app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
-  session.wait_until_healthy();
-  session.send_plan(gap_plan());
-  ASSERT_TRUE(reaches(session, {}, Mode::Ready, 5'000));
-  app::World asking;
-  asking.remote_arm = true;
-  asking.press = {1, true};
-  EXPECT_FALSE(reaches(session, asking, Mode::Armed, 1'000));
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    session.wait_until_healthy();
+    session.send_plan(gap_plan());
+    ASSERT_TRUE(reaches(session, {}, Mode::Ready, 5'000));
+    app::World asking;
+    asking.remote_arm = true;
+    asking.press = {1, true};
+    EXPECT_FALSE(reaches(session, asking, Mode::Armed, 1'000));
+  });
 }
 
 TEST(LiveRobot, AnotherPlanInMotionTrips) {
   verifies("R-12");
-  const ScratchFolder folder;
-  const auto robot = moving_robot(plain(), gap_case(), folder.path());
-  ASSERT_TRUE(robot);
-  app::LiveSession& session = *robot;
-  Plan other = gap_plan();
-  other.target.patient_id = "SOMEBODY ELSE";
-  planner::seal(other);
-  session.send_plan(other);
-  EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    const auto robot = moving_robot(plain(), gap_case(), folder.path());
+    ASSERT_TRUE(robot);
+    app::LiveSession& session = *robot;
+    Plan other = gap_plan();
+    other.target.patient_id = "SOMEBODY ELSE";
+    planner::seal(other);
+    session.send_plan(other);
+    EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+  });
 }
 
 TEST(LiveRobot, AProgramThatStandsStillHoldsNoButton) {
   verifies("R-41");
-  const ScratchFolder folder;
-  const auto robot = moving_robot(plain(), gap_case(), folder.path());
-  ASSERT_TRUE(robot);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // while its bus goes on
-  app::World pressing;
-  pressing.press = {1, true};
-  EXPECT_TRUE(reaches(*robot, pressing, Mode::Hold, 2'000));
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    const auto robot = moving_robot(plain(), gap_case(), folder.path());
+    ASSERT_TRUE(robot);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // while its bus goes on
+    app::World pressing;
+    pressing.press = {1, true};
+    EXPECT_TRUE(reaches(*robot, pressing, Mode::Hold, 2'000));
+  });
 }
 
 TEST(LiveRobot, APlanOfOneConfirmationIsNotReady) {
   verifies("R-30");
-  const ScratchFolder folder;
-  app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
-  session.wait_until_healthy();
-  session.robot().send_plan(gap_plan(), {planner::plan_tag(gap_plan()), 0});
-  EXPECT_FALSE(reaches(session, {}, Mode::Ready, 1'500));
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    session.wait_until_healthy();
+    session.robot().send_plan(gap_plan(), {planner::plan_tag(gap_plan()), 0});
+    EXPECT_FALSE(reaches(session, {}, Mode::Ready, 1'500));
+  });
 }
 
 TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
   verifies("R-46");
-  const ScratchFolder folder;
-  app::LiveOptions secured;
-  secured.domain = kDomain + 1;
-  app::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
-  session.wait_until_healthy();
-  session.send_plan(gap_plan());
-  ASSERT_TRUE(reaches(session, {}, Mode::Ready, 5'000));
-  // The planner's identity may not write requests: no writer at all, and no second one is seen.
-  EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), SetupError);
-  EXPECT_FALSE(reaches(session, {}, Mode::Safe, 500));
+  on_a_steady_host([] {
+    const ScratchFolder folder;
+    app::LiveOptions secured;
+    secured.domain = kDomain + 1;
+    app::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
+    session.wait_until_healthy();
+    session.send_plan(gap_plan());
+    ASSERT_TRUE(reaches(session, {}, Mode::Ready, 5'000));
+    // The planner's identity may not write requests: no writer at all, and no second one is seen.
+    EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), SetupError);
+    EXPECT_FALSE(reaches(session, {}, Mode::Safe, 500));
+  });
 }
 
 // A program without keys on the same domain, while this lives.
@@ -291,22 +302,17 @@ int active_ticks(app::LiveSession& session) {
 
 TEST(LiveRobot, SecuredItMovesOnWhileAStrangerShoutsAndLogsThatOneIsThere) {
   verifies("R-46");
-  app::LiveOptions secured;
-  secured.domain = kDomain + 1;
-  int active = 0;
-  bool told = false;
-  // A host that stalls may stop a motion; it may not do so again and again.
-  for (int attempt = 0; attempt < 3 && active <= 1'500; ++attempt) {
+  on_a_steady_host([] {
+    app::LiveOptions secured;
+    secured.domain = kDomain + 1;
     const ScratchFolder folder;
     const auto robot = moving_robot(secured, gap_case(), folder.path());
     ASSERT_TRUE(robot);
     const Rogue rogue(secured.domain);
-    active = active_ticks(*robot);
+    EXPECT_GT(active_ticks(*robot), 1'500);
     EXPECT_TRUE(robot->stop().empty());
-    told = tells_of_strangers(folder.path());
-  }
-  EXPECT_GT(active, 1'500);
-  EXPECT_TRUE(told);
+    EXPECT_TRUE(tells_of_strangers(folder.path()));
+  });
 }
 
 TEST(LiveRobot, MissingKeysAreNamed) {
