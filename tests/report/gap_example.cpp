@@ -109,8 +109,8 @@ GapFinding example_effect() {
   f.margins = {{"liver-3.5mm", "tracking_error", "mm", 0.10, 0.031, 0.062, true},
                {"liver-3.5mm", "overshoot", "mm", 0.10, 0.042, 0.118, false},
                {"liver-3.5mm", "peak_drive", "kV", 7.0, 6.1, 6.4, true}};
-  f.model_after =
-      std::string(kModel) +
+  f.model_after = kModel;
+  f.model_after +=
       "\n[effect.coulomb_friction]\nforce_N = { value = 0.030, std = 0.001, source = \"gap: bench 2\" }\n";
   f.warnings = {"run steps-50g: 3 samples are missing at 12.4 s"};
   return f;

@@ -1,4 +1,5 @@
 // The procedure log from the command line: what its exit codes promise.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
@@ -26,8 +27,8 @@ class LogCommand : public testing::Test {
   }
 
   int answer(const std::string& words) const {
-    const std::string command = std::string(BIOPSY_BINARY_DIR) + "/biopsy log " + words + " > " +
-                                (folder_ / "said").string() + " 2>&1";
+    const std::string command =
+        fmt::format("{}/biopsy log {} > {} 2>&1", BIOPSY_BINARY_DIR, words, (folder_ / "said").string());
     return WEXITSTATUS(std::system(command.c_str()));
   }
   void change(const char* sql) const {
