@@ -22,8 +22,7 @@ constexpr double kRestingStds = 2.0, kRestingShare = 0.01;   // what counts as n
 constexpr double kStuckShortest = 0.02;                      // s, longer than a mere turning point
 constexpr double kConstantFor = 0.1, kConstantShare = 0.01;  // s, of the largest input
 constexpr double kSudden = 5.0;                              // times the usual speed of deepening
-constexpr double kFall = 0.1;      // of the range, more than the model falls meanwhile
-constexpr double kFallTime = 0.1;  // s, before and after
+constexpr double kFall = 0.1, kFallTime = 0.1;  // of the range, more than the model's; s around it
 constexpr double kShortTime = 0.02, kSlightError = 0.05;
 constexpr double kLikeTheRest = 0.1;  // lift this near to 1
 
