@@ -18,7 +18,7 @@ namespace biopsy::live_tests {
 namespace {
 
 constexpr double kOften_s = 20.0;  // between stalls: (1 - exp(-10 / 20))^3 = 0.06
-constexpr double kPatience_s = 240.0, kToEnd_s = 15.0;
+constexpr double kPatience_s = 180.0, kToEnd_s = 15.0;
 constexpr int kNotJudged = 77;
 
 pid_t group = 0;  // the command's
