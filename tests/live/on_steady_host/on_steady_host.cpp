@@ -1,7 +1,7 @@
 // on_steady_host COMMAND [ARGUMENT ...]: runs a command that judges a robot in real time, and watches this
 // machine meanwhile. The exit code is the command's; but 77, "not judged", where it failed, or came to no end
-// in four minutes, on a machine that stood still so often that three tries of ten seconds all meet a stall in
-// more than one case of twenty.
+// in three minutes, on a machine that stood still so often that three tries of ten seconds all meet a stall
+// in more than one case of twenty.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
