@@ -134,9 +134,9 @@ def judge(mill, mutants, equivalents, verdicts):
             return "survivor", "claimed equivalent, but its relation differs" if relations else ""
         return "killed", killer
 
-    for name in {name for _, names in equivalents.values() for name in names}:
-        mill.relations[name] = mill.relation(0, name)
+    names = sorted({name for _, names in equivalents.values() for name in names})
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        mill.relations = dict(zip(names, pool.map(lambda name: mill.relation(0, name), names)))
         for done, (mutant, verdict) in enumerate(zip(mutants, pool.map(one, mutants)), 1):
             verdicts[mutant["id"]] = verdict
             if done % 200 == 0:
