@@ -1,9 +1,11 @@
 // How late this machine wakes a real-time thread: the part of a live figure that is not the robot's.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -25,21 +27,43 @@ class HostWatch {
   }
   double worst_ms() const { return static_cast<double>(worst_ns_.load()) * 1e-6; }
   int stalls() const { return stalls_; }  // longer than kSteady_ms, on any processor
-  void reset() { worst_ns_ = stalls_ = 0; }
+  void reset() {
+    const std::scoped_lock lock(mutex_);
+    worst_ns_ = stalls_ = 0;
+    late_.clear();
+  }
+  // The worst that any processor was late by between two moments of CLOCK_MONOTONIC.
+  double worst_ms_between(std::int64_t from_us, std::int64_t to_us) const {
+    const std::scoped_lock lock(mutex_);
+    std::int64_t worst_ns = 0;
+    for (const realtime::Wake& wake : late_)
+      if (wake.woke_ns >= from_us * 1000 && wake.due_ns <= to_us * 1000)
+        worst_ns = std::max(worst_ns, wake.late_ns());
+    return static_cast<double>(worst_ns) * 1e-6;
+  }
 
  private:
-  void watch(const std::stop_token& stop, int cpu) {
-    realtime::become_realtime({.lock_memory = false, .fifo_priority = 85, .cpu = cpu});
-    realtime::TickClock clock(std::chrono::microseconds(500));
-    while (!stop.stop_requested()) {
-      const std::int64_t late_ns = clock.wait().late_ns();  // once a stall
-      if (static_cast<double>(late_ns) > kSteady_ms * 1e6) ++stalls_;
-      std::int64_t worst_ns = worst_ns_.load();
-      while (late_ns > worst_ns && !worst_ns_.compare_exchange_weak(worst_ns, late_ns)) {
-      }
+  static constexpr std::int64_t kWorthKeeping_ns = 500'000;
+
+  void note(const realtime::Wake& wake) {
+    if (static_cast<double>(wake.late_ns()) > kSteady_ms * 1e6) ++stalls_;
+    if (wake.late_ns() > kWorthKeeping_ns) {
+      const std::scoped_lock lock(mutex_);
+      late_.push_back(wake);
+    }
+    std::int64_t worst_ns = worst_ns_.load();
+    while (wake.late_ns() > worst_ns && !worst_ns_.compare_exchange_weak(worst_ns, wake.late_ns())) {
     }
   }
 
+  void watch(const std::stop_token& stop, int cpu) {
+    realtime::become_realtime({.lock_memory = false, .fifo_priority = 85, .cpu = cpu});
+    realtime::TickClock clock(std::chrono::microseconds(500));
+    while (!stop.stop_requested()) note(clock.wait());
+  }
+
+  mutable std::mutex mutex_;
+  std::vector<realtime::Wake> late_;
   std::atomic<std::int64_t> worst_ns_{0};
   std::atomic<int> stalls_{0};
   std::vector<std::jthread> threads_;

@@ -21,6 +21,7 @@ from pathlib import Path
 
 EQUIVALENTS = Path(__file__).with_name("equivalents.toml")
 QUICK_ONE_IN, QUICK_SEED = 12, 6
+WALKS = ("reachable steps", "reachable gates")  # a minute each: one walk for all that are compared with it
 NEAR_LINES = 2  # mutants so near to each other often die of the same test,
 NEAR_WEIGHT = 25  # which is tried before others that would take more than a 25th of its time
 
@@ -106,8 +107,28 @@ class Mill:
         done = self.run(number, "relations", name)
         return done.stdout if done.returncode == 0 else None
 
+    def walk(self, name, suspects):
+        """The hash of a relation by walking what is reachable, and those of the suspects that did the same at each step."""
+        done = self.run(0, "relations", name, *map(str, suspects))
+        first, *alike = done.stdout.split("\n") if done.returncode == 0 else [None]
+        return first, {int(number) for number in alike if number}
+
     def is_same_relation(self, mutant, name):
-        return self.relations[name] is not None and self.relation(mutant["id"], name) == self.relations[name]
+        known = self.relations[name].result()
+        if name not in WALKS:
+            return known is not None and self.relation(mutant["id"], name) == known
+        first, alike = known
+        if mutant["id"] in self.before_main:  # it takes the walk alone
+            return first is not None and self.relation(mutant["id"], name) == first + "\n"
+        return mutant["id"] in alike
+
+    def start_relations(self, pool, mutants, equivalents):
+        """Begins what mutants claimed equivalent are compared with: mutants of tables go alone, the others side by side."""
+        claims = [(mutant["id"], name) for mutant in mutants for name in equivalents.get(key_of(mutant), ("", []))[1]]
+        for name in sorted({name for _, name in claims}, key=lambda name: name not in WALKS):
+            suspects = [number for number, of in claims if of == name and number not in self.before_main]
+            task = (self.walk, name, suspects) if name in WALKS else (self.relation, 0, name)
+            self.relations[name] = pool.submit(*task)
 
 
 def key_of(mutant):
@@ -134,9 +155,10 @@ def judge(mill, mutants, equivalents, verdicts):
             return "survivor", "claimed equivalent, but its relation differs" if relations else ""
         return "killed", killer
 
-    names = sorted({name for _, names in equivalents.values() for name in names})
+    # Those that wait for a walk come last: meanwhile the others keep the processors busy.
+    mutants = sorted(mutants, key=lambda mutant: key_of(mutant) in equivalents)
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        mill.relations = dict(zip(names, pool.map(lambda name: mill.relation(0, name), names)))
+        mill.start_relations(pool, mutants, equivalents)
         for done, (mutant, verdict) in enumerate(zip(mutants, pool.map(one, mutants)), 1):
             verdicts[mutant["id"]] = verdict
             if done % 200 == 0:

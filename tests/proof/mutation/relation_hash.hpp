@@ -17,9 +17,4 @@ class Hash {
   std::uint64_t value_ = 0xCBF2'9CE4'8422'2325;
 };
 
-// Every step of the supervisor, or of the gate, that the exploration takes from its start
-// (tests/proof/explore): the reachable relation at its abstraction.
-void hash_reachable_steps(Hash& hash);
-void hash_reachable_gates(Hash& hash);
-
 }  // namespace biopsy::safety

@@ -1,22 +1,26 @@
 // The input-output relation of one part of the safety core, as a hash: relations NAME.
 //
 // "reachable steps" and "reachable gates" are all that the exploration can take: a proof at its abstraction.
-// Each of the others is a long walk from the default state: every input is drawn, by a fixed seed, from the
-// values around which the code decides (limits, one less, one more, zero, the ends of the type) mixed with
-// likely ones, and every output goes into the hash. A mutant whose hash differs is not equivalent. Equal
-// hashes are evidence over that walk, not over all inputs: the argument for the rest is the reason in
+// The mutants named after them take each step as well; the numbers of those that always did the same are
+// printed. Each of the others is a long walk from the default state: every input is drawn, by a fixed seed,
+// from the values around which the code decides (limits, one less, one more, zero, the ends of the type)
+// mixed with likely ones, and every output goes into the hash. A mutant whose hash differs is not equivalent.
+// Equal hashes are evidence over that walk, not over all inputs: the argument for the rest is the reason in
 // equivalents.toml.
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <random>
 #include <span>
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "mutation.hpp"
+#include "reachable.hpp"
 #include "relation_hash.hpp"
 #include "robot/messages/limits.hpp"
 #include "safety/challenge.hpp"
@@ -313,23 +317,31 @@ void hash_tables(Hash& hash) {
 
 int main(int argc, char** argv) {
   using namespace biopsy::safety;
-  const std::pair<std::string_view, void (*)(Hash&)> relations[] = {
-      {"gate", hash_gate},
-      {"step", hash_step},
-      {"evidence", hash_evidence},
-      {"plan", hash_plan},
-      {"tables", hash_tables},
-      {"reachable steps", hash_reachable_steps},
-      {"reachable gates", hash_reachable_gates}};
-  mutation::limit_time(120'000);
-  for (const auto& [name, fill] : relations) {
-    if (argc != 2 || name != argv[1]) continue;
-    Hash hash;
-    fill(hash);
-    std::printf("%016llx\n", static_cast<unsigned long long>(hash.value()));
-    return 0;
+  const std::pair<std::string_view, void (*)(Hash&)> relations[] = {{"gate", hash_gate},
+                                                                    {"step", hash_step},
+                                                                    {"evidence", hash_evidence},
+                                                                    {"plan", hash_plan},
+                                                                    {"tables", hash_tables}};
+  const std::pair<std::string_view, void (*)(Hash&, std::vector<int>&)> walks[] = {
+      {"reachable steps", walk_reachable_steps}, {"reachable gates", walk_reachable_gates}};
+  mutation::limit_time(300'000);
+  const std::string_view asked = argc > 1 ? argv[1] : "";
+  Hash hash;
+  std::vector<int> suspects;
+  for (int i = 2; i < argc; ++i) suspects.push_back(std::atoi(argv[i]));
+  bool known = false;
+  for (const auto& [name, fill] : relations)
+    if (name == asked && suspects.empty()) fill(hash), known = true;
+  for (const auto& [name, walk] : walks)
+    if (name == asked) walk(hash, suspects), known = true;
+  if (!known) {
+    std::fputs(
+        "usage: relations gate|step|evidence|plan|tables\n"
+        "       relations \"reachable steps\"|\"reachable gates\" [MUTANT ...]\n",
+        stderr);
+    return 2;
   }
-  std::fputs("usage: relations gate|step|evidence|plan|tables|\"reachable steps\"|\"reachable gates\"\n",
-             stderr);
-  return 2;
+  std::printf("%016llx\n", static_cast<unsigned long long>(hash.value()));
+  for (const int alike : suspects) std::printf("%d\n", alike);
+  return 0;
 }
