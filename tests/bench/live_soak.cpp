@@ -27,7 +27,9 @@ class Watched {
     if (!beat) return beat;
     if (after_ < kAfter) last_.push_back(beat->tick);
     if (last_.size() > kKept) last_.pop_front();
-    if (beat->tick.supervisor.reason != safety::Hazard::None && stopped_us_ == 0)
+    const safety::SupervisorOutput& decided = beat->tick.supervisor;
+    was_driven_ = was_driven_ || decided.permit.hv_enable;
+    if (was_driven_ && decided.reason != safety::Hazard::None && stopped_us_ == 0)
       stopped_us_ = beat->tick.measurement.time_us;
     if (stopped_us_ != 0) ++after_;
     return beat;
@@ -39,6 +41,7 @@ class Watched {
   static constexpr std::size_t kKept = 16, kAfter = 4;
   app::LiveRobot& robot_;
   std::deque<app::Tick> last_;
+  bool was_driven_ = false;
   std::int64_t stopped_us_ = 0;
   std::size_t after_ = 0;
 };
