@@ -17,14 +17,34 @@ std::string named(std::string_view name) {
   return fmt::format("<topic>{}</topic>", name);
 }
 
+// The first rule whose expression fits a topic is the one that holds.
+std::string protected_topic(std::string_view expression, std::string_view sample) {
+  return fmt::format(
+      R"(<topic_rule>
+<topic_expression>{}</topic_expression>
+<enable_discovery_protection>true</enable_discovery_protection>
+<enable_liveliness_protection>true</enable_liveliness_protection>
+<enable_read_access_control>true</enable_read_access_control>
+<enable_write_access_control>true</enable_write_access_control>
+<metadata_protection_kind>NONE</metadata_protection_kind>
+<data_protection_kind>{}</data_protection_kind>
+</topic_rule>
+)",
+      expression, sample);
+}
+
 }  // namespace
 
-// Every message is signed: header, heartbeats and acknowledgements cannot be forged. The sample in it is
-// encrypted, once; to encrypt the whole message as well would hide no more and cost time in every tick.
-// Discovery is not in the tick: encrypted. Codes for each single reader (WITH_ORIGIN_AUTHENTICATION) would
-// keep a reader with altered software from speaking as the writer it listens to, but double the way there
-// and back with five processes: see docs/keys.md.
+// Every message is signed: samples, header, heartbeats and acknowledgements cannot be forged. What is not in
+// the tick is encrypted as well: discovery, and the sample of a topic that may name a person; to encrypt the
+// whole message would hide no more. Codes for each single reader (WITH_ORIGIN_AUTHENTICATION) would keep a
+// reader with altered software from speaking as the writer it listens to, but double the way there and back
+// with five processes: see docs/keys.md.
 std::string governance_xml() {
+  std::string rules;
+  for (const TopicRule& rule : kTopicRules)
+    if (rule.sample == Protection::Signed) rules += protected_topic(rule.topic, "NONE");
+  rules += protected_topic("*", "ENCRYPT");
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds>
@@ -35,19 +55,11 @@ std::string governance_xml() {
 <discovery_protection_kind>ENCRYPT</discovery_protection_kind>
 <liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>
 <rtps_protection_kind>SIGN</rtps_protection_kind>
-<topic_access_rules><topic_rule>
-<topic_expression>*</topic_expression>
-<enable_discovery_protection>true</enable_discovery_protection>
-<enable_liveliness_protection>true</enable_liveliness_protection>
-<enable_read_access_control>true</enable_read_access_control>
-<enable_write_access_control>true</enable_write_access_control>
-<metadata_protection_kind>NONE</metadata_protection_kind>
-<data_protection_kind>ENCRYPT</data_protection_kind>
-</topic_rule></topic_access_rules>
+<topic_access_rules>{}</topic_access_rules>
 </domain_rule></domain_access_rules>
 </dds>
 )",
-      kEveryDomain);
+      kEveryDomain, rules);
 }
 
 std::string permissions_xml(Role role, const Validity& validity) {

@@ -61,21 +61,26 @@ class Writers {
   unsigned bits_;
 };
 
+// Nobody without keys may alter a sample, ever. Samples of a tick tell volts and millimetres of a needle,
+// nothing of a person, and each costs every reader time that the next tick needs: they are not hidden too.
+enum class Protection : std::uint8_t { Signed, SignedAndEncrypted };
+
 struct TopicRule {
   std::string_view topic;
   Writers writers;
+  Protection sample = Protection::SignedAndEncrypted;
 };
 
 inline constexpr std::array kTopicRules{
-    TopicRule{topic::kMeasurement, Writers(Role::Stage)},
-    TopicRule{topic::kDriveRequest, Writers(Role::Controller)},
-    TopicRule{topic::kPermit, Writers(Role::Supervisor)},
-    TopicRule{topic::kDecision, Writers(Role::Supervisor)},
+    TopicRule{topic::kMeasurement, Writers(Role::Stage), Protection::Signed},
+    TopicRule{topic::kDriveRequest, Writers(Role::Controller), Protection::Signed},
+    TopicRule{topic::kPermit, Writers(Role::Supervisor), Protection::Signed},
+    TopicRule{topic::kDecision, Writers(Role::Supervisor), Protection::Signed},
     TopicRule{topic::kOperatorAct, Writers(Role::Console, Role::Planner)},
     TopicRule{topic::kSealedPlan, Writers(Role::Planner, Role::Console)},
     TopicRule{topic::kDepthVerdict, Writers(Role::Planner, Role::Console)},
     TopicRule{topic::kLogHealth, Writers(Role::Recorder)},
-    TopicRule{topic::kStageTruth, Writers(Role::Stage)},
+    TopicRule{topic::kStageTruth, Writers(Role::Stage), Protection::Signed},
     TopicRule{topic::kHealth, Writers(Role::Stage, Role::Controller, Role::Supervisor, Role::Recorder,
                                       Role::Console, Role::Planner)},
 };

@@ -90,6 +90,12 @@ bool BusProbe::write(std::int32_t value) {
   return dds_write(writer_, &sample) == DDS_RETCODE_OK;
 }
 
+dds_guid_t BusProbe::writer_guid() const {
+  dds_guid_t guid{};
+  dds_get_guid(writer_, &guid);
+  return guid;
+}
+
 std::optional<std::int32_t> BusProbe::next(dds_duration_t patience) {
   Sample sample{};
   void* place = &sample;

@@ -30,6 +30,8 @@ class BusProbe {
   bool meets_a_reader();
   bool meets_a_writer();
   bool write(std::int32_t value);
+  // Who the writer is on the wire: 12 bytes of its participant, 4 of its own.
+  dds_guid_t writer_guid() const;
   // The next value, within `patience`.
   std::optional<std::int32_t> next(dds_duration_t patience = DDS_SECS(10));
   int readers_met() const;

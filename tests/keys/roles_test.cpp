@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "robot/keys/grants.hpp"
 
 namespace biopsy::keys {
@@ -42,13 +46,32 @@ TEST(Roles, WhatIsGrantedIsNamedInFullAndTheRestDenied) {
 
 TEST(Roles, NothingGoesUnprotected) {
   const std::string xml = governance_xml();
-  for (const char* line :
-       {"<allow_unauthenticated_participants>false<", "<enable_join_access_control>true<",
-        "<discovery_protection_kind>ENCRYPT<", "<liveliness_protection_kind>ENCRYPT<",
-        "<rtps_protection_kind>SIGN<", "<topic_expression>*<", "<enable_discovery_protection>true<",
-        "<enable_liveliness_protection>true<", "<enable_read_access_control>true<",
-        "<enable_write_access_control>true<", "<data_protection_kind>ENCRYPT<"})
+  for (const char* line : {"<allow_unauthenticated_participants>false<", "<enable_join_access_control>true<",
+                           "<discovery_protection_kind>ENCRYPT<", "<liveliness_protection_kind>ENCRYPT<",
+                           "<rtps_protection_kind>SIGN<", "<topic_expression>*<",
+                           "<enable_discovery_protection>true<", "<enable_liveliness_protection>true<",
+                           "<enable_read_access_control>true<", "<enable_write_access_control>true<"})
     EXPECT_NE(xml.find(line), std::string::npos) << line;
+  EXPECT_EQ(xml.find(">false<", xml.find("<topic_access_rules>")), std::string::npos);
+}
+
+// The last rule is for every topic, so that one that nobody thought of is encrypted.
+TEST(Roles, OnlyTheFiveTopicsOfTheTickAreNotEncrypted) {
+  const std::string xml = governance_xml();
+  std::vector<std::string> open;
+  std::size_t at = 0;
+  while ((at = xml.find("<topic_expression>", at)) != std::string::npos) {
+    at += std::string_view("<topic_expression>").size();
+    const std::string topic = xml.substr(at, xml.find('<', at) - at);
+    const std::size_t data = xml.find("<data_protection_kind>", at) + 22;
+    const std::string kind = xml.substr(data, xml.find('<', data) - data);
+    if (kind == "NONE")
+      open.push_back(topic);
+    else
+      EXPECT_EQ(topic + kind, "*ENCRYPT");
+  }
+  EXPECT_EQ(open,
+            (std::vector<std::string>{"Measurement", "DriveRequest", "Permit", "Decision", "StageTruth"}));
 }
 
 TEST(Roles, TimesAreWrittenInUtc) {
