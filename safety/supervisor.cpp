@@ -38,11 +38,18 @@ std::int32_t held_mV(const SupervisorState& state) {
   return std::clamp(state.held_mV, 0, limits::kDriveMax_mV);
 }
 
+// What a person is told. Voltage that nobody measures counts as present: then that is why, and not what is
+// missing besides, as a plan is before there is one.
+Hazard cause_of(const Tick& t, Event event) {
+  const bool unseen = event == Event::VoltagePresent && (t.hazards & bit(Hazard::SensorStale)) != 0;
+  return unseen ? Hazard::SensorStale : worst_of(t.hazards);
+}
+
 // What the change of mode does to the plan's progress and to the envelope.
 void enter(SupervisorState& next, const Tick& t, Event event) {
   const Mode from = t.state.mode;
   next.last_event = event;
-  if (event != Event::VoltageGone) next.reason = worst_of(t.hazards);  // the end of a ramp keeps its cause
+  if (event != Event::VoltageGone) next.reason = cause_of(t, event);  // the end of a ramp keeps its cause
   next.ticks_in_mode = 0;
   if (next.mode == Mode::Trip || next.mode == Mode::Lock) ++next.epoch;
   if (next.mode == Mode::Armed) next.stage = 0, next.stage_done = false;

@@ -57,7 +57,7 @@ enum class Refusal : std::uint8_t {
 struct SupervisorState {
   Mode mode = Mode::Boot;
   Event last_event = Event::None;  // of the last change of mode
-  Hazard reason = Hazard::None;    // worst hazard at the last change of mode, kept through the end of a ramp
+  Hazard reason = Hazard::None;    // cause of the last change of mode, kept through the end of a ramp
   bool stage_done = false;         // the controller reached the present stage
   bool arm_was_down = true, reset_was_down = true;  // a key held since before the start is not an edge
   std::uint32_t session = 0, epoch = 1, seq = 0;

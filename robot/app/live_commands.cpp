@@ -63,6 +63,8 @@ void add_up(CLI::App& app, UpOptions& options, int& code) {
   command
       ->add_option("--seconds", options.seconds, "bring it down after this many seconds (default: on Ctrl-C)")
       ->check(CLI::Range(0.0, 1e6));
+  command->add_flag("--prepare", options.prepare,
+                    "write the run folder and start nothing: for processes that systemd starts");
   command->add_flag("--console", options.console,
                     "the clinician's page: plan, arm and insert in a browser on this machine");
   command->add_flag("--open", options.open, "open that page in the desktop's browser");

@@ -29,6 +29,7 @@ struct UpOptions {
   LiveOptions live;
   std::string device = "sim";  // or "nidaqmx"
   HardwareOptions hardware;
+  bool prepare = false;    // write the run folder, start nothing
   double seconds = 0.0;    // 0: until Ctrl-C
   bool console = false;    // the person sits at the clinician's page
   bool open = false;       // and that page is opened in the desktop's browser

@@ -86,13 +86,20 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
 
 }  // namespace
 
+live::LiveSettings write_run_folder(const LiveOptions& options, const std::string& device,
+                                    const HardwareOptions& hardware, const PreparedCase& prepared,
+                                    const fs::path& folder) {
+  live::LiveSettings settings = settings_for(options, device, hardware, prepared, fs::absolute(folder));
+  report::write_whole_file(live::settings_file(folder), live::to_json(settings));
+  return settings;
+}
+
 LiveSession::LiveSession(const LiveOptions& options, const std::string& device,
                          const HardwareOptions& hardware, const PreparedCase& prepared,
                          const fs::path& folder, Person person)
     : folder_(fs::absolute(folder)),
-      settings_(settings_for(options, device, hardware, prepared, folder_)),
+      settings_(write_run_folder(options, device, hardware, prepared, folder_)),
       launcher_(folder_, settings_.lines) {
-  report::write_whole_file(live::settings_file(folder_), live::to_json(settings_));
   config_tag_ = live::config_tag(folder_, settings_);
   if (person == Person::Here) {
     bus_ = std::make_unique<transport::Participant>(live::bus_settings(settings_, keys::Role::Planner));

@@ -16,13 +16,18 @@
 
 namespace biopsy::app {
 
+// Writes `folder`/live.json, lays the electrical lines, makes keys for a rehearsal that brings none. Throws
+// SetupError.
+live::LiveSettings write_run_folder(const LiveOptions& options, const std::string& device,
+                                    const HardwareOptions& hardware, const PreparedCase& prepared,
+                                    const std::filesystem::path& folder);
+
 // Where the person sits who asks for motion: only one side of the bus may.
 enum class Person { Here, AtTheConsole };
 
 class LiveSession {
  public:
-  // Writes `folder`/live.json, lays the electrical lines, makes keys for a rehearsal that brings none, and
-  // starts all processes. Throws SetupError.
+  // Writes the run folder and starts all processes. Throws SetupError.
   LiveSession(const LiveOptions& options, const std::string& device, const HardwareOptions& hardware,
               const PreparedCase& prepared, const std::filesystem::path& folder,
               Person person = Person::Here);

@@ -157,6 +157,17 @@ int up_with_console(const UpOptions& options, const PreparedCase& prepared, real
   return ended ? 3 : 0;
 }
 
+// The lines lie in memory, under a name that tells users and domains apart; a unit needs one that stays.
+int prepare_only(const UpOptions& options, const PreparedCase& prepared) {
+  const std::filesystem::path& folder = options.procedure.out;
+  const live::LiveSettings settings =
+      write_run_folder(options.live, options.device, options.hardware, prepared, folder);
+  std::filesystem::remove(folder / "lines");
+  std::filesystem::create_directory_symlink(settings.lines, folder / "lines");
+  fmt::print("prepared: {}\nnothing was started: systemctl start biopsy.target\n", folder.string());
+  return 0;
+}
+
 }  // namespace
 
 int up(const UpOptions& options) {
@@ -166,6 +177,7 @@ int up(const UpOptions& options) {
   claim_run_folder(options.procedure.out);
   const PreparedCase prepared = prepare(given, options.procedure.out);
   if (has_points(given) && is_refused(prepared, options.procedure.out, started)) return 3;
+  if (options.prepare) return prepare_only(options, prepared);
   if (options.console) return up_with_console(options, prepared, signals);
   LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out);
   session.wait_until_healthy();

@@ -129,11 +129,15 @@ export class Person {
     }
     throw new Error('no run came to its end')
   }
-  // From a run that is over to the next.
+  // From a run that is over, or a robot that tripped meanwhile, to one that is ready.
   async recover(): Promise<void> {
-    if ((await this.modeNow()) === 'Trip') await this.reset()
-    await this.tickAll()
-    await this.is('Ready')
+    for (let tries = 0; tries < 3; ++tries) {
+      if ((await this.modeNow()) === 'Trip') await this.reset()
+      if ((await this.modeNow()) !== 'Ready') await this.tickAll()
+      await expect(this.mode()).toHaveAttribute('data-mode', /^(Ready|Trip)$/, kSlow)
+      if ((await this.modeNow()) === 'Ready') return
+    }
+    throw new Error('the robot was never ready')
   }
 
   // From whatever the test before has left to a plan that is shown,
@@ -148,9 +152,7 @@ export class Person {
   async ready(): Promise<void> {
     await this.planned()
     if (!(await heard(this.page, 'Planned')).confirmed) await this.click('Confirm this plan')
-    if ((await this.modeNow()) === 'Trip') await this.reset()
-    if ((await this.modeNow()) !== 'Ready') await this.tickAll()
-    await this.is('Ready')
+    await this.recover()
   }
   async armed(): Promise<void> {
     await this.ready()

@@ -250,6 +250,28 @@ TEST(Supervisor, TheReasonOfATripStaysUntilItIsReset) {
   EXPECT_EQ(rig.output.worst, Hazard::None);
 }
 
+// Without a plan that is always a hazard, but it has nothing to do with a voltage.
+TEST(Supervisor, AVoltageThatNobodyMeasuresIsBlamedOnTheMissingMeasurement) {
+  SupervisorInput input = healthy();
+  input.evidence.zero_volts = false;
+  input.evidence.clear &= ~(bit(Hazard::PlanChanged) | bit(Hazard::SensorStale));
+  for (const Mode mode : {Mode::Safe, Mode::Ready}) {
+    const SupervisorState next = step(three_stage_plan(), in(mode), input).first;
+    EXPECT_EQ(next.mode, Mode::Trip) << name_of(mode);
+    EXPECT_EQ(next.reason, Hazard::SensorStale) << name_of(mode);
+  }
+  input.evidence.clear |= bit(Hazard::SensorStale);
+  EXPECT_EQ(step(three_stage_plan(), in(Mode::Safe), input).first.reason, Hazard::PlanChanged);
+}
+
+TEST(Supervisor, AStopIsBlamedOnTheWorstThatIsFound) {
+  SupervisorInput input = healthy();
+  input.evidence.clear &= ~(bit(Hazard::PlanChanged) | bit(Hazard::SensorStale));
+  const SupervisorState next = step(three_stage_plan(), in(Mode::Active), input).first;
+  EXPECT_EQ(next.last_event, Event::Fault);
+  EXPECT_EQ(next.reason, Hazard::PlanChanged);
+}
+
 TEST(Supervisor, LockAbsorbsEveryHealthyInput) {
   verifies("R-51");
   SupervisorInput input = healthy();
