@@ -24,6 +24,11 @@ std::int64_t wall_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+// Bytes from elsewhere that are no UTF-8 must not end the recorder.
+std::string text_of(const Json& body) {
+  return body.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string hazard(std::uint8_t code) {
   return std::string(safety::name_of(static_cast<safety::Hazard>(code)));
 }
@@ -86,7 +91,7 @@ void LogScribe::note(RecordKind kind, const std::string& body, std::int64_t now_
 void LogScribe::follow_decisions(std::int64_t now_us) {
   Decision next;
   const auto note = [&](RecordKind kind, const Json& body, Urgency urgency) {
-    recorder_.append({next.at_ns, next.time_us, "supervisor", kind, body.dump()}, urgency, now_us);
+    recorder_.append({next.at_ns, next.time_us, "supervisor", kind, text_of(body)}, urgency, now_us);
   };
   while (decisions_.take(next)) {
     const bool new_session = next.session != decision_.session;
@@ -113,14 +118,13 @@ void LogScribe::follow_acts(std::int64_t now_us) {
   while (acts_.take(next)) {
     if (!asks_the_same(next, act_))
       write(RecordKind::OperatorAct, "person",
-            Json{{"token", next.token},
-                 {"held", next.held},
-                 {"stop", static_cast<int>(next.stop)},
-                 {"finish", next.finish},
-                 {"acquiring", next.acquiring},
-                 {"asks_arm", next.arm},
-                 {"asks_reset", next.reset}}
-                .dump(),
+            text_of({{"token", next.token},
+                     {"held", next.held},
+                     {"stop", static_cast<int>(next.stop)},
+                     {"finish", next.finish},
+                     {"acquiring", next.acquiring},
+                     {"asks_arm", next.arm},
+                     {"asks_reset", next.reset}}),
             Urgency::Grouped, now_us);
     act_ = next;
   }
@@ -139,12 +143,12 @@ void LogScribe::follow_plan_and_checks(std::int64_t now_us) {
       body["confirmations"] = (sealed.confirmed_tag[0] == planner::plan_tag(*plan)) +
                               (sealed.confirmed_tag[1] == planner::plan_tag(*plan));
     }
-    write(RecordKind::Plan, "person", body.dump(), Urgency::Urgent, now_us);
+    write(RecordKind::Plan, "person", text_of(body), Urgency::Urgent, now_us);
   }
   DepthVerdictNote verdict;
   while (verdicts_.take(verdict))
     write(RecordKind::DepthCheck, "person",
-          Json{{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}.dump(), Urgency::Urgent, now_us);
+          text_of({{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
 }
 
 void LogScribe::follow_stage(std::int64_t now_us) {
@@ -152,12 +156,11 @@ void LogScribe::follow_stage(std::int64_t now_us) {
   while (measurements_.take(next)) {
     if (refuses(next.verdict) != refuses(measured_.verdict) || next.hv_enabled != measured_.hv_enabled)
       write(RecordKind::PermitChange, "stage",
-            Json{{"gate", static_cast<int>(next.verdict)},
-                 {"hv_enabled", next.hv_enabled},
-                 {"command_kV", next.command_mV * 1e-6},
-                 {"depth_mm", next.depth_um * 1e-3},
-                 {"seq", next.seq}}
-                .dump(),
+            text_of({{"gate", static_cast<int>(next.verdict)},
+                     {"hv_enabled", next.hv_enabled},
+                     {"command_kV", next.command_mV * 1e-6},
+                     {"depth_mm", next.depth_um * 1e-3},
+                     {"seq", next.seq}}),
             Urgency::Grouped, now_us);
     measured_ = next;
   }
@@ -166,8 +169,8 @@ void LogScribe::follow_stage(std::int64_t now_us) {
     if (asked.stage != request_.stage || asked.stage_reached != request_.stage_reached ||
         asked.finished != request_.finished)
       write(RecordKind::Request, "controller",
-            Json{{"stage", asked.stage + 1}, {"reached", asked.stage_reached}, {"finished", asked.finished}}
-                .dump(),
+            text_of(
+                {{"stage", asked.stage + 1}, {"reached", asked.stage_reached}, {"finished", asked.finished}}),
             Urgency::Grouped, now_us);
     request_ = asked;
   }
@@ -180,13 +183,17 @@ void LogScribe::follow_health(std::int64_t now_us) {
     const bool alive = health.seq != 0;
     if (alive != alive_[i])
       write(alive ? RecordKind::ProcessStart : RecordKind::ProcessStop, name_of(static_cast<Process>(i)),
-            Json{{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}}.dump(),
+            text_of({{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}}),
             Urgency::Urgent, now_us);
     alive_[i] = alive;
     if (alive && health.refused != refused_[i])
       write(RecordKind::Alarm, name_of(static_cast<Process>(i)),
-            Json{{"strangers_refused", health.refused}}.dump(), Urgency::Grouped, now_us);
+            text_of({{"strangers_refused", health.refused}}), Urgency::Grouped, now_us);
     if (alive) refused_[i] = health.refused;
+    if (alive && health.note != notes_[i])
+      write(RecordKind::Alarm, name_of(static_cast<Process>(i)), text_of({{"note", health.note}}),
+            Urgency::Grouped, now_us);
+    if (alive) notes_[i] = health.note;
   }
 }
 
@@ -194,13 +201,13 @@ void LogScribe::follow_strangers(std::int64_t now_us) {
   if (doorkeeper_ == nullptr) return;
   const int strangers = doorkeeper_->strange_endpoints();
   if (strangers != strangers_)
-    write(RecordKind::Alarm, "recorder", Json{{"endpoints_without_keys", strangers}}.dump(), Urgency::Grouped,
+    write(RecordKind::Alarm, "recorder", text_of({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
           now_us);
   strangers_ = strangers;
 }
 
 void LogScribe::report_itself(std::int64_t now_us) {
-  heartbeat_.health().note = recorder_.trouble().substr(0, 120);
+  heartbeat_.note(recorder_.trouble());
   heartbeat_.beat(now_us);
   if (now_us - reported_us_ < kReportEvery_us) return;
   reported_us_ = now_us;

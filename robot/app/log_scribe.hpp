@@ -54,6 +54,7 @@ class LogScribe {
   DriveRequest request_;
   std::array<bool, kProcesses> alive_{};
   std::array<std::uint32_t, kProcesses> refused_{};
+  std::array<std::string, kProcesses> notes_;
   int strangers_ = 0;
   std::uint32_t health_seq_ = 0;
   std::int64_t reported_us_ = 0;

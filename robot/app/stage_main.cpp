@@ -60,6 +60,7 @@ void run_hardware(live::LiveProcess& process, lines::StageLines& lines) {
   app::WiredRealStage stage(*hardware, lines);
   live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
   run(process, loop, [&] {
+    if (hardware->trouble().count > 0) loop.heartbeat().note(hardware->trouble().text.data());
     const nidaqmx::Panel& keys = hardware->panel();
     panel.set({.arm_key = keys.arm,
                .reset_key = keys.reset,

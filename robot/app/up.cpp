@@ -41,6 +41,7 @@ std::string board_text(const std::array<Health, kProcesses>& board, const std::o
     const Health& health = board[static_cast<std::size_t>(process)];
     text += health.seq == 0 ? fmt::format("{} SILENT  ", name_of(process))
                             : fmt::format("{} p99 {} us  ", name_of(process), health.late_p99_us);
+    if (!health.note.empty()) text += fmt::format("({})  ", health.note);
   }
   if (beat)
     text += fmt::format("| {}{}{} | {:.2f} mm, {:.2f} kV", safety::name_of(beat->tick.supervisor.permit.mode),

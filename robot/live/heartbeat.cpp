@@ -4,6 +4,7 @@ namespace biopsy::live {
 namespace {
 
 constexpr std::int64_t kForgotten_us = 500'000;
+constexpr std::size_t kNoteMax = 120;
 
 std::int32_t bounded(std::int64_t us) {
   return static_cast<std::int32_t>(std::min<std::int64_t>(us, INT32_MAX));
@@ -15,6 +16,11 @@ Heartbeat::Heartbeat(const transport::Participant& bus, Process process, std::ui
     : writer_(bus) {
   health_.process = process;
   health_.config_tag = config_tag;
+  health_.note.reserve(kNoteMax);
+}
+
+void Heartbeat::note(std::string_view text) {
+  health_.note.assign(text.substr(0, kNoteMax));
 }
 
 void Heartbeat::beat(std::int64_t now_us) {

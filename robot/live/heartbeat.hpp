@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
+#include <string_view>
 
 #include "robot/messages/live.hpp"
 #include "robot/realtime/latency_histogram.hpp"
@@ -21,6 +21,7 @@ class Heartbeat {
   void beat(std::int64_t now_us);
 
   Health& health() { return health_; }  // what is said next
+  void note(std::string_view text);     // for a person: its first 120 characters; does not allocate
   realtime::LatencyHistogram& lateness() { return lateness_; }
 
  private:
