@@ -49,9 +49,18 @@ double amplifier_slope(const PlantModel& model, double u_i, double asked) {
   return std::copysign(lag->slew > 0.0 ? std::min(free, 1.0 / lag->slew) : free, asked - u_i);
 }
 
+Fading fading(const PlantModel& model, double t) {
+  const double tau = model.baseline.tau;
+  Fading f{.u_o = std::exp(-t / tau)};
+  if (const auto& charge = model.effects.charge_retention) {
+    f.screened = std::exp(-t / charge->time);
+    f.driven = charge->share / charge->time * faded_sum(1.0 / charge->time, 1.0 / tau, t);
+  }
+  return f;
+}
+
 Potentials after(const PlantModel& model, const Potentials& from, double asked, double t) {
   const auto& lag = model.effects.amplifier_lag;
-  if (!lag || lag->instant()) return glided(model, from, {}, t);
   Potentials p = from;
   double left = t;
   if (lag->slew > 0.0) {  // limited until what is missing is a lag's worth of the slope

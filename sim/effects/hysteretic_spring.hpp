@@ -22,7 +22,9 @@ struct HystereticSpring {
   double bounded(double z) const { return std::clamp(z, -yield, yield); }
   double rate(double v, double z) const {
     const double turn = v * z > 0.0 ? beta : v * z < 0.0 ? -beta : 0.0;
-    return v * (1.0 - std::pow(std::abs(z) / yield, sharpness) * (turn + 1.0 - beta));
+    const double share = std::abs(z) / yield;
+    const double bend = sharpness == 2.0 ? share * share : std::pow(share, sharpness);  // mostly 2
+    return v * (1.0 - bend * (turn + 1.0 - beta));
   }
 
   static constexpr EffectInfo info{

@@ -15,7 +15,8 @@
 namespace biopsy::bench {
 namespace {
 
-constexpr double kHostStall_ms = 3.0;        // a permit lives 5 ms, and is renewed each
+// Three ticks without an answer stop the robot, and the answer to a tick comes in the next one anyway.
+constexpr double kHostStall_ms = 2.0;
 constexpr std::int64_t kBefore_us = 50'000;  // what stops a robot is seen within this time
 
 // A robot that remembers when it first was stopped by a hazard, and the ticks around it. After a stall the
@@ -31,7 +32,8 @@ class Watched {
     if (last_.size() > kKept) last_.pop_front();
     const safety::SupervisorOutput& decided = beat->tick.supervisor;
     was_driven_ = was_driven_ || decided.permit.hv_enable;
-    if (was_driven_ && decided.reason != safety::Hazard::None && stopped_us_ == 0) {
+    const bool off = decided.permit.mode == Mode::Trip || decided.permit.mode == Mode::Lock;
+    if ((off || (was_driven_ && decided.reason != safety::Hazard::None)) && stopped_us_ == 0) {
       stopped_us_ = beat->tick.measurement.time_us;
       heard_us_ = realtime::monotonic_ns() / 1000;
     }

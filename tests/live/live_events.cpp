@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "drivers/lines/line_views.hpp"
@@ -16,34 +14,6 @@
 #include "tests/live/live_motion.hpp"
 
 namespace biopsy::live_tests {
-namespace {
-
-// While it lives, processes that are started send over a network that may lose packets.
-class LossyNetwork {
- public:
-  explicit LossyNetwork(const std::filesystem::path& folder) : file_(folder / "lossy") {
-    lose(0);
-    setenv("LOSSY_FILE", file_.c_str(), 1);
-    setenv("LD_PRELOAD", LOSSY, 1);
-  }
-  ~LossyNetwork() {
-    unsetenv("LD_PRELOAD");
-    unsetenv("LOSSY_FILE");
-  }
-  LossyNetwork(const LossyNetwork&) = delete;
-  LossyNetwork& operator=(const LossyNetwork&) = delete;
-
-  void lose(std::uint32_t per_mille) {  // in place: it is mapped
-    std::fstream out(file_, std::ios::binary | std::ios::in | std::ios::out);
-    if (!out) out.open(file_, std::ios::binary | std::ios::out);
-    out.write(reinterpret_cast<const char*>(&per_mille), sizeof per_mille);
-  }
-
- private:
-  std::filesystem::path file_;
-};
-
-}  // namespace
 
 EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
                         const app::PreparedCase& prepared, const std::filesystem::path& folder,
@@ -51,7 +21,7 @@ EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
   EventOutcome outcome;
   const Plan& plan = std::get<Plan>(prepared.plan);
   std::filesystem::create_directories(folder);
-  LossyNetwork network(folder);
+  BadWire wire(folder);
   app::LiveSession session(options, "sim", {}, prepared, folder);
   session.wait_until_healthy();
   session.send_plan(plan);
@@ -70,7 +40,7 @@ EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
   const std::int64_t event_ns = realtime::monotonic_ns();
   if (lines.load_voltage_seen_mV(event_ns) == 0) outcome.trouble = "there was no voltage at the event";
   if (event.signal != 0) kill(session.launcher().pid_of(event.victim), event.signal);
-  if (event.lost_per_mille != 0) network.lose(event.lost_per_mille);
+  wire.set(event.packets);
   std::int64_t now_ns = event_ns, on_ns = event_ns, off_ns = event_ns;  // seen on last, seen off after that
   while (now_ns - event_ns < watch_ms * 1'000'000) {
     const bool on = lines.load_voltage_seen_mV(now_ns) != 0;

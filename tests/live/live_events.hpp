@@ -9,14 +9,15 @@
 #include "robot/app/live_options.hpp"
 #include "robot/app/prepared_case.hpp"
 #include "robot/messages/live.hpp"
+#include "tests/live/bad_wire.hpp"
 
 namespace biopsy::live_tests {
 
 struct LiveEvent {
   Process victim = Process::Stage;
-  int signal = 0;                    // SIGKILL or SIGSTOP; 0: none, packets are lost instead
-  std::int64_t after_ticks = 0;      // of motion
-  std::uint32_t lost_per_mille = 0;  // of all that the processes send, from the event on
+  int signal = 0;                // SIGKILL or SIGSTOP; 0: none, packets are lost instead
+  std::int64_t after_ticks = 0;  // of motion
+  PacketTrouble packets = {};    // from the event on
 };
 
 struct EventOutcome {

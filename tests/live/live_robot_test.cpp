@@ -145,7 +145,7 @@ TEST_P(LostPacketsLiveEventTest, TakeTheHighVoltageOff) {
   on_a_steady_host([&, per_mille = per_mille, allowed_ms = allowed_ms]() -> std::string {
     const ScratchFolder folder;
     const EventOutcome outcome =
-        live_event({Process::Stage, 0, 700, per_mille}, plain(), gap_case(), folder.path(), 3'000);
+        live_event({Process::Stage, 0, 700, {.lost = per_mille}}, plain(), gap_case(), folder.path(), 3'000);
     if (!outcome.trouble.empty()) return outcome.trouble;
     EXPECT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
     RecordProperty(fmt::format("lost_{}_per_mille_to_zero_ms", per_mille),
@@ -161,6 +161,48 @@ INSTANTIATE_TEST_SUITE_P(Some, LostPacketsLiveEventTest,
                          [](const auto& given) {
                            return std::to_string(std::get<0>(given.param)) + "InAThousand";
                          });
+
+// Repeated packets are dropped where they arrive, and change nothing. Those that come behind the next one are
+// too late for it: a few are missed like lost ones, more of them stop the robot.
+class TroubledPacketsLiveEventTest : public ::testing::TestWithParam<std::pair<std::string, PacketTrouble>> {
+};
+
+TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
+  verifies("R-26", "R-44");
+  on_a_steady_host([]() -> std::string {
+    const PacketTrouble& trouble = GetParam().second;
+    const ScratchFolder folder;
+    BadWire wire(folder.path());
+    app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    session.wait_until_healthy();
+    session.send_plan(gap_plan());
+    wire.set(trouble);
+    const report::RunRecord record =
+        app::rehearse_on([&](const app::World& world) { return session.robot().tick(world); }, gap_case(),
+                         folder.path(), [](double, const std::string&) {});
+    wire.set({});
+    session.stop();
+    int tripped_ms = 0;
+    for (const report::Sample& sample : record.samples) {
+      EXPECT_LE(sample.tip_mm, gap_plan().target_depth.value + 2.0);
+      EXPECT_LE(std::abs(sample.drive_kV), 8.0);
+      tripped_ms = sample.mode == Mode::Trip ? tripped_ms + 1 : 0;
+      if (tripped_ms > 20) {
+        EXPECT_EQ(sample.drive_kV, 0.0F) << sample.time_ms;
+      }
+      if (::testing::Test::HasFailure()) break;
+    }
+    const bool completed = record.outcome == report::Outcome::Completed;
+    RecordProperty(GetParam().first + "_completed", completed ? 1 : 0);
+    return completed || trouble.late > 0 ? "" : "the procedure was stopped: " + record.refusal;
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Some, TroubledPacketsLiveEventTest,
+                         ::testing::Values(std::pair("doubled_1000", PacketTrouble{.doubled = 1'000}),
+                                           std::pair("late_10", PacketTrouble{.late = 10}),
+                                           std::pair("late_200", PacketTrouble{.late = 200})),
+                         [](const auto& given) { return given.param.first; });
 
 TEST(LiveRobot, ASecondWriterOfRequestsTrips) {
   verifies("R-11");
