@@ -25,6 +25,7 @@ using namespace biopsy;
 struct Asked {
   std::vector<std::string> what{"loop", "events", "soak"};
   int events = 50;
+  std::string only;  // of the events: "recorder", "recorder stop"
   double minutes = 30.0;
   app::LiveOptions live;
 };
@@ -48,6 +49,8 @@ void bench_events(const Asked& asked, const app::PreparedCase& prepared) {
   std::mt19937 random(1);
   for (const Process victim : {Process::Supervisor, Process::Controller, Process::Stage, Process::Recorder})
     for (const int signal : {SIGKILL, SIGSTOP}) {
+      const std::string kind = fmt::format("{} {}", name_of(victim), signal == SIGKILL ? "kill" : "stop");
+      if (kind.find(asked.only) == std::string::npos) continue;
       std::vector<double> times, host;
       int over = 0, over_host = 0, never = 0;
       for (int n = 0; n < asked.events; ++n) {
@@ -111,6 +114,7 @@ int main(int argc, char** argv) {
   CLI::App app{"live robot: real processes"};
   app.add_option("WHAT", asked.what, "loop, events, soak (default: all)");
   app.add_option("--events", asked.events, "of each kind (default 50)");
+  app.add_option("--only", asked.only, "events whose kind contains this, as \"recorder stop\"");
   app.add_option("--minutes", asked.minutes, "of the soak (default 30)");
   app.add_option("--domain", asked.live.domain, "DDS domain");
   app.add_flag("--without-security", asked.live.without_security, "plain bus");
