@@ -15,8 +15,7 @@
 namespace biopsy::bench {
 namespace {
 
-// Three ticks without an answer stop the robot, and the answer to a tick comes in the next one anyway.
-constexpr double kHostStall_ms = 2.0;
+constexpr double kHostStall_ms = 3.0;        // a permit lives 5 ms, and is renewed each
 constexpr std::int64_t kBefore_us = 50'000;  // what stops a robot is seen within this time
 
 // A robot that remembers when it first was stopped by a hazard, and the ticks around it. After a stall the
