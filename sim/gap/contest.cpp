@@ -64,22 +64,54 @@ bool weaken(const Candidate& candidate, Probe& probe) {
   return any;
 }
 
-// A few steps from each start; the one that got farthest. A start so strong that its fit ends worse than
-// nothing lies beyond a ridge (a resonance that it moved, say): there is a way down from nearer to nothing.
-Hypothesis quick_fit(const Hypothesis& current, const Score& score, const Evidence& evidence) {
-  const double nothing = mean_square(residual(current.model, evidence, Part::Training));
-  double least = std::numeric_limits<double>::infinity();
-  Hypothesis best = current;
-  for (Probe start : different_starts(score)) {
-    for (int attempts = 0; attempts < kAttempts; ++attempts) {
-      Hypothesis attempt = with(current, score.candidate, start, evidence);
-      fit(attempt, evidence, kQuickIterations);
-      const double cost = mean_square(residual(attempt.model, evidence, Part::Training));
-      if (std::isinf(least) || cost < least) least = cost, best = std::move(attempt);
-      if (cost <= nothing || !weaken(score.candidate, start)) break;
-    }
+// What a simulation that ran away leaves is worse than anything.
+double finite(double square) {
+  return std::isfinite(square) ? square : std::numeric_limits<double>::infinity();
+}
+
+void judge_trial(Trial& trial, Hypothesis hypothesis, const Evidence& evidence) {
+  trial.judged = judge(std::move(hypothesis), evidence);
+  trial.judged.square = finite(trial.judged.square);
+  trial.fitted = true;
+}
+
+// One start of one candidate's fit, and where a few steps from it led.
+struct Attempt {
+  std::size_t trial;
+  Probe start;
+  Hypothesis reached;
+  double square = std::numeric_limits<double>::infinity();  // of the training residuals
+};
+
+// A start so strong that its fit ends worse than nothing lies beyond a ridge (a resonance that it moved,
+// say): there is a way down from nearer to nothing.
+void try_start(Attempt& attempt, const Hypothesis& current, const Candidate& candidate, double nothing,
+               const Evidence& evidence) {
+  for (int weaker = 0; weaker < kAttempts; ++weaker) {
+    Hypothesis fitted = with(current, candidate, attempt.start, evidence);
+    fit(fitted, evidence, kQuickIterations);
+    const double square = finite(mean_square(residual(fitted.model, evidence, Part::Training)));
+    if (weaker == 0 || square < attempt.square) attempt.square = square, attempt.reached = std::move(fitted);
+    if (square <= nothing || !weaken(candidate, attempt.start)) return;
   }
-  return best;
+}
+
+// Each of the first `count` candidates by the start that got farthest.
+void fit_quickly(std::vector<Trial>& trials, const std::vector<Score>& scores, std::size_t count,
+                 const Hypothesis& current, const Evidence& evidence) {
+  std::vector<Attempt> attempts;
+  for (std::size_t i = 0; i < count; ++i)
+    for (const Probe& start : different_starts(scores[i]))
+      attempts.push_back({.trial = i, .start = start, .reached = {}});
+  const double nothing = mean_square(residual(current.model, evidence, Part::Training));
+  in_parallel(attempts.size(), [&](std::size_t i) {
+    try_start(attempts[i], current, scores[attempts[i].trial].candidate, nothing, evidence);
+  });
+  std::stable_sort(attempts.begin(), attempts.end(),
+                   [](const Attempt& a, const Attempt& b) { return a.square < b.square; });
+  for (Attempt& attempt : attempts)
+    if (Trial& trial = trials[attempt.trial]; !trial.fitted)
+      judge_trial(trial, std::move(attempt.reached), evidence);
 }
 
 double log_evidence(const Judged& judged, double looks, const Evidence& evidence) {
@@ -93,12 +125,6 @@ double log_evidence(const Judged& judged, double looks, const Evidence& evidence
 }
 
 auto by_square = [](const Trial& a, const Trial& b) { return a.judged.square < b.judged.square; };
-
-void judge_trial(Trial& trial, Hypothesis hypothesis, const Evidence& evidence) {
-  trial.judged = judge(std::move(hypothesis), evidence);
-  if (!std::isfinite(trial.judged.square)) trial.judged.square = std::numeric_limits<double>::infinity();
-  trial.fitted = true;
-}
 
 // The best to convergence, and those beside it that could still beat it.
 void fit_best_well(std::vector<Trial>& trials, std::size_t promising, const Evidence& fine) {
@@ -194,9 +220,7 @@ Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine
     round.trials.push_back(
         {.candidate = score.candidate, .round = name.number, .share = score.share(), .judged = {}});
   progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, now.drive())));
-  in_parallel(promising, [&](std::size_t i) {
-    judge_trial(round.trials[i], quick_fit(now.hypothesis, scores[i], coarse), coarse);
-  });
+  fit_quickly(round.trials, scores, promising, now.hypothesis, coarse);
   const auto end = round.trials.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.trials.begin(), end, by_square);
   fit_best_well(round.trials, promising, fine);

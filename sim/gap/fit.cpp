@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "sim/gap/predict.hpp"
+#include "sim/in_parallel.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -20,6 +21,7 @@ constexpr double kBlockSeconds = 1.0;
 constexpr double kToleranceOfNoise = 0.1;
 constexpr double kConverged = 1e-4;   // of the cost: a tenth of a unit of log evidence
 constexpr double kWidestRange = 1e6;  // of theta
+constexpr int kLooksAlongAStep = 4;
 constexpr int kRefresh = 4;  // the calibration's columns hardly change: computed anew every so many times
 
 double difference_step(const Unknown& u) {
@@ -104,9 +106,10 @@ class Misfit : public ceres::CostFunction {
   }
 
   void differentiate_again(const Hypothesis& here, const std::vector<double>& now) const {
-    for (std::size_t i = 0; i < here.unknowns.size(); ++i)
+    in_parallel(here.unknowns.size(), [&](std::size_t i) {
       if (!is_calibration(here.unknowns[i]))
         columns_.col(static_cast<Eigen::Index>(i)) = sensitivity(here, i, evidence_, now);
+    });
   }
 
   const Hypothesis& hypothesis_;
@@ -153,8 +156,9 @@ Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evid
                               const std::vector<double>& residual_now) {
   Eigen::MatrixXd J(static_cast<Eigen::Index>(residual_now.size()),
                     static_cast<Eigen::Index>(hypothesis.unknowns.size()));
-  for (std::size_t i = 0; i < hypothesis.unknowns.size(); ++i)
+  in_parallel(hypothesis.unknowns.size(), [&](std::size_t i) {
     J.col(static_cast<Eigen::Index>(i)) = sensitivity(hypothesis, i, evidence, residual_now);
+  });
   return J;
 }
 
@@ -176,7 +180,11 @@ void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, doubl
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
   options.function_tolerance = kConverged;
-  options.num_threads = 1;  // candidates run in parallel, not their inside
+  // Where a step leaves the bounds Ceres looks along it; by values alone, since a derivative costs as many
+  // simulations as there are unknowns.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
+  options.max_num_line_search_step_size_iterations = kLooksAlongAStep;
+  options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
