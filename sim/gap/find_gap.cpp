@@ -10,13 +10,16 @@
 #include "sim/gap/fit.hpp"
 #include "sim/gap/predict.hpp"
 #include "sim/gap/verdict.hpp"
+#include "sim/plant.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
 constexpr int kIterations = 25;
-constexpr double kNotWorse = 1.05;  // held-out mean square
-constexpr double kPiece = 0.5;      // s: some times of the stage's own ringing, a few jerks at most
+constexpr double kNotWorse = 1.05;       // held-out mean square
+constexpr double kPiece = 0.5;           // s: some times of the stage's own ringing, a few jerks at most
+constexpr double kShortPiece = 2.0;      // of the mechanism's own time: a third of its period
+constexpr double kFewestReadings = 8.0;  // of a piece
 
 // The model as it was given, but for the numbers that were said to be unknown.
 Hypothesis as_written(const Hypothesis& start, const Evidence& evidence) {
@@ -96,27 +99,68 @@ bool is_stribeck(const Selection& selection) {
          library()[static_cast<std::size_t>(first.effect)].info.name == StribeckFriction::info.name;
 }
 
+// Short enough for what is missing not to bring the mechanism's ringing out of step with the model's.
+double short_piece(const Dataset& dataset, const PlantModel& model) {
+  double period = 0.0;
+  for (const RecordedRun& run : dataset.runs) period = std::max(period, run.period);
+  return std::min(kPiece, std::max(kShortPiece / fastest_rate(model), kFewestReadings * period));
+}
+
+Search in_pieces(const Dataset& dataset, const PlantModel& model, const SearchOptions& options, double piece,
+                 const Progress& progress) {
+  progress(fmt::format("whole runs leave the gap open: again in pieces of {:.2g} s", piece));
+  return search(dataset, model, {.free = options.free, .window = piece}, progress, 1);
+}
+
+// The name that pieces gave, with its numbers fitted to whole runs, if it explains those as well.
+std::optional<Search> confirmed(const Search& whole, const Search& pieces) {
+  if (pieces.verdict() != GapVerdict::Effect) return std::nullopt;
+  Search out = whole;
+  out.selection = pieces.selection;
+  out.selection.start = whole.selection.start;
+  Hypothesis& best = out.selection.best.hypothesis;
+  fit(best, whole.evidence, kIterations);
+  out.selection.best = polished(judge(best, whole.evidence), whole.as_given.square, whole.evidence);
+  if (!well_explained(whole.as_given.square, out.selection.best.square, whole.evidence)) return std::nullopt;
+  estimate_uncertainty(out.selection.best.hypothesis, whole.evidence);
+  return out;
+}
+
 }  // namespace
 
+// Where whole runs do not tell, pieces that start from the measured motion are asked as well.
+//
 // When a plate that sticks and slips breaks away decides all that follows, so no model follows a whole run of
-// it, not even the true one. Where friction leads and leaves the gap open, pieces that start from the
-// measured motion are asked as well, and believed if they say stick-slip.
+// it, not even the true one: where friction leads and leaves the gap open, pieces are believed if they say
+// stick-slip. And what shifts a mechanism's resonance by much puts model and measurement out of step, so that
+// no small change of anything helps: there pieces find the name, and whole runs judge it.
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                   const Progress& progress) {
   Search found = search(dataset, model, options, progress);
-  bool in_pieces = false;
+  std::string warning;
   if (!options.window && found.leaves_open() && rubs(found.selection)) {
-    progress(fmt::format("friction leaves the gap open: again in pieces of {} s", kPiece));
-    Search again = search(dataset, model, {.free = options.free, .window = kPiece}, progress, 1);
-    in_pieces = is_stribeck(again.selection);
-    if (in_pieces) found = std::move(again);
+    Search again = in_pieces(dataset, model, options, kPiece, progress);
+    if (is_stribeck(again.selection)) {
+      found = std::move(again);
+      warning = fmt::format(
+          "All figures are of pieces of {} s that each start from the measured motion: plate A sticks and "
+          "slips, and when it breaks away decides all that follows.",
+          kPiece);
+    }
+  } else if (!options.window && found.verdict() == GapVerdict::Unexplained &&
+             model.baseline.drive == Drive::Force) {
+    const double piece = short_piece(dataset, found.as_given.hypothesis.model);
+    std::optional<Search> named = confirmed(found, in_pieces(dataset, model, options, piece, progress));
+    if (named) {
+      found = std::move(*named);
+      warning = fmt::format(
+          "The candidates were compared in pieces of {:.2g} s that each start from the measured motion; the "
+          "numbers, and the RMSE before and after, are of whole runs.",
+          piece);
+    }
   }
   FoundGap out = conclude(model, found.as_given, found.selection, found.evidence);
-  if (in_pieces)
-    out.finding.warnings.push_back(fmt::format(
-        "All figures are of pieces of {} s that each start from the measured motion: plate A sticks and "
-        "slips, and when it breaks away decides all that follows.",
-        kPiece));
+  if (!warning.empty()) out.finding.warnings.push_back(warning);
   return out;
 }
 

@@ -14,10 +14,14 @@ constexpr double kLongestStep = 5e-3;  // s
 constexpr double kGrace =
     1.25;  // rows were joined for the given model; one a little faster still takes them whole
 
-// Steps that follow everything but an end stop: step() itself cuts those that meet it, and only those.
+// Steps that follow everything but an end stop: step() itself cuts those that meet it, and only those. A
+// mechanism's spring is as stiff as its motion is wide.
 double usual_step(PlantModel model, const Evidence& evidence) {
   model.effects.end_stop.reset();
-  return std::clamp(kGrace * evidence.step_share / fastest_rate(model), evidence.shortest_step, kLongestStep);
+  const double rate = model.baseline.drive == Drive::Stack
+                          ? fastest_rate(model)
+                          : fastest_rate(model, std::max(-evidence.x_low, evidence.x_high));
+  return std::clamp(kGrace * evidence.step_share / rate, evidence.shortest_step, kLongestStep);
 }
 
 constexpr int kPhases = 36, kHalvings = 20;  // of 10 degrees: as smooth as any other number in a fit
