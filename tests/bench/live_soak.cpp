@@ -96,8 +96,9 @@ void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepar
           host.most_ms_within(kPermitLife_us, watched.stopped_us() - kBefore_us, watched.heard_us());
       fmt::print(
           "  run {}: {} (around it the machine was late by {:.1f} ms at once, {:.1f} ms in sum, in all the "
-          "run by {:.1f} ms)\n",
-          runs, record.refusal, late_ms, sum_ms, host.worst_ms());
+          "run by {:.1f} ms; heard at {:.6f} s, CLOCK_MONOTONIC)\n",
+          runs, record.refusal, late_ms, sum_ms, host.worst_ms(),
+          static_cast<double>(watched.heard_us()) * 1e-6);
       ++stopped;
       by_host += late_ms > kHostStall_ms;
       by_sum += late_ms <= kHostStall_ms && sum_ms > kHostStall_ms;

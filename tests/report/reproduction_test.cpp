@@ -92,6 +92,16 @@ TEST(ReproductionHtml, LoadsNothingAndRunsNoScriptWhateverTheTextSays) {
     EXPECT_EQ(html.find(outside), std::string::npos) << outside;
 }
 
+TEST(ReproductionHtml, SaysWhichPartOfTheBarIsMissed) {
+  Reproduction r = example_reproduction();
+  for (PaperFigure& figure : r.figures)
+    for (PaperRow& row : figure.rows) row.ok = row.kind != RowKind::Trend;
+  const std::string html = reproduction_html(r);
+  EXPECT_NE(html.find("the numbers are reached"), std::string::npos);
+  EXPECT_NE(html.find("trends do not hold"), std::string::npos);
+  EXPECT_EQ(html.find("the bar is passed"), std::string::npos);
+}
+
 TEST(ReproductionHtml, WithoutAMissThereIsNoFinding) {
   Reproduction r = example_reproduction();
   for (PaperFigure& figure : r.figures)
