@@ -159,7 +159,7 @@ std::string regime_words(std::string_view name, bool force_drive) {
     if (name.starts_with(prefix)) {
       name.remove_prefix(prefix.size());
       while (name.starts_with(' ')) name.remove_prefix(1);
-      return "run " + std::string(name);
+      return "in run " + std::string(name);
     }
   return name_words(name);
 }

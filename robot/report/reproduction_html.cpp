@@ -103,9 +103,8 @@ std::string bar_text(const PaperScore& score) {
   if (score.passes()) return "✓ Nine numbers of ten and every trend: the bar is passed.";
   const bool enough = 10 * score.numbers_ok >= 9 * score.numbers;
   return fmt::format(
-      "<span class=\"alarm\">■ The bar is nine numbers of ten and every trend: {}, {}. What is missed says "
-      "why "
-      "in its row.</span>",
+      "<span class=\"alarm\">■ The bar is nine numbers of ten and every trend: {}, {}. "
+      "What is missed says why in its row.</span>",
       enough ? "the numbers are reached" : "the numbers are not reached",
       score.trends_ok == score.trends
           ? "every trend holds"

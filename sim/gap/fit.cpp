@@ -21,7 +21,7 @@ constexpr double kBlockSeconds = 1.0;
 constexpr double kToleranceOfNoise = 0.1;
 constexpr double kConverged = 1e-4;   // of the cost: a tenth of a unit of log evidence
 constexpr double kWidestRange = 1e6;  // of theta
-constexpr int kLooksAlongAStep = 4;
+constexpr int kLooksAlongAStep = 4;   // then the trust region shrinks instead
 constexpr int kRefresh = 4;  // the calibration's columns hardly change: computed anew every so many times
 
 double difference_step(const Unknown& u) {

@@ -113,9 +113,8 @@ void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepar
   }
   fmt::print(
       "{} runs, {} completed, {} stopped by a hazard: {} of them while the machine itself stood still for\n"
-      "more than {} ms, {} within the {} ms in which the judge's clock can't tell, {} not; {:.0f} s of "
-      "motion\n"
-      "and waiting, {} ticks not received by the reporter\n",
+      "more than {} ms, {} within the {} ms in which the judge's clock can't tell, {} not;\n"
+      "{:.0f} s of motion and waiting, {} ticks not received by the reporter\n",
       runs, completed, stopped, by_host, kHostStall_ms, maybe_by_host, kClockStep_ms,
       stopped - by_host - maybe_by_host, seconds, lost);
 }

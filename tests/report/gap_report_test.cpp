@@ -155,7 +155,7 @@ TEST(LineDiff, KeepsBothTextsAndAsManyCommonLinesAsThereAre) {
 TEST(GapWords, NamesAreWordsForPeople) {
   EXPECT_EQ(name_words("coulomb_friction"), "Coulomb friction");
   EXPECT_EQ(regime_words("after_reversal"), "after a polarity reversal");
-  EXPECT_EQ(regime_words("run:ramp_50g"), "run ramp_50g");
+  EXPECT_EQ(regime_words("run:ramp_50g"), "in run ramp_50g");
   EXPECT_EQ(regime_words("after_a_hiccup"), "after a hiccup");  // unknown ones still read
   EXPECT_EQ(effect_quantity("speed_mm_s").unit, "mm/s");
   EXPECT_EQ(effect_quantity("coulomb_N_per_mm").unit, "N/mm");
