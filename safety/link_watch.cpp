@@ -24,6 +24,18 @@ constexpr bool may_restart(std::int32_t silent_ticks, Mode mode) {
   return silent_ticks > kStale_ticks && !is_hot(mode);
 }
 
+void count_missed(LinkWatch& watch, std::uint32_t missed) {
+  watch.miss_score = missed > 2
+                         ? kMissMax
+                         : std::min(watch.miss_score + static_cast<std::int32_t>(missed) * kMiss, kMissMax);
+}
+
+// Periods that the stage let go by in a sound step of its clock.
+constexpr std::uint32_t periods_missed(std::int64_t step_us) {
+  const std::int64_t ticks = (step_us + kStageSoonest_us) / kStagePeriod_us;
+  return ticks > 1 ? static_cast<std::uint32_t>(ticks - 1) : 0;
+}
+
 struct Arrival {
   bool fresh = false;
   HazardSet found = 0;
@@ -35,7 +47,9 @@ Arrival look_at_measurement(LinkWatch& watch, const Observation& seen) {
   const bool backwards = m.seq < watch.seq;
   const bool fresh = !again && (!backwards || may_restart(watch.stale_ticks, seen.permit.mode));
   const bool in_order = m.seq == watch.seq + 1;
-  const bool jumped = fresh && in_order && watch.seq != 0 && !is_sound_step(watch.stage_us, m.time_us);
+  const bool follows = fresh && in_order && watch.seq != 0;
+  const bool jumped = follows && !is_sound_step(watch.stage_us, m.time_us);
+  if (follows && !jumped) count_missed(watch, periods_missed(m.time_us - watch.stage_us));
   if (!again) watch.order_score = scored(watch.order_score, in_order);
   if (fresh) watch.seq = m.seq, watch.stage_us = m.time_us;
   watch.stale_ticks = counted(watch.stale_ticks, !fresh, kStale_ticks + 1);
@@ -71,10 +85,7 @@ HazardSet look_at_controller(LinkWatch& watch, const Observation& seen, bool mea
   const bool fresh = request.seq > watch.request_seq ||
                      (request.seq != watch.request_seq && may_restart(watch.silent_ticks, seen.permit.mode));
   const std::uint32_t missed = request.overruns - watch.overruns;
-  if (fresh && request.seq > watch.request_seq && watch.request_seq != 0)
-    watch.miss_score = missed > 2
-                           ? kMissMax
-                           : std::min(watch.miss_score + static_cast<std::int32_t>(missed) * kMiss, kMissMax);
+  if (fresh && request.seq > watch.request_seq && watch.request_seq != 0) count_missed(watch, missed);
   if (fresh) watch.request_seq = request.seq, watch.overruns = request.overruns;
   if (fresh || measured) watch.silent_ticks = counted(watch.silent_ticks, !fresh, kStale_ticks + 1);
   const bool overrun = watch.miss_score > kMissTrip;

@@ -25,7 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 using commissioning::Record;
 
-constexpr int kFifo = 80;  // as the stage process asks for
 constexpr std::uint64_t kSeed = 1;
 
 void refuse_unusable(const CommissionOptions& options) {
@@ -88,7 +87,7 @@ Record walked_on_hardware(const CommissionOptions& options, Record record) {
     };
   TerminalPerson person(std::cin, std::cout);
   person.told(fmt::format("{} {}, serial number {}", config.device, stage.product(), stage.serial()));
-  person.told(realtime::to_text(realtime::become_realtime({.fifo_priority = kFifo})));
+  person.told(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
   SupervisedRig rig(stage, trimmings);
   record = commissioning::walked(std::move(record), rig, person);
   if (stage.stopped())

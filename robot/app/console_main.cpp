@@ -8,6 +8,7 @@
 #include "robot/app/live_commands.hpp"
 #include "robot/app/procedure.hpp"
 #include "robot/live/live_process.hpp"
+#include "robot/live/rising_number.hpp"
 #include "robot/messages/setup_error.hpp"
 #include "robot/report/whole_file.hpp"
 
@@ -22,13 +23,6 @@ struct Options {
   std::uint16_t port = 0;
 };
 
-// Seconds since 1970: the tokens of a console that is started again are above those it gave out before, for
-// nobody presses a button every second.
-std::uint32_t first_token() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count());
-}
-
 void serve(const Options& options) {
   realtime::StopSignals signals;
   const fs::path folder = fs::absolute(options.run_folder);
@@ -39,8 +33,10 @@ void serve(const Options& options) {
   app::PreparedCase opened = app::open_case(app::case_of(options.procedure, app::Points::PickedLater), own);
   const transport::Participant bus(live::bus_settings(settings, keys::Role::Console));
   app::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
-  app::ConsoleLoop loop(robot, std::move(opened),
-                        {options.page, own, options.port, simulated, first_token()});
+  // Seconds since 1970 at least: a console that is started again gives out tokens above those it gave out
+  // before, for nobody presses a button every second.
+  const std::uint32_t first_token = live::rising_number(folder / "console" / "first_token");
+  app::ConsoleLoop loop(robot, std::move(opened), {options.page, own, options.port, simulated, first_token});
   report::write_whole_file(folder / "console.url", loop.url());
   fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);
   fmt::print("{}\n", loop.url());

@@ -9,13 +9,16 @@
 
 namespace biopsy::app {
 
+// SCHED_FIFO of what is in the loop, where permitted: below the interlock's 80.
+inline constexpr int kLoopPriority = 60;
+
 // How the processes of a live robot find and trust each other.
 struct LiveOptions {
   std::uint32_t domain = 0;
   std::filesystem::path keys;     // empty: the default set, or in a rehearsal one made for it
   bool without_security = false;  // simulated stage only
   std::string network;            // interface; empty: this machine only
-  int fifo_priority = 60;         // where permitted: below the interlock's 80
+  int fifo_priority = kLoopPriority;
 };
 
 // What a real stage needs besides.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,9 @@ using recorder::RecordKind;
 using recorder::Urgency;
 
 constexpr std::int64_t kReportEvery_us = 50'000;
+constexpr std::int64_t kNever_ms = INT32_MAX;
+constexpr std::int64_t kLivelyEvery_us = 200'000;
+constexpr std::int64_t kLetIn_us = 1'500'000;  // a friend is let in within a second
 
 std::int64_t wall_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -110,6 +114,7 @@ void LogScribe::follow_decisions(std::int64_t now_us) {
     if (next.refusal != decision_.refusal && next.refusal != 0)
       note(RecordKind::RequestRefused, {{"why", refusal(next.refusal)}, {"seq", next.seq}}, Urgency::Grouped);
     decision_ = next;
+    decision_us_ = now_us;
   }
 }
 
@@ -163,6 +168,7 @@ void LogScribe::follow_stage(std::int64_t now_us) {
                      {"seq", next.seq}}),
             Urgency::Grouped, now_us);
     measured_ = next;
+    measured_us_ = now_us;
   }
   DriveRequest asked;
   while (requests_.take(asked)) {
@@ -173,6 +179,7 @@ void LogScribe::follow_stage(std::int64_t now_us) {
                 {{"stage", asked.stage + 1}, {"reached", asked.stage_reached}, {"finished", asked.finished}}),
             Urgency::Grouped, now_us);
     request_ = asked;
+    requested_us_ = now_us;
   }
 }
 
@@ -204,6 +211,37 @@ void LogScribe::follow_strangers(std::int64_t now_us) {
     write(RecordKind::Alarm, "recorder", text_of({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
           now_us);
   strangers_ = strangers;
+  const int outside = doorkeeper_->strange_participants();
+  if (outside != outside_) outside_us_ = now_us;
+  outside_ = outside;
+  if (outside_ == told_outside_ || now_us - outside_us_ < kLetIn_us) return;
+  write(RecordKind::Alarm, "recorder", text_of({{"participants_not_let_in", outside_}}), Urgency::Grouped,
+        now_us);
+  told_outside_ = outside_;
+}
+
+// A log that hears nothing is not up to date, however little waits to be written.
+std::int64_t LogScribe::unheard_ms(std::int64_t now_us) const {
+  const std::int64_t since_us = std::min({decision_us_, measured_us_, requested_us_});
+  return since_us == 0 ? kNever_ms : (now_us - since_us) / 1000;
+}
+
+// Who ceased to write within its lease, and deadlines that went by: as the bus itself saw it.
+void LogScribe::follow_liveliness(std::int64_t now_us) {
+  if (now_us - lively_us_ < kLivelyEvery_us) return;
+  lively_us_ = now_us;
+  const std::array<Lively, 3> now{
+      {{"Decision", decisions_.alive_writers(), decisions_.missed_deadlines()},
+       {"Measurement", measurements_.alive_writers(), measurements_.missed_deadlines()},
+       {"DriveRequest", requests_.alive_writers(), requests_.missed_deadlines()}}};
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (now[i].alive != lively_[i].alive || now[i].missed != lively_[i].missed)
+      write(RecordKind::Alarm, "recorder",
+            text_of({{"topic", now[i].topic},
+                     {"writers_alive", now[i].alive},
+                     {"deadlines_missed", now[i].missed}}),
+            Urgency::Grouped, now_us);
+  lively_ = now;
 }
 
 void LogScribe::report_itself(std::int64_t now_us) {
@@ -212,7 +250,8 @@ void LogScribe::report_itself(std::int64_t now_us) {
   if (now_us - reported_us_ < kReportEvery_us) return;
   reported_us_ = now_us;
   log_health_.write({.seq = ++health_seq_,
-                     .backlog_ms = static_cast<std::int32_t>(recorder_.backlog_ms(now_us)),
+                     .backlog_ms = static_cast<std::int32_t>(std::clamp<std::int64_t>(
+                         unheard_ms(now_us), recorder_.backlog_ms(now_us), kNever_ms)),
                      .records = recorder_.written().count});
 }
 
@@ -223,6 +262,7 @@ void LogScribe::turn(std::int64_t now_us) {
   follow_stage(now_us);
   follow_health(now_us);
   follow_strangers(now_us);
+  follow_liveliness(now_us);
   recorder_.poll(now_us);
   report_itself(now_us);
 }

@@ -35,7 +35,9 @@ class LogScribe {
   void follow_stage(std::int64_t now_us);
   void follow_health(std::int64_t now_us);
   void follow_strangers(std::int64_t now_us);
+  void follow_liveliness(std::int64_t now_us);
   void report_itself(std::int64_t now_us);
+  std::int64_t unheard_ms(std::int64_t now_us) const;  // the quietest of those it must hear
 
   recorder::Recorder& recorder_;
   const transport::Doorkeeper* doorkeeper_;
@@ -48,14 +50,24 @@ class LogScribe {
   transport::Writer<LogHealth> log_health_;
   live::Heartbeat heartbeat_;
   live::HealthBoard board_;
+  struct Lively {  // of a topic
+    const char* topic = "";
+    int alive = 0;
+    std::uint32_t missed = 0;
+  };
+  std::array<Lively, 3> lively_{};
+  std::int64_t lively_us_ = 0;
   Decision decision_;
   OperatorAct act_;
   Measurement measured_;
   DriveRequest request_;
+  std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // when one was heard last
   std::array<bool, kProcesses> alive_{};
   std::array<std::uint32_t, kProcesses> refused_{};
   std::array<std::string, kProcesses> notes_;
   int strangers_ = 0;
+  int outside_ = 0, told_outside_ = 0;
+  std::int64_t outside_us_ = 0;
   std::uint32_t health_seq_ = 0;
   std::int64_t reported_us_ = 0;
 };

@@ -19,7 +19,7 @@ void record(const std::filesystem::path& run_folder) {
   recorder::SigningKey key(settings.log_key);
   recorder::Recorder recorder(settings.log, std::move(key));
   std::optional<transport::Doorkeeper> doorkeeper;
-  if (!settings.keys.empty()) doorkeeper.emplace(live::plain_settings(settings));
+  if (!settings.keys.empty()) doorkeeper.emplace(live::plain_settings(settings), process.bus());
   app::LogScribe scribe(process.bus(), recorder, process.config_tag(), doorkeeper ? &*doorkeeper : nullptr);
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   scribe.note(recorder::RecordKind::ProcessStart, "{}", now_us());

@@ -40,7 +40,8 @@ std::string board_text(const std::array<Health, kProcesses>& board, const std::o
        {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
     const Health& health = board[static_cast<std::size_t>(process)];
     text += health.seq == 0 ? fmt::format("{} SILENT  ", name_of(process))
-                            : fmt::format("{} p99 {} us  ", name_of(process), health.late_p99_us);
+                            : fmt::format("{} p99 {} us, missed {}  ", name_of(process), health.late_p99_us,
+                                          health.overruns);
     if (!health.note.empty()) text += fmt::format("({})  ", health.note);
   }
   if (beat)

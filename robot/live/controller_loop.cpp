@@ -20,7 +20,8 @@ ControllerLoop::ControllerLoop(const transport::Participant& bus, std::uint64_t 
       plans_(bus),
       requests_(bus),
       waker_(bus),
-      heartbeat_(bus, Process::Controller, config_tag) {
+      heartbeat_(bus, Process::Controller, config_tag),
+      config_tag_(config_tag) {
   waker_.add(measurements_);
 }
 
@@ -34,7 +35,8 @@ void ControllerLoop::take_plan() {
   const std::uint32_t seq = runner_.seq;
   runner_ = {};
   runner_.seq = seq;  // the gate and the supervisor know our requests by their numbers
-  heartbeat_.health().plan_tag = plan_ ? planner::plan_tag(*plan_) : 0;
+  plan_tag_ = plan_ ? planner::plan_tag(*plan_) : 0;
+  heartbeat_.health().plan_tag = plan_tag_;
   heartbeat_.health().ready = plan_.has_value();
   heartbeat_.health().note = plan_ ? "" : "the plan's seal does not hold";
 }
@@ -52,6 +54,8 @@ DriveRequest ControllerLoop::answer(const Measurement& measured) {
     request.measured_seq = measured.seq;
   }
   request.overruns = overruns_;
+  request.plan_tag = plan_tag_;
+  request.config_tag = config_tag_;
   return request;
 }
 

@@ -33,6 +33,8 @@ class ControllerLoop {
   transport::Writer<DriveRequest> requests_;
   transport::Waker waker_;
   Heartbeat heartbeat_;
+  std::uint64_t config_tag_;
+  std::uint64_t plan_tag_ = 0;
   std::optional<Plan> plan_;
   control::RunnerState runner_;
   Permit permit_;

@@ -14,7 +14,10 @@
 namespace biopsy::live {
 namespace {
 
-std::string precedence_obtained(int fifo_priority) {
+// Only what is in the loop comes before other programs: the recorder is to wait for it, not it for the
+// recorder.
+std::string precedence_obtained(int fifo_priority, keys::Role role) {
+  if (role == keys::Role::Recorder) fifo_priority = 0;
   const auto asked = realtime::RealtimeSettings{
       .lock_memory = false, .fifo_priority = fifo_priority, .threads_inherit = true, .cpu = std::nullopt};
   return fifo_priority == 0 ? "ordinary scheduling" : realtime::to_text(realtime::become_realtime(asked));
@@ -44,7 +47,7 @@ transport::BusSettings plain_settings(const LiveSettings& settings) {
 LiveProcess::LiveProcess(const std::filesystem::path& run_folder, keys::Role role)
     : settings_(read_settings(run_folder)),
       config_tag_(live::config_tag(run_folder, settings_)),
-      precedence_(precedence_obtained(settings_.fifo_priority)),
+      precedence_(precedence_obtained(settings_.fifo_priority, role)),
       bus_(bus_settings(settings_, role)) {}
 
 void LiveProcess::start_ticking() {

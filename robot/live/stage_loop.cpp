@@ -9,7 +9,8 @@ StageLoop::StageLoop(const transport::Participant& bus, port::NeedleStage& stage
       measurements_(bus),
       permits_(bus),
       requests_(bus),
-      heartbeat_(bus, Process::Stage, config_tag) {
+      heartbeat_(bus, Process::Stage, config_tag),
+      config_tag_(config_tag) {
   heartbeat_.health().ready = true;
 }
 
@@ -27,6 +28,7 @@ void StageLoop::tick(std::int64_t now_us) {
                writers());
   lines_.pulse();
   measured_ = gated_.measure();
+  measured_.config_tag = config_tag_;
   measurements_.write(measured_);
   heartbeat_.beat(now_us);
 }

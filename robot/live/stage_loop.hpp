@@ -37,6 +37,7 @@ class StageLoop {
   transport::Reader<Permit> permits_;
   transport::Reader<DriveRequest> requests_;
   Heartbeat heartbeat_;
+  std::uint64_t config_tag_;
   Permit permit_;
   DriveRequest request_;
   Measurement measured_;

@@ -38,7 +38,7 @@ std::uint8_t code_of(Enum value) {
 
 SupervisorLoop::SupervisorLoop(const transport::Participant& bus, lines::SupervisorLines& lines,
                                const lines::LinesReader& panel, std::uint64_t config_tag,
-                               std::uint32_t session)
+                               std::uint32_t session, safety::SelfTest self_test)
     : lines_(lines),
       panel_(panel),
       measurements_(bus),
@@ -51,8 +51,8 @@ SupervisorLoop::SupervisorLoop(const transport::Participant& bus, lines::Supervi
       decisions_(bus),
       waker_(bus),
       heartbeat_(bus, Process::Supervisor, config_tag),
-      board_(bus),
       config_tag_(config_tag),
+      self_test_(self_test),
       state_(safety::started(session)) {
   waker_.add(measurements_);
   heartbeat_.health().ready = true;
@@ -93,7 +93,6 @@ void SupervisorLoop::listen(std::int64_t now_us) {
   if (acts_.take_newest(act_) > 0) act_us_ = now_us, act_is_new_ = true;
   verdicts_.take_newest(verdict_);
   if (log_.take_newest(logged_) > 0) logged_us_ = now_us;
-  board_.look(now_us);
   take_plan();
 }
 
@@ -111,17 +110,20 @@ void SupervisorLoop::take_plan() {
   heartbeat_.health().plan_tag = facts_.plan_tag;
 }
 
-// The worst of the topics that must have exactly one writer.
+// The worst of the topics that must have exactly one writer. Plans, verdicts and the log's word may have
+// none: then nothing is permitted for want of them.
 std::int32_t SupervisorLoop::writers() const {
   for (const int count : {measurements_.writers(), requests_.writers(), acts_.writers()})
     if (count != 1) return count;
+  if (measurements_.alive_writers() != 1 || requests_.alive_writers() != 1) return 0;
+  for (const int count : {plans_.writers(), verdicts_.writers(), log_.writers()})
+    if (count > 1) return count;
   return 1;
 }
 
 safety::Observation SupervisorLoop::observed(std::int64_t now_us) {
   const bool act_known = act_us_ != 0 && now_us - act_us_ <= kActOld_us;
   const lines::PanelLevels panel = panel_.panel();
-  const Health stage = board_.of(Process::Stage, now_us), controller = board_.of(Process::Controller, now_us);
   safety::Observation seen;
   seen.now_us = now_us;
   seen.measurement = measured_;
@@ -136,9 +138,11 @@ safety::Observation SupervisorLoop::observed(std::int64_t now_us) {
         std::min<std::int64_t>(logged_.backlog_ms + (now_us - logged_us_) / 1000, kUnknown));
   seen.patient_motion_um = act_known ? act_.patient_motion_um : kUnknown;
   seen.tissue_residual_um = safety::tissue_residual_um(facts_, tissue_, measured_);
-  // What the controller really runs, and what was sent last: both must be what was sealed and permitted.
-  seen.plan_tag = sealed_tag_ == controller.plan_tag ? sealed_tag_ : 0;
-  seen.config_tag = stage.config_tag == config_tag_ && controller.config_tag == config_tag_ ? config_tag_ : 0;
+  // What the controller really runs, and what was sent last: both must be what was sealed and permitted. Each
+  // says it in the messages that nobody else may write.
+  seen.plan_tag = sealed_tag_ == request_.plan_tag ? sealed_tag_ : 0;
+  seen.config_tag =
+      measured_.config_tag == config_tag_ && request_.config_tag == config_tag_ ? config_tag_ : 0;
   seen.confirmed_tag = confirmed_;
   seen.bench_confirmed = panel.bench_key;
   return seen;
@@ -150,7 +154,7 @@ safety::SupervisorInput SupervisorLoop::input_of(const safety::Observation& seen
   safety::SupervisorInput input;
   input.now_us = seen.now_us;
   input.evidence = safety::assess(facts_, memory_, seen);
-  input.self_test = safety::SelfTest::Passed;
+  input.self_test = self_test_;
   input.local_arm = panel.arm_key;
   input.local_reset = panel.reset_key;
   if (act_known) input.stop = act_.stop;
@@ -194,7 +198,11 @@ void SupervisorLoop::tick(std::int64_t now_us) {
   std::tie(state_, output) = safety::step(facts_, state_, input_of(seen));
   permit_ = output.permit;
   announce(output, now_us);
-  if (ticked_us_ != 0) heartbeat_.lateness().record((now_us - ticked_us_ - kTick_us) * 1000);
+  if (ticked_us_ != 0) {
+    const std::int64_t late_us = now_us - ticked_us_ - kTick_us;
+    heartbeat_.lateness().record(late_us * 1000);
+    heartbeat_.health().overruns += static_cast<std::uint32_t>(std::max<std::int64_t>(late_us, 0) / kTick_us);
+  }
   ticked_us_ = now_us;
   heartbeat_.beat(now_us);
 }

@@ -18,9 +18,11 @@ namespace biopsy::live {
 
 class SupervisorLoop {
  public:
-  // `session`: larger at every start; seconds since 1970 will do. `lines` and `panel` must outlive this.
+  // `session`: larger at every start. One that failed its self-test locks. `lines` and `panel` must outlive
+  // this.
   SupervisorLoop(const transport::Participant& bus, lines::SupervisorLines& lines,
-                 const lines::LinesReader& panel, std::uint64_t config_tag, std::uint32_t session);
+                 const lines::LinesReader& panel, std::uint64_t config_tag, std::uint32_t session,
+                 safety::SelfTest self_test);
 
   // Waits for the next measurement or the next millisecond, and decides.
   void turn();
@@ -57,9 +59,9 @@ class SupervisorLoop {
   transport::Writer<Decision> decisions_;
   transport::Waker waker_;
   Heartbeat heartbeat_;
-  HealthBoard board_;
 
   std::uint64_t config_tag_;
+  safety::SelfTest self_test_;
   safety::PlanFacts facts_;
   std::array<std::uint64_t, 2> confirmed_{};
   std::uint64_t sealed_tag_ = 0;  // of the plan that was sent last, opened or not

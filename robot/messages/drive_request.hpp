@@ -14,6 +14,8 @@ struct DriveRequest {
   std::uint32_t overruns = 0;      // control periods missed since start
   std::uint32_t measured_seq = 0;  // of the measurement it was made from; for timing, decides nothing
   std::int32_t setpoint_um = 0;    // the rate-limited target depth, for people
+  std::uint64_t plan_tag = 0;      // of the plan that it runs; 0: none
+  std::uint64_t config_tag = 0;    // of the configuration that it was started with
 };
 
 }  // namespace biopsy

@@ -34,6 +34,7 @@ struct Measurement {
   std::uint32_t answer = 0;
   std::uint32_t answered_seq = 0;
   GateVerdict verdict = GateVerdict::Refused;
+  std::uint64_t config_tag = 0;  // of the configuration that the stage was started with
 };
 
 }  // namespace biopsy

@@ -197,6 +197,13 @@ int Reader<Message>::alive_writers() const {
 }
 
 template <class Message>
+std::uint32_t Reader<Message>::missed_deadlines() const {
+  dds_requested_deadline_missed_status_t status{};
+  dds_get_requested_deadline_missed_status(parts_->reader.handle(), &status);
+  return status.total_count;
+}
+
+template <class Message>
 std::int32_t Reader<Message>::handle() const {
   return parts_->reader.handle();
 }

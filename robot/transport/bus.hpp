@@ -74,8 +74,9 @@ class Reader {
   bool take(Message& message);
   // The newest; those before it are dropped. How many there were.
   int take_newest(Message& message);
-  int writers() const;        // matched now
-  int alive_writers() const;  // that wrote within their lease
+  int writers() const;                     // matched now
+  int alive_writers() const;               // that wrote within their lease
+  std::uint32_t missed_deadlines() const;  // since this reader was made
   std::int32_t handle() const;
 
  private:

@@ -37,6 +37,7 @@ void copy_measurement(const From& from, To& to) {
   to.hv_enabled = from.hv_enabled;
   to.answer = from.answer;
   to.answered_seq = from.answered_seq;
+  to.config_tag = from.config_tag;
 }
 
 template <class From, class To>
@@ -49,6 +50,8 @@ void copy_drive_request(const From& from, To& to) {
   to.overruns = from.overruns;
   to.measured_seq = from.measured_seq;
   to.setpoint_um = from.setpoint_um;
+  to.plan_tag = from.plan_tag;
+  to.config_tag = from.config_tag;
 }
 
 template <class From, class To>

@@ -1,7 +1,7 @@
-// Sees who speaks or listens on the wire of a secured bus without a key. The secured participants neither
-// hear nor notice such a stranger, so somebody has to look: a plain participant that reads and writes
-// nothing. It sees plain endpoints only; those of the secured participants are announced under their
-// protection.
+// Sees who is on the wire of a secured bus and does not belong there. The secured participants neither hear
+// nor notice a stranger, so somebody has to look: a plain participant that reads and writes nothing. It sees
+// every participant, since those are announced openly, and the endpoints of plain ones; those of the secured
+// ones are announced under their protection.
 #pragma once
 
 #include "robot/transport/bus.hpp"
@@ -10,14 +10,19 @@ namespace biopsy::transport {
 
 class Doorkeeper {
  public:
-  // `plain`: the wire without security, under a domain id of its own in this process. Throws SetupError.
-  explicit Doorkeeper(const BusSettings& plain);
+  // `plain`: the wire without security, under a domain id of its own in this process. `secured`: of the bus;
+  // must outlive this. Throws SetupError.
+  Doorkeeper(const BusSettings& plain, const Participant& secured);
 
   // Writers and readers that belong to nobody with a key, now.
   int strange_endpoints() const;
+  // Participants that the bus did not let in, now: with no keys, or with keys that are not believed. A friend
+  // is one of them until it has been let in, which takes a second or two.
+  int strange_participants() const;
 
  private:
-  Entity domain_, participant_, writers_, readers_;
+  Entity domain_, participant_, writers_, readers_, present_;
+  Entity secured_writers_, secured_readers_;
 };
 
 }  // namespace biopsy::transport

@@ -2,8 +2,9 @@
 //
 // What is cyclic (1 kHz) is best effort: only the newest counts, and a lost sample that is sent again would
 // hold up the ones behind it. What must not be lost is reliable; what a late joiner must know stays with its
-// writer (transient local). A writer is alive while it writes (MANUAL_BY_TOPIC): a process that stands still
-// is noticed, whatever its threads do.
+// writer (transient local). A writer is alive while it writes (MANUAL_BY_TOPIC): one that stands still,
+// whatever its threads do, counts as none to the supervisor, and the log says when that was. Numbers in the
+// messages are quicker; this is a second witness.
 #pragma once
 
 #include <chrono>

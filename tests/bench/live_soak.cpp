@@ -93,9 +93,11 @@ void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepar
     if (!record.trips.empty() || record.outcome != report::Outcome::Completed) {
       const double late_ms = host.worst_ms_between(watched.stopped_us() - kBefore_us, watched.heard_us());
       fmt::print(
-          "  run {}: {} (around it the machine was late by {:.1f} ms, in all the run by {:.1f} ms; heard at "
-          "{:.6f} s, CLOCK_MONOTONIC)\n",
-          runs, record.refusal, late_ms, host.worst_ms(), static_cast<double>(watched.heard_us()) * 1e-6);
+          "  run {}: {} (around it the machine was late by {:.1f} ms, in all the run by {:.1f} ms; stopped "
+          "at "
+          "{:.6f} s, heard at {:.6f} s, CLOCK_MONOTONIC)\n",
+          runs, record.refusal, late_ms, host.worst_ms(), static_cast<double>(watched.stopped_us()) * 1e-6,
+          static_cast<double>(watched.heard_us()) * 1e-6);
       ++stopped;
       by_host += late_ms > kHostStall_ms;
       maybe_by_host += late_ms <= kHostStall_ms && late_ms + kClockStep_ms > kHostStall_ms;

@@ -6,10 +6,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 namespace biopsy::live_tests {
 
-// Of a thousand packets that the processes send.
+// Packets that the processes send: of a thousand, or so far.
 struct PacketTrouble {
   std::uint32_t lost = 0, doubled = 0;
   std::uint32_t late = 0;  // go out behind the next one
@@ -18,7 +19,7 @@ struct PacketTrouble {
 class BadWire {
  public:
   explicit BadWire(const std::filesystem::path& folder) : file_(folder / "lossy") {
-    set({});
+    std::ofstream(file_, std::ios::binary) << std::string(6 * sizeof(std::uint32_t), '\0');
     setenv("LOSSY_FILE", file_.c_str(), 1);
     setenv("LD_PRELOAD", LOSSY, 1);
   }
@@ -32,8 +33,14 @@ class BadWire {
   void set(const PacketTrouble& trouble) {  // in place: it is mapped
     const std::array<std::uint32_t, 3> per_mille{trouble.lost, trouble.doubled, trouble.late};
     std::fstream out(file_, std::ios::binary | std::ios::in | std::ios::out);
-    if (!out) out.open(file_, std::ios::binary | std::ios::out);
     out.write(reinterpret_cast<const char*>(per_mille.data()), sizeof per_mille);
+  }
+
+  // What really happened to packets: without it a claim about a bad wire could be one about a good one.
+  PacketTrouble done() const {
+    std::array<std::uint32_t, 6> all{};
+    std::ifstream(file_, std::ios::binary).read(reinterpret_cast<char*>(all.data()), sizeof all);
+    return {all[3], all[4], all[5]};
   }
 
  private:

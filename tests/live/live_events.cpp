@@ -42,8 +42,14 @@ EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
   if (event.signal != 0) kill(session.launcher().pid_of(event.victim), event.signal);
   wire.set(event.packets);
   std::int64_t now_ns = event_ns, on_ns = event_ns, off_ns = event_ns;  // seen on last, seen off after that
+  std::int64_t pulsed_ns = event_ns;
+  std::uint64_t pulses = lines.supervisor_pulses();
   while (now_ns - event_ns < watch_ms * 1'000'000) {
     const bool on = lines.load_voltage_seen_mV(now_ns) != 0;
+    if (lines.supervisor_pulses() != pulses) pulses = lines.supervisor_pulses(), pulsed_ns = now_ns;
+    if (on)
+      outcome.unpermitted_ms =
+          std::max(outcome.unpermitted_ms, static_cast<double>(now_ns - pulsed_ns) * 1e-6);
     if (on)
       on_ns = off_ns = now_ns;
     else if (off_ns == on_ns)
@@ -54,7 +60,9 @@ EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
     now_ns = realtime::monotonic_ns();
   }
   realtime::become_realtime({.lock_memory = false, .fifo_priority = 0, .cpu = std::nullopt});
-  outcome.host_late_ms = host.worst_ms();
+  const std::int64_t until_ns = off_ns == on_ns ? now_ns : off_ns;
+  outcome.host_late_ms = host.worst_ms_between(event_ns / 1000, until_ns / 1000);
+  outcome.packets = wire.done();
   outcome.to_zero_ms = off_ns == on_ns ? -1.0 : static_cast<double>(off_ns - event_ns) * 1e-6;
   finger.request_stop();
   finger.join();

@@ -23,7 +23,11 @@ struct LiveEvent {
 struct EventOutcome {
   std::string trouble;        // empty: the event took place while high voltage was on
   double to_zero_ms = -1.0;   // from the event to the last volt on the stack; < 0: it stayed on
-  double host_late_ms = 0.0;  // the worst wake of a 2 kHz real-time clock on this machine meanwhile
+  double host_late_ms = 0.0;  // the worst wake of a 2 kHz real-time clock on this machine between the two
+  // Longest that voltage stood on the stack since the supervisor's last pulse, which it gives while it
+  // permits
+  double unpermitted_ms = 0.0;
+  PacketTrouble packets;  // that really happened
 };
 
 // Starts a robot in `folder`, moves the needle, sends the signal and watches the lines for `watch_ms`.

@@ -2,8 +2,6 @@
 // compared with how late this machine was meanwhile.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -18,9 +16,11 @@
 #include "robot/messages/setup_error.hpp"
 #include "robot/recorder/log_keys.hpp"
 #include "robot/recorder/verify.hpp"
+#include "tests/live/in_time.hpp"
 #include "tests/live/live_events.hpp"
 #include "tests/live/live_motion.hpp"
 #include "tests/live/steady_host.hpp"
+#include "tests/live/tells_of.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -56,17 +56,6 @@ bool reaches(app::LiveSession& session, const app::World& world, Mode mode, int 
   return false;
 }
 
-// Whether the log in this folder says that somebody without keys was on the bus.
-bool tells_of_strangers(const std::filesystem::path& folder) {
-  bool told = false;
-  const std::filesystem::path log = folder / "procedure.log.sqlite";
-  recorder::verify(log, recorder::read_public_key(log.string() + ".pub.pem"),
-                   [&told](const recorder::Record& record) {
-                     told = told || record.body.find("endpoints_without_keys") != std::string::npos;
-                   });
-  return told;
-}
-
 // What the stage puts out once a decision has reached it.
 lines::ConverterOutput settled_output(app::LiveSession& session) {
   for (int n = 0; n < 20; ++n) session.robot().tick({});
@@ -95,7 +84,8 @@ TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
       EXPECT_GT(head->count, 20U);
     else
       ADD_FAILURE() << std::get<recorder::Flaw>(verdict).what;
-    EXPECT_FALSE(tells_of_strangers(folder.path()));
+    EXPECT_FALSE(tells_of(folder.path(), "participants_not_let_in"));
+    EXPECT_FALSE(tells_of(folder.path(), "endpoints_without_keys"));
     return {};
   });
 }
@@ -117,8 +107,7 @@ TEST_P(LiveEventTest, TakesTheHighVoltageOff) {
     const std::string which = std::string(name_of(victim)) + (signal == SIGKILL ? "_killed" : "_stopped");
     RecordProperty(which + "_to_zero_ms", fmt::format("{:.2f}", outcome.to_zero_ms));
     RecordProperty(which + "_host_late_ms", fmt::format("{:.2f}", outcome.host_late_ms));
-    EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
-    return {};
+    return in_time(outcome, allowed_ms);
   });
 }
 
@@ -150,8 +139,8 @@ TEST_P(LostPacketsLiveEventTest, TakeTheHighVoltageOff) {
     EXPECT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
     RecordProperty(fmt::format("lost_{}_per_mille_to_zero_ms", per_mille),
                    fmt::format("{:.2f}", outcome.to_zero_ms));
-    EXPECT_LE(outcome.to_zero_ms, allowed_ms + 3.0 * outcome.host_late_ms);
-    return {};
+    EXPECT_GT(outcome.packets.lost, 0U) << "the wire was a good one";
+    return in_time(outcome, allowed_ms);
   });
 }
 
@@ -182,6 +171,9 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
                          folder.path(), [](double, const std::string&) {});
     wire.set({});
     session.stop();
+    const PacketTrouble done = wire.done();
+    EXPECT_EQ(done.doubled > 0, trouble.doubled > 0);
+    EXPECT_EQ(done.late > 0, trouble.late > 0);
     int tripped_ms = 0;
     for (const report::Sample& sample : record.samples) {
       EXPECT_LE(sample.tip_mm, gap_plan().target_depth.value + 2.0);
@@ -324,56 +316,6 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
       EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
       if (beat->tick.supervisor.permit.mode == Mode::Safe) return "the robot did not stay ready";
     }
-    return {};
-  });
-}
-
-// A program without keys on the same domain, while this lives.
-class Rogue {
- public:
-  explicit Rogue(std::uint32_t domain) {
-    const std::string number = std::to_string(domain);
-    char* const arguments[] = {const_cast<char*>(ROGUE), const_cast<char*>(number.c_str()), nullptr};
-    EXPECT_EQ(posix_spawn(&pid_, ROGUE, nullptr, nullptr, arguments, environ), 0);
-  }
-  ~Rogue() {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  Rogue(const Rogue&) = delete;
-  Rogue& operator=(const Rogue&) = delete;
-
- private:
-  pid_t pid_ = -1;
-};
-
-// Ticks of two seconds with the button held in which the needle was free to move.
-int active_ticks(app::LiveSession& session) {
-  app::World pressing;
-  pressing.press = {1, true};
-  int active = 0;
-  for (int n = 0; n < 2'000; ++n) {
-    const std::optional<app::Beat> beat = session.robot().tick(pressing);
-    if (!beat) return active;
-    active += beat->tick.supervisor.permit.mode == Mode::Active;
-    EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
-  }
-  return active;
-}
-
-TEST(LiveRobot, SecuredItMovesOnWhileAStrangerShoutsAndLogsThatOneIsThere) {
-  verifies("R-46");
-  on_a_steady_host([]() -> std::string {
-    app::LiveOptions secured;
-    secured.domain = kDomain + 1;
-    const ScratchFolder folder;
-    const auto robot = moving_robot(secured, gap_case(), folder.path());
-    if (!robot) return kNeverMoved;
-    const Rogue rogue(secured.domain);
-    const int active = active_ticks(*robot);
-    EXPECT_TRUE(robot->stop().empty());
-    if (active <= 1'500) return fmt::format("the needle was free to move in {} ticks of 2000", active);
-    EXPECT_TRUE(tells_of_strangers(folder.path()));
     return {};
   });
 }

@@ -1,14 +1,19 @@
 // What a tick of the control processes does besides talking to the bus.
 #include <gtest/gtest.h>
 
+#include "drivers/lines/electrical_lines.hpp"
 #include "drivers/port/gated_stage.hpp"
 #include "planner/seal.hpp"
 #include "robot/app/case.hpp"
 #include "robot/app/prepared_case.hpp"
 #include "robot/app/rehearsed_plant.hpp"
 #include "robot/control/stage_runner.hpp"
+#include "robot/live/controller_loop.hpp"
 #include "robot/live/plan_facts.hpp"
+#include "robot/live/stage_loop.hpp"
+#include "robot/live/supervisor_loop.hpp"
 #include "robot/realtime/latency_histogram.hpp"
+#include "robot/realtime/tick_clock.hpp"
 #include "robot/transport/codec.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/tissue_watch.hpp"
@@ -77,6 +82,56 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
   }
   EXPECT_EQ(allocations.so_far(), 0U);
   EXPECT_TRUE(moved);  // or the claim would be about a robot at rest
+}
+
+// The loops as they ship, on a bus of this process. The bus is C and takes memory by malloc; what is written
+// in C++ takes it by new.
+TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
+  const ScratchFolder folder;
+  const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+  Plan plan = std::get<Plan>(prepared.plan);
+  const app::Rehearsal& given = prepared.given.rehearsal;
+  sim::SimStage simulated(app::rehearsed_plant(given.model, given.tissues, prepared.layers, 50.0), 1);
+  lines::lay_lines(folder.path());
+  lines::StageLines converter(folder.path());
+  lines::SupervisorLines pulse(folder.path());
+  lines::PanelLines panel(folder.path());
+  const lines::LinesReader reader(folder.path());
+  const transport::Participant bus({84, "", 1});
+  live::StageLoop stage(bus, simulated, converter, 1);
+  live::ControllerLoop controller(bus, 1);
+  live::SupervisorLoop supervisor(bus, pulse, reader, 1, 1, safety::SelfTest::Passed);
+  transport::Writer<SealedPlan> plans(bus);
+  transport::Writer<OperatorAct> acts(bus);
+  transport::Writer<LogHealth> log(bus);
+  const std::uint64_t tag = planner::plan_tag(plan);
+  plans.write({planner::canonical_bytes(plan), plan.seal, {tag, tag}});
+  stage.heartbeat().note("a trouble that a person should read, longer than any short string");
+  controller.heartbeat().note("a trouble that a person should read, longer than any short string");
+  OperatorAct act;
+  std::uint64_t at_rest = 0, taken = 0;
+  bool moved = false;
+  for (std::int64_t tick = 1; tick <= 3'000 && !(moved && tick % 500 == 0); ++tick) {
+    ++act.seq;
+    if (tick > 400) act.token = 1, act.held = true;
+    acts.write(act);
+    log.write({.seq = act.seq, .backlog_ms = 0, .records = 1});
+    panel.set({.arm_key = tick > 300,
+               .reset_key = false,
+               .estop_a_closed = true,
+               .estop_b_closed = true,
+               .bench_key = false});
+    const bool settled = tick > 200;  // a plan is opened at rest, and that takes memory
+    const realtime::NewCount count;
+    stage.tick(realtime::monotonic_ns() / 1000);
+    supervisor.turn();
+    controller.turn(std::chrono::milliseconds(1));
+    (settled ? taken : at_rest) += count.so_far();
+    moved = moved || supervisor.mode() == Mode::Active;
+  }
+  EXPECT_EQ(taken, 0U);
+  EXPECT_GT(at_rest, 0U) << "nothing is counted";
+  EXPECT_TRUE(moved);
 }
 
 }  // namespace

@@ -13,10 +13,10 @@ auto fields(auto& m) {
   using Message = std::remove_cvref_t<decltype(m)>;
   if constexpr (std::is_same_v<Message, Measurement>)
     return std::tie(m.seq, m.time_us, m.depth_um, m.laser_code, m.laser_valid, m.monitor_mV, m.current_nA,
-                    m.command_mV, m.hv_enabled, m.answer, m.answered_seq, m.verdict);
+                    m.command_mV, m.hv_enabled, m.answer, m.answered_seq, m.verdict, m.config_tag);
   else if constexpr (std::is_same_v<Message, DriveRequest>)
     return std::tie(m.seq, m.wanted_mV, m.stage, m.stage_reached, m.finished, m.overruns, m.measured_seq,
-                    m.setpoint_um);
+                    m.setpoint_um, m.plan_tag, m.config_tag);
   else if constexpr (std::is_same_v<Message, Permit>)
     return std::tie(m.session, m.epoch, m.seq, m.issued_us, m.ttl_us, m.mode, m.stop, m.hv_enable, m.v_max_mV,
                     m.slew_up_mV_per_tick, m.slew_down_mV_per_tick, m.depth_max_um, m.plan_tag, m.config_tag,

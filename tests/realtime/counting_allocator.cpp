@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdlib>
+#include <new>
 
 // A sanitizer has taken malloc's place already and lets us listen there; else we stand in front of glibc's.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -13,12 +14,28 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile
 
 namespace {
 
-constinit thread_local std::uint64_t allocations = 0;
+constinit thread_local std::uint64_t allocations = 0, news = 0;
 
 }  // namespace
 
 std::uint64_t biopsy::realtime::allocations_on_this_thread() {
   return allocations;
+}
+
+std::uint64_t biopsy::realtime::news_on_this_thread() {
+  return news;
+}
+
+void* operator new(std::size_t size) {
+  ++news;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
 }
 
 #ifdef BIOPSY_UNDER_SANITIZER

@@ -10,6 +10,18 @@ namespace biopsy::realtime {
 // Allocations of this thread so far (freeing is not counted: what is freed was allocated).
 std::uint64_t allocations_on_this_thread();
 
+// Of them, those by operator new: by code in C++, not by C libraries that it calls.
+std::uint64_t news_on_this_thread();
+
+class NewCount {
+ public:
+  NewCount() : before_(news_on_this_thread()) {}
+  std::uint64_t so_far() const { return news_on_this_thread() - before_; }
+
+ private:
+  std::uint64_t before_;
+};
+
 // Counts from its construction.
 class AllocationCount {
  public:

@@ -159,6 +159,15 @@ TEST(Controller, ThatMissesThreePeriodsInOneRequestStopsAtOnceAndIsForgivenAfter
   EXPECT_EQ(rig.ticks_until([&] { return !names(rig, Hazard::LoopOverrun); }, 1'000), 200);
 }
 
+TEST(Stage, ThatDoesNotHoldItsRateIsStoppedWithAVoltageRamp) {
+  verifies("R-24");
+  Rig rig;
+  ASSERT_TRUE(rig.go_active());
+  rig.on_measurement = [late = std::int64_t{0}](Measurement& m) mutable { m.time_us += late += 800; };
+  EXPECT_LE(rig.ticks_until([&] { return rig.state.reason == Hazard::LoopOverrun; }, 10), 3);
+  EXPECT_EQ(rig.state.mode, Mode::Retract);
+}
+
 TEST(Controller, ThatClaimsToHaveMissedBillionsIsStoppedAsOneThatMissedThree) {
   verifies("R-24");
   Rig rig;

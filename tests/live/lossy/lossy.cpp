@@ -1,6 +1,6 @@
 // A bad network, to be preloaded into a process: of what it sends over IPv4, as many in a thousand as the
 // file named by LOSSY_FILE says at that moment are lost without a word, sent twice, or sent behind the next
-// one.
+// one. It counts in the same file what it did.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -18,17 +18,18 @@ namespace {
 
 using Send = ssize_t (*)(int, const msghdr*, int);
 
-struct PerMille {
-  std::atomic<std::uint32_t> lost, doubled, late;
+struct Trouble {
+  std::atomic<std::uint32_t> lost, doubled, late;              // of a thousand
+  std::atomic<std::uint32_t> lost_sum, doubled_sum, late_sum;  // so far
 };
 
-const PerMille* trouble() {
+Trouble* trouble() {
   const char* name = std::getenv("LOSSY_FILE");
-  const int file = name == nullptr ? -1 : open(name, O_RDONLY);
+  const int file = name == nullptr ? -1 : open(name, O_RDWR);
   if (file < 0) return nullptr;
-  void* mapped = mmap(nullptr, sizeof(PerMille), PROT_READ, MAP_SHARED, file, 0);
+  void* mapped = mmap(nullptr, sizeof(Trouble), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   close(file);
-  return mapped == MAP_FAILED ? nullptr : static_cast<const PerMille*>(mapped);
+  return mapped == MAP_FAILED ? nullptr : static_cast<Trouble*>(mapped);
 }
 
 // Scattered over 0 to 999, and the same for the same number of packets.
@@ -89,18 +90,19 @@ void let_go(Send real) {
 
 extern "C" ssize_t sendmsg(int socket, const msghdr* message, int flags) {
   static const auto real = reinterpret_cast<Send>(dlsym(RTLD_NEXT, "sendmsg"));
-  static const PerMille* const per_mille = trouble();
+  static Trouble* const wire = trouble();
   const auto* to = static_cast<const sockaddr*>(message->msg_name);
-  if (per_mille == nullptr || to == nullptr || to->sa_family != AF_INET) return real(socket, message, flags);
+  if (wire == nullptr || to == nullptr || to->sa_family != AF_INET) return real(socket, message, flags);
   std::uint32_t draw = drawn();
-  const auto takes = [&draw](std::uint32_t share) {
+  const auto takes = [&draw](std::uint32_t share, std::atomic<std::uint32_t>& sum) {
     const bool taken = draw < share;
     draw -= taken ? 0 : share;
+    sum += taken ? 1 : 0;
     return taken;
   };
-  if (takes(per_mille->lost)) return size_of(message);
-  const bool doubled = takes(per_mille->doubled);
-  if (!doubled && takes(per_mille->late) && hold(socket, message)) return size_of(message);
+  if (takes(wire->lost, wire->lost_sum)) return size_of(message);
+  const bool doubled = takes(wire->doubled, wire->doubled_sum);
+  if (!doubled && takes(wire->late, wire->late_sum) && hold(socket, message)) return size_of(message);
   const ssize_t sent = real(socket, message, flags);
   if (doubled) real(socket, message, flags);
   let_go(real);

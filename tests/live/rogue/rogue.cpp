@@ -1,6 +1,8 @@
-// A participant without keys that shouts on the robot's domain: permits, requests, stops. Until it is killed.
+// rogue DOMAIN [KEYS]: shouts on the robot's domain permits, requests and stops, until it is killed. With the
+// folder of a set of keys it is that set's controller, and shouts requests, which is all its own bus lets it.
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <thread>
 
 #include "robot/keys/cyclone_xml.hpp"
@@ -9,13 +11,16 @@
 #include "robot/messages/permit.hpp"
 #include "robot/transport/bus.hpp"
 
-int main(int, char** argv) {
+int main(int count, char** argv) {
   using namespace biopsy;
   const auto domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
-  const transport::Participant bus({domain, keys::cyclone_xml({}), 1});
-  transport::Writer<Permit> permits(bus);
+  keys::CycloneOptions options;
+  if (count > 2) options.security = keys::Security{argv[2], keys::Role::Controller};
+  const transport::Participant bus({domain, keys::cyclone_xml(options), 1});
   transport::Writer<DriveRequest> requests(bus);
-  transport::Writer<OperatorAct> acts(bus);
+  std::optional<transport::Writer<Permit>> permits;
+  std::optional<transport::Writer<OperatorAct>> acts;
+  if (!options.security) permits.emplace(bus), acts.emplace(bus);
   Permit permit;
   permit.session = 0xffff'ffff;
   permit.ttl_us = 5'000;
@@ -32,9 +37,9 @@ int main(int, char** argv) {
     ++permit.seq;
     ++request.seq;
     ++act.seq;
-    permits.write(permit);
     requests.write(request);
-    acts.write(act);
+    if (permits) permits->write(permit);
+    if (acts) acts->write(act);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }

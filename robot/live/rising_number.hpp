@@ -1,0 +1,13 @@
+// Numbers that rise from start to start of a process, whatever is done to the wall clock.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace biopsy::live {
+
+// Larger than any that `file` has given before, and the seconds since 1970 where that is larger still. The
+// file is written as a whole. Throws SetupError where it cannot be, or where it holds no number.
+std::uint32_t rising_number(const std::filesystem::path& file);
+
+}  // namespace biopsy::live
