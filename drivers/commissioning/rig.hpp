@@ -39,6 +39,8 @@ class Rig {
                       const std::function<bool(const Sample&)>& go_on) = 0;
   // Whether the driver feeds the external interlock; it does unless told otherwise.
   virtual void feed_interlock(bool feeding) = 0;
+  // Whether the supervisor feeds its half of it; likewise.
+  virtual void feed_supervisors_half(bool feeding) = 0;
 };
 
 // What a person is asked to do with their hands.

@@ -85,14 +85,14 @@ Measured monitor_gain(Rig& rig, Person&) {
   return {{line.gain, line.offset, line.largest_residual, largest_mA}, {}};
 }
 
-// From when the pulse was last given to the first reading without voltage while it was still asked for.
-Measured interlock(Rig& rig, Person&) {
+// From when a half's pulse was last given to the first reading without voltage while it was still asked for.
+Measured interlock_without(Rig& rig, void (Rig::*feed)(bool)) {
   std::uint32_t tick = 0;
   const Drive drive = rig.drive(kTestLevel_mV, 200, [&](const Sample& sample) {
-    if (++tick == 100) rig.feed_interlock(false);
+    if (++tick == 100) (rig.*feed)(false);
     return tick < 105 || has_voltage(sample);
   });
-  rig.feed_interlock(true);
+  (rig.*feed)(true);
   if (drive.samples.size() < 100) return {{kNotSeen, kNotSeen}, drive.stopped_because};
   const Sample& last_fed = drive.samples[99];
   for (const Sample& sample : drive.samples)
@@ -101,6 +101,14 @@ Measured interlock(Rig& rig, Person&) {
       return {{monitor_kV(last_fed), ms_between(last_fed, sample)}, {}};
   return {{monitor_kV(last_fed), kNotSeen},
           "the voltage stayed until it was taken back: no interlock opened"};
+}
+
+Measured drivers_half(Rig& rig, Person&) {
+  return interlock_without(rig, &Rig::feed_interlock);
+}
+
+Measured supervisors_half(Rig& rig, Person&) {
+  return interlock_without(rig, &Rig::feed_supervisors_half);
 }
 
 const Sample* first(const std::vector<Sample>& samples, bool (*is)(const Sample&)) {
@@ -169,11 +177,17 @@ std::vector<Step> listed() {
         {"largest current while the voltage stands", "mA", 0.0, 0.25, "a sound stack takes next to nothing"}},
        monitor_gain},
       {"interlock",
-       "The supervisor's side of the interlock is fed. The driver will stop its pulse at 0.3 kV.",
+       "Both halves of the interlock are fed. The driver will stop its pulse at 0.3 kV.",
        {{"voltage before", "kV", 0.28, 0.32, "without voltage nothing is shown"},
         {"time until it is gone", "ms", 3.0, 23.0,
          "20 ms after the last pulse, a tick before and after, one of jitter"}},
-       interlock},
+       drivers_half},
+      {"interlock, supervisor's half",
+       "Both halves of the interlock are fed. The supervisor will stop its pulse at 0.3 kV.",
+       {{"voltage before", "kV", 0.28, 0.32, "without voltage nothing is shown"},
+        {"time until it is gone", "ms", 3.0, 23.0,
+         "20 ms after the last pulse, a tick before and after, one of jitter"}},
+       supervisors_half},
       {"emergency stop",
        "The emergency stop is released.",
        {{"from the first contact until the voltage is gone", "ms", 0.0, 10.0, "a C0 stop takes 10 ms"},

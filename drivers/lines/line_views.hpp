@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "drivers/lines/electrical_lines.hpp"
+#include "drivers/port/pulse_output.hpp"
 #include "safety/gate.hpp"
 
 namespace biopsy::lines {
@@ -23,11 +24,11 @@ class StageLines {
   ElectricalLines lines_;
 };
 
-class SupervisorLines {
+class SupervisorLines final : public port::PulseOutput {
  public:
   explicit SupervisorLines(const std::filesystem::path& run_folder);
 
-  void pulse();  // in ticks whose SupervisorOutput::interlock_pulse is set
+  void pulse() override;  // in ticks whose SupervisorOutput::interlock_pulse is set
 
  private:
   ElectricalLines lines_;

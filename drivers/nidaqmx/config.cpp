@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::uint32_t kPair = 8;  // a differential input is this and the one so many higher
 constexpr std::uint32_t kInputs = 15, kOutputs = 1, kPorts = 1, kLines = 3;  // highest numbers on the 6211
+constexpr std::uint32_t kSupervisorPorts = 15, kSupervisorLines = 31;        // of boards of any kind
 constexpr double kMost_kV = limits::kDriveMax_mV * 1e-6;
 constexpr double kTrip_kV = limits::kMonitorTrip_mV * 1e-6;
 // The arc detector's margin is 1 mA beyond what the capacitance draws: twice that must be visible.
@@ -116,6 +117,26 @@ PanelInputs read_panel(ConfigTable table) {
   return panel;
 }
 
+// The name alone, as MAX and nilsdev show it.
+std::string read_device(ConfigTable& table) {
+  std::string device = table.text("device");
+  if (device.empty() || device.find_first_of("/, :") != std::string::npos)
+    table.refuse("device", "is not one device", "give the name alone, like \"Dev1\"");
+  return device;
+}
+
+SupervisorPulse read_supervisor_pulse(ConfigTable table, const std::string& stage) {
+  SupervisorPulse pulse;
+  pulse.device = read_device(table);
+  if (pulse.device == stage)
+    table.refuse("device", "is the stage's board",
+                 "use a second board: what fails with the first must not feed both halves of the interlock");
+  pulse.port = table.numbered("port", "port", kSupervisorPorts);
+  pulse.line = table.numbered("pulse", "line", kSupervisorLines);
+  table.refuse_rest();
+  return pulse;
+}
+
 void refuse_shared_inputs(const Config& config, const ConfigTable& root) {
   std::set<std::uint32_t> used;
   for (const AnalogInput* input : {&config.laser.input, &config.voltage.input, &config.current.input}) {
@@ -133,9 +154,7 @@ Config parse_config(const std::string& text, const std::string& name) {
   ConfigTable root = parse_config_table(text, name);
   Config config;
   if (root.has("library")) config.library = root.text("library");
-  config.device = root.text("device");
-  if (config.device.find_first_of("/, :") != std::string::npos)
-    root.refuse("device", "is not one device", "give the name alone, like \"Dev1\"");
+  config.device = read_device(root);
   if (root.has("serial")) config.serial = root.whole("serial", std::numeric_limits<std::uint32_t>::max());
   if (root.has("timeout_ms")) config.timeout_s = root.number("timeout_ms", 0.1, 20.0, "ms") * 1e-3;
   config.laser = read_laser(root.table("laser"));
@@ -146,6 +165,8 @@ Config parse_config(const std::string& text, const std::string& name) {
   if (root.has("panel")) config.panel = read_panel(root.table("panel"));
   if (config.panel && config.panel->port == config.interlock.port)
     root.refuse("panel", "uses the port of the interlock", "inputs are port0 and outputs port1 on the 6211");
+  if (root.has("supervisor_pulse"))
+    config.supervisor_pulse = read_supervisor_pulse(root.table("supervisor_pulse"), config.device);
   refuse_shared_inputs(config, root);
   root.refuse_rest();
   return config;

@@ -48,6 +48,12 @@ struct PanelInputs {
   std::uint32_t estop_a_line = 0, estop_b_line = 0;  // closed = not pressed
 };
 
+// An output of a board of its own, which the supervisor pulses.
+struct SupervisorPulse {
+  std::string device;  // "Dev2"
+  std::uint32_t port = 0, line = 0;
+};
+
 struct Config {
   std::string library = "libnidaqmx.so";
   std::string device;                   // "Dev1"
@@ -58,6 +64,7 @@ struct Config {
   Command command;
   Interlock interlock;
   std::optional<PanelInputs> panel;
+  std::optional<SupervisorPulse> supervisor_pulse;
 };
 
 // Throw SetupError, with file and line, for what is missing, unknown, out of range, or cannot work together:

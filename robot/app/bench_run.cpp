@@ -123,6 +123,7 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
       state = next.state;
       return next.request;
     });
+    if (bench.supervisor_pulse != nullptr && seen.supervisor.interlock_pulse) bench.supervisor_pulse->pulse();
     played = played || control::is_played(run.program, state);
     record(result.recorded, seen, push_N);
     if (result.stopped_s == 0.0 && !person.stopped_because().empty())

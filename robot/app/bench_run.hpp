@@ -6,6 +6,7 @@
 #include <string>
 
 #include "drivers/port/needle_stage.hpp"
+#include "drivers/port/pulse_output.hpp"
 #include "robot/app/experiments.hpp"
 #include "robot/messages/plan.hpp"
 #include "sim/dataset.hpp"
@@ -24,10 +25,11 @@ struct BenchKeys {
 };
 
 struct Bench {
-  port::NeedleStage& stage;              // at rest and discharged
-  std::function<void(double)> push;      // N on plate A, from the next voltage on
-  std::function<void(double)> played;    // told now and then which share of the program
-  std::function<BenchKeys()> keys = {};  // turned by hand; none: the script turns them
+  port::NeedleStage& stage;                       // at rest and discharged
+  std::function<void(double)> push;               // N on plate A, from the next voltage on
+  std::function<void(double)> played;             // told now and then which share of the program
+  std::function<BenchKeys()> keys = {};           // turned by hand; none: the script turns them
+  port::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; none: there is none
 };
 
 // Arms, holds the button while the program plays, then withdraws; gives up at whatever ends the motion before

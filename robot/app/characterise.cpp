@@ -7,6 +7,7 @@
 #include <memory>
 #include <variant>
 
+#include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/app/bench_run.hpp"
 #include "robot/app/case.hpp"
 #include "robot/app/commands.hpp"
@@ -182,12 +183,13 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
                             const CharacteriseOptions& options, const std::function<void(double)>& show) {
   fmt::print("{}: turn the arm key when the stage is clear\n", session.runs[i].name);
   PacedStage stage(hardware);
+  nidaqmx::PulseLine supervisors_half(nidaqmx::read_config(options.device_config));
   const auto keys = [&] {
     const nidaqmx::Panel& panel = hardware.panel();
     return BenchKeys{panel.arm, panel.estop_a_closed && panel.estop_b_closed};
   };
   return run_on_bench(session.runs[i], session.plans[i], 1 + options.seed,
-                      {stage, [](double) {}, show, keys});
+                      {stage, [](double) {}, show, keys, &supervisors_half});
 }
 
 std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& options) {

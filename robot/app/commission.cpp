@@ -10,6 +10,7 @@
 #include "drivers/commissioning/signature.hpp"
 #include "drivers/commissioning/walk.hpp"
 #include "drivers/nidaqmx/nidaqmx_stage.hpp"
+#include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/app/case.hpp"
 #include "robot/app/commissioning_person.hpp"
 #include "robot/app/live_options.hpp"
@@ -78,8 +79,10 @@ Record walked_on_hardware(const CommissionOptions& options, Record record) {
   const nidaqmx::Config config = nidaqmx::read_config(options.config);
   nidaqmx::NidaqmxStage stage(config);
   record.device = {"nidaqmx", stage.product(), stage.serial()};
+  nidaqmx::PulseLine supervisors_half(config);
   StageTrimmings trimmings;
   trimmings.real_time = true;
+  trimmings.supervisor_pulse = &supervisors_half;
   trimmings.feed_interlock = [&](bool feeding) { stage.feed_interlock(feeding); };
   if (stage.has_panel())
     trimmings.estop = [&] {

@@ -48,7 +48,6 @@ SimulatedBench::SimulatedBench(const sim::PlantModel& model, std::uint64_t seed)
 
 void SimulatedBench::write(const safety::GatedVoltage& voltage) {
   const std::int64_t now_us = stage_.now_us();
-  interlock_ = safety::feed_from_supervisor(interlock_, now_us);
   if (feeding_) interlock_ = safety::feed_from_driver(interlock_, now_us);
   if (voltage.mV() != 0 && press_at_ && *press_at_ > 0) --*press_at_;
   if (press_at_ && *press_at_ == 0) ++pressed_ticks_;
@@ -61,7 +60,8 @@ StageTrimmings SimulatedBench::trimmings() {
               [this] {
                 return StageTrimmings::Contacts{pressed_ticks_ == 0, pressed_ticks_ <= kContactLag_ticks};
               },
-          .feed_interlock = [this](bool feeding) { feeding_ = feeding; }};
+          .feed_interlock = [this](bool feeding) { feeding_ = feeding; },
+          .supervisor_pulse = &supervisors_half_};
 }
 
 bool SimulatedPerson::does(Act act, const std::string& what) {

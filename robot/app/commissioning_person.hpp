@@ -47,8 +47,17 @@ class SimulatedBench final : public port::NeedleStage {
   static constexpr int kPressAfter_ticks = 300;  // under voltage
   static constexpr int kContactLag_ticks = 2;    // between the contacts of a real button
 
+  struct SupervisorsHalf final : port::PulseOutput {
+    explicit SupervisorsHalf(SimulatedBench& bench) : bench_(bench) {}
+    void pulse() override {
+      bench_.interlock_ = safety::feed_from_supervisor(bench_.interlock_, bench_.stage_.now_us());
+    }
+    SimulatedBench& bench_;
+  };
+
   sim::SimStage stage_;
   safety::Interlock interlock_;
+  SupervisorsHalf supervisors_half_{*this};
   bool feeding_ = true;
   std::optional<int> press_at_;
   int pressed_ticks_ = 0;

@@ -167,6 +167,8 @@ Drive SupervisedRig::drive(std::int32_t level_mV, std::uint32_t ticks,
             state = next.state;
             return next.request;
           });
+      if (trimmings_.supervisor_pulse != nullptr && supervisor_feeds_ && seen.supervisor.interlock_pulse)
+        trimmings_.supervisor_pulse->pulse();
       script.watch(seen, !wanted || control::is_played(program, state));
       return sample_of(seen.measurement);
     });

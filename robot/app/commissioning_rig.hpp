@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "drivers/commissioning/rig.hpp"
+#include "drivers/port/pulse_output.hpp"
 #include "robot/messages/plan.hpp"
 #include "robot/realtime/tick_clock.hpp"
 #include "safety/plan_facts.hpp"
@@ -18,9 +19,10 @@ struct StageTrimmings {
   struct Contacts {
     bool a_closed = false, b_closed = false;
   };
-  std::function<Contacts()> estop;           // as of the last read(); none: not wired to this device
-  std::function<void(bool)> feed_interlock;  // none: nothing to feed
-  bool real_time = false;                    // 1 kHz on this computer's clock, else as fast as it goes
+  std::function<Contacts()> estop;                // as of the last read(); none: not wired to this device
+  std::function<void(bool)> feed_interlock;       // none: nothing to feed
+  port::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; must outlive the rig
+  bool real_time = false;                         // 1 kHz on this computer's clock, else as fast as it goes
 };
 
 class SupervisedRig final : public commissioning::Rig {
@@ -32,6 +34,7 @@ class SupervisedRig final : public commissioning::Rig {
   commissioning::Drive drive(std::int32_t level_mV, std::uint32_t ticks,
                              const std::function<bool(const commissioning::Sample&)>& go_on) override;
   void feed_interlock(bool feeding) override;
+  void feed_supervisors_half(bool feeding) override { supervisor_feeds_ = feeding; }
 
  private:
   // Waits for the next tick, does it, and adds contacts and times to what it saw.
@@ -43,6 +46,7 @@ class SupervisedRig final : public commissioning::Rig {
   safety::PlanFacts facts_;
   std::optional<realtime::TickClock> clock_;
   std::int64_t ticked_ns_ = 0;
+  bool supervisor_feeds_ = true;
 };
 
 }  // namespace biopsy::app

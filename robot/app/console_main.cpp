@@ -35,7 +35,7 @@ void serve(const Options& options) {
   app::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
   // Seconds since 1970 at least: a console that is started again gives out tokens above those it gave out
   // before, for nobody presses a button every second.
-  const std::uint32_t first_token = live::rising_number(folder / "console" / "first_token");
+  const std::uint32_t first_token = live::rising_number(folder / "first_token");
   app::ConsoleLoop loop(robot, std::move(opened), {options.page, own, options.port, simulated, first_token});
   report::write_whole_file(folder / "console.url", loop.url());
   fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);

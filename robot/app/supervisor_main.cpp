@@ -1,4 +1,7 @@
 // biopsy-supervisor RUN_FOLDER: decides the permit.
+#include <optional>
+
+#include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/rising_number.hpp"
 #include "robot/live/self_test.hpp"
@@ -9,11 +12,28 @@ namespace {
 
 using namespace biopsy;
 
+// This side's half of the interlock: the simulated lines, which everybody here reads, and copper where there
+// is some.
+class Interlock final : public port::PulseOutput {
+ public:
+  explicit Interlock(const live::LiveSettings& settings) : lines_(settings.lines) {
+    if (settings.device == "nidaqmx") copper_.emplace(nidaqmx::read_config(settings.device_config));
+  }
+  void pulse() override {
+    lines_.pulse();
+    if (copper_) copper_->pulse();
+  }
+
+ private:
+  lines::SupervisorLines lines_;
+  std::optional<nidaqmx::PulseLine> copper_;
+};
+
 void supervise(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, keys::Role::Supervisor);
-  lines::SupervisorLines lines(process.settings().lines);
+  Interlock interlock(process.settings());
   const lines::LinesReader panel(process.settings().lines);
-  live::SupervisorLoop loop(process.bus(), lines, panel, process.config_tag(),
+  live::SupervisorLoop loop(process.bus(), interlock, panel, process.config_tag(),
                             live::rising_number(run_folder / "session"), live::self_test());
   process.start_ticking();
   while (!process.stop_asked()) {

@@ -36,10 +36,10 @@ std::uint8_t code_of(Enum value) {
 
 }  // namespace
 
-SupervisorLoop::SupervisorLoop(const transport::Participant& bus, lines::SupervisorLines& lines,
+SupervisorLoop::SupervisorLoop(const transport::Participant& bus, port::PulseOutput& interlock,
                                const lines::LinesReader& panel, std::uint64_t config_tag,
                                std::uint32_t session, safety::SelfTest self_test)
-    : lines_(lines),
+    : interlock_(interlock),
       panel_(panel),
       measurements_(bus),
       requests_(bus),
@@ -172,7 +172,7 @@ safety::SupervisorInput SupervisorLoop::input_of(const safety::Observation& seen
 
 void SupervisorLoop::announce(const safety::SupervisorOutput& output, std::int64_t now_us) {
   permits_.write(output.permit);
-  if (output.interlock_pulse) lines_.pulse();
+  if (output.interlock_pulse) interlock_.pulse();
   Decision decision;
   decision.seq = output.permit.seq;
   decision.time_us = now_us;

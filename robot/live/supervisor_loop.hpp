@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "drivers/lines/line_views.hpp"
+#include "drivers/port/pulse_output.hpp"
 #include "robot/live/heartbeat.hpp"
 #include "robot/messages/drive_request.hpp"
 #include "robot/messages/measurement.hpp"
@@ -18,9 +19,9 @@ namespace biopsy::live {
 
 class SupervisorLoop {
  public:
-  // `session`: larger at every start. One that failed its self-test locks. `lines` and `panel` must outlive
-  // this.
-  SupervisorLoop(const transport::Participant& bus, lines::SupervisorLines& lines,
+  // `session`: larger at every start. One that failed its self-test locks. `interlock`, this side's half of
+  // it, and `panel` must outlive this.
+  SupervisorLoop(const transport::Participant& bus, port::PulseOutput& interlock,
                  const lines::LinesReader& panel, std::uint64_t config_tag, std::uint32_t session,
                  safety::SelfTest self_test);
 
@@ -47,7 +48,7 @@ class SupervisorLoop {
   void announce(const safety::SupervisorOutput& output, std::int64_t now_us);
   std::int32_t writers() const;
 
-  lines::SupervisorLines& lines_;
+  port::PulseOutput& interlock_;
   const lines::LinesReader& panel_;
   transport::Reader<Measurement> measurements_;
   transport::Reader<DriveRequest> requests_;

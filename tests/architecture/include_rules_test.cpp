@@ -26,7 +26,7 @@ const std::map<std::string, std::set<std::string>> kMaySee{
     {"planner/imaging", {"robot/messages"}},
     {"planner", {"robot/messages"}},
     {"drivers/port", {"robot/messages", "safety"}},
-    {"drivers/lines", {"robot/messages", "safety"}},
+    {"drivers/lines", {"robot/messages", "safety", "drivers/port"}},
     {"drivers/nidaqmx", {"robot/messages", "safety", "drivers/port"}},
     {"drivers/commissioning", {"robot/messages", "safety", "drivers/port"}},
     {"robot/realtime", {"robot/messages"}},

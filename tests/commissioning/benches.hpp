@@ -7,6 +7,7 @@
 #include <string>
 
 #include "drivers/commissioning/walk.hpp"
+#include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/app/commissioning_person.hpp"
 #include "robot/app/commissioning_rig.hpp"
 #include "tests/nidaqmx/stage_in_hand.hpp"
@@ -73,6 +74,7 @@ struct Laboratory {
       trimmings.estop = [this] {
         return app::StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
       };
+    trimmings.supervisor_pulse = &supervisors_half;
     app::SupervisedRig rig(stage, trimmings);
     return walked({}, rig, person);
   }
@@ -80,6 +82,7 @@ struct Laboratory {
   fake::Board& board = *fake_reset();
   nidaqmx::Config config;
   nidaqmx::NidaqmxStage stage{config, fake_now_us};
+  nidaqmx::PulseLine supervisors_half{config};
   BoardPerson person{board};
 };
 

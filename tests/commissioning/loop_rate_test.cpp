@@ -24,6 +24,7 @@ class TimedRig final : public Rig {
   }
   Drive drive(std::int32_t, std::uint32_t, const std::function<bool(const Sample&)>&) override { return {}; }
   void feed_interlock(bool) override {}
+  void feed_supervisors_half(bool) override {}
 
  private:
   std::function<void(int, Sample&)> disturb_;

@@ -76,6 +76,8 @@ INSTANTIATE_TEST_SUITE_P(
                           "monitor gain: gain of monitor over command"},
                     Fault{"NoInterlock", [](Laboratory& l) { l.board.has_interlock = false; },
                           "interlock: time until it is gone"},
+                    Fault{"NoSupervisorsHalf", [](Laboratory& l) { l.board.has_supervisors_half = false; },
+                          "interlock, supervisor's half: time until it is gone"},
                     Fault{"SlowInterlock", [](Laboratory& l) { l.board.interlock_us = 40'000; },
                           "interlock: time until it is gone"},
                     Fault{"DeadContact", [](Laboratory& l) { l.board.dead_contacts = 0b1000; },

@@ -1,41 +1,24 @@
 // The tick of the driver: no memory is taken, not even where something fails.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "tests/contract/driven_stage.hpp"
 #include "tests/nidaqmx/stage_in_hand.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+#include "tests/realtime/counting_allocator.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {
 
-std::size_t allocated_in_ticks(DrivenStage& driven) {
-  const std::size_t before = allocations;
+std::uint64_t allocated_in_ticks(DrivenStage& driven) {
+  const realtime::AllocationCount count;
   driven.hold(3'000'000, 100);
-  return allocations - before;
+  return count.so_far();
 }
 
 TEST(NidaqmxTick, TakesNoMemory) {
   fake_reset();
+  const realtime::AllocationCount count;
   NidaqmxStage stage(laboratory(), fake_now_us);
-  EXPECT_GT(allocations, 0U) << "nobody counts";
+  EXPECT_GT(count.so_far(), 0U) << "nobody counts";
   DrivenStage driven(stage);
   EXPECT_EQ(allocated_in_ticks(driven), 0U);
 }

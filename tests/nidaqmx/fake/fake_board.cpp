@@ -29,6 +29,7 @@ struct Input {
 struct BoardTask {
   std::vector<Input> inputs;
   std::uint32_t lines = 0;  // that it may write
+  bool of_supervisor = false;
   bool started = false;
 };
 
@@ -77,7 +78,9 @@ bool is_pressed() {
 
 bool is_powered() {
   const bool closed = board->now_us - board->pulse_us < board->interlock_us;
-  return (!board->has_interlock || closed) && !is_pressed() && (board->lines >> 1U & 1U) != 0;
+  const bool supervised = board->supervisor_us < 0 || !board->has_supervisors_half ||
+                          board->now_us - board->supervisor_us < board->interlock_us;
+  return (!board->has_interlock || (closed && supervised)) && !is_pressed() && (board->lines >> 1U & 1U) != 0;
 }
 
 void pass_one_tick() {
@@ -154,7 +157,7 @@ Status DAQmxGetExtendedErrorInfo(char* text, std::uint32_t size) {
 
 Status DAQmxGetSysDevNames(char* names, std::uint32_t size) {
   FAIL_AS_ASKED("DAQmxGetSysDevNames");
-  return copy("Sim7, Dev1", names, size);
+  return copy("Sim7, Dev1, Dev2", names, size);
 }
 
 Status DAQmxGetDevProductType(const char*, char* text, std::uint32_t size) {
@@ -250,7 +253,9 @@ Status DAQmxCreateDOChan(void* handle, const char* lines, const char*, std::int3
   for (std::uint32_t line = 0; line < 4; ++line)
     if (std::strstr(lines, ("Dev1/port1/line" + std::to_string(line)).c_str()) != nullptr)
       task->lines |= 1U << line;
-  return task->lines != 0 ? 0 : answer(kNoSuchChannel, "Physical channel does not exist.");
+  task->of_supervisor = std::strcmp(lines, "Dev2/port0/line0") == 0;
+  return task->lines != 0 || task->of_supervisor ? 0
+                                                 : answer(kNoSuchChannel, "Physical channel does not exist.");
 }
 
 Status DAQmxReadAnalogF64(void* handle, std::int32_t samples, double, std::uint32_t, double* volts,
@@ -285,6 +290,11 @@ Status DAQmxWriteAnalogScalarF64(void* handle, std::uint32_t, double, double vol
 Status DAQmxWriteDigitalScalarU32(void* handle, std::uint32_t, double, std::uint32_t lines, std::uint32_t*) {
   FAIL_AS_ASKED("DAQmxWriteDigitalScalarU32");
   TASK_OR_FAIL(task, handle);
+  if (task->of_supervisor) {
+    if (board->supervisor_high != ((lines & 1U) != 0)) board->supervisor_us = board->now_us;
+    board->supervisor_high = (lines & 1U) != 0;
+    return 0;
+  }
   const std::uint32_t next = (board->lines & ~task->lines) | (lines & task->lines);
   if (((next ^ board->lines) & 1U) != 0) board->pulse_us = board->now_us;
   board->lines = next;

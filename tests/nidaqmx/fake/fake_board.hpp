@@ -20,9 +20,13 @@ struct Board {
   double highest_V = 0.0;           // |that|, ever
   std::uint32_t lines = 0;          // outputs
   std::uint32_t contacts = 0b1100;  // inputs: keys up, emergency stop not pressed
-  bool has_interlock = true;  // fitted and fed by the supervisor: the amplifier is on only while it is closed
+  bool has_interlock = true;        // fitted: the amplifier is on only while it is closed
   std::int64_t interlock_us = 20'000;
-  std::int64_t pulse_us = -1'000'000;  // when the pulse last changed
+  std::int64_t pulse_us = -1'000'000;  // when the driver's pulse last changed
+  // The supervisor's half, on Dev2/port0/line0; until its first pulse somebody else feeds it.
+  bool has_supervisors_half = true;
+  std::int64_t supervisor_us = -1;
+  bool supervisor_high = false;
 
   double laser_noise_V = 0.005;  // 10 um
   double monitor_noise_V = 0.002;

@@ -1,0 +1,16 @@
+// A line to the external interlock: a timer that keeps the high voltage on for 20 ms after the last change of
+// the line's level (safety concept: one fed by the driver, one by the supervisor, in series).
+#pragma once
+
+namespace biopsy::port {
+
+class PulseOutput {
+ public:
+  virtual ~PulseOutput() = default;
+
+  // Changes the level. Neither throws nor blocks for more than a tick; a line that failed stays as it is, and
+  // the timer runs out.
+  virtual void pulse() = 0;
+};
+
+}  // namespace biopsy::port
