@@ -33,7 +33,7 @@ void count_missed(LinkWatch& watch, std::uint32_t missed) {
 // Periods that the stage let go by in a sound step of its clock.
 constexpr std::uint32_t periods_missed(std::int64_t step_us) {
   const std::int64_t ticks = (step_us + kStageSoonest_us) / kStagePeriod_us;
-  return ticks > 1 ? static_cast<std::uint32_t>(ticks - 1) : 0;
+  return static_cast<std::uint32_t>(std::max<std::int64_t>(ticks, 1) - 1);
 }
 
 struct Arrival {

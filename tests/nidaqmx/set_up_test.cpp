@@ -36,7 +36,7 @@ TEST(NidaqmxSetUp, DriverThatLacksFunctionsNamesThem) {
 TEST(NidaqmxSetUp, UnknownBoardListsThoseThatAreThere) {
   fake_reset();
   Config config = laboratory();
-  config.device = "Dev2";
+  config.device = "Dev9";
   EXPECT_TRUE(says(refusal_with(config), "Sim7, Dev1, Dev2"));
   config.device = "ev1";  // part of a name is no name
   EXPECT_NE(refusal_with(config), "accepted");
