@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <set>
 
 #include "robot/messages/setup_error.hpp"
 #include "sim/baseline_entries.hpp"
@@ -77,6 +78,25 @@ void read_effects(TomlTable table, NotedModel& out) {
   table.refuse_rest();
 }
 
+Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
+  Correlations out;
+  out.values = table.texts("values");
+  out.lower = table.numbers("lower", -1.0, 1.0);
+  table.refuse_rest();
+  const std::set<std::string> once(out.values.begin(), out.values.end());
+  for (const std::string& name : out.values) {
+    const auto note = notes.values.find(name);
+    if (note == notes.values.end() || !note->second.std || once.size() != out.values.size())
+      throw SetupError(fmt::format("`{}` has no deviation in this file, or stands twice", name),
+                       table.place("values"), "name values that have a `std`, each once");
+  }
+  const std::size_t n = out.values.size();
+  if (out.lower.size() != (n < 2 ? 0 : n * (n - 1) / 2))
+    throw SetupError(fmt::format("{} numbers for {} values", out.lower.size(), n), table.place("lower"),
+                     "give for each value its correlations with those before it, row by row");
+  return out;
+}
+
 NotedModel model_of(TomlTable root) {
   NotedModel out;
   if (root.has("title")) out.notes.title = root.text("title");
@@ -84,6 +104,9 @@ NotedModel model_of(TomlTable root) {
   read_baseline(root.table("baseline"), out);
   root.ignore("effect");
   if (root.has("effect")) read_effects(root.table("effect"), out);
+  root.ignore("correlation");
+  if (root.has("correlation"))
+    out.notes.correlations = read_correlations(root.table("correlation"), out.notes);
   root.refuse_rest();
   return out;
 }

@@ -1,12 +1,14 @@
 // Model files (docs/model.md, section 3): TOML with [baseline] and one [effect.NAME] per effect that is
-// present; every value a number or { value, std, source }. Refuses unknown names, missing values and numbers
-// out of range, naming file, line and what is allowed. model_text.hpp writes them.
+// present; every value a number or { value, std, source }; and [correlation] between values. Refuses unknown
+// names, missing values and numbers out of range, naming file, line and what is allowed. model_text.hpp
+// writes them.
 #pragma once
 
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim/plant_model.hpp"
 
@@ -22,11 +24,24 @@ struct ValueNote {
   bool operator==(const ValueNote&) const = default;
 };
 
+// How the deviations of values go together: between -1 and 1, for each value with those before it.
+struct Correlations {
+  std::vector<std::string> values;  // as in ModelNotes::values; each has a std
+  std::vector<double> lower;        // below the diagonal, row by row: (2,1), (3,1), (3,2), ...
+
+  double between(std::size_t i, std::size_t j) const {
+    if (i == j) return 1.0;
+    return i > j ? lower[i * (i - 1) / 2 + j] : between(j, i);
+  }
+  bool operator==(const Correlations&) const = default;
+};
+
 // What a model file holds besides the model.
 struct ModelNotes {
   std::string title;
   std::optional<double> T = kReferencePeriod;  // s, control period: without effect on a run, kept in rewrites
-  std::map<std::string, ValueNote> values;  // by "K" or "coulomb_friction.force_N"; plain numbers have none
+  std::map<std::string, ValueNote> values;   // by "K" or "coulomb_friction.force_N"; plain numbers have none
+  std::optional<Correlations> correlations;  // none: nobody found them out
 
   bool operator==(const ModelNotes&) const = default;
 };

@@ -81,6 +81,26 @@ void write_effect(const Effect& effect, const ModelNotes& notes, ModelText& text
   }
 }
 
+// Correlations of values whose deviation is gone say nothing any more.
+void write_correlations(const ModelNotes& notes, ModelText& text) {
+  if (!notes.correlations) return;
+  const Correlations& all = *notes.correlations;
+  for (const std::string& name : all.values) {
+    const auto note = notes.values.find(name);
+    if (note == notes.values.end() || !note->second.std) return;
+  }
+  std::string names;
+  for (const std::string& name : all.values) names += (names.empty() ? "" : ", ") + quoted(name);
+  text.line("\n# Of the deviations above: each value with those before it, row by row.\n[correlation]");
+  text.line("values = [" + names + "]\nlower = [");
+  for (std::size_t i = 1; i < all.values.size(); ++i) {
+    std::string row = " ";
+    for (std::size_t j = 0; j < i; ++j) row += fmt::format(" {},", all.between(i, j));
+    text.line(row);
+  }
+  text.line("]");
+}
+
 }  // namespace
 
 std::string number_in_unit(double si, double si_per_unit, double low, double high) {
@@ -103,6 +123,7 @@ std::string model_toml(const PlantModel& model, const ModelNotes& notes) {
   for_each_effect(model.effects, [&](const auto& slot) {
     if (slot) write_effect(*slot, notes, text);
   });
+  write_correlations(notes, text);
   std::string out = text.finished();
   parse_model(out, kNameInMessages);  // refuses what a reader would refuse
   return out;

@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 using sim::calibration::Calibration;
 using sim::calibration::KnobFound;
 
+constexpr double kNarrowSpread = 0.2, kWideSpread = 0.5;  // doubts: near an earlier answer, far from one
 constexpr double kWorthSaying = 0.7;  // correlation from which two numbers are hardly known apart
 
 double three_digits(double value) {
@@ -33,6 +34,8 @@ sim::calibration::Question question_of(const CalibrateOptions& options) {
   sim::calibration::Question question;
   question.start = sim::paper::read_paper_model(options.model, resources() / "sim/models/paper.toml");
   question.knobs = sim::calibration::standard_knobs();
+  if (options.from_nominal)
+    for (sim::calibration::Knob& knob : question.knobs) knob.start = knob.nominal;
   question.figures = sim::calibration::calibrated_figures();
   for (const fs::path& folder : options.data)
     for (sim::RecordedRun& run : sim::read_dataset(folder, sim::Drive::Stack).runs)
@@ -43,13 +46,17 @@ sim::calibration::Question question_of(const CalibrateOptions& options) {
 Calibration calibrated(const sim::calibration::Question& question, const CalibrateOptions& options) {
   ProgressLine line;
   return sim::calibration::calibrate(
-      question, {.evaluations = options.evaluations, .seed = options.seed},
+      question,
+      {.evaluations = options.evaluations,
+       .seed = options.seed,
+       .spread = options.from_nominal ? kWideSpread : kNarrowSpread},
       [&line](double share, const std::string& doing) { line.show(share, doing); });
 }
 
 std::string source_of(const CalibrateOptions& options) {
-  std::string source = fmt::format("biopsy calibrate --evaluations {} --seed {}: the paper's figures 6 to 13",
-                                   options.evaluations, options.seed);
+  std::string source =
+      fmt::format("biopsy calibrate --evaluations {} --seed {}{}: the paper's figures 6 to 13",
+                  options.evaluations, options.seed, options.from_nominal ? " --from-nominal" : "");
   for (const fs::path& folder : options.data) source += ", " + folder.filename().string();
   return source;
 }
@@ -66,11 +73,30 @@ bool is_of_stage(const std::string& name) {
   return !name.starts_with("film.") && !name.starts_with("joint.");
 }
 
+double three_decimals(double value) {
+  return std::round(1e3 * value) / 1e3;
+}
+
+sim::Correlations correlations_of_stage(const Calibration& result) {
+  sim::Correlations out;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < result.knobs.size(); ++i) {
+    if (!is_of_stage(result.knobs[i].knob.name)) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    for (const Eigen::Index column : kept)
+      out.lower.push_back(three_decimals(result.correlations(row, column)));
+    out.values.push_back(result.knobs[i].knob.name);
+    kept.push_back(row);
+  }
+  return out;
+}
+
 void write_models(const Calibration& result, const CalibrateOptions& options) {
   const sim::NotedModel given = sim::read_noted_model(options.model);
   const sim::ModelNotes notes = notes_of(result, given.notes, source_of(options));
   sim::ModelNotes stage_notes = notes;
   std::erase_if(stage_notes.values, [](const auto& entry) { return !is_of_stage(entry.first); });
+  stage_notes.correlations = correlations_of_stage(result);
   report::write_whole_file(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
   report::write_whole_file(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
 }
@@ -94,7 +120,7 @@ std::string json_text(const Calibration& result, const CalibrateOptions& options
   for (Eigen::Index i = 0; i < result.correlations.rows(); ++i) {
     Json line = Json::array();
     for (Eigen::Index j = 0; j < result.correlations.cols(); ++j)
-      line.push_back(std::round(1e3 * result.correlations(i, j)) / 1e3);
+      line.push_back(three_decimals(result.correlations(i, j)));
     matrix.push_back(line);
   }
   for (const PaperRow& row : result.rows) rows.push_back(row_json(row));

@@ -84,6 +84,7 @@ struct CalibrateOptions {
   std::vector<std::filesystem::path> data;  // measured runs that count beside the paper's rows
   int evaluations = 600;
   std::uint64_t seed = 1;
+  bool from_nominal = false;  // begin at what was known beforehand, not at earlier answers
 };
 
 int calibrate(const CalibrateOptions& options);

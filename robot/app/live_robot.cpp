@@ -49,7 +49,7 @@ LiveRobot::LiveRobot(const transport::Participant& bus, const std::filesystem::p
 LiveRobot::~LiveRobot() = default;
 
 void LiveRobot::send_plan(const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
-  plans_.write({planner::canonical_bytes(plan), plan.seal, confirmed});
+  plans_.write({++plans_sent_, planner::canonical_bytes(plan), plan.seal, confirmed});
   const std::lock_guard lock(mutex_);
   plan_tag_ = planner::plan_tag(plan);
 }
@@ -161,7 +161,7 @@ void LiveRobot::speak(std::int64_t now_us) {
   const bool news = world.depth_accepted != judged_.accepted || world.accepted_stage != judged_.stage ||
                     plan_tag != judged_.plan_tag;
   if (!news) return;
-  judged_ = {plan_tag, world.accepted_stage, world.depth_accepted};
+  judged_ = {judged_.seq + 1, plan_tag, world.accepted_stage, world.depth_accepted};
   verdicts_.write(judged_);
 }
 

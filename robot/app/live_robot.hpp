@@ -78,6 +78,7 @@ class LiveRobot {
   World world_;
   std::int64_t asked_us_ = 0;  // when it was last said
   std::uint64_t plan_tag_ = 0;
+  std::uint32_t plans_sent_ = 0;
   std::array<Health, kProcesses> health_{};
   std::atomic<std::uint64_t> lost_{0};
   std::jthread thread_;  // last: everything it uses is there

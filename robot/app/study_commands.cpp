@@ -25,8 +25,9 @@ void add_calibrate(CLI::App& app, CalibrateOptions& options, int& code) {
   command->footer(
       "Searches the numbers of the stage, within what is plausible, for the set that reaches most of the "
       "paper's rows,\n"
-      "and writes calibrated.toml, paper.toml (other films, joint) and calibration.json (standard "
-      "deviations, correlations).\n"
+      "and writes calibrated.toml (with standard deviations, correlations, sources), paper.toml (other "
+      "films, "
+      "joint)\nand calibration.json.\n"
       "Measured runs given by --data count beside the paper's. Nothing in sim/models is touched: copy both "
       "files there to adopt them.\n\n"
       "Example:\n  biopsy calibrate --out out/calibrated\n"
@@ -39,6 +40,8 @@ void add_calibrate(CLI::App& app, CalibrateOptions& options, int& code) {
   command->add_option("--evaluations", options.evaluations, "budget of the global search (default 600)")
       ->check(CLI::Range(1, 1000000));
   command->add_option("--seed", options.seed, "seed of the search");
+  command->add_flag("--from-nominal", options.from_nominal,
+                    "begin at what was known beforehand, not at what earlier searches found");
   command->add_option("--out", options.out, "folder for the result")->required();
   command->callback([&] { code = calibrate(options); });
 }

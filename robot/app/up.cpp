@@ -7,12 +7,14 @@
 #include <fstream>
 #include <thread>
 
+#include "drivers/lines/line_views.hpp"
 #include "robot/app/live_session.hpp"
 #include "robot/app/procedure.hpp"
 #include "robot/app/progress.hpp"
 #include "robot/app/rehearsal.hpp"
 #include "robot/app/run_folder.hpp"
 #include "robot/realtime/stop_signals.hpp"
+#include "robot/realtime/tick_clock.hpp"
 #include "safety/hazards.hpp"
 #include "safety/transitions.hpp"
 
@@ -34,8 +36,18 @@ void print_trouble(const std::vector<std::string>& trouble) {
   for (const std::string& line : trouble) fmt::print(stderr, "{}\n", line);
 }
 
-std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<Beat>& beat) {
-  std::string text;
+// The interlock says nothing on the bus: its relay is a line that anybody may look at.
+std::string relay_text(const lines::LinesReader& lines) {
+  const lines::RelayReading relay = lines.relay();
+  const std::int64_t silent_ms = (realtime::monotonic_ns() - relay.ticked_ns) / 1'000'000;
+  return silent_ms > 100       ? "interlock SILENT  "
+         : relay.output.closed ? "interlock closed  "
+                               : "interlock open  ";
+}
+
+std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<Beat>& beat,
+                       const lines::LinesReader& lines) {
+  std::string text = relay_text(lines);
   for (const Process process :
        {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
     const Health& health = board[static_cast<std::size_t>(process)];
@@ -190,10 +202,11 @@ int up(const UpOptions& options) {
   std::optional<std::string> ended;
   std::optional<Beat> beat;
   std::int64_t ticks = 0;
+  const lines::LinesReader lines(session.settings().lines);
   while (!signals.came() && !ended) {
     World nobody;  // the E-stop is released, no key is turned
     beat = session.robot().tick(nobody);
-    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), beat));
+    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), beat, lines));
     ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;

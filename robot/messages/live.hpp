@@ -57,6 +57,7 @@ constexpr bool asks_the_same(OperatorAct a, const OperatorAct& b) {
 
 // The plan as it was sealed (planner/seal.hpp), and the tags that two confirmations were given for.
 struct SealedPlan {
+  std::uint32_t seq = 0;
   std::vector<std::uint8_t> bytes;  // canonical, at most kSealedPlanMax_bytes
   Sha256 seal{};
   std::array<std::uint64_t, 2> confirmed_tag{};
@@ -65,6 +66,7 @@ inline constexpr std::size_t kSealedPlanMax_bytes = 60'000;
 
 // The answer of a depth check on a new image, or of the person where none is wanted.
 struct DepthVerdictNote {
+  std::uint32_t seq = 0;
   std::uint64_t plan_tag = 0;
   std::uint32_t stage = 0;
   bool accepted = false;

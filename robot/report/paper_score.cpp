@@ -10,6 +10,8 @@
 namespace biopsy::report {
 namespace {
 
+constexpr const char* kTheory = "2";  // Fig. 2 draws equations
+
 std::string with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() || unit == "1" || number == "–" ? number : number + " " + unit;
 }
@@ -18,9 +20,9 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 
 void PaperScore::add(const PaperRow& row) {
   if (row.kind == RowKind::Shown) return;
-  const bool trend = row.kind == RowKind::Trend;
-  ++(trend ? trends : numbers);
-  if (row.ok) ++(trend ? trends_ok : numbers_ok);
+  const bool trend = row.kind == RowKind::Trend, of_theory = row.figure == kTheory;
+  ++(of_theory ? theory : trend ? trends : numbers);
+  if (row.ok) ++(of_theory ? theory_ok : trend ? trends_ok : numbers_ok);
 }
 
 PaperScore score_of(const PaperFigure& figure) {
@@ -37,8 +39,10 @@ PaperScore score_of(const Reproduction& reproduction) {
 }
 
 std::string score_sentence(const PaperScore& s) {
-  return fmt::format("{} of {} of the paper's numbers within their band, trends {} of {}", s.numbers_ok,
-                     s.numbers, s.trends_ok, s.trends);
+  const std::string closed_forms =
+      s.theory > 0 ? fmt::format(", closed forms {} of {}", s.theory_ok, s.theory) : "";
+  return fmt::format("{} of {} of the paper's numbers within their band, trends {} of {}{}", s.numbers_ok,
+                     s.numbers, s.trends_ok, s.trends, closed_forms);
 }
 
 bool is_missed(const PaperRow& row) {

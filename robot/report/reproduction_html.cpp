@@ -156,9 +156,9 @@ std::string findings_section(const Reproduction& r) {
   return section(
       "Findings, for the gap workflow",
       "<p>What the model does not reach. What it lacks is not guessed here: record the experiment on "
-      "your own stage as a data set (<code>biopsy characterise</code> writes such folders; "
-      "measured/figure-… stands for yours), and this command says which effect or parameter explains "
-      "it.</p>\n" +
+      "your own stage as a data set (measured/figure-… stands for yours; open-loop experiments of the kind "
+      "<code>biopsy characterise</code> carries out and writes), and this command says which effect or "
+      "parameter explains it.</p>\n" +
           html);
 }
 

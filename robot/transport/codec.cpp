@@ -102,6 +102,7 @@ void copy_operator_act(const From& from, To& to) {
 
 template <class From, class To>
 void copy_depth_verdict_note(const From& from, To& to) {
+  to.seq = from.seq;
   to.plan_tag = from.plan_tag;
   to.stage = from.stage;
   to.accepted = from.accepted;
@@ -190,6 +191,7 @@ void decode(const biopsy_wire_OperatorAct& from, OperatorAct& to) {
 }
 
 void encode(const SealedPlan& from, biopsy_wire_SealedPlan& to) {
+  to.seq = from.seq;
   const auto length = static_cast<std::uint32_t>(std::min(from.bytes.size(), kSealedPlanMax_bytes));
   to.bytes._maximum = to.bytes._length = length;
   to.bytes._buffer = const_cast<std::uint8_t*>(from.bytes.data());  // read only, the C type cannot say so
@@ -199,6 +201,7 @@ void encode(const SealedPlan& from, biopsy_wire_SealedPlan& to) {
 }
 
 void decode(const biopsy_wire_SealedPlan& from, SealedPlan& to) {
+  to.seq = from.seq;
   to.bytes.assign(from.bytes._buffer, from.bytes._buffer + from.bytes._length);
   std::copy(std::begin(from.seal), std::end(from.seal), to.seal.begin());
   std::copy(std::begin(from.confirmed_tag), std::end(from.confirmed_tag), to.confirmed_tag.begin());

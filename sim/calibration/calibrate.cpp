@@ -13,7 +13,6 @@ namespace biopsy::sim::calibration {
 namespace {
 
 constexpr double kStride = 0.05;  // of a knob's doubt, for differences: above the figures' graininess
-constexpr double kFirstSpread = 0.2;
 constexpr int kPopulation = 16;
 
 using Vector = Eigen::VectorXd;
@@ -81,7 +80,7 @@ Eigen::MatrixXd covariance(const Question& question, const Vector& z) {
 KnobFound found(const Knob& knob, double z, double std) {
   KnobFound out{knob, from_search(knob, z), 0.0, false};
   out.std = knob.doubt * std * (knob.share ? 1.0 : out.value);
-  out.at_bound = (out.value <= knob.low && knob.low > 0.0) || out.value >= knob.high;
+  out.at_bound = out.value <= knob.low || out.value >= knob.high;
   return out;
 }
 
@@ -118,7 +117,7 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   const Vector first = first_guess(question.knobs);
   Calibration out;
   out.before = cost(first);
-  const CmaSettings search{.spread = kFirstSpread,
+  const CmaSettings search{.spread = settings.spread,
                            .population = kPopulation,
                            .evaluations = settings.evaluations,
                            .seed = settings.seed};

@@ -15,6 +15,7 @@ struct CalibrationSettings {
   int evaluations = 600;  // of the global search; work and not time, so that the answer is the same anywhere
   int last_steps = 3;     // of Ceres
   std::uint64_t seed = 1;
+  double spread = 0.2;  // of the first draws around the first guesses, in doubts
 };
 
 struct KnobFound {

@@ -18,6 +18,8 @@ constexpr double kRoom = 0.03;
 constexpr double kTip = 0.02;      // bands
 constexpr double kRunBand = 0.05;  // rms error of a measured run, of its span, that weighs as much as a band
 constexpr double kFarthest = 5.0;  // bands, where a number's pull ends
+constexpr double kRunMost = 20.0;  // and a run's
+constexpr std::size_t kRunReadings = 200;
 
 // Its square grows with |miss| at first and towards 2 in the end, with a rounded tip: a sum of such is least
 // where most rows are reached and a few are given up, rather than where all are missed a little.
@@ -42,22 +44,35 @@ double row_residual(const PaperRow& row) {
   return row.kind == RowKind::Trend ? miss + kRoom : miss;
 }
 
-double run_residual(const PlantModel& stage, const RecordedRun& run) {
+// What the model is away from each sample of a measured run, in bands of it.
+std::vector<double> run_misses(const PlantModel& stage, const RecordedRun& run) {
   PlantModel quiet = stage;
   quiet.effects.sensor_noise.reset();
-  const RecordedRun ours = simulate(quiet, run);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < run.displacement.size(); ++i)
-    sum += (ours.displacement[i] - run.displacement[i]) * (ours.displacement[i] - run.displacement[i]);
+  std::vector<double> misses = simulate(quiet, run).displacement;
   const auto [low, high] = std::minmax_element(run.displacement.begin(), run.displacement.end());
-  const double rms = std::sqrt(sum / static_cast<double>(run.displacement.size()));
-  const double miss = rms / (kRunBand * std::max(1e-4, *high - *low));
-  return std::isfinite(miss) ? std::min(miss, 20.0) : 20.0;
+  const double band = kRunBand * std::max(1e-4, *high - *low);
+  for (std::size_t i = 0; i < misses.size(); ++i) {
+    misses[i] = (misses[i] - run.displacement[i]) / band;
+    if (!std::isfinite(misses[i])) misses[i] = kRunMost;
+  }
+  return misses;
 }
 
-void add_runs_and_priors(const Question& question, const Eigen::VectorXd& z, std::vector<double>& out) {
-  const PlantModel stage = turned(question.start, question.knobs, z).stage;
-  for (const RecordedRun& run : question.runs) out.push_back(tamed(run_residual(stage, run)));
+double rms_miss(const std::vector<double>& misses) {
+  double sum = 0.0;
+  for (const double miss : misses) sum += miss * miss;
+  return std::min(std::sqrt(sum / static_cast<double>(misses.size())), kRunMost);
+}
+
+// A run weighs as much as a number, however many samples it has; of these so many speak, each with its sign,
+// so that what the run tells of each knob shows.
+void add_run_readings(const std::vector<double>& misses, std::vector<double>& out) {
+  const std::size_t count = std::min<std::size_t>(kRunReadings, misses.size());
+  for (std::size_t i = 0; i < count; ++i)
+    out.push_back(misses[i * misses.size() / count] / std::sqrt(static_cast<double>(count)));
+}
+
+void add_priors(const Eigen::VectorXd& z, std::vector<double>& out) {
   for (const double knob : z) out.push_back(kPrior * knob);
 }
 
@@ -94,7 +109,9 @@ std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z
 Eigen::VectorXd residuals(const Question& question, const Eigen::VectorXd& z, bool parallel) {
   std::vector<double> out;
   for (const PaperRow& row : rows_at(question, z, parallel)) out.push_back(row_residual(row));
-  add_runs_and_priors(question, z, out);
+  const PlantModel stage = turned(question.start, question.knobs, z).stage;
+  for (const RecordedRun& run : question.runs) out.push_back(tamed(rms_miss(run_misses(stage, run))));
+  add_priors(z, out);
   return as_vector(out);
 }
 
@@ -102,7 +119,9 @@ Eigen::VectorXd readings(const Question& question, const Eigen::VectorXd& z, boo
   std::vector<double> out;
   for (const PaperRow& row : rows_at(question, z, parallel))
     if (row.kind == RowKind::Number) out.push_back(in_bands(row));
-  add_runs_and_priors(question, z, out);
+  const PlantModel stage = turned(question.start, question.knobs, z).stage;
+  for (const RecordedRun& run : question.runs) add_run_readings(run_misses(stage, run), out);
+  add_priors(z, out);
   return as_vector(out);
 }
 

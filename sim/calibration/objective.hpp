@@ -30,8 +30,8 @@ std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z
 // where much is missing, so that the sum of squares counts rows rather than being ruled by the worst.
 Eigen::VectorXd residuals(const Question& question, const Eigen::VectorXd& z, bool in_parallel);
 
-// ln(ours/paper) of the number rows in bands, the measured runs' residuals, and the knobs' weak priors: what
-// standard deviations are taken from.
+// ln(ours/paper) of the number rows in bands, samples of the measured runs in bands, and the knobs' weak
+// priors: what standard deviations are taken from.
 Eigen::VectorXd readings(const Question& question, const Eigen::VectorXd& z, bool in_parallel);
 
 }  // namespace biopsy::sim::calibration

@@ -51,6 +51,8 @@ PaperFigure figure_10(const PaperModel& model) {
       trend_row("10", "plate A is smoother than plate B", b / a - 1.0,
                 fmt::format("peak to peak: A {:.3f} mm, B {:.3f} mm, ratio {:.2f}; the paper gives no number",
                             a, b, b / a)));
+  figure.rows.push_back(shown_row({"10", "peak to peak of plate B over that of plate A", "1"}, 1.0, b / a,
+                                  "1: no smoother; the paper gives no number"));
   figure.rows.push_back(
       trend_row("10", "plate B goes with the square wave's reversals, plate A less", drive_b / drive_a - 1.0,
                 fmt::format("averaged over the half periods, peak to peak: A {:.3f} mm, B {:.3f} mm", drive_a,

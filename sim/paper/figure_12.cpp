@@ -55,13 +55,13 @@ void add_rows(PaperFigure& figure, const Joint& joint, const Course& course) {
           fmt::format("the crank's length is a definition, so that 8 mm turn it by 48.1 degrees: what is "
                       "predicted is only that 8 mm are reached ({:.2f} mm)",
                       reached)),
-      number_row(
-          {"12", "RMSE over everything", "mm"}, 0.386, rmse(course),
-          fmt::format("eight steps of 2 mm that close with a time constant tau give sqrt(16 mm^2 tau / "
-                      "{:.0f} s): the "
-                      "paper's number holds edges and what is left after 50 s; settled windows alone give "
-                      "{:.3f} mm, of which {:.2f} mm at the end are what films and friction keep at 0 V",
-                      kEnd, rmse_settled(course), left)),
+      number_row({"12", "RMSE over everything", "mm"}, 0.386, rmse(course),
+                 fmt::format(
+                     "over everything: the paper speaks of the whole manipulation, and eight steps of 2 mm "
+                     "that close with a time constant tau add sqrt(16 mm^2 tau / {:.0f} s). Settled windows "
+                     "alone give {:.3f} mm, which would be the nearer one: the {:.2f} mm that friction keeps "
+                     "at 0 V weigh in both, and the text does not decide",
+                     kEnd, rmse_settled(course), left)),
       shown_row({"12", "RMSE over settled windows", "mm"}, 0.386, rmse_settled(course),
                 "the other reading of the row above"),
       trend_row(
@@ -70,7 +70,7 @@ void add_rows(PaperFigure& figure, const Joint& joint, const Course& course) {
               "{:.2f} mm are left {:.0f} s after the target went to 0; {:.1f} mm would count as returned",
               left, kEnd - kDown, kAtZero)),
       trend_row("12", "the voltage is 0 V by then", 1.0 - volts / kNoVoltage,
-                fmt::format("{:.3f} kV: what keeps plate A up is the films' set and friction", volts)),
+                fmt::format("{:.3f} kV: what keeps plate A up is friction of the guide", volts)),
   };
 }
 

@@ -37,11 +37,11 @@ Decay decay(const PlantModel& stage, double seconds, double asked) {
 }
 
 PaperRow loss_row(const char* material, double seconds, double paper, double ours) {
-  return number_row({"6", fmt::format("{}: displacement lost in {:g} s of 6 kV DC", material, seconds), "%"},
-                    paper, ours,
-                    "from the peak; with 20 g on a slider of 30 g. Only tau, K and retained charge of the "
-                    "film differ between the "
-                    "materials: what the films keep by friction and set is the same for all");
+  return number_row(
+      {"6", fmt::format("{}: displacement lost in {:g} s of 6 kV DC", material, seconds), "%"}, paper, ours,
+      "from the peak; with 20 g on a slider of 30 g. The films differ in tau, K, retained charge, "
+      "and in thickness and permittivity as the paper prints them; the guide's friction is "
+      "the same for all");
 }
 
 }  // namespace

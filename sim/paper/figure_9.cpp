@@ -100,11 +100,11 @@ PaperFigure figure_9a(const PaperModel& model) {
 
 PaperFigure figure_9b(const PaperModel& model) {
   const Course course = slow_course(model, sine_target(kSineLow, kSineHigh, kSlowest));
-  PaperFigure figure =
-      slow_figure("9b", "Sine of 0.05 Hz under the PI loop, 50 g",
-                  "Plate A follows the sine in small jerks, and worst near 0, where it hangs on to what the "
-                  "films and the guide hold.",
-                  course);
+  PaperFigure figure = slow_figure(
+      "9b", "Sine of 0.05 Hz under the PI loop, 50 g",
+      "Plate A follows the sine in small jerks, and worst near 0, where the guide's friction holds "
+      "it.",
+      course);
   add_sine_rows(figure, course);
   if (!model.brief) figure.rows.push_back(raised_row(model));
   return figure;

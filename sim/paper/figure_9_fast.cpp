@@ -115,9 +115,11 @@ PaperFigure figure_9c(const PaperModel& model) {
   figure.rows.push_back(trend_row(
       "9c", "0.5 Hz: neither plateau is reached", kLossless / reached - 1.0,
       fmt::format(
-          "plate A gets {:.1f} % of the way from the middle to the nearer plateau; the oil's {:.2f} s "
-          "leave it {:.1f} time constants in each half period",
-          100.0 * reached, model.stage.baseline.tau_h, 1.0 / model.stage.baseline.tau_h)));
+          "plate A gets {:.1f} % of the way from the middle to the plateau that it comes nearest to, and "
+          "beyond it: from an edge on the loop asks for all that the amplifier has, so that oil with a time "
+          "constant of {:.2f} s has closed the 6 mm before the half period of 1 s is over, and overshoots. A "
+          "stage too slow for that would lose 9a and 11",
+          100.0 * reached, model.stage.baseline.tau_h)));
   const double rise = mean_travel(all.front().course, true), fall = mean_travel(all.front().course, false);
   figure.rows.push_back(trend_row("9c", "0.1 Hz: falling edges lag", fall / rise - 1.0,
                                   fmt::format("{:.0f} ms up, {:.0f} ms down", 1e3 * rise, 1e3 * fall)));

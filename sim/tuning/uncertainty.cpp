@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "sim/baseline_entries.hpp"
 #include "sim/seeded_noise.hpp"
@@ -13,7 +15,8 @@ namespace {
 
 constexpr double kCut = 2.0;  // standard deviations
 constexpr int kAttempts = 100;
-constexpr double kAssumed = 0.10;  // of a number whose uncertainty nobody has found out
+constexpr std::uint64_t kTogether = 1'000;  // numbers of the draws that are correlated, behind all others
+constexpr double kAssumed = 0.10;           // of a number whose uncertainty nobody has found out
 constexpr std::array kShapingTheLoop{"eps_film", "V0", "tau_h", "k", "c_s"};
 
 // Calls visit(name, number, low, high, si_per_unit) for each number of the model that a file can hold.
@@ -48,14 +51,42 @@ bool knows_none(const ModelNotes& notes) {
                       [](const auto& entry) { return entry.second.std.value_or(0.0) > 0.0; });
 }
 
+// A matrix A with A A^T = the correlations. What rounding in the file made impossible is left out.
+Eigen::MatrixXd root_of(const Correlations& correlations) {
+  const auto n = static_cast<Eigen::Index>(correlations.values.size());
+  Eigen::MatrixXd C(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      C(i, j) = correlations.between(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(C);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+// Standard normals by name, those that go together drawn together.
+std::map<std::string, double> normals_of(const std::optional<Correlations>& correlations,
+                                         std::uint64_t seed) {
+  std::map<std::string, double> z;
+  if (!correlations) return z;
+  Eigen::VectorXd alone(static_cast<Eigen::Index>(correlations->values.size()));
+  for (Eigen::Index i = 0; i < alone.size(); ++i)
+    alone[i] = normals(seed, kTogether + static_cast<std::uint64_t>(i)).first;
+  const Eigen::VectorXd together = root_of(*correlations) * alone;
+  for (Eigen::Index i = 0; i < alone.size(); ++i)
+    z[correlations->values[static_cast<std::size_t>(i)]] = together[i];
+  return z;
+}
+
 // One stage; the names of what was varied go to `varied`.
 PlantModel drawn(const NotedModel& model, bool assumed, std::uint64_t seed,
                  std::vector<std::string>& varied) {
   PlantModel stage = model.model;
   std::uint64_t number = 0;
   varied.clear();
+  const std::map<std::string, double> together = normals_of(model.notes.correlations, seed);
   for_each_number(stage, [&](const std::string& name, double& value, double low, double high, double unit) {
-    const double z = std::clamp(normals(seed, number++).first, -kCut, kCut);
+    const auto found = together.find(name);
+    const double own = normals(seed, number++).first;
+    const double z = std::clamp(found != together.end() ? found->second : own, -kCut, kCut);
     const double std = deviation(model.notes, assumed, name, value, unit);
     if (std <= 0.0) return;
     value = std::clamp(value + z * std, low, high);

@@ -20,9 +20,10 @@ struct UncertainStages {
 // What a draw must do to be the stage that the model describes.
 using CanBe = std::function<bool(const PlantModel&)>;
 
-// `count` stages, the same for the same seed. Numbers are drawn as independent normals, cut at two standard
-// deviations and at their sensible range. A model file knows no correlations, so that a draw may be a stage
-// that what was measured rules out: can_be says which, and they are drawn again (a hundred times at most).
+// `count` stages, the same for the same seed. Numbers are drawn as normals with the correlations of the file,
+// independent where it has none, cut at two standard deviations and at their sensible range. A draw may still
+// be a stage that what was measured rules out: can_be says which, and they are drawn again (a hundred times
+// at most).
 // Each stage also has a noise of its own.
 UncertainStages uncertain_stages(const NotedModel& model, int count, std::uint64_t seed,
                                  const CanBe& can_be = {});

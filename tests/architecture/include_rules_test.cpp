@@ -116,6 +116,27 @@ TEST(Architecture, EveryRoomIncludesOnlyWhatItMaySee) {
   EXPECT_GT(seen_includes, 200U);
 }
 
+// What runs once a millisecond. The bus has locks of its own; these have none, and write to no log.
+TEST(Architecture, NothingInTheTickLocksOrWritesALog) {
+  const std::regex tick(
+      R"(^(safety|robot/control|robot/messages|drivers/port|drivers/lines)/|_loop\.[ch]pp$|)"
+      R"(^robot/realtime/(tick_clock|latency_histogram)|^drivers/nidaqmx/(nidaqmx_stage|pulse_line))");
+  const std::regex banned(
+      R"(\b(mutex|lock_guard|scoped_lock|unique_lock|condition_variable|semaphore|latch|spdlog|)"
+      R"(printf|fprintf|puts|cout|cerr|clog|syslog|sd_journal\w*)\b|fmt::print)");
+  std::size_t judged = 0;
+  for (const fs::path& file : sources()) {
+    const std::string path = fs::relative(file, kHouse).string();
+    if (!std::regex_search(path, tick) || path.starts_with("robot/app/")) continue;
+    ++judged;
+    for (std::string line : lines_of(file)) {
+      line = line.substr(0, line.find("//"));
+      EXPECT_FALSE(std::regex_search(line, banned)) << path << ": " << line;
+    }
+  }
+  EXPECT_GT(judged, 60U);
+}
+
 TEST(Architecture, SafetyUsesNoClockHeapInputOutputOrException) {
   const std::set<std::string> allowed{"algorithm",   "array",   "bit",         "concepts", "cstddef",
                                       "cstdint",     "cstdlib", "limits",      "numeric",  "span",

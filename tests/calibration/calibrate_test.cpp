@@ -104,6 +104,8 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
   const Calibration found = calibrate(question, {.evaluations = 200});
   EXPECT_NEAR(found.knobs[0].value, kTrueTau, 0.1 * kTrueTau);
   EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
+  for (const KnobFound& knob : found.knobs)
+    EXPECT_LT(knob.std, 0.5 * knob.knob.doubt * knob.value) << knob.knob.name << ": the run says more";
 }
 
 TEST(Calibrate, StaysWithWhatWasKnownWhereNothingSpeaks) {

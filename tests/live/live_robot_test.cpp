@@ -196,14 +196,21 @@ INSTANTIATE_TEST_SUITE_P(Some, TroubledPacketsLiveEventTest,
                                            std::pair("late_200", PacketTrouble{.late = 200})),
                          [](const auto& given) { return given.param.first; });
 
-TEST(LiveRobot, ASecondWriterOfRequestsTrips) {
+// While the needle moves somebody else begins to write what one alone may write.
+template <class Message>
+class SecondWriter : public ::testing::Test {};
+using Commands =
+    ::testing::Types<Measurement, DriveRequest, OperatorAct, SealedPlan, DepthVerdictNote, LogHealth>;
+TYPED_TEST_SUITE(SecondWriter, Commands);
+
+TYPED_TEST(SecondWriter, Trips) {
   verifies("R-11");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
     const auto robot = moving_robot(plain(), gap_case(), folder.path());
     if (!robot) return kNeverMoved;
     app::LiveSession& session = *robot;
-    transport::Writer<DriveRequest> rogue(session.bus());
+    transport::Writer<TypeParam> rogue(session.bus());
     EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
     EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
     return {};

@@ -105,7 +105,7 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   transport::Writer<OperatorAct> acts(bus);
   transport::Writer<LogHealth> log(bus);
   const std::uint64_t tag = planner::plan_tag(plan);
-  plans.write({planner::canonical_bytes(plan), plan.seal, {tag, tag}});
+  plans.write({1, planner::canonical_bytes(plan), plan.seal, {tag, tag}});
   stage.heartbeat().note("a trouble that a person should read, longer than any short string");
   controller.heartbeat().note("a trouble that a person should read, longer than any short string");
   OperatorAct act;

@@ -28,7 +28,7 @@ auto fields(auto& m) {
     return std::tie(m.seq, m.token, m.held, m.stop, m.finish, m.acquiring, m.arm, m.reset,
                     m.patient_motion_um);
   else if constexpr (std::is_same_v<Message, DepthVerdictNote>)
-    return std::tie(m.plan_tag, m.stage, m.accepted);
+    return std::tie(m.seq, m.plan_tag, m.stage, m.accepted);
   else if constexpr (std::is_same_v<Message, LogHealth>)
     return std::tie(m.seq, m.backlog_ms, m.records);
   else if constexpr (std::is_same_v<Message, StageTruth>)
@@ -80,13 +80,15 @@ RC_GTEST_PROP(Codec, BringsBackEveryFieldOfEveryMessage, ()) {
 
 RC_GTEST_PROP(Codec, BringsBackAPlanByteByByte, ()) {
   SealedPlan sent, back;
+  sent.seq = *rc::gen::arbitrary<std::uint32_t>();
   sent.bytes = any_bytes(*rc::gen::inRange<std::size_t>(0, 3'000));
   std::ranges::copy(any_bytes(32), sent.seal.begin());
   sent.confirmed_tag = {*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::arbitrary<std::uint64_t>()};
   biopsy_wire_SealedPlan wire{};
   transport::encode(sent, wire);
   transport::decode(wire, back);
-  RC_ASSERT(back.bytes == sent.bytes && back.seal == sent.seal && back.confirmed_tag == sent.confirmed_tag);
+  RC_ASSERT(back.seq == sent.seq && back.bytes == sent.bytes && back.seal == sent.seal &&
+            back.confirmed_tag == sent.confirmed_tag);
 }
 
 }  // namespace

@@ -53,6 +53,16 @@ TEST(ReproductionHtml, TellsOfEveryMissUnderABarThatIsPassed) {
   EXPECT_EQ(reproduction_html(r).find("missed: "), std::string::npos);
 }
 
+TEST(PaperScore, CountsClosedFormsApartFromThePapersNumbers) {
+  PaperScore score;
+  PaperRow row;
+  row.figure = "2", row.kind = RowKind::AtMost, row.ok = true;
+  score.add(row);
+  EXPECT_EQ(score.numbers, 0U);
+  EXPECT_EQ(score_sentence(score),
+            "0 of 0 of the paper's numbers within their band, trends 0 of 0, closed forms 1 of 1");
+}
+
 TEST(PaperScore, ThreeDigitsThatCountWhateverTheSize) {
   EXPECT_EQ(three_digits(0.08014), "0.0801");
   EXPECT_EQ(three_digits(48.13), "48.1");

@@ -135,6 +135,21 @@ INSTANTIATE_TEST_SUITE_P(
                 "m.toml:3: ", "is not a table"},
         Refused{"DriveOfAnotherKind", "[baseline]\ndrive = \"magnet\"\n", "m.toml:", "`drive`"},
         Refused{"DriveIsANumber", "[baseline]\ndrive = 1\n", "m.toml:2: ", "`drive` is not a text"},
+        Refused{"CorrelationOfAValueWithoutDeviation",
+                "[baseline]\nk = 140\n[correlation]\nvalues = [\"k\"]\nlower = []\n", "m.toml:4",
+                "`k` has no deviation"},
+        Refused{
+            "CorrelationOfTheSameTwice",
+            "[baseline]\nk = { value = 140, std = 3 }\n[correlation]\nvalues = [\"k\", \"k\"]\nlower = [1]\n",
+            "m.toml:4", "stands twice"},
+        Refused{"CorrelationsTooFew",
+                "[baseline]\nk = { value = 140, std = 3 }\ntau = { value = 7, std = 1 }\n[correlation]\n"
+                "values = [\"k\", \"tau\"]\nlower = []\n",
+                "m.toml:6", "0 numbers for 2 values"},
+        Refused{"CorrelationBeyondOne",
+                "[baseline]\nk = { value = 140, std = 3 }\ntau = { value = 7, std = 1 }\n[correlation]\n"
+                "values = [\"k\", \"tau\"]\nlower = [1.5]\n",
+                "m.toml:6", "outside"},
         Refused{"NoToml", "[baseline]\nk = = 3\n", "m.toml:2: ", ""},
         Refused{"TwiceTheSame", "[baseline]\nk = 1\nk = 2\n", "m.toml:3: ", ""}),
     [](const auto& given) { return given.param.name; });

@@ -105,13 +105,21 @@ TEST(ModelText, ReadsBackAsTheSameModelAndNotes) {
 }
 
 TEST(ModelText, KeepsTheShippedModelsAndTheirSources) {
-  for (const char* name : {"baseline.toml", "rehearsal.toml"}) {
+  for (const char* name : {"baseline.toml", "rehearsal.toml", "calibrated.toml"}) {
     const NotedModel shipped = read_noted_model(models_folder() / name);
     const std::string text = model_toml(shipped.model, shipped.notes);
     const NotedModel again = parse_noted_model(text, "m.toml");
     expect_same(shipped.model, again.model, text);
     EXPECT_EQ(shipped.notes, again.notes);
   }
+}
+
+TEST(ModelText, LeavesCorrelationsOutOnceADeviationIsGone) {
+  NotedModel shipped = read_noted_model(models_folder() / "calibrated.toml");
+  ASSERT_TRUE(shipped.notes.correlations);
+  shipped.notes.values.at("tau").std.reset();
+  const std::string text = model_toml(shipped.model, shipped.notes);
+  EXPECT_FALSE(parse_noted_model(text, "m.toml").notes.correlations);
 }
 
 // What was given in people's units is written as it was typed; (7.85 * 1e-3) / 1e-3 is 7.849999999999999.

@@ -111,6 +111,23 @@ TEST(Uncertainty, ScattersAsTheFileSaysAndLeavesTheRestAlone) {
   EXPECT_FALSE(drawn.assumed);
 }
 
+TEST(Uncertainty, DrawsTogetherWhatGoesTogether) {
+  NotedModel model = damped();
+  model.notes.values["k"] = {5.0, "test"};
+  model.notes.values["tau"] = {0.5, "test"};
+  model.notes.values["c_s"] = {0.02, "test"};
+  model.notes.correlations = Correlations{{"k", "tau"}, {-0.9}};
+  const UncertainStages drawn = uncertain_stages(model, 2000, 1);
+  double k_tau = 0.0, k_c = 0.0, k_k = 0.0;
+  for (const PlantModel& stage : drawn.stages) {
+    const Baseline &b = stage.baseline, &m = model.model.baseline;
+    const double k = (b.k - m.k) / 5.0, tau = (b.tau - m.tau) / 0.5, c = (b.c_s - m.c_s) / 0.02;
+    k_tau += k * tau, k_c += k * c, k_k += k * k;
+  }
+  EXPECT_NEAR(k_tau / k_k, -0.9, 0.05);
+  EXPECT_NEAR(k_c / k_k, 0.0, 0.08) << "what no correlation is known of is independent";
+}
+
 TEST(Uncertainty, DrawsAgainWhatCannotBeTheStage) {
   NotedModel model = damped();
   model.notes.values["k"] = {20.0, "test"};
