@@ -140,6 +140,10 @@ Measured emergency_stop(Rig& rig, Person& person) {
 }
 
 std::vector<Step> listed() {
+  const std::vector<Limit> half_limits{
+      {"voltage before", "kV", 0.28, 0.32, "without voltage nothing is shown"},
+      {"time until it is gone", "ms", 3.0, 23.0,
+       "20 ms after the last pulse, a tick before and after, one of jitter"}};
   return {
       {"wiring at 0 V",
        "Patient and needle are away. The amplifier's high voltage is OFF. Laser, monitors, command and "
@@ -176,17 +180,10 @@ std::vector<Step> listed() {
         {"largest distance from the line", "kV", 0.0, 0.01, "monitor and command are one straight line"},
         {"largest current while the voltage stands", "mA", 0.0, 0.25, "a sound stack takes next to nothing"}},
        monitor_gain},
-      {"interlock",
-       "Both halves of the interlock are fed. The driver will stop its pulse at 0.3 kV.",
-       {{"voltage before", "kV", 0.28, 0.32, "without voltage nothing is shown"},
-        {"time until it is gone", "ms", 3.0, 23.0,
-         "20 ms after the last pulse, a tick before and after, one of jitter"}},
-       drivers_half},
+      {"interlock", "Both halves of the interlock are fed. The driver will stop its pulse at 0.3 kV.",
+       half_limits, drivers_half},
       {"interlock, supervisor's half",
-       "Both halves of the interlock are fed. The supervisor will stop its pulse at 0.3 kV.",
-       {{"voltage before", "kV", 0.28, 0.32, "without voltage nothing is shown"},
-        {"time until it is gone", "ms", 3.0, 23.0,
-         "20 ms after the last pulse, a tick before and after, one of jitter"}},
+       "Both halves of the interlock are fed. The supervisor will stop its pulse at 0.3 kV.", half_limits,
        supervisors_half},
       {"emergency stop",
        "The emergency stop is released.",

@@ -23,6 +23,7 @@ class Interlock final : public port::PulseOutput {
     lines_.pulse();
     if (copper_) copper_->pulse();
   }
+  bool failed() const { return copper_ && copper_->failed(); }
 
  private:
   lines::SupervisorLines lines_;
@@ -38,6 +39,8 @@ void supervise(const std::filesystem::path& run_folder) {
   process.start_ticking();
   while (!process.stop_asked()) {
     loop.turn();
+    if (interlock.failed())
+      loop.heartbeat().note("the board of the supervisor's pulse failed: the interlock is open");
     process.stroke_watchdog(realtime::monotonic_ns() / 1000);
   }
 }

@@ -16,8 +16,8 @@ struct PaperScore {
   std::size_t theory = 0, theory_ok = 0;  // closed forms against the simulation: no numbers of the paper
 
   void add(const PaperRow& row);
-  // Nine of ten: of the numbers within their band, and of the trends exactly as stated.
-  bool passes() const { return 10 * numbers_ok >= 9 * numbers && 10 * trends_ok >= 9 * trends; }
+  // Nine numbers of ten within their band, and every trend as stated.
+  bool passes() const { return 10 * numbers_ok >= 9 * numbers && trends_ok == trends; }
 };
 
 PaperScore score_of(const PaperFigure& figure);

@@ -104,7 +104,7 @@ std::string bar_text(const PaperScore& score) {
       "missed: {} of {} numbers, {} of {} trends; each says why in its row.",
       score.numbers - score.numbers_ok, score.numbers, score.trends - score.trends_ok, score.trends);
   const bool none = score.numbers_ok == score.numbers && score.trends_ok == score.trends;
-  const std::string bar = "nine of ten of the numbers within their band, and of the trends exactly as stated";
+  const std::string bar = "nine numbers of ten within their band, and every trend as stated";
   if (score.passes())
     return "✓ The bar is passed: " + bar + (none ? "." : ". <span class=\"alarm\">■ " + missed + "</span>");
   return "<span class=\"alarm\">■ The bar is not passed: " + bar + "; " + missed + "</span>";

@@ -13,23 +13,17 @@ std::uint64_t allocations_on_this_thread();
 // Of them, those by operator new: by code in C++, not by C libraries that it calls.
 std::uint64_t news_on_this_thread();
 
-class NewCount {
- public:
-  NewCount() : before_(news_on_this_thread()) {}
-  std::uint64_t so_far() const { return news_on_this_thread() - before_; }
-
- private:
-  std::uint64_t before_;
-};
-
 // Counts from its construction.
-class AllocationCount {
+template <std::uint64_t (*kSoFar)()>
+class Count {
  public:
-  AllocationCount() : before_(allocations_on_this_thread()) {}
-  std::uint64_t so_far() const { return allocations_on_this_thread() - before_; }
+  Count() : before_(kSoFar()) {}
+  std::uint64_t so_far() const { return kSoFar() - before_; }
 
  private:
   std::uint64_t before_;
 };
+using AllocationCount = Count<allocations_on_this_thread>;
+using NewCount = Count<news_on_this_thread>;
 
 }  // namespace biopsy::realtime
