@@ -44,12 +44,12 @@ TEST(Stage, MayMissTwoPeriodsWithinAHundredTicksAndNotThree) {
     return bench.watch.miss_score;
   };
   EXPECT_EQ(score_after(1), 0);
-  EXPECT_EQ(score_after(749), 0);
-  EXPECT_EQ(score_after(1'749), 0) << "late, and the next tick still had its own period";
-  EXPECT_EQ(score_after(1'750), 99);
-  EXPECT_EQ(score_after(2'749), 99);
-  EXPECT_EQ(score_after(2'750), 199);
-  EXPECT_EQ(score_after(3'750), 399) << "three at once";
+  EXPECT_EQ(score_after(899), 0);
+  EXPECT_EQ(score_after(1'899), 0) << "late, and the next tick still had its own period";
+  EXPECT_EQ(score_after(1'900), 99);
+  EXPECT_EQ(score_after(2'899), 99);
+  EXPECT_EQ(score_after(2'900), 199);
+  EXPECT_EQ(score_after(3'900), 399) << "three at once";
   EXPECT_EQ(score_after(5'000), 399);
   EXPECT_EQ(score_after(5'001), 0) << "a jump of the clock says nothing of periods";
   Bench bench;
