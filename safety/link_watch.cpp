@@ -30,12 +30,6 @@ void count_missed(LinkWatch& watch, std::uint32_t missed) {
                          : std::min(watch.miss_score + static_cast<std::int32_t>(missed) * kMiss, kMissMax);
 }
 
-// Periods that the stage let go by in a sound step of its clock.
-constexpr std::uint32_t periods_missed(std::int64_t step_us) {
-  const std::int64_t ticks = (step_us + kStageSoonest_us) / kStagePeriod_us;
-  return static_cast<std::uint32_t>(std::max<std::int64_t>(ticks, 1) - 1);
-}
-
 struct Arrival {
   bool fresh = false;
   HazardSet found = 0;
@@ -49,7 +43,7 @@ Arrival look_at_measurement(LinkWatch& watch, const Observation& seen) {
   const bool in_order = m.seq == watch.seq + 1;
   const bool follows = fresh && in_order && watch.seq != 0;
   const bool jumped = follows && !is_sound_step(watch.stage_us, m.time_us);
-  if (follows && !jumped) count_missed(watch, periods_missed(m.time_us - watch.stage_us));
+  if (follows && !jumped && m.time_us - watch.stage_us >= kStageLate_us) count_missed(watch, 1);
   if (!again) watch.order_score = scored(watch.order_score, in_order);
   if (fresh) watch.seq = m.seq, watch.stage_us = m.time_us;
   watch.stale_ticks = counted(watch.stale_ticks, !fresh, kStale_ticks + 1);
