@@ -10,7 +10,7 @@ namespace biopsy::realtime {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kClosest = 10;  // ticks are at least a period / kClosest apart
+constexpr std::int64_t kClosest = 4;  // ticks are at least a period / kClosest apart
 
 void sleep_until(std::int64_t due_ns) {
   const timespec due{due_ns / kSecond_ns, due_ns % kSecond_ns};

@@ -19,7 +19,7 @@ struct Wake {
 // When ticks are due. Arithmetic only, so that a test can stall it as it likes.
 //
 // Ticks lie on a grid of whole periods. A late tick is done at once; the next is the first grid point at
-// least a tenth of a period after it. So a stall is followed by one late tick and no burst, and two ticks
+// least a quarter of a period after it. So a stall is followed by one late tick and no burst, and two ticks
 // never come so close that a clock in microseconds could call it no time at all.
 class TickSchedule {
  public:

@@ -34,11 +34,11 @@ TEST(TickSchedule, GoesOnAtTheNextWholePeriodAfterAStallAndSaysHowManyWereMissed
   EXPECT_EQ(schedule.due_ns(), kFirst + 5 * kPeriod);
 }
 
-TEST(TickSchedule, SkipsATickThatWouldFollowCloserThanATenthOfAPeriod) {
+TEST(TickSchedule, SkipsATickThatWouldFollowCloserThanAQuarterPeriod) {
   TickSchedule just_in_time(kFirst, kPeriod), too_late(kFirst, kPeriod);
-  EXPECT_EQ(just_in_time.woke(kFirst + 900'000).missed, 0);
+  EXPECT_EQ(just_in_time.woke(kFirst + 750'000).missed, 0);
   EXPECT_EQ(just_in_time.due_ns(), kFirst + kPeriod);
-  EXPECT_EQ(too_late.woke(kFirst + 900'001).missed, 1);
+  EXPECT_EQ(too_late.woke(kFirst + 750'001).missed, 1);
   EXPECT_EQ(too_late.due_ns(), kFirst + 2 * kPeriod);
 }
 
@@ -52,7 +52,7 @@ TEST(TickSchedule, DoesNotTickTwiceWhenItIsWokenTooSoon) {
 TEST(TickSchedule, HoldsItsRulesOverRandomStallsAndLongTicks) {
   std::mt19937_64 random(3);
   std::exponential_distribution<double> work(1.0 / 400'000), stall(1.0 / 5'000'000);
-  for (const std::int64_t period : {1'000'000L, 500'000L, 333'330L, 20L}) {
+  for (const std::int64_t period : {1'000'000L, 500'000L, 333'333L, 7L}) {
     TickSchedule schedule(kFirst, period);
     std::int64_t now = kFirst - period, ticks = 0, missed = 0, before = now - period;
     for (int i = 0; i < 20'000; ++i) {
@@ -60,10 +60,10 @@ TEST(TickSchedule, HoldsItsRulesOverRandomStallsAndLongTicks) {
       if (i % 50 == 0) now += static_cast<std::int64_t>(stall(random));
       const Wake wake = schedule.woke(now);
       ++ticks, missed += wake.missed;
-      ASSERT_GE(10 * (wake.woke_ns - before), period) << "two ticks in a burst";
+      ASSERT_GE(4 * (wake.woke_ns - before), period) << "two ticks in a burst";
       ASSERT_EQ(schedule.due_ns(), kFirst + (ticks + missed) * period) << "every period is a tick or a miss";
       ASSERT_GT(schedule.due_ns(), now);
-      ASSERT_LE(schedule.due_ns() - now, period + period / 10 + 1) << "later than need be";
+      ASSERT_LE(schedule.due_ns() - now, period + period / 4 + 1) << "later than need be";
       before = now;
       now += static_cast<std::int64_t>(work(random));
     }

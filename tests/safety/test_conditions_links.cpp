@@ -163,7 +163,7 @@ TEST(Stage, ThatDoesNotHoldItsRateIsStoppedWithAVoltageRamp) {
   verifies("R-24");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  rig.on_measurement = [late = std::int64_t{0}](Measurement& m) mutable { m.time_us += late += 900; };
+  rig.on_measurement = [late = std::int64_t{0}](Measurement& m) mutable { m.time_us += late += 800; };
   EXPECT_LE(rig.ticks_until([&] { return rig.state.reason == Hazard::LoopOverrun; }, 10), 3);
   EXPECT_EQ(rig.state.mode, Mode::Retract);
 }

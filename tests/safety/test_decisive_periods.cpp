@@ -44,8 +44,8 @@ TEST(Stage, MayLeaveOutPeriodsTwiceWithinAHundredTicksAndNotThreeTimes) {
     return bench.watch.miss_score;
   };
   EXPECT_EQ(score_after(1), 0);
-  EXPECT_EQ(score_after(1'899), 0) << "late, and the next tick still had its own period";
-  EXPECT_EQ(score_after(1'900), 99);
+  EXPECT_EQ(score_after(1'749), 0) << "late, and the next tick still had its own period";
+  EXPECT_EQ(score_after(1'750), 99);
   EXPECT_EQ(score_after(5'000), 99) << "one stall, however long: that is R-18's";
   EXPECT_EQ(score_after(5'001), 0) << "a jump of the clock says nothing of periods";
   Bench bench;
