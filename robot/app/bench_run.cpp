@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <utility>
+
 #include "planner/seal.hpp"
 #include "robot/app/supervised_stage.hpp"
 #include "robot/live/plan_facts.hpp"
@@ -18,13 +21,15 @@ constexpr std::int64_t kToldEvery_ticks = 500;
 // The person at the bench, as a script.
 class BenchOperator {
  public:
-  // `by_hand`: the arm key is a real one.
-  explicit BenchOperator(bool by_hand) : by_hand_(by_hand) {}
+  // `by_hand`: the arm key is a real one. `rest_ticks`: at 0 V before anything is asked for.
+  BenchOperator(bool by_hand, std::int64_t rest_ticks)
+      : by_hand_(by_hand), rest_ticks_(rest_ticks), rested_(rest_ticks <= 0) {}
 
   // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold.
   World act(const Tick& seen, bool played, bool holds) {
     watch(seen, played, holds);
     ++waited_;
+    rested_ = rested_ || (step_ == Step::WaitReady && waited_ >= rest_ticks_);
     World world;
     world.bench_confirmed = true;
     world.arm = step_ == Step::Arm;
@@ -32,6 +37,12 @@ class BenchOperator {
     world.finish = step_ == Step::Withdraw;
     return world;
   }
+  void stop() {
+    if (step_ == Step::Withdraw || step_ == Step::Done) return;
+    stopped_because_ = "by hand";
+    go(Step::Withdraw);
+  }
+  bool rested() const { return rested_; }  // never, where it was stopped before
   bool running() const { return step_ == Step::Run; }
   bool done() const { return step_ == Step::Done; }
   const std::string& stopped_because() const { return stopped_because_; }
@@ -59,8 +70,9 @@ class BenchOperator {
     const bool off = mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock;
     switch (step_) {
       case Step::WaitReady:
-        if (mode == Mode::Ready && waited_ > kThink_ticks) return go(Step::Arm);
-        if (mode == Mode::Trip || mode == Mode::Lock || waited_ > kReadyMax_ticks) give_up(seen);
+        if (mode == Mode::Ready && rested() && waited_ > kThink_ticks) return go(Step::Arm);
+        if (mode == Mode::Trip || mode == Mode::Lock || waited_ > rest_ticks_ + kReadyMax_ticks)
+          give_up(seen);
         return;
       case Step::Arm:
         if (mode == Mode::Armed && waited_ > kThink_ticks) return go(Step::Run);
@@ -80,6 +92,8 @@ class BenchOperator {
   }
 
   bool by_hand_;
+  std::int64_t rest_ticks_;
+  bool rested_;
   Step step_ = Step::WaitReady;
   std::int64_t waited_ = 0;
   std::string stopped_because_;
@@ -106,10 +120,13 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   result.recorded.name = run.name;
   result.recorded.file = "run-" + run.name + ".csv";
   result.recorded.weight = run.weight.value * 1e-3;
-  BenchOperator person(static_cast<bool>(bench.keys));
+  BenchOperator person(static_cast<bool>(bench.keys), std::llround(bench.rest / Seconds(kTick)));
   control::ProgramState state;
   Tick seen;
-  for (bool played = false; !person.done();) {
+  for (bool played = false, told = false; !person.done();) {
+    if (bench.stop && bench.stop()) person.stop();
+    if (person.rested() && !std::exchange(told, true) && bench.rested) bench.rested();
+    const bool recorded = person.rested();
     World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick);
     if (bench.keys) {
       const BenchKeys keys = bench.keys();
@@ -125,8 +142,8 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
     });
     if (bench.supervisor_pulse != nullptr && seen.supervisor.interlock_pulse) bench.supervisor_pulse->pulse();
     played = played || control::is_played(run.program, state);
-    record(result.recorded, seen, push_N);
-    if (result.stopped_s == 0.0 && !person.stopped_because().empty())
+    if (recorded) record(result.recorded, seen, push_N);
+    if (result.stopped_s == 0.0 && !person.stopped_because().empty() && !result.recorded.time.empty())
       result.stopped_s = result.recorded.time.back();
     if (stage.ticks() % kToldEvery_ticks == 0) bench.played(state.ticks / static_cast<double>(length));
   }

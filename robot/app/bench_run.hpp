@@ -25,15 +25,19 @@ struct BenchKeys {
 };
 
 struct Bench {
-  port::NeedleStage& stage;                       // at rest and discharged
+  port::NeedleStage& stage;                       // at rest, and discharged once it has rested
   std::function<void(double)> push;               // N on plate A, from the next voltage on
   std::function<void(double)> played;             // told now and then which share of the program
   std::function<BenchKeys()> keys = {};           // turned by hand; none: the script turns them
   port::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; none: there is none
+  Seconds rest{0.0};                              // at 0 V beforehand, until what an earlier run left is gone
+  std::function<void()> rested = {};              // told when that is over
+  std::function<bool()> stop = {};                // somebody wants it to end: withdraws as at any stop
 };
 
 // Arms, holds the button while the program plays, then withdraws; gives up at whatever ends the motion before
-// the program does. Recorded from the first tick to the last, with the voltage that the gate really put out.
+// the program does. Recorded from the end of the rest to the last tick, with the voltage that the gate really
+// put out.
 // `plan`: made for this run by planner::plan_bench. `config_tag` is never 0.
 BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag, const Bench& bench);
 

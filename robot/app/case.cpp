@@ -109,6 +109,10 @@ std::vector<std::string> built_in_cases() {
   return names;
 }
 
+std::vector<fs::path> files_of(const Case& given) {
+  return {given.image, given.labels, given.fiducials, given.rehearsal.model, given.rehearsal.tissues};
+}
+
 bool has_points(const Case& given) {
   return given.phantom || (given.p_SE && given.p_ST);
 }

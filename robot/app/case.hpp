@@ -42,6 +42,9 @@ struct Case {
   std::uint64_t seed = 1;
 };
 
+// What it reads beside itself; empty paths where it names none.
+std::vector<std::filesystem::path> files_of(const Case& given);
+
 // Whether it says where to go; otherwise a person picks both points on the image.
 bool has_points(const Case& given);
 

@@ -2,7 +2,9 @@
 // set.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <memory>
 #include <variant>
@@ -13,10 +15,13 @@
 #include "robot/app/commands.hpp"
 #include "robot/app/experiments.hpp"
 #include "robot/app/hardware_stage.hpp"
+#include "robot/app/live_options.hpp"
 #include "robot/app/progress.hpp"
 #include "robot/app/run_folder.hpp"
 #include "robot/keys/key_files.hpp"
 #include "robot/messages/setup_error.hpp"
+#include "robot/realtime/become_realtime.hpp"
+#include "robot/realtime/stop_signals.hpp"
 #include "robot/report/bench_report.hpp"
 #include "robot/report/whole_file.hpp"
 #include "sim/devices/sim_stage.hpp"
@@ -27,6 +32,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kRest_taus = 7.0;    // leaves a thousandth of the films' charge
+constexpr double kMoved_mm = 1.0;     // a run that expects less does not lift
+constexpr double kAtRest_mm = 0.2;    // between two runs' beginnings: ten times the laser's noise
 constexpr double kLentNoise = 10e-6;  // m, laser of the 10 um class; without noise R-19 takes it for frozen
 
 struct Session {
@@ -84,14 +92,6 @@ Session prepared(const CharacteriseOptions& options) {
     session.plans.push_back(std::get<Plan>(std::move(plan)));
   }
   return session;
-}
-
-// The folder for the data is cleared: the model must not lie in it.
-void keep_apart(const fs::path& model, const fs::path& out) {
-  std::error_code ignored;
-  if (fs::equivalent(fs::absolute(model).parent_path(), out, ignored))
-    throw SetupError("the model lies where the data shall go", model.string(),
-                     "copy it to another place, or give --out another folder");
 }
 
 // What will happen, before it happens.
@@ -169,27 +169,47 @@ std::string title_of(const report::BenchRecord& record) {
 
 // One run on a new simulated stage: at rest, discharged, its films recovered.
 BenchResult run_simulated(const Session& session, std::size_t i, const CharacteriseOptions& options,
-                          const std::function<void(double)>& show) {
+                          const std::function<void(double)>& show, realtime::StopSignals& signals) {
   const BenchRun& run = session.runs[i];
   sim::PlantModel model = session.model;
   model.weight = run.weight.value * 1e-3;
   sim::SimStage stage(model, options.seed + i);
   return run_on_bench(run, session.plans[i], 1 + options.seed,
-                      {stage, [&](double force_N) { stage.push(force_N); }, show});
+                      {.stage = stage,
+                       .push = [&](double force_N) { stage.push(force_N); },
+                       .played = show,
+                       .stop = [&] { return signals.came(); }});
 }
 
-// One run on the laboratory's stage: somebody turns the arm key for each.
+// One run on the laboratory's stage, which is the same for all runs: the films' charge leaks away first. Then
+// somebody puts the weight on and turns the arm key.
 BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::NidaqmxStage& hardware,
-                            const CharacteriseOptions& options, const std::function<void(double)>& show) {
-  fmt::print("{}: turn the arm key when the stage is clear\n", session.runs[i].name);
+                            const CharacteriseOptions& options, const std::function<void(double)>& show,
+                            realtime::StopSignals& signals) {
+  const BenchRun& run = session.runs[i];
+  const Seconds rest(i == 0 ? 0.0 : kRest_taus * session.model.baseline.tau);
+  if (rest > Seconds(0.0))
+    fmt::print("{}: at 0 V for {:.0f} s, until the films are discharged\n", run.name, rest.count());
+  const auto ask = [&] {
+    fmt::print("{}: put {:.0f} g on the fixture, clear the stage, then turn the arm key\n", run.name,
+               run.weight.value);
+    std::fflush(stdout);
+  };
   PacedStage stage(hardware);
   nidaqmx::PulseLine supervisors_half(nidaqmx::read_config(options.device_config));
   const auto keys = [&] {
     const nidaqmx::Panel& panel = hardware.panel();
     return BenchKeys{panel.arm, panel.estop_a_closed && panel.estop_b_closed};
   };
-  return run_on_bench(session.runs[i], session.plans[i], 1 + options.seed,
-                      {stage, [](double) {}, show, keys, &supervisors_half});
+  return run_on_bench(run, session.plans[i], 1 + options.seed,
+                      {.stage = stage,
+                       .push = [](double) {},
+                       .played = show,
+                       .keys = keys,
+                       .supervisor_pulse = &supervisors_half,
+                       .rest = rest,
+                       .rested = ask,
+                       .stop = [&] { return signals.came(); }});
 }
 
 std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& options) {
@@ -198,13 +218,45 @@ std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& op
                             keys::signing_files(keys, keys::Signer::Commissioning).public_key);
 }
 
+// Where plate A stood before the first voltage. mm
+double began_at(const report::BenchRunRecord& run) {
+  double sum = 0.0;
+  std::size_t rest = 0;
+  while (rest < run.drive_kV.size() && run.drive_kV[rest] == 0.0) sum += run.displacement_mm[rest++];
+  return sum / static_cast<double>(std::max<std::size_t>(rest, 1));
+}
+
+// What a reader of the data has to know of the last run.
+void add_notes(report::BenchRecord& record) {
+  const report::BenchRunRecord& run = record.runs.back();
+  const double began = began_at(run), first = began_at(record.runs.front());
+  if (std::abs(began - first) > kAtRest_mm)
+    record.notes.push_back(
+        fmt::format("{} began {:+.2f} mm from where {} began: something has stayed of what was done before.",
+                    run.name, began - first, record.runs.front().name));
+  if (!run.stopped_because.empty() || run.expected_mm < kMoved_mm) return;
+  const double travel = *std::max_element(run.displacement_mm.begin(), run.displacement_mm.end()) - began;
+  if (travel < 0.3 * run.expected_mm)
+    record.notes.push_back(
+        fmt::format("{} lifted {:.2f} mm where the nominal stage lifts {:.1f} mm: friction or a weaker stack "
+                    "has the better of "
+                    "these voltages, and the run says little about the rest.",
+                    run.name, travel, run.expected_mm));
+  if (travel > 1.5 * run.expected_mm)
+    record.notes.push_back(
+        fmt::format("{} lifted {:.2f} mm where the nominal stage lifts {:.1f} mm: look whether {:.0f} g lay "
+                    "on the fixture.",
+                    run.name, travel, run.expected_mm, run.weight_g));
+}
+
 // `hardware`: null for the simulated stage.
 report::BenchRecord carried_out(const Session& session, const CharacteriseOptions& options,
-                                nidaqmx::NidaqmxStage* hardware) {
+                                nidaqmx::NidaqmxStage* hardware, realtime::StopSignals& signals) {
   ProgressLine line;
   report::BenchRecord record;
   record.device = hardware ? hardware->product() : "simulated stage";
-  record.model = session.model_file.string();
+  record.simulated = hardware == nullptr;
+  if (record.simulated) record.model = session.model_file.string();
   record.notes = session.notes;
   record.planned_runs = session.runs.size();
   sim::Dataset dataset;
@@ -213,9 +265,15 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     const auto show = [&](double share) {
       line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()), run.name);
     };
-    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show)
-                                        : run_simulated(session, i, options, show);
+    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show, signals)
+                                        : run_simulated(session, i, options, show, signals);
+    if (result.recorded.time.empty()) {
+      record.notes.push_back(
+          fmt::format("{} was stopped before it began: {}.", run.name, result.stopped_because));
+      break;
+    }
     record.runs.push_back(record_of(run, result));
+    add_notes(record);
     record.title = dataset.title = title_of(record);
     dataset.runs.push_back(result.recorded);
     dataset.sensor_noise = noise_at_rest(dataset.runs);
@@ -230,9 +288,11 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
 }  // namespace
 
 int characterise(const CharacteriseOptions& options) {
+  realtime::StopSignals signals;  // Ctrl-C withdraws, and what was recorded is stored
   const Session session = prepared(options);
   if (options.dry_run) {
     print_intention(session);
+    for (const std::string& note : session.notes) fmt::print("{}\n", note);
     fmt::print("nothing was moved\n");
     return 0;
   }
@@ -241,10 +301,13 @@ int characterise(const CharacteriseOptions& options) {
   if (!options.bench)
     throw SetupError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
                      "look at what would be done with --dry-run; then clear the stage and add --bench");
-  keep_apart(session.model_file, options.out);
+  const Inputs inputs{session.model_file, options.device_config, options.commissioning, options.keys};
+  keep_apart(options.out, inputs);
   const auto hardware = is_real(options) ? hardware_of(options) : nullptr;
-  claim_run_folder(options.out);
-  const report::BenchRecord record = carried_out(session, options, hardware.get());
+  claim_run_folder(options.out, inputs);
+  if (hardware)
+    fmt::print("{}\n", realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
+  const report::BenchRecord record = carried_out(session, options, hardware.get(), signals);
   fmt::print("{}\ndata set: {}\nreport:   {}\n", report::bench_console(record), options.out.string(),
              (options.out / "report.html").string());
   const bool complete =

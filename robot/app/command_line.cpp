@@ -148,7 +148,8 @@ void add_characterise(CLI::App& app, CharacteriseOptions& options, int& code) {
   command->add_option("--model", options.model,
                       "model of the simulated stage (TOML); default: sim/models/rehearsal.toml");
   command->add_option("--weight-g", options.weight_g, "weight on the fixture, g (default 50)");
-  command->add_option("--seed", options.seed, "seed of the simulated stage's noise");
+  command->add_option("--seed", options.seed, "seed of the simulated stage's noise")
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--dry-run", options.dry_run, "say what would be done; nothing moves");
   command->add_flag("--bench", options.bench, "I confirm: no patient, no needle");
   command->add_option("--out", options.out, "folder for the data set");

@@ -82,7 +82,7 @@ struct CalibrateOptions {
   std::filesystem::path model;  // empty: sim/models/calibrated.toml
   std::filesystem::path out;
   std::vector<std::filesystem::path> data;  // measured runs that count beside the paper's rows
-  int evaluations = 600;
+  int evaluations = 0;                      // of each search; 0: 600, or 1600 from nominal values
   std::uint64_t seed = 1;
   bool from_nominal = false;  // begin at what was known beforehand, not at earlier answers
 };
@@ -113,7 +113,7 @@ int safety_case(const SafetyCaseOptions& options);
 
 struct TuneOptions {
   std::filesystem::path model, out;  // model empty: sim/models/calibrated.toml; out empty: no files
-  int stages = 8;                    // that the model's uncertainty leaves room for
+  int stages = 24;                   // that the model's uncertainty leaves room for
   std::uint64_t seed = 1;
 };
 

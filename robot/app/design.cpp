@@ -28,7 +28,7 @@ int design(const DesignOptions& options) {
   if (model.baseline.drive != sim::Drive::Stack)
     throw SetupError("this model has no stack of pouches (drive = \"force\")", file.string(),
                      "give the model of a stage that voltage drives");
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, {file});
   const std::string name = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
   const DesignStudy study = studied(model, name, options.seed);
   report::save_design(study, options.out);

@@ -24,21 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored);
-}
-
-// The folder for the answer is cleared: neither question may lie in it.
-void keep_apart(const GapOptions& options) {
-  if (same_file(options.dataset, options.out))
-    throw SetupError("the data set lies where the answer shall go", options.out.string(),
-                     "give --out another folder");
-  if (same_file(options.model, options.out / "model.toml"))
-    throw SetupError("the model lies where the answer shall go", options.model.string(),
-                     "copy it to another place, or give --out another folder");
-}
-
 // Before anything is cleared or written: whatever the search would refuse.
 void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, const GapOptions& options) {
   sim::gap::baseline_hypothesis(model, options.free);
@@ -140,9 +125,8 @@ int gap(const GapOptions& options) {
   sim::Dataset dataset = sim::read_dataset(options.dataset, given.model.baseline.drive);
   dataset.title = title_of(dataset, options.dataset);
   refuse_unusable(dataset, given.model, options);
-  keep_apart(options);
   if (options.accept) refuse_unless_replaceable(options.model);
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, {options.dataset, options.model});
   const GapFinding finding = compared(options, dataset, given);
   report::save_gap(finding, options.out);
   fmt::print("{}", report::gap_console(finding));

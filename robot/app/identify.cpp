@@ -10,6 +10,7 @@
 #include "robot/app/commands.hpp"
 #include "robot/app/run_folder.hpp"
 #include "robot/messages/setup_error.hpp"
+#include "robot/report/study_html.hpp"
 #include "robot/report/whole_file.hpp"
 #include "sim/model_text.hpp"
 
@@ -94,25 +95,55 @@ void print(const sim::IdentifiedCircuit& found) {
   for (const std::string& warning : found.warnings) fmt::print("warning: {}\n", warning);
 }
 
+report::StudyPage page_of(const sim::IdentifiedCircuit& found, const std::string& title) {
+  report::StudyPage page;
+  page.title = "R, C1 and C2 from the current";
+  page.sentence = found.R.known
+                      ? fmt::format("C1 {:.3g} nF, C2 {:.3g} nF, R {:.3g} GOhm.", 1e9 * found.C1.value,
+                                    1e9 * found.C2.value, 1e-9 * found.R.value)
+                      : fmt::format("Only C1 K, {:.3g} nF, and tau, {:.3g} s, can be told.",
+                                    1e9 * found.decay_charge.value, found.tau.value);
+  page.doubted = !found.warnings.empty();
+  page.remarks = found.warnings;
+  page.remarks.push_back(
+      fmt::format("From {}. Noise of the monitor {:.3g} uA a sample; what is left over is {:.2f} times that. "
+                  "The pictures leave out "
+                  "the steps themselves, whose charge is far above the decay.",
+                  title, 1e6 * found.noise, found.misfit));
+  report::StudyTable values{"Values", {"", ">Value", ">95 % interval", "Unit", "What"}, {}};
+  for (const ShownValue& v : shown_values(found)) {
+    const double unit = v.si_per_unit;
+    values.rows.push_back({v.name, v.value.known ? fmt::format("{:.4g}", v.value.value / unit) : "–",
+                           v.value.known
+                               ? fmt::format("{:.4g} to {:.4g}", v.value.low / unit, v.value.high / unit)
+                               : "not identifiable",
+                           v.unit, v.meaning});
+  }
+  report::StudyTable runs{"Runs", {"Run", ">Steps", ">After the first, s", ">Offset of the monitor, uA"}, {}};
+  for (const sim::CircuitRun& run : found.runs)
+    runs.rows.push_back({run.name, fmt::format("{}", run.steps), fmt::format("{:.1f}", run.after_step),
+                         fmt::format("{:.3g} ± {:.1g}", 1e6 * run.offset, 1e6 * run.offset_std)});
+  page.tables = {values, runs};
+  page.panels = found.panels;
+  return page;
+}
+
 }  // namespace
 
 int identify(const IdentifyOptions& options) {
   const fs::path model = options.model.empty() ? resources() / "sim/models/baseline.toml" : options.model;
-  std::error_code ignored;
-  if (fs::equivalent(model, options.out / "model.toml", ignored))
-    throw SetupError("the model lies where the answer shall go", model.string(),
-                     "copy it to another place, or give --out another folder");
   const sim::NotedModel noted = sim::read_noted_model(model);
   const sim::Dataset dataset = sim::read_dataset(options.dataset, sim::Drive::Stack);
   const sim::IdentifiedCircuit found = sim::identify_circuit(dataset, options.dataset.string());
   const std::string title = dataset.title.empty() ? options.dataset.filename().string() : dataset.title;
   const std::string text = model_text(noted, found, "current in " + title);
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, {model, options.dataset});
   report::write_whole_file(options.out / "model.toml", text);
   report::write_whole_file(options.out / "identify.json", json_text(found));
   print(found);
-  fmt::print("\nvalues: {}\nmodel:  {}\n", (options.out / "identify.json").string(),
-             (options.out / "model.toml").string());
+  report::write_whole_file(options.out / "report.html", report::study_html(page_of(found, title)));
+  fmt::print("\nreport: {}\nvalues: {}\nmodel:  {}\n", (options.out / "report.html").string(),
+             (options.out / "identify.json").string(), (options.out / "model.toml").string());
   return 0;
 }
 

@@ -58,7 +58,7 @@ void finish(report::RunRecord& record, const PreparedCase& prepared, const fs::p
 int dry_run(const ProcedureOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Case given = case_of(options);
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, files_of(given));
   ProgressLine line;
   line.show(-1.0, "reading the image and planning");
   const PreparedCase prepared = prepare(given, options.out);
@@ -77,7 +77,7 @@ int dry_run(const ProcedureOptions& options) {
 int plan(const ProcedureOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Case given = case_of(options);
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, files_of(given));
   const PreparedCase prepared = prepare(given, options.out);
   report::RunRecord record = planned_record(prepared);
   record.simulated_s = 0.0;

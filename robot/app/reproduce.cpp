@@ -31,7 +31,7 @@ int reproduce(const ReproduceOptions& options) {
   const fs::path stage = options.model.empty() ? resources() / "sim/models/calibrated.toml" : options.model;
   const sim::paper::PaperModel model =
       sim::paper::read_paper_model(stage, resources() / "sim/models/paper.toml");
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, {stage});
   Reproduction result = reproduced(model, options.figure);
   result.model = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
   report::save_reproduction(result, options.out);

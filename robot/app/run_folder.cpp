@@ -25,9 +25,27 @@ bool is_ours(const std::string& name) {
          (name.starts_with("run-") && name.ends_with(".csv"));
 }
 
+// The first name on the way from `folder` to `path`; "." for the folder itself, empty where it is elsewhere.
+std::string way_into(const fs::path& folder, const fs::path& path) {
+  const fs::path way = fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(folder));
+  if (way.empty() || *way.begin() == "..") return {};
+  return way.begin()->string();
+}
+
 }  // namespace
 
-void claim_run_folder(const fs::path& folder) {
+void keep_apart(const fs::path& folder, const Inputs& inputs) {
+  for (const fs::path& input : inputs) {
+    if (input.empty()) continue;
+    const std::string way = way_into(folder, input);
+    if (way == "." || is_ours(way))
+      throw SetupError("lies where the answer shall go, and would be lost", input.string(),
+                       "give --out another folder; nothing was touched");
+  }
+}
+
+void claim_run_folder(const fs::path& folder, const Inputs& inputs) {
+  keep_apart(folder, inputs);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))

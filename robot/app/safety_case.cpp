@@ -129,7 +129,7 @@ int safety_case(const SafetyCaseOptions& options) {
               .quick = options.quick};
   std::vector<Finding> findings;
   if (!options.collect.empty()) findings = collect(safety_case, options.collect);
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, {options.collect});
   const fs::path folder = options.out / "evidence";
   fs::create_directories(folder);
   if (options.collect.empty()) findings = gather(safety_case, build, folder);

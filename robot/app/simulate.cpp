@@ -7,6 +7,7 @@
 
 #include "robot/app/commands.hpp"
 #include "robot/app/progress.hpp"
+#include "robot/app/run_folder.hpp"
 #include "robot/report/whole_file.hpp"
 #include "sim/model_file.hpp"
 
@@ -25,6 +26,7 @@ int simulate(const SimulateOptions& options) {
   const sim::PlantModel model = sim::read_model(options.model);
   const sim::Drive drive = model.baseline.drive;
   const sim::Dataset recorded = sim::read_dataset(options.dataset, drive);
+  keep_apart(options.out, {options.model, options.dataset});
   sim::Dataset simulated = recorded;
   ProgressLine line;
   for (std::size_t i = 0; i < recorded.runs.size(); ++i) {

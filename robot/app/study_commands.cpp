@@ -37,9 +37,11 @@ void add_calibrate(CLI::App& app, CalibrateOptions& options, int& code) {
                       "what no search turns, such as the sensor; default: sim/models/calibrated.toml");
   command->add_option("--data", options.data,
                       "folder of a data set (docs/model.md, section 3); may be repeated");
-  command->add_option("--evaluations", options.evaluations, "budget of the global search (default 600)")
+  command
+      ->add_option("--evaluations", options.evaluations,
+                   "budget of a global search (default 600; --from-nominal has two searches, of 1600 each)")
       ->check(CLI::Range(1, 1000000));
-  command->add_option("--seed", options.seed, "seed of the search");
+  command->add_option("--seed", options.seed, "seed of the search")->check(CLI::NonNegativeNumber);
   command->add_flag("--from-nominal", options.from_nominal,
                     "begin at what was known beforehand, not at what earlier searches found");
   command->add_option("--out", options.out, "folder for the result")->required();
@@ -75,7 +77,8 @@ void add_design(CLI::App& app, DesignOptions& options, int& code) {
       "design.json.\n\n"
       "Example:\n  biopsy design --out out/design\n\nExit code: 0, or 2 for unusable input.");
   command->add_option("--model", options.model, "model file (TOML); default: sim/models/calibrated.toml");
-  command->add_option("--seed", options.seed, "seed of the search; the same seed gives the same designs");
+  command->add_option("--seed", options.seed, "seed of the search; the same seed gives the same designs")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--out", options.out, "folder for the report")->required();
   command->callback([&] { code = design(options); });
 }
@@ -92,9 +95,10 @@ void add_tune(CLI::App& app, TuneOptions& options, int& code) {
       "Example:\n  biopsy tune --out out/gains\n\n"
       "Exit code: 0 also where no gains have the margin, 2 for unusable input.");
   command->add_option("--model", options.model, "model file (TOML); default: sim/models/calibrated.toml");
-  command->add_option("--stages", options.stages, "stages drawn from the model's uncertainty (default 8)")
+  command->add_option("--stages", options.stages, "stages drawn from the model's uncertainty (default 24)")
       ->check(CLI::Range(0, 200));
-  command->add_option("--seed", options.seed, "seed of that draw; the same seed gives the same gains");
+  command->add_option("--seed", options.seed, "seed of that draw; the same seed gives the same gains")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--out", options.out, "folder for the report (default: no files)");
   command->callback([&] { code = tune(options); });
 }

@@ -49,7 +49,7 @@ int tune(const TuneOptions& options) {
   const fs::path file = options.model.empty() ? resources() / "sim/models/calibrated.toml" : options.model;
   const std::string name = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
   const sim::NotedModel model = sim::read_noted_model(file);
-  if (!options.out.empty()) claim_run_folder(options.out);
+  if (!options.out.empty()) claim_run_folder(options.out, {file});
   const auto started = std::chrono::steady_clock::now();
   sim::tuning::Tuning found;
   {

@@ -71,7 +71,7 @@ std::string board_text(const std::array<Health, kProcesses>& board, const std::o
 int dry_run_live(const ProcedureOptions& options, const LiveOptions& live_options) {
   const auto started = Clock::now();
   const Case given = case_of(options);
-  claim_run_folder(options.out);
+  claim_run_folder(options.out, files_of(given));
   ProgressLine line;
   line.show(-1.0, "reading the image and planning");
   const PreparedCase prepared = prepare(given, options.out);
@@ -188,7 +188,7 @@ int up(const UpOptions& options) {
   realtime::StopSignals signals;
   const auto started = Clock::now();
   const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
-  claim_run_folder(options.procedure.out);
+  claim_run_folder(options.procedure.out, files_of(given));
   const PreparedCase prepared = prepare(given, options.procedure.out);
   if (has_points(given) && is_refused(prepared, options.procedure.out, started)) return 3;
   if (options.prepare) return prepare_only(options, prepared);

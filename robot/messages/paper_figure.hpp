@@ -46,7 +46,7 @@ struct PaperRow {
 struct PaperFigure {
   std::string number;    // as in the paper: "2", "6", "7a"; "beyond" for what goes beyond it
   std::string title;     // what was done
-  std::string sentence;  // what one sees
+  std::string sentence;  // what there is to see, whatever the model
   std::vector<FigurePanel> panels;
   std::vector<PaperRow> rows;
 };

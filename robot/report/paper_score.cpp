@@ -23,6 +23,9 @@ void PaperScore::add(const PaperRow& row) {
   const bool trend = row.kind == RowKind::Trend, of_theory = row.figure == kTheory;
   ++(of_theory ? theory : trend ? trends : numbers);
   if (row.ok) ++(of_theory ? theory_ok : trend ? trends_ok : numbers_ok);
+  if (of_theory || row.kind != RowKind::AtMost) return;
+  ++bounds;
+  if (row.ok) ++bounds_ok;
 }
 
 PaperScore score_of(const PaperFigure& figure) {
@@ -41,8 +44,12 @@ PaperScore score_of(const Reproduction& reproduction) {
 std::string score_sentence(const PaperScore& s) {
   const std::string closed_forms =
       s.theory > 0 ? fmt::format(", closed forms {} of {}", s.theory_ok, s.theory) : "";
-  return fmt::format("{} of {} of the paper's numbers within their band, trends {} of {}{}", s.numbers_ok,
-                     s.numbers, s.trends_ok, s.trends, closed_forms);
+  const std::string parts =
+      s.bounds > 0 ? fmt::format(" ({} of {} to be met, {} of {} bounds)", s.numbers_ok - s.bounds_ok,
+                                 s.numbers - s.bounds, s.bounds_ok, s.bounds)
+                   : "";
+  return fmt::format("{} of {} of the paper's numbers within their band{}, trends {} of {}{}", s.numbers_ok,
+                     s.numbers, parts, s.trends_ok, s.trends, closed_forms);
 }
 
 bool is_missed(const PaperRow& row) {

@@ -95,29 +95,29 @@ std::string glance_section(const Reproduction& r) {
             number_cell(share(score.numbers_ok, score.numbers)) +
             number_cell(share(score.trends_ok, score.trends)) + "</tr>\n";
   }
-  return section("At a glance",
-                 table("", {"Figure", "Experiment", ">Numbers within", ">Trends as stated"}, rows));
+  return section("At a glance", table("", {"Figure", "Experiment", ">Numbers", ">Trends"}, rows));
 }
 
-// The bar, and what is missed in any case: a bar that is passed makes no miss less.
-std::string bar_text(const PaperScore& score) {
-  const std::string missed = fmt::format(
-      "missed: {} of {} numbers, {} of {} trends; each says why in its row.",
-      score.numbers - score.numbers_ok, score.numbers, score.trends - score.trends_ok, score.trends);
-  const bool none = score.numbers_ok == score.numbers && score.trends_ok == score.trends;
-  const std::string bar = "nine numbers of ten within their band, and every trend as stated";
-  if (score.passes())
-    return "✓ The bar is passed: " + bar + (none ? "." : ". <span class=\"alarm\">■ " + missed + "</span>");
-  return "<span class=\"alarm\">■ The bar is not passed: " + bar + "; " + missed + "</span>";
+// A part of the bar, and what is missed in any case: a part that is passed makes no miss less.
+std::string bar_line(bool passed, const std::string& what, std::size_t missed, std::size_t of) {
+  std::string line = passed ? "✓ Passed: " + what : "<span class=\"alarm\">■ Not passed: " + what + "</span>";
+  if (missed > 0)
+    line +=
+        fmt::format(". <span class=\"alarm\">■ {} of {} missed; each says why in its row</span>", missed, of);
+  return "<p class=\"bar-line\">" + line + ".</p>\n";
 }
 
 std::string verdict_section(const Reproduction& r) {
   const PaperScore score = score_of(r);
-  const bool passes = score.passes();
+  const bool passes = score.enough_numbers() && score.every_trend();
   return std::string("<section class=\"verdict") + (passes ? "" : " doubted") +
-         "\">\n<p class=\"sentence\">" + escaped(score_sentence(score)) + ".</p>\n<p class=\"bar-line\">" +
-         bar_text(score) + "</p>\n<p class=\"bar-line\">Model: " + escaped(r.model) +
-         ". Everything is simulated; it took " + escaped(fixed(r.seconds, 1, "s")) + ".</p>\n</section>\n";
+         "\">\n<p class=\"sentence\">" + escaped(score_sentence(score)) + ".</p>\n" +
+         bar_line(score.enough_numbers(), "nine numbers of ten within their band",
+                  score.numbers - score.numbers_ok, score.numbers) +
+         bar_line(score.every_trend(), "every trend as stated", score.trends - score.trends_ok,
+                  score.trends) +
+         "<p class=\"bar-line\">Model: " + escaped(r.model) + ". Everything is simulated; it took " +
+         escaped(fixed(r.seconds, 1, "s")) + ".</p>\n</section>\n";
 }
 
 // A word of a command line as a shell takes it.
@@ -156,10 +156,13 @@ std::string findings_section(const Reproduction& r) {
   if (html.empty()) return {};
   return section(
       "Findings, for the gap workflow",
-      "<p>What the model does not reach. What it lacks is not guessed here: record the experiment on "
-      "your own stage as a data set (measured/figure-… stands for yours; open-loop experiments of the kind "
-      "<code>biopsy characterise</code> carries out and writes), and this command says which effect or "
-      "parameter explains it.</p>\n" +
+      "<p>What the model does not reach. Which effect it lacks only a measurement can say: record the "
+      "experiment "
+      "on your own stage as a data set (measured/figure-… stands for yours), and this command names the "
+      "effect or "
+      "the parameter that explains it. Open loop: under a control loop, as in Fig. 9, the stage does not "
+      "show what it "
+      "does by itself, and <code>biopsy characterise staircase dc load</code> is what answers for it.</p>\n" +
           html);
 }
 

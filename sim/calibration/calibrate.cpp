@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "sim/in_parallel.hpp"
 
@@ -13,22 +14,43 @@ namespace biopsy::sim::calibration {
 namespace {
 
 constexpr double kStride = 0.05;  // of a knob's doubt, for differences: above the figures' graininess
-constexpr int kPopulation = 16;
+constexpr std::uint64_t kOtherDraws = 1000;  // seeds of the second search are others than those of the first
+constexpr double kOnlyPrior = 0.9;           // of the std that was known beforehand, which is 1
 
 using Vector = Eigen::VectorXd;
-using Residuals = Vector (*)(const Question&, const Vector&, bool);
+using Residuals = std::function<Vector(const Question&, const Vector&, bool)>;
 
-// Central differences, all points in parallel.
-Eigen::MatrixXd jacobian(const Question& question, const Vector& z, Residuals f) {
+Vector tamed_residuals(const Question& question, const Vector& z, bool parallel) {
+  return residuals(question, z, parallel, Pull::Tamed);
+}
+
+// Held within their ranges, so that a knob's z says what its value is.
+Vector within(const std::vector<Knob>& knobs, Vector z) {
+  for (std::size_t i = 0; i < knobs.size(); ++i) {
+    double& here = z[static_cast<Eigen::Index>(i)];
+    here = to_search(knobs[i], from_search(knobs[i], here));
+  }
+  return z;
+}
+
+// Central differences, all points in parallel; at the edge of a knob's range one-sided.
+Eigen::MatrixXd jacobian(const Question& question, const Vector& z, const Residuals& f) {
   std::vector<Vector> ahead(z.size()), behind(z.size());
+  Vector apart = Vector::Zero(z.size());
+  const Vector here = within(question.knobs, z);  // Ceres knows no edges
+  const auto moved = [&](Eigen::Index knob, double by) {
+    Vector point = here;
+    point[knob] += by;
+    point[knob] = within(question.knobs, point)[knob];
+    return point;
+  };
+  for (Eigen::Index i = 0; i < z.size(); ++i) apart[i] = moved(i, kStride)[i] - moved(i, -kStride)[i];
   in_parallel(2 * static_cast<std::size_t>(z.size()), [&](std::size_t i) {
-    const std::size_t knob = i / 2;
-    Vector point = z;
-    point[static_cast<Eigen::Index>(knob)] += i % 2 == 0 ? kStride : -kStride;
-    (i % 2 == 0 ? ahead : behind)[knob] = f(question, point, false);
+    const auto knob = static_cast<Eigen::Index>(i / 2);
+    (i % 2 == 0 ? ahead : behind)[i / 2] = f(question, moved(knob, i % 2 == 0 ? kStride : -kStride), false);
   });
   Eigen::MatrixXd out(ahead.front().size(), z.size());
-  for (Eigen::Index i = 0; i < z.size(); ++i) out.col(i) = (ahead[i] - behind[i]) / (2.0 * kStride);
+  for (Eigen::Index i = 0; i < z.size(); ++i) out.col(i) = (ahead[i] - behind[i]) / apart[i];
   return out;
 }
 
@@ -45,7 +67,7 @@ class RowsForCeres : public ceres::CostFunction {
     Eigen::Map<Vector>(out, num_residuals()) = residuals(question_, z, true);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor>(jacobians[0], num_residuals(), z.size()) = jacobian(question_, z, residuals);
+    Eigen::Map<RowMajor>(jacobians[0], num_residuals(), z.size()) = jacobian(question_, z, tamed_residuals);
     return true;
   }
 
@@ -78,7 +100,8 @@ Eigen::MatrixXd covariance(const Question& question, const Vector& z) {
 }
 
 KnobFound found(const Knob& knob, double z, double std) {
-  KnobFound out{knob, from_search(knob, z), 0.0, false};
+  KnobFound out{knob, from_search(knob, z)};
+  out.only_prior = std >= kOnlyPrior;
   out.std = knob.doubt * std * (knob.share ? 1.0 : out.value);
   out.at_bound = out.value <= knob.low || out.value >= knob.high;
   return out;
@@ -88,15 +111,6 @@ Vector first_guess(const std::vector<Knob>& knobs) {
   Vector z(static_cast<Eigen::Index>(knobs.size()));
   for (std::size_t i = 0; i < knobs.size(); ++i)
     z[static_cast<Eigen::Index>(i)] = to_search(knobs[i], knobs[i].start);
-  return z;
-}
-
-// Held within their ranges, so that a knob's z says what its value is.
-Vector within(const std::vector<Knob>& knobs, Vector z) {
-  for (std::size_t i = 0; i < knobs.size(); ++i) {
-    double& here = z[static_cast<Eigen::Index>(i)];
-    here = to_search(knobs[i], from_search(knobs[i], here));
-  }
   return z;
 }
 
@@ -117,18 +131,34 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   const Vector first = first_guess(question.knobs);
   Calibration out;
   out.before = cost(first);
+  const double far_share = settings.far / (settings.far + settings.evaluations + 1.0);
+  Vector from = first;
+  if (settings.far > 0) {
+    const CmaResult near = minimise(
+        [&](const Vector& z) { return residuals(question, z, false, Pull::Even).squaredNorm(); }, first,
+        {.spread = settings.far_spread,
+         .population = settings.population,
+         .evaluations = settings.far,
+         .seed = settings.seed},
+        [&](double share, double best) {
+          say(0.9 * far_share * share, fmt::format("coming near, {:.1f} off now", best));
+        });
+    from = within(question.knobs, near.best);
+    out.evaluations = near.evaluations;
+  }
   const CmaSettings search{.spread = settings.spread,
-                           .population = kPopulation,
+                           .population = settings.population,
                            .evaluations = settings.evaluations,
-                           .seed = settings.seed};
-  const CmaResult global = minimise(cost, first, search, [&](double share, double best) {
-    say(0.9 * share, fmt::format("searching, {:.1f} off at first, {:.2f} now", out.before, best));
+                           .seed = settings.seed + (settings.far > 0 ? kOtherDraws : 0)};
+  const CmaResult global = minimise(cost, from, search, [&](double share, double best) {
+    say(0.9 * (far_share + (1.0 - far_share) * share),
+        fmt::format("searching, {:.1f} off at first, {:.2f} now", out.before, best));
   });
   // The sum of squares counts rows, but only nearly: of what both beginnings lead to, who reaches more of
   // them.
   Vector z = within(question.knobs, global.best);
   std::size_t reached = rows_reached(question, z);
-  for (const Vector& begin : {z, within(question.knobs, first)}) {
+  for (const Vector& begin : {z, within(question.knobs, from)}) {
     say(0.9, fmt::format("last steps, {} rows reached", reached));
     const Vector end = within(question.knobs, last_steps(question, begin, settings.last_steps));
     const std::size_t rows = rows_reached(question, end);
@@ -144,8 +174,10 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
     out.knobs.back().value = value_of(out.model, question.knobs[i].name);  // breakaway is at least sliding
   }
   out.rows = rows_at(question, z, true);
+  out.runs = run_fits(question, z);
   out.after = cost(z);
-  out.evaluations = global.evaluations;
+  out.kept_start = z == within(question.knobs, first);
+  out.evaluations += global.evaluations;
   return out;
 }
 

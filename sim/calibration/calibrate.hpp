@@ -11,17 +11,22 @@
 
 namespace biopsy::sim::calibration {
 
+// Work and not time, so that the answer is the same anywhere. Spreads are of the first draws around where a
+// search begins, in doubts.
 struct CalibrationSettings {
-  int evaluations = 600;  // of the global search; work and not time, so that the answer is the same anywhere
+  int far = 0;            // evaluations of a search from far away, all rows pulling evenly; 0: none
+  int evaluations = 600;  // of the search that counts rows
   int last_steps = 3;     // of Ceres
   std::uint64_t seed = 1;
-  double spread = 0.2;  // of the first draws around the first guesses, in doubts
+  int population = 16;
+  double far_spread = 0.6, spread = 0.2;
 };
 
 struct KnobFound {
   Knob knob;
   double value = 0.0, std = 0.0;  // file units
   bool at_bound = false;          // the paper asks for more than is plausible
+  bool only_prior = false;        // nine tenths of the std and more are what was known beforehand
 };
 
 struct Calibration {
@@ -29,7 +34,9 @@ struct Calibration {
   std::vector<KnobFound> knobs;
   Eigen::MatrixXd correlations;      // of the knobs, in their order
   std::vector<PaperRow> rows;        // at the answer, as the brief experiments give them
+  std::vector<RunFit> runs;          // and the measured runs
   double before = 0.0, after = 0.0;  // sum of squared residuals where the search began, and at the answer
+  bool kept_start = false;           // nothing better was found than the first guesses
   int evaluations = 0;
 };
 

@@ -116,8 +116,14 @@ std::vector<std::string> assumptions() {
       std::string(
           "Oil volume scales V0, the pouch's side L0, films d_film; electrodes, films and number of pouches "
           "scale C2, and 1/R with it (a material's R C2 is constant). C1 is the cable's and stays."),
-      std::string("Oil flow (tau_h), guide damping and masses stay as they are: larger pouches or thicker "
-                  "films may flow slower or faster; the paper does not say."),
+      std::string(
+          "Oil flow (tau_h), guide damping and masses stay as they are: larger pouches or thicker "
+          "films may flow slower or faster; the paper does not say. Where the oil is the slowest, as in "
+          "the calibrated stage, it sets the bandwidth of all designs alike, and bandwidth parts none."),
+      std::string("The paper's own film of 25 um leaks far more slowly than this scaling says (Fig. 6; "
+                  "sim/models/paper.toml): such designs would ripple less than shown, and their peak field "
+                  "is a little "
+                  "lower."),
       std::string("Dry friction of the guide, the play of zipping and errors of the laser are left out: they "
                   "hide ripple."),
       std::string(

@@ -57,10 +57,13 @@ Genes encoded(const StackDesign& design) {
   return genes;
 }
 
+constexpr double kSameBandwidth = 0.05;  // of ln f: what nobody would choose a stack by
+
 // The smaller the better, all five.
 std::array<double, 5> objectives(const DesignedStack& s) {
   const StackFigures& f = s.figures;
-  return {-f.stroke_mm, f.ripple_mm, -f.bandwidth_Hz, -f.breakdown_margin, f.height_mm};
+  const double bandwidth = std::round(std::log(f.bandwidth_Hz) / kSameBandwidth);
+  return {-f.stroke_mm, f.ripple_mm, -bandwidth, -f.breakdown_margin, f.height_mm};
 }
 
 // Numbers of its own for every use: order of work plays no part.

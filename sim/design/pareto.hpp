@@ -11,8 +11,8 @@
 
 namespace biopsy::sim::design {
 
-// Better or equal in stroke, ripple, bandwidth, margin and height, and better in one. One that meets all
-// demands beats any that does not; of those, the one that is closer.
+// Better or equal in stroke, ripple, bandwidth (in steps of 5 %), margin and height, and better in one. One
+// that meets all demands beats any that does not; of those, the one that is closer.
 bool beats(const DesignedStack& a, const DesignedStack& b);
 
 // Those that no other beats, each once.

@@ -209,4 +209,12 @@ ChargeFit fit_charges(const std::vector<ChargeRecord>& records) {
   return fit;
 }
 
+std::vector<double> currents_said(const ChargeRecord& record, const ChargeFit& fit, double offset) {
+  std::vector<double> said;
+  each_stretch(record, std::exp(fit.log_tau), [&](const Stretch& part, double du, double dv) {
+    said.push_back((fit.decay * (du - dv) + fit.jump * du) / seconds(record, part) + offset);
+  });
+  return said;
+}
+
 }  // namespace biopsy::sim::identification

@@ -23,4 +23,7 @@ struct ChargeFit {
 // run.
 ChargeFit fit_charges(const std::vector<ChargeRecord>& records);
 
+// The mean current that the fit says of each stretch, the offset of the record's own run included. A
+std::vector<double> currents_said(const ChargeRecord& record, const ChargeFit& fit, double offset);
+
 }  // namespace biopsy::sim::identification

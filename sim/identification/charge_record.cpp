@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace biopsy::sim::identification {
@@ -43,18 +44,29 @@ std::vector<Stretch> stretches(const std::vector<bool>& steps, std::size_t settl
   return parts;
 }
 
-// From the median difference of neighbours, which a few jumps do not move.
+// From the median difference of neighbours, which a few jumps do not move; at least what a monitor leaves out
+// between two of its levels, where it has levels.
 double noise_of(const std::vector<double>& current, const std::vector<bool>& steps) {
   std::vector<double> differences;
   for (std::size_t m = 1; m < steps.size(); ++m)
     if (!steps[m] && !steps[m - 1]) differences.push_back(std::abs(current[m + 1] - current[m]));
   if (differences.empty()) return 0.0;
+  double level = std::numeric_limits<double>::infinity();
+  for (const double difference : differences)
+    if (difference > 0.0) level = std::min(level, difference);
+  const double rounded = std::isfinite(level) ? level / std::sqrt(12.0) : 0.0;
   const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::nth_element(differences.begin(), middle, differences.end());
-  return *middle / (0.6745 * std::sqrt(2.0));  // of a normal distribution
+  return std::max(rounded, *middle / (0.6745 * std::sqrt(2.0)));  // of a normal distribution
 }
 
 }  // namespace
+
+bool ChargeRecord::has_step(const Stretch& part) const {
+  const std::vector<bool> at = step_rows(input);
+  return std::any_of(at.begin() + static_cast<std::ptrdiff_t>(part.from),
+                     at.begin() + static_cast<std::ptrdiff_t>(part.to), [](bool step) { return step; });
+}
 
 ChargeRecord charge_record(const RecordedRun& run) {
   assert(run.current.size() == run.time.size() && run.time.size() >= 2);

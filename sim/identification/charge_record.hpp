@@ -26,6 +26,8 @@ struct ChargeRecord {
   std::size_t steps = 0;
   double after_step = 0.0;  // s, from the first step to the end
   double noise = 0.0;       // A of one sample, from neighbours that no step divides
+
+  bool has_step(const Stretch& part) const;  // of the voltage, within it
 };
 
 // A step is a change by more than 2 % of the largest voltage; its charge is taken over 10 ms, or one row

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "robot/messages/paper_figure.hpp"
 #include "sim/dataset.hpp"
 
 namespace biopsy::sim {
@@ -39,6 +40,7 @@ struct IdentifiedCircuit {
   double misfit = 1.0;             // rms of what is left over, in that noise; 1 where the model fits
   std::vector<CircuitRun> runs;
   std::vector<std::string> warnings;
+  std::vector<FigurePanel> panels;  // the monitor's current and the fitted one, one a run
 };
 
 // Throws SetupError, naming `place`: no run has current; none has a step; no decay stands out of the noise;

@@ -48,6 +48,11 @@ OpenLoopRun settled(const PaperModel& paper, double weight, double frequency, do
                        paper.brief);
 }
 
+// An oscillation has twice the drive's frequency whether or not it can be seen.
+std::string seen_note(double twice) {
+  return twice < kResolved ? fmt::format(" (less than {:g} mm, which a laser does not show)", kResolved) : "";
+}
+
 // What a plate that friction holds would have to be moved by, and what holds it.
 std::string held_note(const PlantModel& plate, double frequency) {
   const Baseline& b = plate.baseline;
@@ -63,8 +68,9 @@ PaperRow twice_row(const PaperModel& paper, const OpenLoopRun& run, double frequ
   return trend_row(
       "7a", fmt::format("oscillates at twice the drive's {:g} Hz", frequency),
       twice > kSeen ? twice / std::max(once, kSeen) - 1.0 : twice / kSeen - 1.0,
-      fmt::format("Fourier parts: {:.3g} mm at the drive's frequency, {:.3g} mm at twice that; {}", once,
-                  twice, held_note(plate_on_stack(paper.stage, kPouches, kLoad7a), frequency)));
+      fmt::format("Fourier parts: {:.3g} mm at the drive's frequency, {:.3g} mm at twice that{}; {}", once,
+                  twice, seen_note(twice),
+                  held_note(plate_on_stack(paper.stage, kPouches, kLoad7a), frequency)));
 }
 
 constexpr std::array kShownFrequencies{0.0, 0.2, 2.0, 10.0};
@@ -124,7 +130,7 @@ PaperRow largest_row(const Baseline& b, const Amplitudes& a) {
     if (margin >= least) continue;
     least = margin;
     where = fmt::format(
-        "closest at {:g} Hz: {:.3g}, {:.3g} and {:.3g} mm. By eq. (18) to (21) a stack is liveliest at one "
+        "least at {:g} Hz: {:.3g}, {:.3g} and {:.3g} mm. By eq. (18) to (21) a stack is liveliest at one "
         "load, here {:.0f} g at 6 kV. Fig. 8b asks for that: its hysteresis is widest where the stack is "
         "liveliest, with 60 g at 3 kV, and 60 g at 3 kV are 240 g at 6 kV",
         kFrequencies[f], a[0][f], a[1][f], a[2][f], liveliest_load_g(b));

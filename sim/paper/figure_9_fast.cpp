@@ -61,6 +61,19 @@ double reach(const Followed& followed) {
   return std::max(span_a.high - middle, middle - span_a.low) / half;
 }
 
+std::string reach_note(const PlantModel& stage, double reached) {
+  std::string note = fmt::format(
+      "plate A gets {:.1f} % of the way from the middle to the one plateau that it comes furthest towards",
+      100.0 * reached);
+  if (reached > 1.0)
+    note += fmt::format(
+        ", and beyond it: from an edge on the loop asks for all that the amplifier has, or for nothing, so "
+        "that "
+        "oil with a time constant of {:.2f} s has closed the {:.0f} mm before the half period of 1 s is over",
+        stage.baseline.tau_h, kSquareHigh - kSquareLow);
+  return note;
+}
+
 PaperFigure fast_figure(std::string number, std::string title, std::string sentence,
                         const std::vector<Followed>& all) {
   PaperFigure figure;
@@ -69,17 +82,25 @@ PaperFigure fast_figure(std::string number, std::string title, std::string sente
   figure.sentence = std::move(sentence);
   for (const Followed& one : all)
     figure.panels.push_back(
-        displacement_panel(fmt::format("{} Hz", one.frequency), one.course, {0.0, one.course.time.back()}));
+        displacement_panel(fmt::format("{} Hz", one.frequency), one.course, {0.0, kPeriods / one.frequency}));
   return figure;
 }
 
-void add_sine_rows(PaperFigure& figure, const Followed& one) {
+void add_sine_rows(PaperFigure& figure, const PlantModel& stage, const Followed& one) {
   const Transfer seen = transfer(one.course, one.frequency, one.first);
-  const std::string note = fmt::format(
-      "fundamental: {:.3f} of the target's, {:.1f} degrees late; a lag of first order that takes 5 % takes "
-      "18 degrees "
+  const double travel = span(one.course, one.course.plate_a, one.first, one.course.time.back()).width();
+  std::string note = fmt::format(
+      "fundamental: {:.3f} of the target's, {:.1f} degrees ({:.2f} s) late; from lowest to highest {:.1f} % "
+      "of "
+      "the target's, where what is missing at 0 counts (9b). A lag of first order that takes 5 % takes 18 "
+      "degrees "
       "with it",
-      seen.gain, seen.lag_degrees);
+      seen.gain, seen.lag_degrees, seen.lag_degrees / 360.0 / one.frequency,
+      100.0 * travel / (kSineHigh - kSineLow));
+  if (seen.lag_degrees > kInPhase)
+    note +=
+        fmt::format(": a stage that oil slows down (time constant {:.2f} s) pays for attenuation with phase",
+                    stage.baseline.tau_h);
   const std::string hertz = fmt::format("{} Hz: ", one.frequency);
   const double in_phase = kInPhase / std::max(1e-3, std::abs(seen.lag_degrees)) - 1.0;
   if (one.frequency < 0.3)
@@ -97,7 +118,7 @@ PaperFigure figure_9c(const PaperModel& model) {
   const std::vector<Followed> all = follow_all(model, square_target, kSquareLow, kSquareHigh);
   PaperFigure figure =
       fast_figure("9c", "Square waves of 0.1, 0.2 and 0.5 Hz, 50 g",
-                  "The slower two reach their plateaus; falling takes longer than rising.", all);
+                  "Plate A beside square waves of three frequencies, each from 2 to 8 mm.", all);
   for (const Followed& one : all) {
     if (one.frequency > 0.3) continue;
     const double share = plateau_share(one);
@@ -112,14 +133,8 @@ PaperFigure figure_9c(const PaperModel& model) {
   figure.rows.push_back(at_most_row({"9c", "largest overshoot, of the target", "%"}, 13.0, most,
                                     "over all rising edges of the three waves"));
   const double reached = reach(all.back());
-  figure.rows.push_back(trend_row(
-      "9c", "0.5 Hz: neither plateau is reached", kLossless / reached - 1.0,
-      fmt::format(
-          "plate A gets {:.1f} % of the way from the middle to the plateau that it comes nearest to, and "
-          "beyond it: from an edge on the loop asks for all that the amplifier has, so that oil with a time "
-          "constant of {:.2f} s has closed the 6 mm before the half period of 1 s is over, and overshoots. A "
-          "stage too slow for that would lose 9a and 11",
-          100.0 * reached, model.stage.baseline.tau_h)));
+  figure.rows.push_back(trend_row("9c", "0.5 Hz: neither plateau is reached", kLossless / reached - 1.0,
+                                  reach_note(model.stage, reached)));
   const double rise = mean_travel(all.front().course, true), fall = mean_travel(all.front().course, false);
   figure.rows.push_back(trend_row("9c", "0.1 Hz: falling edges lag", fall / rise - 1.0,
                                   fmt::format("{:.0f} ms up, {:.0f} ms down", 1e3 * rise, 1e3 * fall)));
@@ -129,8 +144,8 @@ PaperFigure figure_9c(const PaperModel& model) {
 PaperFigure figure_9d(const PaperModel& model) {
   const std::vector<Followed> all = follow_all(model, sine_target, kSineLow, kSineHigh);
   PaperFigure figure = fast_figure("9d", "Sines of 0.1, 0.2 and 0.5 Hz, 50 g",
-                                   "The slower two are followed in height and phase.", all);
-  for (const Followed& one : all) add_sine_rows(figure, one);
+                                   "Plate A beside sines of three frequencies, each from 0 to 8 mm.", all);
+  for (const Followed& one : all) add_sine_rows(figure, model.stage, one);
   return figure;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace biopsy::sim::paper {
@@ -13,11 +14,25 @@ constexpr double kAir = 0.06;  // of the height, above and below the curves
 FigurePanel time_panel(std::string title, std::string y_title, TimeSpan part) {
   FigurePanel panel;
   panel.title = std::move(title);
-  panel.x_title = "time, s";
+  panel.x_title = "time (s)";
   panel.y_title = std::move(y_title);
   panel.x_low = part.from;
   panel.x_high = part.to;
   return panel;
+}
+
+struct Heights {
+  double low, high;
+};
+
+Heights heights(const FigurePanel& panel, Heights within) {
+  for (const FigureCurve& curve : panel.curves)
+    for (const double y : curve.y) {
+      if (!std::isfinite(y)) continue;
+      within.low = std::min(within.low, y);
+      within.high = std::max(within.high, y);
+    }
+  return within;
 }
 
 }  // namespace
@@ -38,7 +53,7 @@ FigureCurve drawn(std::string name, const Course& course, const std::vector<doub
 }
 
 FigurePanel displacement_panel(std::string title, const Course& course, TimeSpan part) {
-  FigurePanel panel = time_panel(std::move(title), "displacement, mm", part);
+  FigurePanel panel = time_panel(std::move(title), "displacement (mm)", part);
   panel.curves = {drawn("target", course, course.target, part),
                   drawn("plate A", course, course.plate_a, part)};
   panel.curves.front().dashed = true;
@@ -47,22 +62,25 @@ FigurePanel displacement_panel(std::string title, const Course& course, TimeSpan
 }
 
 FigurePanel voltage_panel(std::string title, const Course& course, TimeSpan part) {
-  FigurePanel panel = time_panel(std::move(title), "amplitude of the square wave, kV", part);
+  FigurePanel panel = time_panel(std::move(title), "amplitude (kV)", part);
   panel.curves = {drawn("", course, course.amplitude, part)};
   fit_height(panel);
   return panel;
 }
 
 void fit_height(FigurePanel& panel) {
-  double low = 0.0, high = 0.0;
-  for (const FigureCurve& curve : panel.curves)
-    for (const double y : curve.y) {
-      if (!std::isfinite(y)) continue;
-      low = std::min(low, y);
-      high = std::max(high, y);
-    }
+  const auto [low, high] = heights(panel, {0.0, 0.0});
   const double air = kAir * std::max(high - low, 1e-3);
   panel.y_low = low < 0.0 ? low - air : 0.0;
+  panel.y_high = high + air;
+}
+
+void fit_closely(FigurePanel& panel) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  const auto [low, high] = heights(panel, {kFar, -kFar});
+  if (low > high) return;
+  const double air = kAir * std::max(high - low, 1e-3);
+  panel.y_low = low - air;
   panel.y_high = high + air;
 }
 

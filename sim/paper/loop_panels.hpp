@@ -23,5 +23,7 @@ FigurePanel voltage_panel(std::string title, const Course& course, TimeSpan part
 
 // Sets y_low and y_high to what the curves need.
 void fit_height(FigurePanel& panel);
+// The same without 0, where the curves stay far from it.
+void fit_closely(FigurePanel& panel);
 
 }  // namespace biopsy::sim::paper

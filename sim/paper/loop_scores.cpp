@@ -101,6 +101,13 @@ double overshoot_percent(const Course& course) {
   return most;
 }
 
+double undershoot_percent(const Course& course) {
+  double most = 0.0;
+  for (const Edge& edge : edges(course))
+    if (!edge.rises()) most = std::max(most, 100.0 * beyond_target(course, edge) / (edge.from - edge.to));
+  return most;
+}
+
 Transfer transfer(const Course& course, double frequency, double from) {
   const double periods = std::floor((course.time.back() + 1e-3 - from) * frequency + 1e-6);
   const Ticks within = ticks(course, from, from + periods / frequency);

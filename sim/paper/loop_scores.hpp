@@ -40,8 +40,10 @@ double travel_time(const Course& course, const Edge& edge);
 // Mean travel time of the rising or the falling edges. s
 double mean_travel(const Course& course, bool rising);
 
-// Largest overshoot of rising edges, % of the target.
+// Largest overshoot of rising edges, % of the target; and how far plate A falls below the target of falling
+// ones, % of the step (0 where it stays above).
 double overshoot_percent(const Course& course);
+double undershoot_percent(const Course& course);
 
 // Course against target at one frequency, from `from` on: 1 and 0 where it follows.
 struct Transfer {

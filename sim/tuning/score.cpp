@@ -43,8 +43,8 @@ paper::Course driven(const PlantModel& stage, const Driving& driving, const pape
 
 Score worse(const Score& a, const Score& b) {
   return {std::max(a.settled_rmse, b.settled_rmse), std::max(a.overshoot, b.overshoot),
-          std::max(a.settling, b.settling), std::max(a.sine_rmse, b.sine_rmse),
-          std::max(a.highest, b.highest)};
+          std::max(a.undershoot, b.undershoot),     std::max(a.settling, b.settling),
+          std::max(a.sine_rmse, b.sine_rmse),       std::max(a.highest, b.highest)};
 }
 
 paper::Course steps(const PlantModel& stage, const Driving& driving) {
@@ -60,6 +60,7 @@ Score score(const PlantModel& stage, const Driving& driving) {
   Score out;
   out.settled_rmse = paper::rmse_settled(course);
   out.overshoot = paper::overshoot_percent(course);
+  out.undershoot = paper::undershoot_percent(course);
   for (const paper::Edge& edge : paper::edges(course))
     out.settling = std::max(out.settling, settling(course, edge));
   out.sine_rmse = paper::rmse(sine);

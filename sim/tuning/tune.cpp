@@ -215,6 +215,8 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
   out.varied = uncertain.varied;
   out.assumed = uncertain.assumed;
   out.refused = uncertain.refused;
+  out.stages = static_cast<int>(uncertain.stages.size());
+  out.correlated = !uncertain.assumed && given.notes.correlations.has_value();
   out.wanted = options.wanted;
   out.met = best.worst.meet(options.wanted);
   out.judged.resize(4);

@@ -17,7 +17,8 @@ namespace biopsy::sim::tuning {
 // In time, everything of the model included: 2 to 8 mm and back, and the sine of Fig. 9b.
 struct Score {
   double settled_rmse = 0.0;  // mm
-  double overshoot = 0.0;     // % of the target
+  double overshoot = 0.0;     // of the rising edge, % of the target
+  double undershoot = 0.0;    // below the target of the falling edge, % of the step; not part of the cost
   double settling = 0.0;      // s until plate A stays within 0.3 mm, the slower of both edges
   double sine_rmse = 0.0;     // mm
   double highest = 0.0;       // kV that were asked for
@@ -41,7 +42,7 @@ struct Judged {
 };
 
 struct TuneOptions {
-  int stages = 8;  // uncertain ones, besides the model itself
+  int stages = 24;  // uncertain ones, besides the model itself
   std::uint64_t seed = 1;
   Requirements wanted;
   int grid = 13;  // values of each gain that the search begins with
@@ -51,9 +52,11 @@ struct Tuning {
   std::vector<double> depths;       // mm, at which the stage was made linear
   std::vector<std::string> varied;  // numbers that were uncertain
   bool assumed = false;             // by 10 %, the model file knowing nothing better
+  bool correlated = false;          // drawn with the file's correlations; otherwise each for itself
+  int stages = 0;                   // that were drawn, besides the model
   int refused = 0;                  // draws that do not settle as the paper's stage does, with its gains
   Requirements wanted;
-  bool met = false;  // some gains have the margins everywhere; otherwise the tuned ones come closest
+  bool met = false;  // some gains have the margins on all of them; otherwise the tuned ones come closest
   std::vector<Judged> judged;  // the paper's gains, the tuned ones, each again with feed-forward
   std::vector<FigurePanel> panels;
 };

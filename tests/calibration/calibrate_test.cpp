@@ -106,6 +106,49 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
   EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
   for (const KnobFound& knob : found.knobs)
     EXPECT_LT(knob.std, 0.5 * knob.knob.doubt * knob.value) << knob.knob.name << ": the run says more";
+  ASSERT_EQ(found.runs.size(), 1U);
+  EXPECT_TRUE(found.runs[0].followed);
+  EXPECT_FALSE(found.kept_start);
+  Eigen::VectorXd far = Eigen::VectorXd::Zero(2);
+  far[1] = 1.0;
+  const std::vector<RunFit> off = run_fits(question, far);
+  EXPECT_FALSE(off[0].followed);
+  EXPECT_GT(off[0].rms, 10.0 * found.runs[0].rms);
+  EXPECT_LT(off[0].rms, 2.0 * off[0].span);
+}
+
+// A number at the edge of its range is turned to one side only; it is known as well as one that is not.
+TEST(Calibrate, KnowsANumberAtTheEdgeOfItsRangeAsWellAsOneWithin) {
+  const auto std_of_tau = [](double low) {
+    Question question = made_up_question();
+    question.knobs[0].low = low;
+    question.knobs[0].nominal = question.knobs[0].start = kTrueTau;
+    question.knobs[1].nominal = question.knobs[1].start = kTrueV0;
+    return calibrate(question, {.evaluations = 1, .last_steps = 0}).knobs[0].std;
+  };
+  EXPECT_NEAR(std_of_tau(kTrueTau), std_of_tau(1.0), 0.1 * std_of_tau(1.0));
+}
+
+// From far away, rows that all pull alike first.
+TEST(Calibrate, ComesFromFarToTheNumbersBehindTheRows) {
+  Question question = made_up_question();
+  question.knobs[0].start = 30.0;
+  question.knobs[1].start = 3.5e-7;
+  const Calibration found = calibrate(question, {.far = 200, .evaluations = 200});
+  EXPECT_NEAR(found.knobs[0].value, kTrueTau, 0.1 * kTrueTau);
+  EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
+  EXPECT_GE(found.evaluations, 400);
+}
+
+// A stage that 8 kV do not lift far enough is no answer, whatever rows it reaches.
+TEST(Calibrate, WhatAStageMustReachNeverLevelsOff) {
+  Question question = made_up_question();
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
+  const double without = residuals(question, none, false).squaredNorm();
+  question.reach = 1e-3;
+  EXPECT_DOUBLE_EQ(residuals(question, none, false).squaredNorm(), without) << "lifted easily";
+  question.reach = 0.1;
+  EXPECT_GT(residuals(question, none, false).squaredNorm(), without + 20.0) << "ten centimetres";
 }
 
 TEST(Calibrate, StaysWithWhatWasKnownWhereNothingSpeaks) {
@@ -114,6 +157,8 @@ TEST(Calibrate, StaysWithWhatWasKnownWhereNothingSpeaks) {
   const Calibration found = calibrate(question, {.evaluations = 50});
   EXPECT_NEAR(found.knobs[0].value, 6.9, 1e-6);
   EXPECT_NEAR(found.knobs[0].std, 0.7 * 6.9, 1e-6);
+  EXPECT_TRUE(found.knobs[0].only_prior);
+  EXPECT_TRUE(found.kept_start);
 }
 
 }  // namespace

@@ -140,6 +140,46 @@ TEST(Identification, LeavesOutRunsThatCannotHelpAndSaysSo) {
   EXPECT_NE(found.warnings[1].find("\"flat\""), std::string::npos);
 }
 
+TEST(Identification, DoubtsARunThatBeginsUnderVoltageAndVoltagesInKilovolts) {
+  const RecordedRun late = circuit_run(kC1, kK, kTau, step_at(0.0, 6000.0), 22.0, 1e-2, {.noise = 1e-8});
+  const IdentifiedCircuit begun = identified({late});
+  ASSERT_EQ(begun.warnings.size(), 1U);
+  EXPECT_NE(begun.warnings[0].find("begins under voltage"), std::string::npos);
+  RecordedRun kilovolts = circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 22.0, 1e-2, {.noise = 1e-8});
+  for (double& volts : kilovolts.input) volts *= 1e-3;
+  const IdentifiedCircuit small = identified({kilovolts});
+  ASSERT_EQ(small.warnings.size(), 1U);
+  EXPECT_NE(small.warnings[0].find("not in kilovolts"), std::string::npos);
+}
+
+// Levels of 100 nA, where the noise between them is 20 nA.
+TEST(Identification, AMonitorWithCoarseLevelsIsAsNoisyAsItsLevelsAreApart) {
+  int held = 0;
+  constexpr int kSets = 40;
+  constexpr double kLevel = 1e-7;
+  for (std::uint64_t seed = 1; seed <= kSets; ++seed) {
+    RecordedRun run =
+        circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 30.0, 1e-2, {.noise = 2e-8, .seed = seed});
+    for (double& current : run.current) current = kLevel * std::round(current / kLevel);
+    const IdentifiedCircuit found = identified({run});
+    EXPECT_LT(found.misfit, 3.0);
+    EXPECT_GT(found.noise, kLevel / 4.0);
+    if (found.R.low <= kR && kR <= found.R.high) ++held;
+  }
+  EXPECT_GE(held, 32) << "of " << kSets;
+}
+
+TEST(Identification, ShowsMonitorAndFitOfEveryRunOverEachOther) {
+  const RecordedRun run =
+      circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 30.0, 1e-2, {.noise = 1e-8, .offset = 2e-7});
+  const IdentifiedCircuit found = identified({run});
+  ASSERT_EQ(found.panels.size(), 1U);
+  const FigureCurve &seen = found.panels[0].curves.at(0), &said = found.panels[0].curves.at(1);
+  ASSERT_EQ(seen.y.size(), said.y.size());
+  ASSERT_GT(seen.y.size(), 10U);
+  for (std::size_t i = 0; i < seen.y.size(); ++i) EXPECT_NEAR(seen.y[i], said.y[i], 0.05) << "uA";
+}
+
 TEST(Identification, RefusesADataSetWithoutCurrentWithoutAStepOrWithoutADecay) {
   RecordedRun run = circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 22.0, 1e-2, {.noise = 1e-8});
   const RecordedRun flat = circuit_run(kC1, kK, kTau, step_at(1e9, 6000.0), 22.0, 1e-2, {.noise = 1e-8});

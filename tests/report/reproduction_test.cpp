@@ -27,13 +27,18 @@ TEST(PaperScore, CountsNumbersAndTrendsApartAndShownRowsNowhere) {
   EXPECT_EQ(score.numbers_ok, 3U);
   EXPECT_EQ(score.trends, 2U);
   EXPECT_EQ(score.trends_ok, 1U);
-  EXPECT_EQ(score_sentence(score), "3 of 5 of the paper's numbers within their band, trends 1 of 2");
+  EXPECT_EQ(score.bounds, 2U);
+  EXPECT_EQ(score.bounds_ok, 1U);
+  EXPECT_EQ(
+      score_sentence(score),
+      "3 of 5 of the paper's numbers within their band (2 of 3 to be met, 1 of 2 bounds), trends 1 of 2");
 }
 
-TEST(PaperScore, PassesWithNineNumbersOfTenAndEveryTrendAndNotBelow) {
-  EXPECT_TRUE((PaperScore{40, 36, 20, 20}.passes()));
-  EXPECT_FALSE((PaperScore{40, 35, 20, 20}.passes())) << "trends do not make up for numbers";
-  EXPECT_FALSE((PaperScore{40, 40, 20, 19}.passes())) << "nor numbers for trends";
+TEST(PaperScore, AsksForNineNumbersOfTenAndForEveryTrend) {
+  EXPECT_TRUE((PaperScore{40, 36, 20, 20}.enough_numbers()));
+  EXPECT_FALSE((PaperScore{40, 35, 20, 20}.enough_numbers())) << "trends do not make up for numbers";
+  EXPECT_TRUE((PaperScore{40, 35, 20, 20}.every_trend()));
+  EXPECT_FALSE((PaperScore{40, 40, 20, 19}.every_trend())) << "nor numbers for trends";
 }
 
 TEST(ReproductionHtml, TellsOfEveryMissUnderABarThatIsPassed) {
@@ -46,10 +51,10 @@ TEST(ReproductionHtml, TellsOfEveryMissUnderABarThatIsPassed) {
     r.figures.back().rows.push_back(row);
   }
   const std::string html = reproduction_html(r);
-  EXPECT_NE(html.find("The bar is passed"), std::string::npos);
-  EXPECT_NE(html.find("missed: 1 of 10 numbers, 0 of 0 trends"), std::string::npos);
+  EXPECT_EQ(count(html, "✓ Passed: "), 2U);
+  EXPECT_NE(html.find("■ 1 of 10 missed"), std::string::npos);
   r.figures.back().rows.front().ok = true;
-  EXPECT_EQ(reproduction_html(r).find("missed: "), std::string::npos);
+  EXPECT_EQ(reproduction_html(r).find(" missed; each"), std::string::npos);
 }
 
 TEST(PaperScore, CountsClosedFormsApartFromThePapersNumbers) {
@@ -73,7 +78,8 @@ TEST(PaperScore, ThreeDigitsThatCountWhateverTheSize) {
 
 TEST(ReproductionHtml, SaysTheScoreBeforeAnyPictureAndTheFindingsAfterAllTables) {
   const std::string html = reproduction_html(example_reproduction());
-  const std::size_t score = html.find("3 of 5 of the paper&#39;s numbers within their band, trends 1 of 2.");
+  const std::size_t score =
+      html.find("3 of 5 of the paper&#39;s numbers within their band (2 of 3 to be met");
   ASSERT_NE(score, std::string::npos);
   EXPECT_LT(score, html.find("<figure"));
   EXPECT_GT(html.find("Findings, for the gap workflow"), html.rfind("</table>"));
@@ -123,8 +129,9 @@ TEST(ReproductionHtml, SaysWhichPartOfTheBarIsMissed) {
   for (PaperFigure& figure : r.figures)
     for (PaperRow& row : figure.rows) row.ok = row.kind != RowKind::Trend;
   const std::string html = reproduction_html(r);
-  EXPECT_NE(html.find("missed: 0 of 5 numbers, 2 of 2 trends"), std::string::npos);
-  EXPECT_NE(html.find("The bar is not passed"), std::string::npos);
+  EXPECT_NE(html.find("✓ Passed: nine numbers of ten within their band.<"), std::string::npos);
+  EXPECT_NE(html.find("■ Not passed: every trend as stated"), std::string::npos);
+  EXPECT_NE(html.find("■ 2 of 2 missed"), std::string::npos);
 }
 
 TEST(ReproductionHtml, WithoutAMissThereIsNoFinding) {
@@ -133,8 +140,8 @@ TEST(ReproductionHtml, WithoutAMissThereIsNoFinding) {
     for (PaperRow& row : figure.rows) row.ok = true;
   const std::string html = reproduction_html(r);
   EXPECT_EQ(html.find("Findings"), std::string::npos);
-  EXPECT_NE(html.find("The bar is passed"), std::string::npos);
-  EXPECT_EQ(html.find("missed: "), std::string::npos);
+  EXPECT_EQ(count(html, "✓ Passed: "), 2U);
+  EXPECT_EQ(html.find(" missed; each"), std::string::npos);
 }
 
 TEST(ReproductionJson, HasEveryRowWithItsFieldsAndTheMissesAsFindings) {
@@ -161,7 +168,7 @@ TEST(ReproductionConsole, PlainTextHasNoEscapesColouredTextTheSameWords) {
   EXPECT_EQ(grey.find('\033'), std::string::npos);
   EXPECT_NE(coloured.find("\033[1;31m7a"), std::string::npos);
   EXPECT_NE(grey.find("spring too soft"), std::string::npos);
-  EXPECT_TRUE(grey.ends_with("3 of 5 of the paper's numbers within their band, trends 1 of 2\n"));
+  EXPECT_TRUE(grey.ends_with("(2 of 3 to be met, 1 of 2 bounds), trends 1 of 2\n"));
 }
 
 TEST(ReproductionReport, LeavesAPageAndAJsonFile) {

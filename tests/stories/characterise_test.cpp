@@ -174,7 +174,7 @@ TEST(Characterise, RefusesWithWhatToDo) {
   EXPECT_FALSE(fs::exists(folder / "out"));
   fs::create_directories(folder / "out");
   folder.write("out/model.toml", std::string("[baseline]\n") + kNoise);
-  refuse("impact --bench --model " + (folder / "out/model.toml").string() + out, "the model lies where");
+  refuse("impact --bench --model " + (folder / "out/model.toml").string() + out, "lies where the answer");
   EXPECT_TRUE(fs::exists(folder / "out/model.toml"));
 }
 

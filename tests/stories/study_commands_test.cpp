@@ -36,6 +36,31 @@ TEST(Identify, RefusesADataSetWithoutCurrentAndTouchesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
+// A second run into the folder of a first clears it: what it asks about may not be what is cleared.
+TEST(EveryCommand, RefusesToClearWhatItReads) {
+  const ScratchFolder folder;
+  const std::filesystem::path set = kHouse / "docs/examples/current";
+  const std::string out = quoted(folder / "out");
+  std::filesystem::copy(set, folder / "out", std::filesystem::copy_options::recursive);
+  folder.write("out/.biopsy-run", "");
+  std::filesystem::copy_file(kHouse / "sim/models/rehearsal.toml", folder / "out/model.toml");
+  const std::string model = " --model " + quoted(folder / "out/model.toml"), to = " --out " + out;
+  const auto before = std::distance(std::filesystem::directory_iterator(folder / "out"), {});
+  const std::string elsewhere = quoted(kHouse / "sim/models/rehearsal.toml");
+  for (const std::string& command :
+       {"identify " + out + to, "identify " + quoted(set) + model + to, "calibrate --data " + out + to,
+        "calibrate" + model + to, "reproduce" + model + to, "design" + model + to, "tune" + model + to,
+        "simulate " + out + " --model " + elsewhere + to, "gap " + out + " --model " + elsewhere + to,
+        "characterise dc --bench" + model + to, "dry-run gap" + model + to, "plan gap" + model + to}) {
+    const Answer answer = biopsy(command);
+    EXPECT_EQ(answer.code, 2) << command << "\n" << answer.text;
+    EXPECT_NE(answer.text.find("lies where the answer shall go"), std::string::npos)
+        << command << answer.text;
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "out"), {}), before);
+  EXPECT_EQ(file_content(folder / "out/model.toml"), file_content(kHouse / "sim/models/rehearsal.toml"));
+}
+
 TEST(Reproduce, RefusesAFigureThatIsNotThereAndListsThoseThatAre) {
   const ScratchFolder folder;
   const Answer answer = biopsy("reproduce 77 --out " + quoted(folder / "out"));
