@@ -20,7 +20,7 @@ constexpr Millimetres kHoldBefore{0.5};  // of the end of the stroke: what a sta
 
 Millimetres expected_travel(const BenchRequest& request) {
   const double share = film_share(request.half_period).start;
-  return NominalModel(request.weight).depth_on_films(share * request.highest);
+  return NominalModel(request.weight).depth_on_films(share * request.highest / request.drive_scale);
 }
 
 std::variant<Plan, PlanRefusal> plan_bench(const BenchRequest& request) {
@@ -29,6 +29,10 @@ std::variant<Plan, PlanRefusal> plan_bench(const BenchRequest& request) {
     return PlanRefusal{
         fmt::format("a weight of {:.0f} g is outside 0 to {:.0f} g", request.weight.value, kWeightMax.value),
         "put less on the fixture"};
+  if (!(request.drive_scale >= 1.0 && request.drive_scale <= kDriveScaleMax))
+    return PlanRefusal{fmt::format("a stage that needs {:g} times the nominal voltage is outside 1 to {:g}",
+                                   request.drive_scale, kDriveScaleMax),
+                       "measure with 1 first; the report says how far the stage went"};
   if (!(request.highest >= kLeast && request.highest <= kMost))
     return PlanRefusal{fmt::format("{:.2f} kV is outside {:.1f} to {:.1f} kV", request.highest.value * 1e-3,
                                    kLeast.value * 1e-3, kMost.value * 1e-3),

@@ -119,7 +119,7 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   BenchResult result;
   result.recorded.name = run.name;
   result.recorded.file = "run-" + run.name + ".csv";
-  result.recorded.weight = run.weight.value * 1e-3;
+  result.recorded.weight = run.setup.weight.value * 1e-3;
   BenchOperator person(static_cast<bool>(bench.keys), std::llround(bench.rest / Seconds(kTick)));
   control::ProgramState state;
   Tick seen;

@@ -14,6 +14,7 @@
 #include "robot/app/case.hpp"
 #include "robot/app/commands.hpp"
 #include "robot/app/experiments.hpp"
+#include "robot/app/hand_push.hpp"
 #include "robot/app/hardware_stage.hpp"
 #include "robot/app/live_options.hpp"
 #include "robot/app/progress.hpp"
@@ -32,9 +33,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRest_taus = 7.0;    // leaves a thousandth of the films' charge
-constexpr double kMoved_mm = 1.0;     // a run that expects less does not lift
-constexpr double kAtRest_mm = 0.2;    // between two runs' beginnings: ten times the laser's noise
+constexpr double kRest_taus = 7.0;  // leaves a thousandth of the films' charge
+constexpr double kMoved_mm = 1.0;   // a run that expects less does not lift
+constexpr double kAtRest_mm = 0.2;  // between two runs' beginnings: ten times the laser's noise
+constexpr const char* kHaveReady =
+    "have the small weights ready on a thread or an insulating rod (they are laid on under voltage), ";
 constexpr double kLentNoise = 10e-6;  // m, laser of the 10 um class; without noise R-19 takes it for frozen
 
 struct Session {
@@ -47,20 +50,6 @@ struct Session {
 
 bool is_real(const CharacteriseOptions& options) {
   return options.device == "nidaqmx";
-}
-
-// A load or an impact is laid on by the simulation; on a real stage nobody is there to do it on the tick.
-void leave_out_pushed_runs(Session& session) {
-  const auto pushed = [](const BenchRun& run) { return !run.loads.empty(); };
-  std::string names;
-  for (const BenchRun& run : session.runs)
-    if (pushed(run)) names += (names.empty() ? "" : ", ") + run.name;
-  if (names.empty()) return;
-  std::erase_if(session.runs, pushed);
-  session.notes.push_back("Left out, because a weight must be laid on at a given moment: " + names + ".");
-  if (session.runs.empty())
-    throw SetupError("only experiments that lay on a weight were asked for", "EXPERIMENT",
-                     "ask for dc, staircase or frequency on a real stage");
 }
 
 Session prepared(const CharacteriseOptions& options) {
@@ -83,12 +72,14 @@ Session prepared(const CharacteriseOptions& options) {
         "The model has no noise of the laser; it was lent 0.010 mm, because a depth that never changes looks "
         "like a broken sensor (R-19).");
   }
-  session.runs = runs_of(options.experiments, Grams(options.weight_g));
-  if (is_real(options)) leave_out_pushed_runs(session);
+  session.runs = runs_of(
+      options.experiments,
+      {.weight = Grams(options.weight_g), .drive_scale = options.drive_scale, .by_hand = is_real(options)});
   for (const BenchRun& run : session.runs) {
     auto plan = planner::plan_bench(bench_request(run));
     if (const auto* refusal = std::get_if<PlanRefusal>(&plan))
-      throw SetupError(run.name + " is refused: " + refusal->what, "--weight-g", refusal->remedy);
+      throw SetupError(run.name + " is refused: " + refusal->what, "--weight-g, --drive-scale",
+                       refusal->remedy);
     session.plans.push_back(std::get<Plan>(std::move(plan)));
   }
   return session;
@@ -104,7 +95,7 @@ void print_intention(const Session& session) {
     const double lasts = control::length_ticks(run.program) * Seconds(kTick).count();
     const double expected = planner::expected_travel(request).value;
     seconds += lasts, travel = std::max(travel, expected);
-    fmt::print("{:<24} {:>8.0f} {:>7.1f} {:>9.2f} {:>12.1f}  {}\n", run.name, run.weight.value, lasts,
+    fmt::print("{:<24} {:>8.0f} {:>7.1f} {:>9.2f} {:>12.1f}  {}\n", run.name, run.setup.weight.value, lasts,
                request.highest.value * 1e-3, expected, run.what);
   }
   fmt::print(
@@ -117,7 +108,7 @@ report::BenchRunRecord record_of(const BenchRun& run, const BenchResult& result)
   report::BenchRunRecord record{.name = run.name,
                                 .file = result.recorded.file,
                                 .what = run.what,
-                                .weight_g = run.weight.value,
+                                .weight_g = run.setup.weight.value,
                                 .stopped_because = result.stopped_because,
                                 .stopped_s = result.stopped_s,
                                 .expected_mm = planner::expected_travel(bench_request(run)).value,
@@ -172,7 +163,7 @@ BenchResult run_simulated(const Session& session, std::size_t i, const Character
                           const std::function<void(double)>& show, realtime::StopSignals& signals) {
   const BenchRun& run = session.runs[i];
   sim::PlantModel model = session.model;
-  model.weight = run.weight.value * 1e-3;
+  model.weight = run.setup.weight.value * 1e-3;
   sim::SimStage stage(model, options.seed + i);
   return run_on_bench(run, session.plans[i], 1 + options.seed,
                       {.stage = stage,
@@ -181,19 +172,37 @@ BenchResult run_simulated(const Session& session, std::size_t i, const Character
                        .stop = [&] { return signals.came(); }});
 }
 
+// What a reader has to know of weights laid on by hand.
+std::string told(const std::string& name, const std::vector<HandPush>& pushes) {
+  std::string unseen;
+  for (const HandPush& push : pushes)
+    if (!push.seen) unseen += fmt::format("{}{:.2f}", unseen.empty() ? "" : ", ", push.asked_s);
+  return fmt::format(
+      "{}: weights were laid on by hand; each push begins where the depth first follows, to about "
+      "10 ms, and the mass that came with it (below a tenth) is not in the data.{}",
+      name, unseen.empty() ? "" : " Not seen in the depth, so dated as asked for: " + unseen + " s.");
+}
+
 // One run on the laboratory's stage, which is the same for all runs: the films' charge leaks away first. Then
 // somebody puts the weight on and turns the arm key.
 BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::NidaqmxStage& hardware,
                             const CharacteriseOptions& options, const std::function<void(double)>& show,
-                            realtime::StopSignals& signals) {
+                            realtime::StopSignals& signals, std::vector<std::string>& notes) {
   const BenchRun& run = session.runs[i];
   const Seconds rest(i == 0 ? 0.0 : kRest_taus * session.model.baseline.tau);
   if (rest > Seconds(0.0))
     fmt::print("{}: at 0 V for {:.0f} s, until the films are discharged\n", run.name, rest.count());
   const auto ask = [&] {
-    fmt::print("{}: put {:.0f} g on the fixture, clear the stage, then turn the arm key\n", run.name,
-               run.weight.value);
+    fmt::print("{}: put {:.0f} g on the fixture, {}clear the stage, then turn the arm key\n", run.name,
+               run.setup.weight.value, run.loads.empty() ? "" : kHaveReady);
     std::fflush(stdout);
+  };
+  const auto ask_for = [&, lies_N = 0.0](double push_N) mutable {
+    if (push_N == lies_N) return;
+    fmt::print("\n{}: NOW {} {:.0f} g\n", run.name, push_N > lies_N ? "lay on" : "lift off",
+               grams_of(std::abs(push_N - lies_N)));
+    std::fflush(stdout);
+    lies_N = push_N;
   };
   PacedStage stage(hardware);
   nidaqmx::PulseLine supervisors_half(nidaqmx::read_config(options.device_config));
@@ -201,15 +210,20 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
     const nidaqmx::Panel& panel = hardware.panel();
     return BenchKeys{panel.arm, panel.estop_a_closed && panel.estop_b_closed};
   };
-  return run_on_bench(run, session.plans[i], 1 + options.seed,
-                      {.stage = stage,
-                       .push = [](double) {},
-                       .played = show,
-                       .keys = keys,
-                       .supervisor_pulse = &supervisors_half,
-                       .rest = rest,
-                       .rested = ask,
-                       .stop = [&] { return signals.came(); }});
+  BenchResult result = run_on_bench(run, session.plans[i], 1 + options.seed,
+                                    {.stage = stage,
+                                     .push = ask_for,
+                                     .played = show,
+                                     .keys = keys,
+                                     .supervisor_pulse = &supervisors_half,
+                                     .rest = rest,
+                                     .rested = ask,
+                                     .stop = [&] { return signals.came(); }});
+  if (run.loads.empty()) return result;
+  const std::vector<HandPush> pushes =
+      date_by_depth(result.recorded, 2 * static_cast<std::size_t>(run.program.half_period_ticks));
+  notes.push_back(told(run.name, pushes));
+  return result;
 }
 
 std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& options) {
@@ -265,8 +279,9 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     const auto show = [&](double share) {
       line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()), run.name);
     };
-    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show, signals)
-                                        : run_simulated(session, i, options, show, signals);
+    const BenchResult result =
+        hardware ? run_on_hardware(session, i, *hardware, options, show, signals, record.notes)
+                 : run_simulated(session, i, options, show, signals);
     if (result.recorded.time.empty()) {
       record.notes.push_back(
           fmt::format("{} was stopped before it began: {}.", run.name, result.stopped_because));

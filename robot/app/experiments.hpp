@@ -16,27 +16,36 @@ struct LoadStep {
   double push_N = 0.0;
 };
 
+// The stage that an experiment is sized for.
+struct BenchSetup {
+  Grams weight;              // on the fixture
+  double drive_scale = 1.0;  // how many times the nominal stage's voltage it needs for a depth
+  bool by_hand = false;      // a push is a small weight, laid on and lifted off by somebody who is told when
+};
+
 struct BenchRun {
   std::string name;  // "staircase-50g": also the name of its file
   std::string what;  // for a person
-  Grams weight;
+  BenchSetup setup;
   control::VoltageProgram program;
   std::vector<LoadStep> loads;
 };
 
 struct Experiment {
   std::string_view name, sentence;
-  std::vector<BenchRun> (*runs)(Grams weight);
+  std::vector<BenchRun> (*runs)(const BenchSetup& setup);
 };
 
 const std::vector<Experiment>& experiments();
 
 // The runs of the named experiments, in the order of the list; of all where none is named. Throws SetupError
-// for a name that is not in the list, listing them, and for a weight that the stage cannot lift.
-std::vector<BenchRun> runs_of(const std::vector<std::string>& names, Grams weight);
+// for a name that is not in the list, listing them, and for a setup that the stage cannot lift.
+std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const BenchSetup& setup);
 
 // What a run asks its plan for.
 planner::BenchRequest bench_request(const BenchRun& run);
+
+double grams_of(double push_N);  // the weight that pushes so
 
 // N on plate A in this tick of the program.
 double push_at(const BenchRun& run, std::uint32_t tick);

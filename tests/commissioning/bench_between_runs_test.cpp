@@ -35,7 +35,7 @@ double travel_mm(const BenchResult& result) {
 }
 
 BenchRun run_named(const std::string& name) {
-  for (BenchRun& run : runs_of({"dc", "staircase"}, Grams(50.0)))
+  for (BenchRun& run : runs_of({"dc", "staircase"}, {.weight = Grams(50.0)}))
     if (run.name == name) return run;
   throw std::logic_error(name);
 }

@@ -18,7 +18,7 @@ class BenchOnHardware : public testing::Test {
   BenchOnHardware() : board_(*fake_reset()), stage_(nidaqmx::laboratory(), fake_now_us) {}
 
   BenchResult run(int turned_after_ticks) {
-    const BenchRun staircase = runs_of({"staircase"}, Grams(50.0)).front();
+    const BenchRun staircase = runs_of({"staircase"}, {.weight = Grams(50.0)}).front();
     const auto plan = planner::plan_bench(bench_request(staircase));
     int ticks = 0;
     const auto keys = [&] {

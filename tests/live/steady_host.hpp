@@ -11,21 +11,26 @@
 namespace biopsy::live_tests {
 
 constexpr int kTrials = 4;
+// A machine also stands still for one process alone, where its own host must first fetch a page of memory:
+// no clock beside it sees that.
+constexpr int kUnseenStalls = 1;
 
 // A trial says what kept it from its claim, empty if nothing did: the robot stopped on its way, as it should
-// where its machine stands still. It is tried again where the machine did so meanwhile, and fails where it
-// did not; kept away in every trial, the test is skipped and says so. What the trial expects is never
-// excused: a failure counts at once.
+// where its machine stands still. It is tried again where the machine did so meanwhile, and once where nobody
+// saw it; the second time it fails. Kept away in every trial, the test is skipped and says so. What the trial
+// expects is never excused: a failure counts at once.
 template <class Trial>
 void on_a_steady_host(const Trial& trial) {
   std::string kept_by;
   double worst_ms = 0.0;
-  for (int n = 0; n < kTrials; ++n) {
+  for (int n = 0, unseen = 0; n < kTrials; ++n) {
     const HostWatch host;
     kept_by = trial();
     if (kept_by.empty() || ::testing::Test::HasFailure()) return;
     worst_ms = host.worst_ms();
-    if (host.stalls() == 0) {
+    if (host.stalls() > 0) continue;
+    fmt::print("stopped, and this machine was late by {:.2f} ms at most: {}\n", worst_ms, kept_by);
+    if (++unseen > kUnseenStalls) {
       ADD_FAILURE() << kept_by << fmt::format(" (this machine was late by {:.2f} ms at most)", worst_ms);
       return;
     }

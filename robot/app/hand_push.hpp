@@ -1,0 +1,23 @@
+// A weight laid on by hand: when it began to push is read from the depth.
+#pragma once
+
+#include <vector>
+
+#include "sim/dataset.hpp"
+
+namespace biopsy::app {
+
+struct HandPush {
+  double asked_s = 0.0;  // when somebody was asked for it, in the run's time
+  double began_s = 0.0;  // when the depth began to follow; as asked where it never did
+  double force_N = 0.0;  // from then on
+  bool seen = false;
+};
+
+// Moves each change of `run.external_force` from when it was asked for to when the depth, compared with that
+// of one drive period before (the oscillation repeats itself, a push does not), first leaves its scatter in
+// the direction of the push: to about 10 ms. Looks until the next change, 4 s at most. A change that is not
+// seen stays where it was. `period_rows`: rows of a drive period.
+std::vector<HandPush> date_by_depth(sim::RecordedRun& run, std::size_t period_rows);
+
+}  // namespace biopsy::app
