@@ -76,7 +76,9 @@ class BenchOperator {
         return;
       case Step::Arm:
         if (mode == Mode::Armed && waited_ > kThink_ticks) return go(Step::Run);
-        if (waited_ > (by_hand_ ? kHand_ticks : 1) && mode != Mode::Armed) give_up(seen);
+        if (waited_ <= (by_hand_ ? kHand_ticks : 1) || mode == Mode::Armed) return;
+        give_up(seen);
+        if (by_hand_ && mode == Mode::Ready) stopped_because_ = "nobody turned the arm key";
         return;
       case Step::Run:
         if (played) return go(Step::Withdraw);

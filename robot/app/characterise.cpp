@@ -33,11 +33,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRest_taus = 7.0;  // leaves a thousandth of the films' charge
-constexpr double kMoved_mm = 1.0;   // a run that expects less does not lift
-constexpr double kAtRest_mm = 0.2;  // between two runs' beginnings: ten times the laser's noise
-constexpr const char* kHaveReady =
-    "have the small weights ready on a thread or an insulating rod (they are laid on under voltage), ";
+constexpr double kRest_taus = 7.0;    // leaves a thousandth of the films' charge
+constexpr double kMoved_mm = 1.0;     // a run that expects less does not lift
+constexpr double kAtRest_mm = 0.2;    // between two runs' beginnings: ten times the laser's noise
 constexpr double kLentNoise = 10e-6;  // m, laser of the 10 um class; without noise R-19 takes it for frozen
 
 struct Session {
@@ -172,6 +170,15 @@ BenchResult run_simulated(const Session& session, std::size_t i, const Character
                        .stop = [&] { return signals.came(); }});
 }
 
+// What to have at hand before the arm key is turned; empty where no weight is laid on in the run.
+std::string to_have_ready(const BenchRun& run) {
+  if (run.loads.empty()) return {};
+  const auto [least, most] = std::ranges::minmax(run.loads, {}, &LoadStep::push_N);
+  return fmt::format(
+      "have {:.0f} x {:.0f} g ready on a thread or an insulating rod (laid on under voltage), ",
+      most.push_N / least.push_N, grams_of(least.push_N));
+}
+
 // What a reader has to know of weights laid on by hand.
 std::string told(const std::string& name, const std::vector<HandPush>& pushes) {
   std::string unseen;
@@ -179,7 +186,7 @@ std::string told(const std::string& name, const std::vector<HandPush>& pushes) {
     if (!push.seen) unseen += fmt::format("{}{:.2f}", unseen.empty() ? "" : ", ", push.asked_s);
   return fmt::format(
       "{}: weights were laid on by hand; each push begins where the depth first follows, to about "
-      "10 ms, and the mass that came with it (below a tenth) is not in the data.{}",
+      "10 ms, and the mass that came with it is not in the data.{}",
       name, unseen.empty() ? "" : " Not seen in the depth, so dated as asked for: " + unseen + " s.");
 }
 
@@ -194,7 +201,7 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
     fmt::print("{}: at 0 V for {:.0f} s, until the films are discharged\n", run.name, rest.count());
   const auto ask = [&] {
     fmt::print("{}: put {:.0f} g on the fixture, {}clear the stage, then turn the arm key\n", run.name,
-               run.setup.weight.value, run.loads.empty() ? "" : kHaveReady);
+               run.setup.weight.value, to_have_ready(run));
     std::fflush(stdout);
   };
   const auto ask_for = [&, lies_N = 0.0](double push_N) mutable {
@@ -222,7 +229,7 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
   if (run.loads.empty()) return result;
   const std::vector<HandPush> pushes =
       date_by_depth(result.recorded, 2 * static_cast<std::size_t>(run.program.half_period_ticks));
-  notes.push_back(told(run.name, pushes));
+  if (!pushes.empty()) notes.push_back(told(run.name, pushes));
   return result;
 }
 
@@ -241,26 +248,37 @@ double began_at(const report::BenchRunRecord& run) {
 }
 
 // What a reader of the data has to know of the last run.
-void add_notes(report::BenchRecord& record) {
+void add_note(report::BenchRecord& record) {
   const report::BenchRunRecord& run = record.runs.back();
   const double began = began_at(run), first = began_at(record.runs.front());
   if (std::abs(began - first) > kAtRest_mm)
     record.notes.push_back(
         fmt::format("{} began {:+.2f} mm from where {} began: something has stayed of what was done before.",
                     run.name, began - first, record.runs.front().name));
-  if (!run.stopped_because.empty() || run.expected_mm < kMoved_mm) return;
-  const double travel = *std::max_element(run.displacement_mm.begin(), run.displacement_mm.end()) - began;
-  if (travel < 0.3 * run.expected_mm)
+}
+
+// What all of them tell of the stage that they were sized for.
+void add_travel_notes(report::BenchRecord& record, double drive_scale) {
+  constexpr double kLittle = 0.3, kMuch = 1.5;
+  std::string little, much;
+  for (const report::BenchRunRecord& run : record.runs) {
+    if (!run.stopped_because.empty() || run.expected_mm < kMoved_mm) continue;
+    const double travel =
+        *std::max_element(run.displacement_mm.begin(), run.displacement_mm.end()) - began_at(run);
+    if (travel < kLittle * run.expected_mm) little += (little.empty() ? "" : ", ") + run.name;
+    if (travel > kMuch * run.expected_mm) much += (much.empty() ? "" : ", ") + run.name;
+  }
+  if (!little.empty())
     record.notes.push_back(
-        fmt::format("{} lifted {:.2f} mm where the nominal stage lifts {:.1f} mm: friction or a weaker stack "
-                    "has the better of "
-                    "these voltages, and the run says little about the rest.",
-                    run.name, travel, run.expected_mm));
-  if (travel > 1.5 * run.expected_mm)
+        fmt::format("Lifted less than a third of what was expected, and says little: {}. Friction has the "
+                    "better of these "
+                    "voltages, or the stack needs more; the next step would be --drive-scale {:g}.",
+                    little, std::min(planner::kDriveScaleMax, drive_scale + 0.5)));
+  if (!much.empty())
     record.notes.push_back(
-        fmt::format("{} lifted {:.2f} mm where the nominal stage lifts {:.1f} mm: look whether {:.0f} g lay "
-                    "on the fixture.",
-                    run.name, travel, run.expected_mm, run.weight_g));
+        fmt::format("Lifted more than one and a half times what was expected: {}. Look at the weight on the "
+                    "fixture{}.",
+                    much, drive_scale > 1.0 ? ", and take a smaller --drive-scale" : ""));
 }
 
 // `hardware`: null for the simulated stage.
@@ -288,7 +306,7 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
       break;
     }
     record.runs.push_back(record_of(run, result));
-    add_notes(record);
+    add_note(record);
     record.title = dataset.title = title_of(record);
     dataset.runs.push_back(result.recorded);
     dataset.sensor_noise = noise_at_rest(dataset.runs);
@@ -296,6 +314,7 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     store(result, dataset, options.out);
     if (!result.stopped_because.empty()) break;
   }
+  add_travel_notes(record, options.drive_scale);
   report::write_whole_file(options.out / "report.html", report::bench_html(record));
   return record;
 }

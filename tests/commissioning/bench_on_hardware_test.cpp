@@ -45,7 +45,7 @@ TEST_F(BenchOnHardware, PlaysAStaircaseOnceTheKeyIsTurned) {
 
 TEST_F(BenchOnHardware, WithoutAHandNothingEverMoves) {
   const BenchResult result = run(0);
-  EXPECT_NE(result.stopped_because, "");
+  EXPECT_EQ(result.stopped_because, "nobody turned the arm key");
   EXPECT_EQ(board_.highest_V, 0.0);
 }
 

@@ -103,6 +103,24 @@ TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {
   }
 }
 
+// The stage behind the paper's figures stands nearly still under the nominal stage's voltages.
+TEST(Characterise, AStageThatNeedsMoreVoltageGetsItUnderTheSameSupervisor) {
+  const ScratchFolder folder;
+  const auto measured = [&](const std::string& scale) {
+    return biopsy("characterise --bench --model " BIOPSY_SOURCE_DIR
+                  "/sim/models/calibrated.toml --drive-scale " +
+                  scale + " --out " + (folder / scale).string());
+  };
+  const Answer little = measured("1"), enough = measured("2");
+  EXPECT_EQ(little.code, 0) << little.text;
+  EXPECT_NE(little.text.find("--drive-scale 1.5"), std::string::npos) << little.text;
+  EXPECT_EQ(enough.code, 0) << enough.text;
+  for (const sim::RecordedRun& run : stored(folder / "2").runs) {
+    const double travel = *std::max_element(run.displacement.begin(), run.displacement.end());
+    EXPECT_EQ(travel > 0.5e-3, !run.name.starts_with("dc-step")) << run.name << " moves " << travel << " m";
+  }
+}
+
 // Films that pull almost twice as hard as the nominal stage's: it would run into the end of its stroke.
 TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
   const ScratchFolder folder;
@@ -166,10 +184,13 @@ TEST(Characterise, RefusesWithWhatToDo) {
                             "/drivers/nidaqmx/usb6211.toml --commissioning " +
                             (folder / "none").string();
   refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
-  refuse("load --device nidaqmx --bench" + board + out, "weight");
+  refuse("load --device nidaqmx --bench" + board + out, "libnidaqmx.so");
   refuse("--device toaster --bench" + out, "toaster");
   refuse("--weight-g 400 --bench" + out, "300 g");
   refuse("--weight-g nan --bench" + out, "--weight-g");
+  for (const char* scale : {"0.5", "3.5", "nan", "-1"})
+    refuse("--drive-scale " + std::string(scale) + " --bench" + out, "--drive-scale");
+  refuse("--drive-scale 3 --weight-g 250 --bench" + out, "8.0 kV");
   refuse("--model " + (folder / "force.toml").string() + " --bench" + out, "force");
   EXPECT_FALSE(fs::exists(folder / "out"));
   fs::create_directories(folder / "out");
