@@ -121,6 +121,32 @@ TEST(Characterise, AStageThatNeedsMoreVoltageGetsItUnderTheSameSupervisor) {
   }
 }
 
+// The text without what stands from `from` up to `to`, or up to its end.
+std::string without(std::string text, const std::string& from, const std::string& to = {}) {
+  const std::size_t begin = text.find(from);
+  const std::size_t end = to.empty() ? text.size() : text.find(to, begin);
+  EXPECT_TRUE(begin < end && end <= text.size()) << from;
+  return text.erase(begin, end - begin);
+}
+
+TEST(Characterise, NamesTheGuideThatTheStageBehindThePaperHas) {
+  const ScratchFolder folder;
+  const std::string truth = BIOPSY_SOURCE_DIR "/sim/models/calibrated.toml";
+  const std::string uncorrelated = without(file_content(truth), "# Of the deviations above");
+  folder.write("believed.toml", without(uncorrelated, "# A restoring force", "# The reading is late"));
+  const Answer measured = biopsy("characterise staircase --bench --drive-scale 2 --model " + truth +
+                                 " --out " + (folder / "data").string());
+  ASSERT_EQ(measured.code, 0) << measured.text;
+  const Answer answer =
+      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
+             " --out " + (folder / "gap").string() + " --no-recheck");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json found = json_of(folder / "gap/gap.json");
+  ASSERT_EQ(found["verdict"], "effect") << answer.text;
+  EXPECT_EQ(found["effects"][0]["name"], "hysteretic_spring") << answer.text;
+  EXPECT_LT(found["rmse_mm"]["after"], 0.1 * found["rmse_mm"]["before"].get<double>());
+}
+
 // Films that pull almost twice as hard as the nominal stage's: it would run into the end of its stroke.
 TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
   const ScratchFolder folder;
