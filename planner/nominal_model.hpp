@@ -28,6 +28,8 @@ class NominalModel {
   double speed_after_push() const;
   double speed_after_voltage() const;
 
+  double plate_a_kg() const { return plate_a_kg_; }  // with its weight
+
   // The amplitude that holds this depth against force_N: the inverse of depth(). 0 V where the stage is there
   // without drive; nothing where no drive could do it, because the pouches are empty before.
   std::optional<Volts> drive(Millimetres depth, double force_N = 0.0) const;

@@ -70,9 +70,10 @@ Session prepared(const CharacteriseOptions& options) {
         "The model has no noise of the laser; it was lent 0.010 mm, because a depth that never changes looks "
         "like a broken sensor (R-19).");
   }
-  session.runs = runs_of(
-      options.experiments,
-      {.weight = Grams(options.weight_g), .drive_scale = options.drive_scale, .by_hand = is_real(options)});
+  session.runs = runs_of(options.experiments, {.weight = Grams(options.weight_g),
+                                               .drive_scale = options.drive_scale,
+                                               .push_scale = options.push_scale,
+                                               .by_hand = is_real(options)});
   for (const BenchRun& run : session.runs) {
     auto plan = planner::plan_bench(bench_request(run));
     if (const auto* refusal = std::get_if<PlanRefusal>(&plan))

@@ -150,6 +150,8 @@ void add_characterise(CLI::App& app, CharacteriseOptions& options, int& code) {
   command->add_option("--weight-g", options.weight_g, "weight on the fixture, g (default 50)");
   command->add_option("--drive-scale", options.drive_scale,
                       "how many times the nominal voltage this stage needs for a depth, 1 to 3 (default 1)");
+  command->add_option("--push-scale", options.push_scale,
+                      "how many times the nominal push is laid on, 1 to 10 (default 1)");
   command->add_option("--seed", options.seed, "seed of the simulated stage's noise")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--dry-run", options.dry_run, "say what would be done; nothing moves");

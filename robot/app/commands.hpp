@@ -125,6 +125,7 @@ struct CharacteriseOptions {
   std::filesystem::path model;  // of the simulated stage; empty: the one of rehearsals
   double weight_g = 50.0;
   double drive_scale = 1.0;  // how many times the nominal voltage the stage needs for a depth
+  double push_scale = 1.0;   // how many times the nominal push is laid on
   std::uint64_t seed = 1;
   bool dry_run = false;  // says what would be done
   bool bench = false;    // no patient, no needle

@@ -20,6 +20,7 @@ struct LoadStep {
 struct BenchSetup {
   Grams weight;              // on the fixture
   double drive_scale = 1.0;  // how many times the nominal stage's voltage it needs for a depth
+  double push_scale = 1.0;   // how many times the nominal stage's push it bears without a swing
   bool by_hand = false;      // a push is a small weight, laid on and lifted off by somebody who is told when
 };
 
@@ -41,6 +42,8 @@ const std::vector<Experiment>& experiments();
 // The runs of the named experiments, in the order of the list; of all where none is named. Throws SetupError
 // for a name that is not in the list, listing them, and for a setup that the stage cannot lift.
 std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const BenchSetup& setup);
+
+inline constexpr double kPushScaleMax = 10.0;
 
 // What a run asks its plan for.
 planner::BenchRequest bench_request(const BenchRun& run);

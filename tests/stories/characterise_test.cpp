@@ -169,6 +169,20 @@ TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
   EXPECT_NE(file_content(folder / "data/report.html").find("stopped"), std::string::npos);
 }
 
+// A push that is weaker than the guide's friction, 0.050 N, tells nothing of the damping.
+TEST(Characterise, TheFirstBlowIsStrongerThanTheGuide) {
+  const ScratchFolder folder;
+  const Answer answer = biopsy("characterise impact --bench --out " + (folder / "data").string());
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const sim::RecordedRun run = stored(folder / "data").runs.front();
+  const auto blow = std::find_if(run.external_force.begin(), run.external_force.end(),
+                                 [](double force_N) { return force_N > 0.0; }) -
+                    run.external_force.begin();
+  const auto depth = run.displacement.begin() + blow;
+  const double before = std::accumulate(depth - 50, depth, 0.0) / 50.0;
+  EXPECT_LT(*std::min_element(depth, depth + 250), before - 0.15e-3);
+}
+
 TEST(Characterise, SameSeedSameData) {
   const ScratchFolder folder;
   const auto run_in = [&](const std::string& name, int seed) {
@@ -216,6 +230,8 @@ TEST(Characterise, RefusesWithWhatToDo) {
   refuse("--weight-g nan --bench" + out, "--weight-g");
   for (const char* scale : {"0.5", "3.5", "nan", "-1"})
     refuse("--drive-scale " + std::string(scale) + " --bench" + out, "--drive-scale");
+  for (const char* scale : {"0.5", "11", "nan"})
+    refuse("--push-scale " + std::string(scale) + " --bench" + out, "--push-scale");
   refuse("--drive-scale 3 --weight-g 250 --bench" + out, "8.0 kV");
   refuse("--model " + (folder / "force.toml").string() + " --bench" + out, "force");
   EXPECT_FALSE(fs::exists(folder / "out"));
