@@ -86,9 +86,9 @@ std::string sentence(const DesignStudy& study) {
     return no_worse(stack.figures, study.paper.figures);
   });
   return fmt::format(
-      "{} designs that none beats in everything, of {} tried; {} of them are no worse than the paper's in "
-      "anything.",
-      study.best.size(), study.evaluated, better);
+      "{} designs that none beats in everything, of {} tried; {} of them as good as the paper's in "
+      "everything.",
+      study.best.size(), study.evaluated, better == 0 ? "none" : std::to_string(better));
 }
 
 }  // namespace
