@@ -36,7 +36,7 @@ std::variant<Plan, PlanRefusal> plan_bench(const BenchRequest& request) {
   if (!(request.highest >= kLeast && request.highest <= kMost))
     return PlanRefusal{fmt::format("{:.2f} kV is outside {:.1f} to {:.1f} kV", request.highest.value * 1e-3,
                                    kLeast.value * 1e-3, kMost.value * 1e-3),
-                       "put less on the fixture, or ask for less travel"};
+                       "put less on the fixture, or ask for less voltage (--drive-scale)"};
   if (const Millimetres travel = expected_travel(request); travel > kStroke - kMargin)
     return PlanRefusal{
         fmt::format("the stage would go {:.1f} mm, nearer than {:.1f} mm to the end of its stroke",

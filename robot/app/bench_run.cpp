@@ -15,7 +15,8 @@ namespace {
 constexpr std::int64_t kThink_ticks = 300;       // between two acts of a hand
 constexpr std::int64_t kReadyMax_ticks = 5'000;  // a healthy robot is ready within seconds
 constexpr std::int64_t kReturn_ticks = 1'500;    // gravity brings the stage back, and R-02 would be seen
-constexpr std::int64_t kHand_ticks = 60'000;     // for somebody to turn the key
+constexpr std::int64_t kHand_ticks = 120'000;    // for somebody to put the weight on and turn the key
+constexpr std::int64_t kHandsOff_ticks = 3'000;  // from the key to the first volt
 constexpr std::int64_t kToldEvery_ticks = 500;
 
 // The person at the bench, as a script.
@@ -25,24 +26,27 @@ class BenchOperator {
   BenchOperator(bool by_hand, std::int64_t rest_ticks)
       : by_hand_(by_hand), rest_ticks_(rest_ticks), rested_(rest_ticks <= 0) {}
 
-  // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold.
-  World act(const Tick& seen, bool played, bool holds) {
+  // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold; `key`:
+  // how the real arm key stands.
+  World act(const Tick& seen, bool played, bool holds, bool key) {
     watch(seen, played, holds);
     ++waited_;
     rested_ = rested_ || (step_ == Step::WaitReady && waited_ >= rest_ticks_);
+    key_was_open_ = key_was_open_ || (asks_for_key() && !key);
     World world;
     world.bench_confirmed = true;
-    world.arm = step_ == Step::Arm;
+    world.arm = asks_for_key() && (!by_hand_ || (key_was_open_ && key));
     world.press = {step_ == Step::Run ? 1U : 0U, step_ == Step::Run};
     world.finish = step_ == Step::Withdraw;
     return world;
   }
   void stop() {
     if (step_ == Step::Withdraw || step_ == Step::Done) return;
-    stopped_because_ = "by hand";
+    stopped_because_ = "interrupted";
     go(Step::Withdraw);
   }
-  bool rested() const { return rested_; }  // never, where it was stopped before
+  bool asks_for_key() const { return step_ == Step::Arm; }
+  bool recorded() const { return by_hand_ ? armed_ : rested_; }  // never, where it was stopped before
   bool running() const { return step_ == Step::Run; }
   bool done() const { return step_ == Step::Done; }
   const std::string& stopped_because() const { return stopped_because_; }
@@ -70,12 +74,15 @@ class BenchOperator {
     const bool off = mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock;
     switch (step_) {
       case Step::WaitReady:
-        if (mode == Mode::Ready && rested() && waited_ > kThink_ticks) return go(Step::Arm);
+        if (mode == Mode::Ready && rested_ && waited_ > kThink_ticks) return go(Step::Arm);
         if (mode == Mode::Trip || mode == Mode::Lock || waited_ > rest_ticks_ + kReadyMax_ticks)
           give_up(seen);
         return;
       case Step::Arm:
-        if (mode == Mode::Armed && waited_ > kThink_ticks) return go(Step::Run);
+        if (mode == Mode::Armed && !std::exchange(armed_, true) && by_hand_) waited_ = 0;
+        if (mode == Mode::Armed && waited_ > (by_hand_ ? kHandsOff_ticks : kThink_ticks))
+          return go(Step::Run);
+        if (armed_ && mode != Mode::Armed) return give_up(seen);
         if (waited_ <= (by_hand_ ? kHand_ticks : 1) || mode == Mode::Armed) return;
         give_up(seen);
         if (by_hand_ && mode == Mode::Ready) stopped_because_ = "nobody turned the arm key";
@@ -93,7 +100,7 @@ class BenchOperator {
     }
   }
 
-  bool by_hand_;
+  bool by_hand_, key_was_open_ = false, armed_ = false;
   std::int64_t rest_ticks_;
   bool rested_;
   Step step_ = Step::WaitReady;
@@ -125,17 +132,15 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   BenchOperator person(static_cast<bool>(bench.keys), std::llround(bench.rest / Seconds(kTick)));
   control::ProgramState state;
   Tick seen;
-  for (bool played = false, told = false; !person.done();) {
+  double push_N = 0.0;
+  for (bool played = false, asked = false; !person.done();) {
     if (bench.stop && bench.stop()) person.stop();
-    if (person.rested() && !std::exchange(told, true) && bench.rested) bench.rested();
-    const bool recorded = person.rested();
-    World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick);
-    if (bench.keys) {
-      const BenchKeys keys = bench.keys();
-      world.arm = keys.arm;
-      world.estop_closed = keys.estop_closed;
-    }
-    const double push_N = person.running() ? push_at(run, state.ticks) : 0.0;
+    const bool recorded = person.recorded();
+    const BenchKeys keys = bench.keys ? bench.keys() : BenchKeys{.arm = false, .estop_closed = true};
+    World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick, keys.arm);
+    world.estop_closed = keys.estop_closed;
+    if (person.asks_for_key() && !std::exchange(asked, true) && bench.ask_for_key) bench.ask_for_key();
+    if (person.running()) push_N = push_at(run, state.ticks);
     bench.push(push_N);
     seen = stage.tick(world, [&](const Measurement&, const safety::SupervisorOutput& decided) {
       const control::ProgramStep next = control::play(run.program, state, decided.permit, world.finish);

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "drivers/nidaqmx/pulse_line.hpp"
+#include "robot/app/bench_notes.hpp"
 #include "robot/app/bench_run.hpp"
 #include "robot/app/case.hpp"
 #include "robot/app/commands.hpp"
@@ -34,8 +35,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kRest_taus = 7.0;    // leaves a thousandth of the films' charge
-constexpr double kMoved_mm = 1.0;     // a run that expects less does not lift
-constexpr double kAtRest_mm = 0.2;    // between two runs' beginnings: ten times the laser's noise
 constexpr double kLentNoise = 10e-6;  // m, laser of the 10 um class; without noise R-19 takes it for frozen
 
 struct Session {
@@ -50,6 +49,31 @@ bool is_real(const CharacteriseOptions& options) {
   return options.device == "nidaqmx";
 }
 
+// Leaves runs out, which are told why.
+void leave_out(Session& session, const std::string& why, const std::function<bool(const BenchRun&)>& which) {
+  std::string names;
+  for (const BenchRun& run : session.runs)
+    if (which(run)) names += (names.empty() ? "" : ", ") + run.name;
+  if (names.empty()) return;
+  std::erase_if(session.runs, which);
+  session.notes.push_back(fmt::format("Left out, because {}: {}.", why, names));
+  if (session.runs.empty())
+    throw SetupError("nothing is left to do: " + why, "EXPERIMENT",
+                     "ask for dc, staircase or frequency, or add --weights-by-hand");
+}
+
+// What a real stage does not do by itself.
+void leave_out_on_hardware(Session& session, const CharacteriseOptions& options) {
+  if (!options.weights_by_hand)
+    leave_out(session, "somebody must lay weights on under voltage (--weights-by-hand)",
+              [](const BenchRun& run) { return !run.loads.empty(); });
+  leave_out(session,
+            fmt::format("the laser's zero was taken with {:.0f} g on the fixture, and another weight stands "
+                        "elsewhere at rest; measure it in a session of its own",
+                        options.weight_g),
+            [&](const BenchRun& run) { return run.setup.weight.value != options.weight_g; });
+}
+
 Session prepared(const CharacteriseOptions& options) {
   if (!is_real(options) && options.device != "sim")
     throw SetupError(fmt::format("there is no device \"{}\"", options.device), "--device",
@@ -58,13 +82,15 @@ Session prepared(const CharacteriseOptions& options) {
     throw SetupError("a real stage without --device-config or --commissioning", "command line",
                      "give both; `biopsy commission` makes the record");
   Session session;
-  session.model_file = options.model.empty() ? blank_case().rehearsal.model : options.model;
+  session.model_file = !options.model.empty() ? options.model
+                       : is_real(options)     ? resources() / "sim/models/calibrated.toml"
+                                              : blank_case().rehearsal.model;
   session.model = sim::read_model(session.model_file);
   if (session.model.baseline.drive != sim::Drive::Stack)
     throw SetupError("the model is driven by a force and has no voltage", session.model_file.string(),
                      "give a model of the stage with its stack");
   auto& noise = session.model.effects.sensor_noise;
-  if (!noise || !(noise->std > 0.0)) {
+  if (!is_real(options) && (!noise || !(noise->std > 0.0))) {
     noise = sim::SensorNoise{.std = kLentNoise};
     session.notes.push_back(
         "The model has no noise of the laser; it was lent 0.010 mm, because a depth that never changes looks "
@@ -74,6 +100,7 @@ Session prepared(const CharacteriseOptions& options) {
                                                .drive_scale = options.drive_scale,
                                                .push_scale = options.push_scale,
                                                .by_hand = is_real(options)});
+  if (is_real(options)) leave_out_on_hardware(session, options);
   for (const BenchRun& run : session.runs) {
     auto plan = planner::plan_bench(bench_request(run));
     if (const auto* refusal = std::get_if<PlanRefusal>(&plan))
@@ -140,6 +167,7 @@ void store(const BenchResult& result, const sim::Dataset& dataset, const fs::pat
   std::string head;
   if (!result.stopped_because.empty())
     head = fmt::format("# incomplete: stopped at {:.3f} s, {}\n", result.stopped_s, result.stopped_because);
+  for (const std::string& remark : result.remarks) head += "# " + remark + "\n";
   report::write_whole_file(folder / result.recorded.file,
                            head + sim::run_csv(result.recorded, sim::Drive::Stack));
   report::write_whole_file(folder / "dataset.toml", sim::dataset_toml(dataset));
@@ -171,45 +199,54 @@ BenchResult run_simulated(const Session& session, std::size_t i, const Character
                        .stop = [&] { return signals.came(); }});
 }
 
-// What to have at hand before the arm key is turned; empty where no weight is laid on in the run.
-std::string to_have_ready(const BenchRun& run) {
-  if (run.loads.empty()) return {};
+// Asked before the arm key is turned.
+std::string asked_before(const BenchRun& run) {
+  const std::string begin =
+      fmt::format("{}: {:.0f} g and nothing else on the fixture; ", run.name, run.setup.weight.value);
+  const std::string end = "hands off, then turn the arm key (off first, if it is on)";
+  if (run.loads.empty()) return begin + end;
   const auto [least, most] = std::ranges::minmax(run.loads, {}, &LoadStep::push_N);
-  return fmt::format(
-      "have {:.0f} x {:.0f} g ready on a thread or an insulating rod (laid on under voltage), ",
-      most.push_N / least.push_N, grams_of(least.push_N));
+  return begin +
+         fmt::format("{:.0f} x {:.0f} g ready on an insulating rod, to be laid on under voltage when asked; ",
+                     most.push_N / least.push_N, grams_of(least.push_N)) +
+         end;
 }
 
 // What a reader has to know of weights laid on by hand.
-std::string told(const std::string& name, const std::vector<HandPush>& pushes) {
-  std::string unseen;
+std::vector<std::string> remarks_on(const std::vector<HandPush>& pushes, const BenchResult& result) {
+  std::vector<std::string> remarks{
+      "weights were laid on by hand; each pushes from where the depth first follows, to some 50 ms, and the "
+      "mass that came with it is not in the data"};
   for (const HandPush& push : pushes)
-    if (!push.seen) unseen += fmt::format("{}{:.2f}", unseen.empty() ? "" : ", ", push.asked_s);
-  return fmt::format(
-      "{}: weights were laid on by hand; each push begins where the depth first follows, to about "
-      "10 ms, and the mass that came with it is not in the data.{}",
-      name, unseen.empty() ? "" : " Not seen in the depth, so dated as asked for: " + unseen + " s.");
+    if (!push.seen)
+      remarks.push_back(
+          fmt::format("the depth does not show the change to {:.0f} g that was asked for at "
+                      "{:.2f} s: perhaps it never was, perhaps friction held",
+                      grams_of(push.force_N), push.asked_s));
+  if (const double left_N = result.recorded.external_force.back(); left_N > 0.0)
+    remarks.push_back(fmt::format("{:.0f} g still lay on the plate when it was stopped", grams_of(left_N)));
+  return remarks;
 }
 
 // One run on the laboratory's stage, which is the same for all runs: the films' charge leaks away first. Then
 // somebody puts the weight on and turns the arm key.
 BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::NidaqmxStage& hardware,
                             const CharacteriseOptions& options, const std::function<void(double)>& show,
-                            realtime::StopSignals& signals, std::vector<std::string>& notes) {
+                            realtime::StopSignals& signals) {
   const BenchRun& run = session.runs[i];
-  const Seconds rest(i == 0 ? 0.0 : kRest_taus * session.model.baseline.tau);
-  if (rest > Seconds(0.0))
-    fmt::print("{}: at 0 V for {:.0f} s, until the films are discharged\n", run.name, rest.count());
-  const auto ask = [&] {
-    fmt::print("{}: put {:.0f} g on the fixture, {}clear the stage, then turn the arm key\n", run.name,
-               run.setup.weight.value, to_have_ready(run));
+  const auto say = [](const std::string& what) {
+    fmt::print("{}\n", what);
     std::fflush(stdout);
   };
+  const Seconds rest(kRest_taus * session.model.baseline.tau);
+  say(
+      fmt::format("{}: at 0 V for {:.0f} s, in which the model's films lose their charge; measure before you "
+                  "touch",
+                  run.name, rest.count()));
   const auto ask_for = [&, lies_N = 0.0](double push_N) mutable {
     if (push_N == lies_N) return;
-    fmt::print("\n{}: NOW {} {:.0f} g\n", run.name, push_N > lies_N ? "lay on" : "lift off",
-               grams_of(std::abs(push_N - lies_N)));
-    std::fflush(stdout);
+    say(fmt::format("\n{}: NOW {} {:.0f} g, within 3 s", run.name, push_N > lies_N ? "lay on" : "lift off",
+                    grams_of(std::abs(push_N - lies_N))));
     lies_N = push_N;
   };
   PacedStage stage(hardware);
@@ -225,12 +262,16 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
                                      .keys = keys,
                                      .supervisor_pulse = &supervisors_half,
                                      .rest = rest,
-                                     .rested = ask,
+                                     .ask_for_key = [&] { say(asked_before(run)); },
                                      .stop = [&] { return signals.came(); }});
-  if (run.loads.empty()) return result;
-  const std::vector<HandPush> pushes =
-      date_by_depth(result.recorded, 2 * static_cast<std::size_t>(run.program.half_period_ticks));
-  if (!pushes.empty()) notes.push_back(told(run.name, pushes));
+  if (run.loads.empty() || result.recorded.time.empty()) return result;
+  const std::size_t under_program =
+      result.stopped_because.empty()
+          ? result.recorded.time.size()
+          : static_cast<std::size_t>(std::llround(result.stopped_s / result.recorded.period));
+  const std::vector<HandPush> pushes = date_by_depth(
+      result.recorded, 2 * static_cast<std::size_t>(run.program.half_period_ticks), under_program);
+  result.remarks = remarks_on(pushes, result);
   return result;
 }
 
@@ -240,46 +281,10 @@ std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& op
                             keys::signing_files(keys, keys::Signer::Commissioning).public_key);
 }
 
-// Where plate A stood before the first voltage. mm
-double began_at(const report::BenchRunRecord& run) {
-  double sum = 0.0;
-  std::size_t rest = 0;
-  while (rest < run.drive_kV.size() && run.drive_kV[rest] == 0.0) sum += run.displacement_mm[rest++];
-  return sum / static_cast<double>(std::max<std::size_t>(rest, 1));
-}
-
-// What a reader of the data has to know of the last run.
-void add_note(report::BenchRecord& record) {
-  const report::BenchRunRecord& run = record.runs.back();
-  const double began = began_at(run), first = began_at(record.runs.front());
-  if (std::abs(began - first) > kAtRest_mm)
-    record.notes.push_back(
-        fmt::format("{} began {:+.2f} mm from where {} began: something has stayed of what was done before.",
-                    run.name, began - first, record.runs.front().name));
-}
-
-// What all of them tell of the stage that they were sized for.
-void add_travel_notes(report::BenchRecord& record, double drive_scale) {
-  constexpr double kLittle = 0.3, kMuch = 1.5;
-  std::string little, much;
-  for (const report::BenchRunRecord& run : record.runs) {
-    if (!run.stopped_because.empty() || run.expected_mm < kMoved_mm) continue;
-    const double travel =
-        *std::max_element(run.displacement_mm.begin(), run.displacement_mm.end()) - began_at(run);
-    if (travel < kLittle * run.expected_mm) little += (little.empty() ? "" : ", ") + run.name;
-    if (travel > kMuch * run.expected_mm) much += (much.empty() ? "" : ", ") + run.name;
-  }
-  if (!little.empty())
-    record.notes.push_back(
-        fmt::format("Lifted less than a third of what was expected, and says little: {}. Friction has the "
-                    "better of these "
-                    "voltages, or the stack needs more; the next step would be --drive-scale {:g}.",
-                    little, std::min(planner::kDriveScaleMax, drive_scale + 0.5)));
-  if (!much.empty())
-    record.notes.push_back(
-        fmt::format("Lifted more than one and a half times what was expected: {}. Look at the weight on the "
-                    "fixture{}.",
-                    much, drive_scale > 1.0 ? ", and take a smaller --drive-scale" : ""));
+Volts highest_of(const Session& session) {
+  Volts highest;
+  for (const Plan& plan : session.plans) highest = std::max(highest, plan.limits.v_max);
+  return highest;
 }
 
 // `hardware`: null for the simulated stage.
@@ -298,16 +303,16 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     const auto show = [&](double share) {
       line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()), run.name);
     };
-    const BenchResult result =
-        hardware ? run_on_hardware(session, i, *hardware, options, show, signals, record.notes)
-                 : run_simulated(session, i, options, show, signals);
+    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show, signals)
+                                        : run_simulated(session, i, options, show, signals);
     if (result.recorded.time.empty()) {
       record.notes.push_back(
           fmt::format("{} was stopped before it began: {}.", run.name, result.stopped_because));
       break;
     }
     record.runs.push_back(record_of(run, result));
-    add_note(record);
+    note_the_beginning(record);
+    for (const std::string& remark : result.remarks) record.notes.push_back(run.name + ": " + remark + ".");
     record.title = dataset.title = title_of(record);
     dataset.runs.push_back(result.recorded);
     dataset.sensor_noise = noise_at_rest(dataset.runs);
@@ -315,7 +320,7 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     store(result, dataset, options.out);
     if (!result.stopped_because.empty()) break;
   }
-  add_travel_notes(record, options.drive_scale);
+  note_the_travel(record, highest_of(session), options.drive_scale);
   report::write_whole_file(options.out / "report.html", report::bench_html(record));
   return record;
 }

@@ -156,6 +156,8 @@ void add_characterise(CLI::App& app, CharacteriseOptions& options, int& code) {
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--dry-run", options.dry_run, "say what would be done; nothing moves");
   command->add_flag("--bench", options.bench, "I confirm: no patient, no needle");
+  command->add_flag("--weights-by-hand", options.weights_by_hand,
+                    "real stage: somebody lays weights on with an insulating rod, under voltage, when asked");
   command->add_option("--out", options.out, "folder for the data set");
   command->callback([&] { code = characterise(options); });
 }

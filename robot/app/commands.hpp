@@ -127,8 +127,9 @@ struct CharacteriseOptions {
   double drive_scale = 1.0;  // how many times the nominal voltage the stage needs for a depth
   double push_scale = 1.0;   // how many times the nominal push is laid on
   std::uint64_t seed = 1;
-  bool dry_run = false;  // says what would be done
-  bool bench = false;    // no patient, no needle
+  bool dry_run = false;          // says what would be done
+  bool bench = false;            // no patient, no needle
+  bool weights_by_hand = false;  // on a real stage: somebody lays weights on under voltage
   std::filesystem::path device_config, commissioning,
       keys;  // of a real stage; keys empty: the user's own set
   std::filesystem::path out;

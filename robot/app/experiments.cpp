@@ -16,8 +16,9 @@ using control::VoltageSegment;
 
 constexpr std::uint32_t kRamp_ticks = 1'000;  // to the working voltage and back
 constexpr std::uint32_t kRest_ticks = 500;    // at 0 V behind the last ramp
-constexpr std::uint32_t kHand_ticks = 4'000;  // for a weight by hand: told, laid on, settled
+constexpr std::uint32_t kHand_ticks = 6'000;  // for a weight by hand: told, laid on within 3 s, settled
 constexpr double kGram_N = 9.81e-3;
+constexpr Millimetres kStillUp{0.5};  // however hard it is pushed
 constexpr Millimetres kWorking{5.0};  // paper IV.E: where the impacts happened
 // Of the 50 mm/s that R-15 takes for a lost drive, seven tenths: a healthy stage stays below, friction or
 // not.
@@ -180,7 +181,7 @@ std::vector<BenchRun> staircase_runs(const BenchSetup& setup) {
 
 // What is laid on by hand comes in whole grams.
 double pushed_with(const BenchSetup& setup, double push_N) {
-  return setup.by_hand ? std::max(1.0, std::floor(grams_of(push_N))) * kGram_N : push_N;
+  return setup.by_hand ? std::floor(grams_of(push_N)) * kGram_N : push_N;
 }
 
 std::string to_text(const BenchSetup& setup, double push_N) {
@@ -204,6 +205,10 @@ std::vector<BenchRun> load_runs(const BenchSetup& setup) {
     run.loads.push_back({from, from + stand_ticks, times * push_N});
     from += stand_ticks;
   }
+  if (stage.depth(amplitude, 2.0 * push_N) < kStillUp)
+    throw SetupError(fmt::format("a push of {:.3f} N, doubled, takes the nominal stage below {:g} mm", push_N,
+                                 kStillUp.value),
+                     "--push-scale", "take a smaller one");
   return {run};
 }
 

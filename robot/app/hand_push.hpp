@@ -15,9 +15,10 @@ struct HandPush {
 };
 
 // Moves each change of `run.external_force` from when it was asked for to when the depth, compared with that
-// of one drive period before (the oscillation repeats itself, a push does not), first leaves its scatter in
-// the direction of the push: to about 10 ms. Looks until the next change, 4 s at most. A change that is not
-// seen stays where it was. `period_rows`: rows of a drive period.
-std::vector<HandPush> date_by_depth(sim::RecordedRun& run, std::size_t period_rows);
+// of one drive period before (the oscillation repeats itself, a push does not), leaves the scatter that it
+// had before the first of them, in the direction of the push: to some 50 ms, for a hand lays on as long, and
+// friction holds. Looks until the next change, 6 s at most. A change that is not seen stays where it was.
+// `period_rows`: rows of a drive period; `end`: the row behind the last that was under the program.
+std::vector<HandPush> date_by_depth(sim::RecordedRun& run, std::size_t period_rows, std::size_t end);
 
 }  // namespace biopsy::app

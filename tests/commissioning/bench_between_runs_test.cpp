@@ -77,9 +77,9 @@ TEST(BenchBetweenRuns, StoppedInItsRestItNeverBegins) {
                                            .push = [](double) {},
                                            .played = [](double) {},
                                            .rest = Seconds(20),
-                                           .rested = [&] { asked = true; },
+                                           .ask_for_key = [&] { asked = true; },
                                            .stop = [&] { return ++ticks > 5'000; }});
-  EXPECT_EQ(result.stopped_because, "by hand");
+  EXPECT_EQ(result.stopped_because, "interrupted");
   EXPECT_TRUE(result.recorded.time.empty());
   EXPECT_FALSE(asked);
 }
@@ -90,7 +90,7 @@ TEST(BenchBetweenRuns, WhoeverStopsItGetsZeroVoltsAndWhatWasRecorded) {
     sim::SimStage stage(bench_model(), 3);
     int ticks = 0;
     const BenchResult result = played(run, stage, Seconds(0), [&] { return ++ticks > after_ticks; });
-    EXPECT_EQ(result.stopped_because, "by hand");
+    EXPECT_EQ(result.stopped_because, "interrupted");
     ASSERT_FALSE(result.recorded.input.empty());
     EXPECT_EQ(result.recorded.input.back(), 0.0) << after_ticks;
     EXPECT_LT(result.recorded.displacement.back(), 1e-3) << after_ticks;

@@ -39,13 +39,23 @@ TEST_F(BenchOnHardware, PlaysAStaircaseOnceTheKeyIsTurned) {
   EXPECT_GT(*std::ranges::max_element(result.recorded.displacement), 0.5e-3);
   const auto first_volt =
       std::ranges::find_if(result.recorded.input, [](double volts) { return volts != 0.0; });
-  EXPECT_GE(first_volt - result.recorded.input.begin(), kHandAfter_ticks);
+  EXPECT_NEAR(static_cast<double>(first_volt - result.recorded.input.begin()), 3'000, 20)
+      << "recorded from when the key was turned, hands off";
   EXPECT_EQ(board_.output_V, 0.0);
 }
 
 TEST_F(BenchOnHardware, WithoutAHandNothingEverMoves) {
   const BenchResult result = run(0);
   EXPECT_EQ(result.stopped_because, "nobody turned the arm key");
+  EXPECT_EQ(board_.highest_V, 0.0);
+}
+
+// A key that was on before it was asked for arms nothing until it is turned off and on.
+TEST_F(BenchOnHardware, AKeyThatIsLeftOnIsNoConsent) {
+  board_.contacts |= 1U;
+  const BenchResult result = run(0);
+  EXPECT_EQ(result.stopped_because, "nobody turned the arm key");
+  EXPECT_TRUE(result.recorded.time.empty());
   EXPECT_EQ(board_.highest_V, 0.0);
 }
 

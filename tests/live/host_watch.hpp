@@ -20,7 +20,7 @@ namespace biopsy::live_tests {
 // a clock of 2 kHz feels a stall up to half a millisecond shorter than it is. Short stalls in a row hold work
 // up as one long one does, and from whoever is not above everything they take more.
 constexpr double kSteady_ms = 2.5;
-constexpr int kInARow = 16;  // wakes, 8 ms: a tick's work is late by all that was withheld since it was due
+constexpr int kInARow = 10;  // wakes, 5 ms: a tick's work is late by all that was withheld since it was due
 
 // A 2 kHz clock on every processor, above everything it judges (SCHED_FIFO 85 where permitted), while it
 // lives. One clock alone would wander to the processor that is not held up.

@@ -25,6 +25,17 @@ sim::Dataset stored(const fs::path& folder) {
   return sim::read_dataset(folder, sim::Drive::Stack);
 }
 
+// What gap says of data/, measured, beside believed.toml.
+nlohmann::json effect_found(const ScratchFolder& folder) {
+  const Answer answer =
+      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
+             " --out " + (folder / "gap").string() + " --no-recheck");
+  if (answer.code != 0) throw std::runtime_error(answer.text);
+  nlohmann::json found = json_of(folder / "gap/gap.json");
+  if (found["verdict"] != "effect") throw std::runtime_error(answer.text);
+  return found;
+}
+
 TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
   const ScratchFolder folder;
   folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
@@ -32,13 +43,8 @@ TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
   const Answer measured = biopsy("characterise staircase dc --bench --model " +
                                  (folder / "stage.toml").string() + " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
-  const Answer answer =
-      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
-             " --out " + (folder / "gap").string() + " --no-recheck");
-  ASSERT_EQ(answer.code, 0) << answer.text;
-  const nlohmann::json found = json_of(folder / "gap/gap.json");
-  ASSERT_EQ(found["verdict"], "effect") << answer.text;
-  ASSERT_EQ(found["effects"].size(), 1U) << answer.text;
+  const nlohmann::json found = effect_found(folder);
+  ASSERT_EQ(found["effects"].size(), 1U);
   EXPECT_EQ(found["effects"][0]["name"], "coulomb_friction");
   EXPECT_NEAR(found["effects"][0]["parameters"]["force_N"]["value"], 0.050, 0.002);
   EXPECT_LT(found["rmse_mm"]["after"], 0.0105);
@@ -137,13 +143,8 @@ TEST(Characterise, NamesTheGuideThatTheStageBehindThePaperHas) {
   const Answer measured = biopsy("characterise staircase --bench --drive-scale 2 --model " + truth +
                                  " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
-  const Answer answer =
-      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
-             " --out " + (folder / "gap").string() + " --no-recheck");
-  ASSERT_EQ(answer.code, 0) << answer.text;
-  const nlohmann::json found = json_of(folder / "gap/gap.json");
-  ASSERT_EQ(found["verdict"], "effect") << answer.text;
-  EXPECT_EQ(found["effects"][0]["name"], "hysteretic_spring") << answer.text;
+  const nlohmann::json found = effect_found(folder);
+  EXPECT_EQ(found["effects"][0]["name"], "hysteretic_spring");
   EXPECT_LT(found["rmse_mm"]["after"], 0.1 * found["rmse_mm"]["before"].get<double>());
 }
 
@@ -224,7 +225,9 @@ TEST(Characterise, RefusesWithWhatToDo) {
                             "/drivers/nidaqmx/usb6211.toml --commissioning " +
                             (folder / "none").string();
   refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
-  refuse("load --device nidaqmx --bench" + board + out, "libnidaqmx.so");
+  refuse("load --device nidaqmx --bench" + board + out, "--weights-by-hand");
+  refuse("load --device nidaqmx --weights-by-hand --bench" + board + out, "libnidaqmx.so");
+  refuse("load --push-scale 10 --bench" + out, "--push-scale");
   refuse("--device toaster --bench" + out, "toaster");
   refuse("--weight-g 400 --bench" + out, "300 g");
   refuse("--weight-g nan --bench" + out, "--weight-g");
