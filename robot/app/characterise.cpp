@@ -49,6 +49,11 @@ bool is_real(const CharacteriseOptions& options) {
   return options.device == "nidaqmx";
 }
 
+// At 0 V before each run on a real stage.
+Seconds rest_of(const Session& session) {
+  return Seconds(kRest_taus * session.model.baseline.tau);
+}
+
 // Leaves runs out, which are told why.
 void leave_out(Session& session, const std::string& why, const std::function<bool(const BenchRun&)>& which) {
   std::string names;
@@ -64,6 +69,8 @@ void leave_out(Session& session, const std::string& why, const std::function<boo
 
 // What a real stage does not do by itself.
 void leave_out_on_hardware(Session& session, const CharacteriseOptions& options) {
+  session.notes.push_back(
+      fmt::format("Before each run the stage stands at 0 V for {:.0f} s.", rest_of(session).count()));
   if (!options.weights_by_hand)
     leave_out(session, "somebody must lay weights on under voltage (--weights-by-hand)",
               [](const BenchRun& run) { return !run.loads.empty(); });
@@ -81,6 +88,9 @@ Session prepared(const CharacteriseOptions& options) {
   if (is_real(options) && (options.device_config.empty() || options.commissioning.empty()))
     throw SetupError("a real stage without --device-config or --commissioning", "command line",
                      "give both; `biopsy commission` makes the record");
+  if (options.weights_by_hand && !is_real(options))
+    throw SetupError("no hand reaches a simulated stage", "--weights-by-hand",
+                     "leave it out: load and impact are simulated; or give --device nidaqmx");
   Session session;
   session.model_file = !options.model.empty() ? options.model
                        : is_real(options)     ? resources() / "sim/models/calibrated.toml"
@@ -238,7 +248,7 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
     fmt::print("{}\n", what);
     std::fflush(stdout);
   };
-  const Seconds rest(kRest_taus * session.model.baseline.tau);
+  const Seconds rest = rest_of(session);
   say(
       fmt::format("{}: at 0 V for {:.0f} s, in which the model's films lose their charge; measure before you "
                   "touch",

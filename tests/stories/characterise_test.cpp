@@ -227,6 +227,7 @@ TEST(Characterise, RefusesWithWhatToDo) {
   refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
   refuse("load --device nidaqmx --bench" + board + out, "--weights-by-hand");
   refuse("load --device nidaqmx --weights-by-hand --bench" + board + out, "libnidaqmx.so");
+  refuse("load --weights-by-hand --bench" + out, "--device nidaqmx");
   refuse("load --push-scale 10 --bench" + out, "--push-scale");
   refuse("--device toaster --bench" + out, "toaster");
   refuse("--weight-g 400 --bench" + out, "300 g");
