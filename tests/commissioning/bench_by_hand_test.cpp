@@ -177,7 +177,9 @@ TEST(BenchByHand, WhatTheDepthDoesNotShowStaysAsAskedAndIsSaid) {
   sim::RecordedRun run = played_by_hand("impact", stage_with(0.0, 50.0), 5).result.recorded;
   const std::vector<double> asked = run.external_force;
   std::ranges::fill(run.displacement, 0.0);
-  for (const HandPush& push : dated(run)) {
+  const std::vector<HandPush> pushes = dated(run);
+  EXPECT_EQ(pushes.size(), 6U);
+  for (const HandPush& push : pushes) {
     EXPECT_FALSE(push.seen);
     EXPECT_EQ(push.began_s, push.asked_s);
   }
@@ -192,8 +194,9 @@ TEST(BenchByHand, NoiseAndOscillationAreNoPush) {
     sim::SimStage stage(stage_with(0.02, 50.0), seed);
     BenchResult result = run_on_bench(run, std::get<Plan>(plan), 1,
                                       {.stage = stage, .push = [](double) {}, .played = [](double) {}});
-    for (const HandPush& push : dated(result.recorded))
-      EXPECT_FALSE(push.seen) << seed << ": " << push.asked_s << " s";
+    const std::vector<HandPush> pushes = dated(result.recorded);
+    EXPECT_EQ(pushes.size(), 4U) << result.stopped_because;
+    for (const HandPush& push : pushes) EXPECT_FALSE(push.seen) << seed << ": " << push.asked_s << " s";
   }
 }
 
