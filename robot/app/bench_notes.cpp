@@ -56,8 +56,7 @@ void note_the_travel(report::BenchRecord& record, Volts highest, double drive_sc
   if (!little.empty())
     record.notes.push_back(
         fmt::format("Lifted less than a third of what was expected, and says little: {}. Friction has the "
-                    "better of these "
-                    "voltages, or the stack needs more{}.",
+                    "better of these voltages, or the stack needs more{}.",
                     little, next_scale(highest, drive_scale)));
   if (!much.empty())
     record.notes.push_back(
