@@ -7,8 +7,8 @@
 namespace biopsy::app {
 namespace {
 
-constexpr double kBefore_s = 1.0;  // tells the scatter, before the first
-constexpr double kLongest_s = 6.0;
+constexpr double kBefore_s = 1.0;       // tells the scatter, before the first
+constexpr double kLongest_s = 6.0;      // as long as the stage stands between two changes
 constexpr double kScatters = 6.0;       // beyond doubt
 constexpr double kLeast_m = 0.03e-3;    // three times a good laser's noise
 constexpr std::size_t kSmoothed = 10;   // rows

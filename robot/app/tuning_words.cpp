@@ -121,10 +121,6 @@ Json json_of(const Judged& judged, const std::vector<double>& depths) {
           {"worst_score", json_of(judged.worst)}};
 }
 
-}  // namespace
-
-namespace {
-
 // Margin is not had for nothing.
 std::string price(const Judged& paper, const Judged& tuned) {
   return fmt::format("On the model they follow the sine to {:.3f} mm, the paper's to {:.3f} mm.",
