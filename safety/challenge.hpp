@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "robot/messages/permit.hpp"
+#include "robot/msg/permit.hpp"
 
 namespace biopsy::safety {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "robot/messages/limits.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
-#include "safety/clock_step.hpp"
+#include "safety/monitors/clock_step.hpp"
 
 namespace biopsy::safety {
 namespace {

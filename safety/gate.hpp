@@ -10,9 +10,9 @@
 
 #include <cstdint>
 
-#include "robot/messages/drive_request.hpp"
-#include "robot/messages/measurement.hpp"
-#include "robot/messages/permit.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/measurement.hpp"
+#include "robot/msg/permit.hpp"
 
 namespace biopsy::safety {
 

@@ -6,8 +6,8 @@
 
 #include <cstdint>
 
-#include "safety/clock_step.hpp"
-#include "safety/thresholds.hpp"
+#include "safety/monitors/clock_step.hpp"
+#include "safety/types/thresholds.hpp"
 
 namespace biopsy::safety {
 

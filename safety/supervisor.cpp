@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "robot/messages/limits.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
-#include "safety/decision.hpp"
-#include "safety/thresholds.hpp"
+#include "safety/decide.hpp"
+#include "safety/types/thresholds.hpp"
 
 namespace biopsy::safety {
 namespace {

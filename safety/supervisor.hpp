@@ -6,11 +6,11 @@
 #include <string_view>
 #include <utility>
 
-#include "robot/messages/drive_request.hpp"
-#include "robot/messages/permit.hpp"
-#include "safety/evidence.hpp"
-#include "safety/plan_facts.hpp"
-#include "safety/transitions.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/permit.hpp"
+#include "safety/monitors/evidence.hpp"
+#include "safety/types/plan_facts.hpp"
+#include "safety/types/transitions.hpp"
 
 namespace biopsy::safety {
 

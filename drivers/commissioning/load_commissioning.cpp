@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "drivers/commissioning/signature.hpp"
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::commissioning {
 namespace {

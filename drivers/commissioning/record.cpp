@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/commissioning/steps.hpp"
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::commissioning {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/port/needle_stage.hpp"
+#include "drivers/needle_stage.hpp"
 
 namespace biopsy::commissioning {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "robot/messages/units.hpp"
+#include "robot/common/units.hpp"
 
 namespace biopsy::commissioning {
 namespace {

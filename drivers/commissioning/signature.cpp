@@ -13,7 +13,7 @@
 #include <iterator>
 #include <memory>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::commissioning {
 namespace {

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "drivers/commissioning/sample_figures.hpp"
-#include "robot/messages/limits.hpp"
-#include "safety/thresholds.hpp"
+#include "safety/types/limits.hpp"
+#include "safety/types/thresholds.hpp"
 
 namespace biopsy::commissioning {
 namespace {

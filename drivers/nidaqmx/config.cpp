@@ -11,8 +11,8 @@
 
 #include "drivers/nidaqmx/config_table.hpp"
 #include "drivers/nidaqmx/daqmx_functions.hpp"
-#include "robot/messages/limits.hpp"
-#include "robot/messages/setup_error.hpp"
+#include "safety/types/limits.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {

@@ -6,8 +6,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "robot/messages/setup_error.hpp"
-#include "robot/messages/toml_library.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/toml_library.hpp"
 
 namespace biopsy::nidaqmx {
 

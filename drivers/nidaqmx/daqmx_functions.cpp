@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "drivers/nidaqmx/config.hpp"
 #include "drivers/nidaqmx/task.hpp"
-#include "drivers/port/needle_stage.hpp"
+#include "drivers/needle_stage.hpp"
 
 namespace biopsy::nidaqmx {
 

@@ -7,7 +7,7 @@
 
 #include "drivers/nidaqmx/config.hpp"
 #include "drivers/nidaqmx/task.hpp"
-#include "drivers/port/pulse_output.hpp"
+#include "drivers/pulse_output.hpp"
 
 namespace biopsy::nidaqmx {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {

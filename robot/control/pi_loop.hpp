@@ -2,7 +2,7 @@
 // permit's envelope and nothing else.
 #pragma once
 
-#include "robot/messages/units.hpp"
+#include "robot/common/units.hpp"
 
 namespace biopsy::control {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "robot/control/square_wave.hpp"
-#include "robot/messages/drive_request.hpp"
-#include "robot/messages/permit.hpp"
-#include "robot/messages/units.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/permit.hpp"
+#include "robot/common/units.hpp"
 
 namespace biopsy::control {
 

@@ -1,8 +1,8 @@
 #include "robot/live/controller_loop.hpp"
 
-#include "planner/open_plan.hpp"
-#include "planner/seal.hpp"
-#include "robot/realtime/tick_clock.hpp"
+#include "planner/plan/open_plan.hpp"
+#include "planner/plan/seal.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
 
 namespace biopsy::live {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "robot/control/stage_runner.hpp"
+#include "robot/control/step_runner.hpp"
 #include "robot/live/heartbeat.hpp"
-#include "robot/messages/plan.hpp"
+#include "robot/msg/plan.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::live {

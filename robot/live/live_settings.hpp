@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/messages/plan.hpp"
+#include "robot/msg/plan.hpp"
 
 namespace biopsy::live {
 

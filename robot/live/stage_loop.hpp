@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/lines/line_views.hpp"
-#include "drivers/port/gated_stage.hpp"
+#include "drivers/digital_io/io_views.hpp"
+#include "drivers/gated_stage.hpp"
 #include "robot/live/heartbeat.hpp"
 #include "robot/transport/bus.hpp"
 

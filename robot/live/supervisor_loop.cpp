@@ -4,10 +4,10 @@
 #include <limits>
 #include <tuple>
 
-#include "planner/open_plan.hpp"
-#include "planner/seal.hpp"
-#include "robot/live/plan_facts.hpp"
-#include "robot/realtime/tick_clock.hpp"
+#include "planner/plan/open_plan.hpp"
+#include "planner/plan/seal.hpp"
+#include "robot/cycle/plan_facts.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
 
 namespace biopsy::live {
 namespace {

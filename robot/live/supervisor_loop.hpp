@@ -6,14 +6,14 @@
 #include <chrono>
 #include <cstdint>
 
-#include "drivers/lines/line_views.hpp"
-#include "drivers/port/pulse_output.hpp"
+#include "drivers/digital_io/io_views.hpp"
+#include "drivers/pulse_output.hpp"
 #include "robot/live/heartbeat.hpp"
-#include "robot/messages/drive_request.hpp"
-#include "robot/messages/measurement.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/measurement.hpp"
 #include "robot/transport/bus.hpp"
 #include "safety/supervisor.hpp"
-#include "safety/tissue_watch.hpp"
+#include "safety/monitors/tissue_monitor.hpp"
 
 namespace biopsy::live {
 

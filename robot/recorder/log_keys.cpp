@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 
 namespace biopsy::recorder {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/recorder/chain.hpp"
 #include "robot/recorder/log_file.hpp"
 

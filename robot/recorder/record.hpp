@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "robot/messages/plan.hpp"
+#include "robot/msg/plan.hpp"
 
 namespace biopsy::recorder {
 

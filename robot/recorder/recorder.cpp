@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/recorder/log_file.hpp"
 #include "robot/recorder/new_log.hpp"
 #include "robot/recorder/verify.hpp"

@@ -11,7 +11,7 @@
 
 #include "robot/recorder/chain.hpp"
 #include "robot/recorder/database.hpp"
-#include "robot/recorder/one_writer.hpp"
+#include "robot/common/files/file_lock.hpp"
 
 namespace biopsy::recorder {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <system_error>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/recorder/log_file.hpp"
 
 namespace biopsy::recorder {

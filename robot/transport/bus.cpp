@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/transport/codec.hpp"
 #include "robot/transport/topics.hpp"
 

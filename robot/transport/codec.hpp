@@ -2,12 +2,12 @@
 // becomes the value that allows least.
 #pragma once
 
-#include <biopsy.h>  // generated from idl/biopsy.idl
+#include <bus.h>  // generated from robot/msg/bus.idl
 
-#include "robot/messages/drive_request.hpp"
-#include "robot/messages/live.hpp"
-#include "robot/messages/measurement.hpp"
-#include "robot/messages/permit.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/live.hpp"
+#include "robot/msg/measurement.hpp"
+#include "robot/msg/permit.hpp"
 
 namespace biopsy::transport {
 

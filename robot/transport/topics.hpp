@@ -11,10 +11,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "robot/messages/drive_request.hpp"
-#include "robot/messages/live.hpp"
-#include "robot/messages/measurement.hpp"
-#include "robot/messages/permit.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/live.hpp"
+#include "robot/msg/measurement.hpp"
+#include "robot/msg/permit.hpp"
 
 namespace biopsy::transport {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/effects/effect.hpp"
+#include "sim/plant/effect.hpp"
 
 namespace biopsy::sim {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/effects/effect.hpp"
+#include "sim/plant/effect.hpp"
 
 namespace biopsy::sim {
 

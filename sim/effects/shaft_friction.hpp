@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/effects/effect.hpp"
+#include "sim/plant/effect.hpp"
 
 namespace biopsy::sim {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/effects/effect.hpp"
+#include "sim/plant/effect.hpp"
 
 namespace biopsy::sim {
 

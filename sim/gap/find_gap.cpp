@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/gap/conclude.hpp"
-#include "sim/gap/contest.hpp"
-#include "sim/gap/fit.hpp"
-#include "sim/gap/predict.hpp"
-#include "sim/gap/verdict.hpp"
-#include "sim/plant.hpp"
+#include "sim/gap/select/make_finding.hpp"
+#include "sim/gap/select/compare_candidates.hpp"
+#include "sim/gap/fit/fit.hpp"
+#include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/verdict.hpp"
+#include "sim/plant/plant.hpp"
 
 namespace biopsy::sim::gap {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "robot/messages/gap_finding.hpp"
-#include "sim/dataset.hpp"
-#include "sim/gap/select.hpp"
+#include "sim/gap/gap_finding.hpp"
+#include "sim/plant/dataset.hpp"
+#include "sim/gap/select/select.hpp"
 
 namespace biopsy::sim::gap {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "robot/control/square_wave.hpp"
-#include "sim/plant.hpp"
+#include "sim/plant/plant.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "robot/control/pi_loop.hpp"
-#include "sim/plant_model.hpp"
+#include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim::paper {
 

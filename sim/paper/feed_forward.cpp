@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/paper/loop_scores.hpp"
+#include "sim/paper/figures/loop_scores.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

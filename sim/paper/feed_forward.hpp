@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sim/paper/closed_loop.hpp"
-#include "sim/plant_model.hpp"
+#include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim::paper {
 

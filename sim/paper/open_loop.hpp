@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/paper/paper_model.hpp"
-#include "sim/plant.hpp"
+#include "sim/plant/plant.hpp"
 
 namespace biopsy::sim::paper {
 

@@ -2,10 +2,10 @@
 
 #include <numbers>
 
-#include "sim/baseline_entries.hpp"
-#include "sim/model_file.hpp"
+#include "sim/plant/baseline_entries.hpp"
+#include "sim/plant/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
-#include "sim/toml_values.hpp"
+#include "robot/common/files/toml_reader.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/plant_model.hpp"
+#include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim::paper {
 

@@ -6,9 +6,9 @@
 #include <exception>
 #include <mutex>
 
-#include "robot/messages/setup_error.hpp"
-#include "sim/in_parallel.hpp"
-#include "sim/paper/figures.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/in_parallel.hpp"
+#include "sim/paper/figures/figures.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "robot/messages/paper_figure.hpp"
+#include "sim/paper/paper_figure.hpp"
 #include "sim/paper/paper_model.hpp"
 
 namespace biopsy::sim::paper {

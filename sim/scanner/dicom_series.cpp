@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "robot/messages/setup_error.hpp"
+#include "robot/common/config_error.hpp"
 #include "sim/scanner/dicom_elements.hpp"
 
 namespace biopsy::sim {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "robot/messages/volume.hpp"
+#include "robot/msg/volume.hpp"
 
 namespace biopsy::sim {
 

@@ -1,8 +1,8 @@
 // How a needle looks on an MR image: a signal void, wider than the needle (blooming), that ends at its tip.
 #pragma once
 
-#include "robot/messages/frames.hpp"
-#include "robot/messages/units.hpp"
+#include "robot/common/frames.hpp"
+#include "robot/common/units.hpp"
 
 namespace biopsy::sim {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "robot/messages/setup_error.hpp"
-#include "sim/seeded_noise.hpp"
+#include "robot/common/config_error.hpp"
+#include "sim/plant/seeded_noise.hpp"
 
 namespace biopsy::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <array>
 #include <string>
 
-#include "robot/messages/units.hpp"
-#include "robot/messages/volume.hpp"
+#include "robot/common/units.hpp"
+#include "robot/msg/volume.hpp"
 
 namespace biopsy::sim {
 

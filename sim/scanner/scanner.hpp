@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "robot/messages/volume.hpp"
+#include "robot/msg/volume.hpp"
 #include "sim/scanner/needle_artefact.hpp"
 
 namespace biopsy::sim {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "robot/messages/setup_error.hpp"
-#include "sim/toml_values.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/toml_reader.hpp"
 
 namespace biopsy::sim {
 namespace {

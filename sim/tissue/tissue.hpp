@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "robot/messages/plan.hpp"
-#include "sim/plant_model.hpp"
+#include "robot/msg/plan.hpp"
+#include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim {
 

@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "sim/gap/find_gap.hpp"
-#include "sim/model_file.hpp"
+#include "sim/plant/model_file.hpp"
 #include "tests/bench/gap_peers.hpp"
-#include "tests/gap/gap_score.hpp"
-#include "tests/gap/hidden_data.hpp"
+#include "tests/sim/gap/gap_score.hpp"
+#include "tests/sim/gap/generator/hidden_data.hpp"
 
 namespace biopsy::bench {
 namespace {

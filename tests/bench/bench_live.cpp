@@ -11,11 +11,11 @@
 #include <map>
 #include <random>
 
-#include "robot/app/case.hpp"
-#include "robot/app/run_folder.hpp"
+#include "robot/procedure/case.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "tests/bench/live_loop.hpp"
 #include "tests/bench/live_soak.hpp"
-#include "tests/live/live_events.hpp"
+#include "tests/robot/live/live_events.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace {

@@ -8,14 +8,14 @@
 #include <functional>
 #include <stdexcept>
 
-#include "planner/plan_insertion.hpp"
-#include "planner/registration.hpp"
-#include "planner/seal.hpp"
-#include "robot/app/lockstep.hpp"
-#include "robot/app/operator.hpp"
-#include "robot/live/plan_facts.hpp"
-#include "sim/devices/sim_stage.hpp"
-#include "sim/model_file.hpp"
+#include "planner/plan/plan_insertion.hpp"
+#include "planner/plan/registration.hpp"
+#include "planner/plan/seal.hpp"
+#include "robot/cycle/simulated_robot.hpp"
+#include "robot/procedure/operator.hpp"
+#include "robot/cycle/plan_facts.hpp"
+#include "sim/simulated_stage.hpp"
+#include "sim/plant/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
 #include "tests/bench/cvode_peer.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sim/plant_model.hpp"
+#include "sim/plant/plant_model.hpp"
 
 namespace biopsy::bench {
 

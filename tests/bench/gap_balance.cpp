@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/simulate.hpp"
+#include "sim/plant/simulate.hpp"
 
 namespace biopsy::bench {
 namespace {

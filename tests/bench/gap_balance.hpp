@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/dataset.hpp"
+#include "sim/plant/dataset.hpp"
 
 namespace biopsy::bench {
 

@@ -2,10 +2,10 @@
 // its own school would build it; none knows what was hidden.
 #pragma once
 
-#include "sim/dataset.hpp"
-#include "sim/gap/evidence_runs.hpp"
-#include "sim/plant_model.hpp"
-#include "tests/gap/gap_score.hpp"
+#include "sim/plant/dataset.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
+#include "sim/plant/plant_model.hpp"
+#include "tests/sim/gap/gap_score.hpp"
 
 namespace biopsy::bench {
 

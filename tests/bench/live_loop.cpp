@@ -1,6 +1,6 @@
 #include "tests/bench/live_loop.hpp"
 
-#include <biopsy.h>
+#include <bus.h>
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "robot/keys/cyclone_xml.hpp"
-#include "robot/keys/make_keys.hpp"
+#include "robot/security/cyclone_xml.hpp"
+#include "robot/security/make_keys.hpp"
 #include "robot/live/controller_loop.hpp"
-#include "robot/realtime/become_realtime.hpp"
-#include "robot/realtime/latency_histogram.hpp"
-#include "robot/realtime/tick_clock.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
+#include "robot/live/realtime/latency_histogram.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
 #include "robot/transport/bus.hpp"
 #include "tests/scratch_folder.hpp"
 

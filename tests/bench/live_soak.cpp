@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <deque>
 
-#include "robot/app/live_session.hpp"
-#include "robot/app/rehearsal.hpp"
-#include "robot/realtime/tick_clock.hpp"
-#include "tests/live/host_watch.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/procedure/rehearsal.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+#include "tests/robot/live/host_watch.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::bench {

@@ -1,8 +1,8 @@
 // Hours of rehearsal compressed to minutes of real time: how often does the live robot stop for nothing?
 #pragma once
 
-#include "robot/app/live_options.hpp"
-#include "robot/app/prepared_case.hpp"
+#include "robot/cli/live_options.hpp"
+#include "robot/procedure/prepared_case.hpp"
 
 namespace biopsy::bench {
 

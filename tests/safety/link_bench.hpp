@@ -3,7 +3,7 @@
 
 #include "rig.hpp"
 #include "safety/challenge.hpp"
-#include "safety/link_watch.hpp"
+#include "safety/monitors/link_monitor.hpp"
 
 namespace biopsy::safety {
 

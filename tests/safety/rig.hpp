@@ -8,9 +8,9 @@
 #include <random>
 #include <tuple>
 
-#include "safety/evidence.hpp"
+#include "safety/monitors/evidence.hpp"
 #include "safety/gate.hpp"
-#include "safety/plan_facts.hpp"
+#include "safety/types/plan_facts.hpp"
 #include "safety/supervisor.hpp"
 
 namespace biopsy::safety {

@@ -1,0 +1,29 @@
+#include "drivers/gated_stage.hpp"
+
+namespace biopsy::port {
+
+Measurement GatedStage::measure() {
+  const SensorReading reading = stage_.read();
+  ++last_.seq;
+  last_.time_us = reading.time_us;
+  last_.depth_um = reading.depth_um;
+  last_.laser_code = reading.laser_code;
+  last_.laser_valid = reading.laser_valid;
+  last_.monitor_mV = reading.monitor_mV;
+  last_.current_nA = reading.current_nA;
+  return last_;
+}
+
+void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::int64_t now_us,
+                       std::int32_t writers) {
+  const safety::GateResult result = safety::gate(gate_, request, permit, now_us, writers);
+  gate_ = result.state;
+  stage_.write(result.voltage);
+  last_.command_mV = result.voltage.mV();
+  last_.hv_enabled = result.voltage.hv_enabled();
+  last_.verdict = result.verdict;
+  last_.answer = result.answer;
+  last_.answered_seq = result.answered_seq;
+}
+
+}  // namespace biopsy::port

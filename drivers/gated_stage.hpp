@@ -1,0 +1,29 @@
+// A needle stage behind its gate: the one place where permits and requests meet a voltage.
+#pragma once
+
+#include <cstdint>
+
+#include "drivers/needle_stage.hpp"
+#include "robot/msg/measurement.hpp"
+
+namespace biopsy::port {
+
+class GatedStage {
+ public:
+  explicit GatedStage(NeedleStage& stage) : stage_(stage) {}
+
+  // Beginning of a tick: sensors, and what the gate did in the last one.
+  Measurement measure();
+  // End of a tick: the newest request and permit, null where none came; `writers` as safety::gate.
+  void drive(const DriveRequest* request, const Permit* permit, std::int64_t now_us, std::int32_t writers);
+
+  // What stands on the converter since the last drive(), signed.
+  std::int32_t command_mV() const { return last_.command_mV; }
+
+ private:
+  NeedleStage& stage_;
+  safety::GateState gate_;
+  Measurement last_;  // seq and the gate's report
+};
+
+}  // namespace biopsy::port

@@ -1,0 +1,120 @@
+#include "planner/imaging/depth_check/depth_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/imaging/depth_check/depth_verdict.hpp"
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+constexpr double kBehind_mm = 15.0;  // of the shaft behind the entry that is looked at
+constexpr double kBeside_mm = 30.0;  // of tissue about the path that is registered
+
+void refuse_bad(const Volume& before, const Volume& after, const NeedleFrame& frame) {
+  const auto where = "depth check";
+  if (before.voxels.empty() || after.voxels.empty() || before.voxels.size() != before.grid.voxel_count() ||
+      after.voxels.size() != after.grid.voxel_count())
+    throw SetupError("an image has no voxels", where, "give two volumes that were read without complaint");
+  const double entry_before = Sampler(before).at(frame.p_SE), entry_after = Sampler(after).at(frame.p_SE);
+  if (std::isnan(entry_before) && std::isnan(entry_after))
+    throw SetupError("the entry lies outside both images", where,
+                     "check that entry and images are in one scanner frame (R,A,S or L,P,S mixed up?)");
+}
+
+// Path from behind the entry as far as the after image goes.
+double path_end(const Volume& after, const NeedleFrame& frame, double depth_max) {
+  const Sampler sampler(after);
+  double end = 0.0;
+  for (double t = 0.0; t <= depth_max; t += 0.5)
+    if (!std::isnan(sampler.at(frame.point(t, 0, 0)))) end = t;
+  return end;
+}
+
+void mark(Picture& picture, const Eigen::Vector2d& tip_px) {
+  const auto dot = [&](double x, double y) {
+    const auto column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
+    if (column < 0 || row < 0 || column >= picture.width || row >= picture.height) return;
+    const auto at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
+                         static_cast<std::size_t>(column));
+    picture.rgb[at] = 255, picture.rgb[at + 1] = 210, picture.rgb[at + 2] = 0;
+  };
+  for (int n = 6; n <= 14; ++n)  // four strokes that leave the tip itself in view
+    dot(tip_px.x() - n, tip_px.y()), dot(tip_px.x() + n, tip_px.y()), dot(tip_px.x(), tip_px.y() - n),
+        dot(tip_px.x(), tip_px.y() + n);
+}
+
+void draw(const Volume& before, const Volume& after, const RegistrationResult& motion,
+          const NeedleFrame& frame, double along_mm, bool tip_found, const TipFinding& tip,
+          DepthCheckPictures& pictures) {
+  constexpr int kSize_px = 512;
+  const double extent = std::clamp(2.0 * along_mm + 20.0, 40.0, 160.0);
+  pictures.after = slice_through_needle(after, frame.p_SE, frame.along, Millimetres(extent), kSize_px);
+  pictures.before = pictures.after;
+  const auto values = values_in_plane(before, pictures.before, motion.X_after_before.inverse());
+  // The same tissue in the same grey: the after image's window, taken back through the change of brightness.
+  const GreyWindow& window = pictures.after.window;
+  if (motion.gain[0] > 0.05)
+    pictures.before.window = {(window.black - motion.bias[0]) / motion.gain[0],
+                              (window.white - motion.bias[0]) / motion.gain[0]};
+  else
+    pictures.before.window = window_of(values);
+  paint(values, pictures.before.window, pictures.before.picture);
+  pictures.tip_px = pictures.after.pixel(tip.depth_mm, tip.across_mm);
+  if (tip_found) mark(pictures.after.picture, pictures.tip_px);
+}
+
+}  // namespace
+
+DepthReading read_depth(const Volume& before, const Volume& after, const NeedleFrame& frame,
+                        Millimetres depth_max) {
+  const double end = path_end(after, frame, depth_max.value);
+  Box box{frame.p_SE, frame.p_SE};
+  box.include(frame.point(-kBehind_mm, 0, 0), kBeside_mm);
+  box.include(frame.point(std::min(end, 60.0), 0, 0), kBeside_mm);
+  Box wide = box;
+  wide.include(frame.point(end, 0, 0), 25.0);
+  const Volume after_part = cropped(after, wide);
+  wide.include(box.low, 12.0);
+  wide.include(box.high, 12.0);
+  const Volume before_part = cropped(before, wide);
+
+  RegistrationSettings registration{box, frame.p_SE, NeedleMask{frame, -1e3, depth_max.value, 7.0}};
+  const RegistrationResult motion = register_rigid(before_part, after_part, registration);
+  CorridorSettings path;
+  path.from_mm = -kBehind_mm;
+  path.to_mm = end;
+  const Corridor corridor = needle_corridor(before_part, after_part, motion, frame, path);
+  TipSettings search;
+  search.depth_max_mm = depth_max.value;
+  DepthReading reading{motion, {}};
+  if (!corridor.voxels.empty()) reading.tip = find_tip(corridor, search);
+  return reading;
+}
+
+DepthCheck check_depth(const Volume& before, const Volume& after, const Point& p_SE, const Direction& axis_S,
+                       const DepthCheckSettings& settings, DepthCheckPictures* pictures) {
+  const NeedleFrame frame = needle_frame(after.grid, p_SE, axis_S);
+  refuse_bad(before, after, frame);
+  const DepthReading reading = read_depth(before, after, frame, settings.depth_max);
+  const RegistrationResult& motion = reading.motion;
+  const TipFinding& tip = reading.tip;
+  DepthCheck check;
+  const DepthJudgement judgement = judge_depth(reading, settings);
+  check.verdict = judgement.verdict;
+  check.reason = judgement.reason;
+  check.tip_found = needle_seen(reading.tip, settings);
+  if (check.tip_found)
+    check.depth = Millimetres(tip.depth_mm) - settings.tip_offset, check.sigma = Millimetres(tip.sigma_mm);
+  for (int a = 0; a < 3; ++a)
+    check.shift_mm[a] = motion.shift_mm[a], check.rotation_deg[a] = motion.rotation_deg[a];
+  check.registration_score = motion.score;
+  check.contrast_to_noise = tip.evidence;
+  if (pictures)
+    draw(before, after, motion, frame, check.tip_found ? tip.depth_mm : 20.0, check.tip_found, tip,
+         *pictures);
+  return check;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,185 @@
+#include "planner/imaging/depth_check/needle_corridor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace biopsy::imaging {
+namespace {
+
+constexpr double kThin_mm = 0.6;      // finer voxels are thinned for the search: a void is wider
+constexpr double kModelError = 0.05;  // of a voxel's signal: interpolation and contrast never match better
+
+// Before image on the after image's grid, its steepness per mm, and where both are known.
+struct Prediction {
+  Volume value, steepness;
+};
+
+// The outermost layer has no neighbour to be interpolated with.
+bool well_inside(const Grid& grid, const Eigen::Vector3d& index) {
+  return (index.array() >= 0.0).all() && (index.array() <= grid.size.cast<double>().array() - 1.0).all();
+}
+
+Prediction predicted(const Volume& before, const Volume& after, const RigidTransform& X_before_after) {
+  Prediction result{after, after};
+  const Sampler sampler(before);
+  const AffineTransform X_IS = before.grid.X_SI.inverse();
+  const Grid& grid = after.grid;
+  for (int k = 0; k < grid.size.z(); ++k)
+    for (int j = 0; j < grid.size.y(); ++j)
+      for (int i = 0; i < grid.size.x(); ++i) {
+        double value = std::numeric_limits<double>::quiet_NaN();
+        Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+        const Point p_before = X_before_after * (grid.X_SI * Eigen::Vector3d(i, j, k));
+        if (well_inside(before.grid, X_IS * p_before)) sampler.at(p_before, value, gradient);
+        result.value.voxels[grid.index(i, j, k)] = static_cast<float>(value);
+        result.steepness.voxels[grid.index(i, j, k)] = static_cast<float>(gradient.norm());
+      }
+  return result;
+}
+
+double mean_of_known(const Volume& volume) {
+  double total = 0.0;
+  std::size_t count = 0;
+  for (float value : volume.voxels)
+    if (std::isfinite(value)) total += static_cast<double>(value), ++count;
+  return total / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
+// Multiplies the prediction by the ratio of the images' local means (12 mm): coil sensitivity drifts. Learned
+// beside the needle only, a void must not count as drift, and in tissue only: air's noise has a mean that is
+// no sensitivity.
+void match_brightness(const Volume& after, const NeedleMask& needle, Volume& prediction) {
+  constexpr double kDriftScale_mm = 12.0;
+  const double mean = mean_of_known(prediction);
+  Volume seen = after, expected = prediction;
+  std::size_t n = 0;
+  for (int k = 0; k < after.grid.size.z(); ++k)
+    for (int j = 0; j < after.grid.size.y(); ++j)
+      for (int i = 0; i < after.grid.size.x(); ++i, ++n) {
+        const bool tissue = static_cast<double>(prediction.voxels[n]) > 0.3 * mean;  // false where unknown
+        if (!tissue || needle.covers(after.grid.X_SI * Eigen::Vector3d(i, j, k)))
+          seen.voxels[n] = expected.voxels[n] = 0.0f;
+      }
+  seen = smoothed(seen, kDriftScale_mm);
+  expected = smoothed(expected, kDriftScale_mm);
+  const float little = static_cast<float>(0.02 * mean);
+  for (n = 0; n < prediction.voxels.size(); ++n) {
+    const float ratio =
+        (std::max(seen.voxels[n], 0.0f) + little) / (std::max(expected.voxels[n], 0.0f) + little);
+    prediction.voxels[n] *= std::clamp(ratio, 0.1f, 10.0f);
+  }
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Learns noise from the flatter half of the tissue beside the needle and the registration error from the
+// steep quarter.
+void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor& corridor) {
+  std::vector<double> slopes, flat, steep, squared, values;
+  for (float slope : steepness) slopes.push_back(static_cast<double>(slope));
+  std::vector<double> sorted = slopes;
+  std::sort(sorted.begin(), sorted.end());
+  const double half = sorted[sorted.size() / 2], quarter = sorted[sorted.size() * 3 / 4];
+  for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
+    const CorridorVoxel& voxel = corridor.voxels[n];
+    values.push_back(static_cast<double>(voxel.predicted));
+    if (std::hypot(voxel.u, voxel.v) < static_cast<float>(needle_mm)) continue;
+    const double change = std::abs(static_cast<double>(voxel.measured - voxel.predicted));
+    if (slopes[n] <= half) flat.push_back(change);
+    if (slopes[n] >= quarter) steep.push_back(change), squared.push_back(slopes[n] * slopes[n]);
+  }
+  corridor.tissue = median(values);
+  corridor.noise = std::max(1.4826 * median(flat), 1e-3 * std::abs(corridor.tissue) + 1e-9);
+  const double rest = std::pow(1.4826 * median(steep), 2) - std::pow(corridor.noise, 2);
+  const double slope2 = median(squared);
+  corridor.misfit_mm = slope2 > 0.0 ? std::sqrt(std::max(rest, 0.0) / slope2) : 0.0;
+  for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
+    CorridorVoxel& voxel = corridor.voxels[n];
+    const double model = kModelError * static_cast<double>(voxel.predicted);
+    voxel.variance = static_cast<float>(std::pow(corridor.noise, 2) +
+                                        std::pow(corridor.misfit_mm * slopes[n], 2) + model * model);
+  }
+}
+
+void choose_places(const Grid& grid, Corridor& corridor) {
+  constexpr double kStep_mm = 0.7;  // about the radius of the thinnest void that can be seen
+  const Eigen::Vector3d spacing = grid.spacing_mm();
+  Eigen::Matrix3d sides;  // columns: voxel sides in needle coordinates
+  Eigen::Vector3i count, beside;
+  for (int a = 0; a < 3; ++a) {
+    const Eigen::Vector3d side = grid.X_SI.linear().col(a);
+    sides.col(a) << side.dot(corridor.frame.along), side.dot(corridor.frame.across),
+        side.dot(corridor.frame.up);
+    count[a] = std::clamp(static_cast<int>(std::ceil(spacing[a] / kStep_mm)), 1, 5);
+    beside[a] = std::clamp(static_cast<int>(std::ceil(sides.col(a).tail<2>().norm() / kStep_mm)), 1, 5);
+  }
+  corridor.along_mm = sides.row(0).cwiseAbs().sum();
+  corridor.pixel_mm = spacing.minCoeff();
+  const auto each = [&](const Eigen::Vector3i& n, const auto& add) {
+    for (int k = 0; k < n.z(); ++k)
+      for (int j = 0; j < n.y(); ++j)
+        for (int i = 0; i < n.x(); ++i)
+          add(sides * ((Eigen::Vector3d(i, j, k).array() + 0.5) / n.cast<double>().array() - 0.5).matrix());
+  };
+  each(count, [&](const Eigen::Vector3d& place) { corridor.places.push_back(place); });
+  each(beside, [&](const Eigen::Vector3d& place) { corridor.lateral.push_back(place.tail<2>()); });
+}
+
+void find_coverage(const Volume& after, const Volume& prediction, const CorridorSettings& s,
+                   Corridor& corridor) {
+  const Sampler seen(after), expected(prediction);
+  const auto covered = [&](double t) {
+    const Point p_S = corridor.frame.point(t, 0, 0);
+    return std::isfinite(seen.at(p_S)) && std::isfinite(expected.at(p_S));
+  };
+  constexpr double kStep_mm = 0.25;
+  double start =
+      s.from_mm;  // where the entry itself lies outside, the path begins where it enters the images
+  while (start < s.to_mm && !covered(start)) start += kStep_mm;
+  corridor.t_min = corridor.t_max = start;
+  while (corridor.t_max + kStep_mm <= s.to_mm && covered(corridor.t_max + kStep_mm))
+    corridor.t_max += kStep_mm;
+}
+
+}  // namespace
+
+Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
+                         const NeedleFrame& frame, const CorridorSettings& settings) {
+  Corridor corridor;
+  corridor.frame = frame;
+  corridor.radius_mm = settings.radius_mm;
+  if (after.voxels.empty() || before.voxels.empty()) return corridor;
+  Prediction prediction = predicted(before, after, motion.X_after_before.inverse());
+  match_brightness(after, {frame, settings.from_mm, settings.to_mm, settings.needle_mm}, prediction.value);
+  find_coverage(after, prediction.value, settings, corridor);
+  choose_places(after.grid, corridor);
+
+  std::vector<float> steepness;
+  const Eigen::Array3i stride = (kThin_mm / after.grid.spacing_mm().array()).round().max(1.0).cast<int>();
+  std::size_t n = 0;
+  for (int k = 0; k < after.grid.size.z(); ++k)
+    for (int j = 0; j < after.grid.size.y(); ++j)
+      for (int i = 0; i < after.grid.size.x(); ++i, ++n) {
+        const Eigen::Vector3d c = frame.coordinates(after.grid.X_SI * Eigen::Vector3d(i, j, k));
+        const bool inside = c.x() >= corridor.t_min && c.x() <= corridor.t_max &&
+                            std::hypot(c.y(), c.z()) <= settings.radius_mm;
+        if (!inside || !std::isfinite(prediction.value.voxels[n])) continue;
+        const bool kept = i % stride.x() == 0 && j % stride.y() == 0 && k % stride.z() == 0;
+        if (kept) corridor.thinned.push_back(static_cast<std::uint32_t>(corridor.voxels.size()));
+        corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()),
+                                   static_cast<float>(c.z()), after.voxels[n], prediction.value.voxels[n],
+                                   0.0f});
+        steepness.push_back(prediction.steepness.voxels[n]);
+      }
+  if (corridor.voxels.size() < 100) corridor.voxels.clear();
+  if (!corridor.voxels.empty()) learn_noise(steepness, settings.needle_mm, corridor);
+  return corridor;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,45 @@
+// What changed around the needle's path: the after image beside what the registered before image says should
+// be there.
+#pragma once
+
+#include <vector>
+
+#include "planner/imaging/registration/register_rigid.hpp"
+
+namespace biopsy::imaging {
+
+// One voxel of the after image. Place of its centre along (t) and beside (u, v) the expected axis, mm.
+struct CorridorVoxel {
+  float t, u, v;
+  float measured;   // after
+  float predicted;  // before, moved and matched in brightness
+  float variance;   // of measured - predicted where nothing changed
+};
+
+struct Corridor {
+  NeedleFrame frame;
+  double t_min = 0.0, t_max = 0.0;  // both images cover the axis between these
+  double radius_mm = 0.0;
+  std::vector<CorridorVoxel> voxels;
+  std::vector<std::uint32_t> thinned;    // enough of `voxels` for a search: every second of those of 0.3 mm
+  std::vector<Eigen::Vector3d> places;   // (t, u, v) from a voxel's centre; their mean stands for the voxel's
+  std::vector<Eigen::Vector2d> lateral;  // the same for (u, v) alone
+  double along_mm = 0.0;                 // how far a voxel reaches along the needle
+  double pixel_mm = 0.0;                 // smallest voxel side of the after image
+  double noise = 0.0;                    // of one voxel in uniform tissue, image units
+  double misfit_mm = 0.0;                // registration error that explains the rest where the image is steep
+  double tissue = 0.0;                   // median of `predicted`
+};
+
+struct CorridorSettings {
+  double from_mm = -15.0, to_mm = 120.0;  // along the axis from the entry
+  double radius_mm = 20.0;
+  double needle_mm =
+      8.0;  // changes within this of the axis may be the needle: not used to learn what noise is
+};
+
+// Empty `voxels` where the two images do not overlap on the path.
+Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
+                         const NeedleFrame& frame, const CorridorSettings& settings);
+
+}  // namespace biopsy::imaging

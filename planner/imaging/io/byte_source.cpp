@@ -1,0 +1,108 @@
+#include "planner/imaging/io/byte_source.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+constexpr std::uint64_t kBestDeflate = 1032;  // zlib's documentation: the limit of the format is 1032:1
+constexpr const char* kRemedyForDamage = "copy the file again";
+
+}  // namespace
+
+void ByteSource::Closer::operator()(void* file) const {
+  gzclose(static_cast<gzFile>(file));
+}
+
+ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset)
+    : path_(file), packing_(packing) {
+  const SetupError unreadable("cannot be opened", file.string(), "check the name and the permissions");
+  std::error_code error;
+  const std::uint64_t length = std::filesystem::file_size(file, error);
+  if (error) throw unreadable;
+  if (offset > length)
+    throw SetupError("truncated: the data should begin behind the end of the file", file.string(),
+                     kRemedyForDamage);
+  most_left_ = (length - offset) * (packing == Packing::Gzip ? kBestDeflate : 1);
+  if (packing == Packing::Plain) {
+    plain_.open(file, std::ios::binary);
+    if (!plain_.seekg(static_cast<std::streamoff>(offset))) throw unreadable;
+    return;
+  }
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) throw unreadable;
+  if (lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) >= 0) gzip_.reset(gzdopen(descriptor, "rb"));
+  if (!gzip_) {
+    close(descriptor);
+    throw unreadable;
+  }
+  gzbuffer(static_cast<gzFile>(gzip_.get()), 1 << 17);
+  if (gzdirect(static_cast<gzFile>(gzip_.get())) != 0)  // zlib would pass the bytes through unchanged
+    throw SetupError("the data are not gzip", file.string(), kRemedyForDamage);
+}
+
+std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
+  if (packing_ == Packing::Plain) {
+    plain_.read(reinterpret_cast<char*>(bytes), static_cast<std::streamsize>(count));
+    return static_cast<std::size_t>(plain_.gcount());
+  }
+  const gzFile file = static_cast<gzFile>(gzip_.get());
+  const int got = gzread(file, bytes, static_cast<unsigned>(std::min<std::size_t>(count, 1U << 24)));
+  int code = Z_OK;
+  const char* text = gzerror(file, &code);
+  if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
+    throw SetupError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedyForDamage);
+  return static_cast<std::size_t>(got);
+}
+
+void ByteSource::read(std::span<std::byte> bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const std::size_t got = read_some(bytes.data() + done, bytes.size() - done);
+    if (got == 0)
+      throw SetupError(fmt::format("truncated: {} bytes missing", bytes.size() - done), path_.string(),
+                       kRemedyForDamage);
+    done += got;
+  }
+  most_left_ -= std::min<std::uint64_t>(most_left_, bytes.size());
+}
+
+void ByteSource::skip(std::uint64_t count) {
+  refuse_if_shorter_than(count);
+  std::array<std::byte, 4096> nowhere;
+  for (; count > 0; count -= std::min<std::uint64_t>(count, nowhere.size()))
+    read(std::span(nowhere).first(static_cast<std::size_t>(std::min<std::uint64_t>(count, nowhere.size()))));
+}
+
+void ByteSource::refuse_if_shorter_than(std::uint64_t count) const {
+  if (count > most_left_)
+    throw SetupError(
+        fmt::format("truncated: the header promises {} bytes, the file has room for {}", count, most_left_),
+        path_.string(), kRemedyForDamage);
+}
+
+std::uint64_t ByteSource::rest(std::uint64_t limit) {
+  std::array<std::byte, 4096> nowhere;
+  std::uint64_t total = 0;
+  while (total < limit) {
+    const std::size_t got = read_some(nowhere.data(), nowhere.size());
+    if (got == 0) break;
+    total += got;
+  }
+  return total;
+}
+
+bool begins_like_gzip(const std::filesystem::path& file) {
+  std::array<char, 2> begin{};
+  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+  return begin[0] == '\x1f' && begin[1] == '\x8b';
+}
+
+}  // namespace biopsy::imaging

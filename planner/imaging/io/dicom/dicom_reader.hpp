@@ -1,0 +1,33 @@
+// Series of DICOM images, from files to volumes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planner/imaging/io/dicom/dicom_header.hpp"
+
+namespace biopsy::imaging {
+
+struct DicomSeries {
+  std::string uid;  // SeriesInstanceUID
+  std::vector<DicomFile> files;
+};
+
+struct DicomFolder {
+  std::vector<DicomSeries> series;  // images only, in the order of the first file of each
+  std::vector<DicomFile> broken;    // damaged beyond knowing their series
+};
+
+DicomFolder scan_dicom_files(const std::vector<std::filesystem::path>& files);
+
+// Throws SetupError when the series is not one volume: a file refused, two patients or frames of reference, a
+// scout among slices, or what stack_slices refuses.
+SliceStack stack_series(const DicomSeries& series);
+
+// The volume: right-handed, slices along rising position on the normal; identity from the first slice;
+// warnings for contradicting spacings and lossy compression. Throws SetupError as stack_series and
+// DicomPixels do.
+Volume read_dicom_series(const DicomSeries& series);
+
+}  // namespace biopsy::imaging

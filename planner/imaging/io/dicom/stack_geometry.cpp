@@ -1,0 +1,158 @@
+#include "planner/imaging/io/dicom/stack_geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+Direction normal_of(const SlicePlane& slice) {
+  return slice.along_row.cross(slice.along_column).normalized();
+}
+
+void refuse_bad_plane(const SlicePlane& slice) {
+  const std::string remedy = "export the series again with its original headers";
+  const Direction &row = slice.along_row, &column = slice.along_column;
+  if (!slice.p_SV.allFinite() || !row.allFinite() || !column.allFinite())
+    throw SetupError("position or orientation is not finite", slice.name, remedy);
+  if (std::abs(row.norm() - 1.0) > 1e-3 || std::abs(column.norm() - 1.0) > 1e-3)
+    throw SetupError("the directions of ImageOrientationPatient do not have length 1", slice.name, remedy);
+  if (std::abs(row.normalized().dot(column.normalized())) > kDirectionTolerance)
+    throw SetupError("rows and columns are not perpendicular", slice.name, remedy);
+  const double low = std::min(slice.spacing_i_mm, slice.spacing_j_mm);
+  const double high = std::max(slice.spacing_i_mm, slice.spacing_j_mm);
+  if (!(low > 0.0) || !(high <= kSpacingMax_mm))
+    throw SetupError(fmt::format("PixelSpacing {:g} x {:g} mm is outside (0, {:g}]", slice.spacing_j_mm,
+                                 slice.spacing_i_mm, kSpacingMax_mm),
+                     slice.name, remedy);
+}
+
+void refuse_different_planes(const SlicePlane& first, const SlicePlane& slice) {
+  const std::string both = first.name + " and " + slice.name;
+  const double turn = std::max((first.along_row.normalized() - slice.along_row.normalized()).norm(),
+                               (first.along_column.normalized() - slice.along_column.normalized()).norm());
+  if (turn > kDirectionTolerance)
+    throw SetupError(
+        fmt::format(
+            "two orientations in one series: the slices are turned by {:.2f} degrees against each other",
+            2.0 * std::asin(std::min(1.0, turn / 2.0)) * 180.0 / EIGEN_PI),
+        both, "give a series of parallel slices: a localiser (scout) is no volume");
+  if (first.columns != slice.columns || first.rows != slice.rows)
+    throw SetupError(fmt::format("two sizes in one series: {} x {} and {} x {}", first.columns, first.rows,
+                                 slice.columns, slice.rows),
+                     both, "separate the series, or leave the scout image out");
+  if (std::abs(first.spacing_i_mm - slice.spacing_i_mm) > 1e-4 * first.spacing_i_mm ||
+      std::abs(first.spacing_j_mm - slice.spacing_j_mm) > 1e-4 * first.spacing_j_mm)
+    throw SetupError(
+        fmt::format("two pixel spacings in one series: {:g} x {:g} and {:g} x {:g} mm", first.spacing_j_mm,
+                    first.spacing_i_mm, slice.spacing_j_mm, slice.spacing_i_mm),
+        both, "separate the series");
+}
+
+std::vector<std::size_t> sorted_along(const Direction& normal, const std::vector<SlicePlane>& slices) {
+  std::vector<std::size_t> order(slices.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return normal.dot(slices[a].p_SV) < normal.dot(slices[b].p_SV);
+  });
+  return order;
+}
+
+// The gap most slices have, robust against a missing or a doubled slice.
+double usual_gap(std::vector<double> gaps) {
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return *middle;
+}
+
+void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceStack& stack,
+                             const Direction& normal) {
+  std::vector<double> gaps;
+  for (std::size_t k = 1; k < stack.order.size(); ++k) {
+    const SlicePlane &below = slices[stack.order[k - 1]], &above = slices[stack.order[k]];
+    gaps.push_back(normal.dot(above.p_SV - below.p_SV));
+    if (gaps.back() < 0.01)
+      throw SetupError("not a volume: two slices at the same place", below.name + " and " + above.name,
+                       "keep one time, echo or copy of the series in the folder");
+  }
+  const double usual = usual_gap(gaps);
+  for (std::size_t k = 0; k < gaps.size(); ++k)
+    if (std::abs(gaps[k] - usual) > kStackTolerance_mm)
+      throw SetupError(
+          fmt::format(
+              "uneven slices: a gap of {:.3f} mm where the others are {:.3f} mm (a slice is missing?)",
+              gaps[k], usual),
+          slices[stack.order[k]].name + " and " + slices[stack.order[k + 1]].name,
+          "export the whole series again");
+}
+
+// Every slice must lie where the grid says; what is left is tilt (sideways) or creeping spacing (along the
+// normal).
+void refuse_off_grid(const std::vector<SlicePlane>& slices, const SliceStack& stack,
+                     const Direction& normal) {
+  const SlicePlane& first = slices[stack.order.front()];
+  for (std::size_t k = 1; k < stack.order.size(); ++k) {
+    const SlicePlane& slice = slices[stack.order[k]];
+    const Eigen::Vector3d way = slice.p_SV - first.p_SV;
+    const double sideways = (way - normal * normal.dot(way)).norm();
+    if (sideways > kStackTolerance_mm)
+      throw SetupError(
+          fmt::format(
+              "tilted stack: slices are shifted sideways by {:.2f} mm over {:.2f} mm, so they are not "
+              "perpendicular to the direction of stacking (gantry tilt, shear)",
+              sideways, normal.dot(way)),
+          first.name + " and " + slice.name, "reconstruct the series without tilt");
+    const double creep = (way - stack.grid.X_SI.linear().col(2) * static_cast<double>(k)).norm();
+    if (creep > 2 * kStackTolerance_mm)
+      throw SetupError(fmt::format("uneven slices: off a regular stack by {:.3f} mm", creep), slice.name,
+                       "export the whole series again");
+  }
+}
+
+void warn_of_contradictions(const SlicePlane& slice, SliceStack& stack) {
+  const double gap = stack.grid.spacing_mm().z();
+  const auto warn = [&](const char* what, double stated) {
+    if (stated > 0.0 && std::abs(stated - gap) > 0.01 * gap)
+      stack.warnings.push_back(fmt::format(
+          "{} says {:g} mm, the slice positions say {:.4g} mm: the positions are used", what, stated, gap));
+  };
+  warn("SpacingBetweenSlices", slice.stated_gap_mm);
+  warn("SliceThickness", slice.thickness_mm);
+}
+
+}  // namespace
+
+SliceStack stack_slices(const std::vector<SlicePlane>& slices) {
+  if (slices.empty()) throw SetupError("no slices", "series", "give a folder with an image series");
+  for (const SlicePlane& slice : slices) refuse_bad_plane(slice);
+  for (const SlicePlane& slice : slices) refuse_different_planes(slices.front(), slice);
+  const SlicePlane& any = slices.front();
+  if (slices.size() < kSizeMin)
+    throw SetupError(fmt::format("only {} slice{}: a volume needs at least {}", slices.size(),
+                                 slices.size() == 1 ? "" : "s", kSizeMin),
+                     any.name, "give the folder with the whole series");
+
+  const Direction normal = normal_of(any);
+  SliceStack stack;
+  stack.order = sorted_along(normal, slices);
+  const SlicePlane &first = slices[stack.order.front()], &last = slices[stack.order.back()];
+  refuse_repeats_and_gaps(slices, stack, normal);
+
+  const double gap = normal.dot(last.p_SV - first.p_SV) / static_cast<double>(slices.size() - 1);
+  stack.grid.size = {any.columns, any.rows, static_cast<int>(slices.size())};
+  stack.grid.X_SI.linear().col(0) = first.along_row.normalized() * first.spacing_i_mm;
+  stack.grid.X_SI.linear().col(1) = first.along_column.normalized() * first.spacing_j_mm;
+  stack.grid.X_SI.linear().col(2) = normal * gap;
+  stack.grid.X_SI.translation() = first.p_SV;
+  refuse_off_grid(slices, stack, normal);
+  refuse_bad_grid(stack.grid, first.name);
+  warn_of_contradictions(any, stack);
+  return stack;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,264 @@
+#include "planner/imaging/io/nrrd/nrrd_header.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "planner/imaging/io/grid_rules.hpp"
+#include "robot/common/strict_number.hpp"
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+constexpr const char* kNrrdRemedy =
+    "save the volume again as NRRD with raw or gzip encoding, or give the DICOM series";
+constexpr std::size_t kHeaderMax = 1 << 20;  // key/value pairs of segmentations reach tens of kilobytes
+
+// Say nothing about where a voxel is or what it holds. The measurement frame concerns vectors and tensors
+// only; the centring too, since the space origin is the centre of the first sample in either. Spacings
+// without directions are no geometry, and with directions they say nothing new.
+const std::set<std::string> kNeedless = {
+    "content",           "number",   "thicknesses", "labels",       "min",       "max",
+    "old min",           "old max",  "block size",  "sample units", "centers",   "centerings",
+    "measurement frame", "spacings", "units",       "axis mins",    "axis maxs", "space dimension"};
+const std::set<std::string> kUsed = {"type",         "dimension",   "sizes",    "encoding",
+                                     "endian",       "space",       "kinds",    "space directions",
+                                     "space origin", "space units", "data file"};
+
+using Fields = std::map<std::string, std::string>;
+
+struct HeaderText {
+  Fields fields;
+  std::uint64_t length = 0;  // bytes up to and with the empty line
+  bool ended = false;        // by an empty line (attached data), or by the end of the file
+};
+
+[[noreturn]] void refuse(const std::string& what, const std::string& file) {
+  throw SetupError(what, file, kNrrdRemedy);
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+  return result;
+}
+
+void take_line(const std::string& line, const std::string& file, Fields& fields) {
+  if (line.front() == '#') return;
+  const std::size_t colon = line.find(':');
+  if (colon == std::string::npos) refuse(fmt::format("header line without a colon: \"{:.60}\"", line), file);
+  if (line.compare(colon, 2, ":=") == 0) return;  // a key of the program that wrote it
+  std::string name = lower(trimmed(line.substr(0, colon)));
+  if (name == "datafile") name = "data file";
+  if (kNeedless.contains(name)) return;
+  if (!kUsed.contains(name)) refuse(fmt::format("field \"{:.40}\" is not read", name), file);
+  if (!fields.emplace(name, trimmed(line.substr(colon + 1))).second)
+    refuse(fmt::format("field \"{}\" is given twice", name), file);
+}
+
+HeaderText read_text(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::ifstream in(path, std::ios::binary);
+  std::string head(kHeaderMax, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  if (head.size() < 9 || head.compare(0, 7, "NRRD000") != 0 || head[7] < '1' || head[7] > '5')
+    refuse("not an NRRD file (NRRD0001 to NRRD0005)", file);
+
+  HeaderText text;
+  for (std::size_t at = 0, line_number = 0; at < head.size(); ++line_number) {
+    const std::size_t end = head.find('\n', at);
+    if (end == std::string::npos && head.size() == kHeaderMax) refuse("the header does not end", file);
+    std::string line = head.substr(at, end == std::string::npos ? end : end - at);
+    if (line.ends_with('\r')) line.pop_back();
+    at = end == std::string::npos ? head.size() : end + 1;
+    text.length = at;
+    if (line.empty()) {
+      text.ended = true;
+      return text;
+    }
+    if (line_number > 0) take_line(line, file, text.fields);
+  }
+  return text;
+}
+
+const std::string& field(const Fields& fields, const char* name, const std::string& file) {
+  const auto found = fields.find(name);
+  if (found == fields.end()) refuse(fmt::format("field \"{}\" is missing", name), file);
+  return found->second;
+}
+
+VoxelType type_of(const Fields& fields, const std::string& file) {
+  static const std::map<std::string, VoxelType> kTypes = {{"signed char", VoxelType::Int8},
+                                                          {"int8", VoxelType::Int8},
+                                                          {"int8_t", VoxelType::Int8},
+                                                          {"uchar", VoxelType::UInt8},
+                                                          {"unsigned char", VoxelType::UInt8},
+                                                          {"uint8", VoxelType::UInt8},
+                                                          {"uint8_t", VoxelType::UInt8},
+                                                          {"short", VoxelType::Int16},
+                                                          {"short int", VoxelType::Int16},
+                                                          {"signed short", VoxelType::Int16},
+                                                          {"signed short int", VoxelType::Int16},
+                                                          {"int16", VoxelType::Int16},
+                                                          {"int16_t", VoxelType::Int16},
+                                                          {"ushort", VoxelType::UInt16},
+                                                          {"unsigned short", VoxelType::UInt16},
+                                                          {"unsigned short int", VoxelType::UInt16},
+                                                          {"uint16", VoxelType::UInt16},
+                                                          {"uint16_t", VoxelType::UInt16},
+                                                          {"int", VoxelType::Int32},
+                                                          {"signed int", VoxelType::Int32},
+                                                          {"int32", VoxelType::Int32},
+                                                          {"int32_t", VoxelType::Int32},
+                                                          {"uint", VoxelType::UInt32},
+                                                          {"unsigned int", VoxelType::UInt32},
+                                                          {"uint32", VoxelType::UInt32},
+                                                          {"uint32_t", VoxelType::UInt32},
+                                                          {"longlong", VoxelType::Int64},
+                                                          {"long long", VoxelType::Int64},
+                                                          {"int64", VoxelType::Int64},
+                                                          {"int64_t", VoxelType::Int64},
+                                                          {"ulonglong", VoxelType::UInt64},
+                                                          {"unsigned long long", VoxelType::UInt64},
+                                                          {"uint64", VoxelType::UInt64},
+                                                          {"uint64_t", VoxelType::UInt64},
+                                                          {"float", VoxelType::Float32},
+                                                          {"double", VoxelType::Float64}};
+  const std::string& name = field(fields, "type", file);
+  const auto found = kTypes.find(lower(name));
+  if (found == kTypes.end()) refuse(fmt::format("voxel type \"{:.40}\" is not read", name), file);
+  return found->second;
+}
+
+bool swapped_bytes(const Fields& fields, VoxelType type, const std::string& file) {
+  if (bytes_of(type) == 1) return false;
+  const std::string endian = lower(field(fields, "endian", file));
+  if (endian != "little" && endian != "big")
+    refuse(fmt::format("endian \"{:.20}\" is neither little nor big", endian), file);
+  return (endian == "big") != (std::endian::native == std::endian::big);
+}
+
+ByteSource::Packing packing_of(const Fields& fields, const std::string& file) {
+  const std::string encoding = lower(field(fields, "encoding", file));
+  if (encoding == "raw") return ByteSource::Packing::Plain;
+  if (encoding == "gzip" || encoding == "gz") return ByteSource::Packing::Gzip;
+  refuse(fmt::format("encoding \"{:.20}\" is not read", encoding), file);
+}
+
+Eigen::Vector3i size_of(const Fields& fields, const std::string& file) {
+  const auto dimension = strict_integer(field(fields, "dimension", file));
+  if (!dimension || *dimension < 1 || *dimension > 16)
+    refuse("field \"dimension\" is not a number from 1 to 16", file);
+  if (*dimension != 3)
+    refuse(fmt::format("{}-D: only three-dimensional images of one number a voxel are read (no time series, "
+                       "colour, vectors)",
+                       *dimension),
+           file);
+  const auto sizes = strict_numbers(field(fields, "sizes", file), ' ');
+  if (!sizes || sizes->size() != 3) refuse("field \"sizes\" does not hold three numbers", file);
+  for (double size : *sizes)
+    if (size < 0 || size > 1e6 || size != std::floor(size))
+      refuse("field \"sizes\" holds an impossible number", file);
+  Eigen::Vector3i size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
+  refuse_bad_size(size, file);
+  return size;
+}
+
+// Signs that carry the named space to LPS.
+Eigen::Vector3d signs_to_lps(const Fields& fields, const std::string& file) {
+  if (!fields.contains("space")) refuse("no geometry: field \"space\" is missing", file);
+  const std::string space = lower(fields.at("space"));
+  if (space == "left-posterior-superior" || space == "lps") return {1, 1, 1};
+  if (space == "right-anterior-superior" || space == "ras") return {-1, -1, 1};
+  if (space == "left-anterior-superior" || space == "las") return {1, -1, 1};
+  refuse(fmt::format("space \"{:.40}\" does not say where left, posterior and superior are", space), file);
+}
+
+// The vectors "(a,b,c) (d,e,f) ..." of a field, exactly `count` of them.
+std::vector<Eigen::Vector3d> vectors(const Fields& fields, const char* name, std::size_t count,
+                                     const std::string& file) {
+  std::string_view rest = trimmed(field(fields, name, file));
+  std::vector<Eigen::Vector3d> result;
+  const auto bad = [&] {
+    refuse(fmt::format("field \"{}\" does not hold {} vectors of three numbers", name, count), file);
+  };
+  while (!rest.empty()) {
+    const std::size_t close = rest.find(')');
+    if (rest.front() != '(' || close == std::string_view::npos) bad();
+    const auto numbers = strict_numbers(rest.substr(1, close - 1), ',');
+    if (!numbers || numbers->size() != 3) bad();
+    result.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    rest = trimmed(rest.substr(close + 1));
+  }
+  if (result.size() != count) bad();
+  return result;
+}
+
+void refuse_odd_units_and_kinds(const Fields& fields, const std::string& file) {
+  if (fields.contains("space units")) {
+    std::string units = fields.at("space units");
+    std::erase_if(units, [](char c) { return c == '"' || c == ' '; });
+    if (units != "mmmmmm")
+      refuse(fmt::format("space units {:.40} are not mm", fields.at("space units")), file);
+  }
+  if (!fields.contains("kinds")) return;
+  const std::string kinds = lower(fields.at("kinds")) + ' ';
+  for (std::size_t at = 0, end; (end = kinds.find(' ', at)) != std::string::npos; at = end + 1) {
+    const std::string kind = kinds.substr(at, end - at);
+    if (!kind.empty() && kind != "domain" && kind != "space" && kind != "???" && kind != "none")
+      refuse(fmt::format("an axis of kind \"{:.30}\" (time, colour, vector or complex) is not read", kind),
+             file);
+  }
+}
+
+void find_data(const std::filesystem::path& path, const HeaderText& text, NrrdHeader& header) {
+  const auto detached = text.fields.find("data file");
+  if (detached == text.fields.end()) {
+    if (!text.ended)
+      refuse("truncated: the header ends without an empty line and without data", path.string());
+    header.data_file = path;
+    header.data_offset = text.length;
+    return;
+  }
+  const std::filesystem::path name = detached->second;
+  // A list or a pattern of files is refused by this too: such names do not exist.
+  const bool inside = !name.empty() && name.is_relative() &&
+                      std::none_of(name.begin(), name.end(), [](const auto& part) { return part == ".."; });
+  if (!inside || !std::filesystem::is_regular_file(path.parent_path() / name))
+    refuse(fmt::format("the data file \"{:.80}\" is not one file beside the header", name.string()),
+           path.string());
+  header.data_file = path.parent_path() / name;
+}
+
+}  // namespace
+
+NrrdHeader read_nrrd_header_fields(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const HeaderText text = read_text(path);
+  NrrdHeader header;
+  header.grid.size = size_of(text.fields, file);
+  header.coding.type = type_of(text.fields, file);
+  header.packing = packing_of(text.fields, file);
+  header.coding.swapped = swapped_bytes(text.fields, header.coding.type, file);
+  refuse_odd_units_and_kinds(text.fields, file);
+
+  const Eigen::Vector3d signs = signs_to_lps(text.fields, file);
+  const auto directions = vectors(text.fields, "space directions", 3, file);
+  for (int axis = 0; axis < 3; ++axis)
+    header.grid.X_SI.linear().col(axis) = signs.cwiseProduct(directions[static_cast<std::size_t>(axis)]);
+  header.grid.X_SI.translation() = signs.cwiseProduct(vectors(text.fields, "space origin", 1, file).front());
+  refuse_bad_grid(header.grid, file);
+  find_data(path, text, header);
+  return header;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,45 @@
+#include "planner/imaging/io/nrrd/nrrd_reader.hpp"
+
+#include "planner/imaging/io/nrrd/nrrd_header.hpp"
+#include "planner/imaging/io/voxel_type.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+Volume volume_without_voxels(const std::filesystem::path& file, const NrrdHeader& header) {
+  Volume volume;
+  volume.grid = header.grid;
+  volume.format = "NRRD";
+  volume.files = {file.string()};
+  if (header.data_file != file) volume.files.push_back(header.data_file.string());
+  return volume;
+}
+
+ByteSource open_data(const NrrdHeader& header) {
+  ByteSource source(header.data_file, header.packing, header.data_offset);
+  source.refuse_if_shorter_than(header.grid.voxel_count() * bytes_of(header.coding.type));
+  return source;
+}
+
+}  // namespace
+
+bool looks_like_nrrd(const std::filesystem::path& file) {
+  return file.extension() == ".nrrd" || file.extension() == ".nhdr";
+}
+
+Volume read_nrrd_header(const std::filesystem::path& file) {
+  const NrrdHeader header = read_nrrd_header_fields(file);
+  open_data(header);
+  return volume_without_voxels(file, header);
+}
+
+Volume read_nrrd(const std::filesystem::path& file) {
+  const NrrdHeader header = read_nrrd_header_fields(file);
+  Volume volume = volume_without_voxels(file, header);
+  ByteSource source = open_data(header);
+  read_voxels(source, header.coding, header.data_file.string(), volume);
+  if (source.rest() > 0) volume.warnings.push_back("the file holds more bytes than its header accounts for");
+  return volume;
+}
+
+}  // namespace biopsy::imaging

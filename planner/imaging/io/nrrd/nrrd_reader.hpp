@@ -1,0 +1,20 @@
+// NRRD images (.nrrd, .nhdr with the data in a file beside it; raw or gzip; either byte order).
+#pragma once
+
+#include <filesystem>
+
+#include "robot/msg/volume.hpp"
+
+namespace biopsy::imaging {
+
+// By name (.nrrd, .nhdr).
+bool looks_like_nrrd(const std::filesystem::path& file);
+
+// The grid in LPS mm, format, files and warnings, without the voxels. Throws SetupError naming file and
+// reason.
+Volume read_nrrd_header(const std::filesystem::path& file);
+
+// The same with the voxels as stored.
+Volume read_nrrd(const std::filesystem::path& file);
+
+}  // namespace biopsy::imaging

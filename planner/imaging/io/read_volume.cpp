@@ -1,0 +1,61 @@
+#include "planner/imaging/io/read_volume.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/nifti/nifti_reader.hpp"
+#include "planner/imaging/io/nrrd/nrrd_reader.hpp"
+#include "planner/imaging/io/volume_files.hpp"
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+std::string listed(const std::vector<SeriesSummary>& series) {
+  std::string text;
+  for (const SeriesSummary& one : series)
+    text += fmt::format(
+        "\n  {}  \"{}\"  {}", one.series_uid.empty() ? "(no uid)" : one.series_uid, one.description,
+        one.problem.empty()
+            ? fmt::format("{} x {} x {} at {:.3g} x {:.3g} x {:.3g} mm", one.size.x(), one.size.y(),
+                          one.size.z(), one.spacing_mm.x(), one.spacing_mm.y(), one.spacing_mm.z())
+            : "cannot be read: " + one.problem);
+  return text;
+}
+
+// A damaged file could be the end of the chosen series: a stack must not get shorter in silence.
+void refuse_broken(const DicomFolder& folder) {
+  if (!folder.broken.empty()) throw *folder.broken.front().refusal;
+}
+
+}  // namespace
+
+Volume read_volume(const std::filesystem::path& path, const std::string& series_uid) {
+  const VolumeFiles files = find_volume_files(path);
+  const DicomFolder folder = scan_dicom_files(files.dicom);
+  refuse_broken(folder);
+  const std::size_t count = folder.series.size() + files.nifti.size() + files.nrrd.size();
+  if (count == 0)
+    throw SetupError("DICOM, but no image (a report, structure set or directory)", path.string(),
+                     "give an image series");
+  if (series_uid.empty() && count > 1)
+    throw SetupError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
+                     "choose one of them with --series UID");
+
+  const auto chosen = [&](const std::string& uid) { return series_uid.empty() || uid == series_uid; };
+  const auto name_of = [&](const std::filesystem::path& file) {
+    return (file == path ? file.filename() : file.lexically_relative(path)).generic_string();
+  };
+  for (const DicomSeries& series : folder.series)
+    if (chosen(series.uid)) return read_dicom_series(series);
+  for (const auto& file : files.nifti)
+    if (chosen(name_of(file))) return read_nifti(file);
+  for (const auto& file : files.nrrd)
+    if (chosen(name_of(file))) return read_nrrd(file);
+  throw SetupError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
+                   path.string(), "choose one of them with --series UID");
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,19 @@
+// One medical image, from a file or a folder of DICOM, NIfTI-1 or NRRD, with its place in the scanner (LPS
+// mm).
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "planner/imaging/io/series_list.hpp"
+#include "robot/msg/volume.hpp"
+
+namespace biopsy::imaging {
+
+// Reads the series with this uid (as list_series names it), or the only one. Voxels are real-world values
+// (slope and intercept applied), exact for integers up to 2^24. Throws SetupError naming file, reason and
+// remedy: several series and no uid, no such series, a damaged file, and every series that is not one
+// certain, evenly spaced, perpendicular stack of at least three grey slices.
+Volume read_volume(const std::filesystem::path& path, const std::string& series_uid = "");
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,57 @@
+#include "planner/imaging/io/volume_files.hpp"
+
+#include <algorithm>
+
+#include "planner/imaging/io/dicom/dicom_header.hpp"
+#include "planner/imaging/io/nifti/nifti_reader.hpp"
+#include "planner/imaging/io/nrrd/nrrd_reader.hpp"
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::imaging {
+namespace fs = std::filesystem;
+
+namespace {
+
+void take(const fs::path& file, VolumeFiles& files) {
+  if (looks_like_nifti(file))
+    files.nifti.push_back(file);
+  else if (looks_like_nrrd(file))
+    files.nrrd.push_back(file);
+  else if (looks_like_dicom(file))
+    files.dicom.push_back(file);
+}
+
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator at(folder, error);
+  for (; !error && at != fs::recursive_directory_iterator(); at.increment(error))
+    if (at->is_regular_file(error)) files.push_back(at->path());
+  // A folder that cannot be read may hold the missing half of a series.
+  if (error) throw SetupError("cannot be read: " + error.message(), folder.string(), "check the permissions");
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+VolumeFiles find_volume_files(const fs::path& path) {
+  VolumeFiles files;
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw SetupError("there is no such file or folder", path.string(), "check the name");
+  if (fs::is_directory(path, error)) {
+    for (const fs::path& file : files_below(path)) take(file, files);
+    if (files.empty())
+      throw SetupError("no image in this folder", path.string(),
+                       "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+    return files;
+  }
+  if (fs::is_regular_file(path, error)) take(path, files);
+  if (files.empty())
+    throw SetupError("not an image of a known format", path.string(),
+                     "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+  return files;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,71 @@
+#include "planner/imaging/registration/region.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace biopsy::imaging {
+namespace {
+
+// Range of voxel indices that the box's corners reach.
+void index_range(const Grid& grid, const Box& box, Eigen::Vector3i& low, Eigen::Vector3i& high) {
+  const AffineTransform X_IS = grid.X_SI.inverse();
+  Eigen::Vector3d least = Eigen::Vector3d::Constant(1e9), most = -least;
+  for (int n = 0; n < 8; ++n) {
+    const Point corner((n & 1) ? box.high.x() : box.low.x(), (n & 2) ? box.high.y() : box.low.y(),
+                       (n & 4) ? box.high.z() : box.low.z());
+    const Eigen::Vector3d index = X_IS * corner;
+    least = least.cwiseMin(index);
+    most = most.cwiseMax(index);
+  }
+  const Eigen::Vector3d last = grid.size.cast<double>().array() - 1.0;
+  low = least.array().floor().max(0.0).min(last.array() + 1.0).cast<int>();
+  high = most.array().ceil().min(last.array()).max(-1.0).cast<int>();
+}
+
+int kernel_size(double sigma) {
+  return 2 * static_cast<int>(std::ceil(3.0 * sigma)) + 1;
+}
+
+}  // namespace
+
+Volume cropped(const Volume& volume, const Box& box) {
+  Eigen::Vector3i low, high;
+  index_range(volume.grid, box, low, high);
+  Volume part;
+  part.identity = volume.identity;
+  part.format = volume.format;
+  part.grid.X_SI = volume.grid.X_SI;
+  if ((high.array() < low.array()).any()) return part;
+  part.grid.size = high - low + Eigen::Vector3i::Ones();
+  part.grid.X_SI.translation() = volume.grid.X_SI * low.cast<double>();
+  part.voxels.reserve(part.grid.voxel_count());
+  for (int k = low.z(); k <= high.z(); ++k)
+    for (int j = low.y(); j <= high.y(); ++j) {
+      const auto row = volume.voxels.begin() + static_cast<std::ptrdiff_t>(volume.grid.index(low.x(), j, k));
+      part.voxels.insert(part.voxels.end(), row, row + part.grid.size.x());
+    }
+  return part;
+}
+
+Volume smoothed(const Volume& volume, double sigma_mm) {
+  Volume result = volume;
+  const Eigen::Vector3d sigma = sigma_mm * volume.grid.spacing_mm().cwiseInverse();
+  const Eigen::Vector3i& size = volume.grid.size;
+  const auto worth = [](double s) { return s > 0.2; };  // below, the kernel is one voxel
+  if (volume.voxels.empty()) return result;
+  if (worth(sigma.x()) || worth(sigma.y()))
+    for (int k = 0; k < size.z(); ++k) {
+      cv::Mat slice(size.y(), size.x(), CV_32F, result.voxels.data() + result.grid.index(0, 0, k));
+      cv::GaussianBlur(slice, slice, cv::Size(kernel_size(sigma.x()), kernel_size(sigma.y())),
+                       std::max(sigma.x(), 1e-3), std::max(sigma.y(), 1e-3), cv::BORDER_REPLICATE);
+    }
+  if (worth(sigma.z())) {
+    cv::Mat stack(size.z(), size.x() * size.y(), CV_32F, result.voxels.data());
+    cv::GaussianBlur(stack, stack, cv::Size(1, kernel_size(sigma.z())), 1e-3, sigma.z(),
+                     cv::BORDER_REPLICATE);
+  }
+  return result;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,29 @@
+// The part of a volume that matters for one needle, and its smooth versions.
+#pragma once
+
+#include "robot/msg/volume.hpp"
+
+namespace biopsy::imaging {
+
+// A box along S's axes, LPS mm.
+struct Box {
+  Point low = Point::Zero(), high = Point::Zero();
+
+  bool contains(const Point& p_S) const {
+    return (p_S.array() >= low.array() && p_S.array() <= high.array()).all();
+  }
+  void include(const Point& p_S, double margin_mm) {
+    low = low.cwiseMin(p_S - Point::Constant(margin_mm));
+    high = high.cwiseMax(p_S + Point::Constant(margin_mm));
+  }
+  Point centre() const { return 0.5 * (low + high); }
+};
+
+// Smallest block of voxels that covers the box, where they exist; empty (size 0) when they do not meet. Keeps
+// the identity, drops the file list.
+Volume cropped(const Volume& volume, const Box& box);
+
+// Gaussian of the given standard deviation in mm along each voxel axis; borders repeat their last voxel.
+Volume smoothed(const Volume& volume, double sigma_mm);
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,263 @@
+#include "planner/imaging/registration/register_rigid.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace biopsy::imaging {
+namespace {
+
+using Vector14 = Eigen::Matrix<double, 14, 1>;
+using Matrix14 = Eigen::Matrix<double, 14, 14>;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// The motion that is searched takes a place in the after image to its place in the before image.
+struct Motion {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+
+  Point apply(const Point& p, const Point& about) const { return rotation * (p - about) + about + shift; }
+};
+
+struct Place {
+  Point p_S;
+  Eigen::Vector4d x;  // 1 and box coordinates
+  double value;       // of the after image
+};
+
+std::vector<Place> places_to_compare(const Volume& after, const RegistrationSettings& s, double step_mm) {
+  const Sampler sampler(after);
+  const Eigen::Vector3d half = (0.5 * (s.box.high - s.box.low)).cwiseMax(1e-6);
+  const Eigen::Vector3i count = (2.0 * half / step_mm).array().floor().cast<int>();
+  std::vector<Place> places;
+  for (int k = 0; k <= count.z(); ++k)
+    for (int j = 0; j <= count.y(); ++j)
+      for (int i = 0; i <= count.x(); ++i) {
+        const Point p_S = s.box.low + step_mm * Eigen::Vector3d(i, j, k);
+        if (s.mask && s.mask->covers(p_S)) continue;
+        const double value = sampler.at(p_S);
+        if (std::isnan(value)) continue;
+        const Eigen::Vector3d x = (p_S - s.box.centre()).cwiseQuotient(half);
+        places.push_back({p_S, {1.0, x.x(), x.y(), x.z()}, value});
+      }
+  return places;
+}
+
+// Correlation of the two images at a motion; -1 where less than half of the places overlap.
+double correlation(const std::vector<Place>& places, const Sampler& before, const Motion& motion,
+                   const Point& about) {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (const Place& place : places) {
+    const double value = before.at(motion.apply(place.p_S, about));
+    if (std::isnan(value)) continue;
+    n += 1, a += place.value, b += value;
+    aa += place.value * place.value, bb += value * value, ab += place.value * value;
+  }
+  if (n < 0.5 * static_cast<double>(places.size()) || n < 50) return -1.0;
+  const double variance = (aa - a * a / n) * (bb - b * b / n);
+  return variance > 0.0 ? (ab - a * b / n) / std::sqrt(variance) : -1.0;
+}
+
+struct Fit {
+  Motion motion;
+  Eigen::Vector4d gain = Eigen::Vector4d(1, 0, 0, 0), bias = Eigen::Vector4d::Zero();
+  double score = -1.0;  // correlation of after with gain * before + bias
+  std::size_t used = 0;
+};
+
+// One image pair at one scale.
+class Level {
+ public:
+  Level(const Volume& before, const Volume& after, const RegistrationSettings& settings, double step_mm)
+      : before_(before), places_(places_to_compare(after, settings, step_mm)), about_(settings.about) {}
+
+  const std::vector<Place>& places() const { return places_; }
+  double correlation_at(const Motion& motion) const { return correlation(places_, before_, motion, about_); }
+
+  // Gauss-Newton until a step moves nothing by more than a thousandth of a millimetre.
+  Fit refined(const Motion& start, int iterations) const {
+    Fit fit;
+    fit.motion = start;
+    fit_brightness(fit);
+    for (int i = 0; i < iterations; ++i) {
+      const Vector14 step = gauss_newton_step(fit);
+      if (!step.allFinite()) break;
+      const Eigen::Vector3d turn = step.head<3>();
+      if (turn.norm() > 0.0)
+        fit.motion.rotation =
+            Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * fit.motion.rotation;
+      fit.motion.shift += step.segment<3>(3);
+      fit.gain += step.segment<4>(6);
+      fit.bias += step.tail<4>();
+      if (turn.norm() * 50.0 + step.segment<3>(3).norm() < 1e-3) break;
+    }
+    score(fit);
+    return fit;
+  }
+
+ private:
+  void fit_brightness(Fit& fit) const {
+    double n = 0, a = 0, b = 0, bb = 0, ab = 0;
+    for (const Place& place : places_) {
+      const double value = before_.at(fit.motion.apply(place.p_S, about_));
+      if (std::isnan(value)) continue;
+      n += 1, a += place.value, b += value, bb += value * value, ab += place.value * value;
+    }
+    const double variance = bb - b * b / std::max(n, 1.0);
+    fit.gain[0] = variance > 0.0 ? std::max((ab - a * b / n) / variance, 0.05) : 1.0;
+    fit.bias[0] = n > 0 ? (a - fit.gain[0] * b) / n : 0.0;
+  }
+
+  Vector14 gauss_newton_step(const Fit& fit) const {
+    std::vector<double> sizes;
+    sizes.reserve(places_.size());
+    for (const Place& place : places_) {
+      const double value = before_.at(fit.motion.apply(place.p_S, about_));
+      if (!std::isnan(value))
+        sizes.push_back(std::abs(place.value - fit.gain.dot(place.x) * value - fit.bias.dot(place.x)));
+    }
+    if (sizes.size() < 100) return Vector14::Constant(std::nan(""));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double limit = std::max(4.685 * 1.4826 * *middle, 1e-9);  // Tukey's biweight at 95 % efficiency
+
+    Matrix14 normal = Matrix14::Zero();
+    Vector14 right = Vector14::Zero();
+    for (const Place& place : places_) {
+      const Eigen::Vector3d y = fit.motion.rotation * (place.p_S - about_);
+      double value;
+      Eigen::Vector3d gradient;
+      if (!before_.at(y + about_ + fit.motion.shift, value, gradient)) continue;
+      const double gain = fit.gain.dot(place.x);
+      const double error = place.value - gain * value - fit.bias.dot(place.x);
+      if (std::abs(error) >= limit) continue;
+      const double weight = std::pow(1.0 - std::pow(error / limit, 2), 2);
+      Vector14 row;
+      row << gain * y.cross(gradient), gain * gradient, value * place.x, place.x;
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+      right += weight * error * row;
+    }
+    normal = normal.selfadjointView<Eigen::Lower>();
+    normal.diagonal() *= 1.0 + 1e-4;  // flat images leave some motions free: those then stay put
+    normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
+    return normal.ldlt().solve(right);
+  }
+
+  void score(Fit& fit) const {
+    double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+    for (const Place& place : places_) {
+      const double value = before_.at(fit.motion.apply(place.p_S, about_));
+      if (std::isnan(value)) continue;
+      const double model = fit.gain.dot(place.x) * value + fit.bias.dot(place.x);
+      n += 1, a += place.value, b += model;
+      aa += place.value * place.value, bb += model * model, ab += place.value * model;
+    }
+    fit.used = static_cast<std::size_t>(n);
+    const double variance = n > 0 ? (aa - a * a / n) * (bb - b * b / n) : 0.0;
+    const bool overlap = n >= 0.5 * static_cast<double>(places_.size()) && n >= 100;
+    fit.score = overlap && variance > 0.0 ? (ab - a * b / n) / std::sqrt(variance) : -1.0;
+  }
+
+  Sampler before_;
+  std::vector<Place> places_;
+  Point about_;
+};
+
+std::vector<Motion> starts(const Level& level, double reach_mm) {
+  struct Scored {
+    Motion motion;
+    double score;
+  };
+  std::vector<Scored> all;
+  const int n = 2;
+  for (int k = -n; k <= n; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        Motion motion;
+        motion.shift = Eigen::Vector3d(i, j, k) * (reach_mm / n);
+        all.push_back({motion, level.correlation_at(motion)});
+      }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Motion> best{Motion{}};  // lying still is always worth a try
+  for (std::size_t i = 0; i < 3 && i < all.size(); ++i) best.push_back(all[i].motion);
+  return best;
+}
+
+// Mean distance between where two motions put the corners of the box.
+double distance_mm(const Motion& a, const Motion& b, const RegistrationSettings& s) {
+  double sum = 0.0;
+  for (int n = 0; n < 8; ++n) {
+    const Point corner((n & 1) ? s.box.high.x() : s.box.low.x(), (n & 2) ? s.box.high.y() : s.box.low.y(),
+                       (n & 4) ? s.box.high.z() : s.box.low.z());
+    sum += (a.apply(corner, s.about) - b.apply(corner, s.about)).norm();
+  }
+  return sum / 8.0;
+}
+
+RegistrationResult finished(const Fit& fit, const RegistrationSettings& s) {
+  RegistrationResult result;
+  // The fit took after to before; the patient went the other way: R = M^T, shift = -R m.
+  const Eigen::Matrix3d rotation = fit.motion.rotation.transpose();
+  const Eigen::AngleAxisd turn(rotation);
+  result.shift_mm = -(rotation * fit.motion.shift);
+  result.rotation_deg = turn.angle() * kDegrees * turn.axis();
+  result.X_after_before.linear() = rotation;
+  result.X_after_before.translation() = s.about + result.shift_mm - rotation * s.about;
+  result.score = fit.score;
+  result.points = fit.used;
+  result.gain = fit.gain;
+  result.bias = fit.bias;
+  const Point centre = s.box.centre();
+  result.within_limits = (result.X_after_before * centre - centre).norm() <= s.shift_max_mm &&
+                         turn.angle() * kDegrees <= s.rotation_max_deg;
+  return result;
+}
+
+// The box, no larger than the image.
+RegistrationSettings within_image(const Volume& after, RegistrationSettings settings) {
+  if (after.voxels.empty()) return settings;
+  Box image{after.grid.X_SI.translation(), after.grid.X_SI.translation()};
+  const Eigen::Vector3d last = after.grid.size.cast<double>().array() - 1.0;
+  for (int n = 1; n < 8; ++n)
+    image.include(after.grid.X_SI * Eigen::Vector3d((n & 1) ? last.x() : 0.0, (n & 2) ? last.y() : 0.0,
+                                                    (n & 4) ? last.z() : 0.0),
+                  0.0);
+  settings.box.low = settings.box.low.cwiseMax(image.low);
+  settings.box.high = settings.box.high.cwiseMin(image.high);
+  return settings;
+}
+
+}  // namespace
+
+RegistrationResult register_rigid(const Volume& before, const Volume& after,
+                                  const RegistrationSettings& asked) {
+  const RegistrationSettings settings = within_image(after, asked);
+  const Eigen::Vector3d sides = settings.box.high - settings.box.low;
+  if (sides.minCoeff() <= 0.0) return {};
+  // Places enough to average noise out, few enough for a tenth of a second.
+  const double coarse_step = std::cbrt(sides.prod() / 4000.0), fine_step = std::cbrt(sides.prod() / 30000.0);
+  const Volume before_coarse = smoothed(before, 0.7 * coarse_step),
+               after_coarse = smoothed(after, 0.7 * coarse_step);
+  const Level coarse(before_coarse, after_coarse, settings, coarse_step);
+  if (coarse.places().size() < 200) return {};
+
+  std::vector<Fit> fits;
+  for (const Motion& start : starts(coarse, std::min(settings.start_reach_mm, sides.maxCoeff() / 6.0)))
+    fits.push_back(coarse.refined(start, 20));
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.score > b.score; });
+
+  const Volume before_fine = smoothed(before, 0.5 * fine_step), after_fine = smoothed(after, 0.5 * fine_step);
+  const Level fine(before_fine, after_fine, settings, fine_step);
+  RegistrationResult result = finished(fine.refined(fits.front().motion, 20), settings);
+  for (const Fit& other : fits)
+    if (other.score > fits.front().score - 0.02)
+      result.runner_up_mm =
+          std::max(result.runner_up_mm, distance_mm(fits.front().motion, other.motion, settings));
+  return result;
+}
+
+}  // namespace biopsy::imaging

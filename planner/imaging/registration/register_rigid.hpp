@@ -1,0 +1,52 @@
+// Finds how the patient moved between two images: rotation and shift in space.
+#pragma once
+
+#include <optional>
+
+#include "planner/imaging/registration/region.hpp"
+#include "planner/imaging/registration/reslice.hpp"
+
+namespace biopsy::imaging {
+
+// Voxels within `radius` of the line through the needle, as far as the tip may be, are not asked: a void is
+// no motion.
+struct NeedleMask {
+  NeedleFrame frame;
+  double from_mm = 0.0, to_mm = 0.0, radius_mm = 0.0;
+
+  bool covers(const Point& p_S) const {
+    const Eigen::Vector3d c = frame.coordinates(p_S);
+    return c.x() >= from_mm && c.x() <= to_mm && std::hypot(c.y(), c.z()) <= radius_mm;
+  }
+};
+
+struct RegistrationSettings {
+  Box box;                      // where to compare, scanner mm
+  Point about = Point::Zero();  // centre of rotation: the entry
+  std::optional<NeedleMask> mask;
+  double shift_max_mm = 12.0;  // a patient who moved further must be planned anew
+  double rotation_max_deg = 12.0;
+  double start_reach_mm =
+      8.0;  // starts on a lattice this far out: the coarse cost is convex over about half of it
+};
+
+struct RegistrationResult {
+  RigidTransform X_after_before = RigidTransform::Identity();
+  Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();      // p_after = R (p_before - about) + about + shift
+  Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // rotation vector, LPS axes
+  double score = 0.0;  // correlation after registration at the finest level
+  double runner_up_mm =
+      0.0;  // mean distance in the box to the best result from elsewhere that scores nearly alike
+  std::size_t points = 0;  // compared; 0 where the images do not overlap
+  bool within_limits = false;
+  // Brightness: after = gain . (1, x) before + bias . (1, x), x in box half-sides from its centre.
+  Eigen::Vector4d gain = Eigen::Vector4d::Zero(), bias = Eigen::Vector4d::Zero();
+};
+
+// Six degrees of freedom by robust Gauss-Newton on squared differences with a linearly varying gain and bias,
+// from coarse to fine, from the best of a lattice of starts. In space rather than ECC in the needle's plane:
+// patients turn out of any plane, and slices of 3 mm give a plane too little of what it needs.
+RegistrationResult register_rigid(const Volume& before, const Volume& after,
+                                  const RegistrationSettings& settings);
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,82 @@
+// Who answers the questions of commissioning: somebody at a terminal, and, where the stage is simulated,
+// hands that are as well.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "drivers/commissioning/rig.hpp"
+#include "robot/bench/commissioning_rig.hpp"
+#include "safety/interlock.hpp"
+#include "sim/simulated_stage.hpp"
+
+namespace biopsy::app {
+
+// Asks "done? y/n" and for numbers; the end of the input is a no.
+class TerminalPerson final : public commissioning::Person {
+ public:
+  TerminalPerson(std::istream& in, std::ostream& out) : in_(in), out_(out) {}
+
+  void told(const std::string& what) override;
+  bool does(commissioning::Act act, const std::string& what) override;
+  std::optional<double> reads(const std::string& what) override;
+
+ private:
+  std::istream& in_;
+  std::ostream& out_;
+};
+
+// The simulated stage with what surrounds it on a bench: the interlock of safety/interlock.hpp, an emergency
+// stop with two contacts, a hand.
+class SimulatedBench final : public port::NeedleStage {
+ public:
+  explicit SimulatedBench(const sim::PlantModel& model, std::uint64_t seed);
+
+  port::SensorReading read() override { return stage_.read(); }
+  void write(const safety::GatedVoltage& voltage) override;
+
+  StageTrimmings trimmings();
+  void lift(double force_N) { stage_.push(-force_N); }
+  double true_depth_mm() const { return stage_.truth().motion.x * 1e3; }
+  void press_estop_under_voltage() { press_at_ = kPressAfter_ticks; }
+  void release_estop() { press_at_.reset(), pressed_ticks_ = 0; }
+
+ private:
+  static constexpr int kPressAfter_ticks = 300;  // under voltage
+  static constexpr int kContactLag_ticks = 2;    // between the contacts of a real button
+
+  struct SupervisorsHalf final : port::PulseOutput {
+    explicit SupervisorsHalf(SimulatedBench& bench) : bench_(bench) {}
+    void pulse() override {
+      bench_.interlock_ = safety::feed_from_supervisor(bench_.interlock_, bench_.stage_.now_us());
+    }
+    SimulatedBench& bench_;
+  };
+
+  sim::SimStage stage_;
+  safety::Interlock interlock_;
+  SupervisorsHalf supervisors_half_{*this};
+  bool feeding_ = true;
+  std::optional<int> press_at_;
+  int pressed_ticks_ = 0;
+};
+
+// Does on the simulated bench what a person is asked to do, once `asked` has agreed.
+class SimulatedPerson final : public commissioning::Person {
+ public:
+  SimulatedPerson(SimulatedBench& bench, commissioning::Person& asked, bool always_agrees)
+      : bench_(bench), asked_(asked), always_agrees_(always_agrees) {}
+
+  void told(const std::string& what) override { asked_.told(what); }
+  bool does(commissioning::Act act, const std::string& what) override;
+  std::optional<double> reads(const std::string& what) override;
+
+ private:
+  SimulatedBench& bench_;
+  commissioning::Person& asked_;
+  bool always_agrees_;
+};
+
+}  // namespace biopsy::app

@@ -1,0 +1,153 @@
+// biopsy safety-case: gathers the evidence of this build and writes the case.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+
+#include "robot/procedure/case.hpp"
+#include "robot/common/code_identity.hpp"
+#include "robot/cli/commands.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/cli/safety_case_files.hpp"
+#include "robot/common/subprocess.hpp"
+#include "robot/report/safety_case/argument.hpp"
+#include "robot/report/safety_case/case_page.hpp"
+#include "robot/report/safety_case/finding_json.hpp"
+#include "robot/report/safety_case/gaps.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+using assurance::Build;
+using assurance::Finding;
+using assurance::Source;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string filled(std::string word, const fs::path& tests, const fs::path& out) {
+  for (const auto& [hole, value] :
+       {std::pair<std::string, std::string>{"{tests}", tests}, {"{source}", resources()}, {"{out}", out}})
+    for (std::size_t at = word.find(hole); at != std::string::npos; at = word.find(hole))
+      word.replace(at, hole.size(), value);
+  return word;
+}
+
+// Where the programs of the tests lie, beside this one.
+fs::path tests_folder() {
+  return fs::read_symlink("/proc/self/exe").parent_path() / "tests";
+}
+
+// Runs one source. What it printed stays beside its figures, for whoever asks why. Nothing where it could not
+// be run or wrote no figures: then the case has a gap.
+std::optional<Finding> run(const Source& source, const Build& build, const fs::path& folder,
+                           ProgressLine& line, double share) {
+  const fs::path raw = folder / (source.id + ".raw.json");
+  std::vector<std::string> words;
+  for (const std::string& word : source.command) words.push_back(filled(word, tests_folder(), raw));
+  const std::vector<std::string>& more = build.quick ? source.quick : source.full;
+  words.insert(words.end(), more.begin(), more.end());
+  Finding finding;
+  finding.source = source.id;
+  finding.date = utc_now();
+  finding.commit = build.commit;
+  finding.code = build.code;
+  finding.quick = build.quick && source.quick != source.full;
+  const Clock::time_point start = Clock::now();
+  const Spoken spoken = run_and_listen(words, {}, true, [&] {
+    line.show(share, fmt::format("{}, {:.0f} s", source.title, seconds_since(start)));
+  });
+  finding.seconds = seconds_since(start);
+  report::write_whole_file(folder / (source.id + ".txt"), spoken.text);
+  if (!fs::exists(raw)) return std::nullopt;
+  const std::string json = text_of(raw);
+  source.kind == assurance::SourceKind::Tests ? read_tests(json, raw.string(), finding)
+                                              : read_proof(json, raw.string(), finding);
+  finding.passed = finding.passed && spoken.exit_code == 0;
+  fs::remove(raw);
+  return finding;
+}
+
+std::vector<Finding> gather(const assurance::SafetyCase& safety_case, const Build& build,
+                            const fs::path& folder) {
+  std::vector<Finding> findings;
+  ProgressLine line;
+  double done = 0.0;
+  for (const Source& source : safety_case.sources) {
+    done += 1.0;
+    if (build.quick && !source.in_quick) continue;
+    const double share = (done - 1.0) / static_cast<double>(safety_case.sources.size());
+    if (std::optional<Finding> finding = run(source, build, folder, line, share)) {
+      report::write_whole_file(folder / (source.id + ".json"), to_json(*finding));
+      findings.push_back(std::move(*finding));
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> collect(const assurance::SafetyCase& safety_case, const fs::path& folder) {
+  if (!fs::is_directory(folder))
+    throw SetupError("is no folder of evidence", folder.string(),
+                     "give the evidence folder of an earlier case");
+  std::vector<Finding> findings;
+  for (const Source& source : safety_case.sources)
+    if (const fs::path file = folder / (source.id + ".json"); fs::exists(file))
+      findings.push_back(assurance::finding_from_json(text_of(file), file.string()));
+  return findings;
+}
+
+// The drawn argument; empty where graphviz is missing, which is a gap.
+std::string drawn(const std::string& dot, std::vector<assurance::Gap>& gaps) {
+  const Spoken svg = run_and_listen({"dot", "-Tsvg"}, dot);
+  if (svg.exit_code == 0 && svg.text.find("<svg") != std::string::npos)
+    return svg.text.substr(svg.text.find("<svg"));
+  gaps.push_back({"argument", "graphviz (dot) did not draw it: install graphviz"});
+  return {};
+}
+
+}  // namespace
+
+int safety_case(const SafetyCaseOptions& options) {
+  const Clock::time_point start = Clock::now();
+  const assurance::SafetyCase safety_case = read_safety_case(resources() / "safety/case");
+  Build build{.date = utc_now(),
+              .commit = commit_of(resources()),
+              .code = code_fingerprint(resources()),
+              .version = BIOPSY_VERSION,
+              .quick = options.quick};
+  std::vector<Finding> findings;
+  if (!options.collect.empty()) findings = collect(safety_case, options.collect);
+  claim_run_folder(options.out, {options.collect});
+  const fs::path folder = options.out / "evidence";
+  fs::create_directories(folder);
+  if (options.collect.empty()) findings = gather(safety_case, build, folder);
+  build.seconds = seconds_since(start);
+
+  std::vector<assurance::Gap> gaps = gaps_in_argument(safety_case);
+  for (const assurance::Gap& gap : gaps_in_evidence(safety_case, findings, build)) gaps.push_back(gap);
+  const std::string dot = argument_dot(safety_case, findings, gaps);
+  const std::string svg = drawn(dot, gaps);
+  report::write_whole_file(options.out / "argument.dot", dot);
+  if (!svg.empty()) report::write_whole_file(options.out / "argument.svg", svg);
+  report::write_whole_file(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
+  report::write_whole_file(options.out / "safety-case.json", case_json(safety_case, findings, gaps, build));
+
+  fmt::print("{}\n", case_sentence(safety_case, findings, gaps, build));
+  for (const assurance::Gap& gap : gaps) fmt::print("  {}: {}\n", gap.where, gap.what);
+  fmt::print("\nreport: {}\n", (options.out / "report.html").string());
+  return gaps.empty() ? 0 : 3;
+}
+
+}  // namespace biopsy::app

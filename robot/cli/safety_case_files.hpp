@@ -1,0 +1,13 @@
+// Reads safety/case: hazards.toml, requirements.toml, evidence.toml. Format: docs/safety-case.md.
+#pragma once
+
+#include <filesystem>
+
+#include "robot/report/safety_case/safety_case.hpp"
+
+namespace biopsy::app {
+
+// Throws SetupError with file and line.
+assurance::SafetyCase read_safety_case(const std::filesystem::path& folder);
+
+}  // namespace biopsy::app

@@ -1,0 +1,203 @@
+#include "robot/cli/tuning_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace biopsy::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using sim::tuning::Judged, sim::tuning::Margins, sim::tuning::Score, sim::tuning::Tuning;
+
+double kp(const Judged& judged) {
+  return judged.gains.proportional_V_per_mm * 1e-3;
+}
+
+double ki(const Judged& judged) {
+  return judged.gains.integral_V_per_mm_per_tick * 1e-3;
+}
+
+std::string decibels(double value) {
+  return std::isfinite(value) ? fmt::format("{:.1f} dB", value) : "none crosses";
+}
+
+std::string degrees(double value) {
+  return std::isfinite(value) ? fmt::format("{:.0f}°", value) : "none crosses";
+}
+
+std::vector<std::string> margin_row(const std::string& name, const std::string& where, const Margins& m) {
+  return {name,
+          where,
+          decibels(m.gain_dB),
+          degrees(m.phase_degrees),
+          fmt::format("{:.2f} Hz", m.crossover_Hz),
+          m.stable ? "holds" : "does not hold"};
+}
+
+std::vector<std::string> score_row(const std::string& name, const std::string& where, const Score& s) {
+  return {name,
+          where,
+          fmt::format("{:.3f} mm", s.settled_rmse),
+          fmt::format("{:.1f} %", s.overshoot),
+          fmt::format("{:.1f} %", s.undershoot),
+          fmt::format("{:.2f} s", s.settling),
+          fmt::format("{:.3f} mm", s.sine_rmse),
+          fmt::format("{:.1f} kV", s.highest),
+          fmt::format("{:.2f}", s.cost())};
+}
+
+report::StudyTable gains_table(const Tuning& tuning) {
+  report::StudyTable table{"Gains", {"Controller", ">K_p, kV/mm", ">K_i, kV/mm a tick", "Feed-forward"}, {}};
+  for (const Judged& one : tuning.judged)
+    table.rows.push_back(
+        {one.name, fmt::format("{:.3f}", kp(one)), fmt::format("{:.5f}", ki(one)),
+         one.feed ? fmt::format("from the model, target limited to {:.0f} mm/s", one.speed) : "none"});
+  return table;
+}
+
+report::StudyTable margins_table(const Tuning& tuning) {
+  report::StudyTable table{
+      "Margins of the loop", {"Controller", "Depth", ">Gain", ">Phase", ">Crossover", "Closed loop"}, {}};
+  for (const Judged& one : tuning.judged) {
+    if (one.feed) continue;
+    for (std::size_t i = 0; i < tuning.depths.size(); ++i)
+      table.rows.push_back(margin_row(one.name, fmt::format("{:.0f} mm", tuning.depths[i]), one.at_depth[i]));
+    table.rows.push_back(margin_row(one.name, "worst of all depths and stages", one.worst_margins));
+  }
+  return table;
+}
+
+report::StudyTable scores_table(const Tuning& tuning) {
+  report::StudyTable table{"In time, with friction, hysteresis and noise",
+                           {"Controller", "Stage", ">RMSE, settled", ">Overshoot, up", ">Down", ">Settling",
+                            ">RMSE, sine", ">Highest", ">Cost"},
+                           {}};
+  table.rows.push_back(
+      {"the paper's own stage", "measured", "0.077 mm", "< 10 %", "–", "1 s", "0.211 mm", "–", "–"});
+  for (const Judged& one : tuning.judged) {
+    table.rows.push_back(score_row(one.name, "the model", one.nominal));
+    table.rows.push_back(score_row(one.name, "worst of all stages", one.worst));
+  }
+  return table;
+}
+
+// JSON knows no infinity: a margin that nothing crosses is null.
+Json json_of(const Margins& m) {
+  const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  return {{"gain_dB", finite(m.gain_dB)},
+          {"phase_degrees", finite(m.phase_degrees)},
+          {"crossover_Hz", m.crossover_Hz},
+          {"stable", m.stable}};
+}
+
+Json json_of(const Score& s) {
+  return {{"settled_rmse_mm", s.settled_rmse},
+          {"overshoot_percent", s.overshoot},
+          {"undershoot_percent", s.undershoot},
+          {"settling_s", s.settling},
+          {"sine_rmse_mm", s.sine_rmse},
+          {"highest_kV", s.highest},
+          {"cost", s.cost()}};
+}
+
+Json json_of(const Judged& judged, const std::vector<double>& depths) {
+  Json at_depth = Json::array();
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    Json entry = json_of(judged.at_depth[i]);
+    entry["depth_mm"] = depths[i];
+    at_depth.push_back(entry);
+  }
+  return {{"name", judged.name},
+          {"K_p_kV_per_mm", kp(judged)},
+          {"K_i_kV_per_mm_per_tick", ki(judged)},
+          {"feed_forward", judged.feed},
+          {"target_speed_mm_s", judged.feed ? Json(judged.speed) : Json(nullptr)},
+          {"margins", at_depth},
+          {"worst_margins", json_of(judged.worst_margins)},
+          {"score", json_of(judged.nominal)},
+          {"worst_score", json_of(judged.worst)}};
+}
+
+// Margin is not had for nothing.
+std::string price(const Judged& paper, const Judged& tuned) {
+  return fmt::format("On the model they follow the sine to {:.3f} mm, the paper's to {:.3f} mm.",
+                     tuned.nominal.sine_rmse, paper.nominal.sine_rmse);
+}
+
+std::string with_feed(const Tuning& tuning) {
+  std::string text =
+      "With feed-forward, settled and on the sine, the paper's own stage reaching 0.077 and 0.211 mm:";
+  for (const Judged& one : tuning.judged)
+    if (one.feed)
+      text += fmt::format(
+          " {} {:.3f} and {:.3f} mm on the model, {:.3f} and {:.3f} mm on the worst stage, with {} of "
+          "margin;",
+          one.name.substr(0, one.name.find(',')), one.nominal.settled_rmse, one.nominal.sine_rmse,
+          one.worst.settled_rmse, one.worst.sine_rmse, decibels(one.worst_margins.gain_dB));
+  text.back() = '.';
+  return text;
+}
+
+}  // namespace
+
+std::string tuning_sentence(const Tuning& tuning) {
+  const Judged &paper = tuning.judged.at(0), &tuned = tuning.judged.at(1);
+  const std::string asked =
+      fmt::format("{:.0f} dB and {:.0f}° on the model and on {} stages drawn from its uncertainty",
+                  tuning.wanted.gain_dB, tuning.wanted.phase_degrees, tuning.stages);
+  const std::string gains = fmt::format("K_p {:.2f} kV/mm and K_i {:.4f} kV/mm a tick", kp(tuned), ki(tuned));
+  const std::string papers =
+      fmt::format("the paper's 0.8 and 0.005 have {} and {} in the worst case",
+                  decibels(paper.worst_margins.gain_dB), degrees(paper.worst_margins.phase_degrees));
+  if (!tuning.met)
+    return fmt::format("No gains keep {}; {} come closest, with {} and {}; {}.", asked, gains,
+                       decibels(tuned.worst_margins.gain_dB), degrees(tuned.worst_margins.phase_degrees),
+                       papers);
+  return fmt::format("{} keep {}; {}. {}", gains, asked, papers, price(paper, tuned));
+}
+
+report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {
+  report::StudyPage page;
+  page.title = "Gains of the PI loop";
+  page.sentence = tuning_sentence(tuning);
+  page.doubted = !tuning.met;
+  page.remarks = {
+      fmt::format(
+          "Model: {}. Uncertain: {}{}. They are drawn {}; {} draws more were refused because "
+          "the paper's "
+          "own stage rules them out: with its gains they do not settle to twice its 0.077 mm. So the paper's "
+          "worst case is that of stages which its gains can drive.",
+          model, fmt::join(tuning.varied, ", "),
+          tuning.assumed ? " (by 10 %: the model file gives no standard deviations)" : "",
+          tuning.correlated ? "with the file's correlations" : "independently", tuning.refused),
+      "Margins are those of the stage without friction, play and tissue, for motions that are large against "
+      "both; "
+      "what these do is in the courses in time. Cost adds the errors in units of what the paper reports of "
+      "its own "
+      "stage, so that 4 is as good as the paper.",
+      "Feed-forward is shown beside the loop. No other command uses it. " + with_feed(tuning)};
+  page.tables = {gains_table(tuning), scores_table(tuning), margins_table(tuning)};
+  page.panels = tuning.panels;
+  return page;
+}
+
+std::string tuning_json(const Tuning& tuning, const std::string& model, double seconds) {
+  Json controllers = Json::array();
+  for (const Judged& one : tuning.judged) controllers.push_back(json_of(one, tuning.depths));
+  const Json all = {
+      {"model", model},
+      {"met", tuning.met},
+      {"wanted", {{"gain_dB", tuning.wanted.gain_dB}, {"phase_degrees", tuning.wanted.phase_degrees}}},
+      {"uncertain", tuning.varied},
+      {"uncertainty_assumed", tuning.assumed},
+      {"stages", tuning.stages},
+      {"refused", tuning.refused},
+      {"controllers", controllers},
+      {"seconds", seconds}};
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,128 @@
+#include "robot/console/console_labels.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "safety/types/hazards.hpp"
+
+namespace biopsy::app {
+namespace {
+
+using console::Severity;
+using console::tell::Alarm;
+using safety::Hazard;
+
+struct Words {
+  const char *what, *robot_did, *to_do;
+};
+
+constexpr std::array<Words, 10> kRefusals{{
+    {"Another page controls the robot.", "Nothing moved.",
+     "Use that page, or close it and take control here."},
+    {"No series is open.", "Nothing moved.", "Open a series first."},
+    {"The point was not taken.", "The plan stays as it was.", "Click it again on the series that is shown."},
+    {"The needle is in use.", "The plan stays as it was.", "Retract first."},
+    {"The plan has changed since it was shown.", "Nothing was confirmed.",
+     "Look at the new plan and confirm that."},
+    {"There is no plan.", "Nothing moved.", "Set entry and target."},
+    {"This is not possible now.", "Nothing moved.", "See what the button says."},
+    {"This press is over.", "Needle held.", "Release the button and press it again."},
+    {"Only the key on the device does this.", "Nothing moved.", "Turn the key on the device."},
+    {"The message is not one of this console.", "Nothing moved.", "Load the page again."},
+}};
+
+// The requirement's number is for the safety case, not for a person in a hurry.
+std::string sentence(Hazard hazard) {
+  std::string text(safety::name_of(hazard));
+  if (text.starts_with("R-")) text.erase(0, 5);
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + ".";
+}
+
+std::string code_of(Hazard hazard) {
+  return fmt::format("E-{}", 200 + static_cast<int>(hazard));
+}
+
+Alarm alarm(Severity severity, std::string code, std::string what, std::string robot_did, std::string to_do) {
+  return {severity, std::move(code), std::move(what), std::move(robot_did), std::move(to_do)};
+}
+
+const char* what_to_do(Hazard hazard) {
+  switch (hazard) {
+    case Hazard::PatientMotion:
+    case Hazard::StageDepth:
+      return "Release, look at the image, then press again or Retract.";
+    case Hazard::EStop:
+    case Hazard::EStopDisagrees:
+      return "Find out why it was pressed, release it, then Reset.";
+    case Hazard::PlanUnconfirmed:
+    case Hazard::PlanChanged:
+      return "Confirm the plan and tick what was checked.";
+    case Hazard::LogBacklog:
+      return "Check the disk of the log.";
+    default:
+      return "Look at the needle. Retract or Reset, then plan again.";
+  }
+}
+
+}  // namespace
+
+console::tell::Answer refusal(std::uint32_t id, Refused reason, const std::string& why) {
+  const auto number = static_cast<std::size_t>(reason);
+  const Words& words = kRefusals[number];
+  const std::string what = why.empty() ? words.what : fmt::format("{} ({})", words.what, why);
+  return {id, false, fmt::format("E-{}", 101 + number), what, words.robot_did, words.to_do};
+}
+
+bool waits_for_plan(Hazard worst) {
+  return worst == Hazard::PlanChanged || worst == Hazard::PlanUnconfirmed || worst == Hazard::PlanImplausible;
+}
+
+std::vector<Alarm> alarms_of(const Tick& tick, bool stopped_by_person) {
+  const safety::SupervisorOutput& said = tick.supervisor;
+  const Hazard reason = said.reason;
+  std::vector<Alarm> alarms;
+  switch (said.permit.mode) {
+    case Mode::Lock:
+      alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
+                             "High voltage off and locked.", "Do not use the robot. Call service."));
+      break;
+    case Mode::Trip:
+      if (reason == Hazard::None)
+        alarms.push_back(alarm(Severity::Alarm, "E-120",
+                               stopped_by_person ? "STOP was pressed." : "A stop was asked for.",
+                               "High voltage off, needle falls back.", "Look at the needle, then Reset."));
+      else
+        alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
+                               "High voltage off, needle falls back.", what_to_do(reason)));
+      break;
+    case Mode::Retract:
+    case Mode::Hold:
+      if (reason != Hazard::None)
+        alarms.push_back(alarm(Severity::Warning, code_of(reason), sentence(reason),
+                               said.permit.mode == Mode::Hold ? "Needle held." : "Needle let back gently.",
+                               what_to_do(reason)));
+      break;
+    case Mode::Boot:
+    case Mode::Safe:
+      // A robot that waits for its plan says so in the step rail.
+      if (said.worst != Hazard::None && !waits_for_plan(said.worst))
+        alarms.push_back(alarm(Severity::Notice, code_of(said.worst), sentence(said.worst), "Not ready.",
+                               what_to_do(said.worst)));
+      break;
+    case Mode::Ready:
+    case Mode::Armed:
+    case Mode::Active:
+      break;
+  }
+  return alarms;
+}
+
+Alarm silence_alarm() {
+  return alarm(Severity::Alarm, "E-121", "The robot is silent.",
+               "It holds the needle, then lets it back by itself.",
+               "Use the hardware E-stop if the needle must come back now.");
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,37 @@
+// What the console says to a person: every refusal and alarm with its code, what it is, what the robot did
+// and what to do now. The codes: E-1nn what a person asked for, E-2nn the hazards of safety/types/hazards.hpp by
+// their number.
+#pragma once
+
+#include <console_messages.hpp>  // generated from robot/msg/console.idl
+#include <string>
+
+#include "robot/cycle/control_cycle.hpp"
+
+namespace biopsy::app {
+
+// E-1nn, in the order of the list.
+enum class Refused : std::uint8_t {
+  NotController,  // another page controls
+  NoSeries,       // nothing is open
+  WrongPlace,     // the point does not agree
+  NeedleInUse,    // points and plan stay while high voltage is on
+  OldPlan,        // the page shows another plan
+  NoPlan,         // there is none
+  NotNow,         // the button is disabled, and says why
+  TokenSpent,     // a press that was used or is over
+  OnlyOnDevice,   // a key on the device does it
+  NotUnderstood,  // the message breaks the IDL
+};
+
+// `why` says more where the list cannot; empty: nothing.
+console::tell::Answer refusal(std::uint32_t id, Refused reason, const std::string& why = {});
+
+// Whether nothing is wrong but that a plan, or its confirmations, are missing.
+bool waits_for_plan(safety::Hazard worst);
+
+// What the supervisor has to say in this tick, worst first; empty: nothing.
+std::vector<console::tell::Alarm> alarms_of(const Tick& tick, bool stopped_by_person);
+console::tell::Alarm silence_alarm();
+
+}  // namespace biopsy::app

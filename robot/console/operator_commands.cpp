@@ -1,0 +1,234 @@
+// What the page asked for: done, or refused with the reason.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "planner/plan/seal.hpp"
+#include "robot/console/operator_session.hpp"
+#include "robot/console/operator_run.hpp"
+#include "robot/console/console_labels.hpp"
+#include "robot/console/server/picked_point.hpp"
+#include "robot/common/config_error.hpp"
+#include "safety/types/hazards.hpp"
+
+namespace biopsy::app {
+
+namespace ask = console::ask;
+namespace tell = console::tell;
+
+namespace {
+
+tell::Answer done(std::uint32_t id) {
+  return {id, true, {}, {}, {}, {}};
+}
+
+}  // namespace
+
+std::optional<tell::Answer> Clinician::ask(console::Client client, const ask::Any& asked,
+                                           std::int64_t now_us) {
+  now_us_ = now_us;
+  if (const auto* stop = std::get_if<ask::Stop>(&asked)) return on(*stop);  // anyone may
+  if (const auto* take = std::get_if<ask::TakeControl>(&asked)) return on(client, *take);
+  const bool controls = lease_.is_held_by(client);
+  if (const auto* beat = std::get_if<ask::Beat>(&asked)) {
+    if (controls) hold_.beat(beat->token, beat->page_ms, now_us);
+    return std::nullopt;
+  }
+  if (const auto* release = std::get_if<ask::Release>(&asked)) {
+    if (controls) hold_.release(release->token);
+    return std::nullopt;
+  }
+  return std::visit(
+      [&](const auto& one) -> Answer {
+        if constexpr (requires {
+                        on(one);
+                        one.id;
+                      }) {
+          return controls ? on(one) : Answer(refusal(one.id, Refused::NotController));
+        } else {
+          return std::nullopt;
+        }
+      },
+      asked);
+}
+
+Clinician::Answer Clinician::on(console::Client client, const ask::TakeControl& asked) {
+  return lease_.take(client) ? done(asked.id) : refusal(asked.id, Refused::NotController);
+}
+
+Clinician::Answer Clinician::on(const ask::OpenSeries& asked) {
+  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  if (asked.series_uid != prepared_.image.identity.series_uid) {
+    if (run_ && !run_->ended) return refusal(asked.id, Refused::NotNow, "the last run is not over");
+    if (const auto why = series_.begin(asked.series_uid)) return refusal(asked.id, Refused::NoSeries, *why);
+    unconfirm();
+    return done(asked.id);
+  }
+  opened_ = true;
+  ++version_;
+  return done(asked.id);
+}
+
+Clinician::Answer Clinician::on(const ask::SetPoint& asked) {
+  if (!opened_) return refusal(asked.id, Refused::NoSeries);
+  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  const auto picked = console::picked_point(prepared_.image, asked);
+  if (const auto* why = std::get_if<std::string>(&picked))
+    return refusal(asked.id, Refused::WrongPlace, *why);
+  unconfirm();
+  (asked.mark == console::Mark::Entry ? p_SE_ : p_ST_) = std::get<Point>(picked);
+  if (p_SE_ && p_ST_) {
+    prepared_.target.p_SE = *p_SE_;
+    prepared_.target.p_ST = *p_ST_;
+    try {
+      plan_to_target(prepared_);
+    } catch (const SetupError& error) {  // a path that leaves the label map
+      prepared_.plan = PlanRefusal{error.what_is_wrong, error.remedy};
+    }
+  }
+  return done(asked.id);
+}
+
+Clinician::Answer Clinician::on(const ask::ConfirmPlan& asked) {
+  if (plan() == nullptr) return refusal(asked.id, Refused::NoPlan);
+  if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
+  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  confirmed_ = true;
+  ++version_;
+  return done(asked.id);
+}
+
+Clinician::Answer Clinician::on(const ask::SetTick& asked) {
+  if (!confirmed_) return refusal(asked.id, Refused::NoPlan, "confirm the plan first");
+  if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
+  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  ticks_[static_cast<std::size_t>(asked.tick)] = asked.on;
+  ticked_us_ = now_us_;
+  confirmations_due_ = true;
+  return done(asked.id);
+}
+
+Clinician::Answer Clinician::on(const ask::Press& asked) {
+  const bool arm = asked.button == console::Button::Arm;
+  if (arm && !simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
+  const std::string why = arm ? why_no_arm() : why_no_insert();
+  if (!why.empty()) return refusal(asked.id, Refused::NotNow, why);
+  if (!hold_.press(asked.token, asked.page_ms, now_us_)) return refusal(asked.id, Refused::TokenSpent);
+  button_ = asked.button;
+  return done(asked.id);
+}
+
+// Held against whatever else is asked, until high voltage is off.
+Clinician::Answer Clinician::on(const ask::Stop& asked) {
+  hold_.drop();
+  stopped_ = true;
+  stop_until_us_ = now_us_ + kStopLasts_us;
+  if (run_ && !run_->ended && !run_->completed) run_->stopped_because = "STOP was pressed";
+  return done(asked.id);
+}
+
+void Clinician::let_back() {
+  hold_.drop();
+  if (run_ && run_->completed)
+    finish_ = true;
+  else
+    retract_until_us_ = now_us_ + kStopLasts_us;
+}
+
+Clinician::Answer Clinician::on(const ask::Retract& asked) {
+  if (!is_hot()) return refusal(asked.id, Refused::NotNow, disabled().retract);
+  let_back();
+  return done(asked.id);
+}
+
+Clinician::Answer Clinician::on(const ask::Reset& asked) {
+  if (!simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
+  if (seen_.supervisor.permit.mode != Mode::Trip) return refusal(asked.id, Refused::NotNow, disabled().reset);
+  stop_until_us_ = 0;
+  reset_until_us_ = now_us_ + kKeyTurned_us;
+  return done(asked.id);
+}
+
+Clinician::Answer Clinician::on(const ask::Judge& asked) {
+  const std::string why = why_no_judgement();
+  if (!why.empty() || run_->imaged != asked.stage) return refusal(asked.id, Refused::NotNow, why);
+  const auto& check = run_->notes.record().stages[asked.stage].check;
+  if (asked.judgement == console::Judgement::Accept) {
+    if (check->verdict != DepthVerdict::Accept)
+      return refusal(asked.id, Refused::NotNow, "the image does not show the tip where it should be");
+    run_->accepted = asked.stage;
+    run_->completed = run_->is_last(asked.stage);
+    return done(asked.id);
+  }
+  adjusts_ = asked.judgement == console::Judgement::Adjust;
+  run_->stopped_because = adjusts_ ? "adjusted by the person after the image" : "rejected by the person";
+  let_back();
+  return done(asked.id);
+}
+
+console::Step Clinician::step() const {
+  using console::Step;
+  const Mode mode = seen_.supervisor.permit.mode;
+  const bool stage_end = mode == Mode::Hold && seen_.supervisor.stage_done;
+  if (is_hot()) {
+    const bool waits = run_ && stage_end && run_->accepted != seen_.supervisor.stage;
+    return waits || (run_ && run_->completed) ? Step::Confirm : Step::Insert;
+  }
+  if (run_ && !run_->ended && run_->moved) return Step::Confirm;
+  if (!opened_) return Step::Image;
+  if (!confirmed_) return Step::Plan;
+  if (run_ && std::none_of(ticks_.begin(), ticks_.end(), [](bool tick) { return tick; }))
+    return Step::Confirm;
+  return all_ticked() ? Step::Arm : Step::Check;
+}
+
+std::string Clinician::why_no_arm() const {
+  const Mode mode = seen_.supervisor.permit.mode;
+  if (!confirmed_) return "Confirm the plan first.";
+  if (is_hot()) return "It is armed.";
+  if (run_ && !run_->ended) return "The last run is not over: judge its image.";
+  if (!all_ticked()) return "Tick all three checks first.";
+  if (mode == Mode::Trip) return "Stopped: Reset first.";
+  if (mode == Mode::Lock) return "Locked: service only.";
+  if (mode != Mode::Ready) return fmt::format("Not ready yet: {}.", safety::name_of(seen_.supervisor.worst));
+  return simulated_ ? "" : "Turn the arm key on the device.";
+}
+
+std::string Clinician::why_no_insert() const {
+  const Mode mode = seen_.supervisor.permit.mode;
+  if (mode == Mode::Armed || mode == Mode::Active) return {};
+  if (mode != Mode::Hold) return "Arm first.";
+  if (!seen_.supervisor.stage_done) return {};
+  if (!run_ || run_->is_last(seen_.supervisor.stage))
+    return "The plan is done: look at the image, then Retract.";
+  return run_->accepted == seen_.supervisor.stage ? "" : "Accept the image first.";
+}
+
+std::string Clinician::why_no_judgement() const {
+  if (!run_ || !run_->imaged) return "No image was taken yet.";
+  if (!run_->is_checked(*run_->imaged)) return "Wait for the image.";
+  if (run_->accepted == run_->imaged) return "It is accepted.";
+  return run_->ended || !run_->stopped_because.empty() ? "This run is over." : "";
+}
+
+tell::Disabled Clinician::disabled() const {
+  const Mode mode = seen_.supervisor.permit.mode;
+  tell::Disabled why;
+  why.arm = why_no_arm();
+  why.insert = why_no_insert();
+  why.judge = why_no_judgement();
+  if (!is_hot() || mode == Mode::Retract) why.retract = "No voltage: the needle is back or on its way.";
+  if (mode != Mode::Trip)
+    why.reset = mode == Mode::Lock ? "Locked: service only." : "Nothing to reset.";
+  else if (!simulated_)
+    why.reset = "Turn the reset key on the device.";
+  else if (waits_for_plan(seen_.supervisor.worst))
+    why.reset = "Confirm the plan and tick the three checks first.";
+  if (plan() == nullptr)
+    why.plan = p_SE_ && p_ST_ ? "There is no plan to confirm." : "Set entry and target first.";
+  else if (confirmed_)
+    why.plan = "It is confirmed.";
+  return why;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,50 @@
+// One run from arming to the needle's return, as the console keeps it.
+#pragma once
+
+#include <chrono>
+#include <future>
+#include <optional>
+#include <string>
+
+#include "robot/console/operator_session.hpp"
+
+namespace biopsy::app {
+
+// How long the robot is told what was asked for once.
+inline constexpr std::int64_t kKeyTurned_us = 200'000;
+inline constexpr std::int64_t kStopLasts_us = 500'000;  // longer than a C1 ramp, and any loss of messages
+
+struct Clinician::Run {
+  Run(const PreparedCase& planned, std::filesystem::path run_folder)
+      : prepared(planned),
+        folder(std::move(run_folder)),
+        notes(prepared),
+        images(prepared, std::get<Plan>(prepared.plan), folder) {}
+
+  const PreparedCase prepared;  // as it was when the run began
+  const std::filesystem::path folder;
+  RunNotes notes;
+  ConfirmationImages images;
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  bool moved = false, ended = false, completed = false;
+  std::int64_t cold_since_us = 0;
+  std::string stopped_because;
+
+  std::optional<std::size_t> imaged;         // stage whose image was begun last
+  std::optional<std::int64_t> acquiring_us;  // since when
+  std::future<report::StageResult> check;    // of stage `imaged`
+  std::optional<std::size_t> accepted;       // stage
+
+  const Plan& plan() const { return std::get<Plan>(prepared.plan); }
+  bool is_last(std::size_t stage) const { return stage + 1 >= plan().stages.size(); }
+  // An image was checked, and nobody has said yet what it is worth.
+  bool is_undecided() const {
+    return imaged && is_checked(*imaged) && accepted != imaged && stopped_because.empty();
+  }
+  bool is_checked(std::size_t stage) const {
+    const auto& stages = notes.record().stages;
+    return stage < stages.size() && stages[stage].check.has_value();
+  }
+};
+
+}  // namespace biopsy::app

@@ -1,0 +1,290 @@
+#include "robot/console/operator_session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "planner/plan/seal.hpp"
+#include "robot/console/operator_run.hpp"
+#include "robot/console/console_events.hpp"
+#include "robot/console/console_labels.hpp"
+#include "robot/procedure/operator.hpp"
+#include "robot/procedure/procedure.hpp"
+#include "robot/procedure/run_metrics.hpp"
+#include "safety/types/limits.hpp"
+#include "safety/types/transitions.hpp"
+
+namespace biopsy::app {
+
+namespace tell = console::tell;
+
+namespace {
+
+constexpr std::int64_t kTicksLive_us = 60'000'000;  // what was checked a minute ago is checked again
+constexpr std::int64_t kArmHold_us = 2'000'000;
+constexpr std::int64_t kReturn_us = 1'500'000;  // time for gravity to withdraw the needle
+constexpr std::int64_t kThink_us =
+    120'000'000;  // for a person who looks at an image of a needle that is back
+constexpr std::int64_t kAcquisition_us = kAcquisition_ticks * 1'000;
+constexpr std::size_t kRunMax_ticks = 600'000;  // as long as any procedure may take
+
+double seconds_left(std::int64_t since_us, std::int64_t lasts_us, std::int64_t now_us) {
+  return static_cast<double>(std::max<std::int64_t>(since_us + lasts_us - now_us, 0)) * 1e-6;
+}
+
+}  // namespace
+
+Clinician::Clinician(PreparedCase opened, bool simulated, std::filesystem::path folder,
+                     std::uint32_t first_token, SendPlan send_plan)
+    : simulated_(simulated),
+      folder_(std::move(folder)),
+      send_plan_(std::move(send_plan)),
+      hold_(first_token),
+      prepared_(std::move(opened)),
+      series_(prepared_),
+      proposed_(prepared_.target) {
+  prepared_.image.identity.series_uid = series_.all().front().series_uid;
+}
+
+// A check that still runs holds its run: waited for, so that both end.
+Clinician::~Clinician() {
+  if (run_ && run_->check.valid()) run_->check.get();
+}
+
+void Clinician::left(console::Client client) {
+  if (lease_.leave(client)) hold_.drop();
+}
+
+const Plan* Clinician::plan() const {
+  return p_SE_ && p_ST_ ? std::get_if<Plan>(&prepared_.plan) : nullptr;
+}
+
+bool Clinician::is_hot() const {
+  return safety::is_hot(seen_.supervisor.permit.mode);
+}
+
+bool Clinician::is_shown(const std::string& seal) const {
+  return plan() != nullptr && planner::hex(plan()->seal) == seal;
+}
+
+// The first confirmation is that of the plan, the second that of the three ticks. Without both the supervisor
+// does not get ready; nor would it take a reset, so in Trip both are given but none is withdrawn, and in
+// motion nothing is sent at all.
+void Clinician::send_confirmations() {
+  const bool complete = plan() != nullptr && confirmed_ && all_ticked();
+  if (!confirmations_due_ || is_hot()) return;
+  if (seen_.supervisor.permit.mode == Mode::Trip && !complete) return;
+  confirmations_due_ = false;
+  if (plan() == nullptr) return;
+  const std::uint64_t tag = planner::plan_tag(*plan());
+  if (complete || announced_) send_plan_(*plan(), {confirmed_ ? tag : 0, complete ? tag : 0});
+  announced_ = complete;
+}
+
+void Clinician::unconfirm() {
+  ticks_ = {};
+  confirmed_ = false;
+  confirmations_due_ = true;
+  ++version_;
+}
+
+World Clinician::world(std::int64_t now_us) {
+  now_us_ = now_us;
+  if (button_ == console::Button::Arm && hold_.held_for_us(now_us) >= kArmHold_us) {
+    hold_.drop();
+    arm_until_us_ = now_us + kKeyTurned_us;
+  }
+  World world;
+  world.arm = simulated_ && now_us < arm_until_us_;
+  world.reset = simulated_ && now_us < reset_until_us_;
+  const auto held = hold_.held(now_us);
+  const bool inserting = held && button_ == console::Button::Insert;
+  if (inserting) last_token_ = *held;
+  world.press = {last_token_, inserting};
+  if (now_us < retract_until_us_) world.stop = StopCategory::C1Ramp;
+  if (now_us < stop_until_us_) world.stop = StopCategory::C0Off;
+  world.finish = finish_;
+  if (run_) {
+    world.acquiring = run_->acquiring_us.has_value();
+    world.depth_accepted = run_->accepted.has_value();
+    world.accepted_stage = static_cast<std::uint32_t>(run_->accepted.value_or(0));
+  }
+  world_ = world;
+  return world;
+}
+
+void Clinician::see(const Beat& beat, std::int64_t now_us) {
+  const Mode before = seen_.supervisor.permit.mode;
+  seen_ = beat.tick;
+  measured_ = true;
+  silent_ = false;
+  now_us_ = now_us;
+  const Mode mode = seen_.supervisor.permit.mode;
+  if (mode != before) mode_since_us_ = now_us;
+  // What was asked for lasts until it is so.
+  if (is_hot() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
+  if (is_hot() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
+  if (!is_hot()) finish_ = false;
+  if (mode == Mode::Ready || mode == Mode::Armed) stopped_ = false;
+  const bool waiting = all_ticked() && !is_hot();
+  if (waiting && now_us - ticked_us_ > kTicksLive_us) {
+    ticks_ = {};
+    confirmations_due_ = true;
+  }
+  follow_run(beat, before);
+  send_confirmations();
+  if (!is_hot()) show_series();
+}
+
+// Points and plan were of the series before.
+void Clinician::show_series() {
+  std::optional<Volume> image = series_.take();
+  if (!image) return;
+  prepared_.image = std::move(*image);
+  prepared_.target.patient_id = prepared_.image.identity.patient_id;
+  prepared_.target.series_uid = prepared_.image.identity.series_uid;
+  p_SE_.reset();
+  p_ST_.reset();
+  opened_ = true;
+  ++version_;
+}
+
+void Clinician::follow_run(const Beat& beat, Mode before) {
+  const Mode mode = seen_.supervisor.permit.mode;
+  if (mode == Mode::Armed && before != Mode::Armed && plan() != nullptr) {
+    run_ = std::make_shared<Run>(prepared_, folder_ / fmt::format("run-{}", ++runs_));
+    report_.clear();
+    ++version_;
+  }
+  if (!run_ || run_->ended) return;
+  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(beat, world_);
+  run_->moved = run_->moved || mode == Mode::Active;
+  follow_image();
+  if (is_hot()) {
+    run_->cold_since_us = now_us_;
+  } else if (!run_->moved) {
+    run_.reset();  // armed, and nothing came of it
+  } else if (now_us_ - run_->cold_since_us > (run_->is_undecided() ? kThink_us : kReturn_us) &&
+             !run_->check.valid()) {
+    end_run();
+  }
+}
+
+void Clinician::follow_image() {
+  const std::size_t stage = seen_.supervisor.stage;
+  const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.stage_done;
+  if (waits && run_->imaged != stage) {
+    run_->imaged = stage;
+    if (run_->plan().stages[stage].image_confirms)
+      run_->acquiring_us = now_us_;
+    else
+      run_->accepted = stage;
+  }
+  if (run_->acquiring_us && !waits) {  // the needle moved: this image shows nothing
+    run_->acquiring_us.reset();
+    run_->notes.take_imaged_tip();
+  }
+  if (run_->acquiring_us && now_us_ - *run_->acquiring_us >= kAcquisition_us) {
+    run_->acquiring_us.reset();
+    run_->check = std::async(std::launch::async, [run = run_, stage, tip = run_->notes.take_imaged_tip()] {
+      report::StageResult result;
+      result.stage = run->plan().stages[stage];
+      run->images.take(stage, tip, result);
+      return result;
+    });
+  }
+  using std::chrono::seconds;
+  if (!run_->check.valid() || run_->check.wait_for(seconds(0)) != std::future_status::ready) return;
+  report::StageResult checked = run_->check.get();
+  report::StageResult& noted = run_->notes.record().stages[*run_->imaged];
+  noted.check = checked.check;
+  noted.image_path = checked.image_path;
+  noted.before = std::move(checked.before);
+  noted.after = std::move(checked.after);
+  noted.geometry = checked.geometry;
+  ++version_;
+}
+
+// The report is written beside the loop; it takes a second.
+void Clinician::end_run() {
+  run_->ended = true;
+  ticks_ = {};
+  confirmations_due_ = true;
+  if (std::exchange(adjusts_, false)) confirmed_ = false;  // back to the points
+  ++version_;
+  report::RunRecord& record = run_->notes.record();
+  record.simulated = simulated_;
+  record.outcome = run_->completed ? report::Outcome::Completed : report::Outcome::Stopped;
+  if (!run_->completed)
+    record.refusal = run_->stopped_because.empty() ? "the needle went back before its depth was accepted"
+                                                   : run_->stopped_because;
+  record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
+  reporting_ = std::async(std::launch::async, [run = run_] {
+    measure_run(run->notes.record());
+    finish(run->notes.record(), run->prepared, run->folder, run->started);
+  });
+}
+
+std::optional<tell::Opened> Clinician::opened() const {
+  if (!opened_) return std::nullopt;
+  tell::Opened told;
+  told.series = series_of(prepared_.image);
+  if (has_points(prepared_.given)) told.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
+  told.volume = series_.file_name();
+  return told;
+}
+
+tell::Planned Clinician::planned() const {
+  return planned_of(prepared_, p_SE_, p_ST_, confirmed_);
+}
+
+std::vector<tell::Checked> Clinician::checked() const {
+  std::vector<tell::Checked> all;
+  if (!run_) return all;
+  const auto& stages = run_->notes.record().stages;
+  for (std::size_t stage = 0; stage < stages.size(); ++stage)
+    if (stages[stage].check) all.push_back(checked_of(stage, stages[stage]));
+  return all;
+}
+
+tell::State Clinician::state(console::Client client, std::int64_t now_us) {
+  using std::chrono::seconds;
+  if (reporting_.valid() && reporting_.wait_for(seconds(0)) == std::future_status::ready) {
+    reporting_.get();
+    report_ = run_->folder / "report.html";
+  }
+  const safety::SupervisorOutput& said = seen_.supervisor;
+  tell::State told;
+  told.seq = ++seq_;
+  told.mode = static_cast<console::Mode>(said.permit.mode);
+  told.step = step();
+  told.controller = lease_.is_held_by(client);
+  told.controlled = lease_.is_held();
+  told.token = told.controller ? hold_.next_token() : 0;
+  told.depth = seen_.measurement.depth_um * 1e-3;
+  told.drive = seen_.measurement.monitor_mV * 1e-6;
+  told.measured = measured_ && !silent_;
+  if (run_ && run_->acquiring_us) told.scanner = console::Scanner::Acquiring;
+  if (run_ && run_->check.valid()) told.scanner = console::Scanner::Checking;
+  told.stage = said.stage;
+  told.stage_done = said.stage_done;
+  told.ticks = ticks_;
+  const Mode mode = said.permit.mode;
+  if (mode == Mode::Hold)
+    told.hold_left = seconds_left(mode_since_us_, std::int64_t{limits::kHoldMax_ms} * 1'000, now_us);
+  if (mode == Mode::Armed)
+    told.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
+  if (all_ticked() && !is_hot()) told.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
+  if (hold_.held(now_us)) told.held.push_back(button_);
+  if (button_ == console::Button::Arm) told.arm_held = static_cast<double>(hold_.held_for_us(now_us)) * 1e-6;
+  told.completed = run_ && run_->completed;
+  told.reading = series_.reading();
+  told.report = report_.empty() ? "" : "/report.html";
+  told.disabled = disabled();
+  told.alarms = alarms_of(seen_, stopped_);
+  if (silent_) told.alarms.insert(told.alarms.begin(), silence_alarm());
+  return told;
+}
+
+}  // namespace biopsy::app

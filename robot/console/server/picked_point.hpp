@@ -1,0 +1,23 @@
+// A point that was clicked on the image. The page sends what it pointed at twice, as voxel and as
+// millimetres; both must be the same place of the very series that is planned on.
+#pragma once
+
+#include <console_messages.hpp>  // generated from idl/console.idl
+#include <string>
+#include <variant>
+
+#include "robot/msg/volume.hpp"
+
+namespace biopsy::console {
+
+inline constexpr double kMismatchMax_mm = 0.1;
+
+// The place in LPS, computed here from the voxel; or why it is not taken.
+std::variant<Point, std::string> picked_point(const Volume& image, const ask::SetPoint& picked);
+
+// Rows of the map from voxel to R, A, S in mm, as the page gets it.
+std::array<double, 16> ras_from_voxel(const Grid& grid);
+// Angle between the image's axes and those of the patient that they are nearest to, the largest of three.
+double oblique_deg(const Grid& grid);
+
+}  // namespace biopsy::console

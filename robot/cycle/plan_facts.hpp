@@ -1,0 +1,15 @@
+// What the supervisor is told of a plan: its integers.
+#pragma once
+
+#include <cstdint>
+
+#include "robot/msg/plan.hpp"
+#include "safety/types/plan_facts.hpp"
+
+namespace biopsy::live {
+
+// `config_tag`: identifies the configuration in use; never 0. Throws SetupError for a plan with more stages
+// than the supervisor can hold.
+safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag);
+
+}  // namespace biopsy::live

@@ -1,0 +1,14 @@
+#include "robot/cycle/simulated_robot.hpp"
+
+namespace biopsy::app {
+
+Tick Lockstep::tick(const World& world) {
+  return stage_.tick(world, [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
+    const control::RunnerStep wanted =
+        control::run_stage(plan_, {}, controller_, measured, decided.permit, decided.stage, world.finish);
+    controller_ = wanted.state;
+    return wanted.request;
+  });
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,26 @@
+// biopsy-controller RUN_FOLDER: runs the plan and asks for voltages.
+#include "robot/live/controller_loop.hpp"
+#include "robot/live/live_process.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+
+namespace {
+
+using namespace biopsy;
+
+constexpr std::chrono::milliseconds kPatience{10};  // without measurements: now and then a look around
+
+void control_stage(const std::filesystem::path& run_folder) {
+  live::LiveProcess process(run_folder, keys::Role::Controller);
+  live::ControllerLoop loop(process.bus(), process.config_tag());
+  process.start_ticking();
+  while (!process.stop_asked()) {
+    loop.turn(kPatience);
+    process.stroke_watchdog(realtime::monotonic_ns() / 1000);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return live::live_main(argc, argv, "biopsy-controller", control_stage);
+}

@@ -1,0 +1,36 @@
+// The laboratory's stage, ready to be driven: its driver, and the record that it was taken into service.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "drivers/nidaqmx/nidaqmx_stage.hpp"
+#include "drivers/needle_stage.hpp"
+#include "robot/common/units.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+
+namespace biopsy::app {
+
+// Throws SetupError where the board, its configuration, its commissioning record or its keys are not as they
+// must be.
+std::unique_ptr<nidaqmx::NidaqmxStage> commissioned_stage(const std::filesystem::path& config,
+                                                          const std::filesystem::path& commissioning,
+                                                          const std::filesystem::path& public_key);
+
+// A real stage for loops that run as fast as they can: each tick waits for its millisecond.
+class PacedStage final : public port::NeedleStage {
+ public:
+  explicit PacedStage(port::NeedleStage& stage) : stage_(stage), clock_(kTick) {}
+
+  port::SensorReading read() override {
+    clock_.wait();
+    return stage_.read();
+  }
+  void write(const safety::GatedVoltage& voltage) override { stage_.write(voltage); }
+
+ private:
+  port::NeedleStage& stage_;
+  realtime::TickClock clock_;
+};
+
+}  // namespace biopsy::app

@@ -1,0 +1,41 @@
+// biopsy-recorder RUN_FOLDER: writes the procedure log, off the control path.
+#include <chrono>
+#include <optional>
+
+#include "robot/recorder/bus_recorder.hpp"
+#include "robot/security/key_files.hpp"
+#include "robot/live/live_process.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+
+namespace {
+
+using namespace biopsy;
+
+constexpr std::chrono::milliseconds kPeriod{10};
+
+void record(const std::filesystem::path& run_folder) {
+  live::LiveProcess process(run_folder, keys::Role::Recorder);
+  const live::LiveSettings& settings = process.settings();
+  recorder::SigningKey key(settings.log_key);
+  recorder::Recorder recorder(settings.log, std::move(key));
+  std::optional<transport::Doorkeeper> doorkeeper;
+  if (!settings.keys.empty()) doorkeeper.emplace(live::plain_settings(settings), process.bus());
+  app::LogScribe scribe(process.bus(), recorder, process.config_tag(), doorkeeper ? &*doorkeeper : nullptr);
+  const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
+  scribe.note(recorder::RecordKind::ProcessStart, "{}", now_us());
+  process.start_ticking();
+  realtime::TickClock clock(kPeriod);
+  while (!process.stop_asked()) {
+    scribe.turn(clock.wait().woke_ns / 1000);
+    process.stroke_watchdog(now_us());
+  }
+  scribe.turn(now_us());
+  scribe.note(recorder::RecordKind::ProcessStop, "{}", now_us());
+  recorder.flush(now_us());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return live::live_main(argc, argv, "biopsy-recorder", record);
+}

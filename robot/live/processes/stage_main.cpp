@@ -1,0 +1,86 @@
+// biopsy-stage RUN_FOLDER: owns sensors and amplifier, simulated or real, and holds the gate.
+#include <cmath>
+
+#include "robot/live/processes/hardware_stage.hpp"
+#include "robot/procedure/rehearsed_plant.hpp"
+#include "robot/live/processes/wired_stage.hpp"
+#include "robot/live/live_process.hpp"
+#include "robot/live/stage_loop.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+
+namespace {
+
+using namespace biopsy;
+
+template <class AfterTick>
+void run(live::LiveProcess& process, live::StageLoop& loop, const AfterTick& after_tick) {
+  process.start_ticking();
+  realtime::TickClock clock(kTick);
+  while (!process.stop_asked()) {
+    const realtime::Wake wake = clock.wait();
+    const std::int64_t now_us = wake.woke_ns / 1000;
+    loop.heartbeat().lateness().record(wake.late_ns());
+    loop.heartbeat().health().overruns = static_cast<std::uint32_t>(clock.missed());
+    loop.tick(now_us);
+    after_tick();
+    process.stroke_watchdog(now_us);
+  }
+  loop.switch_off(realtime::monotonic_ns() / 1000);
+}
+
+std::int32_t nanometres(double metres) {
+  return static_cast<std::int32_t>(std::lround(metres * 1e9));
+}
+
+void run_simulated(live::LiveProcess& process, lines::StageLines& lines) {
+  const live::LiveSettings& settings = process.settings();
+  const lines::LinesReader relay(settings.lines);
+  sim::SimStage simulated(
+      app::rehearsed_plant(settings.model, settings.tissues, settings.layers, settings.weight_g),
+      settings.seed);
+  app::WiredSimStage stage(simulated, lines, relay);
+  live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
+  transport::Writer<StageTruth> truths(process.bus());
+  run(process, loop, [&] {
+    const sim::PlantState& state = simulated.truth();
+    truths.write(
+        {.seq = loop.measured().seq,
+         .tip_nm = nanometres(state.motion.x),
+         .plate_b_nm = nanometres(sim::plate_b(simulated.model(), state)),
+         .layers_entered = static_cast<std::uint8_t>(sim::layers_entered(simulated.model(), state))});
+  });
+}
+
+// Refuses to start without the record that this very stage was taken into service.
+void run_hardware(live::LiveProcess& process, lines::StageLines& lines) {
+  const live::LiveSettings& settings = process.settings();
+  const auto hardware =
+      app::commissioned_stage(settings.device_config, settings.commissioning, settings.commissioning_key);
+  lines::PanelLines panel(settings.lines);
+  app::WiredRealStage stage(*hardware, lines);
+  live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
+  run(process, loop, [&] {
+    if (hardware->trouble().count > 0) loop.heartbeat().note(hardware->trouble().text.data());
+    const nidaqmx::Panel& keys = hardware->panel();
+    panel.set({.arm_key = keys.arm,
+               .reset_key = keys.reset,
+               .estop_a_closed = keys.estop_a_closed,
+               .estop_b_closed = keys.estop_b_closed,
+               .bench_key = false});
+  });
+}
+
+void drive_stage(const std::filesystem::path& run_folder) {
+  live::LiveProcess process(run_folder, keys::Role::Stage);
+  lines::StageLines lines(process.settings().lines);
+  if (process.settings().device == "sim")
+    run_simulated(process, lines);
+  else
+    run_hardware(process, lines);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return live::live_main(argc, argv, "biopsy-stage", drive_stage);
+}

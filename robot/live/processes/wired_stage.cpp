@@ -1,0 +1,33 @@
+#include "robot/live/processes/wired_stage.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "robot/common/units.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+
+namespace biopsy::app {
+namespace {
+
+constexpr std::int64_t kTick_ns = std::chrono::nanoseconds(kTick).count();
+constexpr std::int64_t kCatchUp_ticks = 50;  // a stage that stood longer is no stage any more
+
+}  // namespace
+
+port::SensorReading WiredSimStage::read() {
+  port::SensorReading reading = stage_.read();
+  reading.time_us = realtime::monotonic_ns() / 1000;
+  return reading;
+}
+
+void WiredSimStage::write(const safety::GatedVoltage& voltage) {
+  lines_.write(voltage);
+  const std::int64_t now_ns = realtime::monotonic_ns();
+  const std::int64_t went_by = written_ns_ == 0 ? 1 : (now_ns - written_ns_ + kTick_ns / 2) / kTick_ns;
+  const std::int64_t ticks = std::clamp<std::int64_t>(went_by, 0, kCatchUp_ticks);
+  written_ns_ = written_ns_ == 0 || ticks == kCatchUp_ticks ? now_ns : written_ns_ + ticks * kTick_ns;
+  const bool on = relay_.load_voltage_seen_mV(now_ns) != 0;
+  for (std::int64_t tick = 0; tick < ticks; ++tick) stage_.write(on ? voltage : safety::GatedVoltage::off());
+}
+
+}  // namespace biopsy::app

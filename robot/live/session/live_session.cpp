@@ -1,0 +1,151 @@
+#include "robot/live/session/live_session.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "drivers/digital_io/shared_io.hpp"
+#include "planner/plan/seal.hpp"
+#include "robot/security/key_files.hpp"
+#include "robot/security/make_keys.hpp"
+#include "robot/security/whole_set.hpp"
+#include "robot/live/live_process.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kHealthy{15};  // a secured bus needs a second or two to let everybody in
+constexpr int kRehearsalDays = 365;
+constexpr std::array kStarted{keys::Role::Stage, keys::Role::Controller, keys::Role::Supervisor,
+                              keys::Role::Recorder, keys::Role::Planner};
+
+// In memory, one for each robot of a user.
+fs::path make_lines_folder(const LiveOptions& options) {
+  fs::path folder = fmt::format("/dev/shm/biopsy-{}-{}-{}", getuid(), options.domain, 1);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  fs::permissions(folder, fs::perms::owner_all, error);
+  if (error)
+    throw SetupError(fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
+                     "look who owns it; another --domain uses another folder");
+  lines::lay_lines(folder);
+  return folder;
+}
+
+// A rehearsal that brings no keys gets its own, once: a later one in the same folder goes on with its log.
+fs::path keys_for(const LiveOptions& options, const fs::path& folder, bool rehearsal) {
+  if (!options.keys.empty()) return options.keys;
+  if (!rehearsal) return keys::default_folder();
+  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  if (!fs::exists(folder / "keys")) keys::make_keys(folder / "keys", kRehearsalDays, now, false);
+  return folder / "keys";
+}
+
+live::LiveSettings settings_for(const LiveOptions& options, const std::string& device,
+                                const HardwareOptions& hardware, const PreparedCase& prepared,
+                                const fs::path& folder) {
+  if (device != "sim" && (hardware.config.empty() || hardware.commissioning.empty()))
+    throw SetupError("a real stage without --device-config or --commissioning", "command line",
+                     "give both; `biopsy commission` makes the record");
+  if (options.without_security && device != "sim")
+    throw SetupError("--without-security with a real stage", "command line",
+                     "leave it away; `biopsy keys init` makes the keys");
+  const Case& given = prepared.given;
+  live::LiveSettings settings;
+  settings.domain = options.domain;
+  const fs::path keys = keys_for(options, folder, device == "sim");
+  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  keys::check_set(keys, kStarted, now);  // before anything is started: each process checks its own again
+  if (!options.without_security) settings.keys = fs::absolute(keys);
+  settings.network = options.network;
+  settings.device = device;
+  if (device != "sim") {
+    settings.device_config = fs::absolute(hardware.config);
+    settings.commissioning = fs::absolute(hardware.commissioning);
+    settings.commissioning_key =
+        fs::absolute(keys::signing_files(keys, keys::Signer::Commissioning).public_key);
+  }
+  settings.log = fs::absolute(folder / "procedure.log.sqlite");
+  settings.log_key = fs::absolute(keys::signing_files(keys, keys::Signer::Recorder).private_key);
+  settings.lines = make_lines_folder(options);
+  settings.fifo_priority = options.fifo_priority;
+  settings.model = fs::absolute(given.rehearsal.model);
+  settings.tissues = fs::absolute(given.rehearsal.tissues);
+  settings.weight_g = given.weight.value;
+  settings.seed = given.seed;
+  settings.layers = prepared.layers;
+  return settings;
+}
+
+}  // namespace
+
+live::LiveSettings write_run_folder(const LiveOptions& options, const std::string& device,
+                                    const HardwareOptions& hardware, const PreparedCase& prepared,
+                                    const fs::path& folder) {
+  live::LiveSettings settings = settings_for(options, device, hardware, prepared, fs::absolute(folder));
+  report::write_whole_file(live::settings_file(folder), live::to_json(settings));
+  return settings;
+}
+
+LiveSession::LiveSession(const LiveOptions& options, const std::string& device,
+                         const HardwareOptions& hardware, const PreparedCase& prepared,
+                         const fs::path& folder, Person person)
+    : folder_(fs::absolute(folder)),
+      settings_(write_run_folder(options, device, hardware, prepared, folder_)),
+      launcher_(folder_, settings_.lines) {
+  config_tag_ = live::config_tag(folder_, settings_);
+  if (person == Person::Here) {
+    bus_ = std::make_unique<transport::Participant>(live::bus_settings(settings_, keys::Role::Planner));
+    robot_ = std::make_unique<LiveRobot>(*bus_, device == "sim" ? settings_.lines : fs::path(), config_tag_);
+  }
+  launcher_.start();
+}
+
+LiveSession::~LiveSession() {
+  stop();
+}
+
+void LiveSession::wait_until_healthy() {
+  const auto until = std::chrono::steady_clock::now() + kHealthy;
+  std::string missing;
+  do {
+    if (const auto ended = launcher_.ended())
+      throw SetupError(*ended, (folder_ / "*.txt").string(),
+                       "see what it printed; correct it and start again");
+    missing.clear();
+    const std::array<Health, kProcesses> board = robot_->health();
+    for (const Process process :
+         {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
+      const Health& health = board[static_cast<std::size_t>(process)];
+      if (health.seq == 0 || health.config_tag != config_tag_)
+        missing += fmt::format(" {}", name_of(process));
+    }
+    if (missing.empty()) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  } while (std::chrono::steady_clock::now() < until);
+  throw SetupError(fmt::format("not heard on the bus:{}", missing), folder_.string(),
+                   "see *.txt in this folder; check keys and network interface");
+}
+
+void LiveSession::send_plan(const Plan& plan) {
+  const std::uint64_t tag = planner::plan_tag(plan);
+  robot_->send_plan(plan, {tag, tag});
+}
+
+std::vector<std::string> LiveSession::stop() {
+  if (robot_) robot_->let_back();
+  std::vector<std::string> trouble = launcher_.stop();
+  robot_.reset();
+  std::error_code ignored;
+  fs::remove_all(settings_.lines, ignored);
+  return trouble;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,53 @@
+// A volume of scalar voxels with its geometry in the scanner frame and where it came from.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "robot/common/frames.hpp"
+
+namespace biopsy {
+
+// Size in voxels and the map from voxel index (i, j, k) to scanner LPS mm. Axes are perpendicular (readers
+// refuse anything else); a left-handed index order is allowed.
+struct Grid {
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();
+  AffineTransform X_SI = AffineTransform::Identity();
+
+  Eigen::Vector3d spacing_mm() const { return X_SI.linear().colwise().norm().transpose(); }
+  std::size_t voxel_count() const {
+    return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
+           static_cast<std::size_t>(size.z());
+  }
+  std::size_t index(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(size.x()) *
+               (static_cast<std::size_t>(j) +
+                static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(k));
+  }
+  bool contains(int i, int j, int k) const {
+    return i >= 0 && j >= 0 && k >= 0 && i < size.x() && j < size.y() && k < size.z();
+  }
+};
+
+// Whose image and which one; empty where the format cannot say (NIfTI, NRRD).
+struct SeriesIdentity {
+  std::string patient_name, patient_id;
+  std::string study_uid, series_uid, frame_of_reference_uid;
+  std::string modality, description, date;
+};
+
+struct Volume {
+  Grid grid;
+  std::vector<float>
+      voxels;  // i fastest, then j, then k; in the file's real-world units (slope and intercept applied)
+  SeriesIdentity identity;
+  std::string format;                 // "DICOM", "NIfTI", "NRRD", "phantom"
+  std::vector<std::string> files;     // in slice order
+  std::vector<std::string> warnings;  // what was odd but could be read with certainty
+
+  float at(int i, int j, int k) const { return voxels[grid.index(i, j, k)]; }
+};
+
+}  // namespace biopsy

@@ -1,0 +1,152 @@
+#include "robot/procedure/case.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/toml_reader.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+using sim::TomlTable;
+
+constexpr double kFar_mm = 2000.0;  // no scanner's field is wider
+
+fs::path beside(const fs::path& case_file, const std::string& path) {
+  return fs::path(path).is_absolute() ? fs::path(path) : case_file.parent_path() / path;
+}
+
+Point ras_point(TomlTable& table, std::string_view name) {
+  const std::vector<double> ras = table.numbers(name, -kFar_mm, kFar_mm);
+  if (ras.size() != 3)
+    throw SetupError(fmt::format("`{}` has {} numbers", name, ras.size()), table.where(),
+                     "give R, A, S in mm");
+  return lps_from_ras({ras[0], ras[1], ras[2]});
+}
+
+void read_image(TomlTable table, const fs::path& file, Case& out) {
+  out.phantom = table.has("phantom");
+  if (out.phantom) {
+    if (table.text("phantom") != "paper")
+      throw SetupError("unknown phantom", table.where(), "the built-in phantom is \"paper\"");
+  } else {
+    out.image = beside(file, table.text("path"));
+  }
+  if (table.has("series")) out.series_uid = table.text("series");
+  if (table.has("labels")) out.labels = beside(file, table.text("labels"));
+  for (TomlTable& label : table.tables("label")) {
+    out.label_names[static_cast<int>(label.number("value", -1e6, 1e6))] = label.text("name");
+    label.refuse_rest();
+  }
+  table.refuse_rest();
+}
+
+void read_target(TomlTable table, Case& out) {
+  if (table.has("entry_ras_mm")) out.p_SE = ras_point(table, "entry_ras_mm");
+  if (table.has("target_ras_mm")) out.p_ST = ras_point(table, "target_ras_mm");
+  if (table.has("depth_mm")) out.depth = Millimetres(table.number("depth_mm", 0.0, 100.0));
+  if (out.depth && !out.phantom)
+    throw SetupError("`depth_mm` needs the phantom, which knows its needle axis", table.where(),
+                     "give entry_ras_mm and target_ras_mm");
+  if (!out.depth && !(out.p_SE && out.p_ST))
+    throw SetupError("no target", table.where(),
+                     "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
+  table.refuse_rest();
+}
+
+void read_robot(TomlTable table, const fs::path& file, Case& out) {
+  if (table.has("weight_g")) out.weight = Grams(table.number("weight_g", 0.0, 1000.0));
+  if (table.has("fiducials")) out.fiducials = beside(file, table.text("fiducials"));
+  if (table.has("transform_ras")) out.transform = table.numbers("transform_ras", -kFar_mm, kFar_mm);
+  if (out.transform && (out.transform->size() != 16 || !out.fiducials.empty()))
+    throw SetupError("`transform_ras` needs 16 numbers and no `fiducials` beside it", table.where(),
+                     "give the 4 x 4 matrix row by row, or the fiducial file, not both");
+  table.refuse_rest();
+}
+
+void read_plan(TomlTable table, Case& out) {
+  if (table.has("automatic_stages"))
+    out.staging = table.flag("automatic_stages") ? planner::Staging::Automatic : planner::Staging::AsGiven;
+  if (table.has("waypoints_mm"))
+    for (const double depth : table.numbers("waypoints_mm", 0.0, 100.0)) out.waypoints.emplace_back(depth);
+  if (table.has("speed_mm_s")) out.pace.speed = MillimetresPerSecond(table.number("speed_mm_s", 0.05, 20.0));
+  if (table.has("crossing_mm_s"))
+    out.pace.crossing = MillimetresPerSecond(table.number("crossing_mm_s", 0.05, 20.0));
+  if (table.has("dwell_s")) out.pace.dwell = Seconds(table.number("dwell_s", 0.1, 30.0));
+  for (TomlTable& layer : table.tables("layer")) {
+    out.layers.push_back({layer.text("name"), Millimetres(layer.number("from_mm", 0.0, 1000.0)),
+                          Millimetres(layer.number("to_mm", 0.0, 1000.0))});
+    layer.refuse_rest();
+  }
+  table.refuse_rest();
+  if (!out.layers.empty()) planner::check_layers(out.layers, table.where());
+}
+
+void read_rehearsal(TomlTable table, const fs::path& file, Rehearsal& out) {
+  if (table.has("model")) out.model = beside(file, table.text("model"));
+  if (table.has("tissues")) out.tissues = beside(file, table.text("tissues"));
+  if (table.has("snr")) out.snr = table.number("snr", 1.0, 1000.0);
+  if (table.has("patient_shift_mm")) out.motion_mm = table.number("patient_shift_mm", 0.0, 50.0);
+  if (table.has("patient_turn_deg")) out.motion_deg = table.number("patient_turn_deg", 0.0, 45.0);
+  table.refuse_rest();
+}
+
+}  // namespace
+
+fs::path resources() {
+  return BIOPSY_RESOURCES;
+}
+
+std::vector<std::string> built_in_cases() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(resources() / "robot/app/cases"))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<fs::path> files_of(const Case& given) {
+  return {given.image, given.labels, given.fiducials, given.rehearsal.model, given.rehearsal.tissues};
+}
+
+bool has_points(const Case& given) {
+  return given.phantom || (given.p_SE && given.p_ST);
+}
+
+Case blank_case() {
+  Case out;
+  out.rehearsal.model = resources() / "sim/models/rehearsal.toml";
+  out.rehearsal.tissues = resources() / "sim/models/tissues.toml";
+  return out;
+}
+
+Case read_case(const std::string& name_or_path) {
+  fs::path file = name_or_path;
+  const fs::path built_in = resources() / "robot/app/cases" / (name_or_path + ".toml");
+  if (!fs::exists(file) && !file.has_parent_path() && fs::exists(built_in)) file = built_in;
+  if (!fs::exists(file))
+    throw SetupError("no such case", name_or_path,
+                     fmt::format("give a case file, or one of: {}", fmt::join(built_in_cases(), ", ")));
+  TomlTable root = sim::read_toml(file);
+  Case out = blank_case();
+  out.title = root.has("title") ? root.text("title") : file.stem().string();
+  read_image(root.table("image"), file, out);
+  read_target(root.table("target"), out);
+  if (root.has("robot")) read_robot(root.table("robot"), file, out);
+  if (root.has("plan")) read_plan(root.table("plan"), out);
+  if (root.has("rehearsal")) read_rehearsal(root.table("rehearsal"), file, out.rehearsal);
+  if (root.has("seed")) out.seed = static_cast<std::uint64_t>(root.number("seed", 0.0, 9e15));
+  root.ignore("title");
+  root.ignore("seed");
+  for (const char* table : {"robot", "plan", "rehearsal"}) root.ignore(table);
+  root.refuse_rest();
+  if (!out.layers.empty() && !out.labels.empty())
+    throw SetupError("both a table of layers and a label map", file.string(), "keep one of them");
+  return out;
+}
+
+}  // namespace biopsy::app

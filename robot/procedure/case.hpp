@@ -1,0 +1,61 @@
+// One procedure to rehearse: which image, where to, through what, on which stage.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/plan/layers.hpp"
+#include "planner/plan/insertion_steps.hpp"
+#include "robot/msg/plan.hpp"
+
+namespace biopsy::app {
+
+// What the simulated scanner adds to the confirmation images of a rehearsal.
+struct Rehearsal {
+  std::filesystem::path model, tissues;
+  double snr = 30.0;
+  double motion_mm = 0.5;   // the patient shifts by up to this between images,
+  double motion_deg = 0.5;  // and turns by up to this
+};
+
+struct Case {
+  std::string title;
+  bool phantom = false;         // the built-in tissue block instead of an image
+  std::filesystem::path image;  // file or folder
+  std::string series_uid;
+  std::filesystem::path labels;  // empty: none
+  planner::LabelNames label_names;
+  std::vector<Layer> layers;         // a table instead of labels
+  std::optional<Point> p_SE, p_ST;   // LPS mm; a phantom knows its own, else neither: picked at the console
+  std::optional<Millimetres> depth;  // phantom only: target on the needle's axis
+  std::filesystem::path fiducials;   // CSV; empty: none
+  std::optional<std::vector<double>> transform;  // 16 numbers, robot to scanner RAS
+  Grams weight{50.0};
+  planner::Staging staging = planner::Staging::Automatic;
+  std::vector<Millimetres> waypoints;
+  planner::Pace pace;
+  Rehearsal rehearsal;
+  std::uint64_t seed = 1;
+};
+
+// What it reads beside itself; empty paths where it names none.
+std::vector<std::filesystem::path> files_of(const Case& given);
+
+// Whether it says where to go; otherwise a person picks both points on the image.
+bool has_points(const Case& given);
+
+// `name_or_path`: a case file, or the name of a built-in case. Throws SetupError naming file and line.
+Case read_case(const std::string& name_or_path);
+
+// Defaults of a case that is given by --image, --entry and --target alone.
+Case blank_case();
+
+// Names of the built-in cases, and the folder they and the models live in.
+std::vector<std::string> built_in_cases();
+std::filesystem::path resources();
+
+}  // namespace biopsy::app

@@ -1,0 +1,58 @@
+#include "robot/procedure/confirmation_image.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "planner/imaging/depth_check/depth_check.hpp"
+#include "planner/imaging/io/read_volume.hpp"
+#include "robot/procedure/slice_geometry.hpp"
+#include "sim/scanner/dicom_series.hpp"
+#include "sim/scanner/scanner.hpp"
+#include "sim/plant/seeded_noise.hpp"
+
+namespace biopsy::app {
+namespace {
+
+constexpr std::uint64_t kMotionStream = 0x6d6f7665;
+
+// The patient's position at image number `image`: uniform within the case's bounds, drawn from the seed.
+sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_t image) {
+  const auto draw = [&](std::uint64_t axis) {
+    return 2.0 * sim::uniform(given.seed ^ kMotionStream, 6 * image + axis) - 1.0;
+  };
+  const double scale = 1.0 / std::sqrt(3.0);  // the bound holds for the length, not for each axis
+  sim::PatientMotion motion;
+  motion.about = about;
+  motion.shift_mm = given.rehearsal.motion_mm * scale * Eigen::Vector3d(draw(0), draw(1), draw(2));
+  motion.rotation_deg = given.rehearsal.motion_deg * scale * Eigen::Vector3d(draw(3), draw(4), draw(5));
+  return motion;
+}
+
+}  // namespace
+
+void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StageResult& result) const {
+  const std::string name = fmt::format("images/stage-{}", stage + 1);
+  sim::ScanSettings settings;
+  const Point p_SE = plan_.X_SR.translation();
+  const Direction axis_S = plan_.X_SR.linear().col(2);
+  settings.needle = sim::NeedleArtefact{.p_SE = p_SE, .axis_S = axis_S, .tip_depth = tip};
+  settings.motion = motion_at(prepared_.given, p_SE, stage);
+  settings.snr = prepared_.given.rehearsal.snr;
+  settings.seed = prepared_.given.seed + 1000 * (stage + 1);
+  Volume sent = sim::scan(prepared_.image, settings);
+  sent.identity.series_uid.clear();  // a new series; the writer names it by its content
+  sent.identity.description = fmt::format("confirmation, stage {} (simulated)", stage + 1);
+  sim::write_dicom_series(sent, folder_ / name);
+  const Volume after = imaging::read_volume(folder_ / name);
+  imaging::DepthCheckSettings check;
+  check.expected = plan_.stages[stage].depth;
+  imaging::DepthCheckPictures pictures;
+  result.check = imaging::check_depth(prepared_.image, after, p_SE, axis_S, check, &pictures);
+  result.image_path = name;
+  result.before = pictures.before.picture;
+  result.after = pictures.after.picture;
+  if (pictures.after.picture.width > 0) result.geometry = geometry_of(pictures.after);
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,28 @@
+// The scanner's part of a rehearsal: takes an image of the needle where it truly is, sends it as DICOM, and
+// has the depth check read what was sent.
+#pragma once
+
+#include <filesystem>
+
+#include "robot/procedure/prepared_case.hpp"
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::app {
+
+class ConfirmationImages {
+ public:
+  // Images go to `folder`/images. `prepared` and `plan` must outlive this.
+  ConfirmationImages(const PreparedCase& prepared, const Plan& plan, std::filesystem::path folder)
+      : prepared_(prepared), plan_(plan), folder_(std::move(folder)) {}
+
+  // Of the end of `stage`, with the needle at `tip`: fills the check and the pictures of `result`. Takes a
+  // second.
+  void take(std::size_t stage, Millimetres tip, report::StageResult& result) const;
+
+ private:
+  const PreparedCase& prepared_;
+  const Plan& plan_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace biopsy::app

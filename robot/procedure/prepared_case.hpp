@@ -1,0 +1,37 @@
+// From a case to everything a run needs: image, registration, layers, plan.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "robot/procedure/case.hpp"
+#include "robot/msg/plan.hpp"
+#include "robot/msg/volume.hpp"
+
+namespace biopsy::app {
+
+struct PreparedCase {
+  Case given;
+  Volume image;
+  Target target;  // zeros until a person has picked the points
+  std::vector<Layer> layers;
+  std::variant<Plan, PlanRefusal> plan;
+  std::optional<Volume> labels;  // of the tissues, on the same patient
+  planner::LabelNames label_names;
+};
+
+// Reads the image, without a plan yet; `target` holds the points that the case names. A phantom is first
+// written to `folder`/planning as DICOM, so that it goes the way of any image. Throws SetupError for bad
+// input.
+PreparedCase open_case(const Case& given, const std::filesystem::path& folder);
+
+// Layers and plan to `target`. A plan that is refused for medical reasons is a value.
+void plan_to_target(PreparedCase& opened);
+
+// Both; of a case without points the image, and tissue without a name.
+PreparedCase prepare(const Case& given, const std::filesystem::path& folder);
+
+}  // namespace biopsy::app

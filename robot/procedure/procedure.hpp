@@ -1,0 +1,23 @@
+// What every procedure begins and ends with, on whichever robot it runs.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+
+#include "robot/cli/commands.hpp"
+#include "robot/procedure/prepared_case.hpp"
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::app {
+
+// At the console a person may pick both points on the image.
+enum class Points { Given, PickedLater };
+
+// Throws SetupError where the options do not fit together.
+Case case_of(const ProcedureOptions& options, Points points = Points::Given);
+
+// Writes the report and prints its table and path.
+void finish(report::RunRecord& record, const PreparedCase& prepared, const std::filesystem::path& out,
+            std::chrono::steady_clock::time_point started);
+
+}  // namespace biopsy::app

@@ -1,0 +1,143 @@
+#include "robot/procedure/recheck.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+
+#include "planner/plan/insertion_steps.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "sim/plant/model_text.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kReferencePlans[] = {"gap", "liver"};  // the paper's two biopsies (Fig. 13)
+
+// What the planner counts on when it places stops (planner/plan/insertion_steps.hpp): so much final error and settled error
+// of the loop, and so much room to a boundary.
+constexpr double kFinalError_mm = 0.1, kSettledError_mm = 0.07;
+constexpr double kOvershoot_mm = planner::kStopShort.value;
+constexpr double kMostNoise_mm = 1.0;  // a model file allows no more
+
+// Gone with everything in it when the rehearsals are over, whichever way they end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "biopsy-recheck-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw SetupError("no temporary folder can be made", fs::temp_directory_path().string(),
+                       "free some space there, set TMPDIR to another folder, or give --no-recheck");
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::vector<PreparedCase> prepared_plans(const fs::path& folder) {
+  std::vector<PreparedCase> out;
+  for (const char* name : kReferencePlans) {
+    out.push_back(prepare(read_case(name), folder / name));
+    if (const auto* refusal = std::get_if<PlanRefusal>(&out.back().plan))
+      throw SetupError("the built-in case is refused: " + refusal->what, name, refusal->remedy);
+  }
+  return out;
+}
+
+// The model with a sensor whose readings scatter, as those of a real one do.
+fs::path with_noise(const fs::path& file, double noise_mm, const fs::path& copy) {
+  sim::NotedModel model = sim::read_noted_model(file);
+  std::optional<sim::SensorNoise>& noise = model.model.effects.sensor_noise;
+  if (noise && noise->std > 0.0) return file;
+  noise = sim::SensorNoise{.std = std::min(noise_mm, kMostNoise_mm) * 1e-3};
+  report::write_whole_file(copy, sim::model_toml(model.model, model.notes));
+  return copy;
+}
+
+std::vector<report::RunRecord> rehearsed(std::vector<PreparedCase> plans, const fs::path& model,
+                                         const fs::path& folder, const Progress& progress) {
+  std::vector<report::RunRecord> out;
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    plans[i].given.rehearsal.model = model;
+    out.push_back(rehearse(plans[i], folder / kReferencePlans[i], progress));
+    out.back().samples = {};  // the figures are all that is wanted
+  }
+  return out;
+}
+
+bool completed(const report::RunRecord& run) {
+  return run.outcome == report::Outcome::Completed;
+}
+
+// A stop of the procedure counts even where no state of the supervisor tells of it, such as a depth check
+// that rejects.
+double unplanned_stops(const report::RunRecord& run) {
+  return std::max(static_cast<double>(run.trips.size()), completed(run) ? 0.0 : 1.0);
+}
+
+double final_error(const report::RunRecord& run) {
+  return std::abs(run.final_depth_mm - run.plan->target_depth.value);
+}
+
+void compare(const std::string& plan, const report::RunRecord& old_run, const report::RunRecord& new_run,
+             Recheck& out) {
+  const auto add = [&](const std::string& quantity, const std::string& unit, double limit, double before,
+                       double after) {
+    if (std::isfinite(after))
+      out.margins.push_back({plan, quantity, unit, limit, before, after, after <= limit});
+  };
+  add("unplanned stops", "", 0.0, unplanned_stops(old_run), unplanned_stops(new_run));
+  add("final depth error", "mm", kFinalError_mm, final_error(old_run), final_error(new_run));
+  add("settled depth error (rms)", "mm", kSettledError_mm, old_run.rmse_settled_mm, new_run.rmse_settled_mm);
+  add("overshoot", "mm", kOvershoot_mm, old_run.overshoot_mm, new_run.overshoot_mm);
+  for (std::size_t i = 0; i < new_run.limits.size(); ++i) {
+    const report::LimitUse& limit = new_run.limits[i];
+    add(limit.name, limit.unit, limit.limit, old_run.limits[i].used, limit.used);
+  }
+  for (const auto& [run, model] : {std::pair{&old_run, "old"}, std::pair{&new_run, "new"}})
+    if (!completed(*run))
+      out.warnings.push_back(fmt::format(
+          "The dry-run of plan {} with the {} model ended early: {}. Its figures are those of the "
+          "run until then.",
+          plan, model, run->refusal));
+}
+
+}  // namespace
+
+Recheck recheck(const fs::path& old_model, const fs::path& new_model, double noise_mm,
+                const Progress& progress) {
+  const TemporaryFolder scratch;
+  const fs::path old_file = with_noise(old_model, noise_mm, scratch.path() / "old.toml");
+  const fs::path new_file = with_noise(new_model, noise_mm, scratch.path() / "new.toml");
+  const std::vector<PreparedCase> plans = prepared_plans(scratch.path());
+  // A rehearsal shares nothing with another but what it only reads.
+  auto old_runs = std::async(std::launch::async, [&] {
+    return rehearsed(plans, old_file, scratch.path() / "old", [](double, const std::string&) {});
+  });
+  const std::vector<report::RunRecord> after = rehearsed(plans, new_file, scratch.path() / "new", progress);
+  const std::vector<report::RunRecord> before = old_runs.get();
+  Recheck out;
+  for (std::size_t i = 0; i < after.size(); ++i) compare(kReferencePlans[i], before[i], after[i], out);
+  if (new_file != new_model)
+    out.warnings.push_back(fmt::format(
+        "The model has no [effect.sensor_noise]. The dry-runs of this report were lent one of "
+        "{:.3g} mm, the noise floor; any other dry-run with this model is stopped, because a depth "
+        "that never changes looks like a broken sensor (R-19).",
+        noise_mm));
+  return out;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,122 @@
+#include "robot/procedure/rehearsal.hpp"
+
+#include <fmt/format.h>
+
+#include "planner/imaging/registration/reslice.hpp"
+#include "planner/plan/seal.hpp"
+#include "robot/procedure/confirmation_image.hpp"
+#include "robot/procedure/operator.hpp"
+#include "robot/procedure/rehearsed_plant.hpp"
+#include "robot/procedure/run_metrics.hpp"
+#include "robot/procedure/run_notes.hpp"
+#include "robot/procedure/slice_geometry.hpp"
+#include "robot/cycle/plan_facts.hpp"
+#include "sim/simulated_stage.hpp"
+
+namespace biopsy::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kTicksMax = 600'000;  // ten minutes: no procedure of this robot takes longer
+constexpr std::int64_t kProgressEvery = 1000;
+
+Truth truth_of(const sim::SimStage& stage) {
+  const sim::PlantState& state = stage.truth();
+  return {state.motion.x * 1e3, sim::plate_b(stage.model(), state) * 1e3,
+          sim::layers_entered(stage.model(), state)};
+}
+
+void draw_planning_slice(const PreparedCase& prepared, const Plan& plan, report::RunRecord& record) {
+  constexpr Millimetres kExtent{80.0};
+  constexpr int kSize_px = 640;
+  const imaging::NeedleSlice slice =
+      imaging::slice_through_needle(prepared.image, plan.X_SR.translation(), plan.X_SR.linear().col(2),
+                                    prepared.given.phantom ? Millimetres(30.0) : kExtent, kSize_px);
+  record.planning_slice = slice.picture;
+  record.planning_geometry = geometry_of(slice);
+}
+
+}  // namespace
+
+report::RunRecord planned_record(const PreparedCase& prepared) {
+  report::RunRecord record;
+  record.title = prepared.given.title;
+  record.series = prepared.image.identity;
+  record.image_source = prepared.given.phantom ? "built-in phantom" : prepared.given.image.string();
+  record.image_warnings = prepared.image.warnings;
+  record.seed = prepared.given.seed;
+  if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) {
+    record.outcome = report::Outcome::Refused;
+    record.refusal = refusal->what;
+    record.remedy = refusal->remedy;
+    return record;
+  }
+  const Plan& plan = std::get<Plan>(prepared.plan);
+  record.plan = plan;
+  record.outcome = report::Outcome::Stopped;
+  draw_planning_slice(prepared, plan, record);
+  for (const Stage& stage : plan.stages) {
+    record.stages.emplace_back();
+    record.stages.back().stage = stage;
+  }
+  return record;
+}
+
+report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, const fs::path& folder,
+                              const Progress& progress) {
+  const Plan& plan = std::get<Plan>(prepared.plan);
+  RunNotes notes(prepared);
+  report::RunRecord& record = notes.record();
+  Operator person(plan);
+  const ConfirmationImages images(prepared, plan, folder);
+  Tick seen;
+  for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
+    const World world = person.act(seen, number);
+    if (person.wants_verdict()) {
+      report::StageResult& result = record.stages[world.accepted_stage];
+      progress(static_cast<double>(number) * 1e-3,
+               fmt::format("checking the image of stage {}", world.accepted_stage + 1));
+      images.take(world.accepted_stage, notes.take_imaged_tip(), result);
+      person.judge(result.check->verdict == DepthVerdict::Accept, "depth check: " + result.check->reason);
+    }
+    const std::optional<Beat> beat = robot(world);
+    if (!beat) {
+      record.refusal = "the stage fell silent";
+      break;
+    }
+    seen = beat->tick;
+    notes.add(*beat, world);
+    if (number % kProgressEvery == 0)
+      progress(beat->setpoint / plan.target_depth,
+               fmt::format("rehearsing: {:.0f} s, {}, {:.2f} mm", static_cast<double>(number) * 1e-3,
+                           safety::name_of(seen.supervisor.permit.mode), seen.measurement.depth_um * 1e-3));
+  }
+  record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
+  if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
+  record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
+  measure_run(record);
+  return record;
+}
+
+report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress) {
+  const Plan& plan = std::get<Plan>(prepared.plan);
+  const Case& given = prepared.given;
+  const safety::PlanFacts facts = live::plan_facts(plan, 1 + given.seed);
+  sim::SimStage stage(
+      rehearsed_plant(given.rehearsal.model, given.rehearsal.tissues, prepared.layers, given.weight.value),
+      given.seed);
+  // What both people of the rehearsal were shown and confirm.
+  const std::uint64_t shown = planner::plan_tag(plan);
+  Lockstep lockstep(plan, facts, stage, {shown, shown});
+  const Robot robot = [&](const World& world) {
+    Beat beat;
+    beat.truth = truth_of(stage);
+    beat.tick = lockstep.tick(world);
+    beat.setpoint = lockstep.controller().setpoint;
+    return std::optional<Beat>(beat);
+  };
+  return rehearse_on(robot, prepared, folder, progress);
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,45 @@
+// A whole procedure against a simulated stage and scanner, from a sealed plan to a run record.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "robot/procedure/prepared_case.hpp"
+#include "robot/cycle/control_cycle.hpp"
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::app {
+
+// Told now and then how much of the way is done, in [0, 1], and what is going on.
+using Progress = std::function<void(double share, const std::string& what)>;
+
+// Where needle and plate truly are; known in simulation only.
+struct Truth {
+  double tip_mm = 0.0, plate_b_mm = 0.0;
+  int layers_entered = 0;  // whose surface gave way
+};
+
+// One tick of a robot: the truth is that at its beginning.
+struct Beat {
+  Tick tick;
+  Truth truth;
+  Millimetres setpoint;
+};
+
+// Lets people do what World says, and answers with the next tick, in order. Nothing: the robot is silent.
+using Robot = std::function<std::optional<Beat>(const World&)>;
+
+// The record of a plan (or its refusal) before anything moved.
+report::RunRecord planned_record(const PreparedCase& prepared);
+
+// Confirmation images are written to `folder`/images as DICOM and read back. `prepared` must hold a plan.
+report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared,
+                              const std::filesystem::path& folder, const Progress& progress);
+
+// The same in lockstep on a virtual clock: the same inputs give the same run, to the bit.
+report::RunRecord rehearse(const PreparedCase& prepared, const std::filesystem::path& folder,
+                           const Progress& progress);
+
+}  // namespace biopsy::app

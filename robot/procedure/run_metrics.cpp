@@ -1,0 +1,116 @@
+#include "robot/procedure/run_metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "safety/types/limits.hpp"
+
+namespace biopsy::app {
+namespace {
+
+constexpr double kFinalWindow_s = 0.5;  // one period of the square wave
+
+// Sum of squares that knows how many.
+struct Rms {
+  double sum = 0.0, mean_sum = 0.0;
+  std::size_t count = 0;
+  void add(double error, double value) {
+    sum += error * error;
+    mean_sum += value;
+    ++count;
+  }
+  double value() const { return count == 0 ? report::kUnknown : std::sqrt(sum / static_cast<double>(count)); }
+  double mean() const { return count == 0 ? report::kUnknown : mean_sum / static_cast<double>(count); }
+};
+
+bool is_driven(const report::Sample& sample) {
+  return sample.mode == Mode::Active || sample.mode == Mode::Hold;
+}
+
+// Samples of stage `index` while it was driven towards or held.
+template <class Visit>
+void for_stage(const report::RunRecord& record, std::size_t index, Visit&& visit) {
+  for (const report::Sample& sample : record.samples)
+    if (is_driven(sample) && sample.stage == index) visit(sample);
+}
+
+void measure_stage(const report::RunRecord& record, std::size_t index, report::StageResult& result,
+                   Rms& settled_all) {
+  const double goal = result.stage.depth.value;
+  double arrived_s = -1.0;
+  Rms settled;
+  double deepest = -1e9;
+  for_stage(record, index, [&](const report::Sample& sample) {
+    const double time = sample.time_ms * 1e-3;
+    deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
+    if (arrived_s < 0.0 && std::abs(sample.setpoint_mm - goal) < 1e-6) arrived_s = time;
+    if (arrived_s < 0.0 || time < arrived_s + kSettleTime_s) return;
+    settled.add(sample.depth_mm - goal, sample.depth_mm);
+    settled_all.add(sample.depth_mm - goal, sample.depth_mm);
+  });
+  result.rmse_settled_mm = settled.value();
+  result.depth_mm = settled.mean();
+  if (deepest > -1e9) result.overshoot_mm = std::max(0.0, deepest - goal);
+}
+
+double final_depth(const report::RunRecord& record) {
+  const auto last = std::find_if(record.samples.rbegin(), record.samples.rend(), is_driven);
+  if (last == record.samples.rend()) return report::kUnknown;
+  Rms window;
+  for (auto sample = last; sample != record.samples.rend() && is_driven(*sample); ++sample) {
+    if ((last->time_ms - sample->time_ms) * 1e-3 > kFinalWindow_s) break;
+    window.add(0.0, sample->depth_mm);
+  }
+  return window.mean();
+}
+
+void measure_limits(report::RunRecord& record) {
+  double deepest = 0.0, monitor = 0.0, hold_s = 0.0, held = 0.0, envelope = 0.0;
+  for (const report::Sample& sample : record.samples) {
+    deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
+    monitor = std::max(monitor, static_cast<double>(std::abs(sample.monitor_kV)));
+    if (sample.envelope_kV > 0.0F && sample.mode == Mode::Active)
+      envelope =
+          std::max(envelope, static_cast<double>(std::abs(sample.drive_kV) / sample.envelope_kV) * 100.0);
+    held = sample.mode == Mode::Hold ? held + 1e-3 : 0.0;
+    hold_s = std::max(hold_s, held);
+  }
+  const Plan& plan = *record.plan;
+  record.limits = {
+      {"depth of the plan", deepest, plan.limits.depth_max.value, "mm"},
+      {"stroke", deepest, limits::kStroke_um * 1e-3, "mm"},
+      {"drive voltage", record.peak_kV, limits::kDriveMax_mV * 1e-6, "kV"},
+      {"voltage monitor", monitor, limits::kMonitorTrip_mV * 1e-6, "kV"},
+      {"stage's drive envelope", envelope, 100.0, "%"},
+      {"longest hold", hold_s, limits::kHoldMax_ms * 1e-3, "s"},
+  };
+}
+
+}  // namespace
+
+void measure_run(report::RunRecord& record) {
+  if (!record.plan) return;
+  Rms settled, all;
+  record.peak_kV = 0.0;
+  for (const report::Sample& sample : record.samples) {
+    record.peak_kV = std::max(record.peak_kV, static_cast<double>(std::abs(sample.drive_kV)));
+    if (is_driven(sample)) all.add(sample.depth_mm - sample.setpoint_mm, sample.depth_mm);
+  }
+  double overshoot = report::kUnknown;
+  for (std::size_t i = 0; i < record.stages.size(); ++i) {
+    report::StageResult& result = record.stages[i];
+    measure_stage(record, i, result, settled);
+    if (!std::isnan(result.overshoot_mm)) overshoot = std::fmax(overshoot, result.overshoot_mm);
+    if (result.reached) record.layer_at_tip = result.layer_at_tip;
+    if (!result.check || !result.check->tip_found) continue;
+    record.image_depth_mm = result.check->depth.value;
+    record.image_depth_sigma_mm = result.check->sigma.value;
+  }
+  record.rmse_settled_mm = settled.value();
+  record.rmse_all_mm = all.value();
+  record.overshoot_mm = overshoot;
+  record.final_depth_mm = final_depth(record);
+  measure_limits(record);
+}
+
+}  // namespace biopsy::app

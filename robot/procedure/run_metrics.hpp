@@ -1,0 +1,17 @@
+// The figures of a run, read off its samples: errors, overshoot, peak drive, and how much of each limit was
+// used.
+#pragma once
+
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::app {
+
+// Fills the figures of `record` and of its stages from its samples, plan and checks.
+// Settled: from kSettleTime after the setpoint arrived at a stage's depth to the end of that stage's hold,
+// whatever the needle does in it. All: whenever the drive was active or held, against the moving setpoint.
+void measure_run(report::RunRecord& record);
+
+inline constexpr double kSettleTime_s =
+    1.0;  // two periods of the square wave; the paper's steps settle within that
+
+}  // namespace biopsy::app

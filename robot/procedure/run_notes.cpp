@@ -1,0 +1,76 @@
+#include "robot/procedure/run_notes.hpp"
+
+#include <utility>
+
+namespace biopsy::app {
+namespace {
+
+report::Sample sample_of(const Beat& beat, std::int64_t number) {
+  const Tick& tick = beat.tick;
+  report::Sample sample;
+  sample.time_ms = static_cast<std::int32_t>(number);
+  sample.setpoint_mm = static_cast<float>(beat.setpoint.value);
+  sample.depth_mm = static_cast<float>(tick.measurement.depth_um * 1e-3);
+  sample.tip_mm = static_cast<float>(beat.truth.tip_mm);
+  sample.plate_b_mm = static_cast<float>(beat.truth.plate_b_mm);
+  sample.drive_kV = static_cast<float>(tick.drive_mV * 1e-6);
+  sample.envelope_kV = static_cast<float>(tick.supervisor.permit.v_max_mV * 1e-6);
+  sample.monitor_kV = static_cast<float>(tick.measurement.monitor_mV * 1e-6);
+  sample.current_uA = static_cast<float>(tick.measurement.current_nA * 1e-3);
+  sample.mode = tick.supervisor.permit.mode;
+  sample.stop = tick.supervisor.permit.stop;
+  sample.stage = static_cast<std::uint8_t>(tick.supervisor.stage);
+  sample.verdict = tick.measurement.verdict;
+  return sample;
+}
+
+// Layer the tip is in: the deepest one whose surface gave way and that begins ahead of the tip.
+std::string layer_at(const Plan& plan, const Truth& truth) {
+  std::string name = "outside";
+  for (int i = 0; i < truth.layers_entered && i < static_cast<int>(plan.layers.size()); ++i)
+    if (truth.tip_mm >= plan.layers[static_cast<std::size_t>(i)].from.value)
+      name = plan.layers[static_cast<std::size_t>(i)].name;
+  return name;
+}
+
+}  // namespace
+
+RunNotes::RunNotes(const PreparedCase& prepared)
+    : plan_(std::get<Plan>(prepared.plan)), record_(planned_record(prepared)) {}
+
+void RunNotes::note_trip(const Tick& tick) {
+  const Mode now = tick.supervisor.permit.mode;
+  const bool unasked = now == Mode::Trip || now == Mode::Lock ||
+                       (now == Mode::Retract && tick.supervisor.reason != safety::Hazard::None) ||
+                       (now == Mode::Hold && tick.supervisor.reason != safety::Hazard::None);
+  if (now == mode_ || !unasked) return;
+  record_.trips.push_back({static_cast<double>(record_.samples.size() - 1) * 1e-3,
+                           tick.supervisor.permit.stop,
+                           std::string(safety::name_of(tick.supervisor.reason))});
+}
+
+void RunNotes::add(const Beat& beat, const World& world) {
+  const Tick& seen = beat.tick;
+  const auto number = static_cast<std::int64_t>(record_.samples.size());
+  record_.samples.push_back(sample_of(beat, number));
+  note_trip(seen);
+  mode_ = seen.supervisor.permit.mode;
+  report::StageResult& result = record_.stages[seen.supervisor.stage];
+  if (seen.supervisor.stage_done && !result.reached) {
+    result.reached = true;
+    result.reached_s = static_cast<double>(number) * 1e-3;
+    result.layer_at_tip = layer_at(plan_, beat.truth);
+  }
+  if (!world.acquiring) return;
+  if (tip_count_ == 0) result.image_s = static_cast<double>(number) * 1e-3;
+  tip_sum_mm_ += beat.truth.tip_mm;
+  ++tip_count_;
+  result.hv_switching_during_image = result.hv_switching_during_image || seen.supervisor.image_disturbed;
+}
+
+Millimetres RunNotes::take_imaged_tip() {
+  const auto count = static_cast<double>(std::exchange(tip_count_, 0));
+  return Millimetres(std::exchange(tip_sum_mm_, 0.0) / count);
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,33 @@
+// The record of a run while it goes on: what every tick adds to it.
+#pragma once
+
+#include "robot/procedure/rehearsal.hpp"
+
+namespace biopsy::app {
+
+class RunNotes {
+ public:
+  // `prepared` must hold a plan and outlive this.
+  explicit RunNotes(const PreparedCase& prepared);
+
+  // The next tick, and what people did in it.
+  void add(const Beat& beat, const World& world);
+
+  // Mean of where the tip was while the image was taken, for the scanner of a rehearsal; the next image
+  // starts anew.
+  Millimetres take_imaged_tip();
+
+  report::RunRecord& record() { return record_; }
+  const report::RunRecord& record() const { return record_; }
+
+ private:
+  void note_trip(const Tick& tick);
+
+  const Plan& plan_;
+  report::RunRecord record_;
+  Mode mode_ = Mode::Boot;
+  double tip_sum_mm_ = 0.0;
+  std::int64_t tip_count_ = 0;
+};
+
+}  // namespace biopsy::app

@@ -1,0 +1,20 @@
+#include "robot/procedure/slice_geometry.hpp"
+
+#include "robot/console/anatomical_orientation.hpp"
+
+namespace biopsy::app {
+
+report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
+  // The report counts pixels from the corner of the first one, the slice from its centre.
+  report::SliceGeometry geometry{slice.entry_px.x() + 0.5, slice.entry_px.y() + 0.5, slice.axis_px.x(),
+                                 slice.axis_px.y(), slice.mm_per_pixel};
+  const Direction right_S = slice.axis_px.x() * slice.frame.along + slice.across_px.x() * slice.frame.across;
+  const Direction down_S = slice.axis_px.y() * slice.frame.along + slice.across_px.y() * slice.frame.across;
+  geometry.right = side_letters(right_S);
+  geometry.left = side_letters(-right_S);
+  geometry.bottom = side_letters(down_S);
+  geometry.top = side_letters(-down_S);
+  return geometry;
+}
+
+}  // namespace biopsy::app

@@ -1,0 +1,270 @@
+#include "robot/recorder/bus_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "planner/plan/open_plan.hpp"
+#include "planner/plan/seal.hpp"
+#include "safety/types/hazards.hpp"
+#include "safety/supervisor.hpp"
+#include "safety/types/transitions.hpp"
+
+namespace biopsy::app {
+namespace {
+
+using Json = nlohmann::json;
+using recorder::RecordKind;
+using recorder::Urgency;
+
+constexpr std::int64_t kReportEvery_us = 50'000;
+constexpr std::int64_t kNever_ms = INT32_MAX;
+constexpr std::int64_t kLivelyEvery_us = 200'000;
+constexpr std::int64_t kLetIn_us = 1'500'000;  // a friend is let in within a second
+
+std::int64_t wall_ns() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+// Bytes from elsewhere that are no UTF-8 must not end the recorder.
+std::string text_of(const Json& body) {
+  return body.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string hazard(std::uint8_t code) {
+  return std::string(safety::name_of(static_cast<safety::Hazard>(code)));
+}
+
+std::string event(std::uint8_t code) {
+  return code < safety::kEvents ? std::string(safety::name_of(static_cast<safety::Event>(code))) : "unknown";
+}
+
+std::string refusal(std::uint8_t code) {
+  return std::string(safety::name_of(static_cast<safety::Refusal>(code)));
+}
+
+Json json_of(const Decision& decision) {
+  return {{"mode", safety::name_of(decision.mode)},
+          {"event", event(decision.event)},
+          {"reason", hazard(decision.reason)},
+          {"worst", hazard(decision.worst)},
+          {"stop", static_cast<int>(decision.stop)},
+          {"stage", decision.stage + 1},
+          {"stage_done", decision.stage_done},
+          {"session", decision.session},
+          {"epoch", decision.epoch},
+          {"seq", decision.seq}};
+}
+
+// A gate that limits, or goes on without a new request for a tick, does its daily work.
+bool refuses(GateVerdict verdict) {
+  return verdict != GateVerdict::Granted && verdict != GateVerdict::Limited &&
+         verdict != GateVerdict::NoRequest;
+}
+
+}  // namespace
+
+LogScribe::LogScribe(const transport::Participant& bus, recorder::Recorder& recorder,
+                     std::uint64_t config_tag, const transport::Doorkeeper* doorkeeper)
+    : recorder_(recorder),
+      doorkeeper_(doorkeeper),
+      decisions_(bus),
+      acts_(bus),
+      plans_(bus),
+      verdicts_(bus),
+      measurements_(bus),
+      requests_(bus),
+      log_health_(bus),
+      heartbeat_(bus, Process::Recorder, config_tag),
+      board_(bus) {
+  heartbeat_.health().ready = true;
+}
+
+void LogScribe::write(RecordKind kind, const char* source, std::string body, Urgency urgency,
+                      std::int64_t now_us) {
+  recorder_.append({wall_ns(), now_us, source, kind, std::move(body)}, urgency, now_us);
+}
+
+void LogScribe::note(RecordKind kind, const std::string& body, std::int64_t now_us) {
+  write(kind, "recorder", body, Urgency::Urgent, now_us);
+}
+
+// Each with the supervisor's own times.
+void LogScribe::follow_decisions(std::int64_t now_us) {
+  Decision next;
+  const auto note = [&](RecordKind kind, const Json& body, Urgency urgency) {
+    recorder_.append({next.at_ns, next.time_us, "supervisor", kind, text_of(body)}, urgency, now_us);
+  };
+  while (decisions_.take(next)) {
+    const bool new_session = next.session != decision_.session;
+    if (!new_session && decision_.seq != 0 && next.seq != decision_.seq + 1)
+      note(RecordKind::ReceptionGap, {{"from_seq", decision_.seq + 1}, {"to_seq", next.seq - 1}},
+           Urgency::Grouped);
+    if (new_session || next.mode != decision_.mode)
+      note(RecordKind::StateChange, json_of(next), Urgency::Urgent);
+    else if (next.stop != decision_.stop || next.stage != decision_.stage ||
+             next.stage_done != decision_.stage_done)
+      note(RecordKind::PermitChange, json_of(next), Urgency::Grouped);
+    if (next.worst != decision_.worst)
+      note(RecordKind::Alarm,
+           {{"worst", hazard(next.worst)}, {"before", hazard(decision_.worst)}, {"seq", next.seq}},
+           Urgency::Grouped);
+    if (next.refusal != decision_.refusal && next.refusal != 0)
+      note(RecordKind::RequestRefused, {{"why", refusal(next.refusal)}, {"seq", next.seq}}, Urgency::Grouped);
+    decision_ = next;
+    decision_us_ = now_us;
+  }
+}
+
+void LogScribe::follow_acts(std::int64_t now_us) {
+  OperatorAct next;
+  while (acts_.take(next)) {
+    if (!asks_the_same(next, act_))
+      write(RecordKind::OperatorAct, "person",
+            text_of({{"token", next.token},
+                     {"held", next.held},
+                     {"stop", static_cast<int>(next.stop)},
+                     {"finish", next.finish},
+                     {"acquiring", next.acquiring},
+                     {"asks_arm", next.arm},
+                     {"asks_reset", next.reset}}),
+            Urgency::Grouped, now_us);
+    act_ = next;
+  }
+}
+
+void LogScribe::follow_plan_and_checks(std::int64_t now_us) {
+  SealedPlan sealed;
+  while (plans_.take(sealed)) {
+    const std::optional<Plan> plan = planner::open_plan(sealed.bytes, sealed.seal);
+    Json body{{"seal", planner::hex(sealed.seal)}, {"seal_holds", plan.has_value()}};
+    if (plan) {
+      body["patient"] = plan->target.patient_id;
+      body["series_uid"] = plan->target.series_uid;
+      body["target_mm"] = plan->target_depth.value;
+      body["stages"] = plan->stages.size();
+      body["confirmations"] = (sealed.confirmed_tag[0] == planner::plan_tag(*plan)) +
+                              (sealed.confirmed_tag[1] == planner::plan_tag(*plan));
+    }
+    write(RecordKind::Plan, "person", text_of(body), Urgency::Urgent, now_us);
+  }
+  DepthVerdictNote verdict;
+  while (verdicts_.take(verdict))
+    write(RecordKind::DepthCheck, "person",
+          text_of({{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
+}
+
+void LogScribe::follow_stage(std::int64_t now_us) {
+  Measurement next;
+  while (measurements_.take(next)) {
+    if (refuses(next.verdict) != refuses(measured_.verdict) || next.hv_enabled != measured_.hv_enabled)
+      write(RecordKind::PermitChange, "stage",
+            text_of({{"gate", static_cast<int>(next.verdict)},
+                     {"hv_enabled", next.hv_enabled},
+                     {"command_kV", next.command_mV * 1e-6},
+                     {"depth_mm", next.depth_um * 1e-3},
+                     {"seq", next.seq}}),
+            Urgency::Grouped, now_us);
+    measured_ = next;
+    measured_us_ = now_us;
+  }
+  DriveRequest asked;
+  while (requests_.take(asked)) {
+    if (asked.stage != request_.stage || asked.stage_reached != request_.stage_reached ||
+        asked.finished != request_.finished)
+      write(RecordKind::Request, "controller",
+            text_of(
+                {{"stage", asked.stage + 1}, {"reached", asked.stage_reached}, {"finished", asked.finished}}),
+            Urgency::Grouped, now_us);
+    request_ = asked;
+    requested_us_ = now_us;
+  }
+}
+
+void LogScribe::follow_health(std::int64_t now_us) {
+  board_.look(now_us);
+  for (std::size_t i = 0; i < kProcesses; ++i) {
+    const Health health = board_.of(static_cast<Process>(i), now_us);
+    const bool alive = health.seq != 0;
+    if (alive != alive_[i])
+      write(alive ? RecordKind::ProcessStart : RecordKind::ProcessStop, name_of(static_cast<Process>(i)),
+            text_of({{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}}),
+            Urgency::Urgent, now_us);
+    alive_[i] = alive;
+    if (alive && health.refused != refused_[i])
+      write(RecordKind::Alarm, name_of(static_cast<Process>(i)),
+            text_of({{"strangers_refused", health.refused}}), Urgency::Grouped, now_us);
+    if (alive) refused_[i] = health.refused;
+    if (alive && health.note != notes_[i])
+      write(RecordKind::Alarm, name_of(static_cast<Process>(i)), text_of({{"note", health.note}}),
+            Urgency::Grouped, now_us);
+    if (alive) notes_[i] = health.note;
+  }
+}
+
+void LogScribe::follow_strangers(std::int64_t now_us) {
+  if (doorkeeper_ == nullptr) return;
+  const int strangers = doorkeeper_->strange_endpoints();
+  if (strangers != strangers_)
+    write(RecordKind::Alarm, "recorder", text_of({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
+          now_us);
+  strangers_ = strangers;
+  const int outside = doorkeeper_->strange_participants();
+  if (outside != outside_) outside_us_ = now_us;
+  outside_ = outside;
+  if (outside_ == told_outside_ || now_us - outside_us_ < kLetIn_us) return;
+  write(RecordKind::Alarm, "recorder", text_of({{"participants_not_let_in", outside_}}), Urgency::Grouped,
+        now_us);
+  told_outside_ = outside_;
+}
+
+// A log that hears nothing is not up to date, however little waits to be written.
+std::int64_t LogScribe::unheard_ms(std::int64_t now_us) const {
+  const std::int64_t since_us = std::min({decision_us_, measured_us_, requested_us_});
+  return since_us == 0 ? kNever_ms : (now_us - since_us) / 1000;
+}
+
+// Who ceased to write within its lease, and deadlines that went by: as the bus itself saw it.
+void LogScribe::follow_liveliness(std::int64_t now_us) {
+  if (now_us - lively_us_ < kLivelyEvery_us) return;
+  lively_us_ = now_us;
+  const std::array<Lively, 3> now{
+      {{"Decision", decisions_.alive_writers(), decisions_.missed_deadlines()},
+       {"Measurement", measurements_.alive_writers(), measurements_.missed_deadlines()},
+       {"DriveRequest", requests_.alive_writers(), requests_.missed_deadlines()}}};
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (now[i].alive != lively_[i].alive || now[i].missed != lively_[i].missed)
+      write(RecordKind::Alarm, "recorder",
+            text_of({{"topic", now[i].topic},
+                     {"writers_alive", now[i].alive},
+                     {"deadlines_missed", now[i].missed}}),
+            Urgency::Grouped, now_us);
+  lively_ = now;
+}
+
+void LogScribe::report_itself(std::int64_t now_us) {
+  heartbeat_.note(recorder_.trouble());
+  heartbeat_.beat(now_us);
+  if (now_us - reported_us_ < kReportEvery_us) return;
+  reported_us_ = now_us;
+  log_health_.write({.seq = ++health_seq_,
+                     .backlog_ms = static_cast<std::int32_t>(std::clamp<std::int64_t>(
+                         unheard_ms(now_us), recorder_.backlog_ms(now_us), kNever_ms)),
+                     .records = recorder_.written().count});
+}
+
+void LogScribe::turn(std::int64_t now_us) {
+  follow_decisions(now_us);
+  follow_acts(now_us);
+  follow_plan_and_checks(now_us);
+  follow_stage(now_us);
+  follow_health(now_us);
+  follow_strangers(now_us);
+  follow_liveliness(now_us);
+  recorder_.poll(now_us);
+  report_itself(now_us);
+}
+
+}  // namespace biopsy::app

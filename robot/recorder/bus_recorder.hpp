@@ -1,0 +1,75 @@
+// Turns what goes over the bus into records of the procedure log: what changed, never every tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "robot/live/heartbeat.hpp"
+#include "robot/msg/drive_request.hpp"
+#include "robot/msg/measurement.hpp"
+#include "robot/recorder/recorder.hpp"
+#include "robot/transport/bus.hpp"
+#include "robot/transport/participant_monitor.hpp"
+
+namespace biopsy::app {
+
+class LogScribe {
+ public:
+  // `doorkeeper`: of a secured bus; null: everybody may come in.
+  LogScribe(const transport::Participant& bus, recorder::Recorder& recorder, std::uint64_t config_tag,
+            const transport::Doorkeeper* doorkeeper);
+
+  // Reads all that came and writes what is due; every 10 ms.
+  void turn(std::int64_t now_us);
+
+  // The recorder's own start and end.
+  void note(recorder::RecordKind kind, const std::string& body, std::int64_t now_us);
+
+ private:
+  void write(recorder::RecordKind kind, const char* source, std::string body, recorder::Urgency urgency,
+             std::int64_t now_us);
+  void follow_decisions(std::int64_t now_us);
+  void follow_acts(std::int64_t now_us);
+  void follow_plan_and_checks(std::int64_t now_us);
+  void follow_stage(std::int64_t now_us);
+  void follow_health(std::int64_t now_us);
+  void follow_strangers(std::int64_t now_us);
+  void follow_liveliness(std::int64_t now_us);
+  void report_itself(std::int64_t now_us);
+  std::int64_t unheard_ms(std::int64_t now_us) const;  // the quietest of those it must hear
+
+  recorder::Recorder& recorder_;
+  const transport::Doorkeeper* doorkeeper_;
+  transport::Reader<Decision> decisions_;
+  transport::Reader<OperatorAct> acts_;
+  transport::Reader<SealedPlan> plans_;
+  transport::Reader<DepthVerdictNote> verdicts_;
+  transport::Reader<Measurement> measurements_;
+  transport::Reader<DriveRequest> requests_;
+  transport::Writer<LogHealth> log_health_;
+  live::Heartbeat heartbeat_;
+  live::HealthBoard board_;
+  struct Lively {  // of a topic
+    const char* topic = "";
+    int alive = 0;
+    std::uint32_t missed = 0;
+  };
+  std::array<Lively, 3> lively_{};
+  std::int64_t lively_us_ = 0;
+  Decision decision_;
+  OperatorAct act_;
+  Measurement measured_;
+  DriveRequest request_;
+  std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // when one was heard last
+  std::array<bool, kProcesses> alive_{};
+  std::array<std::uint32_t, kProcesses> refused_{};
+  std::array<std::string, kProcesses> notes_;
+  int strangers_ = 0;
+  int outside_ = 0, told_outside_ = 0;
+  std::int64_t outside_us_ = 0;
+  std::uint32_t health_seq_ = 0;
+  std::int64_t reported_us_ = 0;
+};
+
+}  // namespace biopsy::app

@@ -1,0 +1,179 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robot/report/gap/gap_diff.hpp"
+#include "robot/report/gap/gap_sections.hpp"
+#include "robot/report/gap/gap_labels.hpp"
+#include "robot/report/plot/html_markup.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/sanitize_text.hpp"
+
+namespace biopsy::report {
+namespace {
+
+using namespace markup;
+
+constexpr std::size_t kContext = 3;  // unchanged lines shown around a change
+
+std::string estimate_row(const GapEstimate& p) {
+  const ReadableQuantity quantity = effect_quantity(p.name);
+  return "<tr>" + name_cell(quantity.words, p.name) + number_cell(estimate_text(p.value, p.std)) +
+         number_cell(interval_text(p.value, p.std)) + text_cell(quantity.unit) + "</tr>\n";
+}
+
+std::string effect_block(const FoundEffect& effect) {
+  std::string rows;
+  for (const GapEstimate& p : effect.parameters) rows += estimate_row(p);
+  std::string html =
+      "<h3>" + escaped(name_words(effect.name)) + " <code>" + escaped(effect.name) + "</code></h3>\n";
+  std::string text = effect.sentence;
+  if (std::isfinite(effect.share_explained))
+    text += (text.empty() ? "It" : " It") + std::string(" explained ") +
+            percent_text(effect.share_explained) +
+            " of the held-out excess error that was left when it entered; probability " +
+            fixed(effect.probability, 2) + ".";
+  html += paragraph(text);
+  if (!rows.empty())
+    html += table("Value ± one standard deviation; the interval is the value ± 1.96 of them.",
+                  {"Parameter", ">Value", ">95 % interval", "Unit"}, rows);
+  return html;
+}
+
+std::string changed_row(const ChangedParameter& p) {
+  const ReadableQuantity quantity = baseline_quantity(p.name);
+  const double unit = quantity.per_file_unit, std = p.std * unit;
+  const double deviations = std::abs(p.after - p.before) / p.std;
+  const double change = p.before != 0 ? (p.after - p.before) / p.before : std::nan("");
+  const std::string relative =
+      std::isfinite(change) ? std::string(change > 0 ? "+" : "") + fixed(100 * change, 1, "%") : "–";
+  return "<tr>" + name_cell(quantity.words, p.name) + number_cell(estimate_text(p.before * unit, 0)) +
+         number_cell(estimate_text(p.after * unit, std)) + number_cell(interval_text(p.after * unit, std)) +
+         text_cell(quantity.unit) + number_cell(relative) + number_cell(fixed(deviations, 1)) + "</tr>\n";
+}
+
+const char* sign(DiffKind kind) {
+  switch (kind) {
+    case DiffKind::Same:
+      return "<span>  ";
+    case DiffKind::Removed:
+      return "<span class=\"removed\">− ";
+    case DiffKind::Added:
+      return "<span class=\"added\">+ ";
+  }
+  return "<span>  ";
+}
+
+// Which lines to print: every change and its surroundings.
+std::vector<bool> shown_lines(const std::vector<DiffLine>& diff) {
+  std::vector<bool> shown(diff.size(), false);
+  for (std::size_t i = 0; i < diff.size(); ++i) {
+    if (diff[i].kind == DiffKind::Same) continue;
+    const std::size_t from = i - std::min(i, kContext), to = std::min(i + kContext, diff.size() - 1);
+    std::fill(shown.begin() + static_cast<std::ptrdiff_t>(from),
+              shown.begin() + static_cast<std::ptrdiff_t>(to) + 1, true);
+  }
+  return shown;
+}
+
+std::string diff_html(const std::vector<DiffLine>& diff) {
+  const std::vector<bool> shown = shown_lines(diff);
+  std::string html = "<pre class=\"diff\">";
+  for (std::size_t i = 0; i < diff.size();) {
+    if (shown[i]) {
+      html += sign(diff[i].kind) + escaped(diff[i].text) + "</span>";
+      ++i;
+      continue;
+    }
+    std::size_t skipped = 0;
+    for (; i < diff.size() && !shown[i]; ++i) ++skipped;
+    html += fmt::format("<span class=\"skipped\">  … {} unchanged line{}</span>", skipped,
+                        skipped == 1 ? "" : "s");
+  }
+  return html + "</pre>\n";
+}
+
+std::string margin_row(const MarginChange& m) {
+  const int decimals = decimals_for(std::abs(m.limit) / 10);
+  const std::string verdict =
+      m.ok ? "<td class=\"level\">✓ holds</td>" : "<td class=\"level alarm\">■ beyond the limit</td>";
+  return "<tr>" + text_cell(m.plan) + text_cell(name_words(m.quantity)) +
+         number_cell(fixed(m.limit, decimals)) + number_cell(fixed(m.before, decimals)) +
+         number_cell(percent_text(m.before / m.limit)) + number_cell(fixed(m.after, decimals)) +
+         number_cell(percent_text(m.after / m.limit)) + text_cell(m.unit) + verdict + "</tr>\n";
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::string margin_finding(const MarginChange& m) {
+  const int decimals = decimals_for(std::abs(m.limit) / 10);
+  return "Plan " + m.plan + ": " + name_words(m.quantity) + " reaches " + fixed(m.after, decimals, m.unit) +
+         " with the new model; the limit is " + fixed(m.limit, decimals, m.unit) +
+         ", and the old model said " + fixed(m.before, decimals, m.unit) + ".";
+}
+
+std::string gap_effects_section(const GapFinding& finding) {
+  std::string html;
+  for (const FoundEffect& effect : finding.effects) html += effect_block(effect);
+  return section(finding.effects.size() > 1 ? "The effects that were found" : "The effect that was found",
+                 html);
+}
+
+std::string gap_parameters_section(const GapFinding& finding) {
+  if (finding.parameters_changed.empty()) return {};
+  std::string rows;
+  for (const ChangedParameter& p : finding.parameters_changed) rows += changed_row(p);
+  return section(
+      "Baseline parameters that changed",
+      table("The last column is the change in standard deviations of the new value.",
+            {"Parameter", ">Before", ">After", ">95 % interval", "Unit", ">Change", ">Std. devs."}, rows));
+}
+
+std::string gap_diff_section(const GapFinding& finding) {
+  if (finding.model_before.empty() && finding.model_after.empty()) return {};
+  const std::vector<DiffLine> diff = line_diff(finding.model_before, finding.model_after);
+  const bool same =
+      std::all_of(diff.begin(), diff.end(), [](const DiffLine& l) { return l.kind == DiffKind::Same; });
+  return section("The change to the model", same ? paragraph("The model is unchanged.") : diff_html(diff));
+}
+
+std::string gap_margins_section(const GapFinding& finding) {
+  if (finding.margins.empty()) return {};
+  std::string rows;
+  for (const MarginChange& m : finding.margins) rows += margin_row(m);
+  return section(
+      "What it does to the safety margins",
+      table("Dry-runs of the reference plans with the old and with the new model.",
+            {"Plan", "Quantity", ">Limit", ">Used before", ">%", ">Used now", ">%", "Unit", "Verdict"},
+            rows));
+}
+
+std::string gap_method_section(const GapFinding& finding) {
+  const auto fitted = std::count_if(finding.candidates.begin(), finding.candidates.end(),
+                                    [](const GapCandidate& c) { return c.fitted; });
+  std::string html = facts({
+      {"Data set", finding.dataset},
+      {"Input", finding.force_drive ? "measured force" : "voltage of the needle stage"},
+      {"Runs fitted to", listed(finding.training_runs)},
+      {"Runs held out, which decide", listed(finding.held_out_runs)},
+      {"Noise floor", fixed(finding.noise_floor, decimals_for(finding.noise_floor), "mm") +
+                          (finding.noise_given ? ", given by the data set" : ", estimated from the data")},
+      {"Candidates", fmt::format("{} scored, {} of them fitted", finding.candidates.size(), fitted)},
+      {"Work", fixed(finding.seconds, 1, "s")},
+  });
+  if (!finding.warnings.empty()) {
+    html += "<h3>Warnings</h3>\n<ul>\n";
+    for (const std::string& warning : finding.warnings) html += "<li>▲ " + escaped(warning) + "</li>\n";
+    html += "</ul>\n";
+  }
+  return section("Data and method", html);
+}
+
+}  // namespace biopsy::report

@@ -1,0 +1,38 @@
+// The words people read for the names a GapFinding carries, and its numbers in readable units.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim/gap/gap_finding.hpp"
+
+namespace biopsy::report {
+
+std::string_view word(GapVerdict verdict);        // as in gap.json: "no_gap"
+std::string_view badge_word(GapVerdict verdict);  // for people: "Nothing is missing"
+
+std::string name_words(std::string_view name);  // "coulomb_friction" -> "Coulomb friction"
+// The same, but what a letter of the baseline stands for: "c_s" -> "viscous damping of the slider".
+std::string explanation_words(std::string_view name);
+// "after_reversal" -> "after a polarity reversal"; of the motion where a force drives.
+std::string regime_words(std::string_view name, bool force_drive = false);
+std::string candidate_words(const GapCandidate& candidate);
+
+// What a parameter is called, the unit people read it in, and that unit's count in one unit of the file.
+struct ReadableQuantity {
+  std::string words, unit;
+  double per_file_unit = 1.0;
+};
+ReadableQuantity effect_quantity(std::string_view name);    // "speed_mm_s" -> speed, mm/s
+ReadableQuantity baseline_quantity(std::string_view name);  // "d_film" (m) -> film thickness, um
+
+// "0.0300 ± 0.0010": as many digits as the standard deviation allows, three where there is none.
+std::string estimate_text(double value, double std);
+// "0.0280 to 0.0320": value -+ 1.96 standard deviations; an en dash where there is none.
+std::string interval_text(double value, double std);
+
+// Decimals that show `smallest` with two digits, 2 to 5 of them; for lengths in mm that stand side by side.
+int decimals_for(double smallest);
+std::string percent_text(double share);  // "62 %"
+
+}  // namespace biopsy::report

@@ -1,0 +1,164 @@
+#include "robot/report/procedure/console_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robot/common/number_text.hpp"
+#include "robot/common/sanitize_text.hpp"
+#include "robot/report/procedure/verdict.hpp"
+#include "robot/report/procedure/labels.hpp"
+
+namespace biopsy::report {
+namespace {
+
+enum class Side { Left, Right };
+
+// Letters as a terminal shows them: UTF-8 continuation bytes take no room.
+std::size_t letters(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char byte) { return (byte & 0xC0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t width, Side side) {
+  const std::string room(width - std::min(width, letters(text)), ' ');
+  return side == Side::Left ? text + room : room + text;
+}
+
+class Columns {
+ public:
+  explicit Columns(std::vector<Side> sides) : sides_(std::move(sides)), widths_(sides_.size(), 0) {}
+
+  void add(std::vector<std::string> cells) {
+    for (std::size_t i = 0; i < cells.size(); ++i) widths_[i] = std::max(widths_[i], letters(cells[i]));
+    rows_.push_back(std::move(cells));
+  }
+
+  std::string lines(const std::string& heading_start, const std::string& heading_end) const {
+    std::string text;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      std::string line;
+      for (std::size_t i = 0; i < rows_[r].size(); ++i)
+        line.append("  ").append(padded(rows_[r][i], widths_[i], sides_[i]));
+      line.erase(line.find_last_not_of(' ') + 1);
+      text.append(r == 0 ? heading_start : "").append(line).append(r == 0 ? heading_end : "").append("\n");
+    }
+    return text;
+  }
+
+ private:
+  std::vector<Side> sides_;
+  std::vector<std::size_t> widths_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+struct Ink {
+  const char *bold, *alarm, *plain;
+};
+
+Ink ink(bool colour) {
+  return colour ? Ink{"\033[1m", "\033[1;31m", "\033[0m"} : Ink{"", "", ""};
+}
+
+std::string joined(std::initializer_list<std::string> parts) {
+  std::string text;
+  for (const std::string& part : parts)
+    if (!part.empty()) text += (text.empty() ? "" : ", ") + plain(part);
+  return text.empty() ? "–" : text;
+}
+
+std::string layer_list(const Plan& plan) {
+  std::string text;
+  for (const Layer& layer : plan.layers)
+    text += (text.empty() ? "" : " | ") + plain(layer.name) + " " + fixed(layer.from.value, 2) + " to " +
+            fixed(layer.to.value, 2);
+  return text.empty() ? "–" : text + " mm";
+}
+
+std::string what_was_planned(const RunRecord& record) {
+  const SeriesIdentity& series = record.series;
+  std::string text = "  Patient  " + joined({person_name(series.patient_name), series.patient_id}) +
+                     "\n  Series   " +
+                     joined({series.modality, series.description, series.date, record.image_source}) + "\n";
+  for (const std::string& warning : record.image_warnings) text += "  Warning  " + plain(warning) + "\n";
+  if (!record.plan) return text;
+  const Point target = ras_from_lps(record.plan->target.p_ST);
+  return text +
+         fmt::format("  Target   {} deep, at R, A, S {}, {}, {} mm; {} beside the axis\n",
+                     fixed(record.plan->target_depth.value, 2, "mm"), fixed(target.x(), 1),
+                     fixed(target.y(), 1), fixed(target.z(), 1),
+                     fixed(record.plan->axis_offset.value, 2, "mm")) +
+         "  Layers   " + layer_list(*record.plan) + "\n";
+}
+
+std::string image_words(const StageResult& stage) {
+  if (!stage.check) return "–";
+  std::string verdict(word(stage.check->verdict));
+  if (!stage.check->tip_found) return verdict;
+  return fmt::format("{} ± {} {}", fixed(stage.check->depth.value, 2), fixed(stage.check->sigma.value, 2),
+                     verdict);
+}
+
+std::string stage_lines(const RunRecord& record, const Ink& ink) {
+  std::vector<StageResult> stages = record.stages;
+  if (stages.empty() && record.plan)
+    for (const Stage& stage : record.plan->stages) stages.emplace_back().stage = stage;
+  if (stages.empty()) return {};
+  Columns columns({Side::Right, Side::Left, Side::Right, Side::Right, Side::Right, Side::Right, Side::Right,
+                   Side::Left, Side::Left});
+  columns.add({"No", "Stage", "Plan mm", "mm/s", "Reached s", "Laser mm", "RMSE mm", "Image mm", "Layer"});
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const StageResult& s = stages[i];
+    columns.add({std::to_string(i + 1), std::string(word(s.stage.kind)), fixed(s.stage.depth.value, 2),
+                 fixed(s.stage.speed.value, 2), s.reached ? fixed(s.reached_s, 2) : "not",
+                 fixed(s.depth_mm, 3), fixed(s.rmse_settled_mm, 3), image_words(s),
+                 s.layer_at_tip.empty() ? "–" : plain(s.layer_at_tip)});
+  }
+  return columns.lines(ink.bold, ink.plain) + "\n";
+}
+
+std::string gauge(double percent) {
+  constexpr int kMarks = 20;
+  const double shown = std::isfinite(percent) ? std::clamp(percent, 0.0, 100.0) : 0.0;
+  const int full = static_cast<int>(std::lround(shown / 100.0 * kMarks));
+  return "[" + std::string(static_cast<std::size_t>(full), '#') +
+         std::string(static_cast<std::size_t>(kMarks - full), '.') + "]";
+}
+
+std::string limit_lines(const RunRecord& record, const Ink& ink) {
+  if (record.limits.empty()) return {};
+  Columns columns(
+      {Side::Left, Side::Right, Side::Right, Side::Right, Side::Left, Side::Right, Side::Left, Side::Left});
+  columns.add({"Limit", "Used", "Limit", "Margin", "", "Used %", "", ""});
+  for (const LimitUse& use : record.limits) {
+    const double percent = used_percent(use);
+    columns.add({plain(use.name), fixed(use.used, 2), fixed(use.limit, 2), fixed(use.limit - use.used, 2),
+                 plain(use.unit), fixed(percent, 0), gauge(percent),
+                 percent > 100.0 ? "BEYOND THE LIMIT" : ""});
+  }
+  return columns.lines(ink.bold, ink.plain) + "\n";
+}
+
+std::string trip_lines(const RunRecord& record, const Ink& ink) {
+  std::string text;
+  for (const Trip& trip : record.trips)
+    text += fmt::format("  {}Trip{} at {}, {}: {}\n", ink.alarm, ink.plain, fixed(trip.time_s, 3, "s"),
+                        word(trip.stop), plain(trip.reason));
+  return text.empty() ? text : text + "\n";
+}
+
+}  // namespace
+
+std::string console_table(const RunRecord& record, bool colour) {
+  const Ink letters_of = ink(colour);
+  const bool alarm = record.outcome == Outcome::Stopped;
+  return fmt::format("{}{}{}{}\n\n", letters_of.bold, record.simulated ? "SIMULATED  " : "",
+                     plain(record.title), letters_of.plain) +
+         what_was_planned(record) + "\n" + stage_lines(record, letters_of) + limit_lines(record, letters_of) +
+         trip_lines(record, letters_of) +
+         fmt::format("{}{}{}\n", alarm ? letters_of.alarm : letters_of.bold, plain(verdict_sentence(record)),
+                     letters_of.plain);
+}
+
+}  // namespace biopsy::report

@@ -1,0 +1,14 @@
+// The table the command prints after a run: patient and series, target, layers, stages, margins, verdict
+// last. Plain UTF-8 text; with `colour` (a terminal) headings are bold and alarms red. Text from outside
+// cannot move the cursor.
+#pragma once
+
+#include <string>
+
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::report {
+
+std::string console_table(const RunRecord& record, bool colour);
+
+}  // namespace biopsy::report

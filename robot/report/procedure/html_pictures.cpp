@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robot/report/procedure/html_sections.hpp"
+#include "robot/report/plot/needle_overlay.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/sanitize_text.hpp"
+#include "robot/report/plot/png.hpp"
+#include "robot/report/procedure/run_figure.hpp"
+#include "robot/report/procedure/labels.hpp"
+
+namespace biopsy::report {
+namespace {
+
+std::string figure(const std::string& picture, const std::string& caption) {
+  return "<figure>\n" + picture + "\n<figcaption>" + escaped(caption) + "</figcaption>\n</figure>\n";
+}
+
+std::string image(const Picture& picture, const std::string& alt) {
+  return "<img src=\"" + png_data_uri(picture) + "\" alt=\"" + escaped(alt) + "\" />";
+}
+
+OverlayText overlay_text(const RunRecord& record, std::string title) {
+  return {std::move(title), record.simulated ? "SIMULATED" : ""};
+}
+
+std::string planning_picture(const RunRecord& record) {
+  const Picture& slice = record.planning_slice;
+  if (slice.width == 0) return {};
+  if (!record.planning_geometry || !record.plan)
+    return figure(image(slice, "Planning slice through the needle"), "Slice through the needle.");
+  return figure(planning_overlay(slice, *record.planning_geometry, *record.plan,
+                                 overlay_text(record, "Planning slice with entry, path, layers and target")),
+                "Left: slice through the needle. Right: the dashed square enlarged. Cyan ring: entry; "
+                "yellow: path, with a "
+                "tick at each layer boundary; magenta cross: target.");
+}
+
+std::string point(const Point& p) {
+  return fmt::format("{}, {}, {} mm", fixed(p.x(), 1), fixed(p.y(), 1), fixed(p.z(), 1));
+}
+
+std::string plan_facts(const Plan& plan) {
+  const auto row = [](const std::string& name, const std::string& value) {
+    return "<tr><th scope=\"row\">" + name + "</th><td>" + escaped(value) + "</td></tr>\n";
+  };
+  std::string layers;
+  for (const Layer& layer : plan.layers)
+    layers += (layers.empty() ? "" : "; ") + layer.name + " " + fixed(layer.from.value, 2) + " to " +
+              fixed(layer.to.value, 2, "mm");
+  const bool registered = plan.registration_fre_mm > 0;
+  return "<table class=\"facts\">\n<tbody>\n" + row("Target depth", fixed(plan.target_depth.value, 2, "mm")) +
+         row("Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")) +
+         row("Target beside the axis", fixed(plan.axis_offset.value, 2, "mm")) +
+         row("Entry, R, A, S", point(ras_from_lps(plan.target.p_SE))) +
+         row("Target, R, A, S", point(ras_from_lps(plan.target.p_ST))) +
+         row("Layers along the path", layers.empty() ? "–" : layers) +
+         row("Robot to scanner", registered ? "registered: FRE " + fixed(plan.registration_fre_mm, 2, "mm") +
+                                                  ", expected error at the target " +
+                                                  fixed(plan.registration_tre_mm, 2, "mm")
+                                            : "transform as given") +
+         "</tbody>\n</table>\n";
+}
+
+std::string stage_picture(const RunRecord& record, const StageResult& stage, bool after,
+                          const std::string& title) {
+  const Picture& slice = after ? stage.after : stage.before;
+  if (slice.width == 0) return {};
+  if (!stage.geometry) return figure(image(slice, title), title + ".");
+  TipDepths depths{stage.stage.depth, stage.stage.depth, after && stage.check ? &*stage.check : nullptr};
+  if (stage.check && stage.check->tip_found) depths.shown = std::max(depths.shown, stage.check->depth);
+  return figure(tip_overlay(slice, *stage.geometry, depths, overlay_text(record, title)), title + ".");
+}
+
+std::string stage_pictures(const RunRecord& record, std::size_t index) {
+  const StageResult& stage = record.stages[index];
+  if (stage.before.width == 0 && stage.after.width == 0) return {};
+  std::string html = fmt::format("<h3>Stage {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
+                                 word(stage.stage.kind), fixed(stage.stage.depth.value, 2, "mm"));
+  html += stage_picture(record, stage, false, fmt::format("Stage {}, before", index + 1));
+  html += stage_picture(record, stage, true, fmt::format("Stage {}, after, registered to before", index + 1));
+  html += "</div>\n";
+  if (stage.check) html += "<p>" + escaped(stage.check->reason) + "</p>\n";
+  return html;
+}
+
+}  // namespace
+
+std::string plan_section(const RunRecord& record) {
+  const std::string content = planning_picture(record) + (record.plan ? plan_facts(*record.plan) : "");
+  return content.empty() ? "" : "<section>\n<h2>Plan</h2>\n" + content + "</section>\n";
+}
+
+std::string figure_section(const RunRecord& record) {
+  const std::string chart = run_figure(record);
+  if (chart.empty()) return {};
+  return "<section>\n<h2>Run</h2>\n" +
+         figure(chart,
+                "Depth against plan, drive voltage with the permit's envelope, and the supervisor's states. "
+                "Shaded: the "
+                "stages. Dotted: image taken. Dashed level lines: layer boundaries and target.") +
+         "</section>\n";
+}
+
+std::string images_section(const RunRecord& record) {
+  std::string content;
+  for (std::size_t i = 0; i < record.stages.size(); ++i) content += stage_pictures(record, i);
+  if (content.empty()) return {};
+  return "<section>\n<h2>Images before and after</h2>\n" + content +
+         "<p>Cyan ring: entry; magenta cross: planned depth; white dot: tip as found in the image, with a "
+         "bar of ± 2 "
+         "standard deviations.</p>\n</section>\n";
+}
+
+}  // namespace biopsy::report

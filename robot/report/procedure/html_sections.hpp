@@ -1,0 +1,23 @@
+// The sections of report.html, each a finished piece of HTML; empty where the record has nothing for it.
+#pragma once
+
+#include <string>
+
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::report {
+
+// html_tables.cpp
+std::string patient_section(const RunRecord& record);
+std::string stages_section(const RunRecord& record);
+std::string checks_section(const RunRecord& record);
+std::string limits_section(const RunRecord& record);
+std::string trips_section(const RunRecord& record);
+std::string provenance_section(const RunRecord& record);
+
+// html_pictures.cpp
+std::string plan_section(const RunRecord& record);
+std::string figure_section(const RunRecord& record);
+std::string images_section(const RunRecord& record);
+
+}  // namespace biopsy::report

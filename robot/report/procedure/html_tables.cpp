@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/procedure/html_sections.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/sanitize_text.hpp"
+#include "robot/report/procedure/verdict.hpp"
+#include "robot/report/procedure/labels.hpp"
+
+namespace biopsy::report {
+namespace {
+
+using markup::facts, markup::section, markup::table, markup::text_cell;
+
+std::string number_cell(double value, int decimals) {
+  return markup::number_cell(fixed(value, decimals));
+}
+
+std::string stage_row(const StageResult& result, std::size_t number) {
+  const Stage& stage = result.stage;
+  return fmt::format("<tr><td class=\"n\">{}</td><td><strong>{}</strong><br />{}</td>", number,
+                     word(stage.kind), escaped(stage.why)) +
+         number_cell(stage.depth.value, 2) + number_cell(stage.speed.value, 2) +
+         number_cell(stage.v_max.value * 1e-3, 2) +
+         (result.reached ? number_cell(result.reached_s, 2) : "<td class=\"n\">not reached</td>") +
+         number_cell(result.depth_mm, 3) + number_cell(result.rmse_settled_mm, 3) +
+         number_cell(result.overshoot_mm, 3) + text_cell(result.layer_at_tip) + "</tr>\n";
+}
+
+std::string verdict_cell(const DepthCheck& check) {
+  switch (check.verdict) {
+    case DepthVerdict::Accept:
+      return "<td class=\"level\">✓ accept</td>";
+    case DepthVerdict::Unsure:
+      return "<td class=\"level\"><strong>? unsure</strong></td>";
+    case DepthVerdict::Reject:
+      return "<td class=\"level alarm\">■ reject</td>";
+  }
+  return text_cell("");
+}
+
+std::string triple_cell(const double (&values)[3]) {
+  return "<td class=\"level\">" + fixed(values[0], 1) + ", " + fixed(values[1], 1) + ", " +
+         fixed(values[2], 1) + "</td>";
+}
+
+std::string check_row(const StageResult& result, std::size_t number) {
+  const DepthCheck& check = *result.check;
+  const double depth = check.tip_found ? check.depth.value : kUnknown;
+  return fmt::format("<tr><td class=\"n\">{}</td>", number) + verdict_cell(check) + number_cell(depth, 2) +
+         number_cell(check.tip_found ? check.sigma.value : kUnknown, 2) +
+         number_cell(depth - result.depth_mm, 2) + triple_cell(check.shift_mm) +
+         triple_cell(check.rotation_deg) + number_cell(check.registration_score, 3) +
+         number_cell(check.contrast_to_noise, 1) + "<td>" + escaped(check.reason) +
+         (result.hv_switching_during_image ? " The drive switched while the image was taken." : "") +
+         "</td></tr>\n";
+}
+
+// Grey up to the value, a tick at the limit; red and beyond the tick where the limit was passed.
+std::string limit_bar(double percent) {
+  constexpr double kFull = 200.0, kWidest = 110.0;
+  const double shown = std::isfinite(percent) ? std::clamp(percent, 0.0, kWidest) : 0.0;
+  return fmt::format(
+      R"(<svg class="bar" viewBox="0 0 222 18" aria-hidden="true"><rect x="0" y="4" width="{0:.0f}" height="10" )"
+      R"(fill="#ffffff" stroke="#8b959d"/><rect x="0" y="4" width="{1:.1f}" height="10" fill="{2}"/>)"
+      R"(<path d="M{0:.0f} 0v18" stroke="#1d262e" stroke-width="3"/></svg>)",
+      kFull, kFull * shown / 100.0, percent > 100.0 ? "#b00020" : "#55636f");
+}
+
+std::string limit_row(const LimitUse& use) {
+  const double percent = used_percent(use);
+  const std::string share = std::isfinite(percent) ? fixed(percent, 0) + " %" : "–";
+  const std::string note = percent > 100.0   ? "<span class=\"alarm\">■ beyond the limit</span>"
+                           : percent >= 90.0 ? "<strong>▲ close to the limit</strong>"
+                                             : "";
+  return "<tr>" + text_cell(use.name) + number_cell(use.used, 2) + number_cell(use.limit, 2) +
+         text_cell(use.unit) + "<td>" + limit_bar(percent) + "</td><td class=\"n\">" + share + "</td><td>" +
+         note + "</td></tr>\n";
+}
+
+std::string seal_hex(const Sha256& seal) {
+  std::string hex;
+  for (const std::uint8_t byte : seal) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
+
+}  // namespace
+
+std::string patient_section(const RunRecord& record) {
+  const SeriesIdentity& series = record.series;
+  std::string html = facts({{"Patient", person_name(series.patient_name)},
+                            {"Patient ID", series.patient_id},
+                            {"Series", series.description},
+                            {"Modality", series.modality},
+                            {"Date", series.date},
+                            {"Series UID", series.series_uid},
+                            {"Study UID", series.study_uid},
+                            {"Read from", record.image_source}});
+  if (!record.image_warnings.empty()) {
+    html += "<h3>Warnings from reading the image</h3>\n<ul>\n";
+    for (const std::string& warning : record.image_warnings) html += "<li>▲ " + escaped(warning) + "</li>\n";
+    html += "</ul>\n";
+  }
+  return section("Patient and image", html);
+}
+
+std::string stages_section(const RunRecord& record) {
+  std::vector<StageResult> stages = record.stages;
+  if (stages.empty() && record.plan)
+    for (const Stage& stage : record.plan->stages)
+      stages.emplace_back().stage = stage;  // planned, never driven
+  if (stages.empty()) return {};
+  std::string rows;
+  for (std::size_t i = 0; i < stages.size(); ++i) rows += stage_row(stages[i], i + 1);
+  return section(
+      "Stages",
+      table("RMSE is the depth against the stage's target once settled; overshoot is beyond it.",
+            {">No.", "Stage", ">Planned<br />mm", ">Speed<br />mm/s", ">Drive limit<br />kV",
+             ">Reached<br />s", ">Laser<br />mm", ">RMSE<br />mm", ">Overshoot<br />mm", "Layer at tip"},
+            rows));
+}
+
+std::string checks_section(const RunRecord& record) {
+  std::string rows;
+  for (std::size_t i = 0; i < record.stages.size(); ++i)
+    if (record.stages[i].check) rows += check_row(record.stages[i], i + 1);
+  if (rows.empty()) return {};
+  return section(
+      "Image checks",
+      table(
+          "Depth of the tip found in the image alone; the check never sees the laser. Shift and rotation of "
+          "the patient from before to after, axes L, P, S.",
+          {">Stage", "Verdict", ">Depth<br />mm", ">Std. dev.<br />mm", ">Image − laser<br />mm",
+           "Shift<br />mm", "Rotation<br />deg", ">Registration<br />score", ">Contrast<br />to noise",
+           "Reason"},
+          rows));
+}
+
+std::string limits_section(const RunRecord& record) {
+  if (record.limits.empty()) return {};
+  std::string rows;
+  for (const LimitUse& use : record.limits) rows += limit_row(use);
+  return section("Limits and how much was used",
+                 table("The tick at the end of a bar is the hard limit.",
+                       {"Limit", ">Used", ">Limit", "Unit", "Share", ">%", "Note"}, rows));
+}
+
+std::string trips_section(const RunRecord& record) {
+  if (record.trips.empty()) return section("Trips", "<p>None.</p>\n");
+  std::string rows;
+  for (std::size_t i = 0; i < record.trips.size(); ++i)
+    rows += fmt::format("<tr><td class=\"n alarm\">{}</td>", i + 1) + number_cell(record.trips[i].time_s, 3) +
+            text_cell(std::string(word(record.trips[i].stop))) + text_cell(record.trips[i].reason) +
+            "</tr>\n";
+  return section(
+      "Trips", table("Stop categories as in IEC 60204-1.", {">No.", ">Time<br />s", "Stop", "Reason"}, rows));
+}
+
+std::string provenance_section(const RunRecord& record) {
+  std::vector<std::pair<std::string, std::string>> rows{{"Seed", std::to_string(record.seed)}};
+  if (record.plan) rows.emplace_back("Plan seal, SHA-256", seal_hex(record.plan->seal));
+  rows.insert(rows.end(), record.provenance.begin(), record.provenance.end());
+  return section("How to get this report again", facts(rows));
+}
+
+}  // namespace biopsy::report

@@ -1,0 +1,75 @@
+#include "robot/report/procedure/verdict.hpp"
+
+#include <cmath>
+
+#include "robot/common/number_text.hpp"
+
+namespace biopsy::report {
+namespace {
+
+// Refusals are written by many hands; the sentence ends with exactly one full stop.
+std::string ended(std::string text) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
+  if (!text.empty() && text.back() != '.' && text.back() != '!' && text.back() != '?') text += '.';
+  return text;
+}
+
+std::string needle_and_image(const RunRecord& record) {
+  std::string text;
+  if (std::isfinite(record.final_depth_mm)) {
+    text = "needle tip at " + fixed(record.final_depth_mm, 2, "mm");
+    if (!record.layer_at_tip.empty()) text += " in " + record.layer_at_tip;
+  } else {
+    text = "needle depth unknown";
+  }
+  if (std::isfinite(record.image_depth_mm)) {
+    text += "; image says " + fixed(record.image_depth_mm, 2);
+    if (std::isfinite(record.image_depth_sigma_mm)) text += " ± " + fixed(record.image_depth_sigma_mm, 2);
+    text += " mm";
+  } else {
+    text += "; no depth from an image";
+  }
+  if (record.plan) text += "; target " + fixed(record.plan->target_depth.value, 2, "mm");
+  return text;
+}
+
+std::string with_remedy(const RunRecord& record, const std::string& fallback) {
+  std::string text = ended(record.refusal.empty() ? fallback : record.refusal);
+  if (!record.remedy.empty()) text += " What to do: " + ended(record.remedy);
+  return text;
+}
+
+std::string planned_only(const Plan& plan) {
+  return "Planned, not run: target " + fixed(plan.target_depth.value, 2, "mm") + " in " +
+         plan.layer_at(plan.target_depth) + ", " + std::to_string(plan.stages.size()) +
+         " stages. Nothing moved.";
+}
+
+}  // namespace
+
+std::string verdict_sentence(const RunRecord& record) {
+  if (record.outcome == Outcome::Completed && record.samples.empty() && record.plan)
+    return planned_only(*record.plan);
+  switch (record.outcome) {
+    case Outcome::Completed:
+      return "Completed: " + needle_and_image(record) + ".";
+    case Outcome::Refused:
+      return "Refused: " + with_remedy(record, "no reason was given");
+    case Outcome::Stopped:
+      return "Stopped: " + with_remedy(record, "no reason was given") +
+             " At the end: " + needle_and_image(record) + ".";
+  }
+  return "";
+}
+
+const DepthCheck* last_check(const RunRecord& record) {
+  for (auto result = record.stages.rbegin(); result != record.stages.rend(); ++result)
+    if (result->check) return &*result->check;
+  return nullptr;
+}
+
+double used_percent(const LimitUse& use) {
+  return use.limit > 0 ? 100.0 * use.used / use.limit : kUnknown;
+}
+
+}  // namespace biopsy::report

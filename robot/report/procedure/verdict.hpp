@@ -1,0 +1,20 @@
+// What the run came to, in one sentence for a person; the same in HTML, JSON and on the console.
+#pragma once
+
+#include <string>
+
+#include "robot/report/procedure/run_record.hpp"
+
+namespace biopsy::report {
+
+// "Completed: needle tip at 3.51 mm in liver; image says 3.49 ± 0.06 mm; target 3.50 mm."
+// "Refused: ... What to do: ..." and "Stopped: ... What to do: ..." carry the refusal and its remedy.
+std::string verdict_sentence(const RunRecord& record);
+
+// The depth check of the last stage that has one; nullptr where none was made.
+const DepthCheck* last_check(const RunRecord& record);
+
+// Share of the limit that was used, in percent; unknown where the limit is not positive.
+double used_percent(const LimitUse& use);
+
+}  // namespace biopsy::report

@@ -1,0 +1,108 @@
+#include "robot/report/safety_case/argument.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "robot/report/safety_case/gaps.hpp"
+
+namespace biopsy::assurance {
+namespace {
+
+constexpr std::size_t kWidth = 44;  // characters of a line in a box
+
+// A text as a label of graphviz: broken into lines, quoted.
+std::string label(const std::string& title, const std::string& text) {
+  std::string out = title, line;
+  const auto end_line = [&] {
+    if (!line.empty()) out += "\\n" + line;
+    line.clear();
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (line.size() + word.size() + 1 > kWidth) end_line();
+    line += (line.empty() ? "" : " ") + word;
+    at = end + 1;
+  }
+  end_line();
+  std::string quoted;
+  for (const char c : out) quoted += c == '"' ? std::string("\\\"") : std::string(1, c);
+  return "\"" + quoted + "\"";
+}
+
+// As much of a requirement as a box holds: its first clause.
+std::string first_clause(const std::string& text) {
+  return text.substr(0, text.find_first_of(":;."));
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const std::vector<Gap>& gaps) {
+    for (const Gap& gap : gaps) alarmed_.insert(gap.where);
+  }
+  void node(const std::string& id, const std::string& text, const std::string& shape) {
+    const bool alarmed = alarmed_.contains(id);
+    out_ += fmt::format("  \"{}\" [label={} {}{}];\n", id, label(id, text), shape,
+                        alarmed ? " color=\"#b00020\" penwidth=3" : "");
+  }
+  void link(const std::string& from, const std::string& to, const char* style = "") {
+    out_ += fmt::format("  \"{}\" -> \"{}\"{};\n", from, to, style);
+  }
+  std::string text() const {
+    return "digraph argument {\n  rankdir=LR; nodesep=0.12; ranksep=0.9; bgcolor=\"transparent\";\n"
+           "  node [fontname=\"DejaVu Sans\" fontsize=10 color=\"#55636f\" style=filled fillcolor=white];\n"
+           "  edge [color=\"#8b959d\" arrowsize=0.6];\n" +
+           out_ + "}\n";
+  }
+
+ private:
+  std::set<std::string> alarmed_;
+  std::string out_;
+};
+
+std::string solution_text(const Source& source, const std::vector<Finding>& findings) {
+  const Finding* finding = finding_of(findings, source.id);
+  if (finding == nullptr) return "not run";
+  std::string text;
+  for (const Bar& bar : source.bars)
+    if (const auto figure = finding->figures.find(bar.figure); figure != finding->figures.end())
+      text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", bar.name, figure->second);
+  return text.empty() ? source.title : text;
+}
+
+}  // namespace
+
+std::string argument_dot(const SafetyCase& safety_case, const std::vector<Finding>& findings,
+                         const std::vector<Gap>& gaps) {
+  Drawing drawing(gaps);
+  drawing.node("G-1", safety_case.claim, "shape=box");
+  drawing.node("C-1",
+               "software and simulated stage of this build; what is not covered is listed in the report",
+               "shape=box style=\"rounded,filled\"");
+  drawing.node("S-1", "over every hazard that was found, each with what is done against it",
+               "shape=parallelogram");
+  drawing.link("G-1", "C-1", " [arrowhead=empty]");
+  drawing.link("G-1", "S-1");
+  for (const Hazard& hazard : safety_case.hazards) {
+    drawing.node(hazard.id, hazard.name + " is found and answered in time", "shape=box");
+    drawing.link("S-1", hazard.id);
+    for (const std::string& requirement : hazard.requirements) drawing.link(hazard.id, requirement);
+  }
+  for (const Requirement& requirement : safety_case.requirements) {
+    drawing.node(requirement.id, first_clause(requirement.text), "shape=box");
+    const std::size_t tests = tests_for(findings, requirement.id).size();
+    drawing.node("Sn " + requirement.id, fmt::format("{} {}", tests, tests == 1 ? "test" : "tests"),
+                 "shape=circle margin=0.02");
+    drawing.link(requirement.id, "Sn " + requirement.id);
+    for (const std::string& proof : requirement.proofs) drawing.link(requirement.id, proof);
+  }
+  for (const Source& source : safety_case.sources)
+    if (source.kind == SourceKind::Proof || finding_of(findings, source.id) == nullptr)
+      drawing.node(source.id, solution_text(source, findings), "shape=ellipse");
+    else
+      drawing.node(source.id, source.title, "shape=ellipse");
+  return drawing.text();
+}
+
+}  // namespace biopsy::assurance

@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "robot/report/safety_case/case_page.hpp"
+#include "robot/report/safety_case/gaps.hpp"
+
+namespace biopsy::assurance {
+namespace {
+
+using nlohmann::json;
+
+json bar_json(const Source& source, const Bar& bar, const Finding* finding) {
+  json out{{"name", bar.name}, {"evidence", source.id}, {"figure", bar.figure}, {"unit", bar.unit}};
+  if (bar.at_least) out["at_least"] = *bar.at_least;
+  if (bar.at_most) out["at_most"] = *bar.at_most;
+  const bool has = finding != nullptr && finding->figures.contains(bar.figure);
+  out["value"] = has ? json(finding->figures.at(bar.figure)) : json(nullptr);
+  out["met"] = has && is_met(bar, *finding);
+  return out;
+}
+
+json hazard_json(const Hazard& h) {
+  return {{"id", h.id},
+          {"name", h.name},
+          {"cause", h.cause},
+          {"harm", h.harm},
+          {"severity", h.severity},
+          {"detection", h.detection},
+          {"reaction", h.reaction},
+          {"max_time_ms", h.max_time_ms},
+          {"requirements", h.requirements},
+          {"tests", h.tests}};
+}
+
+json requirement_json(const Requirement& requirement, const std::vector<Finding>& findings) {
+  json tests = json::array();
+  for (const TestResult* test : tests_for(findings, requirement.id)) tests.push_back(test->name);
+  return {
+      {"id", requirement.id}, {"text", requirement.text}, {"tests", tests}, {"proofs", requirement.proofs}};
+}
+
+json finding_json(const Finding& f) {
+  return {{"id", f.source},       {"date", f.date},     {"commit", f.commit},   {"code", f.code},
+          {"seconds", f.seconds}, {"passed", f.passed}, {"figures", f.figures}, {"tables", f.tables}};
+}
+
+}  // namespace
+
+std::string case_json(const SafetyCase& safety_case, const std::vector<Finding>& findings,
+                      const std::vector<Gap>& gaps, const Build& build) {
+  json out{
+      {"version", 1},
+      {"claim", safety_case.claim},
+      {"passed", gaps.empty()},
+      {"quick", build.quick},
+      {"build",
+       {{"version", build.version}, {"date", build.date}, {"commit", build.commit}, {"code", build.code}}},
+      {"figures", {{"total_seconds", build.seconds}}},
+      {"bars", json::array()},
+      {"gaps", json::array()},
+      {"hazards", json::array()},
+      {"requirements", json::array()},
+      {"evidence", json::array()},
+      {"not_covered", safety_case.not_covered},
+      {"open", safety_case.open_items}};
+  for (const Source& source : safety_case.sources)
+    for (const Bar& bar : source.bars) {
+      out["bars"].push_back(bar_json(source, bar, finding_of(findings, source.id)));
+      out["figures"][bar.name] = out["bars"].back()["value"];
+    }
+  for (const Gap& gap : gaps) out["gaps"].push_back({{"where", gap.where}, {"what", gap.what}});
+  for (const Hazard& hazard : safety_case.hazards) out["hazards"].push_back(hazard_json(hazard));
+  for (const Requirement& requirement : safety_case.requirements)
+    out["requirements"].push_back(requirement_json(requirement, findings));
+  for (const Finding& finding : findings) out["evidence"].push_back(finding_json(finding));
+  return out.dump(1) + "\n";
+}
+
+std::string case_sentence(const SafetyCase& safety_case, const std::vector<Finding>& findings,
+                          const std::vector<Gap>& gaps, const Build& build) {
+  std::size_t tests = 0;
+  for (const Finding& finding : findings) tests += finding.tests.size();
+  const std::string scope =
+      fmt::format("{} hazards, {} requirements, {} tests, {} programs of evidence",
+                  safety_case.hazards.size(), safety_case.requirements.size(), tests, findings.size());
+  if (!gaps.empty())
+    return fmt::format("The case does not hold: {} {} in {}.", gaps.size(), gaps.size() == 1 ? "gap" : "gaps",
+                       scope);
+  if (build.quick) return fmt::format("No gap in the short subset: {}. It releases nothing.", scope);
+  return fmt::format("The case holds for this build: {}, no gap.", scope);
+}
+
+}  // namespace biopsy::assurance

@@ -1,0 +1,19 @@
+// A design study as a page, as design.json, and as lines for a terminal: the unbeaten designs, the paper's
+// own beside them, every demand with its reason, and what is assumed. Loads nothing, runs no script.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "sim/paper/design/stack_design.hpp"
+
+namespace biopsy::report {
+
+std::string design_html(const DesignStudy& study);
+std::string design_json(const DesignStudy& study);
+std::string design_console(const DesignStudy& study);
+
+// report.html and design.json. Throws SetupError where it cannot write.
+void save_design(const DesignStudy& study, const std::filesystem::path& folder);
+
+}  // namespace biopsy::report

@@ -1,0 +1,120 @@
+#include "robot/report/study/paper_score.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robot/common/number_text.hpp"
+
+namespace biopsy::report {
+namespace {
+
+constexpr const char* kTheory = "2";  // Fig. 2 draws equations
+
+std::string with_unit(const std::string& number, const std::string& unit) {
+  return unit.empty() || unit == "1" || number == "–" ? number : number + " " + unit;
+}
+
+}  // namespace
+
+void PaperScore::add(const PaperRow& row) {
+  if (row.kind == RowKind::Shown) return;
+  const bool trend = row.kind == RowKind::Trend, of_theory = row.figure == kTheory;
+  ++(of_theory ? theory : trend ? trends : numbers);
+  if (row.ok) ++(of_theory ? theory_ok : trend ? trends_ok : numbers_ok);
+  if (of_theory || row.kind != RowKind::AtMost) return;
+  ++bounds;
+  if (row.ok) ++bounds_ok;
+}
+
+PaperScore score_of(const PaperFigure& figure) {
+  PaperScore score;
+  for (const PaperRow& row : figure.rows) score.add(row);
+  return score;
+}
+
+PaperScore score_of(const Reproduction& reproduction) {
+  PaperScore score;
+  for (const PaperFigure& figure : reproduction.figures)
+    for (const PaperRow& row : figure.rows) score.add(row);
+  return score;
+}
+
+std::string score_sentence(const PaperScore& s) {
+  const std::string closed_forms =
+      s.theory > 0 ? fmt::format(", closed forms {} of {}", s.theory_ok, s.theory) : "";
+  const std::string parts =
+      s.bounds > 0 ? fmt::format(" ({} of {} to be met, {} of {} bounds)", s.numbers_ok - s.bounds_ok,
+                                 s.numbers - s.bounds, s.bounds_ok, s.bounds)
+                   : "";
+  return fmt::format("{} of {} of the paper's numbers within their band{}, trends {} of {}{}", s.numbers_ok,
+                     s.numbers, parts, s.trends_ok, s.trends, closed_forms);
+}
+
+bool is_missed(const PaperRow& row) {
+  return row.kind != RowKind::Shown && !row.ok;
+}
+
+std::vector<const PaperRow*> missed_rows(const Reproduction& reproduction) {
+  std::vector<const PaperRow*> missed;
+  for (const PaperFigure& figure : reproduction.figures)
+    for (const PaperRow& row : figure.rows)
+      if (is_missed(row)) missed.push_back(&row);
+  return missed;
+}
+
+std::string paper_text(const PaperRow& row) {
+  // The paper's numbers as it prints them; what a shown row starts from is a result of ours.
+  const std::string printed = std::isfinite(row.paper) ? fmt::format("{:g}", row.paper) : "–";
+  switch (row.kind) {
+    case RowKind::Number:
+      return with_unit(printed, row.unit);
+    case RowKind::AtMost:
+      return "at most " + with_unit(printed, row.unit);
+    case RowKind::Trend:
+      return "as stated";
+    case RowKind::Shown:
+      return with_unit(three_digits(row.paper), row.unit);
+  }
+  return {};
+}
+
+std::string ours_text(const PaperRow& row) {
+  if (row.kind == RowKind::Trend) return row.ok ? "holds" : "does not hold";
+  return with_unit(three_digits(row.ours), row.unit);
+}
+
+std::string band_text(const PaperRow& row) {
+  return row.kind == RowKind::Number ? fmt::format("± {:g} %", rounded(100.0 * row.band, 4)) : "–";
+}
+
+std::string verdict_text(const PaperRow& row) {
+  if (row.kind == RowKind::Shown) return "· shown";
+  if (!row.ok) return "■ missed";
+  return row.kind == RowKind::Trend ? "✓ as stated" : "✓ within";
+}
+
+std::string kind_name(RowKind kind) {
+  switch (kind) {
+    case RowKind::Number:
+      return "number";
+    case RowKind::AtMost:
+      return "at_most";
+    case RowKind::Trend:
+      return "trend";
+    case RowKind::Shown:
+      return "shown";
+  }
+  return {};
+}
+
+std::string three_digits(double value) {
+  if (!std::isfinite(value)) return "–";
+  if (value == 0.0) return "0";
+  const double size = std::abs(value);
+  if (size < 1e-4 || size >= 1e6) return fmt::format("{:.1e}", value);
+  return fixed(value, std::clamp(2 - static_cast<int>(std::floor(std::log10(size))), 0, 6));
+}
+
+}  // namespace biopsy::report

@@ -1,0 +1,116 @@
+#include "robot/security/cyclone_xml.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robot/security/key_files.hpp"
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::keys {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Debian keeps the plugins in a folder that its loader does not search. An empty answer leaves the search to
+// the loader, as an installation from source wants it.
+fs::path plugin_folder() {
+#if defined(__aarch64__)
+  const fs::path debian = "/usr/lib/aarch64-linux-gnu/libddsc0debian";
+#else
+  const fs::path debian = "/usr/lib/x86_64-linux-gnu/libddsc0debian";
+#endif
+  std::error_code ignored;
+  return fs::is_directory(debian, ignored) ? debian : fs::path();
+}
+
+// A path with a slash is taken as it is; a bare name gets "lib" and ".so" from Cyclone DDS.
+std::string plugin(const std::string& name) {
+  const fs::path folder = plugin_folder();
+  return folder.empty() ? name : (folder / ("lib" + name + ".so")).string();
+}
+
+// Cyclone DDS puts variables of the environment into every value that holds "${", drops " from paths and
+// turns \ into /; it knows no escape for any of them.
+std::string escaped(const std::string& value) {
+  const bool unusable = std::any_of(value.begin(), value.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\\';
+  });
+  if (unusable || value.find("${") != std::string::npos)
+    throw SetupError("cannot stand in a configuration of Cyclone DDS", value,
+                     "choose a name without ${, quotation marks, backslashes and control characters");
+  std::string text;
+  for (const char c : value) {
+    switch (c) {
+      case '&':
+        text += "&amp;";
+        break;
+      case '<':
+        text += "&lt;";
+        break;
+      case '>':
+        text += "&gt;";
+        break;
+      case '\'':
+        text += "&apos;";
+        break;
+      default:
+        text += c;
+    }
+  }
+  return text;
+}
+
+// With nothing but the loopback interface up; multicast is neither needed nor tried.
+constexpr const char* kThisMachine =
+    R"(<General><Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>)"
+    R"(<AllowMulticast>false</AllowMulticast><MaxMessageSize>65500B</MaxMessageSize></General>)";
+
+// Multicast finds the others; the data goes to who reads it, and to nobody else.
+std::string on_network(const std::string& interface) {
+  return fmt::format(
+      R"(<General><Interfaces><NetworkInterface name="{}"/></Interfaces>)"
+      R"(<AllowMulticast>spdp</AllowMulticast><MaxMessageSize>65500B</MaxMessageSize></General>)",
+      escaped(interface));
+}
+
+// By itself Cyclone DDS finds nine participants on one host.
+std::string discovery(const CycloneOptions& options) {
+  std::string text =
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+      "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>";
+  if (options.domain_on_wire)
+    text += fmt::format("<ExternalDomainId>{}</ExternalDomainId>", *options.domain_on_wire);
+  if (options.interface.empty()) text += R"(<Peers><Peer Address="127.0.0.1"/></Peers>)";
+  return text + "</Discovery>";
+}
+
+std::string library(const std::string& name, const std::string& subject) {
+  return fmt::format(R"(<Library path="{}" initFunction="init_{}" finalizeFunction="finalize_{}"/>)",
+                     escaped(plugin(name)), subject, subject);
+}
+
+std::string file(const char* element, const fs::path& path) {
+  return fmt::format("<{0}>file:{1}</{0}>", element, escaped(fs::absolute(path).string()));
+}
+
+std::string security(const Security& keys) {
+  const RoleFiles files = role_files(keys.folder, keys.role);
+  return "<Security><Authentication>" + library("dds_security_auth", "authentication") +
+         file("IdentityCA", files.identity_ca) + file("IdentityCertificate", files.identity) +
+         file("PrivateKey", files.private_key) + "</Authentication><AccessControl>" +
+         library("dds_security_ac", "access_control") + file("PermissionsCA", files.permissions_ca) +
+         file("Governance", files.governance) + file("Permissions", files.permissions) +
+         "</AccessControl><Cryptographic>" + library("dds_security_crypto", "crypto") +
+         "</Cryptographic></Security>";
+}
+
+}  // namespace
+
+std::string cyclone_xml(const CycloneOptions& options) {
+  return R"(<CycloneDDS xmlns="https://cdds.io/config"><Domain Id="any">)" +
+         (options.interface.empty() ? kThisMachine : on_network(options.interface)) + discovery(options) +
+         (options.security ? security(*options.security) : "") + "</Domain></CycloneDDS>";
+}
+
+}  // namespace biopsy::keys

@@ -1,0 +1,65 @@
+#include "robot/security/whole_set.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace biopsy::keys {
+namespace {
+
+namespace fs = std::filesystem;
+
+// False as well where one may not look.
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void refuse_another_ca(FileVerdict& verdict, const RoleFiles& first) {
+  for (const fs::path& ca : {first.identity_ca, first.permissions_ca}) {
+    if (!verdict.problem.empty() || verdict.file.filename() != ca.filename()) continue;
+    if (content(verdict.file) == content(ca)) continue;
+    verdict.problem =
+        fmt::format("is of another set than {}", (ca.parent_path().filename() / ca.filename()).string());
+    verdict.remedy =
+        "copy the folders of all roles from one set, or make new keys: biopsy keys init --replace";
+  }
+}
+
+}  // namespace
+
+std::vector<Role> roles_present(const fs::path& folder) {
+  std::vector<Role> present;
+  for (const Role role : kRoles)
+    if (is_there(folder / name_of(role))) present.push_back(role);
+  return present;
+}
+
+std::vector<FileVerdict> inspect_set(const fs::path& folder, std::span<const Role> roles,
+                                     std::chrono::sys_seconds now) {
+  std::vector<FileVerdict> all;
+  for (const Role role : roles) {
+    for (FileVerdict& verdict : inspect_keys(folder, role, now)) {
+      refuse_another_ca(verdict, role_files(folder, roles.front()));
+      all.push_back(std::move(verdict));
+    }
+  }
+  for (const Signer signer : kSigners) {
+    if (!is_there(signing_files(folder, signer).private_key.parent_path())) continue;
+    for (FileVerdict& verdict : inspect_signing_keys(folder, signer)) all.push_back(std::move(verdict));
+  }
+  return all;
+}
+
+void check_set(const fs::path& folder, std::span<const Role> roles, std::chrono::sys_seconds now) {
+  refuse_the_first_problem(inspect_set(folder, roles, now));
+}
+
+}  // namespace biopsy::keys

@@ -1,0 +1,220 @@
+#include "safety/decide.hpp"
+
+#include <algorithm>
+
+#include "safety/types/limits.hpp"
+#include "safety/types/thresholds.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+constexpr HazardSet kLocking = locking_hazards();
+constexpr HazardSet kC0 = hazards_with(StopCategory::C0Off);
+constexpr HazardSet kC1 = hazards_with(StopCategory::C1Ramp);
+
+constexpr StopCategory needed_stop(HazardSet hazards) {
+  if ((hazards & kC0) != 0) return StopCategory::C0Off;
+  if ((hazards & kC1) != 0) return StopCategory::C1Ramp;
+  if (hazards != 0) return StopCategory::C2Hold;
+  return StopCategory::None;
+}
+
+bool is_locked_out(const Tick& t) {
+  return (t.hazards & kLocking) != 0;
+}
+
+// Whether the needle may go on from here: inside a stage always, past its end only with what the plan asks
+// for.
+Refusal refusal_to_go_on(const Tick& t) {
+  if (t.stop != StopCategory::None) return Refusal::Unhealthy;
+  if (!t.state.stage_done) return Refusal::None;
+  const std::uint32_t stages = std::min<std::uint32_t>(t.plan.stage_count, kMaxStages);
+  if (stages == 0 || t.state.stage >= stages - 1) return Refusal::PlanDone;
+  if (!t.plan.stages[t.state.stage].image_confirms) return Refusal::None;
+  const bool accepted = t.input.depth_accepted && t.input.accepted_stage == t.state.stage;
+  return accepted ? Refusal::None : Refusal::DepthNotAccepted;
+}
+
+// The button of the present motion was let go, another was pressed, or the console fell silent.
+bool is_released(const Tick& t) {
+  const MotionPress& motion = t.input.motion;
+  const bool let_go = motion.token == t.state.token && motion.token != 0 && !motion.held;
+  return let_go || motion.token > t.state.token || t.state.ticks_since_held >= kHeldTimeout_ticks;
+}
+
+bool is_stage_reached(const Tick& t) {
+  return t.input.request.stage_reached && t.input.request.stage == t.state.stage;
+}
+
+Event event_in_boot(const Tick& t) {
+  if (is_locked_out(t)) return Event::Lockout;
+  if (t.input.self_test == SelfTest::Failed) return Event::Lockout;
+  if (t.ticks >= kBootMax_ticks) return Event::Lockout;
+  if (t.input.self_test == SelfTest::Passed && t.input.evidence.zero_volts) return Event::SelfTestPassed;
+  return Event::None;
+}
+
+Event event_in_safe(const Tick& t) {
+  if (is_locked_out(t)) return Event::Lockout;
+  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
+  if (t.stop == StopCategory::None) return Event::Healthy;
+  return Event::None;
+}
+
+Event event_in_ready(const Tick& t) {
+  if (is_locked_out(t)) return Event::Lockout;
+  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
+  if (t.hazards != 0) return Event::Unhealthy;
+  if (t.stop != StopCategory::None) return Event::Stop;
+  if (t.arm_edge) return Event::Arm;
+  return Event::None;
+}
+
+Event event_in_armed(const Tick& t) {
+  if (t.stop == StopCategory::C0Off) return Event::Fault;
+  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
+  if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
+  if (t.stop == StopCategory::C2Hold) return Event::Stop;
+  if (t.ticks >= limits::kArmedMax_ms) return Event::ArmedTooLong;
+  if (t.pressed) return Event::Move;
+  return Event::None;
+}
+
+Event event_in_active(const Tick& t) {
+  if (t.stop == StopCategory::C0Off) return Event::Fault;
+  if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
+  if (t.input.request.finished) return Event::Finished;
+  if (is_stage_reached(t)) return Event::StageReached;
+  if (t.stop == StopCategory::C2Hold) return Event::Stop;
+  if (is_released(t)) return Event::Stop;
+  return Event::None;
+}
+
+Event event_in_hold(const Tick& t) {
+  if (t.stop == StopCategory::C0Off) return Event::Fault;
+  if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
+  if (t.input.request.finished) return Event::Finished;
+  if (t.ticks >= limits::kHoldMax_ms) return Event::HoldTooLong;
+  if (t.pressed && refusal_to_go_on(t) == Refusal::None) return Event::Move;
+  return Event::None;
+}
+
+Event event_in_retract(const Tick& t) {
+  if (t.stop == StopCategory::C0Off) return Event::Fault;
+  if (t.input.evidence.zero_volts) return Event::VoltageGone;
+  if (t.ticks >= limits::kRampTime_ms) return Event::RampTooLong;
+  return Event::None;
+}
+
+Refusal refusal_to_reset(const Tick& t) {
+  if (t.state.mode != Mode::Trip) return Refusal::NotTripped;
+  if (!t.input.evidence.zero_volts) return Refusal::VoltageLeft;
+  if (!t.input.evidence.needle_home) return Refusal::NeedleOut;
+  if (t.stop != StopCategory::None) return Refusal::Unhealthy;
+  return Refusal::None;
+}
+
+Event event_in_trip(const Tick& t) {
+  if (is_locked_out(t)) return Event::Lockout;
+  if (t.reset_edge && refusal_to_reset(t) == Refusal::None) return Event::Reset;
+  return Event::None;
+}
+
+Refusal refusal_to_arm(const Tick& t) {
+  if (t.stop != StopCategory::None) return Refusal::Unhealthy;
+  if (t.state.mode != Mode::Ready) return Refusal::NotReady;
+  return Refusal::VoltageLeft;  // in this very tick: else it would be armed
+}
+
+// Of a press that was not followed.
+Refusal refusal_to_move(const Tick& t) {
+  if (t.state.mode != Mode::Armed && t.state.mode != Mode::Hold) return Refusal::NotArmed;
+  if (!t.pressed) return Refusal::TokenSpent;
+  const Refusal refusal = refusal_to_go_on(t);
+  return refusal == Refusal::None ? Refusal::NotArmed : refusal;  // the mode ends in this very tick
+}
+
+}  // namespace
+
+Tick tick_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+  const HazardSet hazards = input.evidence.hazards();
+  return {plan,
+          state,
+          input,
+          hazards,
+          std::min(std::max(input.stop, needed_stop(hazards)), StopCategory::C0Off),
+          std::min(state.ticks_in_mode, limits::kArmedMax_ms) + 1,
+          input.motion.held && input.motion.token > state.token,
+          input.local_arm && !state.arm_was_down,
+          input.local_reset && !state.reset_was_down};
+}
+
+Event event_of(const Tick& t) {
+  switch (t.state.mode) {
+    case Mode::Boot:
+      return event_in_boot(t);
+    case Mode::Safe:
+      return event_in_safe(t);
+    case Mode::Ready:
+      return event_in_ready(t);
+    case Mode::Armed:
+      return event_in_armed(t);
+    case Mode::Active:
+      return event_in_active(t);
+    case Mode::Hold:
+      return event_in_hold(t);
+    case Mode::Retract:
+      return event_in_retract(t);
+    case Mode::Trip:
+      return event_in_trip(t);
+    case Mode::Lock:
+      return Event::None;
+  }
+  return Event::Fault;
+}
+
+// Answers the requests of this tick, those that matter most first.
+Refusal refusal_of(const Tick& t, Event event) {
+  const bool heartbeat = t.state.mode == Mode::Active && t.input.motion.token <= t.state.token;
+  const bool press = t.input.motion.held && t.input.motion.token != 0 && !heartbeat;
+  const bool remote = t.input.remote_arm || t.input.remote_reset;
+  if (event == Event::Reset || event == Event::Arm || event == Event::Move) return Refusal::None;
+  if (t.state.mode == Mode::Lock && (t.reset_edge || t.arm_edge || press || remote)) return Refusal::Locked;
+  if (remote) return Refusal::OnlyLocal;
+  if (t.reset_edge) return refusal_to_reset(t);
+  if (t.arm_edge) return refusal_to_arm(t);
+  if (press) return refusal_to_move(t);
+  return Refusal::None;
+}
+
+std::string_view name_of(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::None:
+      return "none";
+    case Refusal::Locked:
+      return "locked: restart and service only";
+    case Refusal::OnlyLocal:
+      return "arm and reset only work on the device itself";
+    case Refusal::NotTripped:
+      return "nothing to reset";
+    case Refusal::VoltageLeft:
+      return "voltage is not zero";
+    case Refusal::NeedleOut:
+      return "needle has not returned";
+    case Refusal::Unhealthy:
+      return "a hazard or a stop is present";
+    case Refusal::NotReady:
+      return "not ready";
+    case Refusal::NotArmed:
+      return "not armed";
+    case Refusal::TokenSpent:
+      return "release the button and press again";
+    case Refusal::DepthNotAccepted:
+      return "the depth check of this stage has not been accepted";
+    case Refusal::PlanDone:
+      return "the plan has no further stage";
+  }
+  return "unknown refusal";
+}
+
+}  // namespace biopsy::safety

@@ -1,0 +1,26 @@
+// How detectors count: bounded, so that the reachable states are finite.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "safety/types/hazards.hpp"
+#include "safety/types/thresholds.hpp"
+
+namespace biopsy::safety {
+
+constexpr HazardSet when(bool condition, Hazard hazard) {
+  return condition ? bit(hazard) : HazardSet{0};
+}
+
+// Ticks in a row that something has been present.
+constexpr std::int32_t counted(std::int32_t count, bool present, std::int32_t most) {
+  return present ? std::min(count + 1, most) : 0;
+}
+
+// Wrong +2, right -1: an isolated slip is forgiven, a second one soon after is not.
+constexpr std::int32_t scored(std::int32_t score, bool right) {
+  return right ? std::max(score - 1, 0) : std::min(score + kScoreWrong, kScoreMax);
+}
+
+}  // namespace biopsy::safety

@@ -1,0 +1,70 @@
+// Watches the needle: too deep, too fast, breaking through, falling back, not returning; and whether the
+// sensor that says so can be believed.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "safety/types/hazards.hpp"
+#include "safety/types/observation.hpp"
+#include "safety/types/plan_facts.hpp"
+#include "safety/types/thresholds.hpp"
+
+namespace biopsy::safety {
+
+// Depths of the last ticks with two running sums of eight: the velocity is the difference of their means, so
+// that laser noise of 10 um leaves 0.6 mm/s on it. Lags by 8 ms.
+struct DepthHistory {
+  static constexpr std::int32_t kSpan_ticks = 10;  // over which a break-through is judged
+  std::array<std::int32_t, 32> depth_um{};
+  std::uint32_t next = 0;
+  std::int32_t newest = 0, before = 0;  // sums of samples 0-7 and 8-15 back
+
+  void fill(std::int32_t depth);
+  void push(std::int32_t depth);
+  std::int64_t velocity_um_per_s() const { return std::int64_t{newest - before} * 125 / 8; }
+  std::int32_t latest_um() const { return depth_um[(next - 1) % 32]; }
+  std::int32_t surely_um() const {  // reached by both of the last two samples: one may be a spike
+    return std::min(latest_um(), depth_um[(next - 2) % 32]);
+  }
+  std::int32_t advance_um() const { return latest_um() - depth_um[(next - 1 - kSpan_ticks) % 32]; }
+};
+
+// Smallest and largest |V| of the last 500 ms, in blocks of 50 ms, so that dynamics do not look like a wrong
+// sensor.
+struct DriveWindow {
+  static constexpr std::int32_t kBlock_ticks = 50, kBlocks = 10;
+  std::array<std::int32_t, kBlocks> low_mV{}, high_mV{};
+  std::int32_t block = 0, ticks = 0;
+  std::int32_t past_low_mV = 0, past_high_mV = 0;  // over the finished blocks
+  void push(std::int32_t drive_mV);
+  std::int32_t lowest_mV() const;
+  std::int32_t highest_mV() const;
+};
+
+struct DepthWatch {
+  HazardSet found = 0;  // of the depth; stands until the next valid one
+  bool needle_home = false;
+  DepthHistory history;
+  DriveWindow window;
+  DepthRange range;  // plausible at range_low/high_mV, to look it up only on change
+  std::int32_t range_low_mV = -1, range_high_mV = -1;
+  std::uint64_t range_tag = 0;
+  std::int32_t dropout_ticks = kDropout_ticks;  // nothing seen yet
+  std::int32_t over_ticks = 0, hard_ticks = 0, stage_ticks = 0, pop_ticks = 0, implausible_ticks = 0;
+  std::int32_t not_back_ticks = 0;
+  std::int32_t deepest_um = 0, sunk_ticks = 0;  // since the drive was last lowered
+  std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;
+};
+
+struct DepthFindings {
+  HazardSet found = 0;
+  bool needle_home = false;
+};
+
+// `zero_volts`: as the drive watch found it in this tick.
+DepthFindings look(const PlanFacts& plan, DepthWatch& watch, const Observation& seen, bool fresh,
+                   bool zero_volts);
+
+}  // namespace biopsy::safety

@@ -1,0 +1,20 @@
+#include "safety/monitors/evidence.hpp"
+
+namespace biopsy::safety {
+
+Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen) {
+  const LinkFindings link = look(plan, memory.link, seen);
+  const bool stale = (link.found & bit(Hazard::SensorStale)) != 0;
+  const DriveFindings drive = look(plan, memory.drive, seen, link.fresh, stale);
+  const DepthFindings depth = look(plan, memory.depth, seen, link.fresh, drive.zero_volts);
+  Evidence evidence;
+  evidence.clear = ~(link.found | drive.found | depth.found) & kAllHazards;
+  evidence.zero_volts = drive.zero_volts;
+  evidence.needle_home = depth.needle_home;
+  evidence.image_disturbed = drive.image_disturbed;
+  evidence.drive_mV = drive.drive_mV;
+  evidence.ceiling_mV = drive.ceiling_mV;
+  return evidence;
+}
+
+}  // namespace biopsy::safety

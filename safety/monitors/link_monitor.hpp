@@ -1,0 +1,46 @@
+// Watches what connects the parts: clocks, message numbers, challenge answers, writers, emergency stop, log,
+// the sealed plan and its confirmations.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "safety/types/hazards.hpp"
+#include "safety/types/observation.hpp"
+#include "safety/types/plan_facts.hpp"
+#include "safety/types/thresholds.hpp"
+
+namespace biopsy::safety {
+
+struct LinkWatch {
+  bool clock_read = false;
+  std::int64_t now_us = 0;
+  // measurements
+  std::uint32_t seq = 0;
+  std::int64_t stage_us = 0;
+  std::int32_t stale_ticks = kStale_ticks + 1;  // nothing seen yet
+  std::int32_t order_score = 0;
+  // challenge
+  std::uint32_t answered_seq = 0;
+  std::int32_t answer_score = kScoreMax;  // nothing proven yet
+  std::array<Mode, 8> permit_mode{};      // of the last permits, by seq modulo 8
+  // controller
+  std::uint32_t request_seq = 0;
+  std::int32_t silent_ticks = kStale_ticks + 1;
+  std::uint32_t overruns = 0;
+  std::int32_t miss_score = 0;
+  // emergency stop, tissue, plan
+  std::int32_t estop_differs_ticks = 0;
+  bool estop_latched = false;  // until both contacts were seen open together
+  std::int32_t residual_ticks = 0;
+  bool plan_plausible = false;
+};
+
+struct LinkFindings {
+  HazardSet found = 0;
+  bool fresh = false;  // the measurement is new and may be used
+};
+
+LinkFindings look(const PlanFacts& plan, LinkWatch& watch, const Observation& seen);
+
+}  // namespace biopsy::safety

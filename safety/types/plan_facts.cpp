@@ -1,0 +1,90 @@
+#include "safety/types/plan_facts.hpp"
+
+#include <algorithm>
+
+#include "safety/types/limits.hpp"
+#include "safety/types/thresholds.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+constexpr bool is_within(std::int32_t value, std::int32_t low, std::int32_t high) {
+  return value >= low && value <= high;
+}
+
+// A slew of less than 1 V/ms could not cross the stroke within a hold; less than 100 um is no stage but a
+// slip of units.
+constexpr std::int32_t kStageMin_um = 100, kSlewMin_mV = 1'000;
+
+bool is_plausible(const StagePermit& stage, std::int32_t plan_depth_max_um) {
+  return is_within(stage.depth_max_um, kStageMin_um, plan_depth_max_um) &&
+         is_within(stage.v_max_mV, limits::kZeroVolt_mV, limits::kDriveMax_mV) &&
+         is_within(stage.slew_up_mV_per_tick, kSlewMin_mV, limits::kSlewUpMax_mV_per_tick);
+}
+
+bool is_plausible(const PlausibleBand& band) {
+  return is_within(band.drive_mV, 0, limits::kMonitorTrip_mV) &&
+         is_within(band.low_um, -limits::kStroke_um, 2 * limits::kStroke_um) &&
+         is_within(band.high_um, band.low_um, 2 * limits::kStroke_um);
+}
+
+// A depth that a band may mean, whatever stands there: what is interpolated cannot overflow.
+constexpr std::int32_t bounded_um(std::int32_t um) {
+  return std::clamp(um, -limits::kStroke_um, 2 * limits::kStroke_um);
+}
+
+constexpr DepthRange range_of(const PlausibleBand& band) {
+  return {bounded_um(band.low_um), bounded_um(band.high_um)};
+}
+
+std::int32_t between(std::int64_t from, std::int64_t to, std::int64_t part, std::int64_t whole) {
+  return static_cast<std::int32_t>(from + (to - from) * part / whole);
+}
+
+DepthRange plausible_at(const PlanFacts& plan, std::int32_t drive_mV) {
+  if (plan.band_count == 0) return {};
+  const std::size_t count = plan.band_count < kMaxBands ? plan.band_count : kMaxBands;
+  std::size_t above = 0;
+  while (above < count && plan.bands[above].drive_mV < drive_mV) ++above;
+  if (above == 0) return range_of(plan.bands[0]);
+  if (above == count) return range_of(plan.bands[count - 1]);
+  const PlausibleBand& a = plan.bands[above - 1];
+  const PlausibleBand& b = plan.bands[above];
+  const std::int64_t part = std::int64_t{drive_mV} - a.drive_mV,
+                     whole = std::int64_t{b.drive_mV} - a.drive_mV;
+  const DepthRange from = range_of(a), to = range_of(b);
+  return {between(from.low_um, to.low_um, part, whole), between(from.high_um, to.high_um, part, whole)};
+}
+
+}  // namespace
+
+bool is_plausible(const PlanFacts& plan) {
+  if (plan.bench_half_period_ticks != half_period_ticks(plan) && plan.bench_half_period_ticks != 0)
+    return false;
+  if (!is_within(plan.depth_max_um, kStageMin_um, limits::kStroke_um)) return false;
+  if (!is_within(plan.tissue_residual_max_um, 1, limits::kStroke_um)) return false;
+  if (plan.stage_count == 0 || plan.stage_count > kMaxStages) return false;
+  if (plan.band_count == 0 || plan.band_count > kMaxBands) return false;
+  for (std::size_t i = 0; i < plan.stage_count; ++i)
+    if (!is_plausible(plan.stages[i], plan.depth_max_um)) return false;
+  for (std::size_t i = 0; i < plan.band_count; ++i)
+    if (!is_plausible(plan.bands[i])) return false;
+  for (std::size_t i = 1; i < plan.band_count; ++i)
+    if (plan.bands[i].drive_mV <= plan.bands[i - 1].drive_mV) return false;
+  const std::int32_t judged_up_to_mV = plan.bands[plan.band_count - 1].drive_mV;
+  for (std::size_t i = 0; i < plan.stage_count; ++i)
+    if (plan.stages[i].v_max_mV > judged_up_to_mV) return false;
+  return true;
+}
+
+std::int32_t half_period_ticks(const PlanFacts& plan) {
+  const bool own =
+      is_within(plan.bench_half_period_ticks, kBenchHalfPeriodMin_ticks, kBenchHalfPeriodMax_ticks);
+  return own ? plan.bench_half_period_ticks : kHalfPeriod_ticks;
+}
+
+DepthRange plausible_depth(const PlanFacts& plan, std::int32_t drive_low_mV, std::int32_t drive_high_mV) {
+  return {plausible_at(plan, drive_low_mV).low_um, plausible_at(plan, drive_high_mV).high_um};
+}
+
+}  // namespace biopsy::safety

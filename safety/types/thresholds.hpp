@@ -1,0 +1,90 @@
+// Thresholds of the detectors, each with its reason. Constants of the build; the limits of the robot itself
+// are in safety/types/limits.hpp. Times are counted in ticks of 1 ms.
+#pragma once
+
+#include <cstdint>
+
+namespace biopsy::safety {
+
+// Clocks and messages
+// Safety concept: dt > 5 ms is a jump (and so is dt <= 0).
+inline constexpr std::int64_t kClockStepMax_us = 5'000;
+inline constexpr std::int32_t kStale_ticks = 3;  // safety concept: sensor stale > 3 ms; the same for requests
+inline constexpr std::int64_t kInterlock_us = 20'000;  // safety concept: HV off 20 ms after either side stops
+// Wrong +2, right -1, above 2 trips.
+inline constexpr std::int32_t kScoreWrong = 2, kScoreTrip = 2, kScoreMax = 4;
+inline constexpr std::uint32_t kAnswerWindow = 5;  // permits: as long as one lives (5 ms)
+// The third missed period within 100 ms: a miss adds 100, a tick takes 1.
+inline constexpr std::int32_t kMiss = 100, kMissTrip = 200, kMissMax = 400;
+// A step of the stage's clock that is as long has left a period out: its next tick comes a quarter of a
+// period later at the soonest. How long one stall may be is for kStale_ticks to say.
+inline constexpr std::int64_t kStageLate_us = 1'750;
+inline constexpr std::int32_t kEStopDisagree_ticks = 20;  // safety concept: two contacts of one button
+inline constexpr std::int32_t kLogBacklog_ms = 1'000;     // safety concept
+inline constexpr std::int32_t kPatientMotion_um = 2'000;  // safety concept
+// Longer than the jump of a puncture, and ten times the reaction to anything quick.
+inline constexpr std::int32_t kSuspect_ticks = 100;
+inline constexpr std::int32_t kWrongModel_ticks = 1'100;  // held a second and still unlike the plan
+
+// Voltage
+inline constexpr std::int32_t kOverVoltage_ticks = 2;       // one sample may be a spike of the converter
+inline constexpr std::int32_t kDisagree_ticks = 3;          // safety concept: > 3 % for 3 ms
+inline constexpr std::int32_t kDisagree_percent = 3;        // monitor noise is 0.2 %
+inline constexpr std::int32_t kDisagreeFloor_mV = 100'000;  // 1 % of the amplifier's 10 kV: its offset error
+inline constexpr std::int32_t kDisobey_ticks = 3;           // two ticks of transport are allowed
+// Three ticks of a C1 ramp from 8 kV (32 V each), doubled
+inline constexpr std::int32_t kDisobey_mV = 200'000;
+inline constexpr std::int32_t kZero_ticks = 3;        // measured zero must last
+inline constexpr std::int32_t kResidual_ticks = 200;  // safety concept: > 100 V 200 ms after off
+// Arc. i = C1 d(u_i - u_o)/dt. Leakage makes u_o follow u_i with 0 <= K <= 1, so that the mean current of a
+// tick is at most C1 |dV| / T: 2 nF over 1 ms is 2 nA for each mV of commanded change, whatever K (a flip of
+// 16 kV: 32 mA). The decay of u_o between samples adds C1 |u_o| / tau <= 2 nF 8 kV / 6.9 s = 2.3 uA, inside
+// the margin. A step may show in the tick it was put out or, with lag of amplifier and monitor, in the next
+// two: the largest of three counts.
+inline constexpr std::int64_t kCapacitive_nA_per_mV = 2;
+// 2.5 % of the amplifier's 40 mA; an arc draws several mA
+inline constexpr std::int64_t kArcMargin_nA = 1'000'000;
+inline constexpr std::int32_t kArc_ticks = 2;  // safety concept: 2 samples
+
+// Square wave: 2 Hz, amplitude from 1 kV up (below, a change of sign cannot be told from amplitude control)
+inline constexpr std::int32_t kWaveMin_mV = 1'000'000;
+inline constexpr std::int32_t kHalfPeriod_ticks = 250;  // paper: 2 Hz; the only one with a patient
+// A plan for the bench may declare another one. Fastest: 10 Hz, the paper's highest. Slowest: 0.2 Hz; a stuck
+// polarity is then seen after 15 s, little more than the 10 s of one polarity that every hold may last.
+inline constexpr std::int32_t kBenchHalfPeriodMin_ticks = 50, kBenchHalfPeriodMax_ticks = 2'500;
+inline constexpr std::int64_t kTwoPeriods_half_periods = 4, kOffOneIn = 5;  // safety concept: 20 %
+inline constexpr std::int64_t kForget_ticks = 2'048;                        // four periods at 2 Hz, no less
+// Judged once half of that was seen; a sound wave then has < 25 % (half a half-period), a stuck one 100 %.
+inline constexpr std::int64_t kForgetPerSeen = 2;
+
+// Runaway. The pull of the pouches goes with V^2; friction may hold the needle against it and then let go. So
+// the pull leads its own mean over the last 128 ms by 1.2 kV^2 at most: 1.1 kV from rest, 0.23 kV at 2.5 kV.
+// Healthy procedures ask for 0.8 in the middle and 1.1 in nine of ten cases, and wait a little in the tenth.
+inline constexpr std::int64_t kPull_ticks = 128, kPullLead_V2 = 1'200'000;
+
+// Depth
+inline constexpr std::int32_t kDepth_ticks = 2;              // one sample may be a spike of the laser
+inline constexpr std::int64_t kReaction_us = 5'000;          // T in d + v T: a permit's life
+inline constexpr std::int64_t kDecel_um_per_s2 = 5'000'000;  // a: half of gravity, which withdraws the needle
+inline constexpr std::int32_t kFastDrop_um_per_s = 50'000;   // safety concept; planned motion is < 20 mm/s
+// Advance within 10 ms: motion at 20 mm/s makes 0.2 mm and a planned puncture another 0.3-0.5 mm; the margin
+// is 1 mm.
+inline constexpr std::int32_t kPopThrough_um = 800;
+inline constexpr std::int32_t kDropout_ticks = 3;  // as for a stale sensor
+inline constexpr std::int32_t kFrozen_ticks = 20;  // safety concept; noise of 10 um changes the code every ms
+inline constexpr std::int32_t kFrozenMove_mV = 200'000;  // "while V moves": twice what counts as zero
+inline constexpr std::int32_t kImplausible_um = 1'000;   // safety concept: residual > 1 mm ...
+inline constexpr std::int32_t kImplausible_ticks = 50;   // ... for 50 ms
+// Back without a drive lowered by 200 V in half a second: the charge that leaks between two changes of
+// polarity makes 0.35 mm in the softest of 1200 healthy procedures. Slower than a fall, which is named first.
+inline constexpr std::int32_t kLowered_mV = 200'000, kSunk_um = 600, kSunk_ticks = 20;
+inline constexpr std::int32_t kNotBack_ticks = 500;  // safety concept: > 1 mm 500 ms after 0 V
+
+// Supervisor
+inline constexpr std::int32_t kBootMax_ticks = 10'000;  // a self-test that has not passed by then has failed
+// A console that fell silent must not move the needle by more than 2 mm (20 mm/s); a release stops it at
+// once.
+inline constexpr std::int32_t kHeldTimeout_ticks = 100;
+inline constexpr std::int32_t kRamp_ticks = 250;  // envelope at 0 with 50 ms left to see V = 0 before 300 ms
+
+}  // namespace biopsy::safety

@@ -1,0 +1,171 @@
+#include "sim/gap/fit/probes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr std::size_t kPeaks = 3;
+constexpr double kLowestFrequency = 0.05, kHighestFrequency = 15.0;  // Hz: breathing to pumps
+constexpr double kSpectrumRate = 60.0;                               // Hz, residual thinned to
+constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85};                  // of the range that was measured
+constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};                  // of the largest voltage
+constexpr std::array kShapeFactors{1.0, 0.2, 5.0};
+
+using Starts = std::vector<std::vector<double>>;
+
+struct ThinRun {
+  std::vector<double> time, value;
+};
+
+std::vector<ThinRun> thinned(const std::vector<double>& residual, const Evidence& evidence) {
+  std::vector<ThinRun> out;
+  std::size_t at = 0;
+  for (const EvidenceRun& run : evidence.runs) {
+    ThinRun thin;
+    double next = 0.0, mean = 0.0;
+    for (std::size_t i = 0; i < run.training_rows; ++i, ++at) {
+      if (run.rows[i].time < next) continue;
+      thin.time.push_back(run.rows[i].time);
+      thin.value.push_back(residual[at]);
+      mean += residual[at];
+      next += 1.0 / kSpectrumRate;
+    }
+    for (double& value : thin.value) value -= mean / static_cast<double>(thin.value.size());
+    if (!thin.time.empty()) out.push_back(std::move(thin));
+  }
+  return out;
+}
+
+double power(const ThinRun& run, double frequency) {
+  std::complex<double> sum = 0.0;
+  for (std::size_t i = 0; i < run.time.size(); ++i)
+    sum += run.value[i] * std::polar(1.0, -2.0 * std::numbers::pi * frequency * run.time[i]);
+  return std::norm(sum) / static_cast<double>(run.time.size());
+}
+
+// Replaces every vector by one for each value of parameter i.
+template <class Values>
+void vary(Starts& starts, std::size_t i, const Values& values) {
+  Starts out;
+  for (const auto& start : starts)
+    for (const double value : values) {
+      out.push_back(start);
+      out.back()[i] = value;
+    }
+  starts = std::move(out);
+}
+
+// A shape between two forms, not a size.
+bool is_mixture(const LibraryParameter& p) {
+  return p.low == 0.0 && p.high == 1.0;
+}
+
+std::vector<double> shapes_of(const LibraryParameter& p) {
+  if (is_mixture(p)) return {p.typical, 0.5 * (p.low + p.high)};
+  if (p.low <= 0.0) return {p.typical, p.high};
+  std::vector<double> out;
+  out.reserve(kShapeFactors.size());
+  for (const double factor : kShapeFactors) out.push_back(std::clamp(p.typical * factor, p.low, p.high));
+  return out;
+}
+
+std::vector<double> scaled(const auto& shares, double from, double to) {
+  std::vector<double> out;
+  out.reserve(shares.size());
+  for (const double share : shares) out.push_back(from + share * (to - from));
+  return out;
+}
+
+// All strengths together, and each alone where there are several.
+Starts strength_sets(const LibraryEffect& effect, bool each_alone) {
+  std::vector<double> typical;
+  std::vector<std::size_t> strengths;
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    const LibraryParameter& p = effect.parameters[i];
+    double value = p.typical;
+    if (p.role == Role::Strength && value == 0.0) value = 1e-3 * p.high;
+    typical.push_back(value);
+    if (p.role == Role::Strength) strengths.push_back(i);
+  }
+  Starts out{typical};
+  if (!each_alone || strengths.size() < 2) return out;
+  for (const std::size_t kept : strengths) {
+    out.push_back(typical);
+    for (const std::size_t i : strengths)
+      if (i != kept) out.back()[i] = 0.0;
+  }
+  return out;
+}
+
+}  // namespace
+
+Spectrum residual_spectrum(const std::vector<double>& training_residual, const Evidence& evidence) {
+  const std::vector<ThinRun> runs = thinned(training_residual, evidence);
+  double longest = 0.0, shortest_step = 1.0 / kSpectrumRate;
+  for (const ThinRun& run : runs) {
+    longest = std::max(longest, run.time.back() - run.time.front());
+    if (run.time.size() > 1)
+      shortest_step = std::max(shortest_step, longest / static_cast<double>(run.time.size()));
+  }
+  const double step = 0.5 / std::max(longest, 1.0),
+               highest = std::min(kHighestFrequency, 0.4 / shortest_step);
+  std::vector<std::pair<double, double>> lines;  // power, frequency
+  for (double f = std::max(kLowestFrequency, 2.0 * step); f < highest; f += step) {
+    double sum = 0.0;
+    for (const ThinRun& run : runs) sum += power(run, f);
+    lines.emplace_back(sum, f);
+  }
+  std::vector<std::pair<double, double>> peaks;
+  for (std::size_t i = 1; i + 1 < lines.size(); ++i)
+    if (lines[i].first >= lines[i - 1].first && lines[i].first > lines[i + 1].first)
+      peaks.push_back(lines[i]);
+  std::sort(peaks.rbegin(), peaks.rend());
+  Spectrum out;
+  for (std::size_t i = 0; i < std::min(kPeaks, peaks.size()); ++i) out.peaks.push_back(peaks[i].second);
+  return out;
+}
+
+bool acts_on(const LibraryEffect& effect, Drive drive) {
+  if (drive == Drive::Stack) return true;
+  const bool above_plate_a =
+      effect.info.attaches == Attachment::Electrical || effect.info.attaches == Attachment::Pouch;
+  return !above_plate_a && effect.info.name != "added_mass";  // there it is the number m
+}
+
+std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence,
+                                              const Spectrum& spectrum) {
+  const LibraryEffect& probed = library()[static_cast<std::size_t>(effect)];
+  const bool placed = std::any_of(probed.parameters.begin(), probed.parameters.end(),
+                                  [](const LibraryParameter& p) { return p.role == Role::Place; });
+  Starts starts = strength_sets(probed, !placed);
+  bool shaped = false;
+  for (std::size_t i = 0; i < probed.parameters.size(); ++i) {
+    const LibraryParameter& p = probed.parameters[i];
+    switch (p.role) {
+      case Role::Strength:
+        break;
+      case Role::Shape:
+        if (!shaped || is_mixture(p)) vary(starts, i, shapes_of(p));
+        shaped = shaped || !is_mixture(p);
+        break;
+      case Role::Place:
+        vary(starts, i, scaled(kPlaces, evidence.x_low, evidence.x_high));
+        break;
+      case Role::Level:
+        vary(starts, i, scaled(kLevels, 0.0, evidence.u_max));
+        break;
+      case Role::Frequency:
+        vary(starts, i, spectrum.peaks);
+        break;
+      case Role::Phase:
+        break;
+    }
+  }
+  return starts;
+}
+
+}  // namespace biopsy::sim::gap

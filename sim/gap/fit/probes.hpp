@@ -1,0 +1,24 @@
+// Where to begin looking for an effect: a handful of shapes, places, levels and frequencies, from the
+// library's typical values and the extent of the data.
+#pragma once
+
+#include <vector>
+
+#include "sim/gap/fit/unknowns.hpp"
+
+namespace biopsy::sim::gap {
+
+struct Spectrum {
+  std::vector<double> peaks;  // Hz, the strongest first
+};
+
+// Peaks of the training residual's periodogram, the runs' powers added (their phases need not agree).
+Spectrum residual_spectrum(const std::vector<double>& training_residual, const Evidence& evidence);
+
+// Whether the effect has anything to act on in this drive.
+bool acts_on(const LibraryEffect& effect, Drive drive);
+
+// Parameter vectors (SI) to try.
+std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence, const Spectrum& spectrum);
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,193 @@
+#include "sim/gap/fit/unknowns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+// What a careful calibration leaves of doubt about a number of the baseline.
+constexpr double kCalibrationError = 0.02;
+// Effects are harder to measure than springs.
+constexpr double kEffectError = 0.3;
+// A number that was let go may be anything within a factor of about e^2 of what is written.
+constexpr double kFreeRange = 2.0;
+// Named on the command line as not known: any order of magnitude.
+constexpr double kUnknownRange = 14.0;
+constexpr double kShapeRange = 4.6;  // a factor of 100 either way, within the library's range
+
+// Films and gain act through K^2 eps_film/d_film^2 alone: K stands for the three.
+const std::vector<UncertainNumber> kStack{{"K", &Baseline::K, true, true},
+                                          {"tau", &Baseline::tau, true, true},
+                                          {"V0", &Baseline::V0, true, true},
+                                          {"H_0", &Baseline::H_0, true, true},
+                                          {"tau_h", &Baseline::tau_h, true, true},
+                                          {"k", &Baseline::k, true, true},
+                                          {"c_k", &Baseline::c_k, true, true},
+                                          {"c_s", &Baseline::c_s, true, true},
+                                          {"L0", &Baseline::L0, false, true},
+                                          {"d_film", &Baseline::d_film, false, false},
+                                          {"eps_film", &Baseline::eps_film, false, false}};
+const std::vector<UncertainNumber> kForce{
+    {"m", &Baseline::m, true, true}, {"c_s", &Baseline::c_s, true, true}, {"k", &Baseline::k, true, true}};
+
+Unknown number(const PlantModel& model, std::size_t index, double prior_std, double range) {
+  const double now = model.baseline.*(uncertain_baseline(model.baseline.drive)[index].member);
+  return {.parameter = index,
+          .logarithmic = true,
+          .scale = now,
+          .low = -range,
+          .high = range,
+          .prior_std = prior_std};
+}
+
+void write(PlantModel& model, const Unknown& unknown, double theta) {
+  const double value = unknown.value(theta);
+  if (unknown.effect == kBaseline)
+    model.baseline.*(uncertain_baseline(model.baseline.drive)[unknown.parameter].member) = value;
+  else
+    library()[static_cast<std::size_t>(unknown.effect)].set(model, unknown.parameter, value);
+}
+
+void bound_by_range(Unknown& u, const LibraryParameter& p) {
+  if (u.logarithmic) {
+    u.low = std::max(u.theta - kShapeRange, std::log(p.low / u.scale));
+    u.high = std::min(u.theta + kShapeRange, std::log(p.high / u.scale));
+  } else {
+    u.low = p.low / u.scale;
+    u.high = p.high / u.scale;
+  }
+  u.theta = std::clamp(u.theta, u.low, u.high);
+}
+
+Unknown effect_unknown(int effect, std::size_t index, double start, const Evidence& evidence) {
+  const LibraryParameter& p = library()[static_cast<std::size_t>(effect)].parameters[index];
+  Unknown u{.effect = effect, .parameter = index};
+  switch (p.role) {
+    case Role::Strength:
+      u.scale = start != 0.0 ? std::abs(start) : p.typical != 0.0 ? std::abs(p.typical) : 1.0;
+      break;
+    case Role::Shape:
+      u.logarithmic = p.low > 0.0 && start > 0.0;
+      u.scale = u.logarithmic ? start : std::max(std::abs(p.typical), 0.1 * (p.high - p.low));
+      break;
+    case Role::Place:
+      u.scale = std::max(1e-9, evidence.x_high - evidence.x_low);
+      break;
+    case Role::Level:
+      u.scale = std::max(1.0, evidence.u_max);
+      break;
+    case Role::Frequency:
+      u.scale = 1.0 / (evidence.training_seconds + evidence.held_out_seconds);
+      break;
+    case Role::Phase:
+      break;
+  }
+  u.theta = u.logarithmic ? std::log(start / u.scale) : start / u.scale;
+  bound_by_range(u, p);
+  return u;
+}
+
+// The numbers of an effect that the model has already; what is zero is not there.
+void add_given_effect(Hypothesis& out, std::size_t effect) {
+  const LibraryEffect& given = library()[effect];
+  for (std::size_t i = 0; i < given.parameters.size(); ++i) {
+    const LibraryParameter& p = given.parameters[i];
+    const double now = given.get(out.model, i);
+    if (now == 0.0 || p.role == Role::Phase || p.role == Role::Frequency) continue;
+    Unknown u{
+        .effect = static_cast<int>(effect), .parameter = i, .logarithmic = now > 0.0, .scale = std::abs(now)};
+    u.theta = u.prior_mean = u.theta_of(now);
+    u.low = -kFreeRange;
+    u.high = kFreeRange;
+    u.prior_std = kEffectError;
+    if (u.logarithmic && p.high > 0.0) u.high = std::min(u.high, std::max(0.0, std::log(p.high / now)));
+    if (u.logarithmic && p.low > 0.0) u.low = std::max(u.low, std::min(0.0, std::log(p.low / now)));
+    out.unknowns.push_back(u);
+  }
+}
+
+}  // namespace
+
+double Unknown::value(double at) const {
+  return logarithmic ? scale * std::exp(at) : scale * at;
+}
+
+double Unknown::theta_of(double si) const {
+  return logarithmic ? std::log(si / scale) : si / scale;
+}
+
+PlantModel Hypothesis::at(const std::vector<double>& thetas) const {
+  PlantModel out = model;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) write(out, unknowns[i], thetas[i]);
+  return out;
+}
+
+void Hypothesis::settle(const std::vector<double>& thetas) {
+  for (std::size_t i = 0; i < unknowns.size(); ++i) unknowns[i].theta = thetas[i];
+  model = at(thetas);
+}
+
+double Hypothesis::prior_cost() const {
+  double cost = 0.0;
+  for (const Unknown& u : unknowns)
+    if (std::isfinite(u.prior_std)) cost += std::pow((u.theta - u.prior_mean) / u.prior_std, 2);
+  return cost;
+}
+
+const std::vector<UncertainNumber>& uncertain_baseline(Drive drive) {
+  return drive == Drive::Force ? kForce : kStack;
+}
+
+Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::string>& free) {
+  Hypothesis out{.model = model, .unknowns = {}};
+  const auto& numbers = uncertain_baseline(model.baseline.drive);
+  std::vector<std::string_view> known;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    known.push_back(numbers[i].name);
+    const bool is_free = std::find(free.begin(), free.end(), numbers[i].name) != free.end();
+    const bool is_zero = model.baseline.*(numbers[i].member) == 0.0;
+    if (is_free && is_zero)
+      throw SetupError(fmt::format("`{}` is to be fitted and is 0 in the model", numbers[i].name), "--free",
+                       "give it a value of the right order of magnitude, or leave it out of --free");
+    if (is_zero) continue;  // a part that is not there
+    if (is_free)
+      out.unknowns.push_back(number(model, i, std::numeric_limits<double>::infinity(), kUnknownRange));
+    else if (numbers[i].calibrated)
+      out.unknowns.push_back(number(model, i, kCalibrationError, kFreeRange));
+  }
+  for (std::size_t i = 0; i < library().size(); ++i)
+    if (library()[i].present(model)) add_given_effect(out, i);
+  for (const std::string& name : free)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw SetupError(fmt::format("\"{}\" is no number that can be fitted", name), "--free",
+                       fmt::format("use {}", fmt::join(known, ", ")));
+  return out;
+}
+
+void release(Hypothesis& hypothesis, std::size_t baseline_number) {
+  for (Unknown& u : hypothesis.unknowns)
+    if (u.effect == kBaseline && u.parameter == baseline_number) {
+      u.prior_std = std::numeric_limits<double>::infinity();
+      return;
+    }
+  hypothesis.unknowns.push_back(
+      number(hypothesis.model, baseline_number, std::numeric_limits<double>::infinity(), kFreeRange));
+}
+
+void include(Hypothesis& hypothesis, int effect, const std::vector<double>& start, const Evidence& evidence) {
+  const LibraryEffect& added = library()[static_cast<std::size_t>(effect)];
+  added.add(hypothesis.model);
+  for (std::size_t i = 0; i < added.parameters.size(); ++i) {
+    if (added.parameters[i].role == Role::Phase) continue;  // each run's own: predict.hpp, in_step
+    hypothesis.unknowns.push_back(effect_unknown(effect, i, start[i], evidence));
+    write(hypothesis.model, hypothesis.unknowns.back(), hypothesis.unknowns.back().theta);
+  }
+}
+
+}  // namespace biopsy::sim::gap

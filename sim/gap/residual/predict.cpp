@@ -1,0 +1,111 @@
+#include "sim/gap/residual/predict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sim/plant/plant.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr double kLongestStep = 5e-3;  // s
+constexpr double kGrace =
+    1.25;  // rows were joined for the given model; one a little faster still takes them whole
+
+// Steps that follow everything but an end stop: step() itself cuts those that meet it, and only those. A
+// mechanism's spring is as stiff as its motion is wide.
+double usual_step(PlantModel model, const Evidence& evidence) {
+  model.effects.end_stop.reset();
+  const double rate = model.baseline.drive == Drive::Stack
+                          ? fastest_rate(model)
+                          : fastest_rate(model, std::max(-evidence.x_low, evidence.x_high));
+  return std::clamp(kGrace * evidence.step_share / rate, evidence.shortest_step, kLongestStep);
+}
+
+constexpr int kPhases = 36, kHalvings = 20;  // of 10 degrees: as smooth as any other number in a fit
+
+// The phase of the disturbance that fits the measured rows best, the rest of the model being nearly linear in
+// a small one: three predictions, 90 degrees apart, span all others.
+double best_phase(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows) {
+  PeriodicDisturbance& wave = *model.effects.periodic_disturbance;
+  std::array<std::vector<double>, 3> says;
+  for (std::size_t k = 0; k < says.size(); ++k) {
+    wave.phase = 0.5 * std::numbers::pi * static_cast<double>(k);
+    says[k] = predict(model, evidence, run, rows);
+  }
+  double aa = 0.0, ab = 0.0, bb = 0.0, ra = 0.0, rb = 0.0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double calm = 0.5 * (says[0][i] + says[2][i]);
+    const double a = says[0][i] - calm, b = says[1][i] - calm, r = run.rows[i].measured - calm;
+    aa += a * a, ab += a * b, bb += b * b, ra += r * a, rb += r * b;
+  }
+  const auto misfit = [&](double phase) {
+    const double c = std::cos(phase), s = std::sin(phase);
+    return c * c * aa + 2.0 * c * s * ab + s * s * bb - 2.0 * (c * ra + s * rb);
+  };
+  double step = 2.0 * std::numbers::pi / kPhases, best = 0.0;
+  for (int k = 1; k < kPhases; ++k)
+    if (misfit(k * step) < misfit(best)) best = k * step;
+  for (int i = 0; i < kHalvings; ++i) {
+    step *= 0.5;
+    for (const double phase : {best - step, best + step})
+      if (misfit(phase) < misfit(best)) best = phase;
+  }
+  return best;
+}
+
+}  // namespace
+
+PlantModel in_step(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows) {
+  if (model.effects.periodic_disturbance && rows > 0)
+    model.effects.periodic_disturbance->phase = best_phase(model, evidence, run, rows);
+  return model;
+}
+
+std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
+                            std::size_t rows) {
+  model.weight = run.weight;
+  model.effects.sensor_noise.reset();
+  model.internal_step = usual_step(model, evidence);
+  const bool stack = model.baseline.drive == Drive::Stack;
+  std::vector<double> out;
+  out.reserve(rows);
+  PlantState state = at_rest(model);
+  auto window = run.windows.begin();
+  for (std::size_t i = 0; i < rows; ++i) {
+    const Row& row = run.rows[i];
+    if (window != run.windows.end() && window->row == i) {
+      place(model, state, window->x, window->v);
+      ++window;
+    }
+    out.push_back(displacement_reading(model, state));
+    state = step(model, state,
+                 {.voltage = stack ? row.input : 0.0,
+                  .force = stack ? 0.0 : row.input,
+                  .external_force = row.external_force},
+                 Seconds(row.span));
+  }
+  return out;
+}
+
+std::vector<double> residual(const PlantModel& model, const Evidence& evidence, Part part) {
+  std::vector<double> out;
+  for (const EvidenceRun& run : evidence.runs) {
+    const std::size_t from = part == Part::HeldOut ? run.training_rows : 0;
+    const std::size_t to = part == Part::Training ? run.training_rows : run.rows.size();
+    if (from >= to) continue;
+    const std::vector<double> model_says = predict(in_step(model, evidence, run, to), evidence, run, to);
+    for (std::size_t i = from; i < to; ++i) out.push_back(run.rows[i].measured - model_says[i]);
+  }
+  return out;
+}
+
+double mean_square(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+}  // namespace biopsy::sim::gap

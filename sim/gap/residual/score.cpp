@@ -1,0 +1,197 @@
+#include "sim/gap/residual/score.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/gap/fit/fit.hpp"
+#include "sim/gap/residual/predict.hpp"
+#include "sim/gap/fit/probes.hpp"
+#include "robot/common/in_parallel.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr int kStrengthTrials = 2;      // until the response is as large as the gap
+constexpr double kMuchTooStrong = 3.0;  // responses within this factor of the gap will do
+constexpr double kLargestScale = 3.0;   // a response is trusted to scale that far
+
+// What the present numbers can explain by moving a little, taken out of every response.
+class Remainder {
+ public:
+  Remainder(const Hypothesis& current, const Evidence& evidence, std::vector<double> residual_now)
+      : now_(std::move(residual_now)) {
+    const auto rows = static_cast<Eigen::Index>(now_.size());
+    const auto n = static_cast<Eigen::Index>(current.unknowns.size());
+    const double root = std::sqrt(residual_weight(evidence, mean_square(now_)));
+    Eigen::MatrixXd J = root * sensitivities(current, evidence, now_);
+    J_ = J;
+    Eigen::MatrixXd information = J.transpose() * J;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double known = current.unknowns[static_cast<std::size_t>(i)].prior_std;
+      information(i, i) += std::isfinite(known) ? 1.0 / (known * known) : 1e-9;
+    }
+    solver_ = information.ldlt();
+    gap_ = of(Eigen::Map<const Eigen::VectorXd>(now_.data(), rows));
+  }
+
+  Eigen::VectorXd of(const Eigen::VectorXd& response) const {
+    if (J_.cols() == 0) return response;
+    return response - J_ * solver_.solve(J_.transpose() * response);
+  }
+  const Eigen::VectorXd& gap() const { return gap_; }
+  const std::vector<double>& residual_now() const { return now_; }
+
+ private:
+  std::vector<double> now_;
+  Eigen::MatrixXd J_;
+  Eigen::LDLT<Eigen::MatrixXd> solver_;
+  Eigen::VectorXd gap_;
+};
+
+// What the model's prediction gains by a change: -(d residual).
+Eigen::VectorXd response(const PlantModel& changed, const Evidence& evidence,
+                         const std::vector<double>& now) {
+  const std::vector<double> after = residual(changed, evidence, Part::Training);
+  const auto rows = static_cast<Eigen::Index>(now.size());
+  return Eigen::Map<const Eigen::VectorXd>(now.data(), rows) -
+         Eigen::Map<const Eigen::VectorXd>(after.data(), rows);
+}
+
+double root_mean_square(const Eigen::VectorXd& v) {
+  return v.size() == 0 ? 0.0 : std::sqrt(v.squaredNorm() / static_cast<double>(v.size()));
+}
+
+PlantModel with_effect(const Hypothesis& current, int effect, const std::vector<double>& start) {
+  PlantModel model = current.model;
+  const LibraryEffect& added = library()[static_cast<std::size_t>(effect)];
+  added.add(model);
+  for (std::size_t i = 0; i < start.size(); ++i) added.set(model, i, start[i]);
+  return model;
+}
+
+void scale_strengths(int effect, std::vector<double>& start, double factor) {
+  const auto& parameters = library()[static_cast<std::size_t>(effect)].parameters;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    if (parameters[i].role == Role::Strength)
+      start[i] = std::clamp(start[i] * factor, parameters[i].low, parameters[i].high);
+}
+
+bool has_strength(int effect) {
+  const auto& parameters = library()[static_cast<std::size_t>(effect)].parameters;
+  return std::any_of(parameters.begin(), parameters.end(),
+                     [](const LibraryParameter& p) { return p.role == Role::Strength; });
+}
+
+bool may_be_negative(int effect) {
+  for (const LibraryParameter& p : library()[static_cast<std::size_t>(effect)].parameters)
+    if (p.role == Role::Strength && !p.is_signed()) return false;
+  return true;
+}
+
+// Share of the gap's square that `scale` times the response takes away, the best scale being given back.
+double explained(const Remainder& remainder, const Eigen::VectorXd& raw, double lowest, double& scale) {
+  const Eigen::VectorXd s = remainder.of(raw);
+  const double size = s.squaredNorm();
+  if (size <= 0.0 || !std::isfinite(size)) return scale = 0.0;
+  scale = std::clamp(s.dot(remainder.gap()) / size, lowest, kLargestScale);
+  return 1.0 - (remainder.gap() - scale * s).squaredNorm() / remainder.gap().squaredNorm();
+}
+
+// One probe, its strength first made so that the response is about as large as the gap.
+Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Remainder& remainder, int effect,
+                std::vector<double> start) {
+  const double wanted = root_mean_square(remainder.gap());
+  Probe best;
+  for (int trial = 0; trial < kStrengthTrials; ++trial) {
+    const Eigen::VectorXd raw =
+        response(with_effect(current, effect, start), evidence, remainder.residual_now());
+    double scale = 0.0;
+    const double share = explained(remainder, raw, may_be_negative(effect) ? -kLargestScale : 0.0, scale);
+    if (share > best.share || best.start.empty()) {
+      best = {start, share};
+      if (has_strength(effect) && scale != 0.0) scale_strengths(effect, best.start, scale);
+    }
+    const double size = root_mean_square(remainder.of(raw));
+    if (!has_strength(effect) || !std::isfinite(size)) break;
+    const double factor = size > 0.0 ? std::clamp(wanted / size, 1e-4, 1e4) : 1e4;
+    if (factor < kMuchTooStrong && factor > 1.0 / kMuchTooStrong) break;
+    scale_strengths(effect, start, factor);
+  }
+  return best;
+}
+
+Probe try_number(const Hypothesis& current, const Evidence& evidence, const Remainder& remainder,
+                 std::size_t number) {
+  PlantModel changed = current.model;
+  changed.baseline.*(uncertain_baseline(changed.baseline.drive)[number].member) *= 1.02;
+  double scale = 0.0;
+  const Eigen::VectorXd s = response(changed, evidence, remainder.residual_now());
+  // Not projected: a number that is let go competes as the nuisance that it also is.
+  const Eigen::Map<const Eigen::VectorXd> now(remainder.residual_now().data(), s.size());
+  const double size = s.squaredNorm();
+  if (size <= 0.0) return {};
+  scale = std::clamp(s.dot(now) / size, -25.0, 35.0);
+  return {{}, 1.0 - (now - scale * s).squaredNorm() / now.squaredNorm()};
+}
+
+}  // namespace
+
+std::string Candidate::name(Drive drive) const {
+  return std::string(effect == kBaseline ? uncertain_baseline(drive)[baseline_number].name
+                                         : library()[static_cast<std::size_t>(effect)].info.name);
+}
+
+std::vector<Candidate> open_candidates(const Hypothesis& current) {
+  std::vector<Candidate> out;
+  for (std::size_t i = 0; i < library().size(); ++i)
+    if (!library()[i].present(current.model) && acts_on(library()[i], current.model.baseline.drive))
+      out.push_back({.effect = static_cast<int>(i)});
+  const auto& numbers = uncertain_baseline(current.model.baseline.drive);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const bool free = std::any_of(current.unknowns.begin(), current.unknowns.end(), [&](const Unknown& u) {
+      return u.effect == kBaseline && u.parameter == i && !std::isfinite(u.prior_std);
+    });
+    if (!free && numbers[i].candidate && current.model.baseline.*(numbers[i].member) > 0.0)
+      out.push_back({.baseline_number = i});
+  }
+  return out;
+}
+
+std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& evidence,
+                                    const std::vector<Candidate>& candidates) {
+  std::vector<double> now = residual(current.model, evidence, Part::Training);
+  const Spectrum spectrum = residual_spectrum(now, evidence);
+  const Remainder remainder(current, evidence, std::move(now));
+  struct Task {
+    std::size_t candidate;
+    std::vector<double> start;
+    Probe result = {};
+  };
+  std::vector<Task> tasks;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].effect == kBaseline)
+      tasks.push_back({i, {}});
+    else
+      for (auto& start : probe_starts(candidates[i].effect, evidence, spectrum))
+        tasks.push_back({i, std::move(start)});
+  }
+  in_parallel(tasks.size(), [&](std::size_t t) {
+    const Candidate& c = candidates[tasks[t].candidate];
+    tasks[t].result = c.effect == kBaseline
+                          ? try_number(current, evidence, remainder, c.baseline_number)
+                          : try_probe(current, evidence, remainder, c.effect, tasks[t].start);
+  });
+  std::vector<Score> scores;
+  scores.reserve(candidates.size());
+  for (const Candidate& c : candidates) scores.push_back({c, {}});
+  for (Task& task : tasks) scores[task.candidate].probes.push_back(std::move(task.result));
+  for (Score& score : scores)
+    std::stable_sort(score.probes.begin(), score.probes.end(),
+                     [](const Probe& a, const Probe& b) { return a.share > b.share; });
+  std::stable_sort(scores.begin(), scores.end(),
+                   [](const Score& a, const Score& b) { return a.share() > b.share(); });
+  return scores;
+}
+
+}  // namespace biopsy::sim::gap

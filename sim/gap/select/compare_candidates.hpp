@@ -1,0 +1,28 @@
+// One round: every open candidate against the hypothesis as it stands. Scored, the promising fitted on coarse
+// rows, the best fitted well and judged on the held-out runs.
+#pragma once
+
+#include "sim/gap/select/select.hpp"
+
+namespace biopsy::sim::gap {
+
+struct Round {
+  std::vector<Trial> trials;  // the best first
+  double nothing = 0.0;       // log evidence of the hypothesis as it stood
+};
+
+struct RoundName {
+  int number = 1;
+  std::string title;
+};
+
+Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
+                 const Progress& progress);
+
+// Friction between plate A and its guide, in either of its forms: one contains the other.
+bool is_dry_friction(const Candidate& candidate);
+
+// How many stretches of the held-out runs err on their own: the windows, where each starts anew.
+double held_out_looks(const Evidence& evidence);
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,158 @@
+#include "sim/gap/select/evidence_runs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "robot/common/config_error.hpp"
+#include "sim/gap/residual/window_starts.hpp"
+#include "sim/plant/plant.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+// Step in shares of the fastest rate's time. Third order: a quarter of it loses 2e-3 of a free oscillation's
+// amplitude by the time that has faded, an eighth 1e-4.
+constexpr double kCoarse = 0.25, kFine = 0.125;
+constexpr double kStiffest =
+    8.0;  // times the given model's rate is followed, beyond that steps stay as they are
+constexpr double kLongestSpan = 5e-3;     // s
+constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
+constexpr std::size_t kFewestRows = 50;
+constexpr double kMadToSigma = 1.4826;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Scatter of one run's differences of the given order, scaled to that of a single white reading.
+double difference_scatter(std::vector<double> values, int order) {
+  double gain = 1.0;  // variance of the order-th difference of unit white noise: (2n)! / (n!)^2
+  for (int n = 1; n <= order; ++n) gain *= 2.0 * (2.0 * n - 1.0) / n;
+  for (int n = 0; n < order; ++n) {
+    std::adjacent_difference(values.begin(), values.end(), values.begin());
+    values.erase(values.begin());
+  }
+  for (double& value : values) value = std::abs(value);
+  return kMadToSigma * median(std::move(values)) / std::sqrt(gain);
+}
+
+// The finest step the sensor can tell, as the smallest change that ever happened.
+double resolution(const std::vector<double>& values) {
+  double finest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] != values[i - 1]) finest = std::min(finest, std::abs(values[i] - values[i - 1]));
+  return std::isfinite(finest) ? finest : 0.0;
+}
+
+bool joins(const RecordedRun& run, std::size_t first, std::size_t row, double tolerance) {
+  return std::abs(run.input[row] - run.input[first]) <= tolerance &&
+         run.external_force[row] == run.external_force[first];
+}
+
+// Rows of `recorded` with those joined that the plant cannot tell apart; a window always begins a row.
+std::vector<Row> joined_rows(const RecordedRun& recorded, double longest, double tolerance,
+                             const std::vector<std::size_t>& window_rows, std::vector<std::size_t>& begins) {
+  std::vector<Row> rows;
+  const std::size_t n = recorded.time.size();
+  auto window = window_rows.begin();
+  for (std::size_t i = 0; i < n;) {
+    while (window != window_rows.end() && *window <= i) ++window;
+    const std::size_t limit = window == window_rows.end() ? n : *window;
+    const std::size_t most =
+        std::max<std::size_t>(1, static_cast<std::size_t>(longest / recorded.period + 1e-6));
+    std::size_t end = i + 1;
+    double sum = recorded.input[i];
+    while (end < limit && end - i < most && joins(recorded, i, end, tolerance)) sum += recorded.input[end++];
+    const double span =
+        (end < n ? recorded.time[end] : recorded.time[n - 1] + recorded.period) - recorded.time[i];
+    rows.push_back({recorded.time[i] - recorded.time[0], span, sum / static_cast<double>(end - i),
+                    recorded.external_force[i], recorded.displacement[i]});
+    begins.push_back(i);
+    i = end;
+  }
+  return rows;
+}
+
+EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, std::optional<double> window,
+                        double noise, double step_share) {
+  EvidenceRun run{.name = recorded.name, .weight = recorded.weight, .rows = {}, .windows = {}};
+  std::vector<std::size_t> window_rows, begins;
+  if (window) {
+    const auto rows =
+        std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(*window / recorded.period)));
+    for (std::size_t i = 0; i < recorded.time.size(); i += rows) window_rows.push_back(i);
+  }
+  double u_max = 0.0;
+  for (const double u : recorded.input) u_max = std::max(u_max, std::abs(u));
+  // A force acts through its mean; a voltage through its square, so its jumps must stay where they are.
+  const double tolerance = model.baseline.drive == Drive::Force ? u_max * 2.0 : u_max * kInputTolerance;
+  const double longest = std::min(kLongestSpan, step_share / fastest_rate(model));
+  run.rows = joined_rows(recorded, longest, tolerance, window_rows, begins);
+  const std::vector<StartMotion> starts = window_starts(recorded, window_rows, noise);
+  for (std::size_t i = 0; i < window_rows.size(); ++i) {
+    const auto at = std::lower_bound(begins.begin(), begins.end(), window_rows[i]) - begins.begin();
+    run.windows.push_back({static_cast<std::size_t>(at), starts[i].x, starts[i].v});
+  }
+  return run;
+}
+
+// Which rows train: every third run is held out beginning with the second; one run alone gives its last
+// third.
+void split(std::vector<EvidenceRun>& runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].training_rows = i % 3 == 1 ? 0 : runs[i].rows.size();
+  if (runs.size() == 1) runs[0].training_rows = runs[0].rows.size() * 2 / 3;
+}
+
+void measure_extent(Evidence& evidence) {
+  evidence.x_low = std::numeric_limits<double>::infinity();
+  evidence.x_high = -evidence.x_low;
+  for (const EvidenceRun& run : evidence.runs)
+    for (std::size_t i = 0; i < run.rows.size(); ++i) {
+      const Row& row = run.rows[i];
+      (i < run.training_rows ? evidence.training_seconds : evidence.held_out_seconds) += row.span;
+      evidence.x_low = std::min(evidence.x_low, row.measured);
+      evidence.x_high = std::max(evidence.x_high, row.measured);
+      evidence.u_max = std::max(evidence.u_max, std::abs(row.input));
+    }
+}
+
+}  // namespace
+
+double estimated_noise(const std::vector<RecordedRun>& runs) {
+  std::vector<double> scatters;
+  for (const RecordedRun& run : runs) {
+    // Motion only adds to a difference, so the order that is scattered least is nearest to the noise.
+    double least = std::numeric_limits<double>::infinity();
+    for (int order = 2; order <= 6; ++order)
+      least = std::min(least, difference_scatter(run.displacement, order));
+    scatters.push_back(std::max(least, resolution(run.displacement) / std::sqrt(12.0)));
+  }
+  return std::max(1e-9, median(scatters));
+}
+
+Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window, Grain grain) {
+  Evidence evidence;
+  if (dataset.runs.empty())
+    throw SetupError("the data set has no run", dataset.title, "add at least one [[run]] with a file");
+  for (const RecordedRun& run : dataset.runs)
+    if (run.time.size() < kFewestRows)
+      throw SetupError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
+                       run.file, fmt::format("record at least {} rows", kFewestRows));
+  evidence.step_share = grain == Grain::Coarse ? kCoarse : kFine;
+  evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
+  evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
+  evidence.noise = evidence.noise_given ? *dataset.sensor_noise : estimated_noise(dataset.runs);
+  for (const RecordedRun& run : dataset.runs)
+    evidence.runs.push_back(prepare_run(run, model, window, evidence.noise, evidence.step_share));
+  split(evidence.runs);
+  measure_extent(evidence);
+  return evidence;
+}
+
+}  // namespace biopsy::sim::gap

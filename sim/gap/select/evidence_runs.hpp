@@ -1,0 +1,54 @@
+// The measured runs, made ready for many simulations: rows joined where the input hardly changes, so that the
+// step follows the plant's rates and not the recorder's. Part of them trains, the rest decides.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/plant/dataset.hpp"
+#include "sim/plant/plant_model.hpp"
+
+namespace biopsy::sim::gap {
+
+// Measured at `time`, then the inputs are held for `span`. SI
+struct Row {
+  double time = 0.0, span = 0.0, input = 0.0, external_force = 0.0, measured = 0.0;
+};
+
+// Where a window begins, and the motion there as the measurement tells it.
+struct WindowStart {
+  std::size_t row = 0;
+  double x = 0.0, v = 0.0;
+};
+
+struct EvidenceRun {
+  std::string name;
+  double weight = 0.0;  // kg
+  std::vector<Row> rows;
+  std::size_t training_rows = 0;     // the first so many train, the rest is held out
+  std::vector<WindowStart> windows;  // empty: one simulation from rest
+};
+
+struct Evidence {
+  std::vector<EvidenceRun> runs;
+  double noise = 0.0;  // m, standard deviation of one reading
+  bool noise_given = false;
+  double training_seconds = 0.0, held_out_seconds = 0.0;
+  double x_low = 0.0, x_high = 0.0;  // m, range of what was measured
+  double u_max = 0.0;                // largest |input|
+  double step_share = 0.1;           // of the fastest rate's time that a step may take,
+  double shortest_step = 1e-4;       // s, but no less, however stiff an effect makes the model
+};
+
+// Every third run is held out, the second first; of a single run its last third. `window` [s] splits the runs
+// into pieces that start from the measured motion. Throws SetupError where a run is too short to be of use.
+// Coarse rows are for searching, fine ones for judging.
+enum class Grain : std::uint8_t { Coarse, Fine };
+Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window, Grain grain);
+
+// Standard deviation of the readings' white part, from their own high-frequency scatter. m
+double estimated_noise(const std::vector<RecordedRun>& runs);
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,209 @@
+#include "sim/gap/select/make_finding.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "sim/gap/millimetres.hpp"
+#include "sim/gap/select/next_experiment.hpp"
+#include "sim/gap/residual/predict.hpp"
+#include "sim/gap/residual/residual_shape.hpp"
+#include "sim/gap/residual/trace.hpp"
+#include "sim/gap/select/verdict.hpp"
+#include "sim/gap/residual/localize_residual.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kMovedStds = 3.0;      // a calibration error worth telling: surely there,
+constexpr double kMovedShare = 0.005;   // and not a hair
+constexpr double kGrain = 0.1;          // of a standard deviation: the last digit written
+constexpr double kWorthNaming = 0.005;  // probability of a rival
+
+std::string number_name(const Unknown& u, Drive drive) {
+  if (u.effect == kBaseline) return std::string(uncertain_baseline(drive)[u.parameter].name);
+  const LibraryEffect& effect = library()[static_cast<std::size_t>(u.effect)];
+  return fmt::format("{}.{}", effect.info.name, effect.parameters[u.parameter].name);
+}
+
+double si_per_unit(const Unknown& u) {
+  return u.effect == kBaseline
+             ? 1.0
+             : library()[static_cast<std::size_t>(u.effect)].parameters[u.parameter].si_per_unit;
+}
+
+double value_std(const Unknown& u) {  // in the unit of files
+  return (u.logarithmic ? u.value() : std::abs(u.scale)) * u.std / si_per_unit(u);
+}
+
+// Digits far below the standard deviation say nothing and read badly.
+double rounded_to(double value, double grain) {
+  if (value == 0.0 || !std::isfinite(grain) || grain <= 0.0) return value;
+  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(grain));
+  return std::stod(fmt::format("{:.{}e}", value, static_cast<int>(std::clamp(digits, 0.0, 15.0))));
+}
+
+Hypothesis rounded(Hypothesis hypothesis) {
+  std::vector<double> thetas;
+  for (const Unknown& u : hypothesis.unknowns) {
+    const double value = rounded_to(u.value() / si_per_unit(u), kGrain * value_std(u)) * si_per_unit(u);
+    const double theta = u.theta_of(value);
+    thetas.push_back(std::isfinite(theta) && theta >= u.low && theta <= u.high ? theta : u.theta);
+  }
+  hypothesis.settle(thetas);
+  return hypothesis;
+}
+
+// The phases that the runs began with: their circular mean and scatter, deg. A model file has one.
+GapEstimate common_phase(const PlantModel& model, const Evidence& evidence) {
+  std::complex<double> sum = 0.0;
+  for (const EvidenceRun& run : evidence.runs)
+    sum +=
+        std::polar(1.0, in_step(model, evidence, run, run.rows.size()).effects.periodic_disturbance->phase);
+  const double agreement = std::abs(sum) / static_cast<double>(evidence.runs.size());
+  const double scatter = std::sqrt(-2.0 * std::log(std::clamp(agreement, 1e-3, 1.0)));
+  return {"phase_deg", std::round(std::arg(sum) * kDegrees), scatter * kDegrees};
+}
+
+FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
+  const LibraryEffect& effect = library()[static_cast<std::size_t>(entrant.candidate.effect)];
+  FoundEffect out;
+  out.name = effect.info.name;
+  out.sentence = effect.info.sentence;
+  out.share_explained = entrant.reduction;
+  for (const Unknown& u : best.unknowns)
+    if (u.effect == entrant.candidate.effect)
+      out.parameters.push_back(
+          {std::string(effect.parameters[u.parameter].name), u.value() / si_per_unit(u), value_std(u)});
+  for (const Trial& t : entrant.contest) {
+    if (t.candidate == entrant.candidate)
+      out.probability = t.probability;
+    else if (t.fitted && t.probability >= kWorthNaming)
+      out.confused_with.push_back({t.candidate.name(best.model.baseline.drive), t.probability});
+  }
+  return out;
+}
+
+double given_value(const PlantModel& given, const Unknown& u) {  // SI
+  if (u.effect != kBaseline) return library()[static_cast<std::size_t>(u.effect)].get(given, u.parameter);
+  return given.baseline.*(uncertain_baseline(given.baseline.drive)[u.parameter].member);
+}
+
+void tell_changes(FoundGap& found, const PlantModel& given, const Hypothesis& best) {
+  const Drive drive = given.baseline.drive;
+  for (const Unknown& u : best.unknowns) {
+    found.changed.push_back({number_name(u, drive), value_std(u)});
+    const bool new_effect =
+        u.effect != kBaseline && !library()[static_cast<std::size_t>(u.effect)].present(given);
+    if (new_effect) continue;
+    const double was = given_value(given, u) / si_per_unit(u), is = u.value() / si_per_unit(u);
+    const double moved = std::abs(is - was);
+    const bool free = !std::isfinite(u.prior_std);
+    if (free || (moved > kMovedStds * value_std(u) && moved > kMovedShare * std::abs(was)))
+      found.finding.parameters_changed.push_back({number_name(u, drive), was, is, value_std(u)});
+  }
+  std::stable_sort(found.finding.parameters_changed.begin(), found.finding.parameters_changed.end(),
+                   [](const ChangedParameter& a, const ChangedParameter& b) {
+                     return std::abs(a.after / a.before - 1.0) > std::abs(b.after / b.before - 1.0);
+                   });
+}
+
+std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive) {
+  std::vector<GapCandidate> out;
+  for (const Trial& t : selection.trials) {
+    GapCandidate c;
+    c.name = t.candidate.name(drive);
+    c.kind = t.candidate.effect == kBaseline ? CandidateKind::Parameter : CandidateKind::Effect;
+    c.round = t.round;
+    c.score = t.share;
+    c.fitted = t.fitted;
+    if (t.fitted) c.held_out_rmse = std::sqrt(t.judged.square) * kMm;
+    c.probability = t.probability;
+    c.chosen = t.chosen;
+    out.push_back(c);
+  }
+  return out;
+}
+
+// The winner and the next best that were fitted, for the experiment that would tell them apart.
+NextExperiment experiment_between(const Selection& selection, const Evidence& evidence) {
+  if (selection.entrants.empty()) return {};
+  const Entrant& first = selection.entrants.front();
+  std::vector<PlantModel> models;
+  std::vector<std::string> names;
+  for (const Trial& t : first.contest) {
+    if (!t.fitted || !std::isfinite(t.judged.square) || models.size() == 2) continue;
+    if (!models.empty() && t.candidate.effect == kBaseline) continue;
+    models.push_back(t.judged.hypothesis.model);
+    names.push_back(t.candidate.name(models.back().baseline.drive));
+  }
+  if (models.size() < 2) return {};
+  return next_experiment(models, names, evidence.noise, evidence.u_max);
+}
+
+// Without noise a simulated laser would look frozen to the supervisor.
+void lend_noise(FoundGap& found, double noise) {
+  const auto parameter = SensorNoise::parameters()[0];
+  const double um = std::max(1e-3, std::round(noise * 1e9) * 1e-3);
+  found.model.effects.sensor_noise = SensorNoise{um * 1e-6};
+  found.changed.push_back({fmt::format("{}.{}", SensorNoise::info.name, parameter.name),
+                           std::numeric_limits<double>::quiet_NaN()});
+}
+
+void name_runs(GapFinding& f, const Evidence& evidence) {
+  for (const EvidenceRun& run : evidence.runs) {
+    if (run.training_rows > 0) f.training_runs.push_back(run.name);
+    if (run.training_rows < run.rows.size())
+      f.held_out_runs.push_back(run.training_rows > 0 ? run.name + " (last third)" : run.name);
+  }
+}
+
+}  // namespace
+
+FoundGap conclude(const PlantModel& given, const Judged& before, const Selection& selection,
+                  const Evidence& evidence) {
+  FoundGap found;
+  GapFinding& f = found.finding;
+  const Drive drive = given.baseline.drive;
+  f.force_drive = drive == Drive::Force;
+  f.verdict = verdict(before, selection, evidence);
+  const bool adopted = f.verdict == GapVerdict::Effect || f.verdict == GapVerdict::Parameter;
+  Hypothesis best = rounded(selection.best.hypothesis);
+  std::optional<GapEstimate> phase;
+  if (auto& wave = best.model.effects.periodic_disturbance) {
+    phase = common_phase(best.model, evidence);
+    wave->phase = phase->value / kDegrees;
+  }
+  found.model = adopted ? best.model : given;
+  f.noise_floor = evidence.noise * kMm;
+  f.noise_given = evidence.noise_given;
+  f.rmse_before = std::sqrt(before.square) * kMm;
+  f.rmse_after = adopted ? std::sqrt(selection.best.square) * kMm : f.rmse_before;
+  f.gap_closed = adopted ? gap_closed(before.square, selection.best.square, evidence.noise) : 0.0;
+  f.candidates = candidates_of(selection, drive);
+  if (f.verdict == GapVerdict::Effect)
+    for (const Entrant& entrant : selection.entrants)
+      if (entrant.is_effect()) f.effects.push_back(describe(entrant, best));
+  for (FoundEffect& effect : f.effects)
+    if (phase && effect.name == PeriodicDisturbance::info.name) effect.parameters.push_back(*phase);
+  if (adopted) tell_changes(found, given, best);
+  if (adopted && !found.model.effects.sensor_noise) lend_noise(found, evidence.noise);
+  name_runs(f, evidence);
+  const std::vector<double> was = residual(before.hypothesis.model, evidence, Part::All);
+  const std::vector<double> is = adopted ? residual(found.model, evidence, Part::All) : was;
+  f.where = where(evidence, was, is, drive);
+  const MainRegimes regimes = main_regime(evidence, was, drive);
+  f.regime_names = regimes.names;
+  f.traces = traces(evidence, was, is, regimes, drive);
+  if (f.verdict == GapVerdict::Unexplained)
+    f.shapes = residual_shapes(evidence, selection.start.hypothesis.model,
+                               residual(selection.start.hypothesis.model, evidence, Part::All));
+  if (f.verdict != GapVerdict::NoGap) f.next = experiment_between(selection, evidence);
+  return found;
+}
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,280 @@
+#include "sim/gap/select/next_experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "safety/types/limits.hpp"
+#include "sim/gap/millimetres.hpp"
+#include "robot/common/in_parallel.hpp"
+#include "sim/plant/plant.hpp"
+#include "sim/plant/seeded_noise.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr double kTick = 1e-3;          // s, the control period T
+constexpr double kHalfPeriod = 0.25;    // s, the 2 Hz square wave of paper IV.B
+constexpr double kStepShare = 0.1;      // of the fastest rate's time
+constexpr double kShortestStep = 2e-5;  // s
+constexpr double kWeight = 0.050;       // kg
+constexpr double kDropped = 0.050;      // kg, put on by hand: Fig. 11
+constexpr double kGravity = 9.81;       // m/s^2
+constexpr double kHoldVolts = 4500.0;   // these three lift 50 g by 10 to 12 mm, overshoot included
+constexpr double kTriangleVolts = 5000.0;
+constexpr double kSweepVolts = 3500.0;
+constexpr double kSlowest = 0.5, kFastest = 10.0;          // Hz, of the stack's sweep
+constexpr double kProportional = 800e3, kIntegral = 5e3;   // V/m, V/m a tick: paper IV.D
+constexpr double kEnvelope = limits::kDriveMax_mV * 1e-3;  // V
+constexpr double kDeepest = (limits::kStroke_um + limits::kDepthHard_um) * 1e-6;  // m
+
+using Signal = std::function<double(double time)>;
+
+struct Experiment {
+  std::string name, instruction;
+  double seconds = 0.0;
+  Signal input;     // V or N; of a closed loop the setpoint, m
+  Signal external;  // N, down
+  bool closed_loop = false;
+};
+
+double nothing(double) {
+  return 0.0;
+}
+
+double polarity(double time) {
+  return static_cast<long>(time / kHalfPeriod) % 2 == 0 ? 1.0 : -1.0;
+}
+
+// 0 -> 1 -> 0 within each period.
+double triangle(double time, double period) {
+  const double share = time / period - std::floor(time / period);
+  return share < 0.5 ? 2.0 * share : 2.0 - 2.0 * share;
+}
+
+// Phase in turns of a sweep that multiplies its frequency evenly, from `low` to `high` Hz within `seconds`.
+double sweep_turns(double time, double seconds, double low, double high) {
+  const double growth = std::log(high / low) / seconds;
+  return low / growth * (std::exp(growth * time) - 1.0);
+}
+
+// 0 -> 1 within the first second: a step at once would throw the plate beyond its stroke.
+double soft_start(double time) {
+  return std::min(1.0, time);
+}
+
+double sweep_volts(double time) {
+  const double turns = sweep_turns(time, 16.0, kSlowest, kFastest);
+  return soft_start(time) * (turns - std::floor(turns) < 0.5 ? kSweepVolts : -kSweepVolts);
+}
+
+double staircase_volts(double time) {
+  const int step = std::min(static_cast<int>(time / 2.0), 8);
+  return polarity(time) * 800.0 * static_cast<double>(step < 5 ? step + 1 : 9 - step);
+}
+
+double setpoint(double time) {
+  constexpr double kDepths[] = {2e-3, 4e-3, 6e-3, 3e-3};  // m
+  return kDepths[std::min<std::size_t>(static_cast<std::size_t>(time / 4.0), std::size(kDepths) - 1)];
+}
+
+std::vector<Experiment> stack_menu() {
+  return {
+      {"dc_hold", "Put 50 g on the plate, ramp DC to 4.5 kV within 1 s, hold it for 9 s, then 0 V for 8 s.",
+       18.0, [](double t) { return t < 10.0 ? kHoldVolts * soft_start(t) : 0.0; }, nothing},
+      {"voltage_staircase_up_and_down",
+       "Put 50 g on the plate and drive a 2 Hz square wave of amplitude 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, "
+       "1.6, "
+       "0.8 kV, 2 s each.",
+       18.0, staircase_volts, nothing},
+      {"frequency_sweep",
+       "Put 50 g on the plate and drive a square wave, its amplitude ramped to 3.5 kV within 1 s, that "
+       "quickens "
+       "evenly from 0.5 to 10 Hz within 16 s.",
+       16.0, sweep_volts, nothing},
+      {"weight_drop",
+       "Put 50 g on the plate, drive a 2 Hz square wave for 15 s, its amplitude ramped to 3.5 kV within 1 s; "
+       "after "
+       "5 s put another 50 g on at once, after 10 s take it off at once.",
+       15.0, [](double t) { return kSweepVolts * soft_start(t) * polarity(t); },
+       [](double t) { return t >= 5.0 && t < 10.0 ? kDropped * kGravity : 0.0; }},
+      {"slow_triangle",
+       "Put 50 g on the plate and ramp DC from 0 to 5 kV within 5 s and back within 5 s, twice.", 20.0,
+       [](double t) { return kTriangleVolts * triangle(t, 10.0); }, nothing},
+      {"closed_loop_steps",
+       "Put 50 g on the plate, close the loop (0.8 kV/mm, 0.005 kV/mm a tick, 2 Hz polarity) and ask for 2, "
+       "4, "
+       "6, 3 mm, 4 s each.",
+       16.0, setpoint, nothing, true},
+  };
+}
+
+// Natural frequency of the rig, or how fast it coasts down without a spring; Hz.
+double natural_frequency(const Baseline& b) {
+  const double rate = b.k > 0.0 ? std::sqrt(b.k / b.m) : b.c_s / b.m;
+  return std::clamp(rate / (2.0 * std::numbers::pi), 0.1, 100.0);
+}
+
+std::vector<Experiment> force_menu(const Baseline& baseline, double F) {
+  const double low = 0.1 * natural_frequency(baseline), high = std::min(100.0, 30.0 * low);
+  const auto stair = [F](double t) {  // 1 s at each, the last at 0
+    constexpr double kSteps[] = {0.25, -0.25, 0.5, -0.5, 1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.0, 0.0};
+    return F * kSteps[std::min<std::size_t>(static_cast<std::size_t>(t), std::size(kSteps) - 1)];
+  };
+  return {
+      {"force_steps",
+       fmt::format(
+           "Step the force to ±{0:.3g} N, ±{1:.3g} N, ±{2:.3g} N, ±{1:.3g} N, ±{0:.3g} N, 1 s each, then "
+           "leave it at 0 for 2 s.",
+           0.25 * F, 0.5 * F, F),
+       12.0, stair, nothing},
+      {"force_chirp",
+       fmt::format("Drive a sine of {:.3g} N that quickens evenly from {:.3g} to {:.3g} Hz within 16 s.", F,
+                   low, high),
+       16.0, [=](double t) { return F * std::sin(2.0 * std::numbers::pi * sweep_turns(t, 16.0, low, high)); },
+       nothing},
+      {"slow_force_triangle",
+       fmt::format("Ramp the force from 0 to {0:.3g} N within 5 s and back within 5 s, then the same with "
+                   "-{0:.3g} N.",
+                   F),
+       20.0, [F](double t) { return (t < 10.0 ? F : -F) * triangle(t, 10.0); }, nothing},
+      {"free_decay", fmt::format("Push with {:.3g} N for 4 s, let go at once and record 8 s.", F), 12.0,
+       [F](double t) { return t < 4.0 ? F : 0.0; }, nothing},
+  };
+}
+
+// The paper's loop: amplitude for an error; its integral stands still while the amplitude is at a bound.
+double loop_volts(double error, double& integral) {
+  const double amplitude = kProportional * error + integral + kIntegral * error;
+  if (amplitude >= 0.0 && amplitude <= kEnvelope) integral += kIntegral * error;
+  return std::clamp(amplitude, 0.0, kEnvelope);
+}
+
+// Where plate A is read at each tick. A loop hears readings with noise; what is returned has none.
+std::vector<double> simulated(PlantModel model, const Experiment& experiment, double noise,
+                              std::uint64_t seed) {
+  model.weight = kWeight;
+  model.effects.sensor_noise.reset();
+  model.internal_step = std::clamp(kStepShare / fastest_rate(model), kShortestStep, kTick);
+  PlantState state = at_rest(model);
+  double integral = 0.0;
+  std::vector<double> readings;
+  const long ticks = std::lround(experiment.seconds / kTick);
+  for (long tick = 0; tick < ticks; ++tick) {
+    const double t = static_cast<double>(tick) * kTick, asked = experiment.input(t);
+    readings.push_back(displacement_reading(model, state));
+    const auto closed = [&] {
+      const double heard = readings.back() + noise * normals(seed, static_cast<std::uint64_t>(tick)).first;
+      return polarity(t) * loop_volts(asked - heard, integral);
+    };
+    const double input = experiment.closed_loop ? closed() : asked;
+    // The plant heeds the one that its drive has.
+    state = step(model, state, {.voltage = input, .force = input, .external_force = experiment.external(t)},
+                 Seconds(kTick));
+  }
+  return readings;
+}
+
+// RMS; a rival that ran away counts as no difference, because nobody will measure that.
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  const double rms = std::sqrt(sum / static_cast<double>(a.size()));
+  return std::isfinite(rms) ? rms : 0.0;
+}
+
+// One rival in one experiment.
+struct Outcome {
+  std::vector<double> readings;  // m
+  double scatter = 0.0;          // m, RMS from one go to the next: a loop that hunts does not repeat itself
+  bool allowed = true;           // plate A stays where the robot lets it go
+};
+
+Outcome outcome_of(const PlantModel& rival, const Experiment& experiment, double noise) {
+  Outcome out{.readings = simulated(rival, experiment, noise, 1)};
+  if (experiment.closed_loop) out.scatter = difference(out.readings, simulated(rival, experiment, noise, 2));
+  if (rival.baseline.drive == Drive::Stack)
+    out.allowed = *std::max_element(out.readings.begin(), out.readings.end()) <= kDeepest;
+  return out;
+}
+
+// The two rivals that an experiment leaves most alike.
+struct Closest {
+  std::size_t first = 0, second = 1;
+  double apart = std::numeric_limits<double>::infinity();  // m
+};
+
+Closest closest_pair(const std::vector<Outcome>& outcomes) {
+  Closest closest;
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    for (std::size_t j = i + 1; j < outcomes.size(); ++j) {
+      const Outcome &a = outcomes[i], &b = outcomes[j];
+      const double d = difference(a.readings, b.readings);
+      const double own = a.scatter * a.scatter + b.scatter * b.scatter;
+      const double apart = a.allowed && b.allowed ? std::sqrt(std::max(0.0, d * d - own)) : 0.0;
+      if (apart < closest.apart) closest = {i, j, apart};
+    }
+  return closest;
+}
+
+std::vector<Closest> hold_all(const std::vector<Experiment>& menu, const std::vector<PlantModel>& rivals,
+                              double noise) {
+  std::vector<std::vector<Outcome>> outcomes(menu.size(), std::vector<Outcome>(rivals.size()));
+  in_parallel(menu.size() * rivals.size(), [&](std::size_t job) {
+    const std::size_t e = job / rivals.size(), r = job % rivals.size();
+    outcomes[e][r] = outcome_of(rivals[r], menu[e], noise);
+  });
+  std::vector<Closest> out;
+  out.reserve(outcomes.size());
+  for (const auto& of_rivals : outcomes) out.push_back(closest_pair(of_rivals));
+  return out;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return out;
+}
+
+}  // namespace
+
+NextExperiment next_experiment(const std::vector<PlantModel>& rivals, const std::vector<std::string>& names,
+                               double noise, double largest_force) {
+  assert(rivals.size() == names.size() && noise > 0.0);
+  NextExperiment out;
+  if (rivals.size() < 2) {
+    out.sentence = "There are no two explanations to tell apart.";
+    return out;
+  }
+  const Baseline& baseline = rivals.front().baseline;
+  const std::vector<Experiment> menu =
+      baseline.drive == Drive::Force ? force_menu(baseline, largest_force) : stack_menu();
+  const std::vector<Closest> closest = hold_all(menu, rivals, noise);
+  const auto best = std::max_element(closest.begin(), closest.end(),
+                                     [](const Closest& a, const Closest& b) { return a.apart < b.apart; });
+  out.difference = kMm * best->apart;
+  if (best->apart <= noise) {
+    out.sentence = fmt::format(
+        "No experiment of the menu that the stage allows tells {} and {} apart: their predictions differ by "
+        "{:.3g} mm at most, and "
+        "a "
+        "reading scatters by {:.3g} mm.",
+        names[best->first], names[best->second], out.difference, kMm * noise);
+    return out;
+  }
+  const Experiment& experiment = menu[static_cast<std::size_t>(best - closest.begin())];
+  out.name = experiment.name;
+  out.separates = names;
+  out.sentence = fmt::format("{} There {} differ by {}{:.3g} mm, {:.1f} times the scatter of a reading.",
+                             experiment.instruction, listed(names), names.size() > 2 ? "at least " : "",
+                             out.difference, best->apart / noise);
+  return out;
+}
+
+}  // namespace biopsy::sim::gap

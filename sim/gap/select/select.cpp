@@ -1,0 +1,129 @@
+#include "sim/gap/select/select.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/gap/select/compare_candidates.hpp"
+#include "sim/gap/fit/fit.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr std::size_t kMostRounds = 5;
+constexpr double kNeededEvidence = 10.0;  // odds of 20000 to 1: the whole library gets its say well under 5 %
+constexpr double kWorthTrying = 0.25;     // of the excess square that is left: two equals share it,
+constexpr double kWorthKeeping = 0.5;     // but the last to enter must close most of what was left
+constexpr double kMuchLeft = 0.05;        // of the first excess square
+constexpr double kOnlyNoise = 0.25;       // excess below this share of the noise changes no RMSE by 4 %
+constexpr double kBelowNoise = 1.0;       // what is left of a gap that has a name already, in noises
+constexpr double kAsGood = 1.05;          // mean square: then the evidence decides who has the place
+constexpr double kFarBehind = 9.0;        // mean square: a third of the winner's precision
+constexpr int kRefitIterations = 15;
+
+// `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
+bool convinces(const Round& round, const Judged& now, bool much_left, const Evidence& evidence) {
+  if (round.trials.empty() || !round.trials.front().fitted) return false;
+  const Trial& first = round.trials.front();
+  const double needed = much_left ? kWorthTrying : kWorthKeeping;
+  return first.log_evidence > round.nothing + kNeededEvidence &&
+         excess(first.judged.square, evidence) < (1.0 - needed) * excess(now.square, evidence);
+}
+
+double reduction(const Judged& from, const Judged& to, const Evidence& evidence) {
+  const double left = excess(from.square, evidence);
+  return left > 0.0 ? 1.0 - excess(to.square, evidence) / left : 0.0;
+}
+
+// Nothing left that could be told from the noise, or too little to be asked for a second name.
+bool is_closed(const Judged& now, bool named, const Evidence& evidence) {
+  if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
+  return is_only_noise(now.square, evidence);
+}
+
+// The hypothesis without one of its effects, the rest fitted anew.
+Judged without(const Judged& best, const Candidate& candidate, const Evidence& fine) {
+  Hypothesis reduced = best.hypothesis;
+  std::erase_if(reduced.unknowns, [&](const Unknown& u) { return u.effect == candidate.effect; });
+  library()[static_cast<std::size_t>(candidate.effect)].remove(reduced.model);
+  fit(reduced, fine, kRefitIterations);
+  return judge(std::move(reduced), fine);
+}
+
+// Nothing came near it when it entered: what entered later did not decide that.
+bool stood_alone(const Entrant& entrant) {
+  double own = 0.0, next = std::numeric_limits<double>::infinity();
+  for (const Trial& t : entrant.contest) {
+    if (t.candidate == entrant.candidate)
+      own = t.judged.square;
+    else if (t.fitted)
+      next = std::min(next, t.judged.square);
+  }
+  return next > kFarBehind * own;
+}
+
+// Each effect but the last to enter was chosen when the others were not there yet: it must win its place
+// again, unless it had it without a rival.
+void contest_places(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
+  for (std::size_t i = 0; i + 1 < out.entrants.size(); ++i) {
+    Entrant& entrant = out.entrants[i];
+    if (!entrant.is_effect() || stood_alone(entrant)) continue;
+    const std::string name = entrant.candidate.name(out.best.drive());
+    Round again = hold_round(
+        without(out.best, entrant.candidate, fine), coarse, fine,
+        {.number = static_cast<int>(i) + 1, .title = fmt::format("again for {}'s place", name)}, progress);
+    if (again.trials.empty() || !again.trials.front().fitted) continue;
+    if (again.trials.front().judged.square < kAsGood * out.best.square) {
+      out.best = again.trials.front().judged;
+      entrant.candidate = again.trials.front().candidate;
+    }
+    entrant.contest = std::move(again.trials);
+  }
+}
+
+}  // namespace
+
+double excess(double square, const Evidence& evidence) {
+  return std::max(0.0, square - evidence.noise * evidence.noise);
+}
+
+bool is_only_noise(double square, const Evidence& evidence) {
+  return std::sqrt(excess(square, evidence)) < kOnlyNoise * evidence.noise;
+}
+
+Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
+                 std::size_t most_effects) {
+  Selection out{.start = judge(std::move(start), fine), .best = {}, .trials = {}, .entrants = {}};
+  std::vector<Judged> stands{out.start};
+  std::size_t effects = 0;
+  while (out.entrants.size() < kMostRounds && effects < most_effects &&
+         !is_closed(stands.back(), effects > 0, fine)) {
+    const int number = static_cast<int>(out.entrants.size()) + 1;
+    Round round =
+        hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
+    const bool much_left = excess(stands.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
+    const bool found = convinces(round, stands.back(), much_left, fine);
+    if (found) {
+      round.trials.front().chosen = true;
+      out.entrants.push_back({round.trials.front().candidate,
+                              reduction(stands.back(), round.trials.front().judged, fine), round.trials});
+      stands.push_back(round.trials.front().judged);
+      if (out.entrants.back().is_effect()) ++effects;
+    }
+    out.trials.insert(out.trials.end(), round.trials.begin(), round.trials.end());
+    if (!found) break;
+  }
+  while (!out.entrants.empty() && out.entrants.back().reduction < kWorthKeeping) {
+    out.entrants.pop_back();
+    stands.pop_back();
+  }
+  for (Trial& trial : out.trials)
+    if (static_cast<std::size_t>(trial.round) > out.entrants.size()) trial.chosen = false;
+  out.best = stands.back();
+  contest_places(out, coarse, fine, progress);
+  return out;
+}
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,51 @@
+// Designs of the stack that none beats in everything, and the paper's own beside them. Values only:
+// sim/design makes it, robot/report prints it. Units are people's, in the names.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim/paper/paper_figure.hpp"
+
+namespace biopsy {
+
+// What a builder chooses.
+struct StackDesign {
+  double oil_mL = 3.2;            // filled into one pouch
+  double side_mm = 60.0;          // of the square pouch and its electrodes
+  double film_um = 50.0;          // one film; a zipped pouch has two
+  double pouches = 11.0;          // stacked, a whole number
+  double spring_N_per_mm = 0.14;  // in series
+  double drive_kV = 6.0;          // amplitude of the square wave
+};
+
+// What comes of it.
+struct StackFigures {
+  double stroke_mm = 0.0;         // of the needle against the tissue's push
+  double ripple_mm = 0.0;         // peak to peak of the needle at the drive's rhythm
+  double bandwidth_Hz = 0.0;      // up to which the needle follows small changes of amplitude
+  double field_V_per_um = 0.0;    // highest in the films
+  double breakdown_margin = 0.0;  // the film's guaranteed strength over that field
+  double height_mm = 0.0;         // of the stack at rest
+};
+
+struct DesignedStack {
+  StackDesign design;
+  StackFigures figures;
+  std::vector<std::string> broken;  // what is demanded and not met, in words; empty: meets all
+  double shortfall = 0.0;           // sum of how far, as shares; 0 where all is met
+};
+
+struct DesignStudy {
+  std::string model;  // the stage all designs are scaled from
+  DesignedStack paper;
+  std::vector<DesignedStack> best;   // none beats another in everything; by rising stroke
+  std::vector<std::string> demands;  // every one in words, with its reason
+  std::vector<std::string> assumed;  // how a design is scaled, and what is left out
+  std::vector<FigurePanel> panels;
+  std::size_t evaluated = 0;
+  double seconds = 0.0;
+};
+
+}  // namespace biopsy

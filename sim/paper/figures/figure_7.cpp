@@ -1,0 +1,190 @@
+// Fig. 7: displacement under square waves of 6 kV, from DC to 10 Hz, and how much it oscillates.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sim/paper/figures/figures.hpp"
+#include "sim/paper/open_loop.hpp"
+#include "sim/paper/figures/rows.hpp"
+#include "sim/plant/pouch.hpp"
+
+namespace biopsy::sim::paper {
+namespace {
+
+constexpr double kVoltage = 6000.0;  // V
+constexpr double kPouches = 11.0;
+constexpr double kLoad7a = 0.020;    // kg, as in IV.A
+constexpr double kSettle = 60.0;     // s, IV.B: "60 s after applying voltage"
+constexpr double kSeen = 1e-4;       // mm: less than that is no oscillation
+constexpr double kResolved = 0.01;   // mm: less than that no laser sees
+constexpr double kClearly = 0.05;    // share of the level that a reader of the plot sees as a rise
+constexpr double kUnchanged = 0.05;  // and that he takes for none
+
+// Size of the part of `mm` at `frequency`. mm
+double part_at(const OpenLoopRun& run, double frequency) {
+  double cosine = 0.0, sine = 0.0;
+  const double level = mean(run.displacement);
+  for (std::size_t i = 0; i < run.time.size(); ++i) {
+    const double phase = 2.0 * std::numbers::pi * frequency * run.time[i];
+    cosine += (run.displacement[i] - level) * std::cos(phase);
+    sine += (run.displacement[i] - level) * std::sin(phase);
+  }
+  return 2.0 * std::hypot(cosine, sine) / static_cast<double>(run.time.size());
+}
+
+// A whole number of drive periods once settled; of half periods where only the size of the oscillation
+// counts.
+OpenLoopRun settled(const PaperModel& paper, double weight, double frequency, double least_periods = 1.0) {
+  const double periods = std::max(least_periods, std::round((paper.brief ? 0.5 : 5.0) * frequency));
+  return run_open_loop(plate_on_stack(paper.stage, kPouches, weight),
+                       {.amplitude = kVoltage,
+                        .frequency = frequency,
+                        .settle = std::ceil(kSettle * frequency) / frequency,
+                        .watch = periods / frequency,
+                        .period = frequency >= 1.0 ? 2.5e-3 : 5e-3},
+                       paper.brief);
+}
+
+// An oscillation has twice the drive's frequency whether or not it can be seen.
+std::string seen_note(double twice) {
+  return twice < kResolved ? fmt::format(" (less than {:g} mm, which a laser does not show)", kResolved) : "";
+}
+
+// What a plate that friction holds would have to be moved by, and what holds it.
+std::string held_note(const PlantModel& plate, double frequency) {
+  const Baseline& b = plate.baseline;
+  const double swing = plate.mass_A() * b.g * -std::expm1(-1.0 / (frequency * b.tau));
+  return fmt::format(
+      "leakage within half a period changes the lift by {:.3f} N; friction of the guide holds {:.3f} N "
+      "either way",
+      swing, 2.0 * guide_friction(plate));
+}
+
+PaperRow twice_row(const PaperModel& paper, const OpenLoopRun& run, double frequency) {
+  const double once = part_at(run, frequency), twice = part_at(run, 2.0 * frequency);
+  return trend_row(
+      "7a", fmt::format("oscillates at twice the drive's {:g} Hz", frequency),
+      twice > kSeen ? twice / std::max(once, kSeen) - 1.0 : twice / kSeen - 1.0,
+      fmt::format("Fourier parts: {:.3g} mm at the drive's frequency, {:.3g} mm at twice that{}; {}", once,
+                  twice, seen_note(twice),
+                  held_note(plate_on_stack(paper.stage, kPouches, kLoad7a), frequency)));
+}
+
+constexpr std::array kShownFrequencies{0.0, 0.2, 2.0, 10.0};
+
+FigurePanel courses(const PaperModel& paper) {
+  FigurePanel panel{"6 kV, 20 g", "time (s)", "displacement (mm)", 0.0, 60.0, 0.0, 1.0, false, {}};
+  if (paper.brief) return panel;
+  for (const double frequency : kShownFrequencies) {
+    const OpenLoopRun run =
+        run_open_loop(plate_on_stack(paper.stage, kPouches, kLoad7a),
+                      {.amplitude = kVoltage, .frequency = frequency, .watch = 60.0, .period = 10e-3}, false);
+    panel.curves.push_back({frequency > 0.0 ? fmt::format("{:g} Hz", frequency) : "DC", run.time,
+                            run.displacement, false, false});
+    panel.y_high =
+        std::max(panel.y_high, 1.1 * *std::max_element(run.displacement.begin(), run.displacement.end()));
+  }
+  return panel;
+}
+
+constexpr std::array kFrequencies{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};  // Hz
+constexpr double kLevelled = 1.0;  // Hz: beyond it less is left than the laser resolves (0.07 mm)
+constexpr std::array kWeights{0.020, 0.050, 0.100};  // kg on the slider of 30 g
+constexpr std::array kLoads_g{50, 80, 130};
+using Amplitudes = std::array<std::array<double, kFrequencies.size()>, kWeights.size()>;  // mm, peak to peak
+
+PaperRow falls_row(std::size_t load, const std::array<double, kFrequencies.size()>& a) {
+  double least = 1e9;
+  for (std::size_t f = 0; f + 1 < a.size(); ++f)
+
+    if (a[f] > kResolved) least = std::min(least, a[f] / std::max(a[f + 1], kSeen) - 1.0);
+  return trend_row("7b", fmt::format("{} g: the oscillation falls with frequency", kLoads_g[load]), least,
+                   fmt::format("{:.3g} mm at 0.1 Hz, {:.3g} mm at 10 Hz; as long as it exceeds {:g} mm",
+                               a.front(), a.back(), kResolved));
+}
+
+// By the slopes of the plot: a tenth from 1 Hz on of what it was before.
+PaperRow levels_row(std::size_t load, const std::array<double, kFrequencies.size()>& a) {
+  const double before = (a[0] - a[3]) / (kFrequencies[3] - kFrequencies[0]);
+  const double after = (a[3] - a[6]) / (kFrequencies[6] - kFrequencies[3]);
+  return trend_row("7b", fmt::format("{} g: the fall levels off past 1 Hz", kLoads_g[load]),
+                   0.1 * before / std::max(after, 1e-6) - 1.0,
+                   fmt::format("{:.3g} mm/Hz below 1 Hz, {:.3g} mm/Hz above", before, after));
+}
+
+// The load at which a small change of pressure moves the stack most: eq. (18) to (21) have there a contact
+// length of 0.786 sqrt(pi V0/L0). g
+double liveliest_load_g(const Baseline& b) {
+  const double P = pressure(b, b.K * kVoltage);
+  return 1e3 / b.g * 0.786 * std::sqrt(std::numbers::pi * b.V0 / b.L0) * b.L0 * P;
+}
+
+PaperRow largest_row(const Baseline& b, const Amplitudes& a) {
+  double least = 1e9;
+  std::string where;
+  for (std::size_t f = 0; f < kFrequencies.size() && kFrequencies[f] <= kLevelled; ++f) {
+    const double margin = a[1][f] / std::max({a[0][f], a[2][f], 1e-6}) - 1.0;
+    if (margin >= least) continue;
+    least = margin;
+    where = fmt::format(
+        "least at {:g} Hz: {:.3g}, {:.3g} and {:.3g} mm. By eq. (18) to (21) a stack is liveliest at one "
+        "load, here {:.0f} g at 6 kV. Fig. 8b asks for that: its hysteresis is widest where the stack is "
+        "liveliest, with 60 g at 3 kV, and 60 g at 3 kV are 240 g at 6 kV",
+        kFrequencies[f], a[0][f], a[1][f], a[2][f], liveliest_load_g(b));
+  }
+  return trend_row("7b", "80 g oscillates more than 50 g and 130 g, at every frequency up to 1 Hz", least,
+                   where);
+}
+
+}  // namespace
+
+PaperFigure figure_7a(const PaperModel& paper) {
+  const OpenLoopRun slow = settled(paper, kLoad7a, 0.2), middle = settled(paper, kLoad7a, 2.0),
+                    fast = settled(paper, kLoad7a, 10.0);
+  const double low = mean(slow.displacement), level = mean(middle.displacement),
+               high = mean(fast.displacement);
+  PaperFigure out;
+  out.number = "7a";
+  out.title = "Displacement under 6 kV: DC and square waves of 0.2, 2 and 10 Hz";
+  out.sentence = "A square wave holds what DC loses, with a ripple at twice its frequency.";
+  out.panels = {courses(paper)};
+  out.rows = {
+      twice_row(paper, slow, 0.2), twice_row(paper, middle, 2.0), twice_row(paper, fast, 10.0),
+      trend_row("7a", "the level rises clearly from 0.2 to 2 Hz", (level / low - 1.0) / kClearly - 1.0,
+                fmt::format("{:.3g} to {:.3g} mm; clearly: by 5 %", low, level)),
+      trend_row("7a", "the level is nearly unchanged above 2 Hz",
+                1.0 - std::abs(high / level - 1.0) / kUnchanged,
+                fmt::format("{:.3g} mm at 2 Hz, {:.3g} mm at 10 Hz; unchanged: within 5 %", level, high))};
+  return out;
+}
+
+PaperFigure figure_7b(const PaperModel& paper) {
+  Amplitudes amplitudes{};
+  PaperFigure out;
+  out.number = "7b";
+  out.title = "Oscillation under 6 kV against frequency and load, 60 s after the voltage was put on";
+  out.sentence = "Faster reversals leave less time to leak; past 1 Hz little is gained.";
+  FigurePanel panel{"6 kV", "frequency (Hz)", "peak to peak (mm)", 0.1, 10.0, 0.0, 1.0, true, {}};
+  for (std::size_t load = 0; load < kWeights.size(); ++load) {
+    FigureCurve curve{fmt::format("{} g", kLoads_g[load]), {}, {}, false, true};
+    for (std::size_t f = 0; f < kFrequencies.size(); ++f) {
+      amplitudes[load][f] = peak_to_peak(settled(paper, kWeights[load], kFrequencies[f], 0.5).displacement);
+      curve.x.push_back(kFrequencies[f]);
+      curve.y.push_back(amplitudes[load][f]);
+    }
+    panel.y_high = std::max(panel.y_high, 1.1 * amplitudes[load][0]);
+    panel.curves.push_back(std::move(curve));
+  }
+  out.panels = {panel};
+  for (std::size_t load = 0; load < kWeights.size(); ++load) {
+    out.rows.push_back(falls_row(load, amplitudes[load]));
+    out.rows.push_back(levels_row(load, amplitudes[load]));
+  }
+  out.rows.push_back(largest_row(paper.stage.baseline, amplitudes));
+  return out;
+}
+
+}  // namespace biopsy::sim::paper

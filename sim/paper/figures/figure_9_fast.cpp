@@ -1,0 +1,152 @@
+// Fig. 9c,d: square waves and sines of 0.1, 0.2 and 0.5 Hz at 50 g, IV.D.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/paper/figures/figures.hpp"
+#include "sim/paper/figures/loop_panels.hpp"
+#include "sim/paper/figures/loop_scores.hpp"
+#include "sim/paper/paper_targets.hpp"
+#include "sim/paper/figures/rows.hpp"
+
+namespace biopsy::sim::paper {
+namespace {
+
+constexpr std::array kFrequencies{0.1, 0.2, 0.5};  // Hz
+constexpr double kPeriods = 3.0;    // the first one starts from rest and is not judged for loss
+constexpr double kLossless = 0.95;  // of the target's travel: an eye on the paper's figure sees no loss
+constexpr double kInPhase = 18.0;   // degrees, a twentieth of a period: the same eye sees no lag
+
+struct Followed {
+  double frequency = 0.0;
+  Course course;
+  double first = 0.0;  // s, where the first whole period after the start begins
+};
+
+std::vector<Followed> follow_all(const PaperModel& model, OfTime (*target)(double, double, double),
+                                 double low, double high) {
+  PlantModel stage = model.stage;
+  stage.weight = kWeight;
+  std::vector<Followed> out;
+  out.reserve(kFrequencies.size());
+  for (const double f : kFrequencies) {
+    out.push_back(
+        {f,
+         follow(stage, {.target = target(low, high, f), .seconds = kPeriods / f, .loads = {}}, paper_loop()),
+         1.0 / f});
+  }
+  return out;
+}
+
+// Mean over the last fifth of each half period: where the plateau should stand. Share of the target's travel.
+double plateau_share(const Followed& followed) {
+  const Course& c = followed.course;
+  const double period = 1.0 / followed.frequency;
+  double low = 0.0, high = 0.0, count = 0.0;
+  for (double start = followed.first; start + period <= c.time.back() + 0.01; start += period) {
+    low += mean(c, c.plate_a, start + 0.4 * period, start + 0.5 * period);
+    high += mean(c, c.plate_a, start + 0.9 * period, start + period);
+    count += 1.0;
+  }
+  return (high - low) / count / (kSquareHigh - kSquareLow);
+}
+
+// How far up and down plate A gets from the middle, the further of both; 1 is the plateau.
+double reach(const Followed& followed) {
+  const Span span_a =
+      span(followed.course, followed.course.plate_a, followed.first, followed.course.time.back());
+  const double middle = 0.5 * (kSquareLow + kSquareHigh), half = 0.5 * (kSquareHigh - kSquareLow);
+  return std::max(span_a.high - middle, middle - span_a.low) / half;
+}
+
+std::string reach_note(const PlantModel& stage, double reached) {
+  std::string note = fmt::format(
+      "plate A gets {:.1f} % of the way from the middle to the one plateau that it comes furthest towards",
+      100.0 * reached);
+  if (reached > 1.0)
+    note += fmt::format(
+        ", and beyond it: from an edge on the loop asks for all that the amplifier has, or for nothing, so "
+        "that "
+        "oil with a time constant of {:.2f} s has closed the {:.0f} mm before the half period of 1 s is over",
+        stage.baseline.tau_h, kSquareHigh - kSquareLow);
+  return note;
+}
+
+PaperFigure fast_figure(std::string number, std::string title, std::string sentence,
+                        const std::vector<Followed>& all) {
+  PaperFigure figure;
+  figure.number = std::move(number);
+  figure.title = std::move(title);
+  figure.sentence = std::move(sentence);
+  for (const Followed& one : all)
+    figure.panels.push_back(
+        displacement_panel(fmt::format("{} Hz", one.frequency), one.course, {0.0, kPeriods / one.frequency}));
+  return figure;
+}
+
+void add_sine_rows(PaperFigure& figure, const PlantModel& stage, const Followed& one) {
+  const Transfer seen = transfer(one.course, one.frequency, one.first);
+  const double travel = span(one.course, one.course.plate_a, one.first, one.course.time.back()).width();
+  std::string note = fmt::format(
+      "fundamental: {:.3f} of the target's, {:.1f} degrees ({:.2f} s) late; from lowest to highest {:.1f} % "
+      "of "
+      "the target's, where what is missing at 0 counts (9b). A lag of first order that takes 5 % takes 18 "
+      "degrees "
+      "with it",
+      seen.gain, seen.lag_degrees, seen.lag_degrees / 360.0 / one.frequency,
+      100.0 * travel / (kSineHigh - kSineLow));
+  if (seen.lag_degrees > kInPhase)
+    note +=
+        fmt::format(": a stage that oil slows down (time constant {:.2f} s) pays for attenuation with phase",
+                    stage.baseline.tau_h);
+  const std::string hertz = fmt::format("{} Hz: ", one.frequency);
+  const double in_phase = kInPhase / std::max(1e-3, std::abs(seen.lag_degrees)) - 1.0;
+  if (one.frequency < 0.3)
+    figure.rows.push_back(
+        trend_row("9d", hertz + "followed without attenuation", seen.gain / kLossless - 1.0, note));
+  else
+    figure.rows.push_back(trend_row("9d", hertz + "attenuated", kLossless / seen.gain - 1.0, note));
+  figure.rows.push_back(
+      trend_row("9d", hertz + "phase kept, within a twentieth of a period", std::min(1.0, in_phase), note));
+}
+
+}  // namespace
+
+PaperFigure figure_9c(const PaperModel& model) {
+  const std::vector<Followed> all = follow_all(model, square_target, kSquareLow, kSquareHigh);
+  PaperFigure figure =
+      fast_figure("9c", "Square waves of 0.1, 0.2 and 0.5 Hz, 50 g",
+                  "Plate A beside square waves of three frequencies, each from 2 to 8 mm.", all);
+  for (const Followed& one : all) {
+    if (one.frequency > 0.3) continue;
+    const double share = plateau_share(one);
+    figure.rows.push_back(trend_row(
+        "9c", fmt::format("{} Hz: followed without loss", one.frequency), share / kLossless - 1.0,
+        fmt::format("{:.1f} % of the target's travel between the plateaus; {:.0f} % is no loss that a "
+                    "figure shows; {}",
+                    100.0 * share, 100.0 * kLossless, kTargetsNote)));
+  }
+  double most = 0.0;
+  for (const Followed& one : all) most = std::max(most, overshoot_percent(one.course));
+  figure.rows.push_back(at_most_row({"9c", "largest overshoot, of the target", "%"}, 13.0, most,
+                                    "over all rising edges of the three waves"));
+  const double reached = reach(all.back());
+  figure.rows.push_back(trend_row("9c", "0.5 Hz: neither plateau is reached", kLossless / reached - 1.0,
+                                  reach_note(model.stage, reached)));
+  const double rise = mean_travel(all.front().course, true), fall = mean_travel(all.front().course, false);
+  figure.rows.push_back(trend_row("9c", "0.1 Hz: falling edges lag", fall / rise - 1.0,
+                                  fmt::format("{:.0f} ms up, {:.0f} ms down", 1e3 * rise, 1e3 * fall)));
+  return figure;
+}
+
+PaperFigure figure_9d(const PaperModel& model) {
+  const std::vector<Followed> all = follow_all(model, sine_target, kSineLow, kSineHigh);
+  PaperFigure figure = fast_figure("9d", "Sines of 0.1, 0.2 and 0.5 Hz, 50 g",
+                                   "Plate A beside sines of three frequencies, each from 0 to 8 mm.", all);
+  for (const Followed& one : all) add_sine_rows(figure, model.stage, one);
+  return figure;
+}
+
+}  // namespace biopsy::sim::paper

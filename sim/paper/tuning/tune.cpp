@@ -1,0 +1,233 @@
+#include "sim/paper/tuning/tune.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/in_parallel.hpp"
+#include "sim/paper/paper_targets.hpp"
+#include "sim/paper/tuning/linear_stage.hpp"
+#include "sim/paper/tuning/score.hpp"
+#include "sim/paper/tuning/tuning_panels.hpp"
+#include "sim/paper/tuning/uncertainty.hpp"
+
+namespace biopsy::sim::tuning {
+namespace {
+
+using control::PiGains;
+
+constexpr std::array kDepths{1.0, 3.0, 5.0, 8.0};          // mm, of which those within the stroke
+constexpr PiGains kLeast{50.0, 0.2}, kMost{4000.0, 50.0};  // V/mm and V/mm a tick: the paper's are 800 and 5
+constexpr std::size_t kBest = 10;                          // of the first grid are looked at on all stages
+constexpr std::array kSpeeds{4.0, 6.0, 8.0, 12.0};         // mm/s
+constexpr int kFiner = 2;                                  // rounds around the best
+
+// A stage, and what it is at each of the depths that it can be held at.
+struct AtDepth {
+  double depth;
+  LinearStage linear;
+  std::vector<std::complex<double>> response;
+};
+
+struct Known {
+  PlantModel stage;
+  std::vector<AtDepth> at;
+};
+
+struct Candidate {
+  PiGains gains;
+  Margins worst;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+Known known(const PlantModel& stage) {
+  Known out{stage, {}};
+  for (const double depth : kDepths) {
+    if (!can_hold(stage, depth) && depth > kDepths.front()) break;
+    const LinearStage linear = linearised(stage, depth);
+    out.at.push_back({depth, linear, response(linear)});
+  }
+  return out;
+}
+
+Margins margins_of(const AtDepth& stage, const PiGains& gains) {
+  std::vector<std::complex<double>> loop = stage.response;
+  for (std::size_t i = 0; i < loop.size(); ++i) loop[i] *= controller(gains, frequencies()[i]);
+  Margins found = margins(loop);
+  found.stable = holds(stage.linear, gains);
+  return found;
+}
+
+// The model first, then the uncertain stages.
+class Family {
+ public:
+  Family(const PlantModel& model, const std::vector<PlantModel>& uncertain) : stages_(uncertain.size() + 1) {
+    in_parallel(stages_.size(),
+                [&](std::size_t i) { stages_[i] = known(i == 0 ? model : uncertain[i - 1]); });
+  }
+
+  const PlantModel& model() const { return stages_.front().stage; }
+
+  const std::vector<AtDepth>& depths() const { return stages_.front().at; }
+
+  Margins worst(const PiGains& gains) const {
+    std::optional<Margins> out;
+    for (const Known& one : stages_)
+      for (const AtDepth& at : one.at) {
+        const Margins here = margins_of(at, gains);
+        out = out ? worse(*out, here) : here;
+      }
+    return *out;
+  }
+
+  Score worst_score(const Driving& driving) const {
+    Score out;
+    for (const Known& one : stages_) out = worse(out, score(one.stage, driving));
+    return out;
+  }
+
+ private:
+  std::vector<Known> stages_;
+};
+
+// What the paper measured of its stage: with its own gains it follows Fig. 9a's square wave to 0.077 mm. A
+// draw that is off by more than twice that is another stage. A model that is so itself is not asked for it.
+bool is_like_the_papers(const PlantModel& stage) {
+  return can_hold(stage, kDepths.back()) && holds(linearised(stage, kDepths.front()), PiGains{}) &&
+         score(stage, {}).settled_rmse <= 2.0 * 0.077;
+}
+
+double between(double low, double high, double share) {
+  return low * std::pow(high / low, share);
+}
+
+// A grid, evenly spaced in logarithm.
+std::vector<Candidate> grid(const PiGains& low, const PiGains& high, int steps) {
+  std::vector<Candidate> out;
+  for (int i = 0; i < steps; ++i)
+    for (int j = 0; j < steps; ++j) {
+      const double p = i / (steps - 1.0), q = j / (steps - 1.0);
+      out.push_back({{between(low.proportional_V_per_mm, high.proportional_V_per_mm, p),
+                      between(low.integral_V_per_mm_per_tick, high.integral_V_per_mm_per_tick, q)},
+                     {}});
+    }
+  return out;
+}
+
+// How far margins fall short, in shares of what is wanted; 0 where they meet it.
+double shortfall(const Margins& m, const Requirements& wanted) {
+  return std::max(0.0, 1.0 - m.gain_dB / wanted.gain_dB) +
+         std::max(0.0, 1.0 - m.phase_degrees / wanted.phase_degrees) + (m.stable ? 0.0 : 1.0);
+}
+
+// Fills in the margins; keeps those that meet them, or the one that comes closest.
+std::vector<Candidate> admissible(std::vector<Candidate> all, const Family& family,
+                                  const Requirements& wanted) {
+  in_parallel(all.size(), [&](std::size_t i) { all[i].worst = family.worst(all[i].gains); });
+  std::vector<Candidate> kept;
+  for (const Candidate& c : all)
+    if (c.worst.meet(wanted)) kept.push_back(c);
+  if (!kept.empty()) return kept;
+  return {*std::min_element(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) {
+    return shortfall(a.worst, wanted) < shortfall(b.worst, wanted);
+  })};
+}
+
+void sort_by_cost(std::vector<Candidate>& all) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+}
+
+// Costs on the model alone, then on all stages for the best of those. The best comes first.
+std::vector<Candidate> ranked(std::vector<Candidate> all, const Family& family) {
+  in_parallel(all.size(), [&](std::size_t i) { all[i].cost = score(family.model(), {all[i].gains}).cost(); });
+  sort_by_cost(all);
+  all.resize(std::min(all.size(), kBest));
+  in_parallel(all.size(), [&](std::size_t i) { all[i].cost = family.worst_score({all[i].gains}).cost(); });
+  sort_by_cost(all);
+  return all;
+}
+
+Candidate searched(const Family& family, const TuneOptions& options, const TuneProgress& progress) {
+  const Requirements& wanted = options.wanted;
+  std::vector<Candidate> start = grid(kLeast, kMost, options.grid);
+  start.push_back({PiGains{}, {}});
+  Candidate best = ranked(admissible(std::move(start), family, wanted), family).front();
+  double spread =
+      std::pow(kMost.proportional_V_per_mm / kLeast.proportional_V_per_mm, 1.0 / (options.grid - 1));
+  for (int round = 0; round < kFiner; ++round) {
+    if (progress) progress(0.4 + 0.2 * round, "closer to the best gains");
+    const PiGains& g = best.gains;
+    std::vector<Candidate> around =
+        grid({g.proportional_V_per_mm / spread, g.integral_V_per_mm_per_tick / spread},
+             {g.proportional_V_per_mm * spread, g.integral_V_per_mm_per_tick * spread},
+             5);  // holds the best itself
+    const Candidate found = ranked(admissible(std::move(around), family, wanted), family).front();
+    if (found.cost < best.cost) best = found;
+    spread = std::sqrt(spread);
+  }
+  return best;
+}
+
+Judged judged(const Family& family, std::string name, const Driving& driving) {
+  Judged out{.name = std::move(name),
+             .gains = driving.gains,
+             .feed = driving.thought != nullptr,
+             .speed = driving.speed,
+             .at_depth = {},
+             .worst_margins = family.worst(driving.gains),
+             .nominal = score(family.model(), driving),
+             .worst = family.worst_score(driving)};
+  for (const AtDepth& at : family.depths()) out.at_depth.push_back(margins_of(at, driving.gains));
+  return out;
+}
+
+// Feed-forward needs a target that moves no faster than the stage can. The best of a few speeds.
+Judged judged_with_feed(const Family& family, const std::string& name, const PiGains& gains) {
+  std::optional<Judged> best;
+  for (const double speed : kSpeeds) {
+    Judged here = judged(family, name, {gains, &family.model(), speed});
+    if (!best || here.worst.cost() < best->worst.cost()) best = std::move(here);
+  }
+  return *best;
+}
+
+}  // namespace
+
+Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgress& progress) {
+  if (given.model.baseline.drive != Drive::Stack)
+    throw SetupError("a stage that is driven by a force has no voltage to tune", "drive = \"force\"",
+                     "give the model of a needle stage");
+  if (progress) progress(0.0, "stages within the uncertainty");
+  NotedModel model = given;
+  model.model.weight = paper::kWeight;
+  const CanBe can_be = is_like_the_papers(model.model) ? CanBe(is_like_the_papers) : CanBe();
+  const UncertainStages uncertain = uncertain_stages(model, options.stages, options.seed, can_be);
+  const Family family(model.model, uncertain.stages);
+  if (progress) progress(0.1, "gains with margin");
+  const Candidate best = searched(family, options, progress);
+  if (progress) progress(0.8, "judging");
+  Tuning out;
+  for (const AtDepth& at : family.depths()) out.depths.push_back(at.depth);
+  out.varied = uncertain.varied;
+  out.assumed = uncertain.assumed;
+  out.refused = uncertain.refused;
+  out.stages = static_cast<int>(uncertain.stages.size());
+  out.correlated = !uncertain.assumed && given.notes.correlations.has_value();
+  out.wanted = options.wanted;
+  out.met = best.worst.meet(options.wanted);
+  out.judged.resize(4);
+  in_parallel(out.judged.size(), [&](std::size_t i) {
+    const PiGains gains = i % 2 == 0 ? PiGains{} : best.gains;
+    const std::string name = i % 2 == 0 ? "paper's gains" : "tuned gains";
+    out.judged[i] =
+        i < 2 ? judged(family, name, {gains}) : judged_with_feed(family, name + ", feed-forward", gains);
+  });
+  out.panels = tuning_panels(model.model, out);
+  return out;
+}
+
+}  // namespace biopsy::sim::tuning

@@ -1,0 +1,17 @@
+// How the library of effects is spoken of: words for its kinds, units as people write them.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim/plant/effect.hpp"
+
+namespace biopsy::sim {
+
+std::string_view name_of(Attachment attachment);
+std::string_view name_of(Role role);
+
+// The unit at the end of a parameter's name: "mm/s" of "speed_mm_s"; empty for a pure number.
+std::string unit_of(std::string_view parameter);
+
+}  // namespace biopsy::sim

@@ -1,0 +1,132 @@
+#include "sim/plant/model_file.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <set>
+
+#include "robot/common/config_error.hpp"
+#include "sim/plant/baseline_entries.hpp"
+#include "robot/common/files/toml_reader.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+// A value, and what stands beside it under `key` in the notes.
+double read_value(TomlTable& table, std::string_view name, double low, double high, const std::string& key,
+                  ModelNotes& notes) {
+  const double value = table.number(name, low, high);
+  if (!table.holds_table(name)) return value;
+  TomlTable described = table.table(name);
+  described.ignore("value");
+  described.ignore("std");
+  described.ignore("source");
+  described.refuse_rest();
+  ValueNote note;
+  if (described.has("std")) note.std = described.number("std", 0.0, std::numeric_limits<double>::max());
+  if (described.has("source")) note.source = described.text("source");
+  if (note != ValueNote{}) notes.values[key] = note;
+  return value;
+}
+
+void read_drive(TomlTable& table, Baseline& baseline) {
+  const std::string word = table.text("drive");
+  if (word != "stack" && word != "force")
+    throw SetupError("`drive` is neither \"stack\" nor \"force\"", table.where(), "write drive = \"stack\"");
+  baseline.drive = word == "force" ? Drive::Force : Drive::Stack;
+}
+
+// What a file leaves out keeps the reference value.
+void read_baseline(TomlTable table, NotedModel& out) {
+  Baseline& baseline = out.model.baseline;
+  if (table.has("drive")) read_drive(table, baseline);
+  for (const BaselineEntry& entry : baseline_entries()) {
+    table.ignore(entry.name);
+    if (table.has(entry.name))
+      baseline.*(entry.member) =
+          read_value(table, entry.name, entry.low, entry.high, std::string(entry.name), out.notes);
+  }
+  table.ignore("T");
+  if (baseline.drive == Drive::Force) out.notes.T.reset();  // rows of the data set say it
+  if (table.has("T")) out.notes.T = read_value(table, "T", 1e-5, 0.05, "T", out.notes);
+  table.refuse_rest();
+}
+
+// An effect that is present gives all its parameters, half an effect being a mistake, except those that say
+// they may be left out.
+template <class Effect>
+Effect read_effect(TomlTable table, ModelNotes& notes) {
+  Effect effect;
+  for (const auto& parameter : Effect::parameters()) {
+    table.ignore(parameter.name);
+    effect.*(parameter.member) = 0.0;
+    if (parameter.optional && !table.has(parameter.name)) continue;
+    effect.*(parameter.member) =
+        parameter.si_per_unit * read_value(table, parameter.name, parameter.low, parameter.high,
+                                           fmt::format("{}.{}", Effect::info.name, parameter.name), notes);
+  }
+  table.refuse_rest();
+  return effect;
+}
+
+void read_effects(TomlTable table, NotedModel& out) {
+  for_each_effect(out.model.effects, [&](auto& slot) {
+    using Effect = typename std::decay_t<decltype(slot)>::value_type;
+    if (table.has(Effect::info.name)) slot = read_effect<Effect>(table.table(Effect::info.name), out.notes);
+    table.ignore(Effect::info.name);
+  });
+  table.refuse_rest();
+}
+
+Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
+  Correlations out;
+  out.values = table.texts("values");
+  out.lower = table.numbers("lower", -1.0, 1.0);
+  table.refuse_rest();
+  const std::set<std::string> once(out.values.begin(), out.values.end());
+  for (const std::string& name : out.values) {
+    const auto note = notes.values.find(name);
+    if (note == notes.values.end() || !note->second.std || once.size() != out.values.size())
+      throw SetupError(fmt::format("`{}` has no deviation in this file, or stands twice", name),
+                       table.place("values"), "name values that have a `std`, each once");
+  }
+  const std::size_t n = out.values.size();
+  if (out.lower.size() != (n < 2 ? 0 : n * (n - 1) / 2))
+    throw SetupError(fmt::format("{} numbers for {} values", out.lower.size(), n), table.place("lower"),
+                     "give for each value its correlations with those before it, row by row");
+  return out;
+}
+
+NotedModel model_of(TomlTable root) {
+  NotedModel out;
+  if (root.has("title")) out.notes.title = root.text("title");
+  root.ignore("title");
+  read_baseline(root.table("baseline"), out);
+  root.ignore("effect");
+  if (root.has("effect")) read_effects(root.table("effect"), out);
+  root.ignore("correlation");
+  if (root.has("correlation"))
+    out.notes.correlations = read_correlations(root.table("correlation"), out.notes);
+  root.refuse_rest();
+  return out;
+}
+
+}  // namespace
+
+NotedModel parse_noted_model(const std::string& text, const std::string& name) {
+  return model_of(parse_toml(text, name));
+}
+
+NotedModel read_noted_model(const std::filesystem::path& file) {
+  return model_of(read_toml(file));
+}
+
+PlantModel parse_model(const std::string& text, const std::string& name) {
+  return parse_noted_model(text, name).model;
+}
+
+PlantModel read_model(const std::filesystem::path& file) {
+  return read_noted_model(file).model;
+}
+
+}  // namespace biopsy::sim

@@ -1,0 +1,132 @@
+#include "sim/plant/model_text.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "robot/common/config_error.hpp"
+#include "sim/plant/baseline_entries.hpp"
+#include "robot/common/files/toml_reader.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+constexpr const char* kNameInMessages = "the model to be written";
+
+double rounded_to_digits(double value, int digits) {
+  const std::string text = fmt::format("{:.{}e}", value, digits - 1);
+  double out = value;
+  std::from_chars(text.data(), text.data() + text.size(), out);
+  return out;
+}
+
+// The lines of one file; remembers which notes found their value.
+class ModelText {
+ public:
+  explicit ModelText(const ModelNotes& notes) : notes_(notes) {
+    if (!notes.title.empty()) text_ = fmt::format("title = {}\n\n", quoted(notes.title));
+  }
+
+  void line(std::string_view words) { text_ += fmt::format("{}\n", words); }
+
+  void value(std::string_view name, const std::string& number, const std::string& key,
+             const std::string& comment = "") {
+    std::string words = fmt::format("{} = {}", name, number);
+    if (const auto note = notes_.values.find(key); note != notes_.values.end()) {
+      words = fmt::format("{} = {{ value = {}", name, number);
+      if (note->second.std) words += fmt::format(", std = {}", *note->second.std);
+      if (!note->second.source.empty()) words += fmt::format(", source = {}", quoted(note->second.source));
+      words += " }";
+      noted_.insert(key);
+    }
+    line(comment.empty() ? words : fmt::format("{:<22} # {}", words, comment));
+  }
+
+  std::string finished() const {
+    for (const auto& [key, note] : notes_.values)
+      if (!noted_.contains(key))
+        throw SetupError(fmt::format("a note on `{}`, which the model does not hold", key), kNameInMessages,
+                         "name a value of [baseline], or EFFECT.PARAMETER of an effect that is present");
+    return text_;
+  }
+
+ private:
+  const ModelNotes& notes_;
+  std::string text_;
+  std::set<std::string> noted_;
+};
+
+void write_baseline(const Baseline& baseline, const ModelNotes& notes, ModelText& text) {
+  text.line("[baseline]");
+  if (baseline.drive == Drive::Force) text.line("drive = \"force\"");
+  for (const BaselineEntry& entry : baseline_entries()) {
+    const double value = baseline.*(entry.member);
+    const bool noted = notes.values.contains(std::string(entry.name));
+    if (!entry.acts_in(baseline.drive) && value == Baseline{}.*(entry.member) && !noted) continue;
+    text.value(entry.name, fmt::format("{}", value), std::string(entry.name),
+               fmt::format("{}{}{}", entry.unit, entry.unit.empty() ? "" : ", ", entry.meaning));
+  }
+  if (notes.T) text.value("T", fmt::format("{}", *notes.T), "T", "s, control period");
+}
+
+template <class Effect>
+void write_effect(const Effect& effect, const ModelNotes& notes, ModelText& text) {
+  text.line(fmt::format("\n# {}\n[effect.{}]", Effect::info.sentence, Effect::info.name));
+  for (const auto& p : Effect::parameters()) {
+    const std::string key = fmt::format("{}.{}", Effect::info.name, p.name);
+    if (p.optional && effect.*(p.member) == 0.0 && !notes.values.contains(key)) continue;
+    text.value(p.name, number_in_unit(effect.*(p.member), p.si_per_unit, p.low, p.high), key);
+  }
+}
+
+// Correlations of values whose deviation is gone say nothing any more.
+void write_correlations(const ModelNotes& notes, ModelText& text) {
+  if (!notes.correlations) return;
+  const Correlations& all = *notes.correlations;
+  for (const std::string& name : all.values) {
+    const auto note = notes.values.find(name);
+    if (note == notes.values.end() || !note->second.std) return;
+  }
+  std::string names;
+  for (const std::string& name : all.values) names += (names.empty() ? "" : ", ") + quoted(name);
+  text.line("\n# Of the deviations above: each value with those before it, row by row.\n[correlation]");
+  text.line("values = [" + names + "]\nlower = [");
+  for (std::size_t i = 1; i < all.values.size(); ++i) {
+    std::string row = " ";
+    for (std::size_t j = 0; j < i; ++j) row += fmt::format(" {},", all.between(i, j));
+    text.line(row);
+  }
+  text.line("]");
+}
+
+}  // namespace
+
+std::string number_in_unit(double si, double si_per_unit, double low, double high) {
+  const double nearest = si / si_per_unit;
+  const auto reads_back = [&](double number) { return number * si_per_unit == si; };
+  for (int digits = 1; digits <= 17; ++digits)
+    if (const double number = rounded_to_digits(nearest, digits); reads_back(number))
+      return fmt::format("{}", number);
+  for (const double beside : {std::nextafter(nearest, -HUGE_VAL), std::nextafter(nearest, HUGE_VAL)})
+    if (reads_back(beside)) return fmt::format("{}", beside);
+  // A value on the edge of its range stays inside; one that is truly outside shows.
+  for (const double edge : {low, high})
+    if (std::abs(nearest - edge) <= 4e-16 * std::abs(edge)) return fmt::format("{}", edge);
+  return fmt::format("{}", nearest);
+}
+
+std::string model_toml(const PlantModel& model, const ModelNotes& notes) {
+  ModelText text(notes);
+  write_baseline(model.baseline, notes, text);
+  for_each_effect(model.effects, [&](const auto& slot) {
+    if (slot) write_effect(*slot, notes, text);
+  });
+  write_correlations(notes, text);
+  std::string out = text.finished();
+  parse_model(out, kNameInMessages);  // refuses what a reader would refuse
+  return out;
+}
+
+}  // namespace biopsy::sim

@@ -1,0 +1,12 @@
+// Recorded inputs through the plant, open loop: what would have been measured if the model were the truth.
+#pragma once
+
+#include "sim/plant/dataset.hpp"
+
+namespace biopsy::sim {
+
+// The run with displacement, plate B and current replaced by the model's; starts at rest. The current of a
+// row is the mean since the row before, as of a monitor that averages.
+RecordedRun simulate(PlantModel model, const RecordedRun& recorded);
+
+}  // namespace biopsy::sim

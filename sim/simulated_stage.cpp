@@ -1,0 +1,51 @@
+#include "sim/simulated_stage.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/plant/seeded_noise.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+constexpr std::uint64_t kMonitorStream = 0x6d6f6e69;  // must not repeat the laser's noise
+
+// Two independent numbers of unit variance, uniform: what monitors add needs no tails, and this costs a
+// tenth.
+NormalPair uniform_pair(std::uint64_t seed, std::uint64_t counter) {
+  constexpr double kScale = 2.0 * std::numbers::sqrt3 * 0x1.0p-32;
+  const std::uint64_t bits = hashed(seed, counter);
+  return {(static_cast<double>(bits >> 32) - 0x1.0p31) * kScale,
+          (static_cast<double>(bits & 0xffffffffU) - 0x1.0p31) * kScale};
+}
+
+std::int32_t rounded(double value) {
+  return static_cast<std::int32_t>(std::lround(value));
+}
+
+}  // namespace
+
+SimStage::SimStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors)
+    : model_(model), errors_(errors), seed_(seed), state_(at_rest(model)) {
+  model_.noise_seed = seed;
+}
+
+port::SensorReading SimStage::read() {
+  port::SensorReading reading;
+  reading.time_us = now_us_;
+  reading.laser_code = rounded(displacement_reading(model_, state_) * 1e6 / errors_.laser_code_um);
+  reading.depth_um = reading.laser_code * errors_.laser_code_um;
+  reading.laser_valid = true;
+  const NormalPair noise = uniform_pair(seed_ ^ kMonitorStream, state_.readings);
+  reading.monitor_mV = rounded(state_.u_i * 1e3 * (1.0 + errors_.monitor_noise * noise.first));
+  const double average = state_.charge / Seconds(kTick).count();
+  reading.current_nA = rounded((average + errors_.current_noise_A * noise.second) * 1e9);
+  return reading;
+}
+
+void SimStage::write(const safety::GatedVoltage& voltage) {
+  state_ = step(model_, state_, {.voltage = voltage.mV() * 1e-3, .external_force = push_N_}, Seconds(kTick));
+  now_us_ += std::chrono::microseconds(kTick).count();
+}
+
+}  // namespace biopsy::sim

@@ -1,0 +1,44 @@
+// The simulated needle stage: the plant behind the same port as the hardware. Writing a voltage lets one tick
+// pass.
+#pragma once
+
+#include <cstdint>
+
+#include "drivers/needle_stage.hpp"
+#include "sim/plant/plant.hpp"
+
+namespace biopsy::sim {
+
+// The amplifier's monitors and the laser's converter.
+struct DeviceErrors {
+  double monitor_noise = 0.001;  // share of the voltage, one standard deviation
+  double current_noise_A = 20e-9;
+  std::int32_t laser_code_um = 1;  // one converter code
+};
+
+class SimStage final : public port::NeedleStage {
+ public:
+  SimStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors = {});
+
+  port::SensorReading read() override;
+  void write(const safety::GatedVoltage& voltage) override;
+
+  // What pushes plate A down from the next write() on, N: a hand or a weight on the bench, without its
+  // inertia.
+  void push(double force_N) { push_N_ = force_N; }
+
+  // The truth, for reports and the simulated scanner; a real stage has no such thing.
+  const PlantState& truth() const { return state_; }
+  const PlantModel& model() const { return model_; }
+  std::int64_t now_us() const { return now_us_; }
+
+ private:
+  PlantModel model_;
+  DeviceErrors errors_;
+  std::uint64_t seed_;
+  PlantState state_;
+  std::int64_t now_us_ = 0;
+  double push_N_ = 0.0;
+};
+
+}  // namespace biopsy::sim

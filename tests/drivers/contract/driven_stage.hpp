@@ -1,0 +1,47 @@
+// A stage behind the shipping gate, with permits made by hand: the way for a test to a voltage.
+#pragma once
+
+#include <cstdint>
+
+#include "drivers/gated_stage.hpp"
+
+namespace biopsy {
+
+class DrivenStage {
+ public:
+  explicit DrivenStage(port::NeedleStage& stage) : stage_(stage) { tick(0, false); }
+
+  // One tick: reads, then puts out what is wanted, as far as the gate lets it.
+  Measurement tick(std::int32_t wanted_mV, bool enabled = true) {
+    const Measurement measured = stage_.measure();
+    now_us_ += 1'000;
+    Permit permit;
+    permit.session = permit.epoch = 1;
+    permit.seq = ++seq_;
+    permit.ttl_us = 5'000;
+    permit.hv_enable = enabled;
+    permit.mode = enabled ? Mode::Active : Mode::Safe;
+    permit.stop = enabled ? StopCategory::None : StopCategory::C0Off;
+    permit.v_max_mV = 8'000'000;
+    permit.slew_up_mV_per_tick = 400'000;
+    const DriveRequest request{.seq = seq_, .wanted_mV = wanted_mV};
+    stage_.drive(&request, &permit, now_us_, 1);
+    return measured;
+  }
+
+  // What is measured in the last of so many ticks.
+  Measurement hold(std::int32_t wanted_mV, int ticks) {
+    Measurement last;
+    for (int k = 0; k < ticks; ++k) last = tick(wanted_mV);
+    return last;
+  }
+
+  std::int32_t command_mV() const { return stage_.command_mV(); }
+
+ private:
+  port::GatedStage stage_;
+  std::int64_t now_us_ = 0;
+  std::uint32_t seq_ = 0;
+};
+
+}  // namespace biopsy

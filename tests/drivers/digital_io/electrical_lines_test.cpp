@@ -1,0 +1,207 @@
+// The lines as a file: what is refused, what is dead, who may write what.
+#include "drivers/digital_io/shared_io.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstddef>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "drivers/digital_io/io_views.hpp"
+#include "robot/common/config_error.hpp"
+#include "tests/drivers/digital_io/high_voltage.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::lines {
+namespace {
+
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const SetupError& error) {
+    EXPECT_FALSE(error.where.empty() || error.remedy.empty());
+    return error.what_is_wrong;
+  }
+  return "";
+}
+
+std::string refusal_to_attach(const std::filesystem::path& folder) {
+  return refusal([&] { const LinesReader reader(folder); });
+}
+
+class Lines : public testing::Test {
+ protected:
+  Lines() { lay_lines(folder_.path()); }
+  std::filesystem::path file() const { return folder_ / "lines"; }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(Lines, AreDeadWhenLaid) {
+  const LinesReader reader(folder_.path());
+  EXPECT_EQ(reader.converter(), ConverterOutput{});
+  EXPECT_EQ(reader.panel(), PanelLevels{});
+  EXPECT_FALSE(reader.panel().estop_a_closed) << "an E-stop nobody drives is pressed";
+  EXPECT_EQ(reader.relay().output, RelayOutput{});
+  EXPECT_EQ(reader.relay().ticks, 0U);
+  for (const std::int64_t now_ns : {0L, 1L, 1'000'000'000'000L})
+    EXPECT_EQ(reader.load_voltage_seen_mV(now_ns), 0);
+}
+
+TEST_F(Lines, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
+  EXPECT_EQ(offsetof(Wires, stage), 1 * kPage);
+  EXPECT_EQ(offsetof(Wires, supervisor), 2 * kPage);
+  EXPECT_EQ(offsetof(Wires, interlock), 3 * kPage);
+  EXPECT_EQ(offsetof(Wires, panel), 4 * kPage);
+  EXPECT_EQ(offsetof(StageWires, pulses), 8U);
+  EXPECT_EQ(offsetof(InterlockWires, ticks), 32U);
+  const std::string content = file_content(file());
+  ASSERT_EQ(content.size(), 5 * kPage);
+  EXPECT_EQ(content.substr(1, 7), "biopsyl");
+  EXPECT_EQ(content.find_first_not_of('\0', 16), std::string::npos) << "nothing but the title is set";
+  struct stat status {};
+  ASSERT_EQ(::stat(file().c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1) << "nothing left over";
+}
+
+TEST_F(Lines, CarryWhatEachOwnerWrites) {
+  const LinesReader reader(folder_.path());
+  StageLines stage(folder_.path());
+  SupervisorLines supervisor(folder_.path());
+  InterlockLines interlock(folder_.path());
+  PanelLines panel(folder_.path());
+  stage.write(high_voltage(-2'400'000));
+  stage.pulse();
+  for (int i = 0; i < 3; ++i) supervisor.pulse();
+  EXPECT_EQ(reader.converter(), (ConverterOutput{-2'400'000, true}));
+  EXPECT_EQ(reader.stage_pulses(), 1U);
+  EXPECT_EQ(reader.supervisor_pulses(), 3U);
+  for (int levels = 0; levels < 32; ++levels) {
+    const auto level = [levels](int wire) { return (levels >> wire & 1) != 0; };
+    const PanelLevels set{level(0), level(1), level(2), level(3), level(4)};
+    panel.set(set);
+    EXPECT_EQ(reader.panel(), set);
+  }
+  interlock.write({-2'400'000, true}, 1'000);
+  interlock.write({-2'400'000, true}, 2'000);
+  EXPECT_EQ(reader.relay().output, (RelayOutput{-2'400'000, true}));
+  EXPECT_EQ(reader.relay().changed_ns, 1'000);
+  EXPECT_EQ(reader.relay().zero_ns, 0);
+  interlock.write({0, true}, 3'000);
+  interlock.write({0, false}, 4'000);
+  EXPECT_EQ(reader.relay().output, RelayOutput{});
+  EXPECT_EQ(reader.relay().changed_ns, 3'000);
+  EXPECT_EQ(reader.relay().zero_ns, 3'000);
+  EXPECT_EQ(reader.relay().ticked_ns, 4'000);
+  EXPECT_EQ(reader.relay().ticks, 4U);
+}
+
+TEST(LineWords, KeepEveryVoltage) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<std::int32_t> any(std::numeric_limits<std::int32_t>::min());
+  for (int i = 0; i < 10'000; ++i) {
+    const std::int32_t mV = any(random);
+    for (const bool on : {false, true}) {
+      EXPECT_EQ(voltage_mV(packed(mV, on)), mV);
+      EXPECT_EQ(flag(packed(mV, on)), on);
+    }
+  }
+}
+
+TEST_F(Lines, StageThatStartsPutsOutZeroWhateverStoodThere) {
+  const LinesReader reader(folder_.path());
+  std::optional<StageLines> stage(folder_.path());
+  stage->write(high_voltage(8'000'000));
+  stage->pulse();
+  stage.reset();
+  EXPECT_EQ(reader.converter(), (ConverterOutput{8'000'000, true})) << "a converter holds its last value";
+  stage.emplace(folder_.path());
+  EXPECT_EQ(reader.converter(), ConverterOutput{});
+  EXPECT_EQ(reader.stage_pulses(), 1U) << "starting is not feeding";
+}
+
+TEST_F(Lines, PanelThatStartsHasNoKeyTurnedAndTheEStopPressed) {
+  const LinesReader reader(folder_.path());
+  std::optional<PanelLines> panel(folder_.path());
+  panel->set({true, true, true, true, true});
+  panel.reset();
+  EXPECT_NE(reader.panel(), PanelLevels{});
+  panel.emplace(folder_.path());
+  EXPECT_EQ(reader.panel(), PanelLevels{});
+}
+
+TEST_F(Lines, AreDrivenByOneProcessEach) {
+  std::optional<StageLines> stage(folder_.path());
+  const SupervisorLines supervisor(folder_.path());
+  EXPECT_EQ(refusal([&] { const StageLines second(folder_.path()); }), "another process drives these lines");
+  stage.reset();
+  EXPECT_EQ(refusal([&] { const StageLines second(folder_.path()); }), "");
+}
+
+TEST_F(Lines, AreNotLaidAnewUnderARunningRobot) {
+  std::optional<InterlockLines> interlock(folder_.path());
+  EXPECT_EQ(refusal([&] { lay_lines(folder_.path()); }), "belongs to a robot that is running");
+  interlock.reset();
+  EXPECT_EQ(refusal([&] { lay_lines(folder_.path()); }), "");
+}
+
+TEST_F(Lines, ReadersOfOldLinesSeeNothingOfNewOnes) {
+  const LinesReader old(folder_.path());
+  lay_lines(folder_.path());
+  StageLines stage(folder_.path());
+  stage.pulse();
+  EXPECT_EQ(old.stage_pulses(), 0U);
+  EXPECT_EQ(LinesReader(folder_.path()).stage_pulses(), 1U);
+}
+
+TEST_F(Lines, OfAnotherOwnerCannotBeWrittenEvenByMistake) {
+  const ElectricalLines lines(folder_.path(), Owner::Supervisor);
+  lines.wires().supervisor.pulses = 1;
+  EXPECT_DEATH(lines.wires().stage.pulses = 1, "");
+  EXPECT_DEATH(lines.wires().interlock.load = 1, "");
+}
+
+TEST_F(Lines, AreRefusedWhenMissingCutShortOrReachableByOthers) {
+  const ScratchFolder empty;
+  EXPECT_NE(refusal_to_attach(empty.path()), "");
+  EXPECT_NE(refusal([&] { lay_lines(empty / "nowhere"); }), "");
+  ::chmod(file().c_str(), 0660);
+  EXPECT_EQ(refusal_to_attach(folder_.path()), "can be reached by other users");
+  ::chmod(file().c_str(), 0600);
+  std::filesystem::rename(file(), folder_ / "elsewhere");
+  std::filesystem::create_symlink(folder_ / "elsewhere", file());
+  EXPECT_NE(refusal_to_attach(folder_.path()), "") << "a link may lead anywhere";
+  std::filesystem::remove(file());
+  std::filesystem::create_directory(file());
+  EXPECT_NE(refusal_to_attach(folder_.path()), "");
+}
+
+TEST_F(Lines, AreRefusedWithAnyBitOfTheirTitleWrongOrAnyOtherLength) {
+  const std::string sound = file_content(file());
+  for (std::size_t bit = 0; bit < 16 * 8; ++bit) {
+    std::string spoiled = sound;
+    spoiled[bit / 8] = static_cast<char>(spoiled[bit / 8] ^ 1 << bit % 8);
+    write_content(file(), spoiled);
+    EXPECT_NE(refusal_to_attach(folder_.path()), "") << "bit " << bit;
+  }
+  std::mt19937 random(6);
+  for (int i = 0; i < 200; ++i) {
+    const std::size_t size = std::uniform_int_distribution<std::size_t>(0, 2 * sound.size())(random);
+    if (size == sound.size()) continue;
+    std::string other = sound;
+    other.resize(size);
+    write_content(file(), other);
+    EXPECT_NE(refusal_to_attach(folder_.path()), "") << size << " bytes";
+  }
+  write_content(file(), sound);
+  EXPECT_EQ(refusal_to_attach(folder_.path()), "");
+}
+
+}  // namespace
+}  // namespace biopsy::lines

@@ -1,0 +1,225 @@
+// The relay on a virtual clock: 20 ms, to the tick.
+#include "drivers/digital_io/interlock_relay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <random>
+
+#include "tests/drivers/digital_io/high_voltage.hpp"
+#include "tests/robot/live/realtime/counting_allocator.hpp"
+#include "tests/safety/verifies.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::lines {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kPeriod = kMillisecond / 2;
+constexpr std::int64_t kLimit = 20 * kMillisecond;
+
+// A stage at +6 kV, a supervisor and the relay between them.
+class Relay : public testing::Test {
+ protected:
+  Relay() : reader_((lay_lines(folder_.path()), folder_.path())) {
+    stage_.emplace(folder_.path());
+    supervisor_.emplace(folder_.path());
+    relay_.emplace(folder_.path(), now_);
+    stage_->write(high_voltage(6'000'000));
+  }
+
+  void tick() { relay_->tick(now_ += kPeriod); }
+  void feed_both() { stage_->pulse(), supervisor_->pulse(); }
+  void close() {
+    feed_both();
+    tick();
+    ASSERT_TRUE(relay_->closed());
+  }
+  std::int32_t load_mV() const { return reader_.relay().output.load_mV; }
+
+  ScratchFolder folder_;
+  LinesReader reader_;
+  std::optional<StageLines> stage_;
+  std::optional<SupervisorLines> supervisor_;
+  std::optional<InterlockRelay> relay_;
+  std::int64_t now_ = 500 * kMillisecond;
+};
+
+TEST_F(Relay, IsOpenUntilBothHaveFedIt) {
+  EXPECT_FALSE(relay_->closed());
+  tick();
+  EXPECT_FALSE(relay_->closed()) << "levels alone feed nobody";
+  stage_->pulse();
+  tick();
+  EXPECT_FALSE(relay_->closed());
+  EXPECT_EQ(load_mV(), 0);
+  supervisor_->pulse();
+  tick();
+  EXPECT_TRUE(relay_->closed());
+  EXPECT_EQ(load_mV(), 6'000'000);
+}
+
+TEST_F(Relay, OpensWithinTwentyMillisecondsOfTheLastPulseOfEither) {
+  verifies("R-43");
+  for (const bool stage_stops : {false, true})
+    for (std::int64_t phase_ns = 0; phase_ns < kPeriod; phase_ns += 12'500) {
+      close();
+      // The last pulse of the one that stops comes `phase_ns` after a tick of the relay.
+      const std::int64_t last_pulse = now_ + phase_ns;
+      feed_both();
+      for (int i = 0; i < 100 && relay_->closed(); ++i) {
+        tick();
+        stage_stops ? supervisor_->pulse() : stage_->pulse();
+      }
+      EXPECT_LE(now_ + kPeriod - last_pulse, kLimit) << "even if the next tick were the first to show it";
+      EXPECT_GE(now_ + 2 * kPeriod - last_pulse, kLimit) << "no sooner than the relay can know";
+      EXPECT_EQ(load_mV(), 0);
+      EXPECT_EQ(reader_.relay().zero_ns, now_);
+      EXPECT_EQ(reader_.converter().mV, 6'000'000) << "the converter still holds its value";
+    }
+}
+
+TEST_F(Relay, StaysClosedWhileBothAreWithinTheirTimeAndOnlyThen) {
+  std::mt19937 random(11);
+  std::uniform_int_distribution<std::int64_t> pause(0, 60);  // relay periods; 40 are the limit
+  std::int64_t stage_at = 0, supervisor_at = 0, next_stage = 0, next_supervisor = 0, closed = 0;
+  constexpr std::int64_t kTicks = 100'000;
+  for (std::int64_t i = 0; i < kTicks; ++i) {
+    if (i >= next_stage) stage_->pulse(), stage_at = now_, next_stage = i + 1 + pause(random);
+    if (i >= next_supervisor)
+      supervisor_->pulse(), supervisor_at = now_, next_supervisor = i + 1 + pause(random);
+    tick();
+    const std::int64_t oldest = now_ - std::min(stage_at, supervisor_at);
+    ASSERT_EQ(relay_->closed(), oldest + kPeriod < kLimit)
+        << "tick " << i << ", last pulse " << oldest << " ns ago";
+    closed += relay_->closed() ? 1 : 0;
+  }
+  EXPECT_GT(closed, kTicks / 4);
+  EXPECT_LT(closed, kTicks);
+}
+
+TEST_F(Relay, NeedsBothAgainAfterOneWasGone) {
+  close();
+  for (int i = 0; i < 100; ++i) supervisor_->pulse(), tick();
+  EXPECT_FALSE(relay_->closed());
+  stage_.reset();
+  stage_.emplace(folder_.path());
+  stage_->write(high_voltage(6'000'000));
+  for (int i = 0; i < 100; ++i) supervisor_->pulse(), tick();
+  EXPECT_FALSE(relay_->closed()) << "a stage that came back but does not feed";
+  for (int i = 0; i < 100; ++i) stage_->pulse(), tick();
+  EXPECT_FALSE(relay_->closed()) << "the supervisor is gone now";
+  close();
+}
+
+TEST_F(Relay, ShowsTheLoadWhatTheConverterDoesWhileClosed) {
+  close();
+  feed_both();
+  stage_->write(high_voltage(-3'000'000));
+  tick();
+  EXPECT_EQ(load_mV(), -3'000'000);
+  EXPECT_EQ(reader_.relay().changed_ns, now_);
+  stage_->write(safety::GatedVoltage::off());
+  tick();
+  EXPECT_TRUE(relay_->closed());
+  EXPECT_EQ(load_mV(), 0);
+  EXPECT_EQ(reader_.relay().zero_ns, now_);
+}
+
+TEST_F(Relay, ThatComesBackStartsOpenAndDoesNotCountOldPulses) {
+  for (const bool stage_lives : {false, true}) {
+    close();
+    relay_.reset();
+    feed_both();
+    relay_.emplace(folder_.path(), now_ += kMillisecond);
+    EXPECT_EQ(load_mV(), 0) << "open before its first tick";
+    for (int i = 0; i < 100; ++i) {
+      stage_lives ? stage_->pulse() : supervisor_->pulse();
+      tick();
+      ASSERT_FALSE(relay_->closed());
+    }
+  }
+  close();
+}
+
+TEST_F(Relay, ShowsTheLoadNothingWhileHvIsOffWhateverTheConverterHolds) {
+  stage_.reset();
+  const ElectricalLines broken_stage(folder_.path(), Owner::Stage);
+  broken_stage.wires().stage.converter = packed(6'000'000, false);
+  broken_stage.wires().stage.pulses = 1'000;
+  supervisor_->pulse();
+  tick();
+  EXPECT_TRUE(relay_->closed());
+  EXPECT_EQ(load_mV(), 0);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_), 0);
+}
+
+TEST_F(Relay, DoesNotTakeAPulseFoundAfterItsOwnStallForAFreshOne) {
+  close();
+  feed_both();  // and then both die, and the relay stalls for a second
+  relay_->tick(now_ += 1'000 * kMillisecond);
+  EXPECT_FALSE(relay_->closed());
+  for (int i = 0; i < 100; ++i) {
+    tick();
+    EXPECT_FALSE(relay_->closed());
+  }
+}
+
+TEST_F(Relay, OpensWhenItsClockGoesBack) {
+  close();
+  feed_both();
+  relay_->tick(now_ - 10 * kMillisecond);
+  EXPECT_FALSE(relay_->closed());
+}
+
+TEST_F(Relay, OpensAtOnceAndForgetsWhenTold) {
+  close();
+  relay_->open(now_);
+  EXPECT_FALSE(relay_->closed());
+  EXPECT_EQ(load_mV(), 0);
+  tick();
+  EXPECT_FALSE(relay_->closed());
+}
+
+TEST_F(Relay, ThatNoLongerTicksIsTakenForOpenByWhoReadsTheLoad) {
+  close();
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_), 6'000'000);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + kLimit - 1), 6'000'000);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + kLimit), 0);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + 1'000 * kLimit), 0);
+  EXPECT_EQ(load_mV(), 6'000'000) << "the relay's last word, which is no longer true";
+}
+
+TEST_F(Relay, MayTickWhileAReaderIsReadingTheClock) {
+  close();
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ - 1'000), 6'000'000);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ - kLimit), 0) << "but not in the far future";
+}
+
+TEST_F(Relay, LetsTheReaderSeeTheConverterWithoutWaitingForATick) {
+  close();
+  stage_->write(high_voltage(1'000'000));
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_), 1'000'000);
+  stage_->write(safety::GatedVoltage::off());
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_), 0);
+}
+
+TEST_F(Relay, AllocatesNothingAndNeitherDoWhoFeedAndRead) {
+  PanelLines panel(folder_.path());
+  const safety::GatedVoltage voltage = high_voltage(1'000'000);
+  const realtime::AllocationCount count;
+  std::int64_t sum_mV = 0;
+  for (int i = 0; i < 100; ++i) {
+    feed_both();
+    stage_->write(voltage);
+    panel.set(reader_.panel());
+    tick();
+    sum_mV += reader_.load_voltage_seen_mV(now_);
+  }
+  EXPECT_EQ(count.so_far(), 0U);
+  EXPECT_EQ(sum_mV, 100 * 1'000'000);
+}
+
+}  // namespace
+}  // namespace biopsy::lines

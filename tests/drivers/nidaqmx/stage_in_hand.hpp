@@ -1,0 +1,16 @@
+// The stage's driver on the board that is not there.
+#pragma once
+
+#include "drivers/nidaqmx/nidaqmx_stage.hpp"
+#include "tests/drivers/nidaqmx/fake/fake_board.hpp"
+
+namespace biopsy::nidaqmx {
+
+// As in the sample configuration, but for the driver's library.
+inline Config laboratory() {
+  Config config = read_config(BIOPSY_SOURCE_DIR "/drivers/nidaqmx/usb6211.toml");
+  config.library = FAKE_NIDAQMX;
+  return config;
+}
+
+}  // namespace biopsy::nidaqmx

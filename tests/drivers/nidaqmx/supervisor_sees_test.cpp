@@ -1,0 +1,72 @@
+// What the shipping supervisor's detectors make of the driver's troubles.
+#include <gtest/gtest.h>
+
+#include "safety/monitors/evidence.hpp"
+#include "tests/drivers/contract/driven_stage.hpp"
+#include "tests/drivers/nidaqmx/stage_in_hand.hpp"
+
+namespace biopsy::nidaqmx {
+namespace {
+
+using safety::Hazard;
+
+class WhatTheSupervisorSees : public testing::Test {
+ protected:
+  void SetUp() override { see(50); }
+
+  // After so many ticks at 2 kV.
+  safety::HazardSet see(int ticks) {
+    safety::Evidence evidence;
+    for (int k = 0; k < ticks; ++k) {
+      safety::Observation seen;
+      seen.now_us = ++ticks_ * 1'000;
+      seen.measurement = driven_.tick(2'000'000);
+      evidence = safety::assess({}, memory_, seen);
+    }
+    return evidence.hazards();
+  }
+  bool sees(Hazard hazard, int ticks) { return (see(ticks) & safety::bit(hazard)) != 0; }
+
+  fake::Board& board_ = *fake_reset();
+  NidaqmxStage stage_{laboratory(), fake_now_us};
+  DrivenStage driven_{stage_};
+  safety::EvidenceMemory memory_;
+  std::int64_t ticks_ = 0;
+};
+
+TEST_F(WhatTheSupervisorSees, HealthyTicksAreNeitherDropoutNorJump) {
+  EXPECT_EQ(see(1) & (safety::bit(Hazard::LaserDropout) | safety::bit(Hazard::ClockJump)), 0U);
+}
+
+TEST_F(WhatTheSupervisorSees, TwoMissedReadingsAreForgivenAThirdIsNot) {
+  fake_fail("DAQmxReadAnalogF64", -200284, 2);
+  EXPECT_FALSE(sees(Hazard::LaserDropout, 2));
+  EXPECT_FALSE(sees(Hazard::ClockJump, 1));
+  fake_fail("DAQmxReadAnalogF64", -200284, 3);
+  EXPECT_TRUE(sees(Hazard::LaserDropout, 3));
+}
+
+TEST_F(WhatTheSupervisorSees, BoardThatIsGoneIsABrokenClockAtOnce) {
+  fake_fail("DAQmxReadAnalogF64", -201003, -1);
+  EXPECT_TRUE(sees(Hazard::ClockJump, 1));
+}
+
+TEST_F(WhatTheSupervisorSees, VoltageThatWasNotWrittenIsABrokenClockInTheNextTick) {
+  fake_fail("DAQmxWriteAnalogScalarF64", -200284, 1);
+  see(1);
+  EXPECT_TRUE(sees(Hazard::ClockJump, 1));
+}
+
+TEST_F(WhatTheSupervisorSees, StuckLaserIsFrozenOnceTheVoltageMoves) {
+  board_.laser_stuck = true;
+  driven_.hold(2'500'000, 1);
+  EXPECT_TRUE(sees(Hazard::SensorFrozen, 25));
+}
+
+TEST_F(WhatTheSupervisorSees, OpenInterlockIsAMonitorThatDisagrees) {
+  stage_.feed_interlock(false);
+  EXPECT_TRUE(sees(Hazard::MonitorDisagrees, 25));
+}
+
+}  // namespace
+}  // namespace biopsy::nidaqmx

@@ -1,5 +1,0 @@
-#include "tests/fuzz/image.hpp"
-
-FUZZ(dicom) {
-  biopsy::fuzz::read_image("image.dcm", bytes);
-}

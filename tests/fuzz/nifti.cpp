@@ -1,5 +1,0 @@
-#include "tests/fuzz/image.hpp"
-
-FUZZ(nifti) {
-  biopsy::fuzz::read_image("image.nii", bytes);
-}

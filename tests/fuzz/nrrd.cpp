@@ -1,5 +1,0 @@
-#include "tests/fuzz/image.hpp"
-
-FUZZ(nrrd) {
-  biopsy::fuzz::read_image("image.nrrd", bytes);
-}

@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "planner/imaging/depth_check/find_tip.hpp"
+#include "tests/planner/imaging/analytic_scene.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+const Point kEntry(-18.0, 3.0, -4.0);
+const Direction kAxis = Direction(1.0, 0.25, 0.3).normalized();
+
+struct Needle {
+  double depth = 20.0, radius = 1.5;
+  Point entry = kEntry;
+  Direction axis = kAxis;
+};
+
+TipFinding found_with(
+    const Grid& grid, const Needle& needle, double loss = 0.95, double noise = 15.0,
+    const std::function<double(const Point&)>& traces = [](const Point&) { return 1.0; }) {
+  const Volume before = scene::imaged(grid, [&](const Point& p) { return scene::tissue(p) * traces(p); });
+  const Volume after = scene::imaged(grid, [&](const Point& p) {
+    // A voxel sees the mean over its thickness.
+    double left = 0.0;
+    for (int n = 0; n < 6; ++n)
+      left += scene::left_by_needle(p + grid.X_SI.linear().col(2) * ((n + 0.5) / 6.0 - 0.5), needle.entry,
+                                    needle.axis, needle.depth, needle.radius, loss);
+    return std::abs(scene::tissue(p) * traces(p) * left / 6.0 + noise * scene::grain(p));
+  });
+  RegistrationResult still;
+  const NeedleFrame frame = needle_frame(grid, kEntry, kAxis);
+  CorridorSettings path;
+  path.to_mm = 50.0;
+  const Corridor corridor = needle_corridor(before, after, still, frame, path);
+  TipSettings search;
+  search.depth_max_mm = 50.0;
+  return corridor.voxels.empty() ? TipFinding{} : find_tip(corridor, search);
+}
+
+bool stands_out(const TipFinding& tip) {
+  return tip.evidence > 8.0 && tip.evidence > 2.0 * tip.control_evidence;
+}
+
+TEST(FindTip, ReadsTheDepthOfThinAndWideVoids) {
+  for (double radius : {0.8, 1.5, 3.0, 6.0}) {
+    const TipFinding tip = found_with(scene::grid(0.8, 2.4), {20.0, radius});
+    EXPECT_TRUE(stands_out(tip)) << radius;
+    EXPECT_NEAR(tip.depth_mm, 20.0, 0.3) << radius;
+    EXPECT_LT(std::abs(tip.depth_mm - 20.0), 3.5 * tip.sigma_mm) << radius;
+    EXPECT_NEAR(tip.radius_mm, radius, 0.25 * radius + 0.2);
+    EXPECT_EQ(tip.gap_mm, 0.0);
+  }
+}
+
+TEST(FindTip, ReadsTheDepthInCoarseVoxels) {
+  for (double depth : {17.1, 18.3, 19.6, 21.0}) {
+    const TipFinding tip = found_with(scene::grid(1.2, 3.6), {depth, 3.0});
+    EXPECT_TRUE(stands_out(tip));
+    EXPECT_NEAR(tip.depth_mm, depth, 0.6);
+  }
+}
+
+TEST(FindTip, FollowsANeedleThatDeviatesAndTilts) {
+  const NeedleFrame frame = needle_frame(scene::grid(0.8, 2.4), kEntry, kAxis);
+  Needle bent{20.0, 1.5, frame.point(0.0, 1.6, -1.0), kAxis};
+  bent.axis = (kAxis + 0.03 * frame.across).normalized();
+  const TipFinding tip = found_with(scene::grid(0.8, 2.4), bent);
+  EXPECT_NEAR(tip.depth_mm, 20.0 * bent.axis.dot(kAxis), 0.3);
+  EXPECT_NEAR(tip.across_mm, 1.6 + 20.0 * 0.03, 0.4);
+  EXPECT_NEAR(tip.up_mm, -1.0, 0.4);
+}
+
+TEST(FindTip, IgnoresAnOldTrackAndBubblesThatAreInBothImages) {
+  const NeedleFrame frame = needle_frame(scene::grid(0.8, 2.4), kEntry, kAxis);
+  const auto traces = [&](const Point& p) {
+    const Point bubble = frame.point(27.0, 0.5, 0.0);
+    return scene::left_by_needle(p, frame.point(0.0, 4.5, 0.0), kAxis, 35.0, 1.5, 0.8) *
+           (1.0 - 0.9 * std::exp(-0.5 * (p - bubble).squaredNorm() / 4.0));
+  };
+  const TipFinding tip = found_with(scene::grid(0.8, 2.4), {20.0, 1.5}, 0.95, 15.0, traces);
+  EXPECT_NEAR(tip.depth_mm, 20.0, 0.3);
+  EXPECT_LT(std::abs(tip.across_mm), 1.0);
+  const TipFinding nothing = found_with(scene::grid(0.8, 2.4), {20.0, 1.5}, 0.0, 15.0, traces);
+  EXPECT_FALSE(stands_out(nothing));
+}
+
+TEST(FindTip, FindsNothingInNoiseAndSaysANeedleWouldHaveShown) {
+  const TipFinding tip = found_with(scene::grid(0.8, 2.4), {20.0, 1.5}, 0.0);
+  EXPECT_FALSE(stands_out(tip));
+  EXPECT_GT(tip.visible, 8.0);
+  EXPECT_LT(found_with(scene::grid(0.8, 2.4), {20.0, 1.5}, 0.0, 400.0).visible, 8.0);
+}
+
+TEST(FindTip, SeesThatAVoidGoesOnPastTheImagesEnd) {
+  EXPECT_TRUE(found_with(scene::grid(0.8, 2.4), {300.0, 2.0}).at_end);
+  EXPECT_FALSE(found_with(scene::grid(0.8, 2.4), {20.0, 2.0}).at_end);
+}
+
+}  // namespace
+}  // namespace biopsy::imaging

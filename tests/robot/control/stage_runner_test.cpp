@@ -1,0 +1,205 @@
+// The runner asks for what the plan and the permit say, tick by tick.
+#include "robot/control/step_runner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace biopsy::control {
+namespace {
+
+Plan plan_of(std::vector<Stage> stages) {
+  Plan plan;
+  plan.stages = std::move(stages);
+  return plan;
+}
+
+Stage stage(double depth_mm, double speed_mm_s, double dwell_s = 0.0) {
+  Stage made;
+  made.depth = Millimetres(depth_mm);
+  made.speed = MillimetresPerSecond(speed_mm_s);
+  made.dwell = Seconds(dwell_s);
+  return made;
+}
+
+Permit raising(std::int32_t v_max_mV = 8'000'000) {
+  Permit permit;
+  permit.hv_enable = true;
+  permit.v_max_mV = v_max_mV;
+  permit.slew_up_mV_per_tick = 80'000;
+  permit.mode = Mode::Active;
+  permit.stop = StopCategory::None;
+  return permit;
+}
+
+Permit holding(std::int32_t v_max_mV = 8'000'000) {
+  Permit permit = raising(v_max_mV);
+  permit.slew_up_mV_per_tick = 0;
+  permit.mode = Mode::Hold;
+  permit.stop = StopCategory::C2Hold;
+  return permit;
+}
+
+// A runner and the plan it drives; each tick sees the given depth.
+struct Bench {
+  Plan plan = plan_of({stage(2.0, 2.0, 0.1), stage(3.5, 1.0, 0.1)});
+  PiGains gains;
+  RunnerState state;
+
+  DriveRequest tick(double depth_mm, const Permit& permit, std::uint32_t stage_index = 0,
+                    bool finish = false) {
+    Measurement measurement;
+    measurement.depth_um = to_um(Millimetres(depth_mm));
+    const RunnerStep result = run_stage(plan, gains, state, measurement, permit, stage_index, finish);
+    state = result.state;
+    return result.request;
+  }
+  std::int32_t amplitude_mV() const { return to_mV(state.loop.amplitude); }
+};
+
+TEST(StageRunner, SetpointWalksAtTheStagesSpeedAndStopsAtItsDepth) {
+  Bench bench;
+  for (int k = 1; k <= 3000; ++k) {
+    const Millimetres before = bench.state.setpoint;
+    bench.tick(0.0, raising());
+    ASSERT_LE(bench.state.setpoint - before, Millimetres(0.002 + 1e-12));
+    ASSERT_NEAR(bench.state.setpoint.value, std::min(0.002 * k, 2.0), 1e-9);
+  }
+}
+
+TEST(StageRunner, TheNextStageWalksOnAtItsOwnSpeed) {
+  Bench bench;
+  for (int k = 0; k < 2000; ++k) bench.tick(0.002 * k, raising());
+  bench.tick(2.0, raising(), 1);
+  EXPECT_NEAR(bench.state.setpoint.value, 2.001, 1e-9);
+  EXPECT_EQ(bench.tick(2.0, raising(), 1).stage, 1U);
+}
+
+TEST(StageRunner, StartsFromWhereTheNeedleRests) {
+  Bench bench;
+  Permit off;
+  off.hv_enable = false;
+  bench.tick(0.3, off);
+  EXPECT_DOUBLE_EQ(bench.state.setpoint.value, 0.3);
+  bench.tick(0.3, raising());
+  EXPECT_NEAR(bench.state.setpoint.value, 0.302, 1e-12);
+  bench.tick(-0.2, off);
+  EXPECT_EQ(bench.state.setpoint, Millimetres(0));  // no setpoint outside the patient
+}
+
+TEST(StageRunner, AsksForZeroAndForgetsItsIntegralWhenNotEnabled) {
+  Bench bench;
+  for (int k = 0; k < 800; ++k) bench.tick(0.0, raising());
+  ASSERT_GT(bench.amplitude_mV(), 1'000'000);
+  Permit off = raising();  // all but the one bit
+  off.hv_enable = false;
+  EXPECT_EQ(bench.tick(0.5, off).wanted_mV, 0);
+  EXPECT_EQ(bench.state.loop.integral, Volts(0));
+  EXPECT_EQ(bench.state.drive_ticks, 0U);
+}
+
+TEST(StageRunner, AlternatesPolarityEveryQuarterSecondOfDrive) {
+  Bench bench;
+  for (int k = 0; k < 1000; ++k) {
+    const DriveRequest request = bench.tick(0.0, raising());
+    ASSERT_EQ(request.wanted_mV > 0, (k / 250) % 2 == 0) << k;
+  }
+}
+
+TEST(StageRunner, NeverAsksForMoreThanThePermitsEnvelope) {
+  Bench bench;
+  for (int k = 0; k < 3000; ++k)
+    ASSERT_LE(std::abs(bench.tick(0.0, raising(1'500'000)).wanted_mV), 1'500'000);
+  EXPECT_EQ(bench.amplitude_mV(), 1'500'000);
+}
+
+TEST(StageRunner, HoldNeverRaisesWhateverTheNeedleDoes) {
+  Bench bench;
+  for (int k = 0; k < 800; ++k) bench.tick(0.5, raising());
+  std::int32_t before = bench.amplitude_mV();
+  ASSERT_GT(before, 0);
+  for (int k = 0; k < 3000; ++k) {
+    bench.tick(2.0 + 1.5 * std::sin(0.01 * k), holding());
+    ASSERT_LE(bench.amplitude_mV(), before) << k;
+    before = bench.amplitude_mV();
+  }
+}
+
+TEST(StageRunner, HoldKeepsTheAmplitudeOfANeedleThatStandsWhereItShould) {
+  Bench bench;
+  for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
+  const std::int32_t before = bench.amplitude_mV();
+  for (int k = 0; k < 5000; ++k)
+    bench.tick(2.0 + 0.04 * (k % 2 == 0 ? 1 : -1), holding());  // noise of the laser
+  EXPECT_EQ(bench.amplitude_mV(), before);
+}
+
+TEST(StageRunner, HoldLetsANeedleBackThatJumpedBeyondItsStage) {
+  Bench bench;
+  for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
+  const std::int32_t before = bench.amplitude_mV();
+  bench.tick(2.6, holding());
+  EXPECT_LT(bench.amplitude_mV(), before);
+}
+
+TEST(StageRunner, HoldFollowsAFallingEnvelope) {
+  Bench bench;
+  for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
+  ASSERT_GT(bench.amplitude_mV(), 1'000'000);
+  EXPECT_EQ(std::abs(bench.tick(2.0, holding(700'000)).wanted_mV), 700'000);
+  bench.tick(2.0, holding());
+  EXPECT_EQ(bench.amplitude_mV(), 700'000);  // and does not come back up
+}
+
+TEST(StageRunner, ResumesFromAHoldWithoutABump) {
+  Bench bench;
+  for (int k = 0; k < 1100; ++k) bench.tick(0.002 * k - 0.1, raising());
+  for (int k = 0; k < 500; ++k) bench.tick(1.9, holding());
+  const std::int32_t held = bench.amplitude_mV();
+  bench.tick(1.9, raising());
+  // No more than what the setpoint's stride and one tick of the integral ask for: 0.8 kV/mm x 2 um + 5 V/mm x
+  // 0.1 mm.
+  EXPECT_NEAR(bench.amplitude_mV(), held, 1'600 + 600);
+}
+
+TEST(StageRunner, IsReachedOnlyAfterTheDwellWithoutABreak) {
+  Bench bench;
+  for (int k = 0; k < 950; ++k) bench.tick(0.002 * k, raising());  // up to 1.9 mm
+  for (int k = 0; k < 99; ++k) ASSERT_FALSE(bench.tick(2.03, raising()).stage_reached);
+  ASSERT_FALSE(bench.tick(2.051, raising()).stage_reached);  // one tick outside kSettled begins anew
+  for (int k = 0; k < 99; ++k) ASSERT_FALSE(bench.tick(1.96, raising()).stage_reached) << k;
+  EXPECT_TRUE(bench.tick(1.96, raising()).stage_reached);
+  EXPECT_TRUE(bench.tick(2.5, raising()).stage_reached);      // latched,
+  EXPECT_FALSE(bench.tick(2.5, raising(), 1).stage_reached);  // until the stage changes
+}
+
+TEST(StageRunner, TimeInAHoldDoesNotCountAsDwell) {
+  Bench bench;
+  for (int k = 0; k < 50; ++k) bench.tick(2.0, raising());
+  for (int k = 0; k < 1000; ++k) ASSERT_FALSE(bench.tick(2.0, holding()).stage_reached);
+}
+
+TEST(StageRunner, NumbersEveryRequestAndPassesTheOperatorsWishOn) {
+  Bench bench;
+  EXPECT_EQ(bench.tick(0.0, raising()).seq, 1U);
+  EXPECT_EQ(bench.tick(0.0, holding()).seq, 2U);
+  EXPECT_EQ(bench.tick(0.0, Permit{}).seq, 3U);
+  EXPECT_FALSE(bench.tick(0.0, raising()).finished);
+  EXPECT_TRUE(bench.tick(0.0, raising(), 0, true).finished);
+}
+
+TEST(StageRunner, SameInputsSameRequests) {
+  const auto requests = [] {
+    Bench bench;
+    std::vector<std::int32_t> out;
+    for (int k = 0; k < 2000; ++k)
+      out.push_back(
+          bench.tick(1e-3 * k + 0.01 * std::sin(k), k % 700 < 600 ? raising() : holding()).wanted_mV);
+    return out;
+  };
+  EXPECT_EQ(requests(), requests());
+}
+
+}  // namespace
+}  // namespace biopsy::control

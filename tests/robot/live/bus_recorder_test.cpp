@@ -1,0 +1,50 @@
+// What a process says of itself is in the procedure log.
+#include "robot/recorder/bus_recorder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "robot/security/cyclone_xml.hpp"
+#include "robot/live/heartbeat.hpp"
+#include "tests/robot/recorder/log_for_tests.hpp"
+
+namespace biopsy::app {
+namespace {
+
+using recorder::LogFolder;
+using recorder::Record;
+
+constexpr std::uint32_t kDomain = 77;  // of this test alone
+
+TEST(LogScribe, WritesDownWhatAProcessSaysWhateverTheBytes) {
+  const transport::Participant bus({kDomain, keys::cyclone_xml({}), 1});
+  const LogFolder folder;
+  recorder::Recorder log(folder.log, folder.key());
+  LogScribe scribe(bus, log, 1, nullptr);
+  live::Heartbeat stage(bus, Process::Stage, 1);
+  const std::string said = "NI-DAQmx -200279: device is gone";
+  stage.note(said);
+  std::int64_t now_us = 1'000'000;
+  const auto told = [&](const std::string& part) {
+    for (int turns = 0; turns < 1000; ++turns) {  // each asks once more; bounded, never waits for a time
+      now_us += live::kHealthEvery_us;
+      stage.beat(now_us);
+      scribe.turn(now_us);
+      for (const Record& record : recorder::records_of(folder.log, folder.public_key()))
+        if (record.source == "stage" && record.body.find(part) != std::string::npos) return true;
+      std::this_thread::yield();
+    }
+    return false;
+  };
+  EXPECT_TRUE(told(said));
+  std::string long_note(119, 'x');
+  long_note += "\xC3\xA4";  // cut in the middle of a letter
+  stage.note(long_note);
+  EXPECT_TRUE(told(std::string(119, 'x')));
+  EXPECT_EQ(log.trouble(), "");
+}
+
+}  // namespace
+}  // namespace biopsy::app

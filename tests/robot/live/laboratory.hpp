@@ -1,0 +1,82 @@
+// The laboratory's stage with a board that is not there: the vendor's library of the tests stands in its
+// place.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "drivers/commissioning/load_commissioning.hpp"
+#include "drivers/commissioning/signature.hpp"
+#include "robot/procedure/case.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/security/key_files.hpp"
+#include "robot/security/make_keys.hpp"
+#include "robot/common/config_error.hpp"
+#include "tests/robot/bench/benches.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::live_tests {
+
+namespace fs = std::filesystem;
+
+inline constexpr std::uint32_t kLabDomain = 85;
+
+inline std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+struct Lab {
+  Lab() {
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    options.domain = kLabDomain;
+    options.keys = folder.path() / "keys";
+    keys::make_keys(options.keys, 1, now, false);
+    hardware.config = folder.path() / "stage.toml";
+    hardware.commissioning = folder.path() / "commissioned";
+    std::ofstream(hardware.config) << "library = \"" << FAKE_NIDAQMX << "\"\n"
+                                   << bytes_of(BIOPSY_SOURCE_DIR "/drivers/nidaqmx/usb6211.toml");
+  }
+
+  // As `biopsy commission` does it, every step walked.
+  void commission() const {
+    commissioning::Laboratory laboratory;
+    commissioning::Record record = laboratory.walk();
+    record.device = {"nidaqmx", laboratory.stage.product(), laboratory.stage.serial()};
+    record.config_sha256 = commissioning::sha256_hex(bytes_of(hardware.config));
+    record.software = "biopsy of a test";
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    record.made_unix_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();
+    ASSERT_TRUE(record.passed()) << commissioning::told_all(record);
+    const commissioning::SigningKey key(
+        keys::signing_files(options.keys, keys::Signer::Commissioning).private_key);
+    const std::string text = commissioning::to_json(record);
+    fs::create_directories(hardware.commissioning);
+    std::ofstream(hardware.commissioning / commissioning::kRecordFile, std::ios::binary) << text;
+    std::ofstream(hardware.commissioning / commissioning::kSignatureFile, std::ios::binary) << key.sign(text);
+  }
+
+  // What starting says; empty where the robot came up.
+  std::string refusal() const {
+    const ScratchFolder run;
+    const app::PreparedCase prepared = app::prepare(app::read_case("gap"), run.path());
+    try {
+      app::LiveSession session(options, "nidaqmx", hardware, prepared, run.path());
+      session.wait_until_healthy();
+      return {};
+    } catch (const SetupError& error) {
+      return error.what_is_wrong + bytes_of(run.path() / "stage.txt") +
+             bytes_of(run.path() / "supervisor.txt");
+    }
+  }
+
+  ScratchFolder folder;
+  app::LiveOptions options;
+  app::HardwareOptions hardware;
+};
+
+}  // namespace biopsy::live_tests

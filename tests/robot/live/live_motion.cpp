@@ -1,0 +1,40 @@
+#include "tests/robot/live/live_motion.hpp"
+
+#include "robot/procedure/operator.hpp"
+
+namespace biopsy::live_tests {
+namespace {
+
+constexpr std::int64_t kTicksMax = 30'000;
+constexpr std::int64_t kMoving_ticks = 300;
+
+}  // namespace
+
+std::optional<app::World> move(app::LiveSession& session, const Plan& plan, std::int64_t ticks) {
+  app::Operator person(plan);
+  app::Tick seen;
+  std::int64_t moved = 0;
+  for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
+    const app::World world = person.act(seen, number);
+    if (person.wants_verdict()) return std::nullopt;
+    const std::optional<app::Beat> beat = session.robot().tick(world);
+    if (!beat) return std::nullopt;
+    seen = beat->tick;
+    moved = seen.supervisor.permit.mode == Mode::Active ? moved + 1 : 0;
+    if (moved > ticks && seen.drive_mV != 0) return world;
+  }
+  return std::nullopt;
+}
+
+std::unique_ptr<app::LiveSession> moving_robot(const app::LiveOptions& options,
+                                               const app::PreparedCase& prepared,
+                                               const std::filesystem::path& folder) {
+  const Plan& plan = std::get<Plan>(prepared.plan);
+  auto session = std::make_unique<app::LiveSession>(options, "sim", app::HardwareOptions{}, prepared, folder);
+  session->wait_until_healthy();
+  session->send_plan(plan);
+  if (!move(*session, plan, kMoving_ticks)) return nullptr;
+  return session;
+}
+
+}  // namespace biopsy::live_tests

@@ -1,0 +1,81 @@
+// on_steady_host COMMAND [ARGUMENT ...]: runs a command that judges a robot in real time, and watches this
+// machine meanwhile. The exit code is the command's; but 77, "not judged", where it failed, or came to no end
+// in three minutes, on a machine that stood still so often that three tries of ten seconds all meet a stall
+// in more than one case of twenty.
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "robot/live/realtime/tick_clock.hpp"
+#include "tests/robot/live/host_watch.hpp"
+
+namespace biopsy::live_tests {
+namespace {
+
+constexpr double kOften_s = 20.0;  // between stalls: (1 - exp(-10 / 20))^3 = 0.06
+constexpr double kPatience_s = 180.0, kToEnd_s = 15.0;
+constexpr int kNotJudged = 77;
+
+pid_t group = 0;  // the command's
+
+void pass_on(int signal) {
+  kill(-group, signal);
+}
+
+// Whether the child, the first of its group, has ended by then.
+bool ends(pid_t child, int& status, const auto& goes_on) {
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (!goes_on()) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return true;
+}
+
+int run(char* const* command) {
+  pid_t child = -1;
+  posix_spawnattr_t own_group;
+  posix_spawnattr_init(&own_group);
+  posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
+  if (posix_spawnp(&child, command[0], nullptr, &own_group, command, environ) != 0) {
+    fmt::print(stderr, "error: {}: cannot be started\n", command[0]);
+    return 2;
+  }
+  group = child;
+  std::signal(SIGINT, pass_on);
+  std::signal(SIGTERM, pass_on);
+  const std::int64_t began_ns = realtime::monotonic_ns();
+  const auto seconds = [&] { return static_cast<double>(realtime::monotonic_ns() - began_ns) * 1e-9; };
+  const HostWatch host;
+  const auto is_steady = [&] { return host.stalls() * kOften_s < seconds(); };
+  int status = 0;
+  const bool ended = ends(child, status, [&] { return seconds() < kPatience_s || is_steady(); });
+  const bool steady = is_steady();
+  fmt::print("this machine stood still {} times in {:.0f} s, for {:.1f} ms at most\n", host.stalls(),
+             seconds(), host.worst_ms());
+  if (!ended) {
+    const double asked_s = seconds();
+    kill(-child, SIGINT);
+    if (!ends(child, status, [&] { return seconds() < asked_s + kToEnd_s; })) {
+      kill(-child, SIGKILL);
+      waitpid(child, &status, 0);
+    }
+  }
+  const int code = ended && WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  if (code == 0 || steady) return code;
+  fmt::print("not judged: a robot in real time stops by itself on such a machine\n");
+  return kNotJudged;
+}
+
+}  // namespace
+}  // namespace biopsy::live_tests
+
+int main(int count, char** words) {
+  if (count > 1) return biopsy::live_tests::run(words + 1);
+  fmt::print(stderr, "usage: on_steady_host COMMAND [ARGUMENT ...]\n");
+  return 2;
+}

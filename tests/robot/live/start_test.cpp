@@ -1,0 +1,103 @@
+// How the supervisor starts: what it asks of itself, and under what number.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "drivers/digital_io/shared_io.hpp"
+#include "robot/live/monotonic_session_id.hpp"
+#include "robot/cycle/self_test.hpp"
+#include "robot/live/supervisor_loop.hpp"
+#include "robot/common/config_error.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::live {
+namespace {
+
+using namespace safety;
+
+TEST(SelfTest, IsPassedByWhatShips) {
+  EXPECT_EQ(self_test(), SelfTest::Passed);
+}
+
+TEST(SelfTest, IsFailedByEvidenceThatTrusts) {
+  EXPECT_EQ(self_test({.assess = [](const PlanFacts&, EvidenceMemory&,
+                                    const Observation&) { return Evidence{.clear = kAllHazards}; }}),
+            SelfTest::Failed);
+}
+
+TEST(SelfTest, IsFailedByEvidenceThatMissesTooMuchVoltage) {
+  EXPECT_EQ(self_test({.assess =
+                           [](const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen) {
+                             Evidence found = assess(plan, memory, seen);
+                             found.clear |= bit(Hazard::OverVoltage);
+                             return found;
+                           }}),
+            SelfTest::Failed);
+}
+
+TEST(SelfTest, IsFailedByASupervisorThatGoesOnOrNeverStarts) {
+  using Result = std::pair<SupervisorState, SupervisorOutput>;
+  EXPECT_EQ(self_test({.step = [](const PlanFacts&, const SupervisorState& state,
+                                  const SupervisorInput&) -> Result {
+              return {state, {}};
+            }}),
+            SelfTest::Failed);
+  EXPECT_EQ(self_test({.step = [](const PlanFacts& plan, const SupervisorState& state,
+                                  const SupervisorInput& input) -> Result {
+              Result result = step(plan, state, input);
+              result.second.permit.hv_enable = true;
+              return result;
+            }}),
+            SelfTest::Failed);
+}
+
+TEST(SelfTest, IsFailedByAWrongAnswerAndByASealThatHoldsOnAnything) {
+  EXPECT_EQ(self_test({.answer_to = [](std::uint32_t, std::int32_t, Mode, std::uint32_t) -> std::uint32_t {
+              return 7;
+            }}),
+            SelfTest::Failed);
+  EXPECT_EQ(self_test({.seal_holds = [](const Plan&) { return true; }}), SelfTest::Failed);
+  EXPECT_EQ(self_test({.seal_holds = [](const Plan&) { return false; }}), SelfTest::Failed);
+}
+
+// A supervisor alone on a bus of its own, for some ticks.
+Mode mode_after_start(SelfTest self) {
+  const ScratchFolder folder;
+  const transport::Participant bus({83, "", 1});
+  lines::lay_lines(folder.path());
+  lines::SupervisorLines lines(folder.path());
+  const lines::LinesReader panel(folder.path());
+  SupervisorLoop loop(bus, lines, panel, 1, 1, self);
+  for (int n = 0; n < 20; ++n) loop.turn();
+  return loop.mode();
+}
+
+TEST(SelfTest, ThatFailedLocksTheSupervisor) {
+  EXPECT_EQ(mode_after_start(SelfTest::Failed), Mode::Lock);
+  EXPECT_EQ(mode_after_start(SelfTest::Passed), Mode::Boot) << "nobody measures, so 0 V is not known";
+}
+
+TEST(RisingNumber, RisesFromStartToStartWhateverTheWallClockSays) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / "session";
+  const std::uint32_t first = rising_number(file);
+  EXPECT_GT(first, 1'700'000'000U);
+  EXPECT_EQ(rising_number(file), first + 1) << "two starts within a second";
+  std::ofstream(file) << "4000000000\n";  // a clock that was set back since
+  EXPECT_EQ(rising_number(file), 4'000'000'001U);
+  EXPECT_EQ(rising_number(file), 4'000'000'002U);
+}
+
+TEST(RisingNumber, IsRefusedWhereTheLastOneIsNotKnown) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / "session";
+  for (const char* text : {"", "soon", "-1", "4294967295", "99999999999999999999"}) {
+    std::ofstream(file) << text;
+    EXPECT_THROW(rising_number(file), SetupError) << text;
+  }
+  EXPECT_THROW(rising_number(folder.path() / "nowhere" / "session"), SetupError);
+}
+
+}  // namespace
+}  // namespace biopsy::live

@@ -1,0 +1,101 @@
+// Somebody else on the robot's network who shouts commands: without keys, or with keys that nobody trusts.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+
+#include "robot/procedure/case.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/security/make_keys.hpp"
+#include "safety/types/hazards.hpp"
+#include "tests/robot/live/live_motion.hpp"
+#include "tests/robot/live/steady_host.hpp"
+#include "tests/robot/live/log_mentions.hpp"
+#include "tests/safety/verifies.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::live_tests {
+namespace {
+
+constexpr std::uint32_t kDomain = 81;
+
+// The program rogue, while this lives. `keys`: of a controller; empty: none.
+class Rogue {
+ public:
+  explicit Rogue(const std::string& keys) {
+    const std::string number = std::to_string(kDomain);
+    char* const arguments[] = {const_cast<char*>(ROGUE), const_cast<char*>(number.c_str()),
+                               keys.empty() ? nullptr : const_cast<char*>(keys.c_str()), nullptr};
+    EXPECT_EQ(posix_spawn(&pid_, ROGUE, nullptr, nullptr, arguments, environ), 0);
+  }
+  ~Rogue() {
+    EXPECT_EQ(waitpid(pid_, nullptr, WNOHANG), 0) << "it ended by itself, and shouted nothing";
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  Rogue(const Rogue&) = delete;
+  Rogue& operator=(const Rogue&) = delete;
+
+ private:
+  pid_t pid_ = -1;
+};
+
+// Two seconds with the button held: ticks in which the needle was free to move, and what ended that.
+struct Moved {
+  int active = 0;
+  safety::Hazard reason = safety::Hazard::None;
+};
+
+Moved two_seconds(app::LiveSession& session) {
+  app::World pressing;
+  pressing.press = {1, true};
+  Moved moved;
+  for (int n = 0; n < 2'000; ++n) {
+    const std::optional<app::Beat> beat = session.robot().tick(pressing);
+    if (!beat) return moved;
+    moved.active += beat->tick.supervisor.permit.mode == Mode::Active;
+    if (moved.reason == safety::Hazard::None) moved.reason = beat->tick.supervisor.reason;
+    EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
+  }
+  return moved;
+}
+
+// The needle moves on while the stranger shouts, and the log has `words` of it.
+void moves_on_and_logs(bool with_keys, const std::string& words) {
+  on_a_steady_host([&]() -> std::string {
+    const ScratchFolder folder;
+    const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+    app::LiveOptions secured;
+    secured.domain = kDomain;
+    const auto robot = moving_robot(secured, prepared, folder.path());
+    if (!robot) return "the needle never moved";
+    const std::filesystem::path keys = folder.path() / "keys of somebody else";
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    if (with_keys) keys::make_keys(keys, 1, now, false);
+    const Rogue rogue(with_keys ? keys.string() : "");
+    const Moved moved = two_seconds(*robot);
+    EXPECT_TRUE(robot->stop().empty());
+    if (moved.active <= 1'500)
+      return fmt::format("the needle was free to move in {} ticks of 2000: {}", moved.active,
+                         safety::name_of(moved.reason));
+    EXPECT_TRUE(tells_of(folder.path(), words));
+    return {};
+  });
+}
+
+TEST(Stranger, WithoutKeysIsNotHeardAndIsLogged) {
+  verifies("R-46");
+  moves_on_and_logs(false, "endpoints_without_keys");
+}
+
+TEST(Stranger, WithKeysThatNobodyTrustsIsNotHeardAndIsLogged) {
+  verifies("R-46");
+  moves_on_and_logs(true, "participants_not_let_in");
+}
+
+}  // namespace
+}  // namespace biopsy::live_tests

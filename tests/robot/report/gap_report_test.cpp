@@ -1,0 +1,223 @@
+#include "robot/report/gap/gap_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "robot/common/config_error.hpp"
+#include "robot/report/gap/gap_candidates.hpp"
+#include "robot/report/gap/gap_console.hpp"
+#include "robot/report/gap/gap_diff.hpp"
+#include "robot/report/gap/gap_json.hpp"
+#include "robot/report/gap/gap_labels.hpp"
+#include "tests/robot/report/gap_example.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::report {
+namespace {
+
+using nlohmann::ordered_json;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<std::string> keys(const ordered_json& object) {
+  std::vector<std::string> names;
+  for (const auto& item : object.items()) names.push_back(item.key());
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+void expect_interface(const ordered_json& gap) {
+  const Names all = keys(gap);
+  const Names interface {
+    "verdict", "effects", "parameters_changed", "rmse_mm", "gap_closed", "where", "next_experiment",
+        "held_out_runs", "seconds"
+  };
+  ASSERT_GE(all.size(), interface.size());
+  EXPECT_EQ(Names(all.begin(), all.begin() + 9), interface);
+  EXPECT_EQ(Names(all.begin() + 9, all.end()),
+            (Names{"sentence", "training_runs", "candidates", "shapes", "margins", "warnings"}));
+  EXPECT_EQ(keys(gap["rmse_mm"]), (Names{"before", "after", "noise_floor"}));
+  for (const auto& effect : gap["effects"]) {
+    EXPECT_EQ(keys(effect), (Names{"name", "probability", "parameters", "confused_with"}));
+    for (const auto& parameter : effect["parameters"]) EXPECT_EQ(keys(parameter), (Names{"value", "std"}));
+    for (const auto& other : effect["confused_with"]) EXPECT_EQ(keys(other), (Names{"name", "probability"}));
+  }
+  for (const auto& changed : gap["parameters_changed"])
+    EXPECT_EQ(keys(changed), (Names{"name", "before", "after", "std"}));
+  for (const auto& regime : gap["where"])
+    EXPECT_EQ(keys(regime), (Names{"regime", "share_of_time", "share_of_excess_error"}));
+  for (const char* list : {"effects", "parameters_changed", "where", "held_out_runs"})
+    EXPECT_TRUE(gap[list].is_array()) << list;
+}
+
+TEST(GapJson, HoldsTheInterfaceKeyByKeyForEveryVerdict) {
+  const std::pair<GapFinding, const char*> kinds[] = {{example_effect(), "effect"},
+                                                      {example_parameter(), "parameter"},
+                                                      {example_no_gap(), "no_gap"},
+                                                      {example_unexplained(), "unexplained"},
+                                                      {GapFinding{}, "no_gap"}};
+  for (const auto& [finding, verdict] : kinds) {
+    const ordered_json gap = ordered_json::parse(gap_json(finding));
+    expect_interface(gap);
+    EXPECT_EQ(gap["verdict"], verdict);
+  }
+}
+
+TEST(GapJson, CarriesTheNumbersOfTheFindingUnrounded) {
+  const ordered_json gap = ordered_json::parse(gap_json(example_effect()));
+  EXPECT_EQ(gap["effects"][0]["name"], "coulomb_friction");
+  EXPECT_EQ(gap["effects"][0]["parameters"]["force_N"]["value"], 0.030);
+  EXPECT_EQ(gap["effects"][0]["parameters"]["force_N"]["std"], 0.001);
+  EXPECT_EQ(gap["effects"][0]["confused_with"][0]["probability"], 0.02);
+  EXPECT_EQ(gap["rmse_mm"]["before"], 0.1302);
+  EXPECT_EQ(gap["gap_closed"], 0.99);
+  EXPECT_EQ(gap["where"][0]["regime"], "after_reversal");
+  EXPECT_EQ(gap["next_experiment"], (ordered_json{{"name", "slow_triangle"},
+                                                  {"separates", {"coulomb_friction", "stribeck_friction"}}}));
+  EXPECT_EQ(gap["held_out_runs"], ordered_json::array({"ramp-100g"}));
+  EXPECT_EQ(gap["seconds"], 21.4);
+  const ordered_json changed = ordered_json::parse(gap_json(example_parameter()))["parameters_changed"];
+  EXPECT_EQ(changed[1],
+            (ordered_json{{"name", "d_film"}, {"before", 100e-6}, {"after", 104e-6}, {"std", 0.9e-6}}));
+}
+
+TEST(GapJson, WhatIsNotKnownIsNull) {
+  EXPECT_TRUE(ordered_json::parse(gap_json(example_no_gap()))["next_experiment"].is_null());
+  GapFinding f = example_effect();
+  f.gap_closed = f.rmse_after = f.effects[0].parameters[0].std = kNan;
+  f.rmse_before = std::numeric_limits<double>::infinity();
+  const ordered_json gap = ordered_json::parse(gap_json(f));
+  EXPECT_TRUE(gap["gap_closed"].is_null());
+  EXPECT_TRUE(gap["rmse_mm"]["before"].is_null());
+  EXPECT_TRUE(gap["rmse_mm"]["after"].is_null());
+  EXPECT_TRUE(gap["effects"][0]["parameters"]["force_N"]["std"].is_null());
+  EXPECT_TRUE(gap["candidates"][5]["held_out_rmse_mm"].is_null());  // never fitted
+  expect_interface(gap);
+}
+
+TEST(GapJson, BearsNamesThatAreNotUtf8) {
+  GapFinding f = example_effect();
+  f.held_out_runs = {"ramp-\xE9"};
+  EXPECT_EQ(ordered_json::parse(gap_json(f))["held_out_runs"][0], "ramp-\uFFFD");
+}
+
+TEST(GapReport, LeavesThreeWholeFilesAndNothingElse) {
+  const ScratchFolder folder;
+  save_gap(example_effect(), folder.path() / "made" / "on the way");
+  Names names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "made" / "on the way"))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (Names{"gap.json", "model.toml", "report.html"}));
+  EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "model.toml"), example_effect().model_after);
+  EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "gap.json"), gap_json(example_effect()));
+}
+
+TEST(GapReport, RefusesAFolderThatCannotBeMade) {
+  const ScratchFolder folder;
+  std::ofstream(folder.path() / "taken") << "a file";
+  EXPECT_THROW(save_gap(example_effect(), folder.path() / "taken"), SetupError);
+}
+
+using enum DiffKind;
+using Diff = std::vector<DiffLine>;
+
+TEST(LineDiff, FindsWhatChangedInSmallTexts) {
+  EXPECT_EQ(line_diff("", ""), Diff{});
+  EXPECT_EQ(line_diff("a\nb\n", "a\nb\n"), (Diff{{Same, "a"}, {Same, "b"}}));
+  EXPECT_EQ(line_diff("a\nb\nc\n", "a\nx\nc\n"),
+            (Diff{{Same, "a"}, {Removed, "b"}, {Added, "x"}, {Same, "c"}}));
+  EXPECT_EQ(line_diff("a\n", "a\n\nb"), (Diff{{Same, "a"}, {Added, ""}, {Added, "b"}}));
+  EXPECT_EQ(line_diff("a\nb\n", ""), (Diff{{Removed, "a"}, {Removed, "b"}}));
+  EXPECT_EQ(line_diff("a\r\n", "a\n"), (Diff{{Same, "a"}}));
+}
+
+TEST(LineDiff, KeepsBothTextsAndAsManyCommonLinesAsThereAre) {
+  const std::string before = "a\nb\nc\na\nb\nb\na", after = "c\nb\na\nb\na\nc";
+  std::string old_text, new_text;
+  int same = 0;
+  for (const DiffLine& line : line_diff(before, after)) {
+    if (line.kind != Added) old_text += line.text + "\n";
+    if (line.kind != Removed) new_text += line.text + "\n";
+    same += line.kind == Same;
+  }
+  EXPECT_EQ(old_text, before + "\n");
+  EXPECT_EQ(new_text, after + "\n");
+  EXPECT_EQ(same, 4);  // Myers 1986: ABCABBA and CBABAC share four letters
+}
+
+TEST(GapWords, NamesAreWordsForPeople) {
+  EXPECT_EQ(name_words("coulomb_friction"), "Coulomb friction");
+  EXPECT_EQ(regime_words("after_reversal"), "after a polarity reversal");
+  EXPECT_EQ(regime_words("run:ramp_50g"), "in run ramp_50g");
+  EXPECT_EQ(regime_words("after_a_hiccup"), "after a hiccup");  // unknown ones still read
+  EXPECT_EQ(effect_quantity("speed_mm_s").unit, "mm/s");
+  EXPECT_EQ(effect_quantity("coulomb_N_per_mm").unit, "N/mm");
+  EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").unit, "N s/m/mm");
+  EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").words, "viscous");
+  EXPECT_EQ(effect_quantity("coefficient_N_s2_per_m2").unit, "N s²/m²");
+  EXPECT_EQ(effect_quantity("rate_um_per_s").unit, "µm/s");
+  EXPECT_EQ(effect_quantity("gain").unit, "");
+  EXPECT_EQ(estimate_text(0.0300, 0.0010), "0.0300 ± 0.0010");
+  EXPECT_EQ(estimate_text(6.9123, 0.21), "6.91 ± 0.21");
+  EXPECT_EQ(estimate_text(140.2, kNan), "140");
+  EXPECT_EQ(interval_text(10, 1), "8.0 to 12.0");
+  EXPECT_EQ(interval_text(10, 0), "–");
+}
+
+TEST(GapCandidates, AreReadByRoundChosenFirstThenFittedByProbabilityThenByScore) {
+  using enum CandidateKind;
+  const std::vector<GapCandidate> ranked =
+      ranked_candidates({{"late", Effect, 2, 0.9, true, 0.01, 0.99, true},
+                         {"slight", Effect, 1, 0.1, false},
+                         {"likely", Effect, 1, 0.2, true, 0.02, 0.6, false},
+                         {"worse", Effect, 1, 0.3, true, 0.03, 0.0, false},
+                         {"promising", Effect, 1, 0.8, false},
+                         {"better", Effect, 1, 0.1, true, 0.02, 0.0, false},
+                         {"taken", Parameter, 1, 0.2, true, 0.02, 0.3, true}});
+  Names order;
+  for (const GapCandidate& candidate : ranked) order.push_back(candidate.name);
+  EXPECT_EQ(order, (Names{"taken", "likely", "better", "worse", "promising", "slight", "late"}));
+}
+
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(GapConsole, SaysVerdictRmseWhereCandidatesAndNextExperiment) {
+  const std::string text = gap_console(example_effect());
+  std::size_t at = 0;
+  for (const char* part :
+       {"Effect found. Plate A sticks", "0.130 mm before, 0.011 mm after, 0.010 mm noise", "MARGIN LOST",
+        "after a polarity reversal", "Coulomb friction", "chosen", "Next experiment: slow triangle"}) {
+    at = text.find(part, at);
+    ASSERT_NE(at, std::string::npos) << part << "\n" << text;
+  }
+}
+
+TEST(GapConsole, StaysWithinThirtyLinesAndCannotMoveTheCursor) {
+  GapFinding f = example_effect();
+  for (int i = 0; i < 50; ++i) {
+    f.sentence += " and so on, at length, for whoever has the patience";
+    f.next.sentence += " and so on, at length";
+    f.where.push_back(f.where[0]);
+    f.candidates.push_back(f.candidates[0]);
+    f.margins.push_back(f.margins[1]);
+    f.margins.back().plan = "a plan with a long name \033[2J\n that goes on and on \n and on";
+  }
+  f.where[0].name = f.candidates[0].name = "\033[2J\n";
+  const std::string text = gap_console(f);
+  EXPECT_LE(lines(text), 30U) << text;
+  EXPECT_EQ(text.find('\033'), std::string::npos);
+  for (const GapFinding& finding : {example_no_gap(), example_unexplained(), GapFinding{}})
+    EXPECT_LE(lines(gap_console(finding)), 30U);
+}
+
+}  // namespace
+}  // namespace biopsy::report

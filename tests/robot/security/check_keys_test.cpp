@@ -1,0 +1,317 @@
+#include "robot/security/check_keys.hpp"
+
+#include <gtest/gtest.h>
+#include <openssl/pem.h>
+#include <unistd.h>
+
+#include <functional>
+#include <random>
+
+#include "robot/security/certificates.hpp"
+#include "robot/security/signed_text.hpp"
+#include "robot/security/whole_set.hpp"
+#include "robot/common/config_error.hpp"
+#include "tests/robot/security/made_set.hpp"
+
+namespace biopsy::keys {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> all_files(const RoleFiles& files) {
+  return {files.identity_ca, files.permissions_ca, files.identity,
+          files.private_key, files.governance,     files.permissions};
+}
+
+// The first problem, as "file: problem"; empty where there is none.
+std::string problem(const fs::path& folder, Role role) {
+  try {
+    check_keys(folder, role, now());
+    return "";
+  } catch (const SetupError& error) {
+    EXPECT_FALSE(error.remedy.empty());
+    return fs::path(error.where).filename().string() + ": " + error.what_is_wrong;
+  }
+}
+
+class CheckKeys : public testing::Test {
+ protected:
+  std::string stage_problem() const { return problem(set_.folder(), Role::Stage); }
+  void take(const fs::path& from, const fs::path& to) const {
+    fs::copy_file(from, to, fs::copy_options::overwrite_existing);
+  }
+  // Signed by the true CA of this set.
+  std::string truly_signed(const std::string& text) const {
+    const Key key = read_private_key(file_content(ca_folder(set_.folder()) / "permissions_ca_key.pem"));
+    const Certificate ca = read_certificate(file_content(files_.permissions_ca));
+    return signed_text(text, ca.get(), key.get());
+  }
+  Validity times() const { return *validity(read_certificate(file_content(files_.identity)).get()); }
+
+  const MadeSet set_;
+  const RoleFiles files_ = role_files(set_.folder(), Role::Stage);
+};
+
+TEST_F(CheckKeys, AMissingFileIsNamed) {
+  for (const fs::path& file : all_files(files_)) {
+    const std::string content = file_content(file);
+    fs::remove(file);
+    EXPECT_EQ(stage_problem(), file.filename().string() + ": is missing");
+    write_content(file, content);
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  }
+  EXPECT_EQ(stage_problem(), "");
+  EXPECT_EQ(problem(set_.folder() / "nowhere", Role::Stage), "nowhere: is missing");
+}
+
+TEST_F(CheckKeys, AFileThatOthersMayReadIsRefused) {
+  for (const fs::path& file : all_files(files_)) {
+    for (const fs::perms bit : {fs::perms::group_read, fs::perms::others_read, fs::perms::group_write}) {
+      fs::permissions(file, bit, fs::perm_options::add);
+      EXPECT_TRUE(stage_problem().starts_with(file.filename().string() + ": is open to other users"));
+      fs::permissions(file, bit, fs::perm_options::remove);
+    }
+  }
+  fs::permissions(set_.folder(), fs::perms::group_write, fs::perm_options::add);
+  EXPECT_EQ(stage_problem(), "keys: is open to other users (mode 0720)");
+}
+
+TEST_F(CheckKeys, AFileThatCannotBeReadIsNamed) {
+  if (geteuid() == 0) {  // who may read everything meets a folder in its place
+    fs::remove(files_.identity);
+    fs::create_directory(files_.identity);
+    EXPECT_EQ(stage_problem(), "identity.pem: is no file of keys");
+    return;
+  }
+  fs::permissions(files_.identity, fs::perms::none);
+  EXPECT_TRUE(stage_problem().starts_with("identity.pem: cannot be read"));
+}
+
+TEST_F(CheckKeys, AnIdentityOfAnotherCaIsRefused) {
+  const MadeSet other;
+  const RoleFiles theirs = role_files(other.folder(), Role::Stage);
+  take(theirs.identity, files_.identity);
+  take(theirs.private_key, files_.private_key);
+  EXPECT_EQ(stage_problem(), "identity.pem: is not signed by identity_ca.pem, or was changed");
+}
+
+TEST_F(CheckKeys, TheIdentityOfAnotherRoleIsRefused) {
+  const RoleFiles controller = role_files(set_.folder(), Role::Controller);
+  take(controller.identity, files_.identity);
+  take(controller.private_key, files_.private_key);
+  EXPECT_EQ(stage_problem(),
+            "identity.pem: is for \"CN=controller,O=biopsy\", not for \"CN=stage,O=biopsy\"");
+}
+
+TEST_F(CheckKeys, AnIdentityThatARoleIssuedIsRefused) {
+  const RoleFiles controller = role_files(set_.folder(), Role::Controller);
+  const Key issuer_key = read_private_key(file_content(controller.private_key));
+  const Certificate issuer = read_certificate(file_content(controller.identity));
+  const Key key = new_p256_key();
+  const auto issued = [&](Role role, EVP_PKEY* to) {
+    return pem(new_identity(role, to, issuer.get(), issuer_key.get(), times()).get());
+  };
+  write_content(files_.identity, issued(Role::Stage, key.get()));
+  EXPECT_EQ(stage_problem(), "identity.pem: is not signed by identity_ca.pem, or was changed");
+  write_content(files_.identity_ca, pem(issuer.get()));
+  EXPECT_EQ(stage_problem(), "identity_ca.pem: is not the certificate of a CA");
+  write_content(files_.identity_ca, issued(Role::Controller, issuer_key.get()));  // signed by itself
+  EXPECT_EQ(stage_problem(), "identity_ca.pem: is not the certificate of a CA");
+}
+
+TEST_F(CheckKeys, AnotherPrivateKeyIsRefused) {
+  take(role_files(set_.folder(), Role::Controller).private_key, files_.private_key);
+  EXPECT_EQ(stage_problem(), "identity_key.pem: does not belong to identity.pem, or was changed");
+}
+
+TEST_F(CheckKeys, ALockedPrivateKeyIsRefusedWithoutAQuestion) {
+  const Key key = read_private_key(file_content(files_.private_key));
+  const Bio out = writer();
+  ASSERT_EQ(
+      PEM_write_bio_PKCS8PrivateKey(out.get(), key.get(), EVP_aes_256_cbc(), "secret", 6, nullptr, nullptr),
+      1);
+  write_content(files_.private_key, written(out));
+  EXPECT_EQ(stage_problem(), "identity_key.pem: is no private key, or was changed");
+}
+
+TEST_F(CheckKeys, DocumentsOfAnotherCaAreRefused) {
+  const MadeSet other;
+  const RoleFiles theirs = role_files(other.folder(), Role::Stage);
+  take(theirs.permissions, files_.permissions);
+  EXPECT_EQ(stage_problem(), "permissions.p7s: is not signed by permissions_ca.pem, or was changed");
+  take(theirs.governance, files_.governance);
+  EXPECT_EQ(stage_problem(), "governance.p7s: is not signed by permissions_ca.pem, or was changed");
+}
+
+TEST_F(CheckKeys, PermissionsOfAnotherRoleAreRefused) {
+  take(role_files(set_.folder(), Role::Controller).permissions, files_.permissions);
+  EXPECT_EQ(stage_problem(), "permissions.p7s: is for the controller, not for the stage");
+}
+
+TEST_F(CheckKeys, PermissionsSignedByAnythingButTheCaItselfAreRefused) {
+  const Key ca_key = read_private_key(file_content(ca_folder(set_.folder()) / "permissions_ca_key.pem"));
+  const Certificate ca = read_certificate(file_content(files_.permissions_ca));
+  const Key key = new_p256_key();
+  const Certificate issued = new_identity(Role::Planner, key.get(), ca.get(), ca_key.get(), times());
+  write_content(files_.permissions,
+                signed_text(permissions_xml(Role::Stage, times()), issued.get(), key.get()));
+  EXPECT_EQ(stage_problem(), "permissions.p7s: is not signed by permissions_ca.pem, or was changed");
+}
+
+TEST_F(CheckKeys, EvenTrulySignedPermissionsMustGrantExactlyWhatThisBuildGrants) {
+  const std::string right = permissions_xml(Role::Stage, times());
+  write_content(files_.permissions, truly_signed(right));
+  ASSERT_EQ(stage_problem(), "");
+  const auto changed = [&right](const std::string& from, const std::string& to) {
+    std::string text = right;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  const std::vector<std::string> wrong{
+      changed("<topic>Measurement", "<topic>*"),
+      changed("<topic>Measurement", "<topic>DriveRequest</topic><topic>Measurement"),
+      changed("<topic>Measurement</topic>", ""),
+      changed("DENY", "ALLOW"),
+      changed("</not_before>", "</not_before><!-- -->"),
+      changed("<not_after>20", "<not_after>30"),
+      right + " "};
+  for (const std::string& text : wrong) {
+    write_content(files_.permissions, truly_signed(text));
+    EXPECT_EQ(stage_problem(), "permissions.p7s: does not grant exactly what this build grants the stage")
+        << text;
+  }
+}
+
+TEST_F(CheckKeys, EvenTrulySignedGovernanceMustProtectExactlyWhatThisBuildProtects) {
+  std::string open = governance_xml();
+  open.replace(open.find("ENCRYPT</data"), 7, "NONE");
+  write_content(files_.governance, truly_signed(open));
+  EXPECT_EQ(stage_problem(), "governance.p7s: does not protect exactly what this build protects");
+}
+
+TEST_F(CheckKeys, AForeignSigningKeyIsRefused) {
+  const SigningFiles recorder = signing_files(set_.folder(), Signer::Recorder);
+  const SigningFiles commissioning = signing_files(set_.folder(), Signer::Commissioning);
+  take(commissioning.public_key, recorder.public_key);
+  EXPECT_THROW(check_signing_keys(set_.folder(), Signer::Recorder), SetupError);
+  EXPECT_NO_THROW(check_signing_keys(set_.folder(), Signer::Commissioning));
+}
+
+TEST_F(CheckKeys, AFolderMixedOfTwoSetsIsRefused) {
+  EXPECT_NO_THROW(check_set(set_.folder(), kRoles, now()));
+  const MadeSet other;
+  fs::remove_all(set_.folder() / "controller");
+  fs::copy(other.folder() / "controller", set_.folder() / "controller", fs::copy_options::recursive);
+  fs::permissions(set_.folder() / "controller", fs::perms::owner_all);
+  EXPECT_EQ(problem(set_.folder(), Role::Controller), "") << "by itself it is good";
+  try {
+    check_set(set_.folder(), kRoles, now());
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_TRUE(error.where.ends_with("controller/identity_ca.pem"));
+    EXPECT_EQ(error.what_is_wrong, "is of another set than stage/identity_ca.pem");
+  }
+}
+
+TEST_F(CheckKeys, AMachineWithSomeRolesIsJudgedByThese) {
+  for (const char* gone : {"supervisor", "recorder", "console", "planner", "commissioning", "ca"})
+    fs::remove_all(set_.folder() / gone);
+  const std::vector<Role> present = roles_present(set_.folder());
+  EXPECT_EQ(present, (std::vector{Role::Stage, Role::Controller, Role::Observer}));
+  EXPECT_NO_THROW(check_set(set_.folder(), present, now()));
+  EXPECT_THROW(check_set(set_.folder(), kRoles, now()), SetupError);
+}
+
+// What a file means, read by other calls than the checked code uses.
+using Meaning = std::function<std::string(const std::string&)>;
+
+std::string der_of_pem(const std::string& content) {
+  const Bio in(BIO_new_mem_buf(content.data(), static_cast<int>(content.size())));
+  char* name = nullptr;
+  char* header = nullptr;
+  unsigned char* data = nullptr;
+  long size = 0;
+  if (PEM_read_bio(in.get(), &name, &header, &data, &size) != 1) return "";
+  const std::string der(reinterpret_cast<char*>(data), static_cast<std::size_t>(size));
+  OPENSSL_free(name);
+  OPENSSL_free(header);
+  OPENSSL_free(data);
+  return der;
+}
+
+// The scalar and the point: the rest of PKCS #8 is wrapping.
+std::string key_numbers(const std::string& content) {
+  const Bio in(BIO_new_mem_buf(content.data(), static_cast<int>(content.size())));
+  const Key key(PEM_read_bio_PrivateKey(
+      in.get(), nullptr, [](char*, int, int, void*) { return -1; }, nullptr));
+  if (!key) return "";
+  const Bio out = writer();
+  EVP_PKEY_print_private(out.get(), key.get(), 0, nullptr);
+  return written(out);
+}
+
+// The words between the tags' ends, as signed, without the mail around them.
+std::string signed_words(const std::string& content) {
+  const std::size_t from = content.find("<?xml"), to = content.find("</dds>");
+  return from == std::string::npos || to == std::string::npos ? "" : content.substr(from, to - from);
+}
+
+// Every file, over its whole length: a flipped bit is found, or what the file says is the same.
+void flip_bits(const fs::path& file, const Meaning& meaning, const std::function<bool()>& is_accepted) {
+  const std::string good = file_content(file);
+  const std::string meant = meaning(good);
+  ASSERT_FALSE(meant.empty());
+  std::mt19937 random(20261121);
+  int found = 0;
+  constexpr int kFlips = 150;
+  for (int flip = 0; flip < kFlips; ++flip) {
+    std::string bad = good;
+    const std::size_t bit = std::uniform_int_distribution<std::size_t>(0, 8 * good.size() - 1)(random);
+    bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << (bit % 8)));
+    write_content(file, bad);
+    if (is_accepted())
+      EXPECT_EQ(meaning(bad), meant) << file << ": bit " << bit << " is not found";
+    else
+      ++found;
+  }
+  write_content(file, good);
+  EXPECT_GT(found, kFlips * 3 / 4) << file;
+}
+
+TEST_F(CheckKeys, AFlippedBitInAnyFileIsFoundOrChangesNothing) {
+  const auto stage_is_accepted = [this] { return stage_problem().empty(); };
+  for (const fs::path& file : {files_.identity_ca, files_.permissions_ca, files_.identity})
+    flip_bits(file, der_of_pem, stage_is_accepted);
+  flip_bits(files_.private_key, key_numbers, stage_is_accepted);
+  for (const fs::path& file : {files_.governance, files_.permissions})
+    flip_bits(file, signed_words, stage_is_accepted);
+  for (const Signer signer : kSigners) {
+    const SigningFiles files = signing_files(set_.folder(), signer);
+    const auto is_accepted = [this, signer] {
+      for (const FileVerdict& verdict : inspect_signing_keys(set_.folder(), signer))
+        if (!verdict.problem.empty()) return false;
+      return true;
+    };
+    flip_bits(files.private_key, key_numbers, is_accepted);
+    flip_bits(files.public_key, der_of_pem, is_accepted);
+  }
+}
+
+TEST_F(CheckKeys, ATruncatedOrRandomFileIsRefused) {
+  std::mt19937 random(7);
+  for (const fs::path& file : all_files(files_)) {
+    const std::string good = file_content(file);
+    for (int round = 0; round < 40; ++round) {
+      std::string bad = good.substr(0, random() % (good.size() - 60));
+      if (round % 4 == 0)
+        std::generate(bad.begin(), bad.end(), [&random] { return static_cast<char>(random()); });
+      write_content(file, bad);
+      EXPECT_TRUE(stage_problem().starts_with(file.filename().string() + ": ")) << bad.size();
+    }
+    write_content(file, good);
+  }
+  EXPECT_EQ(stage_problem(), "");
+}
+
+}  // namespace
+}  // namespace biopsy::keys

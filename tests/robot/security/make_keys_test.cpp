@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <map>
+#include <random>
+
+#include "robot/security/check_keys.hpp"
+#include "robot/common/files/atomic_directory.hpp"
+#include "robot/security/whole_set.hpp"
+#include "robot/common/config_error.hpp"
+#include "tests/robot/security/made_set.hpp"
+
+namespace biopsy::keys {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::days;
+
+std::map<fs::path, std::string> contents(const fs::path& folder) {
+  std::map<fs::path, std::string> all;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    all[entry.path().lexically_relative(folder)] = entry.is_regular_file() ? file_content(entry.path()) : "";
+  return all;
+}
+
+std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
+}
+
+TEST(MakeKeys, AFreshSetIsGoodForEveryRoleUntilItsEnd) {
+  const MadeSet set(now(), 30);
+  for (const Role role : kRoles) {
+    EXPECT_NEAR(static_cast<double>((check_keys(set.folder(), role, now()) - now()).count()), 30 * 86400.0,
+                60.0);
+    EXPECT_NO_THROW(check_keys(set.folder(), role, now() + days(30) - std::chrono::minutes(2)));
+    EXPECT_THROW(check_keys(set.folder(), role, now() + days(30) + std::chrono::minutes(2)), SetupError);
+    EXPECT_NO_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(50)))
+        << "a clock behind ours";
+    EXPECT_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(70)), SetupError);
+  }
+  for (const Signer signer : kSigners) EXPECT_NO_THROW(check_signing_keys(set.folder(), signer));
+}
+
+TEST(MakeKeys, NobodyElseMayReadAnyOfIt) {
+  const mode_t usual = umask(0);
+  const MadeSet set;
+  umask(usual);
+  struct stat facts {};
+  ASSERT_EQ(stat(set.folder().c_str(), &facts), 0);
+  EXPECT_EQ(facts.st_mode & 07777U, 0700U);
+  for (const auto& entry : fs::recursive_directory_iterator(set.folder())) {
+    ASSERT_EQ(stat(entry.path().c_str(), &facts), 0);
+    EXPECT_EQ(facts.st_mode & 07777U, entry.is_directory() ? 0700U : 0600U) << entry.path();
+  }
+}
+
+TEST(MakeKeys, ARoleRunsOnItsOwnFolderAlone) {
+  const MadeSet set;
+  const ScratchFolder elsewhere;
+  const fs::path machine = elsewhere / "keys";
+  fs::create_directory(machine);
+  fs::permissions(machine, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec);
+  fs::copy(set.folder() / "stage", machine / "stage", fs::copy_options::recursive);
+  fs::permissions(machine / "stage", fs::perms::owner_all);
+  EXPECT_NO_THROW(check_keys(machine, Role::Stage, now()));
+  EXPECT_THROW(check_keys(machine, Role::Controller, now()), SetupError);
+}
+
+TEST(MakeKeys, AnExistingSetIsNotTouchedUnlessToldTo) {
+  const MadeSet set;
+  const auto before = contents(set.folder());
+  EXPECT_THROW(make_keys(set.folder(), 30, now(), false), SetupError);
+  EXPECT_EQ(contents(set.folder()), before);
+  EXPECT_EQ(entries(set.folder().parent_path()), 1U) << "nothing half made is left behind";
+}
+
+TEST(MakeKeys, ReplacingKeepsTheOldSetAside) {
+  const MadeSet set;
+  const auto before = contents(set.folder());
+  const auto later = now() + days(1);
+  const MadeKeys made = make_keys(set.folder().string() + "/", 60, later, true);
+  ASSERT_TRUE(made.old_set);
+  EXPECT_TRUE(made.old_set->filename().string().starts_with("keys.2")) << *made.old_set;
+  EXPECT_EQ(contents(*made.old_set), before);
+  EXPECT_NE(contents(set.folder()), before);
+  EXPECT_NO_THROW(check_keys(set.folder(), Role::Stage, later));
+  EXPECT_THROW(make_keys(set.folder(), 60, later, true), SetupError) << "the same second";
+  EXPECT_EQ(entries(set.folder().parent_path()), 2U);
+}
+
+// A real process, ended at a random moment of replacing.
+TEST(MakeKeys, WhoeverIsInterruptedLeavesAWholeSetOrNone) {
+  std::mt19937 random(3);
+  int whole = 0;
+  for (int round = 0; round < 12; ++round) {
+    const MadeSet set;
+    const pid_t child = fork();
+    if (child == 0) {
+      for (int i = 1;; ++i) make_keys(set.folder(), 30, now() + std::chrono::seconds(i), true);
+    }
+    usleep(static_cast<useconds_t>(random() % 100'000));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    if (!fs::exists(set.folder())) continue;
+    EXPECT_NO_THROW(check_set(set.folder(), kRoles, now() + std::chrono::minutes(1)));
+    ++whole;
+  }
+  EXPECT_GT(whole, 0);
+}
+
+TEST(MakeKeys, AFolderWithAnythingElseInItIsNeverMovedAside) {
+  const ScratchFolder scratch;
+  scratch.write("thesis.tex", "years of work");
+  EXPECT_THROW(make_keys(scratch.path(), 30, now(), true), SetupError);
+  EXPECT_THROW(make_keys(scratch / "thesis.tex", 30, now(), true), SetupError);
+  EXPECT_EQ(file_content(scratch / "thesis.tex"), "years of work");
+  fs::create_directory(scratch / "empty");
+  EXPECT_NO_THROW(make_keys(scratch / "empty", 30, now(), false));
+}
+
+TEST(MakeKeys, AFolderThatCannotBePutInPlaceLeavesNothingBehind) {
+  const ScratchFolder scratch;
+  {
+    NewFolder fresh(scratch / "keys");
+    fresh.write(fresh.path() / "stage" / "identity_key.pem", "secret");
+    EXPECT_THROW(fresh.write(fresh.path() / "stage" / "identity_key.pem", "again"), SetupError);
+    fs::create_directory(scratch / "keys");
+    scratch.write("keys/theirs", "came first");
+    EXPECT_THROW(fresh.settle(std::nullopt), SetupError);
+    EXPECT_THROW(fresh.settle(scratch / "nowhere" / "aside"), SetupError);
+  }
+  EXPECT_EQ(entries(scratch.path()), 1U);
+  EXPECT_EQ(file_content(scratch / "keys/theirs"), "came first");
+}
+
+TEST(MakeKeys, DaysAreCheckedForTheirRange) {
+  const ScratchFolder scratch;
+  for (const int wrong : {-1, 0, 3651, 2000000000})
+    EXPECT_THROW(make_keys(scratch / "keys", wrong, now(), false), SetupError);
+  EXPECT_EQ(entries(scratch.path()), 0U);
+  for (const int right : {1, 3650})
+    EXPECT_NO_THROW(make_keys(scratch / std::to_string(right), right, now(), false));
+}
+
+TEST(MakeKeys, APlaceThatCannotBeWrittenIsNamed) {
+  const ScratchFolder scratch;
+  scratch.write("file", "");
+  try {
+    make_keys(scratch / "file" / "keys", 30, now(), false);
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_NE(error.where.find("file"), std::string::npos);
+  }
+}
+
+TEST(MakeKeys, TheUsualFolderFollowsTheXdgSpecification) {
+  const std::string home = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
+  setenv("HOME", "/home/ada", 1);
+  unsetenv("XDG_CONFIG_HOME");
+  EXPECT_EQ(default_folder(), "/home/ada/.config/biopsy/keys");
+  setenv("XDG_CONFIG_HOME", "relative", 1);
+  EXPECT_EQ(default_folder(), "/home/ada/.config/biopsy/keys");
+  setenv("XDG_CONFIG_HOME", "/etc/xdg", 1);
+  EXPECT_EQ(default_folder(), "/etc/xdg/biopsy/keys");
+  unsetenv("XDG_CONFIG_HOME");
+  unsetenv("HOME");
+  EXPECT_THROW(default_folder(), SetupError);
+  setenv("HOME", home.c_str(), 1);
+}
+
+TEST(MakeKeys, TwoSetsHaveNothingInCommon) {
+  const MadeSet one, two;
+  const auto first = contents(one.folder()), second = contents(two.folder());
+  ASSERT_EQ(first.size(), second.size());
+  for (const auto& [name, content] : first)
+    EXPECT_TRUE(content.empty() || content != second.at(name)) << name;
+}
+
+}  // namespace
+}  // namespace biopsy::keys

@@ -1,0 +1,335 @@
+// Properties of every step, over long seeded walks through random states and inputs.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+
+#include "rig.hpp"
+#include "safety/types/limits.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+class Dice {
+ public:
+  explicit Dice(std::uint32_t seed) : random_(seed) {}
+  bool one_in(unsigned n) { return random_() % n == 0; }
+  std::uint32_t below(unsigned n) { return static_cast<std::uint32_t>(random_() % n); }
+
+ private:
+  std::mt19937 random_;
+};
+
+// Mostly healthy, so that the walk gets everywhere; every bit is bad now and then.
+SupervisorInput random_input(Dice& dice, const SupervisorState& state) {
+  SupervisorInput input;
+  input.evidence.clear = kAllHazards;
+  if (dice.one_in(40)) input.evidence.clear &= ~bit(static_cast<Hazard>(dice.below(kHazards)));
+  input.evidence.zero_volts =
+      state.mode == Mode::Active || state.mode == Mode::Hold ? dice.one_in(2) : !dice.one_in(20);
+  input.evidence.needle_home = !dice.one_in(5);
+  input.evidence.drive_mV = static_cast<std::int32_t>(dice.below(8'000'001));
+  input.self_test = dice.one_in(10) ? static_cast<SelfTest>(dice.below(3)) : SelfTest::Passed;
+  input.local_arm = dice.one_in(2);
+  input.local_reset = dice.one_in(2);
+  input.remote_arm = dice.one_in(10);
+  input.remote_reset = dice.one_in(10);
+  if (dice.one_in(30)) input.stop = static_cast<StopCategory>(dice.below(4));
+  if (!dice.one_in(4)) input.motion = {state.token + dice.below(2), !dice.one_in(8)};
+  input.request.stage = dice.one_in(8) ? dice.below(4) : state.stage;
+  input.request.stage_reached = dice.one_in(8);
+  input.request.finished = dice.one_in(60);
+  input.depth_accepted = !dice.one_in(3);
+  input.accepted_stage = dice.one_in(8) ? dice.below(4) : state.stage;
+  return input;
+}
+
+// The partial order of badness: one input made worse in exactly one respect.
+constexpr unsigned kWays = 14;
+SupervisorInput made_worse(SupervisorInput input, unsigned way, Dice& dice) {
+  switch (way) {
+    case 0:
+      input.evidence.clear &= ~bit(static_cast<Hazard>(dice.below(kHazards)));
+      break;
+    case 1:
+      input.evidence.zero_volts = false;
+      break;
+    case 2:
+      input.evidence.needle_home = false;
+      break;
+    case 3:
+      input.self_test = input.self_test == SelfTest::Passed ? SelfTest::Pending : SelfTest::Failed;
+      break;
+    case 4:
+      input.local_arm = false;
+      break;
+    case 5:
+      input.local_reset = false;
+      break;
+    case 6:
+      input.stop = static_cast<StopCategory>(std::min(static_cast<int>(input.stop) + 1, 3));
+      break;
+    case 7:
+      input.motion.held = false;
+      break;
+    case 8:
+      input.motion = {};
+      break;
+    case 9:
+      input.request.stage_reached = true;
+      break;
+    case 10:
+      input.request.finished = true;
+      break;
+    case 11:
+      input.depth_accepted = false;
+      break;
+    case 12:
+      input.evidence.drive_mV /= 2;
+      break;
+    case 13:
+      input.evidence = Evidence{};
+      break;
+    default:
+      break;
+  }
+  return input;
+}
+
+std::int32_t rise_limit(const Permit& permit) {
+  return permit.slew_up_mV_per_tick > 0 ? permit.v_max_mV : 0;
+}
+
+TEST(Invariants, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
+  verifies("R-48");
+  const PlanFacts plan = three_stage_plan();
+  Dice dice(2024);
+  std::array<int, kModes> visits{};
+  SupervisorState state = started(5);
+  Permit before;
+  for (int i = 0; i < 400'000; ++i) {
+    if (dice.one_in(500)) state = started(5), before = {};
+    if (dice.one_in(50))
+      state.ticks_in_mode += static_cast<std::int32_t>(dice.below(10'000));  // timers elapse as well
+    ++visits[static_cast<std::size_t>(state.mode)];
+    const SupervisorInput input = random_input(dice, state);
+    const auto [next, output] = step(plan, state, input);
+    unsigned way = dice.below(kWays);
+    // Saying nothing is worse than holding the button, but a release or a second press is worse than saying
+    // nothing.
+    const bool second_press = state.mode == Mode::Active && input.motion.token > state.token;
+    if (way == 8 && (!input.motion.held || second_press)) way = 7;
+    const auto [worse_next, worse] = step(plan, state, made_worse(input, way, dice));
+    const auto story = [&, w = worse_next, n = next] {
+      return std::string(name_of(state.mode)) + " -> " + std::string(name_of(n.mode)) + ", worse in way " +
+             std::to_string(way) + " -> " + std::string(name_of(w.mode));
+    };
+    ASSERT_LE(permissiveness(worse_next.mode), permissiveness(next.mode)) << story();
+    ASSERT_LE(rise_limit(worse.permit), rise_limit(output.permit)) << story();
+    ASSERT_LE(worse.permit.slew_up_mV_per_tick, output.permit.slew_up_mV_per_tick) << story();
+    ASSERT_LE(worse.permit.depth_max_um, output.permit.depth_max_um) << story();
+    ASSERT_LE(worse.permit.v_max_mV, std::max(output.permit.v_max_mV, before.v_max_mV)) << story();
+    // A ramp that is not finished keeps its amplifier; nothing else does.
+    if (worse_next.mode != Mode::Retract) {
+      ASSERT_LE(worse.permit.hv_enable, output.permit.hv_enable) << story();
+    }
+    state = next;
+    before = output.permit;
+  }
+  for (std::size_t mode = 0; mode < kModes; ++mode)
+    EXPECT_GT(visits[mode], 200) << name_of(static_cast<Mode>(mode));
+}
+
+TEST(Invariants, HoldInEveryStepOfARandomWalk) {
+  verifies("R-36", "R-39", "R-40", "R-47");
+  const PlanFacts plan = three_stage_plan();
+  Dice dice(7);
+  SupervisorState state = started(5);
+  std::uint32_t seq = 0;
+  for (int i = 0; i < 400'000; ++i) {
+    if (dice.one_in(500)) state = started(5), seq = 0;
+    const SupervisorInput input = random_input(dice, state);
+    const auto [next, output] = step(plan, state, input);
+    const Permit& permit = output.permit;
+    const bool c0 = (input.evidence.hazards() & hazards_with(StopCategory::C0Off)) != 0;
+    if (c0) {
+      ASSERT_FALSE(permit.hv_enable);
+    }
+    if (permit.slew_up_mV_per_tick > 0) {
+      ASSERT_EQ(next.mode, Mode::Active);
+    }
+    if (next.mode == Mode::Active) {
+      ASSERT_EQ(input.evidence.hazards(), 0U) << "a rise needs every hazard absent";
+    }
+    if (next.mode == Mode::Active && state.mode != Mode::Active) {
+      ASSERT_TRUE(state.mode == Mode::Armed || state.mode == Mode::Hold);
+    }
+    if (next.mode == Mode::Armed && state.mode != Mode::Armed) {
+      ASSERT_TRUE(input.local_arm && state.mode == Mode::Ready);
+    }
+    if (state.mode == Mode::Trip && next.mode == Mode::Safe) {
+      ASSERT_TRUE(input.local_reset && !state.reset_was_down);
+    }
+    if (state.mode == Mode::Lock) {
+      ASSERT_EQ(next.mode, Mode::Lock);
+    }
+    if (is_hot(state.mode) && next.mode == Mode::Trip) {
+      ASSERT_EQ(next.epoch, state.epoch + 1);
+    }
+    if (next.mode != state.mode) {
+      ASSERT_EQ(next.mode, next_mode(state.mode, output.event)) << name_of(output.event);
+    }
+    ASSERT_EQ(permit.hv_enable, is_hot(next.mode));
+    ASSERT_TRUE(permit.hv_enable || permit.v_max_mV == 0);
+    ASSERT_LE(permit.v_max_mV, limits::kDriveMax_mV);
+    ASSERT_GE(permit.v_max_mV, 0);
+    ASSERT_LE(next.ticks_in_mode, limits::kArmedMax_ms + 1);
+    ASSERT_EQ(permit.seq, ++seq);
+    state = next;
+  }
+}
+
+TEST(Invariants, TheEnvelopeOnlyFallsInHoldAndRetract) {
+  verifies("R-37", "R-38");
+  const PlanFacts plan = three_stage_plan();
+  Dice dice(99);
+  SupervisorState state = started(5);
+  std::int32_t envelope = 0;
+  for (int i = 0; i < 300'000; ++i) {
+    if (dice.one_in(500)) state = started(5), envelope = 0;
+    const auto [next, output] = step(plan, state, random_input(dice, state));
+    if (next.mode == Mode::Hold || next.mode == Mode::Retract) {
+      ASSERT_LE(output.permit.v_max_mV, envelope);
+    }
+    envelope = output.permit.v_max_mV;
+    state = next;
+  }
+}
+
+TEST(Invariants, WorseObservationsNeverClearAHazard) {
+  verifies("R-48");
+  Rig rig;
+  Dice dice(5);
+  ASSERT_TRUE(rig.go_active());
+  for (int i = 0; i < 4'000; ++i) {
+    rig.on_observation = [&](Observation& seen) {
+      if (dice.one_in(3)) seen.estop_a_closed = false;
+      if (dice.one_in(3)) seen.estop_b_closed = false;
+      if (dice.one_in(9)) seen.measurement.answer ^= 1;
+      Observation worse = seen;
+      switch (dice.below(11)) {
+        case 0:
+          worse.estop_a_closed = false;
+          break;
+        case 1:
+          worse.estop_b_closed = false;
+          break;
+        case 2:
+          worse.writers = 0;
+          break;
+        case 3:
+          worse.log_backlog_ms = 5'000;
+          break;
+        case 4:
+          worse.patient_motion_um = -1;
+          break;
+        case 5:
+          worse.tissue_residual_um = -1;
+          break;
+        case 6:
+          worse.plan_tag = 0;
+          break;
+        case 7:
+          worse.config_tag = 0;
+          break;
+        case 8:
+          worse.confirmed_tag[0] = 0;
+          break;
+        case 9:
+          worse.measurement.answered_seq = 0;
+          break;
+        default:
+          worse.now_us -= 1'000;
+          break;
+      }
+      EvidenceMemory memory = rig.memory, memory_of_worse = rig.memory;
+      const HazardSet clear = assess(rig.plan, memory, seen).clear;
+      ASSERT_EQ(assess(rig.plan, memory_of_worse, worse).clear & ~clear, 0U);
+    };
+    rig.tick();
+  }
+}
+
+// The healthy run itself: an hour in stages at every drive, with noise and polarity changes of up to 2 x 7.5
+// kV.
+TEST(Nuisance, AnHourOfHealthyProceduresStopsForNothing) {
+  Rig rig(11);
+  rig.depth_accepted = true;
+  int moves = 0;
+  for (int procedure = 0; procedure < 400; ++procedure) {
+    ASSERT_TRUE(rig.go_armed()) << name_of(rig.output.worst);
+    for (int stage = 0; stage < 3; ++stage, ++moves) {
+      rig.wanted_mV = 3'000'000 + 1'000'000 * stage + 10'000 * (procedure % 100);
+      rig.press();
+      rig.run(2'500);
+      ASSERT_EQ(rig.state.mode, Mode::Active) << name_of(rig.state.reason) << name_of(rig.state.last_event);
+      rig.reached = true;
+      rig.run(2);
+      rig.reached = false;
+      rig.run(400);
+      ASSERT_EQ(rig.state.mode, Mode::Hold) << name_of(rig.state.reason);
+    }
+    rig.release();
+    rig.finished = true;
+    rig.run(2);
+    rig.finished = false;
+    ASSERT_LT(rig.ticks_until([&] { return rig.state.mode == Mode::Ready; }, 600), 600)
+        << name_of(rig.output.worst);
+    rig.run(600);
+    ASSERT_EQ(rig.state.mode, Mode::Ready) << name_of(rig.output.worst);
+  }
+  EXPECT_EQ(moves, 1'200);
+}
+
+TEST(Nuisance, APlannedPunctureOfHalfAMillimetreIsNoBreakThrough) {
+  verifies("R-17");
+  Rig rig;
+  rig.wanted_mV = 5'000'000;
+  ASSERT_TRUE(rig.go_active());
+  for (int i = 0; i < 4; ++i) rig.push_um += 125, rig.tick();
+  rig.run(100);
+  EXPECT_EQ(rig.state.mode, Mode::Active) << name_of(rig.state.reason);
+}
+
+TEST(Nuisance, SingleBadSamplesAndMessagesDoNotStop) {
+  Rig rig;
+  ASSERT_TRUE(rig.go_active());
+  int tick = 0;
+  rig.on_measurement = [&](Measurement& m) {
+    switch (++tick % 500) {
+      case 100:
+        m.laser_valid = false;
+        break;
+      case 150:
+        m.current_nA += 40'000'000;
+        break;
+      case 200:
+        m.monitor_mV = 8'500'000;
+        break;
+      case 300:
+        m.depth_um += 3'000;
+        break;
+      case 400:
+        m.answer ^= 7;
+        break;
+      default:
+        break;
+    }
+  };
+  rig.run(2'000);
+  EXPECT_EQ(rig.state.mode, Mode::Active) << name_of(rig.state.reason);
+}
+
+}  // namespace
+}  // namespace biopsy::safety

@@ -1,0 +1,210 @@
+// Springs, drag, stop, masses and pushes on plate A, each alone on a mass that a force drives.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/sim/effects/staged_model.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
+  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
+  return state;
+}
+
+TEST(QuadraticDamping, LetsAMassFallToItsTerminalSpeed) {
+  PlantModel model = bare_mass();
+  model.effects.quadratic_damping = QuadraticDamping{100.0};
+  EXPECT_NEAR(pushed(model, at_rest(model), 0.04, 4000).motion.v, 0.02, 1e-9);
+  EXPECT_NEAR(pushed(model, at_rest(model), -0.04, 4000).motion.v, -0.02, 1e-9);
+  PlantState coasting = at_rest(model);
+  coasting.motion.v = 0.05;  // 1/v = 1/v0 + c t/m
+  EXPECT_NEAR(pushed(model, coasting, 0.0, 500).motion.v, 1.0 / (1.0 / 0.05 + 100.0 * 0.5 / 0.080), 1e-7);
+}
+
+TEST(SpringHardening, BalancesForceByTheCubicSpring) {
+  PlantModel model = bare_mass(5.0, 140.0);
+  model.effects.spring_hardening = SpringHardening{1e9};
+  const double x = pushed(model, at_rest(model), 0.5, 10000).motion.x;
+  EXPECT_NEAR(140.0 * x + 1e9 * x * x * x, 0.5, 1e-9);
+}
+
+TEST(SpringHardening, OfTheStackActsOnTheStretchBetweenThePlates) {
+  PlantModel model;
+  model.baseline.tau = 1e12;
+  model.effects.spring_hardening = SpringHardening{1e9};
+  PlantState state = at_rest(model);
+  for (int k = 0; k < 10000; ++k)
+    state = step(model, state, {.voltage = 3000.0, .external_force = 0.2}, Seconds(1e-3));
+  const double stretch = plate_b(model, state) - state.motion.x;
+  EXPECT_NEAR(140.0 * stretch + 1e9 * stretch * stretch * stretch, 0.2, 1e-6);
+}
+
+TEST(HystereticSpring, IsBoundedAndEatsWorkInEveryCycle) {
+  for (const double sharpness : {1.0, 2.0, 6.0})
+    for (const double beta : {0.1, 0.5, 1.0}) {
+      const HystereticSpring spring{100.0, 0.5e-3, sharpness, beta};
+      double z = 0.0, area = 0.0;
+      constexpr int kCycle = 20000;
+      for (int i = 0; i < 3 * kCycle; ++i) {
+        const double dx = 2e-3 * 2 * std::numbers::pi / kCycle * std::cos(2 * std::numbers::pi * i / kCycle);
+        const double before = z;
+        z += spring.rate(dx, z);
+        ASSERT_LE(std::abs(z), 0.5e-3 * (1 + 1e-6));
+        if (i >= 2 * kCycle) area += spring.pull(0.5 * (before + z)) * dx;
+      }
+      EXPECT_GT(area, 0.0) << sharpness << " " << beta;
+      EXPECT_LT(area, 4 * 100.0 * 0.5e-3 * 2e-3) << sharpness << " " << beta;  // the box around the loop
+    }
+}
+
+TEST(HystereticSpring, StartsWithItsStiffnessAndYieldsToItsLargestForce) {
+  PlantModel model = bare_mass(3.0);
+  model.effects.hysteretic_spring = HystereticSpring{.stiffness = 200.0, .yield = 0.5e-3};
+  const PlantState gentle = pushed(model, at_rest(model), 0.001, 10000);  // 1 % of its strength
+  EXPECT_NEAR(gentle.motion.x, 0.001 / 200.0, 2e-3 * 0.001 / 200.0);
+  const PlantState sliding = pushed(model, at_rest(model), 0.4, 3000);
+  EXPECT_NEAR(sliding.motion.v, (0.4 - 0.1) / 3.0, 1e-9);
+  EXPECT_NEAR(sliding.motion.yielded, 0.5e-3, 1e-9);
+}
+
+TEST(HystereticSpring, StaysBoundedWhereItYieldsFasterThanTheStep) {
+  PlantModel model = bare_mass();
+  model.effects.hysteretic_spring = HystereticSpring{.stiffness = 1e4, .yield = 1e-6, .sharpness = 6.0};
+  PlantState state = at_rest(model);
+  for (int k = 0; k < 2000; ++k) {
+    state = step(model, state, {.force = (k / 200) % 2 == 0 ? 0.5 : -0.5}, Seconds(1e-3));
+    ASSERT_LE(std::abs(state.motion.yielded), 1e-6);
+    ASSERT_LT(std::abs(state.motion.v), 2.0);
+  }
+}
+
+TEST(EndStop, IsPenetratedByNoMoreThanForceOverStiffness) {
+  PlantModel model = bare_mass(1.0);
+  model.effects.end_stop = EndStop{.position = 1e-3, .stiffness = 20e3, .damping = 50.0};
+  PlantState state = pushed(model, at_rest(model), 0.5, 5000);
+  EXPECT_NEAR(state.motion.x, 1e-3 + 0.5 / 20e3, 1e-9);
+  state = pushed(model, state, -0.5, 100);  // and it never holds back
+  EXPECT_LT(state.motion.v, -0.9 * 0.5 * (1 - std::exp(-0.1 / 0.08)));
+}
+
+TEST(EndStop, ReturnsNoMoreEnergyThanArrived) {
+  for (const double stiffness : {1e3, 20e3, 1e6})
+    for (const double damping : {0.0, 2.0, 50.0}) {
+      PlantModel model = bare_mass();
+      model.effects.end_stop = EndStop{.position = 1e-3, .stiffness = stiffness, .damping = damping};
+      PlantState state = at_rest(model);
+      state.motion.v = 0.05;
+      state = pushed(model, state, 0.0, 200);
+      EXPECT_LT(state.motion.v, damping > 0.0 ? 0.0 : -0.98 * 0.05) << stiffness << " " << damping;
+      EXPECT_GT(state.motion.v, -0.05 * 1.02) << stiffness << " " << damping;
+    }
+}
+
+TEST(AddedMass, LengthensThePeriodOfAForceDrivenOscillator) {
+  PlantModel model = bare_mass(0.0, 140.0);
+  model.effects.added_mass = AddedMass{0.040};
+  EXPECT_DOUBLE_EQ(model.mass_A(), 0.120);
+  const double period = 2 * std::numbers::pi * std::sqrt(0.120 / 140.0);
+  PlantState state = at_rest(model);
+  state.motion.x = 1e-3;
+  for (int k = 0; k < 1000; ++k) state = step(model, state, {}, Seconds(period * 1e-3));
+  EXPECT_NEAR(state.motion.x, 1e-3, 1e-9);
+  model.effects.added_mass->mass = -5.0;
+  EXPECT_GT(model.mass_A(), 0.0);
+}
+
+TEST(AddedMass, WeighsOnTheStackLikeAHeavierRun) {
+  PlantModel added, heavier;
+  added.effects.added_mass = AddedMass{0.020};
+  heavier.weight += 0.020;
+  PlantState a = at_rest(added), b = at_rest(heavier);
+  for (int k = 0; k < 3000; ++k) {
+    a = step(added, a, {.voltage = 3000.0}, Seconds(1e-3));
+    b = step(heavier, b, {.voltage = 3000.0}, Seconds(1e-3));
+    ASSERT_NEAR(a.motion.x, b.motion.x, 1e-12);
+  }
+}
+
+TEST(ExternalForce, PushesDownLikeTheRunsOwn) {
+  PlantModel model = bare_mass(5.0, 140.0);
+  model.effects.external_force = ExternalForce{0.2};
+  EXPECT_NEAR(pushed(model, at_rest(model), 0.5, 5000).motion.x, 0.3 / 140.0, 1e-12);
+}
+
+TEST(PeriodicDisturbance, ShakesAnOscillatorByItsFrequencyResponse) {
+  PlantModel model = bare_mass(2.0, 140.0);
+  const double f = 4.0, w = 2 * std::numbers::pi * f;
+  model.effects.periodic_disturbance = PeriodicDisturbance{0.05, 0.3e-3, f, 0.7};
+  PlantState state = at_rest(model);
+  double s = 0.0, c = 0.0, read_s = 0.0, read_c = 0.0;
+  for (int k = 0; k < 5000; ++k) {
+    if (k >= 4000) {  // four periods, settled
+      s += state.motion.x * std::sin(w * k * 1e-3) / 500.0;
+      c += state.motion.x * std::cos(w * k * 1e-3) / 500.0;
+      const double moved = displacement_reading(model, state) - state.motion.x;
+      read_s += moved * std::sin(w * k * 1e-3) / 500.0;
+      read_c += moved * std::cos(w * k * 1e-3) / 500.0;
+    }
+    state = step(model, state, {}, Seconds(1e-3));
+  }
+  const double gain = 0.05 / std::hypot(140.0 - 0.080 * w * w, 2.0 * w);
+  const double late = std::atan2(2.0 * w, 140.0 - 0.080 * w * w);
+  EXPECT_NEAR(std::hypot(s, c), gain, 1e-4 * gain);
+  EXPECT_NEAR(std::atan2(c, s), 0.7 - late, 1e-4);
+  EXPECT_NEAR(std::hypot(read_s, read_c), 0.3e-3, 1e-9);
+  EXPECT_NEAR(std::atan2(read_c, read_s), 0.7, 1e-6);
+}
+
+TEST(Place, PutsAForceDrivenMassWhereAFreshOscillatorWouldBe) {
+  const PlantModel model = bare_mass(0.0, 140.0);
+  PlantState state = at_rest(model);
+  place(model, state, 0.4e-3, 0.03);
+  EXPECT_EQ(displacement_reading(model, state), 0.4e-3);
+  state = pushed(model, state, 0.0, 100);
+  const double w = std::sqrt(140.0 / 0.080);
+  EXPECT_NEAR(state.motion.x, 0.4e-3 * std::cos(0.1 * w) + 0.03 / w * std::sin(0.1 * w), 1e-7);
+}
+
+TEST(Place, TakesPlateBAlongSoThatTheSpringKeepsItsStretch) {
+  PlantModel model;
+  model.baseline.tau = 1e12;
+  PlantState state = at_rest(model);
+  for (int k = 0; k < 5000; ++k)
+    state = step(model, state, {.voltage = 3000.0, .external_force = 0.1}, Seconds(1e-3));
+  const double stretch = plate_b(model, state) - state.motion.x;
+  place(model, state, state.motion.x - 0.5e-3, 0.0);
+  EXPECT_NEAR(plate_b(model, state) - state.motion.x, stretch, 1e-12);
+  place(model, state, -5e-3, 0.0);  // further than the pouches can
+  EXPECT_EQ(state.motion.H, model.baseline.H_0);
+}
+
+TEST(Place, LeavesPlayAndSensorAsSteadyMotionDoes) {
+  PlantModel model = bare_mass();
+  model.effects.backlash = Backlash{0.2e-3};
+  model.effects.sensor_lag = SensorLag{.time = 4e-3, .delay = 6e-3};
+  PlantState state = at_rest(model);
+  place(model, state, 1e-3, 0.02);
+  for (int k = 0; k < 20; ++k) {
+    const double expected = 1e-3 + 0.02 * k * 1e-3 - 0.1e-3 - 0.02 * 10e-3;
+    ASSERT_NEAR(displacement_reading(model, state), expected, 1e-12) << k;
+    state = step(model, state, {}, Seconds(1e-3));
+  }
+}
+
+TEST(FastestRate, IsNoLessThanTheEigenvaluesOfMechanicsAndContact) {
+  PlantModel model = bare_mass(2.0, 140.0);
+  EXPECT_GE(fastest_rate(model), std::sqrt(140.0 / 0.080));
+  EXPECT_LE(fastest_rate(model), 2 * std::sqrt(140.0 / 0.080));
+  model.effects.end_stop = EndStop{1e-3, 1e6, 0.0};
+  EXPECT_GE(fastest_rate(model), std::sqrt((1e6 + 140.0) / 0.080));
+  model = bare_mass(1e3, 1e6);  // ten tonnes on a stiff base
+  model.baseline.m = 1e4;
+  EXPECT_NEAR(fastest_rate(model), 10.0 + 0.1, 1e-9);
+  EXPECT_GE(fastest_rate(PlantModel{}), 1.0 / 0.030);
+}
+
+}  // namespace
+}  // namespace biopsy::sim

@@ -1,0 +1,30 @@
+// A first guess at a strength is drawn by a straight line from nothing. Where the response bends, it lands on
+// the far side of a ridge, and the search must come back.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sim/gap/find_gap.hpp"
+#include "sim/plant/model_file.hpp"
+#include "tests/sim/gap/generator/hidden_cases.hpp"
+#include "tests/sim/gap/generator/hidden_data.hpp"
+
+namespace biopsy::hidden {
+namespace {
+
+TEST(Overshoot, AHardeningThatMovesTheResonanceIsFoundAllTheSame) {
+  const auto all = hidden_cases();
+  HiddenCase hidden =
+      *std::ranges::find(all, std::string("spring_hardening/force-strong"), &HiddenCase::name);
+  hidden.length = 0.35;
+  hidden.runs = 3;
+  const sim::PlantModel model = sim::parse_model(baseline_model(hidden), "model.toml");
+  const GapFinding finding =
+      sim::gap::find_gap(make_hidden(hidden), model, {}, [](const std::string&) {}).finding;
+  ASSERT_EQ(finding.verdict, GapVerdict::Effect);
+  EXPECT_EQ(finding.effects[0].name, "spring_hardening");
+  EXPECT_NEAR(finding.effects[0].parameters[0].value, 1e-9 * hidden.terms[0].strength, 0.5e-3);  // N/mm3
+}
+
+}  // namespace
+}  // namespace biopsy::hidden

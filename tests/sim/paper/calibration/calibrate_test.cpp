@@ -1,0 +1,165 @@
+// Calibration on a question whose answer is known: rows made by a model with other numbers.
+#include "sim/paper/calibration/calibrate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "robot/common/config_error.hpp"
+#include "sim/paper/calibration/paper_text.hpp"
+#include "sim/plant/model_text.hpp"
+#include "sim/paper/open_loop.hpp"
+#include "sim/paper/figures/rows.hpp"
+#include "sim/plant/simulate.hpp"
+
+namespace biopsy::sim::calibration {
+namespace {
+
+const std::filesystem::path kModels = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+
+paper::PaperModel start_model() {
+  return paper::read_paper_model(kModels / "rehearsal.toml", kModels / "paper.toml");
+}
+
+std::vector<Knob> two_knobs() {
+  return {{"tau", 1.0, 40.0, 6.9, 6.9, 0.7, false, ""}, {"V0", 4e-8, 4e-7, 1.9e-7, 1.9e-7, 0.5, false, ""}};
+}
+
+constexpr double kTrueTau = 4.0, kTrueV0 = 1.2e-7;
+
+std::array<double, 2> level_and_ripple(const paper::PaperModel& model) {
+  const paper::OpenLoopRun run =
+      paper::run_open_loop(paper::plate_on_stack(model.stage, 11, 0.050),
+                           {.amplitude = 6000.0, .frequency = 0.5, .settle = 30.0, .watch = 2.0}, true);
+  return {paper::mean(run.displacement), paper::peak_to_peak(run.displacement)};
+}
+
+// An "experiment" whose paper numbers come from kTrueTau and kTrueV0.
+PaperFigure made_up_figure(const paper::PaperModel& model) {
+  static const std::array<double, 2> kPaper = [] {
+    paper::PaperModel truth = start_model();
+    truth.stage.baseline.tau = kTrueTau;
+    truth.stage.baseline.V0 = kTrueV0;
+    return level_and_ripple(truth);
+  }();
+  const auto ours = level_and_ripple(model);
+  PaperFigure figure;
+  figure.rows = {paper::number_row({"x", "level", "mm"}, kPaper[0], ours[0], "", 0.02),
+                 paper::number_row({"x", "ripple", "mm"}, kPaper[1], ours[1], "", 0.02)};
+  return figure;
+}
+
+Question made_up_question() {
+  return {start_model(), two_knobs(), {{"x", made_up_figure}}, {}};
+}
+
+const Calibration& answer() {
+  static const Calibration kAnswer = calibrate(made_up_question(), {.evaluations = 200});
+  return kAnswer;
+}
+
+TEST(Calibrate, RecoversTheNumbersBehindTheRows) {
+  EXPECT_NEAR(answer().knobs[0].value, kTrueTau, 0.05 * kTrueTau);
+  EXPECT_NEAR(answer().knobs[1].value, kTrueV0, 0.05 * kTrueV0);
+  EXPECT_LT(answer().after, 0.05 * answer().before);
+  for (const PaperRow& row : answer().rows) EXPECT_TRUE(row.ok) << row.quantity;
+  EXPECT_DOUBLE_EQ(answer().model.stage.baseline.tau, answer().knobs[0].value);
+}
+
+// 2 % of the rows, by the rows' sensitivity: some per cent of the numbers, and no more than what was known.
+TEST(Calibrate, SaysHowWellANumberIsKnown) {
+  for (const KnobFound& found : answer().knobs) {
+    EXPECT_GT(found.std, 1e-3 * found.value) << found.knob.name;
+    EXPECT_LT(found.std, 0.2 * found.value) << found.knob.name;
+    EXPECT_FALSE(found.at_bound);
+  }
+  EXPECT_NEAR(answer().correlations(0, 0), 1.0, 1e-12);
+  EXPECT_LE(std::abs(answer().correlations(0, 1)), 1.0);
+}
+
+TEST(Calibrate, GivesTheSameAnswerEveryTime) {
+  const Calibration again = calibrate(made_up_question(), {.evaluations = 200});
+  for (std::size_t i = 0; i < again.knobs.size(); ++i)
+    EXPECT_EQ(again.knobs[i].value, answer().knobs[i].value);
+}
+
+TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
+  Question question = made_up_question();
+  question.figures.clear();
+  PlantModel truth = question.start.stage;
+  truth.baseline.tau = kTrueTau;
+  truth.baseline.V0 = kTrueV0;
+  truth.effects.sensor_noise.reset();
+  RecordedRun run;
+  run.period = 0.02;
+  run.weight = 0.050;
+  for (int i = 0; i < 300; ++i) {
+    run.time.push_back(i * run.period);
+    run.input.push_back(i < 25 ? 0.0 : 5000.0);
+  }
+  run.displacement.assign(300, 0.0);
+  run.external_force.assign(300, 0.0);
+  question.runs = {simulate(truth, run)};
+  const Calibration found = calibrate(question, {.evaluations = 200});
+  EXPECT_NEAR(found.knobs[0].value, kTrueTau, 0.1 * kTrueTau);
+  EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
+  for (const KnobFound& knob : found.knobs)
+    EXPECT_LT(knob.std, 0.5 * knob.knob.doubt * knob.value) << knob.knob.name << ": the run says more";
+  ASSERT_EQ(found.runs.size(), 1U);
+  EXPECT_TRUE(found.runs[0].followed);
+  EXPECT_FALSE(found.kept_start);
+  Eigen::VectorXd far = Eigen::VectorXd::Zero(2);
+  far[1] = 1.0;
+  const std::vector<RunFit> off = run_fits(question, far);
+  EXPECT_FALSE(off[0].followed);
+  EXPECT_GT(off[0].rms, 10.0 * found.runs[0].rms);
+  EXPECT_LT(off[0].rms, 2.0 * off[0].span);
+}
+
+// A number at the edge of its range is turned to one side only; it is known as well as one that is not.
+TEST(Calibrate, KnowsANumberAtTheEdgeOfItsRangeAsWellAsOneWithin) {
+  const auto std_of_tau = [](double low) {
+    Question question = made_up_question();
+    question.knobs[0].low = low;
+    question.knobs[0].nominal = question.knobs[0].start = kTrueTau;
+    question.knobs[1].nominal = question.knobs[1].start = kTrueV0;
+    return calibrate(question, {.evaluations = 1, .last_steps = 0}).knobs[0].std;
+  };
+  EXPECT_NEAR(std_of_tau(kTrueTau), std_of_tau(1.0), 0.1 * std_of_tau(1.0));
+}
+
+// From far away, rows that all pull alike first.
+TEST(Calibrate, ComesFromFarToTheNumbersBehindTheRows) {
+  Question question = made_up_question();
+  question.knobs[0].start = 30.0;
+  question.knobs[1].start = 3.5e-7;
+  const Calibration found = calibrate(question, {.far = 200, .evaluations = 200});
+  EXPECT_NEAR(found.knobs[0].value, kTrueTau, 0.1 * kTrueTau);
+  EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
+  EXPECT_GE(found.evaluations, 400);
+}
+
+// A stage that 8 kV do not lift far enough is no answer, whatever rows it reaches.
+TEST(Calibrate, WhatAStageMustReachNeverLevelsOff) {
+  Question question = made_up_question();
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
+  const double without = residuals(question, none, false).squaredNorm();
+  question.reach = 1e-3;
+  EXPECT_DOUBLE_EQ(residuals(question, none, false).squaredNorm(), without) << "lifted easily";
+  question.reach = 0.1;
+  EXPECT_GT(residuals(question, none, false).squaredNorm(), without + 20.0) << "ten centimetres";
+}
+
+TEST(Calibrate, StaysWithWhatWasKnownWhereNothingSpeaks) {
+  Question question = made_up_question();
+  question.figures.clear();
+  const Calibration found = calibrate(question, {.evaluations = 50});
+  EXPECT_NEAR(found.knobs[0].value, 6.9, 1e-6);
+  EXPECT_NEAR(found.knobs[0].std, 0.7 * 6.9, 1e-6);
+  EXPECT_TRUE(found.knobs[0].only_prior);
+  EXPECT_TRUE(found.kept_start);
+}
+
+}  // namespace
+}  // namespace biopsy::sim::calibration

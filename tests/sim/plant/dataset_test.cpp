@@ -1,0 +1,194 @@
+// Data sets: what is accepted, and what is refused with file, line and column.
+#include "sim/plant/dataset.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/scratch_folder.hpp"
+#include "tests/sim/plant/refusal.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+constexpr const char* kToml = "title = \"t\"\n[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = 50\n";
+constexpr const char* kCsv = "time_s,voltage_V,displacement_mm\n0.000,0,0\n0.001,100,0.1\n0.002,-200,0.2\n";
+
+struct DatasetFolder : testing::Test {
+  ScratchFolder folder;
+
+  Dataset read(const std::string& csv, Drive drive = Drive::Stack, const std::string& toml = kToml) {
+    folder.write("dataset.toml", toml);
+    folder.write("a.csv", csv);
+    return read_dataset(folder.path(), drive);
+  }
+  std::string csv_at(int line) const {
+    return fmt::format("{}:{}", (folder.path() / "a.csv").string(), line);
+  }
+  void expect_refused(const std::string& csv, const std::string& place, const std::string& reason) {
+    expect_says(refusal([&] { read(csv); }), place, reason);
+  }
+};
+
+TEST_F(DatasetFolder, ComesInSiUnits) {
+  const Dataset dataset = read(
+      "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,external_force_N\n0,0,0,0,0,0.1\n0.001,1000,1."
+      "5,2,3,0.2\n",
+      Drive::Stack, std::string(kToml) + "external_force_N = 0.5\n");
+  ASSERT_EQ(dataset.runs.size(), 1U);
+  const RecordedRun& run = dataset.runs[0];
+  EXPECT_EQ(dataset.title, "t");
+  EXPECT_FALSE(dataset.sensor_noise.has_value());
+  EXPECT_EQ(run.name, "a");
+  EXPECT_DOUBLE_EQ(run.weight, 0.050);
+  EXPECT_DOUBLE_EQ(run.period, 0.001);
+  EXPECT_DOUBLE_EQ(run.input[1], 1000.0);
+  EXPECT_DOUBLE_EQ(run.displacement[1], 1.5e-3);
+  EXPECT_DOUBLE_EQ(run.plate_b[1], 2e-3);
+  EXPECT_DOUBLE_EQ(run.current[1], 3e-6);
+  EXPECT_DOUBLE_EQ(run.external_force[0], 0.6);  // column and constant add up
+  EXPECT_DOUBLE_EQ(run.external_force[1], 0.7);
+}
+
+TEST_F(DatasetFolder, CommentsBlankLinesSpacesCrLfAndAnyOrderOfColumnsAreFine) {
+  const RecordedRun run = read(
+                              "# bench 3\r\n\r\n displacement_mm , time_s,voltage_V\r\n0.5,0,1\r\n# "
+                              "pause\r\n 0.6 , 0.001 , 2\r\n")
+                              .runs[0];
+  EXPECT_EQ(run.time, (std::vector<double>{0.0, 0.001}));
+  EXPECT_EQ(run.input, (std::vector<double>{1.0, 2.0}));
+  EXPECT_DOUBLE_EQ(run.displacement[1], 0.6e-3);
+}
+
+TEST_F(DatasetFolder, AColumnThatIsNotAskedForIsLeftAlone) {
+  EXPECT_EQ(
+      read("time_s,voltage_V,displacement_mm,temperature_degC\n0,0,0,21\n0.001,0,0,21\n").runs[0].time.size(),
+      2U);
+}
+
+TEST_F(DatasetFolder, ForceDrivenRunsHaveAForceColumnInstead) {
+  const std::string csv = "time_s,force_N,displacement_mm\n0,0.5,0\n0.001,0.6,0.1\n";
+  EXPECT_EQ(read(csv, Drive::Force).runs[0].input, (std::vector<double>{0.5, 0.6}));
+  expect_says(refusal([&] { read(csv, Drive::Stack); }), csv_at(1), "column `voltage_V` is missing");
+  expect_says(refusal([&] { read(kCsv, Drive::Force); }), csv_at(1), "column `force_N` is missing");
+}
+
+TEST_F(DatasetFolder, EveryRateFromTwentyHertzToAHundredKilohertzIsTaken) {
+  for (const double rate : {20.0, 44.1, 333.0, 1000.0, 48000.0, 96000.0, 100000.0}) {
+    std::string csv = "time_s,voltage_V,displacement_mm\n";
+    for (int k = 0; k < 50; ++k) csv += fmt::format("{:.6f},1,1\n", 3.0 + k / rate);
+    EXPECT_NEAR(read(csv).runs[0].period, 1 / rate, 0.01 / rate) << rate;
+  }
+  for (const double rate : {10.0, 19.0, 110000.0, 1e6}) {
+    std::string csv = "time_s,voltage_V,displacement_mm\n";
+    for (int k = 0; k < 50; ++k) csv += fmt::format("{:.9f},1,1\n", k / rate);
+    expect_refused(csv, (folder.path() / "a.csv").string(), "sampled every");
+  }
+}
+
+TEST_F(DatasetFolder, RefusesMissingColumns) {
+  expect_refused("time_s,voltage_V\n0,0\n0.001,0\n", csv_at(1), "column `displacement_mm` is missing");
+  expect_refused("voltage_V,displacement_mm\n0,0\n0.001,0\n", csv_at(1), "column `time_s` is missing");
+}
+
+TEST_F(DatasetFolder, RefusesWrongUnitsInAHeader) {
+  for (const std::string header : {"time_ms,voltage_V,displacement_mm", "time_s,voltage_kV,displacement_mm",
+                                   "time_s,voltage_V,displacement_m", "time_s,voltage_V,displacement_um"})
+    expect_refused(header + "\n0,0,0\n0.001,0,0\n", csv_at(1), "has the wrong unit");
+  expect_refused("time_s,voltage_V,displacement_mm,current_mA\n0,0,0,0\n0.001,0,0,0\n", csv_at(1),
+                 "`current_mA`");
+  expect_refused("time_s,voltage_V,displacement_mm,external_force_mN\n0,0,0,0\n0.001,0,0,0\n", csv_at(1),
+                 "`external_force_mN`");
+  expect_refused("time_s,voltage_V,displacement_mm,plate_b_m\n0,0,0,0\n0.001,0,0,0\n", csv_at(1),
+                 "`plate_b_m`");
+}
+
+TEST_F(DatasetFolder, HeaderIsCountedByItsLineInTheFile) {
+  expect_refused("# one\n# two\ntime_s,voltage_kV,displacement_mm\n0,0,0\n0.001,0,0\n", csv_at(3),
+                 "`voltage_kV`");
+  expect_refused("# one\n\ntime_s,voltage_V\n0,0\n0.001,0\n", csv_at(3), "`displacement_mm` is missing");
+}
+
+TEST_F(DatasetFolder, RefusesAGapAndTimeThatStandsOrGoesBack) {
+  const std::string head = "time_s,voltage_V,displacement_mm\n0.000,0,0\n0.001,0,0\n0.002,0,0\n0.003,0,0\n";
+  expect_refused(head + "0.007,0,0\n0.008,0,0\n0.009,0,0\n", csv_at(6),
+                 "a step of 0.004 s where the others take 0.001 s");
+  expect_refused(head + "0.003,0,0\n", csv_at(6), "column `time_s`");
+  expect_refused(head + "0.0025,0,0\n", csv_at(6), "time does not go on");
+}
+
+TEST_F(DatasetFolder, NamesTheLineOfTheGapNotTheFirstRow) {
+  std::string csv = "time_s,voltage_V,displacement_mm\n";
+  for (int k = 0; k < 1000; ++k) csv += fmt::format("{:.3f},0,0\n", (k < 500 ? k : k + 400) * 1e-3);
+  expect_refused(csv, csv_at(502), "`time_s`");  // rows begin on line 2; row 500 comes after the gap
+}
+
+TEST_F(DatasetFolder, RefusesCellsThatAreNoNumbers) {
+  for (const std::string cell :
+       {"nan", "NaN", "inf", "-inf", "", "1,5", "1.5mm", "abc", "0x10", "1e999", "--1"})
+    expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,0," + cell + "\n", csv_at(3), "");
+  expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,nan,0\n", csv_at(3), "column `voltage_V`");
+}
+
+TEST_F(DatasetFolder, RefusesNumbersNoSensorGives) {
+  expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,30000,0\n", csv_at(3), "`voltage_V`");
+}
+
+TEST_F(DatasetFolder, RefusesRaggedRowsAndBadHeaders) {
+  expect_refused("time_s,voltage_V,displacement_mm\n0,0\n", csv_at(2), "2 cells, but the header names 3");
+  expect_refused("time_s,voltage_V,displacement_mm\n0,0,0,0\n", csv_at(2), "4 cells");
+  expect_refused("time_s,voltage_V,displacement_mm,\n0,0,0,0\n", csv_at(1), "empty or there twice");
+  expect_refused("time_s,time_s,voltage_V,displacement_mm\n0,0,0,0\n", csv_at(1), "empty or there twice");
+}
+
+TEST_F(DatasetFolder, RefusesFilesWithoutRows) {
+  const std::string file = (folder.path() / "a.csv").string();
+  expect_refused("", file, "holds no rows");
+  expect_refused("time_s,voltage_V,displacement_mm\n", file, "holds no rows");
+  expect_refused("# nothing\n", file, "holds no rows");
+  expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n", file, "fewer than two rows");
+}
+
+TEST_F(DatasetFolder, RefusesFilesThatAreNotThereOrNotInTheFolder) {
+  const auto with_file = [](const std::string& file) {
+    return "[[run]]\nname = \"a\"\nfile = '" + file + "'\n";
+  };
+  const std::string toml = (folder.path() / "dataset.toml").string();
+  expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }),
+              (folder.path() / "b.csv").string(), "cannot be opened");
+  for (const std::string escape : {"../a.csv", "/etc/passwd", "sub/../a.csv", "./a.csv", ""})
+    expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1",
+                "data set's folder");
+  for (const std::string folder_name : {"..", "."})
+    EXPECT_NE(refusal([&] { read(kCsv, Drive::Stack, with_file(folder_name)); }), "accepted") << folder_name;
+}
+
+TEST_F(DatasetFolder, RefusesADescriptionThatLacksSomething) {
+  const std::string toml = (folder.path() / "dataset.toml").string();
+  const auto said = [&](const std::string& text) { return refusal([&] { read(kCsv, Drive::Stack, text); }); };
+  expect_says(said("title = \"t\"\n"), toml, "no [[run]]");
+  expect_says(said("[[run]]\nfile = \"a.csv\"\n"), toml + ":1", "`name` is missing");
+  expect_says(said("[[run]]\nname = \"a\"\n"), toml + ":1", "`file` is missing");
+  expect_says(said("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = -5\n"), toml + ":4", "`weight_g`");
+  expect_says(said("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = nan\n"), toml + ":4", "`weight_g`");
+  expect_says(said("sensor_noise_mm = -1\n"), toml + ":1", "`sensor_noise_mm`");
+  expect_says(said("run = 3\n"), toml + ":1", "`run` is not a list of tables");
+  expect_says(said("[[run]\n"), toml + ":1", "");
+}
+
+TEST_F(DatasetFolder, RefusesAWeightInAnotherUnit) {
+  expect_says(refusal([&] {
+                read(kCsv, Drive::Stack, "[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_kg = 0.05\n");
+              }),
+              (folder.path() / "dataset.toml").string() + ":4", "`weight_kg`");
+}
+
+TEST(Dataset, FolderWithoutADescriptionIsRefused) {
+  const ScratchFolder folder;
+  expect_says(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),
+              "no dataset.toml");
+}
+
+}  // namespace
+}  // namespace biopsy::sim

@@ -1,0 +1,131 @@
+// The simulated stage behind the port of the hardware.
+#include "sim/simulated_stage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/sim/effects/staged_model.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+// A gate that lets anything pass: only a gate can make a voltage.
+struct OpenGate {
+  safety::GateState state;
+  Permit permit;
+  DriveRequest request;
+  std::int64_t now_us = 0;
+
+  safety::GatedVoltage operator()(std::int32_t mV) {
+    if (permit.seq == 0) pass(0, false);  // the first permit of a session says off
+    return pass(mV, true);
+  }
+
+ private:
+  safety::GatedVoltage pass(std::int32_t mV, bool enable) {
+    permit.session = permit.epoch = 1;
+    ++permit.seq;
+    permit.ttl_us = 5000;
+    permit.hv_enable = enable;
+    permit.mode = enable ? Mode::Active : Mode::Safe;
+    permit.stop = StopCategory::None;
+    permit.v_max_mV = enable ? 8'000'000 : 0;
+    permit.slew_up_mV_per_tick = enable ? 400'000 : 0;
+    ++request.seq;
+    request.wanted_mV = mV;
+    now_us += 1000;
+    const auto result = safety::gate(state, &request, &permit, now_us, 1);
+    state = result.state;
+    return result.voltage;
+  }
+};
+
+TEST(SimStage, ReadsRestBeforeAnythingIsWritten) {
+  PlantModel model;
+  SimStage stage(model, 1);
+  const port::SensorReading reading = stage.read();
+  EXPECT_EQ(reading.time_us, 0);
+  EXPECT_EQ(reading.depth_um, 0);
+  EXPECT_TRUE(reading.laser_valid);
+  EXPECT_EQ(reading.monitor_mV, 0);
+  EXPECT_LT(std::abs(reading.current_nA), 150);  // seven standard deviations of its noise
+}
+
+TEST(SimStage, OneMillisecondPassesWithEachWriteAndNoneWithARead) {
+  SimStage stage(PlantModel{}, 1);
+  for (int k = 1; k <= 5; ++k) {
+    stage.write(safety::GatedVoltage::off());
+    EXPECT_EQ(stage.read().time_us, 1000 * k);
+    EXPECT_EQ(stage.read().time_us, 1000 * k);
+  }
+  EXPECT_EQ(stage.now_us(), 5000);
+}
+
+TEST(SimStage, MovesAsThePlantDoesUnderTheGatesVoltage) {
+  const PlantModel model = rehearsal_with_tissue();
+  SimStage stage(model, 5);
+  OpenGate gate;
+  PlantModel seeded = model;
+  seeded.noise_seed = 5;
+  PlantState state = at_rest(seeded);
+  for (int k = 0; k < 3000; ++k) {
+    const double amplitude = std::min(3000.0, 2.0 * k);
+    const auto voltage = gate(static_cast<std::int32_t>(1e3 * amplitude));
+    ASSERT_EQ(voltage.mV(), static_cast<std::int32_t>(1e3 * amplitude)) << k;
+    stage.write(voltage);
+    state = step(seeded, state, {.voltage = voltage.mV() * 1e-3}, Seconds(1e-3));
+    ASSERT_EQ(stage.truth().motion.x, state.motion.x);
+    const auto reading = stage.read();
+    ASSERT_NEAR(reading.depth_um, displacement_reading(seeded, state) * 1e6, 0.5 + 1e-6);
+    ASSERT_NEAR(reading.monitor_mV, voltage.mV(), 0.006 * voltage.mV() + 1) << k;
+  }
+  EXPECT_GT(stage.truth().motion.x, 1e-3);
+}
+
+TEST(SimStage, DepthIsTheLasersCodeTimesItsStep) {
+  PlantModel model;
+  model.effects.sensor_offset = SensorOffset{1.2346e-3};
+  SimStage stage(model, 1, {.laser_code_um = 5});
+  const auto reading = stage.read();
+  EXPECT_EQ(reading.laser_code, 247);
+  EXPECT_EQ(reading.depth_um, 1235);
+}
+
+TEST(SimStage, MonitorsCarryTheirOwnNoiseAndNoneWhereItIsZero) {
+  SimStage clean(PlantModel{}, 1, {.monitor_noise = 0.0, .current_noise_A = 0.0});
+  SimStage noisy(PlantModel{}, 1);
+  OpenGate gate;
+  double sum = 0.0, squares = 0.0;
+  constexpr int kCount = 4000;
+  for (int k = 0; k < kCount; ++k) {
+    const auto voltage = gate(std::min(400'000 * (k + 1), 2'000'000));
+    clean.write(voltage);
+    noisy.write(voltage);
+    ASSERT_EQ(clean.read().monitor_mV, voltage.mV());
+    ASSERT_EQ(clean.read().current_nA, std::lround(clean.truth().charge / 1e-3 * 1e9));
+    const double error = (noisy.read().monitor_mV - voltage.mV()) / static_cast<double>(voltage.mV());
+    sum += error / kCount;
+    squares += error * error / kCount;
+  }
+  EXPECT_NEAR(sum, 0.0, 4 * 0.001 / std::sqrt(kCount));
+  EXPECT_NEAR(std::sqrt(squares), 0.001, 0.05 * 0.001);
+}
+
+TEST(SimStage, SameSeedSameReadingsAnotherSeedOthers) {
+  const auto readings = [](std::uint64_t seed) {
+    SimStage stage(rehearsal_with_tissue(), seed);
+    std::vector<std::int32_t> out;
+    for (int k = 0; k < 200; ++k) {
+      stage.write(safety::GatedVoltage::off());
+      out.push_back(stage.read().depth_um);
+      out.push_back(stage.read().current_nA);
+    }
+    return out;
+  };
+  EXPECT_EQ(readings(3), readings(3));
+  EXPECT_NE(readings(3), readings(4));
+}
+
+}  // namespace
+}  // namespace biopsy::sim

@@ -1,0 +1,156 @@
+// What breaks in clocks, writers, answers, requests, buttons and the log.
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <memory>
+
+#include "safety/challenge.hpp"
+#include "tests/verification/fault_injection/fault_class.hpp"
+
+namespace biopsy::proof {
+namespace {
+
+using safety::Hazard;
+
+const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
+
+Spoilers press_estop(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const std::int32_t contacts = draw.whole(1, 3);  // one works, or the other, or both
+  spoil.observation = [=](safety::Observation& seen) {
+    if ((contacts & 1) != 0) seen.estop_a_closed = false;
+    if ((contacts & 2) != 0) seen.estop_b_closed = false;
+  };
+  return spoil;
+}
+
+// One contact opens, and may close again: the disagreement stays known.
+Spoilers split_estop(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const bool first = draw.coin();
+  const std::int32_t heals = draw.coin() ? draw.whole(21, 60) : std::numeric_limits<std::int32_t>::max();
+  spoil.observation = [=, tick = 0](safety::Observation& seen) mutable {
+    const bool open = tick < heals;
+    tick += open;
+    (first ? seen.estop_a_closed : seen.estop_b_closed) = !open;
+  };
+  spoil.shows = [](const Sight& s) { return s.seen.estop_a_closed != s.seen.estop_b_closed; };
+  return spoil;
+}
+
+// A clock jumps ahead by more than 5 ms or does not go on; the supervisor's, the stage's or the gate's.
+Spoilers jump_clock(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const std::int64_t by_us = draw.coin() ? draw.whole(4'001, 5'000'000) : -draw.whole(1'000, 5'000'000);
+  switch (draw.whole(0, 2)) {
+    case 0:
+      spoil.observation = [=](safety::Observation& seen) { seen.now_us += by_us; };
+      break;
+    case 1:
+      spoil.reading = [=](port::SensorReading& r) { r.time_us += by_us; };
+      break;
+    default:
+      spoil.delivery = [=](app::Delivery& d) { d.now_us += by_us; };
+      spoil.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::ClockJump; };
+  }
+  return spoil;
+}
+
+// A driver whose arithmetic broke, that stands, that never answers, or that wrote another code than it says.
+Spoilers answer_wrong(Draw& draw, Procedure& procedure, const Line&) {
+  Spoilers spoil;
+  const std::int32_t way = draw.whole(0, 3);
+  const auto flaw = static_cast<std::uint32_t>(draw.whole(1, std::numeric_limits<std::int32_t>::max() - 1));
+  spoil.observation = [way, flaw, old = procedure.last().measurement](safety::Observation& seen) {
+    Measurement& m = seen.measurement;
+    if (way == 0) m.answer ^= flaw;
+    if (way == 1) m.answer = m.answered_seq = 0;
+    if (way == 2) m.answer = old.answer, m.answered_seq = old.answered_seq;
+    if (way == 3)
+      m.answer = safety::answer_to(safety::challenge_of(seen.permit.session, m.answered_seq),
+                                   m.command_mV + static_cast<std::int32_t>(flaw % 16'000'000) + 1,
+                                   seen.permit.mode, m.answered_seq);
+  };
+  return spoil;
+}
+
+Spoilers add_writer(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const std::array kCounts{0, 2, 3, 7};
+  const std::int32_t count = kCounts[static_cast<std::size_t>(draw.whole(0, 3))];
+  const std::int32_t who = draw.whole(1, 3);  // supervisor, gate, or both see it
+  if ((who & 1) != 0) spoil.observation = [=](safety::Observation& seen) { seen.writers = count; };
+  if ((who & 2) != 0) spoil.delivery = [=](app::Delivery& d) { d.writers = count; };
+  if (who == 2)
+    spoil.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::SecondWriter; };
+  return spoil;
+}
+
+// Three periods missed within 100 ms: nothing is sent in them, and the next request says so.
+Spoilers overrun(Draw& draw, Procedure& procedure, const Line&) {
+  Spoilers spoil;
+  const std::array<std::int32_t, 3> missed{0, draw.whole(2, 45), draw.whole(47, 94)};
+  spoil.request = [=, old = procedure.last().request, tick = 0, count = 0U](DriveRequest& r) mutable {
+    for (const std::int32_t at : missed) {
+      if (tick != at) continue;
+      ++count, ++tick;
+      r = old;
+      return;
+    }
+    ++tick;
+    r.overruns += count;
+    old = r;
+  };
+  spoil.shows = [before = procedure.last().request.overruns](const Sight& s) {
+    return s.seen.request.overruns >= before + 3;
+  };
+  return spoil;
+}
+
+Spoilers silence_controller(Draw& draw, Procedure& procedure, const Line&) {
+  Spoilers spoil;
+  const bool restarts = draw.coin();  // sends again, but counts from 1: not the controller that was trusted
+  spoil.request = [restarts, old = procedure.last().request, next = 1U](DriveRequest& r) mutable {
+    if (restarts)
+      r.seq = next++;
+    else
+      r = old;
+  };
+  spoil.shows = [newest = 0U](const Sight& s) mutable {  // the last sound one is still on its way
+    const bool old = s.seen.request.seq <= newest;
+    newest = std::max(newest, s.seen.request.seq);
+    return old;
+  };
+  return spoil;
+}
+
+Spoilers stall_log(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const std::int32_t backlog_ms = draw.within(0.0, 1.0) < 0.1 ? -1 : draw.whole(1'001, 60'000);
+  spoil.world = [=](app::World& world) { world.log_backlog_ms = backlog_ms; };
+  return spoil;
+}
+
+FaultClass anywhere(Hazard hazard, Spoilers (*inject)(Draw&, Procedure&, const Line&)) {
+  FaultClass fault = class_of(hazard);
+  fault.modes = kEverywhere;
+  fault.inject = inject;
+  return fault;
+}
+
+}  // namespace
+
+std::vector<FaultClass> link_faults() {
+  FaultClass split = anywhere(Hazard::EStopDisagrees, split_estop);
+  split.row = 21;
+  return {anywhere(Hazard::EStop, press_estop),
+          split,
+          anywhere(Hazard::ClockJump, jump_clock),
+          anywhere(Hazard::WrongAnswer, answer_wrong),
+          anywhere(Hazard::SecondWriter, add_writer),
+          anywhere(Hazard::LoopOverrun, overrun),
+          anywhere(Hazard::ControllerSilent, silence_controller),
+          anywhere(Hazard::LogBacklog, stall_log)};
+}
+
+}  // namespace biopsy::proof

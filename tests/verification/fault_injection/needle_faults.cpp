@@ -1,0 +1,203 @@
+// What happens to the needle itself: held, dragged, struck, in tissue that nobody planned for, in a patient
+// that moves.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "safety/types/limits.hpp"
+#include "tests/verification/fault_injection/fault_class.hpp"
+
+namespace biopsy::proof {
+namespace {
+
+using safety::bit;
+using safety::Hazard;
+
+// A hand on plate A: goes from x to `end` at `speed` and stays, like a stiff damped spring. SI.
+auto hand(double x, double end, double speed) {
+  return [=](const sim::Motion& m) mutable {
+    constexpr double kStiff = 3'000.0, kDamped = 22.0, kTick_s = 1e-3;
+    const double stride = std::clamp(end - x, -speed * kTick_s, speed * kTick_s);
+    x += stride;
+    return kStiff * (m.x - x) + kDamped * (m.v - stride / kTick_s);
+  };
+}
+
+// Tissue or a jammed guide keeps the needle in when the drive goes.
+Spoilers hold_needle(Draw& draw, Procedure&, const Line& now) {
+  Spoilers spoil;
+  const double at = draw.within(1.5e-3, std::max(1.6e-3, 1e-3 * now.depth_mm));
+  spoil.push_N = hand(1e-3 * now.depth_mm, at, 5e-3);
+  const std::int32_t way = draw.whole(0, 2);
+  spoil.world = [way](app::World& world) {
+    if (way == 0) world.estop_closed = false;
+    if (way == 1) world.stop = StopCategory::C1Ramp;
+    if (way == 2) world.finish = true;
+  };
+  spoil.shows = [quiet = 0](const Sight& s) mutable {  // 0 V is known after three quiet samples
+    const Measurement& m = s.seen.measurement;
+    const bool zero =
+        std::abs(m.monitor_mV) <= limits::kZeroVolt_mV && std::abs(m.command_mV) <= limits::kZeroVolt_mV;
+    quiet = zero ? quiet + 1 : 0;
+    return quiet >= 3 && m.depth_um > limits::kReturned_um;
+  };
+  return spoil;
+}
+
+Spoilers drag_to(Draw& draw, const Line& now, double end_mm, double slow_mm_s, double fast_mm_s) {
+  Spoilers spoil;
+  spoil.push_N = hand(1e-3 * now.depth_mm, 1e-3 * end_mm, 1e-3 * draw.within(slow_mm_s, fast_mm_s));
+  return spoil;
+}
+
+Spoilers drag_far_beyond(Draw& draw, Procedure& procedure, const Line& now) {
+  const std::int32_t limit_um = procedure.facts().depth_max_um;
+  Spoilers spoil = drag_to(draw, now, 1e-3 * limit_um + draw.within(1.15, 1.9), 5.0, 70.0);
+  spoil.shows = [=](const Sight& s) {
+    return s.seen.measurement.depth_um > limit_um + limits::kDepthMargin_um;
+  };
+  return spoil;
+}
+
+Spoilers drag_beyond(Draw& draw, Procedure& procedure, const Line& now) {
+  const std::int32_t limit_um = procedure.facts().depth_max_um;
+  Spoilers spoil = drag_to(draw, now, 1e-3 * limit_um + draw.within(0.35, 0.8), 2.0, 60.0);
+  spoil.shows = [=](const Sight& s) { return s.seen.measurement.depth_um > limit_um; };
+  return spoil;
+}
+
+Spoilers drag_beyond_stage(Draw& draw, Procedure& procedure, const Line& now) {
+  const auto& stage = procedure.facts().stages[now.stage];
+  const double room_mm = 1e-3 * (procedure.facts().depth_max_um - stage.depth_max_um);
+  Spoilers spoil =
+      drag_to(draw, now, 1e-3 * stage.depth_max_um + draw.within(0.25, std::min(0.45, room_mm)), 2.0, 40.0);
+  spoil.shows = [](const Sight& s) {
+    return s.seen.permit.mode == Mode::Active && s.seen.measurement.depth_um > s.seen.permit.depth_max_um;
+  };
+  return spoil;
+}
+
+// Drive lost: a pushed needle falls as one without support, or faster.
+Spoilers drop(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const double push_N = draw.within(1.5, 5.0);
+  spoil.push_N = [=](const sim::Motion&) { return push_N; };
+  spoil.shows = [](const Sight& s) { return s.truth.v < -0.050; };
+  return spoil;
+}
+
+Spoilers jerk(Draw& draw, Procedure&, const Line& now) {
+  Spoilers spoil;
+  const double way_mm = draw.within(1.0, 1.7);
+  spoil.push_N = hand(1e-3 * now.depth_mm, 1e-3 * (now.depth_mm + way_mm), 1e-3 * draw.within(120.0, 300.0));
+  spoil.shows = [past = std::vector<std::int32_t>{}](const Sight& s) mutable {
+    past.push_back(s.seen.measurement.depth_um);
+    const std::size_t ten = past.size() > 10 ? past.size() - 11 : 0;
+    return past.back() - past[ten] > 800;
+  };
+  return spoil;
+}
+
+// Tissue much stiffer than planned, building up within a second; or a model of it that is wrong.
+Spoilers stiffen(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  if (draw.coin()) {
+    const double most_N = draw.within(3.5, 6.0), rise_N = draw.within(1.0, 3.0) * 1e-3;
+    spoil.push_N = [=, force = 0.0](const sim::Motion&) mutable {
+      return force = std::min(most_N, force + rise_N);
+    };
+  } else {
+    const std::int32_t residual_um = draw.coin() ? draw.whole(501, 5'000) : -1;
+    spoil.observation = [=](safety::Observation& seen) { seen.tissue_residual_um = residual_um; };
+  }
+  spoil.shows = [](const Sight& s) {
+    return s.seen.tissue_residual_um > 500 || s.seen.tissue_residual_um < 0;
+  };
+  return spoil;
+}
+
+Spoilers move_patient(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const std::int32_t moved_um = draw.coin() ? draw.whole(2'001, 2'500) : draw.whole(2'500, 40'000);
+  const std::int32_t seen_um = draw.within(0.0, 1.0) < 0.1 ? -1 : moved_um;  // negative: unknown
+  spoil.world = [=](app::World& world) { world.patient_motion_um = seen_um; };
+  return spoil;
+}
+
+bool deep(const Glimpse& g) {
+  return g.depth_um > 2'000;
+}
+
+}  // namespace
+
+std::vector<FaultClass> needle_faults() {
+  const safety::HazardSet beyond = bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth);
+
+  FaultClass held = class_of(Hazard::NeedleNotBack);
+  held.row = 500;
+  held.modes = {Mode::Active, Mode::Hold};
+  held.fits = deep;
+  held.inject = hold_needle;
+  held.moves_needle = true;
+
+  FaultClass hard = class_of(Hazard::HardOverDepth);
+  hard.row = 2;
+  hard.modes = {Mode::Active, Mode::Hold};
+  hard.fits = deep;
+  hard.inject = drag_far_beyond;
+  hard.instead = bit(Hazard::OverDepth);  // a slow one is off before it is that deep
+  hard.moves_needle = true;
+
+  FaultClass over = class_of(Hazard::OverDepth);
+  over.row = 2;
+  over.modes = {Mode::Active, Mode::Hold};
+  over.fits = deep;
+  over.inject = drag_beyond;
+  over.instead = bit(Hazard::HardOverDepth) | bit(Hazard::PopThrough);
+  over.moves_needle = true;
+
+  FaultClass stage = class_of(Hazard::StageDepth);
+  stage.row = 2;
+  stage.modes = {Mode::Active};
+  stage.fits = [](const Glimpse& g) { return g.depth_um > 300 && g.left > 500; };  // the slowest drag
+  stage.inject = drag_beyond_stage;
+  // Dragged on slowly it is first unlike its tissue, or out at 0 V: the loop gives way.
+  stage.instead =
+      beyond | bit(Hazard::PopThrough) | bit(Hazard::SuspectTissueModel) | bit(Hazard::NeedleNotBack);
+  stage.moves_needle = true;
+
+  FaultClass fall = class_of(Hazard::FastDrop);
+  fall.modes = {Mode::Active, Mode::Hold};
+  fall.fits = deep;
+  fall.inject = drop;
+  fall.moves_needle = true;
+
+  FaultClass pop = class_of(Hazard::PopThrough);
+  pop.row = 2;
+  pop.modes = {Mode::Active, Mode::Hold};
+  pop.fits = [](const Glimpse& g) { return g.depth_um > 500; };
+  pop.inject = jerk;
+  pop.instead = beyond;
+  pop.moves_needle = true;
+
+  FaultClass suspect = class_of(Hazard::SuspectTissueModel);
+  suspect.row = 100;
+  suspect.modes = {Mode::Active, Mode::Hold};
+  suspect.fits = deep;
+  suspect.inject = stiffen;
+  suspect.moves_needle = true;
+
+  FaultClass wrong = class_of(Hazard::WrongTissueModel);
+  wrong.row = 1'100;
+  wrong.modes = suspect.modes;
+  wrong.fits = deep;
+  wrong.inject = stiffen;
+  wrong.moves_needle = true;
+
+  FaultClass patient = class_of(Hazard::PatientMotion);
+  patient.modes = {Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold};
+  patient.inject = move_patient;
+  return {held, hard, over, stage, fall, pop, suspect, wrong, patient};
+}
+
+}  // namespace biopsy::proof

@@ -1,0 +1,124 @@
+// What breaks in the laser: stale, frozen, blind, off.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <deque>
+#include <limits>
+
+#include "safety/types/limits.hpp"
+#include "tests/verification/fault_injection/fault_class.hpp"
+
+namespace biopsy::proof {
+namespace {
+
+using safety::bit;
+using safety::Hazard;
+
+const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
+
+Spoilers stop_measuring(Draw&, Procedure& procedure, const Line&) {
+  Spoilers spoil;
+  spoil.observation = [old = procedure.last().measurement](safety::Observation& seen) {
+    seen.measurement = old;
+  };
+  return spoil;
+}
+
+// Shown once the voltage moved by more than 200 V over the same code.
+Spoilers freeze(Draw&, Procedure& procedure, const Line&) {
+  Spoilers spoil;
+  const Measurement old = procedure.last().measurement;
+  spoil.reading = [=](port::SensorReading& r) { r.depth_um = old.depth_um, r.laser_code = old.laser_code; };
+  spoil.shows = [low = std::numeric_limits<std::int32_t>::max(), high = 0](const Sight& s) mutable {
+    low = std::min(low, std::abs(s.seen.measurement.command_mV));
+    high = std::max(high, std::abs(s.seen.measurement.command_mV));
+    return high - low > 200'000;
+  };
+  return spoil;
+}
+
+Spoilers blind(Draw& draw, Procedure&, const Line&) {
+  Spoilers spoil;
+  const std::int32_t instead_um = draw.whole(-20'000, 20'000);  // anything stands in the register
+  const bool keeps = draw.coin();
+  spoil.reading = [=](port::SensorReading& r) {
+    r.laser_valid = false;
+    if (!keeps) r.depth_um = r.laser_code = instead_um;
+  };
+  spoil.shows = [](const Sight& s) { return !s.seen.measurement.laser_valid; };
+  return spoil;
+}
+
+// Depths between which a sound stage lies at drives from low to high, by the plan's own table; um.
+struct Range {
+  double low, high;
+};
+double between(const std::vector<DepthBand>& bands, double drive_V, bool low) {
+  const auto edge = [low](const DepthBand& band) { return 1e3 * (low ? band.low : band.high).value; };
+  for (std::size_t i = 1; i < bands.size(); ++i) {
+    if (drive_V > bands[i].drive.value) continue;
+    const double part =
+        (drive_V - bands[i - 1].drive.value) / (bands[i].drive.value - bands[i - 1].drive.value);
+    return edge(bands[i - 1]) + part * (edge(bands[i]) - edge(bands[i - 1]));
+  }
+  return edge(bands.back());
+}
+Range plausible(const Plan& plan, double lowest_V, double highest_V) {
+  return {between(plan.limits.plausible, lowest_V, true), between(plan.limits.plausible, highest_V, false)};
+}
+
+// The laser's zero walks off, at once or within half a second, to where no stage could be.
+Spoilers shift(Draw& draw, Procedure& procedure, const Line& now) {
+  Spoilers spoil;
+  const Plan& plan = procedure.scene().plan;
+  const double drive_V = std::abs(now.command_mV) * 1e-3;
+  const Range sound = plausible(plan, drive_V, drive_V);
+  const bool deeper = draw.coin();
+  const double seen_um =
+      deeper ? sound.high + draw.within(1'200.0, 4'000.0) : sound.low - draw.within(1'200.0, 4'000.0);
+  const double offset_um = seen_um - 1e3 * now.depth_mm;
+  const double ticks = draw.coin() ? 1.0 : draw.within(1.0, 300.0);
+  spoil.reading = [=, tick = 0.0](port::SensorReading& r) mutable {
+    tick = std::min(ticks, tick + 1.0);
+    r.depth_um += static_cast<std::int32_t>(offset_um * tick / ticks);
+    r.laser_code = r.depth_um;
+  };
+  spoil.shows = [&plan, past = std::deque<double>{}](const Sight& s) mutable {
+    past.push_back(1e-3 * std::abs(s.seen.measurement.command_mV));
+    if (past.size() > 500) past.pop_front();
+    const auto [low, high] = std::ranges::minmax_element(past);
+    const Range range = plausible(plan, *low, *high);
+    const double depth_um = s.seen.measurement.depth_um;
+    return depth_um < range.low - 1'000.0 || depth_um > range.high + 1'000.0;
+  };
+  return spoil;
+}
+
+}  // namespace
+
+std::vector<FaultClass> sensor_faults() {
+  FaultClass stale = class_of(Hazard::SensorStale);
+  stale.modes = kEverywhere;
+  stale.inject = stop_measuring;
+
+  FaultClass frozen = class_of(Hazard::SensorFrozen);
+  frozen.modes = {Mode::Active};
+  frozen.fits = [](const Glimpse& g) { return g.left > 100; };
+  frozen.inject = freeze;
+
+  FaultClass dropout = class_of(Hazard::LaserDropout);
+  dropout.row = 3;
+  dropout.modes = kEverywhere;
+  dropout.inject = blind;
+
+  FaultClass offset = class_of(Hazard::OffsetOrScale);
+  offset.row = 50;
+  offset.modes = {Mode::Ready, Mode::Active, Mode::Hold};
+  offset.inject = shift;
+  // A jump is first a needle that moved: far beyond the plan, or back faster than any can fall.
+  offset.instead =
+      bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth) | bit(Hazard::FastDrop) | bit(Hazard::PopThrough);
+  return {stale, frozen, dropout, offset};
+}
+
+}  // namespace biopsy::proof

@@ -1,0 +1,159 @@
+// What the exploration claims, and that it would see what it looks for.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "explorer.hpp"
+#include "gate_explorer.hpp"
+#include "hunt.hpp"
+#include "parts.hpp"
+#include "plans.hpp"
+#include "robot/common/config_error.hpp"
+#include "story.hpp"
+#include "twin.hpp"
+#include "workshop.hpp"
+
+namespace biopsy::explore {
+namespace {
+
+const Workshop kWorkshop{BIOPSY_SOURCE_DIR, BIOPSY_CXX, BIOPSY_BENCH};
+
+const SeededBug& bug_named(std::string_view id) {
+  return *std::ranges::find(seeded_bugs(), id, &SeededBug::id);
+}
+
+// All stories of what is broken, empty where nothing is.
+std::string broken_in(const Explorer& explorer, const PlanFacts& plan, const Exploration& exploration) {
+  std::string stories;
+  for (std::size_t c = 0; c < kClaims; ++c)
+    if (exploration.claims[c].first) stories += story_of(shipped(), plan, explorer, exploration, c);
+  return stories;
+}
+
+TEST(Exploration, FindsNothingWrongInTheShippedSupervisor) {
+  for (const NamedPlan& plan : few_plans()) {
+    Explorer explorer(shipped(), plan.facts, {Grain::Quick, 0, 0});
+    const Exploration exploration = explorer.run();
+    EXPECT_EQ(broken_in(explorer, plan.facts, exploration), "") << plan.name;
+    EXPECT_GT(exploration.transitions, 1'000'000U) << plan.name;
+  }
+}
+
+TEST(Exploration, SpeaksOfEveryClaimAndReachesEveryTimeInEveryMode) {
+  Explorer explorer(shipped(), three_stages(0b010).facts, {Grain::Quick, 0, 0});
+  const Exploration exploration = explorer.run();
+  for (std::size_t c = 0; c < kClaims; ++c) EXPECT_GT(exploration.claims[c].checked, 0U) << name_of_claim(c);
+  const auto longest = [&](Mode mode) { return exploration.longest_ticks[static_cast<std::size_t>(mode)]; };
+  EXPECT_EQ(longest(Mode::Boot), 10'000);
+  EXPECT_EQ(longest(Mode::Armed), 30'000);
+  EXPECT_EQ(longest(Mode::Hold), 10'000);
+  EXPECT_EQ(longest(Mode::Retract), 300);
+}
+
+TEST(Exploration, FindsNothingWrongInTheShippedGate) {
+  const GateExploration exploration = explore_gate(shipped(), true, 0);
+  for (std::size_t c = 0; c < kGateInvariants; ++c) {
+    EXPECT_EQ(exploration.claims[c].story, "") << kGateInvariantTable[c].name;
+    EXPECT_GT(exploration.claims[c].checked, 0U) << kGateInvariantTable[c].name;
+  }
+  EXPECT_GT(exploration.transitions, 1'000'000U);
+}
+
+TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
+  for (std::size_t mode = 0; mode < safety::kModes; ++mode) {
+    const InputSpace space(static_cast<Mode>(mode), Grain::Quick);
+    SupervisorState state = state_of(0);
+    state.token = kToken, state.stage = 1;
+    std::uint32_t visited = 0;
+    space.for_each(state, [&](std::uint32_t index, const SupervisorInput& input) {
+      ASSERT_EQ(index, visited++);
+      const SupervisorInput same = space.at(index, state);
+      ASSERT_EQ(input.evidence.clear, same.evidence.clear);
+      ASSERT_EQ(input.stop, same.stop);
+      ASSERT_EQ(input.motion.token, same.motion.token);
+      ASSERT_EQ(input.motion.held, same.motion.held);
+      ASSERT_EQ(input.request.stage, same.request.stage);
+      ASSERT_EQ(input.accepted_stage, same.accepted_stage);
+      ASSERT_EQ(input.remote_arm, same.remote_arm);
+    });
+    EXPECT_EQ(visited, space.size());
+  }
+}
+
+TEST(Exploration, AStateAndItsKeyAreTheSame) {
+  Explorer explorer(shipped(), three_stages(0b010).facts, {Grain::Quick, 0, 0});
+  const std::uint64_t states = explorer.run().states;
+  for (std::uint32_t i = 0; i < states; i += 7) {
+    const SupervisorState state = explorer.state(i);
+    ASSERT_EQ(key_of(state_of(key_of(state))), key_of(state));
+  }
+}
+
+TEST(Twins, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
+  const InputSpace space(Mode::Hold, Grain::Quick);
+  SupervisorState state = state_of(0);
+  state.mode = Mode::Hold, state.token = kToken, state.stage = 1;
+  safety::HazardSet seen = 0;
+  bool before = false, after = false;
+  for (std::uint32_t i = 0; i < space.size(); ++i) {
+    const SupervisorInput input = space.at(i, state);
+    const Twin twin = twin_of(state, input, i);
+    seen |= twin.input.evidence.hazards();
+    before = before || twin.input.accepted_stage < twin.state.stage;
+    after = after || twin.input.accepted_stage > twin.state.stage;
+    ASSERT_EQ(input.motion.token > state.token, twin.input.motion.token > twin.state.token);
+    ASSERT_EQ(input.motion.token == state.token, twin.input.motion.token == twin.state.token);
+    ASSERT_EQ(input.motion.token == 0, twin.input.motion.token == 0);
+  }
+  EXPECT_EQ(seen, safety::kAllHazards);
+  EXPECT_TRUE(before && after);
+}
+
+TEST(Story, OfASeededBugReadsAsAPersonWouldTellIt) {
+  const SeededSubject subject(kWorkshop, &bug_named("depth-check-of-any-stage"));
+  const Catch caught = hunt(subject.get(), Part::Supervisor, {});
+  ASSERT_EQ(caught.claims, std::vector<std::string>{"depth-check"});
+  EXPECT_EQ(caught.stories.front(),
+            R"(       0 ms  boot | 0 V measured -> safe (self-test passed)
+       1 ms  safe | 0 V measured -> ready (healthy and plan sealed)
+       2 ms  ready | 0 V measured, arm key turned -> armed (armed on the device), up to 0 V
+       3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), stage 1, up to 0 V, may rise
+       4 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 1 done, up to 0 V
+       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), stage 2, up to 0 V, may rise
+       6 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 2 done, up to 0 V
+       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another stage -> active (motion button pressed), stage 3, up to 0 V, may rise
+  broken:    depth-check: Past a stage that an image confirms only with the depth check of that very stage.
+)");
+}
+
+TEST(Story, OfATimeThatNeverEndsTellsHowLongItWasWaited) {
+  const SeededSubject subject(kWorkshop, &bug_named("hold-limit-in-us"));
+  const Catch caught = hunt(subject.get(), Part::Supervisor, {});
+  ASSERT_FALSE(caught.claims.empty());
+  EXPECT_NE(caught.stories.front().find("for 10.000 s: hold"), std::string::npos) << caught.stories.front();
+}
+
+TEST(SeededBugs, AreEachFoundOnceInTheTextOfTheirFile) {
+  for (const SeededBug& bug : seeded_bugs()) {
+    std::ifstream stream(std::filesystem::path(BIOPSY_SOURCE_DIR) / "safety" / bug.file);
+    const std::string source{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_NE(with_bug(bug, source), source) << bug.id;
+    EXPECT_THROW(with_bug(bug, source + source), SetupError) << bug.id;
+    EXPECT_THROW(with_bug(bug, ""), SetupError) << bug.id;
+  }
+  EXPECT_GE(seeded_bugs().size(), 26U);
+}
+
+TEST(SeededBugs, OfTheGateAreCaught) {
+  const SeededSubject subject(kWorkshop, &bug_named("permit-lives-on"));
+  EXPECT_EQ(hunt(subject.get(), Part::Gate, {}).claims, std::vector<std::string>{"gate-life"});
+}
+
+TEST(SeededBugs, AnUnchangedCopyIsAsCleanAsTheShippedCode) {
+  const SeededSubject subject(kWorkshop, nullptr);
+  EXPECT_TRUE(hunt(subject.get(), Part::Gate, {}).claims.empty());
+  EXPECT_TRUE(hunt(subject.get(), Part::Supervisor, {}).claims.empty());
+}
+
+}  // namespace
+}  // namespace biopsy::explore

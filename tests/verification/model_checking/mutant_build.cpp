@@ -1,0 +1,57 @@
+#include "workshop.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::explore {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw SetupError("cannot be read", file.string(), "run from a complete source tree");
+  return text.str();
+}
+
+void copy_with_bug(const fs::path& from, const fs::path& to, const SeededBug* bug) {
+  fs::remove_all(to);
+  fs::create_directories(to.parent_path());
+  fs::copy(from, to);
+  if (bug == nullptr) return;
+  const std::string text = with_bug(*bug, text_of(from / bug->file));
+  std::ofstream(to / bug->file) << text;
+}
+
+}  // namespace
+
+SeededSubject::SeededSubject(const Workshop& workshop, const SeededBug* bug) {
+  const std::string name(bug != nullptr ? bug->id : "unchanged");
+  const fs::path bench = workshop.bench / name, object = bench / "seeded.so", errors = bench / "errors.txt";
+  copy_with_bug(workshop.source / "safety", bench / "safety", bug);
+  const std::string command = fmt::format(
+      "'{}' -std=c++20 -O2 -w -shared -fPIC -fvisibility=hidden -I'{}' -I'{}' '{}' -o '{}' 2> '{}'",
+      workshop.compiler.string(), bench.string(), workshop.source.string(),
+      (workshop.source / "tests/verification/model_checking/seeded.cpp").string(), object.string(), errors.string());
+  if (std::system(command.c_str()) != 0)
+    throw SetupError(fmt::format("the copy with seeded bug {} does not compile", name), errors.string(),
+                     "read the compiler's words there");
+  library_ = {dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* library) {
+                if (library != nullptr) dlclose(library);
+              }};
+  if (!library_) throw SetupError(dlerror(), object.string(), "build again");
+  subject_.step = reinterpret_cast<decltype(subject_.step)>(dlsym(library_.get(), "seeded_step"));
+  subject_.gate = reinterpret_cast<decltype(subject_.gate)>(dlsym(library_.get(), "seeded_gate"));
+  if (subject_.step == nullptr || subject_.gate == nullptr)
+    throw SetupError("lacks its two functions", object.string(), "build again");
+}
+
+}  // namespace biopsy::explore

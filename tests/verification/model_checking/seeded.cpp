@@ -1,0 +1,31 @@
+// The supervisor and the gate as one shared object: compiled from a copy of safety/ with one seeded bug, and
+// once from an unchanged copy. Not part of any other program.
+#include <tuple>
+
+#include "safety/decide.cpp"
+#include "safety/gate.cpp"
+#include "safety/supervisor.cpp"
+#include "safety/types/transitions.cpp"
+
+using namespace biopsy;
+
+extern "C" __attribute__((visibility("default"))) void seeded_step(const safety::PlanFacts* plan,
+                                                                   const safety::SupervisorState* state,
+                                                                   const safety::SupervisorInput* input,
+                                                                   safety::SupervisorState* next,
+                                                                   safety::SupervisorOutput* output) {
+  std::tie(*next, *output) = safety::step(*plan, *state, *input);
+}
+
+extern "C" __attribute__((visibility("default"))) void seeded_gate(const safety::GateState* state,
+                                                                   const DriveRequest* request,
+                                                                   const Permit* permit, std::int64_t now_us,
+                                                                   std::int32_t writer_count,
+                                                                   safety::GateState* next, std::int32_t* mV,
+                                                                   bool* hv_enabled, GateVerdict* verdict) {
+  const safety::GateResult result = safety::gate(*state, request, permit, now_us, writer_count);
+  *next = result.state;
+  *mV = result.voltage.mV();
+  *hv_enabled = result.voltage.hv_enabled();
+  *verdict = result.verdict;
+}

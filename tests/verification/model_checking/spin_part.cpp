@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
+#include <regex>
+#include <sstream>
+
+#include "parallel.hpp"
+#include "parts.hpp"
+#include "robot/common/config_error.hpp"
+
+namespace biopsy::explore {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Property {
+  const char* name;  // of the ltl formula; "assertions" for the first run
+  const char* sentence;
+};
+constexpr std::array kProperties{
+    Property{"assertions", "Every input of every mode: 23 assertions on each step."},
+    Property{"lock_absorbs", "Lock is never left."},
+    Property{"boot_ends", "Boot ends."},
+    Property{"armed_ends", "Armed ends, whatever people and sensors do."},
+    Property{"hold_ends", "Hold ends, whatever people and sensors do."},
+    Property{"retract_ends", "Retract ends, whatever people and sensors do."},
+    Property{"trip_stays_until_reset", "Trip stays until the reset key is turned, or ends in Lock."},
+    Property{"no_rise_before_arming", "Nothing rises before the arm key was turned."},
+    Property{"off_after_a_trip_until_armed",
+             "After a trip the drive stays off until the arm key was turned."},
+};
+
+struct Verdict {
+  std::uint64_t states = 0, transitions = 0, errors = 1;
+  double seconds = 0.0;
+};
+
+void run(const std::string& command, const fs::path& folder) {
+  const std::string all = fmt::format("cd '{}' && ( {} ) > log.txt 2>&1", folder.string(), command);
+  if (std::system(all.c_str()) != 0)
+    throw SetupError("Spin's model cannot be built", (folder / "log.txt").string(),
+                     "install spin; read the log");
+}
+
+// The model checker of one run, against the step compiled with `headers` first on the include path.
+fs::path build(const Workshop& workshop, const std::string& name, const std::string& defines,
+               const fs::path& headers) {
+  const fs::path folder = workshop.bench / name, here = workshop.source / "tests/proof/explore";
+  fs::create_directories(folder);
+  fs::copy_file(here / "spin/supervisor.pml", folder / "supervisor.pml",
+                fs::copy_options::overwrite_existing);
+  const std::string cxx = fmt::format("'{}' -std=c++20 -O2 -w -I'{}' -I'{}'", workshop.compiler.string(),
+                                      headers.string(), workshop.source.string());
+  run(fmt::format(
+          "spin {0} -a supervisor.pml && cc -O2 -w -DNOFAIR {1} -I'{2}/spin' -c pan.c && "
+          "{3} -c '{2}/spin/entry.cpp' && {3} -c '{2}/seeded.cpp' && {3} pan.o entry.o seeded.o -o pan",
+          defines, defines.empty() ? "-DSAFETY -DNOCLAIM" : "-DNOREDUCE", here.string(), cxx),
+      folder);
+  return folder;
+}
+
+std::uint64_t number_before(const std::string& text, const std::string& words) {
+  std::smatch match;
+  return std::regex_search(text, match, std::regex("(\\d+) " + words)) ? std::stoull(match[1]) : 0;
+}
+
+Verdict verify(const fs::path& folder, const Property& property) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string name = property.name, file = name + ".txt";
+  const std::string options = name == "assertions" ? "" : "-a -N " + name;
+  const std::string command =
+      fmt::format("cd '{}' && ./pan -m1000000 -n {} > {} 2>&1", folder.string(), options, file);
+  [[maybe_unused]] const int code = std::system(command.c_str());  // the verdict is in what it says
+  std::ifstream stream(folder / file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  Verdict verdict;
+  verdict.states = number_before(text.str(), "states, stored");
+  verdict.transitions = number_before(text.str(), "transitions");
+  std::smatch match;
+  const std::string said = text.str();
+  const bool complete = said.find("max search depth too small") == std::string::npos;
+  if (complete && std::regex_search(said, match, std::regex("errors: (\\d+)")))
+    verdict.errors = std::stoull(match[1]);
+  verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return verdict;
+}
+
+// The same model over a step with a seeded bug: Spin must find it, or it sees nothing.
+std::uint64_t errors_with_a_bug(const Workshop& workshop) {
+  const SeededBug& bug = *std::ranges::find(seeded_bugs(), "token-not-greater", &SeededBug::id);
+  const SeededSubject subject({workshop.source, workshop.compiler, workshop.bench / "spin-canary"}, &bug);
+  const fs::path copy = workshop.bench / "spin-canary" / bug.id;
+  return verify(build(workshop, "spin-canary/pan", "", copy), kProperties[0]).errors;
+}
+
+}  // namespace
+
+void prove_with_spin(Report& report, const Workshop& workshop) {
+  const auto start = std::chrono::steady_clock::now();
+  const fs::path every_input = build(workshop, "spin-every-input", "", workshop.source);
+  const fs::path every_tick = build(workshop, "spin-every-tick", "-DEXACT", workshop.source);
+  std::array<Verdict, kProperties.size()> verdicts;
+  std::mutex mutex;
+  in_parallel(kProperties.size(), [&](std::size_t i) {
+    verdicts[i] = verify(i == 0 ? every_input : every_tick, kProperties[i]);
+    const std::lock_guard lock(mutex);
+    fmt::print(stderr, "spin, {}: {} states, {} transitions, {} errors\n", kProperties[i].name,
+               verdicts[i].states, verdicts[i].transitions, verdicts[i].errors);
+  });
+  Verdict sum{0, 0, 0, 0.0};
+  for (std::size_t i = 0; i < kProperties.size(); ++i) {
+    sum.states += verdicts[i].states;
+    sum.transitions += verdicts[i].transitions;
+    sum.errors += verdicts[i].errors;
+    report.tables["spin"].push_back({{"property", kProperties[i].name},
+                                     {"sentence", kProperties[i].sentence},
+                                     {"states", verdicts[i].states},
+                                     {"transitions", verdicts[i].transitions},
+                                     {"errors", verdicts[i].errors},
+                                     {"seconds", verdicts[i].seconds}});
+  }
+  const std::uint64_t canary = errors_with_a_bug(workshop);
+  report.figures["spin_properties"] = kProperties.size();
+  report.figures["spin_states"] = sum.states;
+  report.figures["spin_transitions"] = sum.transitions;
+  report.figures["spin_errors"] = sum.errors;
+  report.figures["spin_errors_with_a_seeded_bug"] = canary;
+  report.figures["spin_seconds"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.require(sum.errors == 0 && canary > 0);
+}
+
+}  // namespace biopsy::explore

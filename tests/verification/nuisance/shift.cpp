@@ -1,0 +1,102 @@
+#include "tests/verification/nuisance/shift.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "safety/types/transitions.hpp"
+#include "robot/common/in_parallel.hpp"
+#include "tests/verification/fault_injection/procedure.hpp"
+#include "tests/verification/nuisance/varied_operator.hpp"
+
+namespace biopsy::proof {
+namespace {
+
+constexpr std::int64_t kTicksMax = 300'000;  // five minutes: nobody is that slow
+constexpr std::size_t kBlock = 32;           // procedures at once
+constexpr std::uint64_t kDays = 0x6461'7973, kPeople = 0x7065'6f70;
+
+// A layer gave way and the needle is truly well beyond the end of its stage, by more than half of what the
+// supervisor allows there: that hold has its reason.
+bool has_jumped(const Line& line, const Plan& plan) {
+  constexpr double kHalfOvershoot_mm = 0.25;
+  return line.hazards == bit(safety::Hazard::StageDepth) &&
+         line.depth_mm > plan.stages[line.stage].depth.value + kHalfOvershoot_mm;
+}
+
+bool is_unasked(const Line& line, Mode before) {
+  return line.mode != before && line.hazards != 0 && before != Mode::Boot;
+}
+
+// One procedure, as a shift of one.
+Shift work_once(const Workshop& workshop, std::uint64_t seed, std::uint64_t number,
+                const std::function<void(safety::Observation&)>& seeing) {
+  const Scene scene = draw_scene(workshop, seed_of(seed, kDays, number));
+  VariedPerson person(scene.plan, seed_of(seed, kPeople, number));
+  Procedure procedure(scene);
+  Spoilers people;
+  people.world = [&](app::World& world) { world = person.act(procedure.last()); };
+  people.observation = seeing;
+  procedure.spoil(std::move(people));
+  Shift shift;
+  Mode before = Mode::Boot;
+  std::int64_t ticks = 0;
+  std::uint32_t stage = 0;
+  for (; ticks < kTicksMax && !person.done(); ++ticks) {
+    const Line line = procedure.tick();
+    stage = std::max(stage, line.stage);
+    const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
+    const bool unasked = is_unasked(line, before) && !fell;
+    const bool stopped = unasked && !has_jumped(line, scene.plan);
+    shift.punctures_held += unasked && has_jumped(line, scene.plan);
+    shift.trips += fell;
+    shift.unexpected_stops += stopped;
+    if ((fell || stopped) && shift.alarms.empty())
+      shift.alarms.push_back({number, static_cast<double>(ticks) * 1e-3,
+                              fmt::format("{} to {}: {}", safety::name_of(before), safety::name_of(line.mode),
+                                          safety::name_of(safety::worst_of(line.hazards)))});
+    before = line.mode;
+  }
+  shift.hours = static_cast<double>(ticks) / 3.6e6;
+  shift.procedures = 1;
+  shift.completed = person.completed();
+  shift.given_up = person.gave_up();
+  shift.stages = static_cast<std::int32_t>(stage) + 1;
+  shift.releases = person.releases();
+  if (!person.completed() && !person.gave_up() && shift.alarms.empty())
+    shift.alarms.push_back({number, static_cast<double>(ticks) * 1e-3, "did not reach its target"});
+  return shift;
+}
+
+Shift joined(Shift a, const Shift& b) {
+  a.hours += b.hours;
+  a.procedures += b.procedures;
+  a.completed += b.completed;
+  a.given_up += b.given_up;
+  a.stages += b.stages;
+  a.releases += b.releases;
+  a.trips += b.trips;
+  a.unexpected_stops += b.unexpected_stops;
+  a.punctures_held += b.punctures_held;
+  a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
+  return a;
+}
+
+}  // namespace
+
+Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
+           const std::function<void(safety::Observation&)>& seeing,
+           const std::function<void(double share)>& progress) {
+  Shift day;
+  while (day.hours < hours) {
+    std::vector<Shift> block(kBlock);
+    const auto first = static_cast<std::uint64_t>(day.procedures);
+    sim::in_parallel(kBlock, [&](std::size_t i) { block[i] = work_once(workshop, seed, first + i, seeing); });
+    day = std::accumulate(block.begin(), block.end(), std::move(day), joined);
+    progress(day.hours / hours);
+  }
+  return day;
+}
+
+}  // namespace biopsy::proof

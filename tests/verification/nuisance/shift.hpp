@@ -1,0 +1,35 @@
+// A working day of healthy procedures, and whatever alarm there was without a reason.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "safety/types/observation.hpp"
+#include "tests/verification/fault_injection/scene.hpp"
+
+namespace biopsy::proof {
+
+struct Alarm {
+  std::uint64_t procedure = 0;
+  double at_s = 0.0;
+  std::string what;
+};
+
+struct Shift {
+  double hours = 0.0;
+  std::int32_t procedures = 0, completed = 0, given_up = 0, stages = 0, releases = 0;
+  std::int32_t trips = 0;             // into trip or lock
+  std::int32_t unexpected_stops = 0;  // held, withdrawn or not ready for a hazard that was not there
+  std::int32_t punctures_held = 0;    // held, the needle having truly jumped ahead when a layer gave way
+  std::vector<Alarm> alarms;          // the first of each procedure
+};
+
+// Procedures of different scenes and people until `hours` are full. The same seed, the same day. `seeing`, if
+// given, may spoil what the supervisor sees: a bench that cannot complain proves nothing.
+Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
+           const std::function<void(safety::Observation&)>& seeing,
+           const std::function<void(double share)>& progress);
+
+}  // namespace biopsy::proof

@@ -1,0 +1,105 @@
+#include "tests/verification/nuisance/varied_operator.hpp"
+
+#include "robot/procedure/operator.hpp"
+
+namespace biopsy::proof {
+namespace {
+
+constexpr double kGivesUp = 0.15;              // of all procedures
+constexpr std::int32_t kReturn_ticks = 1'500;  // gravity withdraws the needle
+constexpr std::int32_t kPatience_ticks = 500;
+constexpr std::int32_t kForever = 1'000'000'000;
+
+}  // namespace
+
+VariedPerson::VariedPerson(const Plan& plan, std::uint64_t seed)
+    : plan_(plan), draw_(seed), left_(draw_.whole(100, 3'000)) {
+  gives_up_ = draw_.within(0.0, 1.0) < kGivesUp;
+  quits_in_ = gives_up_ ? draw_.whole(1'000, 15'000) : kForever;
+  by_stop_ = draw_.coin();
+}
+
+void VariedPerson::go(Step step, std::int32_t ticks) {
+  step_ = step;
+  left_ = ticks;
+}
+
+// The stage is done: an image where the plan wants one, then on; at the last one, back.
+void VariedPerson::reach(const app::Tick& seen) {
+  held_ = false;
+  accepted_stage_ = seen.supervisor.stage;
+  accepted_ = !plan_.stages[accepted_stage_].image_confirms;
+  if (accepted_) completed_ = accepted_stage_ + 1 == plan_.stages.size();
+  if (!accepted_)
+    go(Step::Image, app::kAcquisition_ticks);
+  else
+    go(completed_ ? Step::Withdraw : Step::Think, draw_.whole(150, 4'000));
+}
+
+void VariedPerson::insert(const app::Tick& seen) {
+  const Mode mode = seen.supervisor.permit.mode;
+  if (mode == Mode::Hold && seen.supervisor.stage_done && held_) return reach(seen);
+  held_back_ = mode == Mode::Hold ? held_back_ + 1 : 0;
+  if (held_back_ >= kPatience_ticks) {  // stopped for no reason of theirs: lets go and tries again
+    held_ = false;
+    return go(Step::Think, draw_.whole(150, 1'000));
+  }
+  if (--left_ > 0) return;
+  held_ = false;  // lets go in the middle of it
+  ++releases_;
+  go(Step::Think, draw_.whole(150, 5'000));
+}
+
+void VariedPerson::watch(const app::Tick& seen) {
+  const Mode mode = seen.supervisor.permit.mode;
+  const bool stopped = mode == Mode::Retract || mode == Mode::Trip || mode == Mode::Lock;
+  if (step_ != Step::Withdraw && step_ != Step::Done && (stopped || --quits_in_ == 0)) {
+    held_ = false;
+    return go(Step::Withdraw, kReturn_ticks + draw_.whole(0, 2'000));
+  }
+  switch (step_) {
+    case Step::Wait:
+      if (mode == Mode::Ready && --left_ <= 0) go(Step::Arm, 50);
+      break;
+    case Step::Arm:
+      if (--left_ <= 0) go(Step::Think, draw_.whole(150, 8'000));
+      break;
+    case Step::Think:
+      if (--left_ > 0) break;
+      ++token_;
+      held_ = true;
+      go(Step::Insert, draw_.within(0.0, 1.0) < 0.3 ? draw_.whole(200, 4'000) : kForever);
+      break;
+    case Step::Insert:
+      insert(seen);
+      break;
+    case Step::Image:
+      if (--left_ > 0) break;
+      accepted_ = true;
+      completed_ = accepted_stage_ + 1 == plan_.stages.size();
+      go(completed_ ? Step::Withdraw : Step::Think, completed_ ? kReturn_ticks : draw_.whole(150, 4'000));
+      break;
+    case Step::Withdraw:
+      if ((mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock) &&
+          --left_ <= 0)
+        step_ = Step::Done;
+      break;
+    case Step::Done:
+      break;
+  }
+}
+
+app::World VariedPerson::act(const app::Tick& seen) {
+  watch(seen);
+  app::World world;
+  world.arm = step_ == Step::Arm;
+  world.press = {token_, held_};
+  world.acquiring = step_ == Step::Image;
+  world.finish = step_ == Step::Withdraw && !(by_stop_ && gave_up());
+  if (step_ == Step::Withdraw && by_stop_ && gave_up()) world.stop = StopCategory::C1Ramp;
+  world.depth_accepted = accepted_;
+  world.accepted_stage = accepted_stage_;
+  return world;
+}
+
+}  // namespace biopsy::proof

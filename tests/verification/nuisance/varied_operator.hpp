@@ -1,0 +1,42 @@
+// A person with moods: slow or quick, lets go and presses again, waits on hold, takes images, sometimes gives
+// up half-way.
+#pragma once
+
+#include <cstdint>
+
+#include "robot/cycle/control_cycle.hpp"
+#include "tests/verification/fault_injection/draw.hpp"
+
+namespace biopsy::proof {
+
+class VariedPerson {
+ public:
+  VariedPerson(const Plan& plan, std::uint64_t seed);
+
+  app::World act(const app::Tick& seen);
+
+  bool done() const { return step_ == Step::Done; }
+  bool completed() const { return completed_; }
+  bool gave_up() const { return gives_up_ && !completed_; }
+  std::int32_t releases() const { return releases_; }
+
+ private:
+  enum class Step : std::uint8_t { Wait, Arm, Think, Insert, Image, Withdraw, Done };
+
+  void go(Step step, std::int32_t ticks);
+  void watch(const app::Tick& seen);
+  void insert(const app::Tick& seen);
+  void reach(const app::Tick& seen);
+
+  const Plan& plan_;
+  Draw draw_;
+  Step step_ = Step::Wait;
+  std::int32_t left_;  // ticks until the next act
+  std::int32_t quits_in_;
+  bool gives_up_, by_stop_;
+  std::uint32_t token_ = 0, accepted_stage_ = 0;
+  bool held_ = false, accepted_ = false, completed_ = false;
+  std::int32_t releases_ = 0, held_back_ = 0;
+};
+
+}  // namespace biopsy::proof
