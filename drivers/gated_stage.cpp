@@ -1,6 +1,6 @@
 #include "drivers/gated_stage.hpp"
 
-namespace biopsy::port {
+namespace biopsy::drivers {
 
 Measurement GatedStage::measure() {
   const SensorReading reading = stage_.read();
@@ -26,4 +26,4 @@ void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::i
   last_.answered_seq = result.answered_seq;
 }
 
-}  // namespace biopsy::port
+}  // namespace biopsy::drivers

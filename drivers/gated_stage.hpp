@@ -6,7 +6,7 @@
 #include "drivers/needle_stage.hpp"
 #include "robot/msg/measurement.hpp"
 
-namespace biopsy::port {
+namespace biopsy::drivers {
 
 class GatedStage {
  public:
@@ -26,4 +26,4 @@ class GatedStage {
   Measurement last_;  // seq and the gate's report
 };
 
-}  // namespace biopsy::port
+}  // namespace biopsy::drivers

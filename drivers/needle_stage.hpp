@@ -6,7 +6,7 @@
 
 #include "safety/gate.hpp"
 
-namespace biopsy::port {
+namespace biopsy::drivers {
 
 // What the sensors say, before the gate's own report is added. Units as in Measurement.
 struct SensorReading {
@@ -27,4 +27,4 @@ class NeedleStage {
   virtual void write(const safety::GatedVoltage& voltage) = 0;
 };
 
-}  // namespace biopsy::port
+}  // namespace biopsy::drivers

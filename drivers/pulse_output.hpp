@@ -2,7 +2,7 @@
 // the line's level (safety concept: one fed by the driver, one by the supervisor, in series).
 #pragma once
 
-namespace biopsy::port {
+namespace biopsy::drivers {
 
 class PulseOutput {
  public:
@@ -13,4 +13,4 @@ class PulseOutput {
   virtual void pulse() = 0;
 };
 
-}  // namespace biopsy::port
+}  // namespace biopsy::drivers

@@ -19,16 +19,16 @@ constexpr StopCategory needed_stop(HazardSet hazards) {
   return StopCategory::None;
 }
 
-bool is_locked_out(const Tick& t) {
+bool is_locked_out(const TransitionInputs& t) {
   return (t.hazards & kLocking) != 0;
 }
 
 // Whether the needle may go on from here: inside a stage always, past its end only with what the plan asks
 // for.
-Refusal refusal_to_go_on(const Tick& t) {
+Refusal refusal_to_go_on(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   if (!t.state.stage_done) return Refusal::None;
-  const std::uint32_t stages = std::min<std::uint32_t>(t.plan.stage_count, kMaxStages);
+  const std::uint32_t stages = std::min<std::uint32_t>(t.plan.stage_count, kMaxSteps);
   if (stages == 0 || t.state.stage >= stages - 1) return Refusal::PlanDone;
   if (!t.plan.stages[t.state.stage].image_confirms) return Refusal::None;
   const bool accepted = t.input.depth_accepted && t.input.accepted_stage == t.state.stage;
@@ -36,17 +36,17 @@ Refusal refusal_to_go_on(const Tick& t) {
 }
 
 // The button of the present motion was let go, another was pressed, or the console fell silent.
-bool is_released(const Tick& t) {
+bool is_released(const TransitionInputs& t) {
   const MotionPress& motion = t.input.motion;
   const bool let_go = motion.token == t.state.token && motion.token != 0 && !motion.held;
   return let_go || motion.token > t.state.token || t.state.ticks_since_held >= kHeldTimeout_ticks;
 }
 
-bool is_stage_reached(const Tick& t) {
+bool is_stage_reached(const TransitionInputs& t) {
   return t.input.request.stage_reached && t.input.request.stage == t.state.stage;
 }
 
-Event event_in_boot(const Tick& t) {
+Event event_in_boot(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (t.input.self_test == SelfTest::Failed) return Event::Lockout;
   if (t.ticks >= kBootMax_ticks) return Event::Lockout;
@@ -54,14 +54,14 @@ Event event_in_boot(const Tick& t) {
   return Event::None;
 }
 
-Event event_in_safe(const Tick& t) {
+Event event_in_safe(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
   if (t.stop == StopCategory::None) return Event::Healthy;
   return Event::None;
 }
 
-Event event_in_ready(const Tick& t) {
+Event event_in_ready(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
   if (t.hazards != 0) return Event::Unhealthy;
@@ -70,7 +70,7 @@ Event event_in_ready(const Tick& t) {
   return Event::None;
 }
 
-Event event_in_armed(const Tick& t) {
+Event event_in_armed(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
@@ -80,7 +80,7 @@ Event event_in_armed(const Tick& t) {
   return Event::None;
 }
 
-Event event_in_active(const Tick& t) {
+Event event_in_active(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
@@ -90,7 +90,7 @@ Event event_in_active(const Tick& t) {
   return Event::None;
 }
 
-Event event_in_hold(const Tick& t) {
+Event event_in_hold(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
@@ -99,14 +99,14 @@ Event event_in_hold(const Tick& t) {
   return Event::None;
 }
 
-Event event_in_retract(const Tick& t) {
+Event event_in_retract(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.input.evidence.zero_volts) return Event::VoltageGone;
   if (t.ticks >= limits::kRampTime_ms) return Event::RampTooLong;
   return Event::None;
 }
 
-Refusal refusal_to_reset(const Tick& t) {
+Refusal refusal_to_reset(const TransitionInputs& t) {
   if (t.state.mode != Mode::Trip) return Refusal::NotTripped;
   if (!t.input.evidence.zero_volts) return Refusal::VoltageLeft;
   if (!t.input.evidence.needle_home) return Refusal::NeedleOut;
@@ -114,20 +114,20 @@ Refusal refusal_to_reset(const Tick& t) {
   return Refusal::None;
 }
 
-Event event_in_trip(const Tick& t) {
+Event event_in_trip(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (t.reset_edge && refusal_to_reset(t) == Refusal::None) return Event::Reset;
   return Event::None;
 }
 
-Refusal refusal_to_arm(const Tick& t) {
+Refusal refusal_to_arm(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   if (t.state.mode != Mode::Ready) return Refusal::NotReady;
   return Refusal::VoltageLeft;  // in this very tick: else it would be armed
 }
 
 // Of a press that was not followed.
-Refusal refusal_to_move(const Tick& t) {
+Refusal refusal_to_move(const TransitionInputs& t) {
   if (t.state.mode != Mode::Armed && t.state.mode != Mode::Hold) return Refusal::NotArmed;
   if (!t.pressed) return Refusal::TokenSpent;
   const Refusal refusal = refusal_to_go_on(t);
@@ -136,7 +136,7 @@ Refusal refusal_to_move(const Tick& t) {
 
 }  // namespace
 
-Tick tick_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
   const HazardSet hazards = input.evidence.hazards();
   return {plan,
           state,
@@ -149,7 +149,7 @@ Tick tick_of(const PlanFacts& plan, const SupervisorState& state, const Supervis
           input.local_reset && !state.reset_was_down};
 }
 
-Event event_of(const Tick& t) {
+Event event_of(const TransitionInputs& t) {
   switch (t.state.mode) {
     case Mode::Boot:
       return event_in_boot(t);
@@ -174,7 +174,7 @@ Event event_of(const Tick& t) {
 }
 
 // Answers the requests of this tick, those that matter most first.
-Refusal refusal_of(const Tick& t, Event event) {
+Refusal refusal_of(const TransitionInputs& t, Event event) {
   const bool heartbeat = t.state.mode == Mode::Active && t.input.motion.token <= t.state.token;
   const bool press = t.input.motion.held && t.input.motion.token != 0 && !heartbeat;
   const bool remote = t.input.remote_arm || t.input.remote_reset;

@@ -9,7 +9,7 @@
 namespace biopsy::safety {
 
 // What one tick's guards need, named once.
-struct Tick {
+struct TransitionInputs {
   const PlanFacts& plan;
   const SupervisorState& state;
   const SupervisorInput& input;
@@ -20,12 +20,12 @@ struct Tick {
   bool arm_edge, reset_edge;
 };
 
-Tick tick_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input);
+TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input);
 
 // One guard a line, the worst first; None where nothing changes the mode.
-Event event_of(const Tick& t);
+Event event_of(const TransitionInputs& t);
 
 // Why a request of this tick was not followed, given the event that was.
-Refusal refusal_of(const Tick& t, Event event);
+Refusal refusal_of(const TransitionInputs& t, Event event);
 
 }  // namespace biopsy::safety

@@ -81,7 +81,7 @@ GateVerdict drive(GateState& state, std::int32_t wanted_mV, bool may_rise) {
 }
 
 // Takes up the permit if it is to be honoured; Granted also where none arrived.
-GateVerdict take_permit(GateState& state, const Permit* permit, std::int64_t now_us) {
+GateVerdict accept_permit(GateState& state, const Permit* permit, std::int64_t now_us) {
   if (!is_fresh(state, permit)) return GateVerdict::Granted;
   const GateVerdict verdict = verdict_on(state, *permit, now_us);
   if (verdict != GateVerdict::Granted) return verdict;
@@ -92,7 +92,7 @@ GateVerdict take_permit(GateState& state, const Permit* permit, std::int64_t now
 }
 
 // What the permit in force makes of the request.
-GateVerdict obey(GateState& state, const DriveRequest* request, std::int64_t now_us, bool permit_is_good) {
+GateVerdict apply_command(GateState& state, const DriveRequest* request, std::int64_t now_us, bool permit_is_good) {
   const bool new_request = take_request(state, request);
   const std::int32_t wanted_mV = new_request ? request->wanted_mV : state.drive_mV;
   if (state.permit.seq == 0) return switch_off(state), GateVerdict::NoPermit;
@@ -100,8 +100,8 @@ GateVerdict obey(GateState& state, const DriveRequest* request, std::int64_t now
   if (!is_live(state, now_us)) return stop_and_latch(state, GateVerdict::Expired);
   const bool off = !state.permit.hv_enable || state.permit.stop == StopCategory::C0Off;
   if (off) return switch_off(state), wanted_mV == 0 ? GateVerdict::Granted : GateVerdict::Limited;
-  const bool leave = state.permit.mode == Mode::Active && state.permit.stop == StopCategory::None;
-  const GateVerdict about_drive = drive(state, wanted_mV, leave && new_request && permit_is_good);
+  const bool may_increase = state.permit.mode == Mode::Active && state.permit.stop == StopCategory::None;
+  const GateVerdict about_drive = drive(state, wanted_mV, may_increase && new_request && permit_is_good);
   return new_request ? about_drive : GateVerdict::NoRequest;
 }
 
@@ -109,8 +109,8 @@ GateVerdict decide(GateState& state, const DriveRequest* request, const Permit* 
                    bool clock_is_sound, std::int32_t writer_count) {
   if (!clock_is_sound) return stop_and_latch(state, GateVerdict::ClockJump);
   if (writer_count != 1) return stop_and_latch(state, GateVerdict::SecondWriter);
-  const GateVerdict about_permit = take_permit(state, permit, now_us);
-  const GateVerdict about_drive = obey(state, request, now_us, about_permit == GateVerdict::Granted);
+  const GateVerdict about_permit = accept_permit(state, permit, now_us);
+  const GateVerdict about_drive = apply_command(state, request, now_us, about_permit == GateVerdict::Granted);
   return about_permit == GateVerdict::Granted ? about_drive : about_permit;
 }
 

@@ -19,9 +19,9 @@ constexpr auto kNext = [] {
   return next;
 }();
 
-StagePermit stage_limits(const PlanFacts& plan, std::uint32_t stage) {
-  if (stage >= plan.stage_count || stage >= kMaxStages) return {};
-  StagePermit allowed = plan.stages[stage];
+StepLimits stage_limits(const PlanFacts& plan, std::uint32_t stage) {
+  if (stage >= plan.stage_count || stage >= kMaxSteps) return {};
+  StepLimits allowed = plan.stages[stage];
   allowed.depth_max_um = std::min(allowed.depth_max_um, plan.depth_max_um);
   allowed.v_max_mV = std::clamp(allowed.v_max_mV, 0, limits::kDriveMax_mV);
   allowed.slew_up_mV_per_tick = std::clamp(allowed.slew_up_mV_per_tick, 0, limits::kSlewUpMax_mV_per_tick);
@@ -40,13 +40,13 @@ std::int32_t held_mV(const SupervisorState& state) {
 
 // What a person is told. Voltage that nobody measures counts as present: then that is why, and not what is
 // missing besides, as a plan is before there is one.
-Hazard cause_of(const Tick& t, Event event) {
+Hazard cause_of(const TransitionInputs& t, Event event) {
   const bool unseen = event == Event::VoltagePresent && (t.hazards & bit(Hazard::SensorStale)) != 0;
   return unseen ? Hazard::SensorStale : worst_of(t.hazards);
 }
 
 // What the change of mode does to the plan's progress and to the envelope.
-void enter(SupervisorState& next, const Tick& t, Event event) {
+void enter(SupervisorState& next, const TransitionInputs& t, Event event) {
   const Mode from = t.state.mode;
   next.last_event = event;
   if (event != Event::VoltageGone) next.reason = cause_of(t, event);  // the end of a ramp keeps its cause
@@ -66,7 +66,7 @@ Mode mode_after(Mode from, Event event) {
                             : Mode::Lock;
 }
 
-SupervisorState next_state(const Tick& t, Event event) {
+SupervisorState next_state(const TransitionInputs& t, Event event) {
   SupervisorState next = t.state;
   next.mode = mode_after(t.state.mode, event);
   next.ticks_in_mode = t.ticks;
@@ -94,11 +94,11 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const Supe
   permit.issued_us = input.now_us;
   permit.ttl_us = limits::kPermitTtl_us;
   permit.mode = state.mode;
-  permit.hv_enable = is_hot(state.mode);
+  permit.hv_enable = hv_permitted(state.mode);
   permit.plan_tag = plan.plan_tag;
   permit.config_tag = plan.config_tag;
   permit.challenge = challenge_of(state.session, state.seq);
-  const StagePermit stage = stage_limits(plan, state.stage);
+  const StepLimits stage = stage_limits(plan, state.stage);
   switch (state.mode) {
     case Mode::Armed:
       permit.stop = StopCategory::C2Hold;
@@ -127,7 +127,7 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const Supe
 
 std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const SupervisorState& state,
                                                   const SupervisorInput& input) {
-  const Tick tick = tick_of(plan, state, input);
+  const TransitionInputs tick = transition_inputs(plan, state, input);
   const Event event = event_of(tick);
   const SupervisorState next = next_state(tick, event);
   SupervisorOutput output;
@@ -140,7 +140,7 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   output.stage_done = next.stage_done;
   output.image_allowed = next.mode != Mode::Active && next.mode != Mode::Retract;
   output.image_disturbed = input.evidence.image_disturbed;
-  output.interlock_pulse = is_hot(next.mode) || next.mode == Mode::Ready;
+  output.interlock_pulse = hv_permitted(next.mode) || next.mode == Mode::Ready;
   return {next, output};
 }
 

@@ -25,13 +25,13 @@ std::int32_t rounded(double value) {
 
 }  // namespace
 
-SimStage::SimStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors)
+SimulatedStage::SimulatedStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors)
     : model_(model), errors_(errors), seed_(seed), state_(at_rest(model)) {
   model_.noise_seed = seed;
 }
 
-port::SensorReading SimStage::read() {
-  port::SensorReading reading;
+drivers::SensorReading SimulatedStage::read() {
+  drivers::SensorReading reading;
   reading.time_us = now_us_;
   reading.laser_code = rounded(displacement_reading(model_, state_) * 1e6 / errors_.laser_code_um);
   reading.depth_um = reading.laser_code * errors_.laser_code_um;
@@ -43,7 +43,7 @@ port::SensorReading SimStage::read() {
   return reading;
 }
 
-void SimStage::write(const safety::GatedVoltage& voltage) {
+void SimulatedStage::write(const safety::GatedVoltage& voltage) {
   state_ = step(model_, state_, {.voltage = voltage.mV() * 1e-3, .external_force = push_N_}, Seconds(kTick));
   now_us_ += std::chrono::microseconds(kTick).count();
 }

@@ -16,11 +16,11 @@ struct DeviceErrors {
   std::int32_t laser_code_um = 1;  // one converter code
 };
 
-class SimStage final : public port::NeedleStage {
+class SimulatedStage final : public drivers::NeedleStage {
  public:
-  SimStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors = {});
+  SimulatedStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors = {});
 
-  port::SensorReading read() override;
+  drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
 
   // What pushes plate A down from the next write() on, N: a hand or a weight on the bench, without its

@@ -20,7 +20,7 @@ constexpr std::chrono::hours kAhead{1};
 std::string content_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || fs::is_directory(file))
-    throw SetupError("the stage has no record of commissioning", file.string(), kAnew);
+    throw ConfigError("the stage has no record of commissioning", file.string(), kAnew);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -36,20 +36,20 @@ Record load_commissioning(const fs::path& folder, const fs::path& public_key, co
   const std::string place = file.string();
   const std::string text = content_of(file);
   if (!is_signed(public_key, text, content_of(folder / kSignatureFile)))
-    throw SetupError("the record was changed after it was signed, or signed with another key", place, kAnew);
+    throw ConfigError("the record was changed after it was signed, or signed with another key", place, kAnew);
   Record record = from_json(text, place);
   if (record.device != device)
-    throw SetupError(fmt::format("is the record of {}; connected is {}", words(record.device), words(device)),
+    throw ConfigError(fmt::format("is the record of {}; connected is {}", words(record.device), words(device)),
                      place, kAnew);
   if (record.config_sha256 != config_sha256)
-    throw SetupError("the configuration was changed after commissioning", place, kAnew);
-  if (!record.passed()) throw SetupError("the stage did not pass all steps of this version", place, kAnew);
+    throw ConfigError("the configuration was changed after commissioning", place, kAnew);
+  if (!record.passed()) throw ConfigError("the stage did not pass all steps of this version", place, kAnew);
   const std::chrono::sys_seconds made{std::chrono::seconds(record.made_unix_s)};
   if (made > now + kAhead)
-    throw SetupError("the record is of a day to come", place,
+    throw ConfigError("the record is of a day to come", place,
                      "set this computer's clock, or commission anew");
   if (now > made + kGoodFor)
-    throw SetupError(fmt::format("the record is older than {} days", kGoodFor.count()), place, kAnew);
+    throw ConfigError(fmt::format("the record is older than {} days", kGoodFor.count()), place, kAnew);
   return record;
 }
 

@@ -99,7 +99,7 @@ Record from_json(std::string_view text, const std::string& place) {
     if (dated && json.at("format").get<int>() == kFormat) return record;
   } catch (const Json::exception&) {  // said below
   }
-  throw SetupError("is no record of commissioning that this version reads", place,
+  throw ConfigError("is no record of commissioning that this version reads", place,
                    "commission the stage anew: biopsy commission");
 }
 

@@ -46,7 +46,7 @@ struct Record {
 // Whole text of commissioning.json. The date also stands there in words; made_unix_s is what counts.
 std::string to_json(const Record& record);
 
-// Throws SetupError, naming `place`, for a text that is no such record.
+// Throws ConfigError, naming `place`, for a text that is no such record.
 Record from_json(std::string_view text, const std::string& place);
 
 }  // namespace biopsy::commissioning

@@ -1,5 +1,5 @@
 // What the steps of commissioning need: a stage that somebody drives for them under the supervisor, and a
-// person at the bench. Both are other people's business (robot/app); a voltage is never made here.
+// operator at the bench. Both are other people's business (robot); a voltage is never made here.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace biopsy::commissioning {
 
 // One tick of 1 ms.
 struct Sample {
-  port::SensorReading reading;
+  drivers::SensorReading reading;
   std::int32_t command_mV = 0;  // on the converter when this was read
   bool has_contacts = false;    // of the emergency stop, on this device
   bool estop_a_closed = true, estop_b_closed = true;
@@ -43,15 +43,15 @@ class Rig {
   virtual void feed_supervisors_half(bool feeding) = 0;
 };
 
-// What a person is asked to do with their hands.
+// What an operator is asked to do with their hands.
 enum class Act : std::uint8_t { Prepare, LayBlock, RemoveBlock, PressEstopUnderVoltage, ReleaseEstop };
 
-class Person {
+class Operator {
  public:
-  virtual ~Person() = default;
-  virtual void told(const std::string& what) = 0;
-  virtual bool does(Act act, const std::string& what) = 0;           // false: not done
-  virtual std::optional<double> reads(const std::string& what) = 0;  // a number; none: nothing usable
+  virtual ~Operator() = default;
+  virtual void notify(const std::string& what) = 0;
+  virtual bool confirm(Act act, const std::string& what) = 0;           // false: not done
+  virtual std::optional<double> enter_value(const std::string& what) = 0;  // a number; none: nothing usable
 };
 
 }  // namespace biopsy::commissioning

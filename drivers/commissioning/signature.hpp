@@ -10,7 +10,7 @@ namespace biopsy::commissioning {
 
 class SigningKey {
  public:
-  explicit SigningKey(const std::filesystem::path& private_key);  // throws SetupError
+  explicit SigningKey(const std::filesystem::path& private_key);  // throws ConfigError
   ~SigningKey();
   SigningKey(const SigningKey&) = delete;
   SigningKey& operator=(const SigningKey&) = delete;
@@ -21,7 +21,7 @@ class SigningKey {
   void* key_;  // EVP_PKEY
 };
 
-// Throws SetupError where `public_key` is none; a wrong signature, of whatever size, is false.
+// Throws ConfigError where `public_key` is none; a wrong signature, of whatever size, is false.
 bool is_signed(const std::filesystem::path& public_key, std::string_view bytes, std::string_view signature);
 
 std::string sha256_hex(std::string_view bytes);

@@ -34,7 +34,7 @@ double ms_between(const Sample& first, const Sample& second) {
   return static_cast<double>(second.reading.time_us - first.reading.time_us) * 1e-3;
 }
 
-Measured wiring(Rig& rig, Person&) {
+Measured wiring(Rig& rig, Operator&) {
   const std::vector<Sample> seen = rest_for(rig, kSecond);
   return {{share(seen, [](const Sample& s) { return s.reading.laser_valid; }), deviation(seen, depth_mm),
            fewest_codes(seen, safety::kFrozen_ticks), mean(seen, monitor_kV), deviation(seen, monitor_kV),
@@ -42,19 +42,19 @@ Measured wiring(Rig& rig, Person&) {
           {}};
 }
 
-Measured laser(Rig& rig, Person& person) {
+Measured laser(Rig& rig, Operator& operator_) {
   const double zero_mm = mean(rest_for(rig, kSecond), depth_mm);
-  const bool laid = person.does(Act::LayBlock, "Lay a gauge block of 2 to 8 mm under plate A.");
+  const bool laid = operator_.confirm(Act::LayBlock, "Lay a gauge block of 2 to 8 mm under plate A.");
   rest_for(rig, kSettle);
-  const double block_mm = laid ? person.reads("Height of the block, mm").value_or(kNotSeen) : kNotSeen;
+  const double block_mm = laid ? operator_.enter_value("Height of the block, mm").value_or(kNotSeen) : kNotSeen;
   const double read_mm = mean(rest_for(rig, kSecond), depth_mm);
-  const bool removed = person.does(Act::RemoveBlock, "Take the block away, let the plate sink back.");
+  const bool removed = operator_.confirm(Act::RemoveBlock, "Take the block away, let the plate sink back.");
   rest_for(rig, kSettle);
   const double back_mm = removed ? mean(rest_for(rig, kSecond), depth_mm) : kNotSeen;
   return {{zero_mm, block_mm, read_mm - zero_mm - block_mm, back_mm}, {}};
 }
 
-Measured loop_rate(Rig& rig, Person&) {
+Measured loop_rate(Rig& rig, Operator&) {
   const std::vector<Sample> seen = rest_for(rig, 10 * kSecond);
   std::vector<double> work_us;
   work_us.reserve(seen.size());
@@ -65,7 +65,7 @@ Measured loop_rate(Rig& rig, Person&) {
                       percentile(work_us, 0.5), percentile(work_us, 0.99), percentile(work_us, 1.0))};
 }
 
-Measured monitor_gain(Rig& rig, Person&) {
+Measured monitor_gain(Rig& rig, Operator&) {
   std::vector<double> commands, monitors;
   double largest_mA = 0.0;
   for (const std::int32_t level_mV : kLevels_mV) {
@@ -103,11 +103,11 @@ Measured interlock_without(Rig& rig, void (Rig::*feed)(bool)) {
           "the voltage stayed until it was taken back: no interlock opened"};
 }
 
-Measured drivers_half(Rig& rig, Person&) {
+Measured drivers_half(Rig& rig, Operator&) {
   return interlock_without(rig, &Rig::feed_interlock);
 }
 
-Measured supervisors_half(Rig& rig, Person&) {
+Measured supervisors_half(Rig& rig, Operator&) {
   return interlock_without(rig, &Rig::feed_supervisors_half);
 }
 
@@ -117,13 +117,13 @@ const Sample* first(const std::vector<Sample>& samples, bool (*is)(const Sample&
   return nullptr;
 }
 
-Measured emergency_stop(Rig& rig, Person& person) {
+Measured emergency_stop(Rig& rig, Operator& operator_) {
   const bool willing =
-      person.does(Act::PressEstopUnderVoltage,
+      operator_.confirm(Act::PressEstopUnderVoltage,
                   "The stage will be put to 0.3 kV for 20 s. Press the emergency stop in that time.");
   if (!willing) return {{kNotSeen, kNotSeen}, "was not pressed"};
   const Drive drive = rig.drive(kTestLevel_mV, 20 * kSecond, has_voltage);
-  const bool released = person.does(Act::ReleaseEstop, "Release the emergency stop.");
+  const bool released = operator_.confirm(Act::ReleaseEstop, "Release the emergency stop.");
   const Sample* const gone = first(drive.samples, [](const Sample& s) { return !has_voltage(s); });
   const Sample* const a =
       first(drive.samples, [](const Sample& s) { return s.has_contacts && !s.estop_a_closed; });

@@ -23,9 +23,9 @@ struct Measured {
 
 struct Step {
   std::string_view name;
-  std::string_view asks;  // of the person, before anything is measured
+  std::string_view asks;  // of the operator, before anything is measured
   std::vector<Limit> limits;
-  Measured (*measure)(Rig&, Person&);
+  Measured (*measure)(Rig&, Operator&);
 };
 
 const std::vector<Step>& all_steps();

@@ -8,11 +8,11 @@
 namespace biopsy::commissioning {
 namespace {
 
-StepRecord carried_out(const Step& step, Rig& rig, Person& person) {
+StepRecord carried_out(const Step& step, Rig& rig, Operator& operator_) {
   StepRecord record{std::string(step.name), {}, {}};
   Measured measured{std::vector<double>(step.limits.size(), std::numeric_limits<double>::quiet_NaN()),
                     "was not carried out"};
-  if (person.does(Act::Prepare, std::string(step.asks))) measured = step.measure(rig, person);
+  if (operator_.confirm(Act::Prepare, std::string(step.asks))) measured = step.measure(rig, operator_);
   record.note = measured.note;
   for (std::size_t k = 0; k < step.limits.size(); ++k) {
     const Limit& limit = step.limits[k];
@@ -28,11 +28,11 @@ std::string with_unit(double value, const std::string& unit) {
 
 }  // namespace
 
-Record walked(Record record, Rig& rig, Person& person) {
+Record run_steps(Record record, Rig& rig, Operator& operator_) {
   for (const Step& step : all_steps()) {
-    person.told(fmt::format("\n{} of {}: {}", record.steps.size() + 1, all_steps().size(), step.name));
-    record.steps.push_back(carried_out(step, rig, person));
-    person.told(told(record.steps.back()));
+    operator_.notify(fmt::format("\n{} of {}: {}", record.steps.size() + 1, all_steps().size(), step.name));
+    record.steps.push_back(carried_out(step, rig, operator_));
+    operator_.notify(notify(record.steps.back()));
     if (!record.steps.back().passed()) break;
   }
   return record;
@@ -50,7 +50,7 @@ std::string description() {
   return text;
 }
 
-std::string told(const StepRecord& step) {
+std::string notify(const StepRecord& step) {
   std::string text;
   for (const Figure& figure : step.figures) {
     if (std::isnan(figure.value)) {

@@ -1,4 +1,4 @@
-// Walks a person through the steps and keeps what was measured.
+// Walks an operator through the steps and keeps what was measured.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace biopsy::commissioning {
 
 // Ends at the first step that does not pass: what follows relies on it. `record` comes with everything but
 // the steps.
-Record walked(Record record, Rig& rig, Person& person);
+Record run_steps(Record record, Rig& rig, Operator& operator_);
 
-// The steps as a person reads them before the first one.
+// The steps as an operator reads them before the first one.
 std::string description();
 
 // "passed", or what did not.
-std::string told(const StepRecord& step);
+std::string notify(const StepRecord& step);
 
 }  // namespace biopsy::commissioning

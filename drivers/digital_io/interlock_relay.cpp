@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 
 InterlockRelay::InterlockRelay(const std::filesystem::path& run_folder, std::int64_t now_ns)
     : out_(run_folder), in_(run_folder) {
@@ -31,4 +31,4 @@ void InterlockRelay::open(std::int64_t now_ns) {
   out_.write({}, now_ns);
 }
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

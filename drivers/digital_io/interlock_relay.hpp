@@ -8,7 +8,7 @@
 #include "drivers/digital_io/io_views.hpp"
 #include "safety/interlock.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 
 // Twice as fast as what it listens to.
 inline constexpr std::chrono::microseconds kRelayPeriod{500};
@@ -17,7 +17,7 @@ inline constexpr std::chrono::microseconds kRelayPeriod{500};
 // as it finds them: only pulses from now on count.
 class InterlockRelay {
  public:
-  // Throws SetupError, see ElectricalLines.
+  // Throws ConfigError, see SharedIo.
   InterlockRelay(const std::filesystem::path& run_folder, std::int64_t now_ns);
 
   // To be called every kRelayPeriod. A counter that moved since the last tick was fed, one that stands still
@@ -33,12 +33,12 @@ class InterlockRelay {
   bool closed() const { return closed_; }
 
  private:
-  InterlockLines out_;
-  LinesReader in_;
+  InterlockIo out_;
+  IoReader in_;
   safety::Interlock interlock_;
   std::uint64_t stage_pulses_ = 0, supervisor_pulses_ = 0;  // at the last tick
   std::int64_t ticked_us_ = 0;
   bool closed_ = false;
 };
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

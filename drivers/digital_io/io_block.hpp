@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 
 using Word = std::atomic<std::uint64_t>;
 using Nanoseconds = std::atomic<std::int64_t>;  // CLOCK_MONOTONIC, the same in every process of a machine
@@ -23,36 +23,36 @@ inline constexpr std::uint32_t kVersion = 1;
 struct alignas(kPage) Title {
   std::uint64_t magic = kMagic;
   std::uint32_t version = kVersion;
-  std::uint32_t size = 0;  // of Wires, bytes
+  std::uint32_t size = 0;  // of IoBlock, bytes
 };
 
-struct alignas(kPage) StageWires {
+struct alignas(kPage) StageOutputs {
   Word converter;  // ConverterOutput in one word: code and enable change together
   Word pulses;
 };
 
-struct alignas(kPage) SupervisorWires {
+struct alignas(kPage) SupervisorOutputs {
   Word pulses;
 };
 
-struct alignas(kPage) InterlockWires {
+struct alignas(kPage) InterlockOutputs {
   Word load;  // RelayOutput in one word
   Nanoseconds changed_ns, zero_ns, ticked_ns;
   Word ticks;
 };
 
-struct alignas(kPage) PanelWires {
+struct alignas(kPage) PanelInputs {
   Word levels;  // PanelLevels
 };
 
-struct Wires {
+struct IoBlock {
   Title title;
-  StageWires stage;
-  SupervisorWires supervisor;
-  InterlockWires interlock;
-  PanelWires panel;
+  StageOutputs stage;
+  SupervisorOutputs supervisor;
+  InterlockOutputs interlock;
+  PanelInputs panel;
 };
-static_assert(std::is_standard_layout_v<Wires> && sizeof(Wires) == 5 * kPage);
+static_assert(std::is_standard_layout_v<IoBlock> && sizeof(IoBlock) == 5 * kPage);
 
 // What the converter puts out and whether the amplifier may.
 struct ConverterOutput {
@@ -96,4 +96,4 @@ constexpr PanelLevels panel_levels(std::uint64_t word) {
   return {level(0), level(1), level(2), level(3), level(4)};
 }
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

@@ -4,7 +4,7 @@
 
 #include "safety/types/thresholds.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 namespace {
 
 // A counter with one writer needs no read-modify-write.
@@ -14,83 +14,83 @@ void count_up(Word& counter) {
 
 }  // namespace
 
-StageLines::StageLines(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Stage) {
+StageIo::StageIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Stage) {
   write(safety::GatedVoltage::off());
 }
 
-void StageLines::write(const safety::GatedVoltage& voltage) {
-  lines_.wires().stage.converter.store(packed(voltage.mV(), voltage.hv_enabled()), std::memory_order_release);
+void StageIo::write(const safety::GatedVoltage& voltage) {
+  lines_.block().stage.converter.store(packed(voltage.mV(), voltage.hv_enabled()), std::memory_order_release);
 }
 
-void StageLines::pulse() {
-  count_up(lines_.wires().stage.pulses);
+void StageIo::pulse() {
+  count_up(lines_.block().stage.pulses);
 }
 
-SupervisorLines::SupervisorLines(const std::filesystem::path& run_folder)
+SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder)
     : lines_(run_folder, Owner::Supervisor) {}
 
-void SupervisorLines::pulse() {
-  count_up(lines_.wires().supervisor.pulses);
+void SupervisorIo::pulse() {
+  count_up(lines_.block().supervisor.pulses);
 }
 
-PanelLines::PanelLines(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Panel) {
+PanelIo::PanelIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Panel) {
   set(PanelLevels{});
 }
 
-void PanelLines::set(const PanelLevels& levels) {
-  lines_.wires().panel.levels.store(packed(levels), std::memory_order_release);
+void PanelIo::set(const PanelLevels& levels) {
+  lines_.block().panel.levels.store(packed(levels), std::memory_order_release);
 }
 
-InterlockLines::InterlockLines(const std::filesystem::path& run_folder)
+InterlockIo::InterlockIo(const std::filesystem::path& run_folder)
     : lines_(run_folder, Owner::Interlock) {}
 
-void InterlockLines::write(const RelayOutput& output, std::int64_t now_ns) {
-  InterlockWires& wires = lines_.wires().interlock;
-  if (voltage_mV(wires.load.load(std::memory_order_relaxed)) != output.load_mV) {
-    wires.changed_ns.store(now_ns, std::memory_order_relaxed);
-    if (output.load_mV == 0) wires.zero_ns.store(now_ns, std::memory_order_relaxed);
+void InterlockIo::write(const RelayOutput& output, std::int64_t now_ns) {
+  InterlockOutputs& block = lines_.block().interlock;
+  if (voltage_mV(block.load.load(std::memory_order_relaxed)) != output.load_mV) {
+    block.changed_ns.store(now_ns, std::memory_order_relaxed);
+    if (output.load_mV == 0) block.zero_ns.store(now_ns, std::memory_order_relaxed);
   }
-  wires.ticked_ns.store(now_ns, std::memory_order_relaxed);
-  wires.load.store(packed(output.load_mV, output.closed), std::memory_order_release);
-  count_up(wires.ticks);
+  block.ticked_ns.store(now_ns, std::memory_order_relaxed);
+  block.load.store(packed(output.load_mV, output.closed), std::memory_order_release);
+  count_up(block.ticks);
 }
 
-LinesReader::LinesReader(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Nobody) {}
+IoReader::IoReader(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Nobody) {}
 
-ConverterOutput LinesReader::converter() const {
-  const std::uint64_t word = lines_.wires().stage.converter.load(std::memory_order_acquire);
+ConverterOutput IoReader::converter() const {
+  const std::uint64_t word = lines_.block().stage.converter.load(std::memory_order_acquire);
   return {voltage_mV(word), flag(word)};
 }
 
-std::uint64_t LinesReader::stage_pulses() const {
-  return lines_.wires().stage.pulses.load(std::memory_order_acquire);
+std::uint64_t IoReader::stage_pulses() const {
+  return lines_.block().stage.pulses.load(std::memory_order_acquire);
 }
 
-std::uint64_t LinesReader::supervisor_pulses() const {
-  return lines_.wires().supervisor.pulses.load(std::memory_order_acquire);
+std::uint64_t IoReader::supervisor_pulses() const {
+  return lines_.block().supervisor.pulses.load(std::memory_order_acquire);
 }
 
-PanelLevels LinesReader::panel() const {
-  return panel_levels(lines_.wires().panel.levels.load(std::memory_order_acquire));
+PanelLevels IoReader::panel() const {
+  return panel_levels(lines_.block().panel.levels.load(std::memory_order_acquire));
 }
 
-RelayReading LinesReader::relay() const {
-  const InterlockWires& wires = lines_.wires().interlock;
+RelayReading IoReader::relay() const {
+  const InterlockOutputs& block = lines_.block().interlock;
   RelayReading reading;
-  const std::uint64_t load = wires.load.load(std::memory_order_acquire);
+  const std::uint64_t load = block.load.load(std::memory_order_acquire);
   reading.output = {voltage_mV(load), flag(load)};
-  reading.changed_ns = wires.changed_ns.load(std::memory_order_relaxed);
-  reading.zero_ns = wires.zero_ns.load(std::memory_order_relaxed);
-  reading.ticked_ns = wires.ticked_ns.load(std::memory_order_relaxed);
-  reading.ticks = wires.ticks.load(std::memory_order_acquire);
+  reading.changed_ns = block.changed_ns.load(std::memory_order_relaxed);
+  reading.zero_ns = block.zero_ns.load(std::memory_order_relaxed);
+  reading.ticked_ns = block.ticked_ns.load(std::memory_order_relaxed);
+  reading.ticks = block.ticks.load(std::memory_order_acquire);
   return reading;
 }
 
-std::int32_t LinesReader::load_voltage_seen_mV(std::int64_t now_ns) const {
+std::int32_t IoReader::load_voltage_seen_mV(std::int64_t now_ns) const {
   const RelayReading seen = relay();
   const bool alive = std::abs(now_ns - seen.ticked_ns) / 1'000 < safety::kInterlock_us;
   const ConverterOutput output = converter();
   return alive && seen.output.closed && output.hv_enabled ? output.mV : 0;
 }
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

@@ -1,5 +1,5 @@
 // The lines as each process sees them: it can write its own and nothing else. Nothing here allocates, locks
-// or calls the system after construction. Constructors throw SetupError, see ElectricalLines.
+// or calls the system after construction. Constructors throw ConfigError, see SharedIo.
 #pragma once
 
 #include <cstdint>
@@ -9,52 +9,52 @@
 #include "drivers/pulse_output.hpp"
 #include "safety/gate.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 
 // The converter, the amplifier's HV enable and the stage's pulse to the interlock.
-class StageLines {
+class StageIo {
  public:
   // Puts 0 V out: what stands on a converter after a crash is not to be trusted.
-  explicit StageLines(const std::filesystem::path& run_folder);
+  explicit StageIo(const std::filesystem::path& run_folder);
 
   void write(const safety::GatedVoltage& voltage);
   void pulse();  // once in every tick that went well
 
  private:
-  ElectricalLines lines_;
+  SharedIo lines_;
 };
 
-class SupervisorLines final : public port::PulseOutput {
+class SupervisorIo final : public drivers::PulseOutput {
  public:
-  explicit SupervisorLines(const std::filesystem::path& run_folder);
+  explicit SupervisorIo(const std::filesystem::path& run_folder);
 
   void pulse() override;  // in ticks whose SupervisorOutput::interlock_pulse is set
 
  private:
-  ElectricalLines lines_;
+  SharedIo lines_;
 };
 
-class PanelLines {
+class PanelIo {
  public:
   // Starts with no key turned and the E-stop pressed.
-  explicit PanelLines(const std::filesystem::path& run_folder);
+  explicit PanelIo(const std::filesystem::path& run_folder);
 
   void set(const PanelLevels& levels);
 
  private:
-  ElectricalLines lines_;
+  SharedIo lines_;
 };
 
-class InterlockLines {
+class InterlockIo {
  public:
-  explicit InterlockLines(const std::filesystem::path& run_folder);
+  explicit InterlockIo(const std::filesystem::path& run_folder);
 
   // One tick of the relay at `now_ns` (CLOCK_MONOTONIC). Times are written before the load they date: who
   // sees a load of 0 also sees when it became 0.
   void write(const RelayOutput& output, std::int64_t now_ns);
 
  private:
-  ElectricalLines lines_;
+  SharedIo lines_;
 };
 
 // What the interlock says of itself.
@@ -67,9 +67,9 @@ struct RelayReading {
 };
 
 // Reads all, writes nothing.
-class LinesReader {
+class IoReader {
  public:
-  explicit LinesReader(const std::filesystem::path& run_folder);
+  explicit IoReader(const std::filesystem::path& run_folder);
 
   ConverterOutput converter() const;
   std::uint64_t stage_pulses() const;
@@ -85,7 +85,7 @@ class LinesReader {
   std::int32_t load_voltage_seen_mV(std::int64_t now_ns) const;
 
  private:
-  ElectricalLines lines_;
+  SharedIo lines_;
 };
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

@@ -14,7 +14,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,84 +62,84 @@ bool is_in_use(const fs::path& path) {
 
 void check(const File& file, const fs::path& path) {
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) throw SetupError(reason(errno), path.string(), kLayAnew);
-  if (!S_ISREG(status.st_mode) || status.st_size != static_cast<off_t>(sizeof(Wires)))
-    throw SetupError("is not a file of electrical lines, or is cut short", path.string(), kLayAnew);
+  if (::fstat(file.get(), &status) != 0) throw ConfigError(reason(errno), path.string(), kLayAnew);
+  if (!S_ISREG(status.st_mode) || status.st_size != static_cast<off_t>(sizeof(IoBlock)))
+    throw ConfigError("is not a file of electrical lines, or is cut short", path.string(), kLayAnew);
   if ((status.st_mode & 077) != 0)
-    throw SetupError("can be reached by other users", path.string(), "chmod 600, and ask who changed it");
+    throw ConfigError("can be reached by other users", path.string(), "chmod 600, and ask who changed it");
   Title title;
   if (::pread(file.get(), &title, sizeof(Title), 0) != static_cast<ssize_t>(sizeof(Title)) ||
       title.magic != kMagic)
-    throw SetupError("is not a file of electrical lines", path.string(), kLayAnew);
-  if (title.version != kVersion || title.size != sizeof(Wires))
-    throw SetupError("holds electrical lines of another version of this program", path.string(), kLayAnew);
+    throw ConfigError("is not a file of electrical lines", path.string(), kLayAnew);
+  if (title.version != kVersion || title.size != sizeof(IoBlock))
+    throw ConfigError("holds electrical lines of another version of this program", path.string(), kLayAnew);
 }
 
-void* wires_of(Wires* wires, Owner owner) {
+void* block_of(IoBlock* block, Owner owner) {
   switch (owner) {
     case Owner::Nobody:
       return nullptr;
     case Owner::Stage:
-      return &wires->stage;
+      return &block->stage;
     case Owner::Supervisor:
-      return &wires->supervisor;
+      return &block->supervisor;
     case Owner::Interlock:
-      return &wires->interlock;
+      return &block->interlock;
     case Owner::Panel:
-      return &wires->panel;
+      return &block->panel;
   }
   std::abort();
 }
 
 }  // namespace
 
-void lay_lines(const fs::path& run_folder) {
+void create_shared_io(const fs::path& run_folder) {
   const fs::path path = run_folder / kName;
   if (is_in_use(path))
-    throw SetupError("belongs to a robot that is running", path.string(),
+    throw ConfigError("belongs to a robot that is running", path.string(),
                      "stop that one first, or use another run folder");
-  static const Title title{.size = sizeof(Wires)};  // static: no stray bytes of the stack between its members
+  static const Title title{.size = sizeof(IoBlock)};  // static: no stray bytes of the stack between its members
   std::string temporary = (run_folder / ".lines-XXXXXX").string();
   const File file(::mkstemp(temporary.data()));  // mode 0600
   const auto give_up = [&](int error) {
     if (file) ::unlink(temporary.c_str());
-    throw SetupError("cannot be made: " + reason(error), path.string(),
+    throw ConfigError("cannot be made: " + reason(error), path.string(),
                      "give a run folder that exists, can be written and has space");
   };
   if (!file) give_up(errno);
   // Reserved, not only promised: a full disk must not be noticed by a write to a mapped page.
-  if (const int error = ::posix_fallocate(file.get(), 0, sizeof(Wires)); error != 0) give_up(error);
+  if (const int error = ::posix_fallocate(file.get(), 0, sizeof(IoBlock)); error != 0) give_up(error);
   if (::pwrite(file.get(), &title, sizeof title, 0) != static_cast<ssize_t>(sizeof title)) give_up(errno);
   if (std::rename(temporary.c_str(), path.c_str()) != 0) give_up(errno);
 }
 
-ElectricalLines::ElectricalLines(const fs::path& run_folder, Owner owner) {
+SharedIo::SharedIo(const fs::path& run_folder, Owner owner) {
   const fs::path path = run_folder / kName;
   const int way = owner == Owner::Nobody ? O_RDONLY : O_RDWR;
   File file(::open(path.c_str(), way | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file)
-    throw SetupError("cannot be opened: " + reason(errno), path.string(),
+    throw ConfigError("cannot be opened: " + reason(errno), path.string(),
                      "lay the lines first, with `biopsy up`");
   check(file, path);
   struct flock claim = claim_of(owner);
   if (owner != Owner::Nobody && ::fcntl(file.get(), F_OFD_SETLK, &claim) != 0)
-    throw SetupError("another process drives these lines", path.string(),
+    throw ConfigError("another process drives these lines", path.string(),
                      "each process of the robot runs once; stop the other one");
-  void* memory = ::mmap(nullptr, sizeof(Wires), PROT_READ, MAP_SHARED | MAP_POPULATE, file.get(), 0);
-  if (memory == MAP_FAILED) throw SetupError("cannot be mapped: " + reason(errno), path.string(), kLayAnew);
-  wires_ = static_cast<Wires*>(memory);
-  void* own = wires_of(wires_, owner);
+  void* memory = ::mmap(nullptr, sizeof(IoBlock), PROT_READ, MAP_SHARED | MAP_POPULATE, file.get(), 0);
+  if (memory == MAP_FAILED) throw ConfigError("cannot be mapped: " + reason(errno), path.string(), kLayAnew);
+  block_ = static_cast<IoBlock*>(memory);
+  void* own = block_of(block_, owner);
   if (own != nullptr && ::mprotect(own, kPage, PROT_READ | PROT_WRITE) != 0) {
     const int error = errno;
-    ::munmap(memory, sizeof(Wires));
-    throw SetupError("cannot be written: " + reason(error), path.string(), kLayAnew);
+    ::munmap(memory, sizeof(IoBlock));
+    throw ConfigError("cannot be written: " + reason(error), path.string(), kLayAnew);
   }
   file_ = file.release();
 }
 
-ElectricalLines::~ElectricalLines() {
-  ::munmap(wires_, sizeof(Wires));
+SharedIo::~SharedIo() {
+  ::munmap(block_, sizeof(IoBlock));
   ::close(file_);
 }
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

@@ -175,7 +175,7 @@ Config parse_config(const std::string& text, const std::string& name) {
 Config read_config(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
-    throw SetupError("cannot be opened", file.string(),
+    throw ConfigError("cannot be opened", file.string(),
                      "give the stage's configuration; a sample is drivers/nidaqmx/usb6211.toml");
   std::ostringstream text;
   text << stream.rdbuf();

@@ -67,7 +67,7 @@ struct Config {
   std::optional<SupervisorPulse> supervisor_pulse;
 };
 
-// Throw SetupError, with file and line, for what is missing, unknown, out of range, or cannot work together:
+// Throw ConfigError, with file and line, for what is missing, unknown, out of range, or cannot work together:
 // a monitor that could not show 8.2 kV, a laser that could not see a needle 2 mm beyond the stroke.
 Config parse_config(const std::string& text, const std::string& name);
 Config read_config(const std::filesystem::path& file);

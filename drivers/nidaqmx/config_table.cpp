@@ -24,7 +24,7 @@ std::string ConfigTable::place(std::string_view name) const {
 }
 
 void ConfigTable::refuse(std::string_view name, const std::string& what, const std::string& remedy) const {
-  throw SetupError(fmt::format("`{}` {}", name, what), place(name), remedy);
+  throw ConfigError(fmt::format("`{}` {}", name, what), place(name), remedy);
 }
 
 bool ConfigTable::has(std::string_view name) const {
@@ -91,7 +91,7 @@ ConfigTable parse_config_table(const std::string& text, const std::string& name)
     auto root = std::make_shared<const toml::table>(toml::parse(text, name));
     return ConfigTable(std::make_shared<ConfigTable::Node>(ConfigTable::Node{name, root, root.get()}));
   } catch (const toml::parse_error& error) {
-    throw SetupError(std::string(error.description()), fmt::format("{}:{}", name, error.source().begin.line),
+    throw ConfigError(std::string(error.description()), fmt::format("{}:{}", name, error.source().begin.line),
                      "the file must be TOML 1.0");
   }
 }

@@ -18,7 +18,7 @@ class ConfigTable {
   explicit ConfigTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
   bool has(std::string_view name) const;
-  // All throw SetupError where the entry is missing or is not what is asked for.
+  // All throw ConfigError where the entry is missing or is not what is asked for.
   double number(std::string_view name, double low, double high, std::string_view unit);
   std::uint32_t whole(std::string_view name, std::uint32_t high);
   std::string text(std::string_view name);

@@ -37,7 +37,7 @@ DaqmxFunctions load_daqmx(const std::string& library) {
   void* const handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr) {
     const char* const reason = dlerror();
-    throw SetupError(
+    throw ConfigError(
         fmt::format("the NI-DAQmx driver cannot be loaded: {}", reason ? reason : "no reason given"), library,
         kInstall);
   }
@@ -63,7 +63,7 @@ DaqmxFunctions load_daqmx(const std::string& library) {
   symbols.find("DAQmxWriteAnalogScalarF64", found.write_analog_scalar_f64);
   symbols.find("DAQmxWriteDigitalScalarU32", found.write_digital_scalar_u32);
   if (!symbols.missing().empty())
-    throw SetupError(fmt::format("the NI-DAQmx driver lacks {}", fmt::join(symbols.missing(), ", ")), library,
+    throw ConfigError(fmt::format("the NI-DAQmx driver lacks {}", fmt::join(symbols.missing(), ", ")), library,
                      kInstall);
   return found;
 }

@@ -47,7 +47,7 @@ struct DaqmxFunctions {
 };
 
 // `library`: a name for the system's search or a path. It is never unloaded: the vendor's driver has threads
-// of its own. Throws SetupError, saying what to install, where it is absent or lacks a function.
+// of its own. Throws ConfigError, saying what to install, where it is absent or lacks a function.
 DaqmxFunctions load_daqmx(const std::string& library);
 
 }  // namespace biopsy::nidaqmx

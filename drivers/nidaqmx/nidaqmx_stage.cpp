@@ -61,14 +61,14 @@ void NidaqmxStage::find_board() {
   demand(daqmx_, daqmx_.get_sys_dev_names(text.data(), size), "list of boards");
   const std::string present = fmt::format(", {},", text.data());
   if (present.find(fmt::format(" {},", config_.device)) == std::string::npos)
-    throw SetupError(fmt::format("there is no board of this name; there are: {}", text.data()),
+    throw ConfigError(fmt::format("there is no board of this name; there are: {}", text.data()),
                      config_.device,
                      "plug it in and see `nilsdev`, or correct `device` in the configuration");
   demand(daqmx_, daqmx_.get_dev_product_type(config_.device.c_str(), text.data(), size), config_.device);
   product_ = text.data();
   demand(daqmx_, daqmx_.get_dev_serial_num(config_.device.c_str(), &serial_), config_.device);
   if (config_.serial && *config_.serial != serial_)
-    throw SetupError(fmt::format("this board's serial number is {}, not {}", serial_, *config_.serial),
+    throw ConfigError(fmt::format("this board's serial number is {}, not {}", serial_, *config_.serial),
                      config_.device, "connect the right board, or correct `serial` and commission anew");
   demand(daqmx_, daqmx_.reset_device(config_.device.c_str()), config_.device + ", reset");
   demand(daqmx_, daqmx_.self_test_device(config_.device.c_str()), config_.device + ", self test");
@@ -142,7 +142,7 @@ bool NidaqmxStage::read_panel() {
   return true;
 }
 
-port::SensorReading NidaqmxStage::read() {
+drivers::SensorReading NidaqmxStage::read() {
   fresh_ = false;
   reading_.laser_valid = false;
   if (stopped_) return reading_;

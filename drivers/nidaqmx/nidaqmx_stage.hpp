@@ -27,18 +27,18 @@ struct Panel {
   bool estop_a_closed = false, estop_b_closed = false;
 };
 
-class NidaqmxStage final : public port::NeedleStage {
+class NidaqmxStage final : public drivers::NeedleStage {
  public:
   using Clock = std::int64_t (*)();
 
-  // Resets the board (its converter then stands at 0 V), tests it and takes its channels. Throws SetupError.
+  // Resets the board (its converter then stands at 0 V), tests it and takes its channels. Throws ConfigError.
   explicit NidaqmxStage(Config config, Clock clock = monotonic_us);
   // The converter holds its last value when nobody writes: leaves it at 0 V.
   ~NidaqmxStage() override;
   NidaqmxStage(const NidaqmxStage&) = delete;
   NidaqmxStage& operator=(const NidaqmxStage&) = delete;
 
-  port::SensorReading read() override;
+  drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
 
   const std::string& product() const { return product_; }  // "USB-6211"
@@ -68,7 +68,7 @@ class NidaqmxStage final : public port::NeedleStage {
   std::optional<Task> inputs_, output_, lines_task_, panel_task_;
 
   std::array<double, 3> volts_{};  // laser, voltage, current
-  port::SensorReading reading_;
+  drivers::SensorReading reading_;
   Panel panel_;
   TroubleNote trouble_;
   std::uint32_t lines_ = 0;  // written last

@@ -11,9 +11,9 @@
 
 namespace biopsy::nidaqmx {
 
-class PulseLine final : public port::PulseOutput {
+class PulseLine final : public drivers::PulseOutput {
  public:
-  // Takes the line of `[supervisor_pulse]` and puts it low. Throws SetupError where the configuration has
+  // Takes the line of `[supervisor_pulse]` and puts it low. Throws ConfigError where the configuration has
   // none or the board does not give it.
   explicit PulseLine(const Config& config);
   ~PulseLine() override;  // low

@@ -9,7 +9,7 @@ namespace biopsy::nidaqmx {
 
 class Task {
  public:
-  // Throws SetupError. `daqmx` must outlive this.
+  // Throws ConfigError. `daqmx` must outlive this.
   Task(const DaqmxFunctions& daqmx, const std::string& name) : daqmx_(daqmx) {
     demand(daqmx, daqmx.create_task(name.c_str(), &handle_), "task " + name);
   }

@@ -73,7 +73,7 @@ void demand(const DaqmxFunctions& daqmx, Status status, const std::string& where
   TroubleNote words;
   daqmx.get_extended_error_info(words.text.data(), static_cast<std::uint32_t>(words.text.size()) - 1);
   const Trouble trouble = trouble_of(status);
-  throw SetupError(fmt::format("NI-DAQmx {} ({}): {}", status, name_of(trouble), words.text.data()), where,
+  throw ConfigError(fmt::format("NI-DAQmx {} ({}): {}", status, name_of(trouble), words.text.data()), where,
                    remedy_for(trouble));
 }
 

@@ -31,7 +31,7 @@ struct TroubleNote {
   std::array<char, 2048> text{};
 };
 
-// Set-up only: throws SetupError, with the driver's own words, where `status` is an error.
+// Set-up only: throws ConfigError, with the driver's own words, where `status` is an error.
 void demand(const DaqmxFunctions& daqmx, Status status, const std::string& where);
 
 }  // namespace biopsy::nidaqmx

@@ -44,7 +44,7 @@ std::variant<Plan, PlanRefusal> plan_bench(const BenchRequest& request) {
         "put more on the fixture, or ask for less voltage"};
   Plan plan;
   plan.target_depth = kStroke - kHoldBefore;
-  plan.stages = {{.kind = StageKind::Target,
+  plan.stages = {{.kind = StepKind::Target,
                   .depth = plan.target_depth,
                   .speed = {},
                   .v_max = request.highest,

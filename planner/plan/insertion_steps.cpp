@@ -23,7 +23,7 @@ struct Crossing {
 
 // Where a stage ends and why it ends there.
 struct Stop {
-  StageKind kind;
+  StepKind kind;
   Millimetres depth;
   std::string why;
 };
@@ -70,9 +70,9 @@ std::vector<Stop> stops_at_crossings(const std::vector<Crossing>& crossings,
   for (const Crossing& crossing : crossings) {
     const std::string names = list_of(boundaries, crossing.from, crossing.to);
     if (crossing.from.value > 0.0 && target - crossing.from > kStageMin - kSlack)
-      stops.push_back({StageKind::Approach, crossing.from,
+      stops.push_back({StepKind::Approach, crossing.from,
                        "stop short of " + list_of(boundaries, crossing.from, crossing.from + kStopShort)});
-    if (crossing.to < target) stops.push_back({StageKind::Cross, crossing.to, "stop behind " + names});
+    if (crossing.to < target) stops.push_back({StepKind::Cross, crossing.to, "stop behind " + names});
   }
   return stops;
 }
@@ -85,11 +85,11 @@ void add_waypoint(std::vector<Stop>& stops, Millimetres waypoint, const std::vec
   });
   const Millimetres reach = crossing ? kSlack : kStageMin - kSlack;
   std::erase_if(stops, [&](const Stop& stop) {
-    return stop.kind != StageKind::Waypoint && stop.depth > waypoint - reach && stop.depth < waypoint + reach;
+    return stop.kind != StepKind::Waypoint && stop.depth > waypoint - reach && stop.depth < waypoint + reach;
   });
   const auto place =
       std::find_if(stops.begin(), stops.end(), [&](const Stop& stop) { return stop.depth > waypoint; });
-  const Stop added{StageKind::Waypoint, waypoint, "asked for on the way"};
+  const Stop added{StepKind::Waypoint, waypoint, "asked for on the way"};
   stops.insert(place, added);
 }
 
@@ -100,27 +100,27 @@ const Layer& layer_of(const std::vector<Layer>& layers, Millimetres target) {
   return *found;
 }
 
-Stage stage_from(const Stop& stop, Millimetres start, const std::vector<Crossing>& crossings,
+InsertionStep stage_from(const Stop& stop, Millimetres start, const std::vector<Crossing>& crossings,
                  const std::vector<Boundary>& boundaries, const Pace& pace, const NominalModel& model) {
   const bool slow = std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& span) {
     return start < span.to - kSlack && stop.depth > span.from + kSlack;
   });
-  Stage stage{.kind = stop.kind,
+  InsertionStep stage{.kind = stop.kind,
               .depth = stop.depth,
               .speed = slow ? pace.crossing : pace.speed,
               .v_max = model.drive_limit(stop.depth),
               .dwell = pace.dwell,
-              .image_confirms = stop.kind == StageKind::Waypoint || stop.kind == StageKind::Target,
+              .image_confirms = stop.kind == StepKind::Waypoint || stop.kind == StepKind::Target,
               .why = stop.why};
   if (const std::string crossed = list_of(boundaries, start, stop.depth);
-      slow && stop.kind != StageKind::Cross)
+      slow && stop.kind != StepKind::Cross)
     stage.why += crossed.empty() ? ", slowly: a boundary is near" : "; slowly through " + crossed;
   return stage;
 }
 
 }  // namespace
 
-std::vector<Stage> plan_stages(const std::vector<Layer>& layers, Millimetres target,
+std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millimetres target,
                                const std::vector<Millimetres>& waypoints, Staging staging, const Pace& pace,
                                const NominalModel& model) {
   assert(std::is_sorted(waypoints.begin(), waypoints.end()) && target.value > 0.0);
@@ -131,16 +131,16 @@ std::vector<Stage> plan_stages(const std::vector<Layer>& layers, Millimetres tar
   std::vector<Stop> stops;
   if (staging == Staging::Automatic) stops = stops_at_crossings(crossings, boundaries, target);
   for (const Millimetres waypoint : waypoints) add_waypoint(stops, waypoint, crossings);
-  stops.push_back({StageKind::Target, target, "target in " + goal.name});
+  stops.push_back({StepKind::Target, target, "target in " + goal.name});
 
-  std::vector<Stage> stages;
+  std::vector<InsertionStep> stages;
   Millimetres start{0.0};
   for (const Stop& stop : stops) {
     stages.push_back(stage_from(stop, start, crossings, boundaries, pace, model));
     start = stop.depth;
   }
   // The last stop in front of the target's layer is where an image can still change the outcome.
-  const auto last_before = std::find_if(stages.rbegin() + 1, stages.rend(), [&](const Stage& stage) {
+  const auto last_before = std::find_if(stages.rbegin() + 1, stages.rend(), [&](const InsertionStep& stage) {
     return stage.depth <= goal.from + kSlack;
   });
   if (last_before != stages.rend()) last_before->image_confirms = true;

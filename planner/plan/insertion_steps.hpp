@@ -1,4 +1,4 @@
-// Where the needle stops on its way: short of each tissue boundary, behind it, where the clinician asked, and
+// Where the needle stops on its way: short of each tissue boundary, behind it, where the operator asked, and
 // at the target.
 #pragma once
 
@@ -35,7 +35,7 @@ inline constexpr Millimetres kStageMin{0.2};
 // boundary. An image confirms the last stop before the layer of the target, every waypoint and the target.
 // `waypoints` must rise inside (0, target) and the layers must cover the target (asserted: plan_insertion
 // refuses before).
-std::vector<Stage> plan_stages(const std::vector<Layer>& layers, Millimetres target,
+std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millimetres target,
                                const std::vector<Millimetres>& waypoints, Staging staging, const Pace& pace,
                                const NominalModel& model);
 

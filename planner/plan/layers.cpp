@@ -31,13 +31,13 @@ class LabelPath {
     const Eigen::Vector3d nearest = (p_I.array() + 0.5).floor();
     const Eigen::Vector3d last = labels_.grid.size.cast<double>().array() - 1.0;
     if (!((nearest.array() >= 0.0).all() && (nearest.array() <= last.array()).all()))
-      throw SetupError(
+      throw ConfigError(
           fmt::format("the needle path leaves the label map {:.1f} mm from the entry", distance_mm), where(),
           "use a label map that covers the whole path, on the frame of the planning image");
     const Eigen::Vector3i index = nearest.cast<int>();
     const float value = labels_.at(index.x(), index.y(), index.z());
     if (!(std::abs(value) < 1e6F) || value != std::round(value))
-      throw SetupError(fmt::format("label value {} is not a whole number", value), where(),
+      throw ConfigError(fmt::format("label value {} is not a whole number", value), where(),
                        "give a label map (segmentation), not an image");
     return static_cast<int>(value);
   }
@@ -151,7 +151,7 @@ std::string layer_fault(const std::vector<Layer>& layers) {
 
 void check_layers(const std::vector<Layer>& layers, const std::string& where) {
   if (const std::string fault = layer_fault(layers); !fault.empty())
-    throw SetupError(
+    throw ConfigError(
         fault, where,
         "list the layers from the entry inwards, each beginning where the one before ends, in mm");
 }

@@ -86,10 +86,10 @@ void read(Parser& from, Layer& layer) {
   read(from, layer.to);
 }
 
-void read(Parser& from, Stage& stage) {
+void read(Parser& from, InsertionStep& stage) {
   const std::uint8_t kind = from.byte();
-  stage.kind = kind <= static_cast<std::uint8_t>(StageKind::Target) ? static_cast<StageKind>(kind)
-                                                                    : static_cast<StageKind>(from.fail());
+  stage.kind = kind <= static_cast<std::uint8_t>(StepKind::Target) ? static_cast<StepKind>(kind)
+                                                                    : static_cast<StepKind>(from.fail());
   read(from, stage.depth);
   stage.speed = MillimetresPerSecond(from.number());
   stage.v_max = Volts(from.number());

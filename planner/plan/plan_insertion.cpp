@@ -197,7 +197,7 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
             .limits = {.depth_max = aim.depth() + kDepthMargin,
                        .v_max = Volts(0.0),
                        .plausible = model.plausible_depths()}};
-  for (const Stage& stage : plan.stages) plan.limits.v_max = std::max(plan.limits.v_max, stage.v_max);
+  for (const InsertionStep& stage : plan.stages) plan.limits.v_max = std::max(plan.limits.v_max, stage.v_max);
   seal(plan);
   return plan;
 }

@@ -113,7 +113,7 @@ RigidTransform rigid_transform_from_ras(const std::array<double, 16>& rows, cons
   constexpr double kTolerance = 1e-4;  // four digits of a rotation typed by hand
   const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());
   const auto refuse = [&where](const std::string& what) {
-    throw SetupError(what, where,
+    throw ConfigError(what, where,
                      "give the 4 x 4 robot-to-scanner transform row by row: rotation, translation in mm "
                      "(RAS), and 0 0 0 1");
   };
@@ -136,7 +136,7 @@ RigidTransform rigid_transform_from_ras(const std::array<double, 16>& rows, cons
 RigidTransform needle_pose(const Point& p_SE, const Point& p_ST) {
   const Eigen::Vector3d path = p_ST - p_SE;
   if (!(path.norm() > 0.01))
-    throw SetupError("entry and target are the same point", "needle path",
+    throw ConfigError("entry and target are the same point", "needle path",
                      "choose a target deeper than the entry");
   RigidTransform X_SR = RigidTransform::Identity();
   X_SR.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), path).toRotationMatrix();

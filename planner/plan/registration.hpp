@@ -44,11 +44,11 @@ std::variant<Registration, PlanRefusal> register_robot(const std::vector<Fiducia
 double expected_tre_mm(const Registration& registration, const Point& p_ST);
 
 // A transform given by a person: 4 x 4, row-major, robot mm to scanner RAS mm, the convention of 3D Slicer.
-// Throws SetupError at `where` unless it is a rotation and a translation to 1e-4.
+// Throws ConfigError at `where` unless it is a rotation and a translation to 1e-4.
 RigidTransform rigid_transform_from_ras(const std::array<double, 16>& rows, const std::string& where);
 
 // The pose the needle guide must have for the needle to wait at the entry and point at the target: origin at
-// p_SE, +z towards p_ST; the turn about the needle is arbitrary. Throws SetupError where the two points are
+// p_SE, +z towards p_ST; the turn about the needle is arbitrary. Throws ConfigError where the two points are
 // less than 0.01 mm apart.
 RigidTransform needle_pose(const Point& p_SE, const Point& p_ST);
 

@@ -48,7 +48,7 @@ void write(Serialiser& to, const Layer& layer) {
   to.number(layer.to.value);
 }
 
-void write(Serialiser& to, const Stage& stage) {
+void write(Serialiser& to, const InsertionStep& stage) {
   to.byte(static_cast<std::uint8_t>(stage.kind));
   to.number(stage.depth.value);
   to.number(stage.speed.value);

@@ -9,7 +9,7 @@
 #include "planner/plan/bench_plan.hpp"
 #include "safety/types/limits.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr double kMoved_mm = 1.0;   // a run that expects less does not lift
@@ -65,4 +65,4 @@ void note_the_travel(report::BenchRecord& record, Volts highest, double drive_sc
                     much, drive_scale > 1.0 ? ", and take a smaller --drive-scale" : ""));
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -4,7 +4,7 @@
 #include "robot/common/units.hpp"
 #include "robot/report/study/bench_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Where the last run began, if elsewhere than the first: something stayed of what was done before.
 void note_the_beginning(report::BenchRecord& record);
@@ -13,4 +13,4 @@ void note_the_beginning(report::BenchRecord& record);
 // all runs, at this scale.
 void note_the_travel(report::BenchRecord& record, Volts highest, double drive_scale);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

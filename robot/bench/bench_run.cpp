@@ -9,7 +9,7 @@
 #include "robot/cycle/control_cycle.hpp"
 #include "robot/cycle/plan_facts.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kThink_ticks = 300;       // between two acts of a hand
@@ -28,7 +28,7 @@ class BenchOperator {
 
   // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold; `key`:
   // how the real arm key stands.
-  World act(const Tick& seen, bool played, bool holds, bool key) {
+  World act(const CycleRecord& seen, bool played, bool holds, bool key) {
     watch(seen, played, holds);
     ++waited_;
     rested_ = rested_ || (step_ == Step::WaitReady && waited_ >= rest_ticks_);
@@ -56,7 +56,7 @@ class BenchOperator {
 
   void go(Step step) { step_ = step, waited_ = 0; }
 
-  void note(const Tick& seen) {
+  void note(const CycleRecord& seen) {
     const safety::SupervisorOutput& s = seen.supervisor;
     const safety::Hazard hazard = step_ == Step::WaitReady ? s.worst : s.reason;
     const bool unnamed = hazard == safety::Hazard::None;
@@ -64,12 +64,12 @@ class BenchOperator {
                                    unnamed ? safety::name_of(s.event) : safety::name_of(hazard));
   }
 
-  void give_up(const Tick& seen) {
+  void give_up(const CycleRecord& seen) {
     note(seen);
     go(Step::Withdraw);
   }
 
-  void watch(const Tick& seen, bool played, bool holds) {
+  void watch(const CycleRecord& seen, bool played, bool holds) {
     const Mode mode = seen.supervisor.permit.mode;
     const bool off = mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock;
     switch (step_) {
@@ -109,7 +109,7 @@ class BenchOperator {
 };
 
 // Row k: measured at its time; then its voltage and its force act until the next row.
-void record(sim::RecordedRun& rows, const Tick& tick, double push_N) {
+void record(sim::RecordedRun& rows, const CycleRecord& tick, double push_N) {
   rows.time.push_back(static_cast<double>(rows.time.size()) * rows.period);
   rows.input.push_back(tick.drive_mV * 1e-3);
   rows.displacement.push_back(tick.measurement.depth_um * 1e-6);
@@ -123,7 +123,7 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
                          const Bench& bench) {
   const safety::PlanFacts facts = live::plan_facts(plan, config_tag);
   const std::uint64_t tag = planner::plan_tag(plan);
-  SupervisedStage stage(plan, facts, bench.stage, {tag, tag});
+  ControlCycle stage(plan, facts, bench.stage, {tag, tag});
   const std::uint32_t length = control::length_ticks(run.program);
   BenchResult result;
   result.recorded.name = run.name;
@@ -131,7 +131,7 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   result.recorded.weight = run.setup.weight.value * 1e-3;
   BenchOperator person(static_cast<bool>(bench.keys), std::llround(bench.rest / Seconds(kTick)));
   control::ProgramState state;
-  Tick seen;
+  CycleRecord seen;
   double push_N = 0.0;
   for (bool played = false, asked = false; !person.done();) {
     if (bench.stop && bench.stop()) person.stop();
@@ -158,4 +158,4 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   return result;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

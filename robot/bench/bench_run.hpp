@@ -12,7 +12,7 @@
 #include "robot/msg/plan.hpp"
 #include "sim/plant/dataset.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 struct BenchResult {
   sim::RecordedRun recorded;
@@ -27,11 +27,11 @@ struct BenchKeys {
 };
 
 struct Bench {
-  port::NeedleStage& stage;                       // at rest, and discharged once it has rested
+  drivers::NeedleStage& stage;                       // at rest, and discharged once it has rested
   std::function<void(double)> push;               // N on plate A, from the next voltage on; stays at a stop
   std::function<void(double)> played;             // told now and then which share of the program
   std::function<BenchKeys()> keys = {};           // turned by hand; none: the script turns them
-  port::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; none: there is none
+  drivers::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; none: there is none
   Seconds rest{0.0};                              // at 0 V beforehand, until what an earlier run left is gone
   std::function<void()> ask_for_key = {};         // told when that is over and the key may be turned
   std::function<bool()> stop = {};                // somebody wants it to end: withdraws as at any stop
@@ -44,4 +44,4 @@ struct Bench {
 // planner::plan_bench. `config_tag` is never 0.
 BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag, const Bench& bench);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

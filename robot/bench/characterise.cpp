@@ -12,6 +12,7 @@
 #include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/bench/bench_notes.hpp"
 #include "robot/bench/bench_run.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/bench/experiments.hpp"
@@ -29,7 +30,7 @@
 #include "sim/simulated_stage.hpp"
 #include "sim/plant/model_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,7 +64,7 @@ void leave_out(Session& session, const std::string& why, const std::function<boo
   std::erase_if(session.runs, which);
   session.notes.push_back(fmt::format("Left out, because {}: {}.", why, names));
   if (session.runs.empty())
-    throw SetupError("nothing is left to do: " + why, "EXPERIMENT",
+    throw ConfigError("nothing is left to do: " + why, "EXPERIMENT",
                      "ask for dc, staircase or frequency, or add --weights-by-hand");
 }
 
@@ -83,21 +84,21 @@ void leave_out_on_hardware(Session& session, const CharacteriseOptions& options)
 
 Session prepared(const CharacteriseOptions& options) {
   if (!is_real(options) && options.device != "sim")
-    throw SetupError(fmt::format("there is no device \"{}\"", options.device), "--device",
+    throw ConfigError(fmt::format("there is no device \"{}\"", options.device), "--device",
                      "there are sim and nidaqmx");
   if (is_real(options) && (options.device_config.empty() || options.commissioning.empty()))
-    throw SetupError("a real stage without --device-config or --commissioning", "command line",
+    throw ConfigError("a real stage without --device-config or --commissioning", "command line",
                      "give both; `biopsy commission` makes the record");
   if (options.weights_by_hand && !is_real(options))
-    throw SetupError("no hand reaches a simulated stage", "--weights-by-hand",
+    throw ConfigError("no hand reaches a simulated stage", "--weights-by-hand",
                      "leave it out: load and impact are simulated; or give --device nidaqmx");
   Session session;
   session.model_file = !options.model.empty() ? options.model
-                       : is_real(options)     ? resources() / "sim/models/calibrated.toml"
+                       : is_real(options)     ? data_folder() / "sim/models/calibrated.toml"
                                               : blank_case().rehearsal.model;
   session.model = sim::read_model(session.model_file);
   if (session.model.baseline.drive != sim::Drive::Stack)
-    throw SetupError("the model is driven by a force and has no voltage", session.model_file.string(),
+    throw ConfigError("the model is driven by a force and has no voltage", session.model_file.string(),
                      "give a model of the stage with its stack");
   auto& noise = session.model.effects.sensor_noise;
   if (!is_real(options) && (!noise || !(noise->std > 0.0))) {
@@ -114,7 +115,7 @@ Session prepared(const CharacteriseOptions& options) {
   for (const BenchRun& run : session.runs) {
     auto plan = planner::plan_bench(bench_request(run));
     if (const auto* refusal = std::get_if<PlanRefusal>(&plan))
-      throw SetupError(run.name + " is refused: " + refusal->what, "--weight-g, --drive-scale",
+      throw ConfigError(run.name + " is refused: " + refusal->what, "--weight-g, --drive-scale",
                        refusal->remedy);
     session.plans.push_back(std::get<Plan>(std::move(plan)));
   }
@@ -178,9 +179,9 @@ void store(const BenchResult& result, const sim::Dataset& dataset, const fs::pat
   if (!result.stopped_because.empty())
     head = fmt::format("# incomplete: stopped at {:.3f} s, {}\n", result.stopped_s, result.stopped_because);
   for (const std::string& remark : result.remarks) head += "# " + remark + "\n";
-  report::write_whole_file(folder / result.recorded.file,
+  report::atomic_write(folder / result.recorded.file,
                            head + sim::run_csv(result.recorded, sim::Drive::Stack));
-  report::write_whole_file(folder / "dataset.toml", sim::dataset_toml(dataset));
+  report::atomic_write(folder / "dataset.toml", sim::dataset_toml(dataset));
 }
 
 std::string title_of(const report::BenchRecord& record) {
@@ -201,7 +202,7 @@ BenchResult run_simulated(const Session& session, std::size_t i, const Character
   const BenchRun& run = session.runs[i];
   sim::PlantModel model = session.model;
   model.weight = run.setup.weight.value * 1e-3;
-  sim::SimStage stage(model, options.seed + i);
+  sim::SimulatedStage stage(model, options.seed + i);
   return run_on_bench(run, session.plans[i], 1 + options.seed,
                       {.stage = stage,
                        .push = [&](double force_N) { stage.push(force_N); },
@@ -259,7 +260,7 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
                     grams_of(std::abs(push_N - lies_N))));
     lies_N = push_N;
   };
-  PacedStage stage(hardware);
+  RealtimeNeedleStage stage(hardware);
   nidaqmx::PulseLine supervisors_half(nidaqmx::read_config(options.device_config));
   const auto keys = [&] {
     const nidaqmx::Panel& panel = hardware.panel();
@@ -286,9 +287,9 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
 }
 
 std::unique_ptr<nidaqmx::NidaqmxStage> hardware_of(const CharacteriseOptions& options) {
-  const fs::path keys = options.keys.empty() ? keys::default_folder() : options.keys;
+  const fs::path keys = options.keys.empty() ? security::default_folder() : options.keys;
   return commissioned_stage(options.device_config, options.commissioning,
-                            keys::signing_files(keys, keys::Signer::Commissioning).public_key);
+                            security::signing_files(keys, security::Signer::Commissioning).public_key);
 }
 
 Volts highest_of(const Session& session) {
@@ -331,7 +332,7 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     if (!result.stopped_because.empty()) break;
   }
   note_the_travel(record, highest_of(session), options.drive_scale);
-  report::write_whole_file(options.out / "report.html", report::bench_html(record));
+  report::atomic_write(options.out / "report.html", report::bench_html(record));
   return record;
 }
 
@@ -347,9 +348,9 @@ int characterise(const CharacteriseOptions& options) {
     return 0;
   }
   if (options.out.empty())
-    throw SetupError("nowhere to put the data set", "command line", "add --out FOLDER, or --dry-run");
+    throw ConfigError("nowhere to put the data set", "command line", "add --out FOLDER, or --dry-run");
   if (!options.bench)
-    throw SetupError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
+    throw ConfigError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
                      "look at what would be done with --dry-run; then clear the stage and add --bench");
   const Inputs inputs{session.model_file, options.device_config, options.commissioning, options.keys};
   keep_apart(options.out, inputs);
@@ -365,4 +366,4 @@ int characterise(const CharacteriseOptions& options) {
   return complete ? 0 : 3;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

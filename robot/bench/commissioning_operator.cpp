@@ -7,7 +7,7 @@
 #include <istream>
 #include <ostream>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 using commissioning::Act;
 
@@ -17,11 +17,11 @@ constexpr double kLift_N = 0.56;  // 4 mm on the series spring of 140 N/m
 
 }  // namespace
 
-void TerminalPerson::told(const std::string& what) {
+void TerminalOperator::notify(const std::string& what) {
   out_ << what << '\n' << std::flush;
 }
 
-bool TerminalPerson::does(Act, const std::string& what) {
+bool TerminalOperator::confirm(Act, const std::string& what) {
   out_ << "  " << what << '\n';
   for (std::string line;;) {
     out_ << "  done? [y/n] " << std::flush;
@@ -31,7 +31,7 @@ bool TerminalPerson::does(Act, const std::string& what) {
   }
 }
 
-std::optional<double> TerminalPerson::reads(const std::string& what) {
+std::optional<double> TerminalOperator::enter_value(const std::string& what) {
   for (std::string line;;) {
     out_ << "  " << what << ": " << std::flush;
     if (!std::getline(in_, line)) return std::nullopt;
@@ -64,9 +64,9 @@ StageTrimmings SimulatedBench::trimmings() {
           .supervisor_pulse = &supervisors_half_};
 }
 
-bool SimulatedPerson::does(Act act, const std::string& what) {
-  if (always_agrees_) asked_.told("  " + what);
-  if (!always_agrees_ && !asked_.does(act, what)) return false;
+bool SimulatedOperator::confirm(Act act, const std::string& what) {
+  if (always_agrees_) asked_.notify("  " + what);
+  if (!always_agrees_ && !asked_.confirm(act, what)) return false;
   switch (act) {
     case Act::Prepare:
       break;
@@ -86,10 +86,10 @@ bool SimulatedPerson::does(Act act, const std::string& what) {
   return true;
 }
 
-std::optional<double> SimulatedPerson::reads(const std::string& what) {
+std::optional<double> SimulatedOperator::enter_value(const std::string& what) {
   const double height_mm = std::round(bench_.true_depth_mm() * 100.0) / 100.0;
-  asked_.told(fmt::format("  {}: {:.2f} (simulated)", what, height_mm));
+  asked_.notify(fmt::format("  {}: {:.2f} (simulated)", what, height_mm));
   return height_mm;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -12,16 +12,16 @@
 #include "safety/interlock.hpp"
 #include "sim/simulated_stage.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Asks "done? y/n" and for numbers; the end of the input is a no.
-class TerminalPerson final : public commissioning::Person {
+class TerminalOperator final : public commissioning::Operator {
  public:
-  TerminalPerson(std::istream& in, std::ostream& out) : in_(in), out_(out) {}
+  TerminalOperator(std::istream& in, std::ostream& out) : in_(in), out_(out) {}
 
-  void told(const std::string& what) override;
-  bool does(commissioning::Act act, const std::string& what) override;
-  std::optional<double> reads(const std::string& what) override;
+  void notify(const std::string& what) override;
+  bool confirm(commissioning::Act act, const std::string& what) override;
+  std::optional<double> enter_value(const std::string& what) override;
 
  private:
   std::istream& in_;
@@ -30,11 +30,11 @@ class TerminalPerson final : public commissioning::Person {
 
 // The simulated stage with what surrounds it on a bench: the interlock of safety/interlock.hpp, an emergency
 // stop with two contacts, a hand.
-class SimulatedBench final : public port::NeedleStage {
+class SimulatedBench final : public drivers::NeedleStage {
  public:
   explicit SimulatedBench(const sim::PlantModel& model, std::uint64_t seed);
 
-  port::SensorReading read() override { return stage_.read(); }
+  drivers::SensorReading read() override { return stage_.read(); }
   void write(const safety::GatedVoltage& voltage) override;
 
   StageTrimmings trimmings();
@@ -47,7 +47,7 @@ class SimulatedBench final : public port::NeedleStage {
   static constexpr int kPressAfter_ticks = 300;  // under voltage
   static constexpr int kContactLag_ticks = 2;    // between the contacts of a real button
 
-  struct SupervisorsHalf final : port::PulseOutput {
+  struct SupervisorsHalf final : drivers::PulseOutput {
     explicit SupervisorsHalf(SimulatedBench& bench) : bench_(bench) {}
     void pulse() override {
       bench_.interlock_ = safety::feed_from_supervisor(bench_.interlock_, bench_.stage_.now_us());
@@ -55,7 +55,7 @@ class SimulatedBench final : public port::NeedleStage {
     SimulatedBench& bench_;
   };
 
-  sim::SimStage stage_;
+  sim::SimulatedStage stage_;
   safety::Interlock interlock_;
   SupervisorsHalf supervisors_half_{*this};
   bool feeding_ = true;
@@ -63,20 +63,20 @@ class SimulatedBench final : public port::NeedleStage {
   int pressed_ticks_ = 0;
 };
 
-// Does on the simulated bench what a person is asked to do, once `asked` has agreed.
-class SimulatedPerson final : public commissioning::Person {
+// Does on the simulated bench what an operator is asked to do, once `asked` has agreed.
+class SimulatedOperator final : public commissioning::Operator {
  public:
-  SimulatedPerson(SimulatedBench& bench, commissioning::Person& asked, bool always_agrees)
+  SimulatedOperator(SimulatedBench& bench, commissioning::Operator& asked, bool always_agrees)
       : bench_(bench), asked_(asked), always_agrees_(always_agrees) {}
 
-  void told(const std::string& what) override { asked_.told(what); }
-  bool does(commissioning::Act act, const std::string& what) override;
-  std::optional<double> reads(const std::string& what) override;
+  void notify(const std::string& what) override { asked_.notify(what); }
+  bool confirm(commissioning::Act act, const std::string& what) override;
+  std::optional<double> enter_value(const std::string& what) override;
 
  private:
   SimulatedBench& bench_;
-  commissioning::Person& asked_;
+  commissioning::Operator& asked_;
   bool always_agrees_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -13,7 +13,7 @@
 #include "robot/control/voltage_program.hpp"
 #include "robot/cycle/plan_facts.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using commissioning::Drive;
@@ -22,10 +22,10 @@ using commissioning::Sample;
 constexpr Volts kMost{500.0};  // lifts the stack by less than a tenth of a millimetre
 constexpr Grams kWeight{50.0};
 constexpr std::uint64_t kConfigTag = 1;  // nothing can change within a step
-constexpr std::uint32_t kRamp_ticks = 100;
+constexpr std::uint32_t kLevelRamp_ticks = 100;
 constexpr std::uint32_t kThink_ticks = 50;  // in a mode before the next one is asked for
 constexpr std::uint32_t kReady_ticks = 5'000;
-constexpr std::uint32_t kRest_ticks = 300;       // behind the end of the voltage
+constexpr std::uint32_t kLevelRest_ticks = 300;       // behind the end of the voltage
 constexpr std::int64_t kPause_ns = 100'000'000;  // somebody was asked something: the beat begins anew
 
 Plan small_voltages() {
@@ -38,7 +38,7 @@ Plan small_voltages() {
 control::VoltageProgram program_of(std::int32_t level_mV, std::uint32_t ticks) {
   const Volts level = from_mV(std::abs(level_mV));
   control::VoltageProgram program;
-  program.segments = {{kRamp_ticks, Volts(0), level}, {ticks, level, level}, {kRamp_ticks, level, Volts(0)}};
+  program.segments = {{kLevelRamp_ticks, Volts(0), level}, {ticks, level, level}, {kLevelRamp_ticks, level, Volts(0)}};
   program.half_period_ticks = 0;
   program.sign = level_mV < 0 ? -1 : 1;
   return program;
@@ -64,7 +64,7 @@ class DriveScript {
   }
 
   // `done`: the voltage is no longer wanted.
-  void watch(const Tick& seen, bool done) {
+  void watch(const CycleRecord& seen, bool done) {
     const Mode mode = seen.supervisor.permit.mode;
     const bool stopped = mode == Mode::Trip || mode == Mode::Lock;
     ++waited_;
@@ -82,7 +82,7 @@ class DriveScript {
         if (waited_ > 1 && mode != Mode::Active) give_up(seen);
         return;
       case Phase::Withdraw:
-        if (!seen.supervisor.permit.hv_enable && waited_ > kRest_ticks) go(Phase::Over);
+        if (!seen.supervisor.permit.hv_enable && waited_ > kLevelRest_ticks) go(Phase::Over);
         return;
       case Phase::Over:
         return;
@@ -98,7 +98,7 @@ class DriveScript {
 
   void go(Phase phase) { phase_ = phase, waited_ = 0; }
 
-  void give_up(const Tick& seen) {
+  void give_up(const CycleRecord& seen) {
     const safety::SupervisorOutput& s = seen.supervisor;
     const safety::Hazard hazard = phase_ == Phase::Ready ? s.worst : s.reason;
     stopped_because_ = fmt::format("{}: {}", safety::name_of(s.permit.mode), safety::name_of(hazard));
@@ -112,7 +112,7 @@ class DriveScript {
 
 }  // namespace
 
-SupervisedRig::SupervisedRig(port::NeedleStage& stage, StageTrimmings trimmings)
+SupervisedRig::SupervisedRig(drivers::NeedleStage& stage, StageTrimmings trimmings)
     : stage_(stage),
       trimmings_(std::move(trimmings)),
       plan_(small_voltages()),
@@ -151,7 +151,7 @@ Drive SupervisedRig::drive(std::int32_t level_mV, std::uint32_t ticks,
                            const std::function<bool(const Sample&)>& go_on) {
   const control::VoltageProgram program = program_of(level_mV, ticks);
   const std::uint64_t tag = planner::plan_tag(plan_);
-  SupervisedStage supervised(plan_, facts_, stage_, {tag, tag});
+  ControlCycle supervised(plan_, facts_, stage_, {tag, tag});
   control::ProgramState state;
   DriveScript script;
   Drive drive;
@@ -161,7 +161,7 @@ Drive SupervisedRig::drive(std::int32_t level_mV, std::uint32_t ticks,
     World world = script.act();
     world.estop_closed = sample.estop_a_closed && sample.estop_b_closed;
     sample = in_tick([&] {
-      const Tick seen =
+      const CycleRecord seen =
           supervised.tick(world, [&](const Measurement&, const safety::SupervisorOutput& decided) {
             const control::ProgramStep next = control::play(program, state, decided.permit, world.finish);
             state = next.state;
@@ -174,7 +174,7 @@ Drive SupervisedRig::drive(std::int32_t level_mV, std::uint32_t ticks,
     });
     const bool reached = !drive.samples.empty() || sample.command_mV == level_mV;
     if (reached) drive.samples.push_back(sample);
-    const bool there = reached && state.ticks < kRamp_ticks + ticks;
+    const bool there = reached && state.ticks < kLevelRamp_ticks + ticks;
     if (wanted && script.running() && there) wanted = go_on(sample);
   }
   drive.stopped_because = script.stopped_because();
@@ -185,4 +185,4 @@ void SupervisedRig::feed_interlock(bool feeding) {
   if (trimmings_.feed_interlock) trimmings_.feed_interlock(feeding);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

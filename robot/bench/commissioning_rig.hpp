@@ -12,7 +12,7 @@
 #include "robot/live/realtime/tick_clock.hpp"
 #include "safety/types/plan_facts.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // What a stage has besides its port, and time. All optional.
 struct StageTrimmings {
@@ -21,14 +21,14 @@ struct StageTrimmings {
   };
   std::function<Contacts()> estop;                // as of the last read(); none: not wired to this device
   std::function<void(bool)> feed_interlock;       // none: nothing to feed
-  port::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; must outlive the rig
+  drivers::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; must outlive the rig
   bool real_time = false;                         // 1 kHz on this computer's clock, else as fast as it goes
 };
 
 class SupervisedRig final : public commissioning::Rig {
  public:
   // `stage` must outlive this.
-  SupervisedRig(port::NeedleStage& stage, StageTrimmings trimmings);
+  SupervisedRig(drivers::NeedleStage& stage, StageTrimmings trimmings);
 
   commissioning::Sample rest() override;
   commissioning::Drive drive(std::int32_t level_mV, std::uint32_t ticks,
@@ -40,7 +40,7 @@ class SupervisedRig final : public commissioning::Rig {
   // Waits for the next tick, does it, and adds contacts and times to what it saw.
   commissioning::Sample in_tick(const std::function<commissioning::Sample()>& act);
 
-  port::NeedleStage& stage_;
+  drivers::NeedleStage& stage_;
   StageTrimmings trimmings_;
   Plan plan_;
   safety::PlanFacts facts_;
@@ -49,4 +49,4 @@ class SupervisedRig final : public commissioning::Rig {
   bool supervisor_feeds_ = true;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

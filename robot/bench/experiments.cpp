@@ -8,7 +8,7 @@
 #include "planner/plan/nominal_model.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using control::VoltageProgram;
@@ -29,9 +29,9 @@ std::uint32_t ticks_of(Seconds time) {
 }
 
 // The planner's nominal stage, under a voltage that is so many times higher.
-class Stage {
+class InsertionStep {
  public:
-  explicit Stage(const BenchSetup& setup)
+  explicit InsertionStep(const BenchSetup& setup)
       : nominal_(setup.weight),
         weight_(setup.weight),
         scale_(setup.drive_scale),
@@ -40,7 +40,7 @@ class Stage {
   Volts drive(Millimetres depth) const {
     const std::optional<Volts> drive = nominal_.drive(depth);
     if (!drive)
-      throw SetupError(fmt::format("{:.0f} g cannot be lifted by {:.1f} mm", weight_.value, depth.value),
+      throw ConfigError(fmt::format("{:.0f} g cannot be lifted by {:.1f} mm", weight_.value, depth.value),
                        "--weight-g", "put less on the fixture");
     return Volts(10.0 * std::round(scale_ * drive->value / 10.0));
   }
@@ -103,7 +103,7 @@ VoltageProgram electrical_step(const BenchSetup& setup) {
   constexpr double kShareOfLift = 0.75;
   constexpr std::uint32_t kStand_ticks = 8'000;
   const auto step_ticks = static_cast<std::uint32_t>(std::ceil(25.0 * setup.drive_scale));
-  const Volts amplitude = kShareOfLift * Stage(setup).drive(Millimetres(0.01));
+  const Volts amplitude = kShareOfLift * InsertionStep(setup).drive(Millimetres(0.01));
   return {.segments = {{step_ticks, Volts(0), amplitude},
                        {kStand_ticks, amplitude, amplitude},
                        {step_ticks, amplitude, Volts(0)},
@@ -115,7 +115,7 @@ VoltageProgram electrical_step(const BenchSetup& setup) {
 // leave 0.45 K, which lifts nothing.
 std::vector<BenchRun> dc_runs(const BenchSetup& setup) {
   constexpr std::uint32_t kStand_ticks = 4'000, kDown_ticks = 4'000;
-  VoltageProgram lifting = hold_at(Stage(setup).drive(kWorking), kStand_ticks);
+  VoltageProgram lifting = hold_at(InsertionStep(setup).drive(kWorking), kStand_ticks);
   lifting.segments[2].ticks = kDown_ticks;
   return {dc_run("dc-step", "for 8 s, too low to lift", electrical_step(setup), 1, setup),
           dc_run("dc-plus", "for 4 s and down in 4 s", lifting, 1, setup),
@@ -125,7 +125,7 @@ std::vector<BenchRun> dc_runs(const BenchSetup& setup) {
 // As high as the working voltage, but no higher than a change of polarity, which lets the films' voltage
 // jump, can be followed without a swing.
 Volts amplitude_for(Seconds half_period, const BenchSetup& setup) {
-  const Stage stage(setup);
+  const InsertionStep stage(setup);
   const planner::FilmShare share = planner::film_share(half_period);
   const Volts most = stage.drive(kWorking), stride(10.0);
   const Millimetres largest_jump = stage.largest_jump();
@@ -162,7 +162,7 @@ BenchRun staircase_run(const BenchSetup& setup) {
     now = next;
   };
   for (const double depth : {1.5, 3.0, 4.5, 6.0, 7.5, 6.0, 4.5, 3.0, 1.5})
-    step_to(Stage(setup).drive(Millimetres(depth)));
+    step_to(InsertionStep(setup).drive(Millimetres(depth)));
   step_to(Volts(0));
   return {.name = named("staircase", setup.weight),
           .what = fmt::format("2 Hz, five steps up to {:.2f} kV and down again",
@@ -191,7 +191,7 @@ std::string to_text(const BenchSetup& setup, double push_N) {
 
 std::vector<BenchRun> load_runs(const BenchSetup& setup) {
   const std::uint32_t stand_ticks = setup.by_hand ? kHand_ticks : 1'500;
-  const Stage stage(setup);
+  const InsertionStep stage(setup);
   const Volts amplitude = stage.drive(kWorking);
   const double push_N = pushed_with(setup, stage.largest_push(amplitude));
   BenchRun run{.name = named("load", setup.weight),
@@ -206,14 +206,14 @@ std::vector<BenchRun> load_runs(const BenchSetup& setup) {
     from += stand_ticks;
   }
   if (stage.depth(amplitude, 2.0 * push_N) < kStillUp)
-    throw SetupError(fmt::format("a push of {:.3f} N, doubled, takes the nominal stage below {:g} mm", push_N,
+    throw ConfigError(fmt::format("a push of {:.3f} N, doubled, takes the nominal stage below {:g} mm", push_N,
                                  kStillUp.value),
                      "--push-scale", "take a smaller one");
   return {run};
 }
 
 std::vector<BenchRun> impact_runs(const BenchSetup& setup) {
-  const Stage stage(setup);
+  const InsertionStep stage(setup);
   const Volts amplitude = stage.drive(kWorking);
   // A blow that ends when plate A swings back adds a second swing to the first. No hand is as quick.
   const double share = setup.by_hand ? 1.0 : 0.7;
@@ -261,21 +261,21 @@ const std::vector<Experiment>& experiments() {
 
 std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const BenchSetup& setup) {
   if (!(setup.weight >= Grams(0) && setup.weight <= planner::kWeightMax))
-    throw SetupError(fmt::format("a weight of {:g} g is outside 0 to {:.0f} g", setup.weight.value,
+    throw ConfigError(fmt::format("a weight of {:g} g is outside 0 to {:.0f} g", setup.weight.value,
                                  planner::kWeightMax.value),
                      "--weight-g", "put less on the fixture");
   if (!(setup.drive_scale >= 1.0 && setup.drive_scale <= planner::kDriveScaleMax))
-    throw SetupError(fmt::format("{:g} times the nominal voltage is outside 1 to {:g}", setup.drive_scale,
+    throw ConfigError(fmt::format("{:g} times the nominal voltage is outside 1 to {:g}", setup.drive_scale,
                                  planner::kDriveScaleMax),
                      "--drive-scale", "measure with 1 first; the report says how far the stage went");
   if (!(setup.push_scale >= 1.0 && setup.push_scale <= kPushScaleMax))
-    throw SetupError(
+    throw ConfigError(
         fmt::format("{:g} times the nominal push is outside 1 to {:g}", setup.push_scale, kPushScaleMax),
         "--push-scale", "measure with 1 first; the report says whether the depth showed it");
   for (const std::string& name : names)
     if (std::none_of(experiments().begin(), experiments().end(),
                      [&](const auto& e) { return e.name == name; }))
-      throw SetupError(fmt::format("there is no experiment \"{}\"", name), "command line",
+      throw ConfigError(fmt::format("there is no experiment \"{}\"", name), "command line",
                        "choose from: " + list_of_names() + "; or name none for all of them");
   std::vector<BenchRun> runs;
   for (const Experiment& experiment : experiments())
@@ -305,4 +305,4 @@ double push_at(const BenchRun& run, std::uint32_t tick) {
   return push_N;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

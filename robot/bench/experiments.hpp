@@ -8,7 +8,7 @@
 #include "planner/plan/bench_plan.hpp"
 #include "robot/control/voltage_program.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // A push on plate A, downwards, in these ticks of the program.
 struct LoadStep {
@@ -39,7 +39,7 @@ struct Experiment {
 
 const std::vector<Experiment>& experiments();
 
-// The runs of the named experiments, in the order of the list; of all where none is named. Throws SetupError
+// The runs of the named experiments, in the order of the list; of all where none is named. Throws ConfigError
 // for a name that is not in the list, listing them, and for a setup that the stage cannot lift.
 std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const BenchSetup& setup);
 
@@ -53,4 +53,4 @@ double grams_of(double push_N);  // the weight that pushes so
 // N on plate A in this tick of the program.
 double push_at(const BenchRun& run, std::uint32_t tick);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

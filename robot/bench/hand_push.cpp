@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr double kBefore_s = 1.0;       // tells the scatter, before the first
@@ -96,4 +96,4 @@ std::vector<HandPush> date_by_depth(sim::RecordedRun& run, std::size_t period_ro
   return pushes;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

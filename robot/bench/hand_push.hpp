@@ -5,7 +5,7 @@
 
 #include "sim/plant/dataset.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 struct HandPush {
   double asked_s = 0.0;  // when somebody was asked for it, in the run's time
@@ -21,4 +21,4 @@ struct HandPush {
 // `period_rows`: rows of a drive period; `end`: the row behind the last that was under the program.
 std::vector<HandPush> date_by_depth(sim::RecordedRun& run, std::size_t period_rows, std::size_t end);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

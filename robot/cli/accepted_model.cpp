@@ -9,13 +9,13 @@
 #include "robot/common/files/whole_file.hpp"
 #include "sim/plant/model_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason) {
-  throw SetupError(fmt::format("the model cannot be replaced: {}", reason), file.string(),
+  throw ConfigError(fmt::format("the model cannot be replaced: {}", reason), file.string(),
                    "give --model a file in a folder that can be written, on a disk with free space");
 }
 
@@ -54,8 +54,8 @@ std::filesystem::path accept_model(const std::filesystem::path& model_file, cons
   fs::path old = keep_old(file);
   std::error_code trouble;
   try {
-    report::write_whole_file(file, new_text);
-  } catch (const SetupError& error) {
+    report::atomic_write(file, new_text);
+  } catch (const ConfigError& error) {
     fs::remove(old, trouble);
     refuse(model_file, error.what_is_wrong);
   }
@@ -67,4 +67,4 @@ void refuse_unless_replaceable(const fs::path& model_file) {
   replaceable(model_file);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

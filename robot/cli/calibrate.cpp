@@ -6,6 +6,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "robot/common/files/data_folder.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/common/progress.hpp"
@@ -15,13 +16,13 @@
 #include "sim/paper/calibration/paper_text.hpp"
 #include "sim/plant/model_text.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using sim::calibration::Calibration;
-using sim::calibration::KnobFound;
+using sim::calibration::CalibratedParameter;
 
 constexpr int kEvaluations = 600, kEvaluationsFromFar = 1600;
 // From far away, in many dimensions at once; near an earlier answer few draws go more ways in the same time.
@@ -35,10 +36,10 @@ double three_digits(double value) {
 
 sim::calibration::Question question_of(const CalibrateOptions& options) {
   sim::calibration::Question question;
-  question.start = sim::paper::read_paper_model(options.model, resources() / "sim/models/paper.toml");
-  question.knobs = sim::calibration::standard_knobs();
+  question.start = sim::paper::read_paper_model(options.model, data_folder() / "sim/models/paper.toml");
+  question.parameters = sim::calibration::standard_parameters();
   if (options.from_nominal)
-    for (sim::calibration::Knob& knob : question.knobs) knob.start = knob.nominal;
+    for (sim::calibration::Parameter& parameter : question.parameters) parameter.start = parameter.nominal;
   question.figures = sim::calibration::calibrated_figures();
   question.reach = sim::calibration::kReach;
   for (const fs::path& folder : options.data)
@@ -70,11 +71,11 @@ std::string source_of(const CalibrateOptions& options, const Calibration& result
 
 // Of the numbers found; the others keep the notes of the model that was started from.
 sim::ModelNotes notes_of(const Calibration& result, sim::ModelNotes notes, const std::string& source) {
-  for (const KnobFound& found : result.knobs)
-    notes.values[found.knob.name] = {
+  for (const CalibratedParameter& found : result.parameters)
+    notes.values[found.parameter.name] = {
         three_digits(found.std),
         source + (found.only_prior ? ", which hardly tell it: its std is what was known before" : "") +
-            "; known before: " + found.knob.why};
+            "; known before: " + found.parameter.why};
   notes.title = "SE-HASEL needle stage, calibrated on the paper's figures";
   return notes;
 }
@@ -90,12 +91,12 @@ double three_decimals(double value) {
 sim::Correlations correlations_of_stage(const Calibration& result) {
   sim::Correlations out;
   std::vector<Eigen::Index> kept;
-  for (std::size_t i = 0; i < result.knobs.size(); ++i) {
-    if (!is_of_stage(result.knobs[i].knob.name)) continue;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    if (!is_of_stage(result.parameters[i].parameter.name)) continue;
     const auto row = static_cast<Eigen::Index>(i);
     for (const Eigen::Index column : kept)
       out.lower.push_back(three_decimals(result.correlations(row, column)));
-    out.values.push_back(result.knobs[i].knob.name);
+    out.values.push_back(result.parameters[i].parameter.name);
     kept.push_back(row);
   }
   return out;
@@ -106,8 +107,8 @@ void write_models(const Calibration& result, const sim::ModelNotes& given, const
   sim::ModelNotes stage_notes = notes;
   std::erase_if(stage_notes.values, [](const auto& entry) { return !is_of_stage(entry.first); });
   stage_notes.correlations = correlations_of_stage(result);
-  report::write_whole_file(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
-  report::write_whole_file(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
+  report::atomic_write(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
+  report::atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
 }
 
 Json row_json(const PaperRow& row) {
@@ -117,16 +118,16 @@ Json row_json(const PaperRow& row) {
 
 std::string json_text(const Calibration& result, const CalibrateOptions& options, double seconds) {
   Json values = Json::array(), matrix = Json::array(), rows = Json::array();
-  for (const KnobFound& found : result.knobs)
-    values.push_back({{"name", found.knob.name},
+  for (const CalibratedParameter& found : result.parameters)
+    values.push_back({{"name", found.parameter.name},
                       {"value", found.value},
                       {"std", found.std},
-                      {"nominal", found.knob.nominal},
-                      {"low", found.knob.low},
-                      {"high", found.knob.high},
+                      {"nominal", found.parameter.nominal},
+                      {"low", found.parameter.low},
+                      {"high", found.parameter.high},
                       {"at_bound", found.at_bound},
                       {"only_prior", found.only_prior},
-                      {"source", found.knob.why}});
+                      {"source", found.parameter.why}});
   for (Eigen::Index i = 0; i < result.correlations.rows(); ++i) {
     Json line = Json::array();
     for (Eigen::Index j = 0; j < result.correlations.cols(); ++j)
@@ -157,15 +158,15 @@ void print_correlations(const Calibration& result) {
   for (Eigen::Index i = 0; i < result.correlations.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j)
       if (std::abs(result.correlations(i, j)) >= kWorthSaying)
-        fmt::print("hardly known apart: {} and {} (correlation {:.2f})\n", result.knobs[j].knob.name,
-                   result.knobs[i].knob.name, result.correlations(i, j));
+        fmt::print("hardly known apart: {} and {} (correlation {:.2f})\n", result.parameters[j].parameter.name,
+                   result.parameters[i].parameter.name, result.correlations(i, j));
 }
 
 void print(const Calibration& result, double seconds) {
   fmt::print("{:<32} {:>10} {:>10} {:>10}\n", "", "value", "std", "nominal");
-  for (const KnobFound& found : result.knobs)
-    fmt::print("{:<32} {:>10.4g} {:>10.2g} {:>10.4g}{}{}\n", found.knob.name, found.value, found.std,
-               found.knob.nominal, found.at_bound ? "  at the edge of what is plausible" : "",
+  for (const CalibratedParameter& found : result.parameters)
+    fmt::print("{:<32} {:>10.4g} {:>10.2g} {:>10.4g}{}{}\n", found.parameter.name, found.value, found.std,
+               found.parameter.nominal, found.at_bound ? "  at the edge of what is plausible" : "",
                found.only_prior ? "  hardly told by the figures" : "");
   print_correlations(result);
   std::size_t reached = 0;
@@ -204,7 +205,7 @@ void print_runs(const Calibration& result, const CalibrateOptions& options) {
 
 int calibrate(const CalibrateOptions& given) {
   CalibrateOptions options = given;
-  if (options.model.empty()) options.model = resources() / "sim/models/calibrated.toml";
+  if (options.model.empty()) options.model = data_folder() / "sim/models/calibrated.toml";
   if (options.evaluations == 0)
     options.evaluations = options.from_nominal ? kEvaluationsFromFar : kEvaluations;
   const sim::calibration::Question question = question_of(options);
@@ -216,7 +217,7 @@ int calibrate(const CalibrateOptions& given) {
   const Calibration result = calibrated(question, options);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   write_models(result, given_notes, options);
-  report::write_whole_file(options.out / "calibration.json", json_text(result, options, seconds));
+  report::atomic_write(options.out / "calibration.json", json_text(result, options, seconds));
   print(result, seconds);
   print_runs(result, options);
   fmt::print("\nstage:  {}\nfilms:  {}\nvalues: {}\n", (options.out / "calibrated.toml").string(),
@@ -224,4 +225,4 @@ int calibrate(const CalibrateOptions& given) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

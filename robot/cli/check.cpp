@@ -13,7 +13,7 @@
 #include "robot/common/files/whole_file.hpp"
 #include "robot/report/procedure/labels.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 nlohmann::ordered_json as_json(const DepthCheck& result) {
@@ -37,7 +37,7 @@ nlohmann::ordered_json as_json(const DepthCheck& result) {
 void check_patients(const Volume& before, const Volume& after) {
   const std::string &a = before.identity.patient_id, &b = after.identity.patient_id;
   if (!a.empty() && !b.empty() && a != b)
-    throw SetupError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b),
+    throw ConfigError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b),
                      "--before, --after", "give two images of one patient");
 }
 
@@ -48,7 +48,7 @@ int check(const CheckOptions& options) {
   const Point p_SE = typed_point("--entry", options.entry);
   const Point axis_S = typed_point("--axis", options.axis);
   const double length = axis_S.norm();
-  if (length < 1e-6) throw SetupError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
+  if (length < 1e-6) throw ConfigError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
   const Volume before = imaging::read_volume(options.before, options.before_series);
   const Volume after = imaging::read_volume(options.after, options.after_series);
   check_patients(before, after);
@@ -62,7 +62,7 @@ int check(const CheckOptions& options) {
   if (!options.out.empty()) {
     report::save_png(pictures.before.picture, options.out / "before.png");
     report::save_png(pictures.after.picture, options.out / "after.png");
-    report::write_whole_file(options.out / "check.json", json);
+    report::atomic_write(options.out / "check.json", json);
   }
   if (options.json) {
     fmt::print("{}", json);
@@ -80,4 +80,4 @@ int check(const CheckOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -6,7 +6,7 @@
 #include "robot/cli/live_commands.hpp"
 #include "robot/cli/study_commands.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 void add_dry_run(CLI::App& app, DryRunOptions& options, int& code) {
@@ -200,4 +200,4 @@ int run_command_line(int argc, const char* const* argv) {
   return code;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -1,9 +1,9 @@
 // The command line: words in, one command out.
 #pragma once
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-// Parses, runs the command and returns its exit code. Throws SetupError for bad input.
+// Parses, runs the command and returns its exit code. Throws ConfigError for bad input.
 int run_command_line(int argc, const char* const* argv);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -1,5 +1,5 @@
 // What the program can do, one function a command. Each returns the exit code for a run that went its way
-// (0), and throws SetupError for bad input (2, see main).
+// (0), and throws ConfigError for bad input (2, see main).
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 struct ProcedureOptions {
   std::string case_name;  // empty: the built-in liver case, unless an image is given
@@ -138,4 +138,4 @@ struct CharacteriseOptions {
 // Exit code 0: every run came to its end; 3: the supervisor stopped one.
 int characterise(const CharacteriseOptions& options);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -20,7 +20,7 @@
 #include "robot/common/files/whole_file.hpp"
 #include "sim/plant/model_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,27 +31,27 @@ constexpr std::uint64_t kSeed = 1;
 void refuse_unusable(const CommissionOptions& options) {
   const bool hardware = options.device == "nidaqmx";
   if (!hardware && options.device != "sim")
-    throw SetupError(fmt::format("there is no device \"{}\"", options.device), "--device",
+    throw ConfigError(fmt::format("there is no device \"{}\"", options.device), "--device",
                      "use sim or nidaqmx");
   if (hardware && options.config.empty())
-    throw SetupError("the hardware's configuration is missing", "--config",
+    throw ConfigError("the hardware's configuration is missing", "--config",
                      "copy drivers/nidaqmx/usb6211.toml, correct it to your laboratory and give it");
   if (hardware && options.yes)
-    throw SetupError("nobody else can answer for what hands do at real hardware", "--yes", "leave it out");
+    throw ConfigError("nobody else can answer for what hands do at real hardware", "--yes", "leave it out");
   if (options.out.empty())
-    throw SetupError("nowhere to put the record", "command line", "add --out FOLDER, or --dry-run");
+    throw ConfigError("nowhere to put the record", "command line", "add --out FOLDER, or --dry-run");
 }
 
 fs::path key_of(const CommissionOptions& options) {
   if (!options.key.empty()) return options.key;
-  return keys::signing_files(keys::default_folder(), keys::Signer::Commissioning).private_key;
+  return security::signing_files(security::default_folder(), security::Signer::Commissioning).private_key;
 }
 
 std::string config_hash(const fs::path& file) {
   std::ostringstream bytes;
   if (!file.empty()) {
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw SetupError("cannot be opened", file.string(), "give --config a file");
+    if (!stream) throw ConfigError("cannot be opened", file.string(), "give --config a file");
     bytes << stream.rdbuf();
   }
   return commissioning::sha256_hex(bytes.str());
@@ -70,9 +70,9 @@ Record walked_on_simulation(const CommissionOptions& options, Record record) {
   SimulatedBench bench(sim::read_model(blank_case().rehearsal.model), kSeed);
   record.device = {"sim", "simulated stage", 0};
   SupervisedRig rig(bench, bench.trimmings());
-  TerminalPerson terminal(std::cin, std::cout);
-  SimulatedPerson person(bench, terminal, options.yes);
-  return commissioning::walked(std::move(record), rig, person);
+  TerminalOperator terminal(std::cin, std::cout);
+  SimulatedOperator operator_(bench, terminal, options.yes);
+  return commissioning::run_steps(std::move(record), rig, operator_);
 }
 
 Record walked_on_hardware(const CommissionOptions& options, Record record) {
@@ -88,13 +88,13 @@ Record walked_on_hardware(const CommissionOptions& options, Record record) {
     trimmings.estop = [&] {
       return StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
     };
-  TerminalPerson person(std::cin, std::cout);
-  person.told(fmt::format("{} {}, serial number {}", config.device, stage.product(), stage.serial()));
-  person.told(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
+  TerminalOperator operator_(std::cin, std::cout);
+  operator_.notify(fmt::format("{} {}, serial number {}", config.device, stage.product(), stage.serial()));
+  operator_.notify(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
   SupervisedRig rig(stage, trimmings);
-  record = commissioning::walked(std::move(record), rig, person);
+  record = commissioning::run_steps(std::move(record), rig, operator_);
   if (stage.stopped())
-    person.told(
+    operator_.notify(
         fmt::format("  the board stopped: {} {}", stage.trouble().status, stage.trouble().text.data()));
   return record;
 }
@@ -104,8 +104,8 @@ void store(const Record& record, const commissioning::SigningKey& key, const fs:
   const std::string text = commissioning::to_json(record);
   std::error_code absent;
   fs::remove(folder / commissioning::kSignatureFile, absent);
-  report::write_whole_file(folder / commissioning::kRecordFile, text);
-  report::write_whole_file(folder / commissioning::kSignatureFile, key.sign(text));
+  report::atomic_write(folder / commissioning::kRecordFile, text);
+  report::atomic_write(folder / commissioning::kSignatureFile, key.sign(text));
 }
 
 }  // namespace
@@ -128,4 +128,4 @@ int commission(const CommissionOptions& options) {
   return record.passed() ? 0 : 3;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

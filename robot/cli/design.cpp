@@ -3,6 +3,7 @@
 
 #include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/config_error.hpp"
@@ -10,7 +11,7 @@
 #include "sim/paper/design/design_study.hpp"
 #include "sim/plant/model_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 DesignStudy studied(const sim::PlantModel& model, const std::string& name, std::uint64_t seed) {
@@ -23,10 +24,10 @@ DesignStudy studied(const sim::PlantModel& model, const std::string& name, std::
 
 int design(const DesignOptions& options) {
   const std::filesystem::path file =
-      options.model.empty() ? resources() / "sim/models/calibrated.toml" : options.model;
+      options.model.empty() ? data_folder() / "sim/models/calibrated.toml" : options.model;
   const sim::PlantModel model = sim::read_model(file);
   if (model.baseline.drive != sim::Drive::Stack)
-    throw SetupError("this model has no stack of pouches (drive = \"force\")", file.string(),
+    throw ConfigError("this model has no stack of pouches (drive = \"force\")", file.string(),
                      "give the model of a stage that voltage drives");
   claim_run_folder(options.out, {file});
   const std::string name = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
@@ -38,4 +39,4 @@ int design(const DesignOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -10,7 +10,7 @@
 #include "sim/plant/effect_labels.hpp"
 #include "sim/plant/plant_model.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 struct ParameterCard {
@@ -66,7 +66,7 @@ bool is_close(std::string_view typed, std::string_view name) {
   for (const EffectCard& card : cards)
     if (is_close(typed, card.info.name))
       close += fmt::format("{}{}", close.empty() ? "" : ", ", card.info.name);
-  throw SetupError(fmt::format("no effect is called `{}`", typed), "biopsy effects",
+  throw ConfigError(fmt::format("no effect is called `{}`", typed), "biopsy effects",
                    close.empty() ? "`biopsy effects` lists all names"
                                  : fmt::format("close: {}; `biopsy effects` lists all names", close));
 }
@@ -184,4 +184,4 @@ int effects(const EffectsOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

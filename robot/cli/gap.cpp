@@ -19,7 +19,7 @@
 #include "sim/gap/fit/unknowns.hpp"
 #include "sim/plant/model_text.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,16 +28,16 @@ namespace fs = std::filesystem;
 void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, const GapOptions& options) {
   sim::gap::baseline_hypothesis(model, options.free);
   if (options.window && !std::isfinite(*options.window))
-    throw SetupError("the window is no number of seconds", "--window", "give one, such as 0.5");
+    throw ConfigError("the window is no number of seconds", "--window", "give one, such as 0.5");
   for (const sim::RecordedRun& run : dataset.runs) {
     const double length = run.period * static_cast<double>(run.time.size());
     if (options.window && *options.window > length)
-      throw SetupError(fmt::format("a window of {} s is longer than run \"{}\", which has {:.3g} s",
+      throw ConfigError(fmt::format("a window of {} s is longer than run \"{}\", which has {:.3g} s",
                                    *options.window, run.name, length),
                        "--window",
                        "give a shorter window, or leave --window out to simulate each run in one piece");
     if (options.window && *options.window < 2.0 * run.period)
-      throw SetupError(
+      throw ConfigError(
           fmt::format("a window of {} s holds less than two rows of run \"{}\", which come every "
                       "{} s",
                       *options.window, run.name, run.period),
@@ -65,14 +65,14 @@ std::string source_of(const sim::Dataset& dataset) {
 }
 
 // Nobody knows a standard deviation better.
-double three_digits(double value) {
+double rounded_to_three_digits(double value) {
   return std::stod(fmt::format("{:.2e}", value));
 }
 
 std::string new_text(const sim::gap::FoundGap& found, sim::ModelNotes notes, const std::string& source) {
   for (const auto& [name, std] : found.changed) {
     sim::ValueNote& note = notes.values[name];
-    note.std = std::isfinite(std) ? std::optional(three_digits(std)) : std::nullopt;
+    note.std = std::isfinite(std) ? std::optional(rounded_to_three_digits(std)) : std::nullopt;
     note.source = source;
   }
   return sim::model_toml(found.model, notes);
@@ -83,7 +83,7 @@ bool is_better(const GapFinding& finding) {
 }
 
 void add_recheck(GapFinding& finding, const GapOptions& options, ProgressLine& line) {
-  report::write_whole_file(options.out / "model.toml", finding.model_after);
+  report::atomic_write(options.out / "model.toml", finding.model_after);
   const Recheck checked =
       recheck(options.model, options.out / "model.toml", finding.noise_floor,
               [&line](double share, const std::string& what) { line.show(share, "margins: " + what); });
@@ -136,4 +136,4 @@ int gap(const GapOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "robot/common/files/data_folder.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/common/files/output_folder.hpp"
@@ -14,7 +15,7 @@
 #include "robot/common/files/whole_file.hpp"
 #include "sim/plant/model_text.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -131,20 +132,20 @@ report::StudyPage page_of(const sim::IdentifiedCircuit& found, const std::string
 }  // namespace
 
 int identify(const IdentifyOptions& options) {
-  const fs::path model = options.model.empty() ? resources() / "sim/models/baseline.toml" : options.model;
+  const fs::path model = options.model.empty() ? data_folder() / "sim/models/baseline.toml" : options.model;
   const sim::NotedModel noted = sim::read_noted_model(model);
   const sim::Dataset dataset = sim::read_dataset(options.dataset, sim::Drive::Stack);
   const sim::IdentifiedCircuit found = sim::identify_circuit(dataset, options.dataset.string());
   const std::string title = dataset.title.empty() ? options.dataset.filename().string() : dataset.title;
   const std::string text = model_text(noted, found, "current in " + title);
   claim_run_folder(options.out, {model, options.dataset});
-  report::write_whole_file(options.out / "model.toml", text);
-  report::write_whole_file(options.out / "identify.json", json_text(found));
+  report::atomic_write(options.out / "model.toml", text);
+  report::atomic_write(options.out / "identify.json", json_text(found));
   print(found);
-  report::write_whole_file(options.out / "report.html", report::study_html(page_of(found, title)));
+  report::atomic_write(options.out / "report.html", report::study_html(page_of(found, title)));
   fmt::print("\nreport: {}\nvalues: {}\nmodel:  {}\n", (options.out / "report.html").string(),
              (options.out / "identify.json").string(), (options.out / "model.toml").string());
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -10,7 +10,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/report/plot/png.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 void print_list(const std::vector<imaging::SeriesSummary>& all) {
@@ -62,4 +62,4 @@ int image(const ImageOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

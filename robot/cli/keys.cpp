@@ -13,7 +13,7 @@
 #include "robot/security/whole_set.hpp"
 #include "robot/common/sanitize_text.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,13 +23,13 @@ std::chrono::sys_seconds now() {
 }
 
 fs::path folder_of(const KeysOptions& options) {
-  return options.folder.empty() ? keys::default_folder() : options.folder;
+  return options.folder.empty() ? security::default_folder() : options.folder;
 }
 
-void print_table(const std::vector<keys::FileVerdict>& verdicts, const fs::path& folder) {
+void print_table(const std::vector<security::FileVerdict>& verdicts, const fs::path& folder) {
   std::size_t file_width = 4, subject_width = 7;
   std::vector<std::string> files, subjects;
-  for (const keys::FileVerdict& verdict : verdicts) {
+  for (const security::FileVerdict& verdict : verdicts) {
     files.push_back(report::plain(verdict.file.lexically_relative(folder).string()));
     subjects.push_back(report::plain(verdict.subject));
     file_width = std::max(file_width, files.back().size());
@@ -39,28 +39,28 @@ void print_table(const std::vector<keys::FileVerdict>& verdicts, const fs::path&
              "valid until");
   for (std::size_t i = 0; i < verdicts.size(); ++i)
     fmt::print("{:<{}}  {:<{}}  {:<20}  {}\n", files[i], file_width, subjects[i], subject_width,
-               verdicts[i].until ? keys::utc_text(*verdicts[i].until) : "",
+               verdicts[i].until ? security::utc_text(*verdicts[i].until) : "",
                verdicts[i].problem.empty() ? "good" : verdicts[i].problem);
 }
 
 void print_where_the_ca_is(const fs::path& folder) {
   std::error_code ignored;
-  if (fs::exists(keys::ca_folder(folder), ignored))
+  if (fs::exists(security::ca_folder(folder), ignored))
     fmt::print(
         "\n{} holds the private keys of both CAs. Nothing that runs needs them: move the folder off this "
         "machine.\n",
-        keys::ca_folder(folder).string());
+        security::ca_folder(folder).string());
 }
 
 }  // namespace
 
 int keys_init(const KeysOptions& options) {
   const fs::path folder = folder_of(options);
-  const keys::MadeKeys made = keys::make_keys(folder, options.days, now(), options.replace);
+  const security::MadeKeys made = security::make_keys(folder, options.days, now(), options.replace);
   fmt::print("made:  {}\nfor:  ", folder.string());
-  for (const keys::Role role : keys::kRoles) fmt::print(" {}", keys::name_of(role));
+  for (const security::Role role : security::kRoles) fmt::print(" {}", security::name_of(role));
   fmt::print("\n       and keys that sign the procedure log and the commissioning record\nuntil: {}\n",
-             keys::utc_text(made.validity.until));
+             security::utc_text(made.validity.until));
   if (made.old_set) fmt::print("old:   {}\n", made.old_set->string());
   print_where_the_ca_is(folder);
   return 0;
@@ -68,16 +68,16 @@ int keys_init(const KeysOptions& options) {
 
 int keys_check(const KeysOptions& options) {
   const fs::path folder = folder_of(options);
-  std::vector<keys::Role> roles = keys::roles_present(folder);
-  if (roles.empty()) roles.assign(keys::kRoles.begin(), keys::kRoles.end());  // says what is missing
-  const std::vector<keys::FileVerdict> verdicts = keys::inspect_set(folder, roles, now());
+  std::vector<security::Role> roles = security::roles_present(folder);
+  if (roles.empty()) roles.assign(security::kRoles.begin(), security::kRoles.end());  // says what is missing
+  const std::vector<security::FileVerdict> verdicts = security::inspect_set(folder, roles, now());
   print_table(verdicts, folder);
   print_where_the_ca_is(folder);
   const auto first = std::find_if(verdicts.begin(), verdicts.end(),
-                                  [](const keys::FileVerdict& verdict) { return !verdict.problem.empty(); });
+                                  [](const security::FileVerdict& verdict) { return !verdict.problem.empty(); });
   if (first == verdicts.end()) return 0;
   fmt::print("\nwhat to do: {}\n", first->remedy);
   return 1;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

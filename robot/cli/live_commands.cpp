@@ -1,6 +1,6 @@
 #include "robot/cli/live_commands.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 void case_options(CLI::App& command, ProcedureOptions& options) {
   command.add_option("CASE", options.case_name,
@@ -66,9 +66,9 @@ void add_up(CLI::App& app, UpOptions& options, int& code) {
   command->add_flag("--prepare", options.prepare,
                     "write the run folder and start nothing: for processes that systemd starts");
   command->add_flag("--console", options.console,
-                    "the clinician's page: plan, arm and insert in a browser on this machine");
+                    "the operator's console page: plan, arm and insert in a browser on this machine");
   command->add_flag("--open", options.open, "open that page in the desktop's browser");
-  command->add_option("--port", options.port, "of the clinician's page (default: any that is free)");
+  command->add_option("--port", options.port, "of the operator's console page (default: any that is free)");
   live_options(*command, options.live);
   command->callback([&] { code = up(options); });
 }
@@ -148,4 +148,4 @@ void add_live_commands(CLI::App& app, LiveCommandOptions& options, int& code) {
   add_commission(app, options.commission, code);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -5,7 +5,7 @@
 
 #include "robot/cli/live_options.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // What a procedure is given, and how the processes of a live robot find each other: each used by two
 // commands.
@@ -29,4 +29,4 @@ struct LiveCommandOptions {
 
 void add_live_commands(CLI::App& app, LiveCommandOptions& options, int& code);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -7,7 +7,7 @@
 
 #include "robot/cli/commands.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // SCHED_FIFO of what is in the loop, where permitted: below the interlock's 80.
 inline constexpr int kLoopPriority = 60;
@@ -34,7 +34,7 @@ struct UpOptions {
   HardwareOptions hardware;
   bool prepare = false;    // write the run folder, start nothing
   double seconds = 0.0;    // 0: until Ctrl-C
-  bool console = false;    // the person sits at the clinician's page
+  bool console = false;    // the person sits at the operator's console page
   bool open = false;       // and that page is opened in the desktop's browser
   std::uint16_t port = 0;  // of that page; 0: any that is free
 };
@@ -80,4 +80,4 @@ struct CommissionOptions {
 
 int commission(const CommissionOptions& options);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

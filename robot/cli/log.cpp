@@ -12,7 +12,7 @@
 #include "robot/common/sanitize_text.hpp"
 #include "robot/common/files/whole_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using recorder::Flaw;
@@ -22,7 +22,7 @@ using recorder::Verdict;
 
 recorder::PublicKey key_for(const LogOptions& options) {
   if (!std::filesystem::exists(options.log))
-    throw SetupError("there is no such log", options.log.string(), "give the file of a procedure log");
+    throw ConfigError("there is no such log", options.log.string(), "give the file of a procedure log");
   return recorder::read_public_key(options.public_key.empty() ? recorder::public_key_beside(options.log)
                                                               : options.public_key);
 }
@@ -89,9 +89,9 @@ int log_export(const LogOptions& options) {
   std::string csv(recorder::kCsvHeader);
   const Verdict verdict =
       recorder::verify(options.log, key_for(options), [&](const Record& record) { csv += csv_line(record); });
-  report::write_whole_file(options.csv, csv);
+  report::atomic_write(options.csv, csv);
   fmt::print("{}table        {}\n", sentence(verdict), options.csv.string());
   return exit_code(verdict);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "robot/common/files/data_folder.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/common/progress.hpp"
@@ -11,7 +12,7 @@
 #include "robot/report/study/reproduction_console.hpp"
 #include "robot/report/study/reproduction_report.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,9 +29,9 @@ Reproduction reproduced(const sim::paper::PaperModel& model, const std::string& 
 
 int reproduce(const ReproduceOptions& options) {
   sim::paper::figures_named(options.figure);  // refuses before anything is read or touched
-  const fs::path stage = options.model.empty() ? resources() / "sim/models/calibrated.toml" : options.model;
+  const fs::path stage = options.model.empty() ? data_folder() / "sim/models/calibrated.toml" : options.model;
   const sim::paper::PaperModel model =
-      sim::paper::read_paper_model(stage, resources() / "sim/models/paper.toml");
+      sim::paper::read_paper_model(stage, data_folder() / "sim/models/paper.toml");
   claim_run_folder(options.out, {stage});
   Reproduction result = reproduced(model, options.figure);
   result.model = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
@@ -41,4 +42,4 @@ int reproduce(const ReproduceOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -8,6 +8,7 @@
 #include "robot/procedure/case.hpp"
 #include "robot/common/code_identity.hpp"
 #include "robot/cli/commands.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/cli/safety_case_files.hpp"
@@ -19,13 +20,13 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/whole_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
-using assurance::Build;
-using assurance::Finding;
-using assurance::Source;
+using safety_case::Build;
+using safety_case::Finding;
+using safety_case::Source;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
@@ -39,7 +40,7 @@ std::string text_of(const fs::path& file) {
 
 std::string filled(std::string word, const fs::path& tests, const fs::path& out) {
   for (const auto& [hole, value] :
-       {std::pair<std::string, std::string>{"{tests}", tests}, {"{source}", resources()}, {"{out}", out}})
+       {std::pair<std::string, std::string>{"{tests}", tests}, {"{source}", source_folder()}, {"{out}", out}})
     for (std::size_t at = word.find(hole); at != std::string::npos; at = word.find(hole))
       word.replace(at, hole.size(), value);
   return word;
@@ -66,21 +67,21 @@ std::optional<Finding> run(const Source& source, const Build& build, const fs::p
   finding.code = build.code;
   finding.quick = build.quick && source.quick != source.full;
   const Clock::time_point start = Clock::now();
-  const Spoken spoken = run_and_listen(words, {}, true, [&] {
+  const ProcessResult spoken = run_subprocess(words, {}, true, [&] {
     line.show(share, fmt::format("{}, {:.0f} s", source.title, seconds_since(start)));
   });
   finding.seconds = seconds_since(start);
-  report::write_whole_file(folder / (source.id + ".txt"), spoken.text);
+  report::atomic_write(folder / (source.id + ".txt"), spoken.text);
   if (!fs::exists(raw)) return std::nullopt;
   const std::string json = text_of(raw);
-  source.kind == assurance::SourceKind::Tests ? read_tests(json, raw.string(), finding)
+  source.kind == safety_case::SourceKind::Tests ? read_tests(json, raw.string(), finding)
                                               : read_proof(json, raw.string(), finding);
   finding.passed = finding.passed && spoken.exit_code == 0;
   fs::remove(raw);
   return finding;
 }
 
-std::vector<Finding> gather(const assurance::SafetyCase& safety_case, const Build& build,
+std::vector<Finding> gather(const safety_case::SafetyCase& safety_case, const Build& build,
                             const fs::path& folder) {
   std::vector<Finding> findings;
   ProgressLine line;
@@ -90,27 +91,27 @@ std::vector<Finding> gather(const assurance::SafetyCase& safety_case, const Buil
     if (build.quick && !source.in_quick) continue;
     const double share = (done - 1.0) / static_cast<double>(safety_case.sources.size());
     if (std::optional<Finding> finding = run(source, build, folder, line, share)) {
-      report::write_whole_file(folder / (source.id + ".json"), to_json(*finding));
+      report::atomic_write(folder / (source.id + ".json"), to_json(*finding));
       findings.push_back(std::move(*finding));
     }
   }
   return findings;
 }
 
-std::vector<Finding> collect(const assurance::SafetyCase& safety_case, const fs::path& folder) {
+std::vector<Finding> collect(const safety_case::SafetyCase& safety_case, const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw SetupError("is no folder of evidence", folder.string(),
+    throw ConfigError("is no folder of evidence", folder.string(),
                      "give the evidence folder of an earlier case");
   std::vector<Finding> findings;
   for (const Source& source : safety_case.sources)
     if (const fs::path file = folder / (source.id + ".json"); fs::exists(file))
-      findings.push_back(assurance::finding_from_json(text_of(file), file.string()));
+      findings.push_back(safety_case::finding_from_json(text_of(file), file.string()));
   return findings;
 }
 
 // The drawn argument; empty where graphviz is missing, which is a gap.
-std::string drawn(const std::string& dot, std::vector<assurance::Gap>& gaps) {
-  const Spoken svg = run_and_listen({"dot", "-Tsvg"}, dot);
+std::string drawn(const std::string& dot, std::vector<safety_case::Gap>& gaps) {
+  const ProcessResult svg = run_subprocess({"dot", "-Tsvg"}, dot);
   if (svg.exit_code == 0 && svg.text.find("<svg") != std::string::npos)
     return svg.text.substr(svg.text.find("<svg"));
   gaps.push_back({"argument", "graphviz (dot) did not draw it: install graphviz"});
@@ -121,10 +122,10 @@ std::string drawn(const std::string& dot, std::vector<assurance::Gap>& gaps) {
 
 int safety_case(const SafetyCaseOptions& options) {
   const Clock::time_point start = Clock::now();
-  const assurance::SafetyCase safety_case = read_safety_case(resources() / "safety/case");
+  const safety_case::SafetyCase safety_case = read_safety_case(data_folder() / "safety/case");
   Build build{.date = utc_now(),
-              .commit = commit_of(resources()),
-              .code = code_fingerprint(resources()),
+              .commit = commit_of(source_folder()),
+              .code = code_fingerprint(source_folder()),
               .version = BIOPSY_VERSION,
               .quick = options.quick};
   std::vector<Finding> findings;
@@ -135,19 +136,19 @@ int safety_case(const SafetyCaseOptions& options) {
   if (options.collect.empty()) findings = gather(safety_case, build, folder);
   build.seconds = seconds_since(start);
 
-  std::vector<assurance::Gap> gaps = gaps_in_argument(safety_case);
-  for (const assurance::Gap& gap : gaps_in_evidence(safety_case, findings, build)) gaps.push_back(gap);
+  std::vector<safety_case::Gap> gaps = gaps_in_argument(safety_case);
+  for (const safety_case::Gap& gap : gaps_in_evidence(safety_case, findings, build)) gaps.push_back(gap);
   const std::string dot = argument_dot(safety_case, findings, gaps);
   const std::string svg = drawn(dot, gaps);
-  report::write_whole_file(options.out / "argument.dot", dot);
-  if (!svg.empty()) report::write_whole_file(options.out / "argument.svg", svg);
-  report::write_whole_file(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
-  report::write_whole_file(options.out / "safety-case.json", case_json(safety_case, findings, gaps, build));
+  report::atomic_write(options.out / "argument.dot", dot);
+  if (!svg.empty()) report::atomic_write(options.out / "argument.svg", svg);
+  report::atomic_write(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
+  report::atomic_write(options.out / "safety-case.json", case_json(safety_case, findings, gaps, build));
 
   fmt::print("{}\n", case_sentence(safety_case, findings, gaps, build));
-  for (const assurance::Gap& gap : gaps) fmt::print("  {}: {}\n", gap.where, gap.what);
+  for (const safety_case::Gap& gap : gaps) fmt::print("  {}: {}\n", gap.where, gap.what);
   fmt::print("\nreport: {}\n", (options.out / "report.html").string());
   return gaps.empty() ? 0 : 3;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

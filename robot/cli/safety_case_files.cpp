@@ -3,14 +3,14 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/toml_reader.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
-using assurance::Bar;
-using assurance::Hazard;
-using assurance::Requirement;
-using assurance::Source;
-using assurance::SourceKind;
+using safety_case::Bar;
+using safety_case::Hazard;
+using safety_case::Requirement;
+using safety_case::Source;
+using safety_case::SourceKind;
 using sim::TomlTable;
 
 constexpr double kAnyFigure = 1e12;
@@ -42,7 +42,7 @@ Bar bar_from(TomlTable table) {
   if (table.has("at_least")) bar.at_least = table.number("at_least", -kAnyFigure, kAnyFigure);
   if (table.has("at_most")) bar.at_most = table.number("at_most", -kAnyFigure, kAnyFigure);
   if (!bar.at_least && !bar.at_most)
-    throw SetupError("a bar without a limit", table.where(), "add at_least or at_most");
+    throw ConfigError("a bar without a limit", table.where(), "add at_least or at_most");
   table.refuse_rest();
   return bar;
 }
@@ -52,7 +52,7 @@ SourceKind kind_of(TomlTable& table) {
   const std::string kind = table.text("kind");
   if (kind == "tests") return SourceKind::Tests;
   if (kind == "proof") return SourceKind::Proof;
-  throw SetupError("unknown kind of evidence \"" + kind + "\"", table.place("kind"), "write tests or proof");
+  throw ConfigError("unknown kind of evidence \"" + kind + "\"", table.place("kind"), "write tests or proof");
 }
 
 Source source_from(TomlTable table) {
@@ -62,7 +62,7 @@ Source source_from(TomlTable table) {
   source.kind = kind_of(table);
   source.command = table.texts("command");
   if (source.command.empty())
-    throw SetupError("no program to run", table.place("command"), "write command = [\"{tests}/NAME\"]");
+    throw ConfigError("no program to run", table.place("command"), "write command = [\"{tests}/NAME\"]");
   if (table.has("quick")) source.quick = table.texts("quick");
   if (table.has("full")) source.full = table.texts("full");
   if (table.has("in_quick")) source.in_quick = table.flag("in_quick");
@@ -73,8 +73,8 @@ Source source_from(TomlTable table) {
 
 }  // namespace
 
-assurance::SafetyCase read_safety_case(const std::filesystem::path& folder) {
-  assurance::SafetyCase out;
+safety_case::SafetyCase read_safety_case(const std::filesystem::path& folder) {
+  safety_case::SafetyCase out;
   TomlTable hazards = sim::read_toml(folder / "hazards.toml");
   for (TomlTable& table : hazards.tables("hazard")) out.hazards.push_back(hazard_from(table));
   hazards.refuse_rest();
@@ -91,4 +91,4 @@ assurance::SafetyCase read_safety_case(const std::filesystem::path& folder) {
   return out;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

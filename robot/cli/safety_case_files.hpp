@@ -5,9 +5,9 @@
 
 #include "robot/report/safety_case/safety_case.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-// Throws SetupError with file and line.
-assurance::SafetyCase read_safety_case(const std::filesystem::path& folder);
+// Throws ConfigError with file and line.
+safety_case::SafetyCase read_safety_case(const std::filesystem::path& folder);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -11,7 +11,7 @@
 #include "robot/common/files/whole_file.hpp"
 #include "sim/plant/model_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 double rms_difference_mm(const std::vector<double>& a, const std::vector<double>& b) {
@@ -32,10 +32,10 @@ int simulate(const SimulateOptions& options) {
   for (std::size_t i = 0; i < recorded.runs.size(); ++i) {
     line.show(static_cast<double>(i) / static_cast<double>(recorded.runs.size()), recorded.runs[i].name);
     simulated.runs[i] = sim::simulate(model, recorded.runs[i]);
-    report::write_whole_file(options.out / simulated.runs[i].file, sim::run_csv(simulated.runs[i], drive));
+    report::atomic_write(options.out / simulated.runs[i].file, sim::run_csv(simulated.runs[i], drive));
   }
   simulated.title = recorded.title + " (simulated)";
-  report::write_whole_file(options.out / "dataset.toml", sim::dataset_toml(simulated));
+  report::atomic_write(options.out / "dataset.toml", sim::dataset_toml(simulated));
   fmt::print("{:<32} {:>8} {:>9} {:>22}\n", "run", "rows", "time, s", "rms to measured, mm");
   for (std::size_t i = 0; i < recorded.runs.size(); ++i) {
     const sim::RecordedRun& run = recorded.runs[i];
@@ -47,4 +47,4 @@ int simulate(const SimulateOptions& options) {
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -1,6 +1,6 @@
 #include "robot/cli/study_commands.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 void add_reproduce(CLI::App& app, ReproduceOptions& options, int& code) {
@@ -132,4 +132,4 @@ void add_study_commands(CLI::App& app, StudyOptions& options, int& code) {
   add_safety_case(app, options.safety, code);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -5,7 +5,7 @@
 
 #include "robot/cli/commands.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // What is typed; lives as long as the parsing.
 struct StudyOptions {
@@ -19,4 +19,4 @@ struct StudyOptions {
 
 void add_study_commands(CLI::App& app, StudyOptions& options, int& code);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "robot/common/files/data_folder.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/common/progress.hpp"
@@ -13,7 +14,7 @@
 #include "robot/cli/tuning_text.hpp"
 #include "robot/common/files/whole_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,7 +47,7 @@ void print(const report::StudyTable& table) {
 }  // namespace
 
 int tune(const TuneOptions& options) {
-  const fs::path file = options.model.empty() ? resources() / "sim/models/calibrated.toml" : options.model;
+  const fs::path file = options.model.empty() ? data_folder() / "sim/models/calibrated.toml" : options.model;
   const std::string name = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
   const sim::NotedModel model = sim::read_noted_model(file);
   if (!options.out.empty()) claim_run_folder(options.out, {file});
@@ -63,11 +64,11 @@ int tune(const TuneOptions& options) {
   fmt::print("{}\n", page.sentence);
   for (const report::StudyTable& table : page.tables) print(table);
   if (options.out.empty()) return 0;
-  report::write_whole_file(options.out / "report.html", report::study_html(page));
-  report::write_whole_file(options.out / "tune.json", tuning_json(found, name, seconds));
+  report::atomic_write(options.out / "report.html", report::study_html(page));
+  report::atomic_write(options.out / "tune.json", tuning_json(found, name, seconds));
   fmt::print("\nreport:  {}\nnumbers: {}\n", (options.out / "report.html").string(),
              (options.out / "tune.json").string());
   return 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -200,4 +200,4 @@ std::string tuning_json(const Tuning& tuning, const std::string& model, double s
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -6,7 +6,7 @@
 #include "robot/report/study/study_html.hpp"
 #include "sim/paper/tuning/tune.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // What was found, in one sentence.
 std::string tuning_sentence(const sim::tuning::Tuning& tuning);
@@ -15,4 +15,4 @@ report::StudyPage tuning_page(const sim::tuning::Tuning& tuning, const std::stri
 
 std::string tuning_json(const sim::tuning::Tuning& tuning, const std::string& model, double seconds);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -18,7 +18,7 @@
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -37,16 +37,16 @@ void print_trouble(const std::vector<std::string>& trouble) {
 }
 
 // The interlock says nothing on the bus: its relay is a line that anybody may look at.
-std::string relay_text(const lines::LinesReader& lines) {
-  const lines::RelayReading relay = lines.relay();
+std::string relay_text(const digital_io::IoReader& lines) {
+  const digital_io::RelayReading relay = lines.relay();
   const std::int64_t silent_ms = (realtime::monotonic_ns() - relay.ticked_ns) / 1'000'000;
   return silent_ms > 100       ? "interlock SILENT  "
          : relay.output.closed ? "interlock closed  "
                                : "interlock open  ";
 }
 
-std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<Beat>& beat,
-                       const lines::LinesReader& lines) {
+std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<CycleSample>& beat,
+                       const digital_io::IoReader& lines) {
   std::string text = relay_text(lines);
   for (const Process process :
        {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
@@ -81,8 +81,8 @@ int dry_run_live(const ProcedureOptions& options, const LiveOptions& live_option
   session.wait_until_healthy();
   session.send_plan(std::get<Plan>(prepared.plan));
   std::optional<std::string> ended;
-  const Robot robot = [&](const World& world) -> std::optional<Beat> {
-    std::optional<Beat> beat = session.robot().tick(world);
+  const Robot robot = [&](const World& world) -> std::optional<CycleSample> {
+    std::optional<CycleSample> beat = session.robot().tick(world);
     if (!ended) ended = session.launcher().ended();
     return beat;
   };
@@ -200,9 +200,9 @@ int up(const UpOptions& options) {
              session.settings().keys.empty() ? "WITHOUT security" : "secured");
   ProgressLine line;
   std::optional<std::string> ended;
-  std::optional<Beat> beat;
+  std::optional<CycleSample> beat;
   std::int64_t ticks = 0;
-  const lines::LinesReader lines(session.settings().lines);
+  const digital_io::IoReader lines(session.settings().lines);
   while (!signals.came() && !ended) {
     World nobody;  // the E-stop is released, no key is turned
     beat = session.robot().tick(nobody);
@@ -217,4 +217,4 @@ int up(const UpOptions& options) {
   return ended ? 3 : 0;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

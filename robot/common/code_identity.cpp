@@ -14,7 +14,7 @@
 #include "robot/common/subprocess.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,7 +37,7 @@ std::vector<fs::path> code_files(const fs::path& tree) {
 std::string bytes_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw SetupError("cannot be read", file.string(), "check the source tree");
+  if (!stream) throw ConfigError("cannot be read", file.string(), "check the source tree");
   return bytes;
 }
 
@@ -60,10 +60,10 @@ std::string code_fingerprint(const fs::path& tree) {
 }
 
 std::string commit_of(const fs::path& tree) {
-  const Spoken head = run_and_listen({"git", "-C", tree.string(), "rev-parse", "HEAD"});
+  const ProcessResult head = run_subprocess({"git", "-C", tree.string(), "rev-parse", "HEAD"});
   if (head.exit_code != 0 || head.text.size() < 40) return "unknown";
-  const Spoken changed =
-      run_and_listen({"git", "-C", tree.string(), "status", "--porcelain", "--untracked-files=no"});
+  const ProcessResult changed =
+      run_subprocess({"git", "-C", tree.string(), "status", "--porcelain", "--untracked-files=no"});
   return head.text.substr(0, 40) + (changed.exit_code == 0 && changed.text.empty() ? "" : "+");
 }
 
@@ -71,4 +71,4 @@ std::string utc_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

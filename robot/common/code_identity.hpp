@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <string>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // SHA-256, as hex, over name and content of every source, case and model file of the tree, sorted by name.
-// Any change of the code makes evidence of before stale. Throws SetupError where a file cannot be read.
+// Any change of the code makes evidence of before stale. Throws ConfigError where a file cannot be read.
 std::string code_fingerprint(const std::filesystem::path& tree);
 
 // The commit that is checked out, with "+" where files differ from it; "unknown" without git.
@@ -15,4 +15,4 @@ std::string commit_of(const std::filesystem::path& tree);
 
 std::string utc_now();  // 2031-05-17T09:30:00Z
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

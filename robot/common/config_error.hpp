@@ -8,8 +8,8 @@
 
 namespace biopsy {
 
-struct SetupError : std::runtime_error {
-  SetupError(std::string what, std::string place, std::string what_to_do)
+struct ConfigError : std::runtime_error {
+  ConfigError(std::string what, std::string place, std::string what_to_do)
       : std::runtime_error(place + ": " + what),
         what_is_wrong(std::move(what)),
         where(std::move(place)),

@@ -12,7 +12,7 @@
 
 extern char** environ;
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
@@ -67,14 +67,14 @@ std::string everything_from(int descriptor, const std::function<void()>& while_r
 
 }  // namespace
 
-Spoken run_and_listen(const std::vector<std::string>& words, const std::string& input, bool with_errors,
+ProcessResult run_subprocess(const std::vector<std::string>& words, const std::string& input, bool with_errors,
                       const std::function<void()>& while_running) {
   const File given = file_of(input);
   std::array<int, 2> pipe_ends{};
   if (given == nullptr || pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return {};
   const pid_t pid = start(words, fileno(given.get()), pipe_ends[1], with_errors);
   close(pipe_ends[1]);
-  Spoken spoken;
+  ProcessResult spoken;
   if (pid > 0) {
     spoken.text = everything_from(pipe_ends[0], while_running);
     spoken.exit_code = exit_code_of(pid);
@@ -83,4 +83,4 @@ Spoken run_and_listen(const std::vector<std::string>& words, const std::string& 
   return spoken;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-struct Spoken {
+struct ProcessResult {
   int exit_code = 127;  // 127: could not be started; 128 + n: ended by signal n
   std::string text;     // its standard output, and its errors where asked for
 };
 
 // The first word is the program, looked for in PATH if it has no slash. `input` is given to it. Blocks;
 // `while_running` is called about ten times a second.
-Spoken run_and_listen(
+ProcessResult run_subprocess(
     const std::vector<std::string>& words, const std::string& input = {}, bool with_errors = false,
     const std::function<void()>& while_running = [] {});
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -7,11 +7,11 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 Point typed_point(const std::string& option, const std::string& text) {
   const auto refuse = [&](const std::string& why) {
-    throw SetupError(fmt::format("\"{}\" {}", text, why), option,
+    throw ConfigError(fmt::format("\"{}\" {}", text, why), option,
                      "type three numbers in mm, e.g. 12.5,-30,48.25 (right, anterior, superior)");
   };
   Eigen::Vector3d ras;
@@ -31,4 +31,4 @@ Point typed_point(const std::string& option, const std::string& text) {
   return lps_from_ras(ras);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 struct Share {
@@ -43,4 +43,4 @@ std::string side_shares(const Direction& lps) {
   return out;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

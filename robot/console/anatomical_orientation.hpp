@@ -5,7 +5,7 @@
 
 #include "robot/common/frames.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // The strongest letter first, and each other that has at least a quarter of it: "A" straight ahead, "AR"
 // oblique.
@@ -14,4 +14,4 @@ std::string side_letters(const Direction& lps);
 // The same with numbers, for a table: "R 0.98, A 0.17".
 std::string side_shares(const Direction& lps);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -9,7 +9,7 @@
 #include "robot/console/server/picked_point.hpp"
 #include "robot/report/plot/png.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 namespace tell = console::tell;
 
@@ -60,13 +60,13 @@ tell::Planned planned_of(const PreparedCase& prepared, const std::optional<Point
   told.side = side_letters(-axis_S);
   for (const Layer& layer : plan.layers)
     told.layers.push_back({layer.name, layer.from.value, layer.to.value});
-  for (const Stage& stage : plan.stages)
+  for (const InsertionStep& stage : plan.stages)
     told.stages.push_back(
         {stage.depth.value, stage.speed.value, stage.v_max.value * 1e-3, stage.image_confirms, stage.why});
   return told;
 }
 
-tell::Checked checked_of(std::size_t stage, const report::StageResult& result) {
+tell::Checked checked_of(std::size_t stage, const report::StepResult& result) {
   tell::Checked told;
   told.stage = static_cast<std::uint32_t>(stage);
   const DepthCheck& check = *result.check;
@@ -92,4 +92,4 @@ tell::Checked checked_of(std::size_t stage, const report::StageResult& result) {
   return told;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -7,7 +7,7 @@
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 console::tell::Series series_of(const Volume& image);
 
@@ -15,8 +15,8 @@ console::tell::Series series_of(const Volume& image);
 console::tell::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
                                   const std::optional<Point>& p_ST, bool confirmed);
 
-console::tell::Checked checked_of(std::size_t stage, const report::StageResult& result);
+console::tell::Checked checked_of(std::size_t stage, const report::StepResult& result);
 
 std::array<double, 3> ras_of(const Point& p_S);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -6,7 +6,7 @@
 
 #include "safety/types/hazards.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using console::Severity;
@@ -79,7 +79,7 @@ bool waits_for_plan(Hazard worst) {
   return worst == Hazard::PlanChanged || worst == Hazard::PlanUnconfirmed || worst == Hazard::PlanImplausible;
 }
 
-std::vector<Alarm> alarms_of(const Tick& tick, bool stopped_by_person) {
+std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person) {
   const safety::SupervisorOutput& said = tick.supervisor;
   const Hazard reason = said.reason;
   std::vector<Alarm> alarms;
@@ -125,4 +125,4 @@ Alarm silence_alarm() {
                "Use the hardware E-stop if the needle must come back now.");
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -8,7 +8,7 @@
 
 #include "robot/cycle/control_cycle.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // E-1nn, in the order of the list.
 enum class Refused : std::uint8_t {
@@ -31,7 +31,7 @@ console::tell::Answer refusal(std::uint32_t id, Refused reason, const std::strin
 bool waits_for_plan(safety::Hazard worst);
 
 // What the supervisor has to say in this tick, worst first; empty: nothing.
-std::vector<console::tell::Alarm> alarms_of(const Tick& tick, bool stopped_by_person);
+std::vector<console::tell::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person);
 console::tell::Alarm silence_alarm();
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -11,7 +11,7 @@
 #include "robot/console/server/origin_policy.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using console::Client;
@@ -43,7 +43,7 @@ std::string lasting(tell::State state) {
 ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& settings)
     : robot_(robot),
       settings_(settings),
-      clinician_(std::move(opened), settings.simulated, settings.folder, settings.first_token,
+      session_(std::move(opened), settings.simulated, settings.folder, settings.first_token,
                  [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                    robot.send_plan(plan, confirmed);
                  }) {
@@ -52,19 +52,19 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& 
   events.said = [this](Client client, const std::string& text) { said(client, text); };
   events.left = [this](Client client) { left(client); };
   events.document = [this](const std::string& path) { return document(path); };
-  server_ = std::make_unique<console::WebServer>(settings.page, settings.port, console::new_token(), events);
+  server_ = std::make_unique<console::HttpServer>(settings.page, settings.port, console::new_token(), events);
 }
 
 void ConsoleLoop::came(Client client) {
   const std::lock_guard lock(mutex_);
-  clinician_.came(client);
+  session_.came(client);
   newcomers_.insert(client);
   told_[client].clear();
 }
 
 void ConsoleLoop::left(Client client) {
   const std::lock_guard lock(mutex_);
-  clinician_.left(client);
+  session_.left(client);
   newcomers_.erase(client);
   told_.erase(client);
 }
@@ -73,7 +73,7 @@ void ConsoleLoop::said(Client client, const std::string& text) {
   const std::lock_guard lock(mutex_);
   std::optional<tell::Answer> answer;
   try {
-    answer = clinician_.ask(client, console::ask_from_json(text), now_in_us());
+    answer = session_.ask(client, console::ask_from_json(text), now_in_us());
   } catch (const console::MessageFault& fault) {
     answer = refusal(0, Refused::NotUnderstood, fault.what());
   }
@@ -86,10 +86,10 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
   std::filesystem::path written;
   {
     const std::lock_guard lock(mutex_);
-    const ConsoleSeries& series = clinician_.series();
+    const ConsoleSeries& series = session_.series();
     if (path == series.file_name()) return console::Document{"application/octet-stream", series.file()};
     if (path != "/report.html") return std::nullopt;
-    written = clinician_.report();
+    written = session_.report();
   }
   std::ifstream file(written, std::ios::binary);
   if (!file) return std::nullopt;
@@ -116,7 +116,7 @@ void ConsoleLoop::tell_states(std::int64_t now_us) {
   const bool due = now_us - states_us_ >= kStates_us;
   if (due) states_us_ = now_us;
   for (auto& [client, told] : told_) {
-    const tell::State state = clinician_.state(client, now_us);
+    const tell::State state = session_.state(client, now_us);
     std::string now = lasting(state);
     const bool news = now != told;
     if (news || due) server_->send(client, text_of(state), news ? Worth::MustArrive : Worth::MayBeLost);
@@ -125,22 +125,22 @@ void ConsoleLoop::tell_states(std::int64_t now_us) {
 }
 
 void ConsoleLoop::tell_news() {
-  const bool changed = std::exchange(told_version_, clinician_.version()) != clinician_.version();
-  const std::uint32_t series_version = clinician_.series().version();
+  const bool changed = std::exchange(told_version_, session_.version()) != session_.version();
+  const std::uint32_t series_version = session_.series().version();
   if (std::exchange(told_series_, series_version) != series_version)
     for (const auto& [client, told] : told_) newcomers_.insert(client);
   const auto tell_all = [this](Client client) {
-    if (const auto opened = clinician_.opened()) server_->send(client, text_of(*opened), Worth::MustArrive);
-    server_->send(client, text_of(clinician_.planned()), Worth::MustArrive);
-    for (const tell::Checked& checked : clinician_.checked())
+    if (const auto opened = session_.opened()) server_->send(client, text_of(*opened), Worth::MustArrive);
+    server_->send(client, text_of(session_.planned()), Worth::MustArrive);
+    for (const tell::Checked& checked : session_.checked())
       server_->send(client, text_of(checked), Worth::MustArrive);
   };
   for (const Client client : newcomers_) {
     tell::Welcome welcome;
     welcome.simulated = settings_.simulated;
-    welcome.title = clinician_.prepared().given.title;
-    welcome.sample = clinician_.prepared().given.phantom;
-    welcome.series = clinician_.series().all();
+    welcome.title = session_.prepared().given.title;
+    welcome.sample = session_.prepared().given.phantom;
+    welcome.series = session_.series().all();
     server_->send(client, text_of(welcome), Worth::MustArrive);
     if (!changed) tell_all(client);
   }
@@ -153,24 +153,24 @@ void ConsoleLoop::turn() {
   World world;
   {
     const std::lock_guard lock(mutex_);
-    world = clinician_.world(now_in_us());
+    world = session_.world(now_in_us());
   }
-  const std::optional<Beat> beat = robot_.tick(world);
+  const std::optional<CycleSample> beat = robot_.tick(world);
   const std::int64_t now_us = now_in_us();
   const std::lock_guard lock(mutex_);
   if (beat) {
-    clinician_.see(*beat, now_us);
+    session_.see(*beat, now_us);
     const Measurement& measured = beat->tick.measurement;
     const auto batch = batch_.add({static_cast<double>(measured.time_us) * 1e-3, measured.depth_um * 1e-3,
                                    beat->setpoint.value, measured.monitor_mV * 1e-6,
                                    beat->tick.supervisor.permit.v_max_mV * 1e-6});
     if (batch) server_->send_to_all(text_of(*batch), Worth::MayBeLost);
   } else {
-    clinician_.miss();
+    session_.miss();
   }
   if (beat && ++ticks_ % (kLook_us / 1000) != 0) return;
   tell_news();
   tell_states(now_us);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -1,4 +1,4 @@
-// Joins the clinician's page to the robot: one thread follows the robot tick by tick, the web server's the
+// Joins the operator's console page to the robot: one thread follows the robot tick by tick, the web server's the
 // pages.
 #pragma once
 
@@ -12,7 +12,7 @@
 #include "robot/console/server/telemetry_batch.hpp"
 #include "robot/console/server/http_server.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 class ConsoleLoop {
  public:
@@ -22,7 +22,7 @@ class ConsoleLoop {
     bool simulated = true;
     std::uint32_t first_token = 1;
   };
-  // `robot` must outlive this. Throws SetupError.
+  // `robot` must outlive this. Throws ConfigError.
   ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& settings);
 
   std::string url() const { return server_->url(); }
@@ -40,14 +40,14 @@ class ConsoleLoop {
 
   LiveRobot& robot_;
   Settings settings_;
-  std::mutex mutex_;  // over the clinician and what pages were told
-  Clinician clinician_;
+  std::mutex mutex_;  // over the session and what pages were told
+  OperatorSession session_;
   std::map<console::Client, std::string> told_;  // last State of each page, without what always changes
   std::set<console::Client> newcomers_;
   std::uint32_t told_version_ = 0, told_series_ = 0;
   console::TelemetryBatch batch_;
   std::int64_t ticks_ = 0, states_us_ = 0;
-  std::unique_ptr<console::WebServer> server_;  // last: it calls into all the others
+  std::unique_ptr<console::HttpServer> server_;  // last: it calls into all the others
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -1,4 +1,4 @@
-// biopsy-console RUN_FOLDER: the clinician's page, for a robot that `biopsy up --console` brought up.
+// biopsy-console RUN_FOLDER: the operator's console page, for a robot that `biopsy up --console` brought up.
 #include <fmt/chrono.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +10,7 @@
 #include "robot/live/live_process.hpp"
 #include "robot/live/monotonic_session_id.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
 
 namespace {
@@ -17,9 +18,15 @@ namespace {
 using namespace biopsy;
 namespace fs = std::filesystem;
 
+// Of an installation, or of the build tree that this program lies in.
+fs::path page_folder() {
+  const fs::path installed = data_folder() / "console/page";
+  return fs::exists(installed) ? installed : fs::read_symlink("/proc/self/exe").parent_path() / "console/page/dist";
+}
+
 struct Options {
-  app::ProcedureOptions procedure;
-  fs::path run_folder, page = BIOPSY_CONSOLE_PAGE;
+  robot::ProcedureOptions procedure;
+  fs::path run_folder, page = page_folder();
   std::uint16_t port = 0;
 };
 
@@ -30,14 +37,14 @@ void serve(const Options& options) {
   const bool simulated = settings.device == "sim";
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   const fs::path own = folder / "console" / fmt::format("{:%Y%m%dT%H%M%S}", fmt::gmtime(now));
-  app::PreparedCase opened = app::open_case(app::case_of(options.procedure, app::Points::PickedLater), own);
-  const transport::Participant bus(live::bus_settings(settings, keys::Role::Console));
-  app::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
+  robot::PreparedCase opened = robot::open_case(robot::case_of(options.procedure, robot::Points::PickedLater), own);
+  const transport::Participant bus(live::bus_settings(settings, security::Role::Console));
+  robot::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
   // Seconds since 1970 at least: a console that is started again gives out tokens above those it gave out
   // before, for nobody presses a button every second.
-  const std::uint32_t first_token = live::rising_number(folder / "first_token");
-  app::ConsoleLoop loop(robot, std::move(opened), {options.page, own, options.port, simulated, first_token});
-  report::write_whole_file(folder / "console.url", loop.url());
+  const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
+  robot::ConsoleLoop loop(robot, std::move(opened), {options.page, own, options.port, simulated, first_token});
+  report::atomic_write(folder / "console.url", loop.url());
   fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);
   fmt::print("{}\n", loop.url());
   std::fflush(stdout);
@@ -49,16 +56,16 @@ void serve(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App command("the clinician's page on this machine, for a robot that `biopsy up --console` brought up");
+  CLI::App command("the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
   command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
-  app::case_options(command, options.procedure);
+  robot::case_options(command, options.procedure);
   command.add_option("--port", options.port, "of the page (default: any that is free)");
   command.add_option("--page", options.page, "folder of the built page");
   CLI11_PARSE(command, argc, argv);
   try {
     serve(options);
     return 0;
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     fmt::print(stderr, "error: {}\nwhere: {}\nto do: {}\n", error.what_is_wrong, error.where, error.remedy);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\nwhere: unexpected\nto do: report this with the command\n", error.what());

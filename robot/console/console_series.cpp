@@ -11,7 +11,7 @@
 #include "robot/console/server/nifti_bytes.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 namespace tell = console::tell;
 
@@ -96,7 +96,7 @@ ConsoleSeries::Outcome ConsoleSeries::read(const std::filesystem::path& folder, 
     if (identity.series_uid.empty()) identity.series_uid = series_uid;
     done.file = file_of(done.image);
     return done;
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     return error.what_is_wrong.substr(0, kTextMax);
   }
 }
@@ -118,4 +118,4 @@ std::optional<Volume> ConsoleSeries::take() {
   return std::move(done.image);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -12,7 +12,7 @@
 
 #include "robot/procedure/prepared_case.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 class ConsoleSeries {
  public:
@@ -54,4 +54,4 @@ class ConsoleSeries {
   std::uint32_t version_ = 0, files_ = 0;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

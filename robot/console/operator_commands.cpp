@@ -11,7 +11,7 @@
 #include "robot/common/config_error.hpp"
 #include "safety/types/hazards.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 namespace ask = console::ask;
 namespace tell = console::tell;
@@ -24,7 +24,7 @@ tell::Answer done(std::uint32_t id) {
 
 }  // namespace
 
-std::optional<tell::Answer> Clinician::ask(console::Client client, const ask::Any& asked,
+std::optional<tell::Answer> OperatorSession::ask(console::Client client, const ask::Any& asked,
                                            std::int64_t now_us) {
   now_us_ = now_us;
   if (const auto* stop = std::get_if<ask::Stop>(&asked)) return on(*stop);  // anyone may
@@ -52,12 +52,12 @@ std::optional<tell::Answer> Clinician::ask(console::Client client, const ask::An
       asked);
 }
 
-Clinician::Answer Clinician::on(console::Client client, const ask::TakeControl& asked) {
+OperatorSession::Answer OperatorSession::on(console::Client client, const ask::TakeControl& asked) {
   return lease_.take(client) ? done(asked.id) : refusal(asked.id, Refused::NotController);
 }
 
-Clinician::Answer Clinician::on(const ask::OpenSeries& asked) {
-  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+OperatorSession::Answer OperatorSession::on(const ask::OpenSeries& asked) {
+  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
   if (asked.series_uid != prepared_.image.identity.series_uid) {
     if (run_ && !run_->ended) return refusal(asked.id, Refused::NotNow, "the last run is not over");
     if (const auto why = series_.begin(asked.series_uid)) return refusal(asked.id, Refused::NoSeries, *why);
@@ -69,9 +69,9 @@ Clinician::Answer Clinician::on(const ask::OpenSeries& asked) {
   return done(asked.id);
 }
 
-Clinician::Answer Clinician::on(const ask::SetPoint& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::SetPoint& asked) {
   if (!opened_) return refusal(asked.id, Refused::NoSeries);
-  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
   const auto picked = console::picked_point(prepared_.image, asked);
   if (const auto* why = std::get_if<std::string>(&picked))
     return refusal(asked.id, Refused::WrongPlace, *why);
@@ -82,33 +82,33 @@ Clinician::Answer Clinician::on(const ask::SetPoint& asked) {
     prepared_.target.p_ST = *p_ST_;
     try {
       plan_to_target(prepared_);
-    } catch (const SetupError& error) {  // a path that leaves the label map
+    } catch (const ConfigError& error) {  // a path that leaves the label map
       prepared_.plan = PlanRefusal{error.what_is_wrong, error.remedy};
     }
   }
   return done(asked.id);
 }
 
-Clinician::Answer Clinician::on(const ask::ConfirmPlan& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::ConfirmPlan& asked) {
   if (plan() == nullptr) return refusal(asked.id, Refused::NoPlan);
   if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
-  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
   confirmed_ = true;
   ++version_;
   return done(asked.id);
 }
 
-Clinician::Answer Clinician::on(const ask::SetTick& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::SetTick& asked) {
   if (!confirmed_) return refusal(asked.id, Refused::NoPlan, "confirm the plan first");
   if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
-  if (is_hot()) return refusal(asked.id, Refused::NeedleInUse);
+  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
   ticks_[static_cast<std::size_t>(asked.tick)] = asked.on;
   ticked_us_ = now_us_;
   confirmations_due_ = true;
   return done(asked.id);
 }
 
-Clinician::Answer Clinician::on(const ask::Press& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::Press& asked) {
   const bool arm = asked.button == console::Button::Arm;
   if (arm && !simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
   const std::string why = arm ? why_no_arm() : why_no_insert();
@@ -119,7 +119,7 @@ Clinician::Answer Clinician::on(const ask::Press& asked) {
 }
 
 // Held against whatever else is asked, until high voltage is off.
-Clinician::Answer Clinician::on(const ask::Stop& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::Stop& asked) {
   hold_.drop();
   stopped_ = true;
   stop_until_us_ = now_us_ + kStopLasts_us;
@@ -127,7 +127,7 @@ Clinician::Answer Clinician::on(const ask::Stop& asked) {
   return done(asked.id);
 }
 
-void Clinician::let_back() {
+void OperatorSession::let_back() {
   hold_.drop();
   if (run_ && run_->completed)
     finish_ = true;
@@ -135,13 +135,13 @@ void Clinician::let_back() {
     retract_until_us_ = now_us_ + kStopLasts_us;
 }
 
-Clinician::Answer Clinician::on(const ask::Retract& asked) {
-  if (!is_hot()) return refusal(asked.id, Refused::NotNow, disabled().retract);
+OperatorSession::Answer OperatorSession::on(const ask::Retract& asked) {
+  if (!hv_permitted()) return refusal(asked.id, Refused::NotNow, disabled().retract);
   let_back();
   return done(asked.id);
 }
 
-Clinician::Answer Clinician::on(const ask::Reset& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::Reset& asked) {
   if (!simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
   if (seen_.supervisor.permit.mode != Mode::Trip) return refusal(asked.id, Refused::NotNow, disabled().reset);
   stop_until_us_ = 0;
@@ -149,7 +149,7 @@ Clinician::Answer Clinician::on(const ask::Reset& asked) {
   return done(asked.id);
 }
 
-Clinician::Answer Clinician::on(const ask::Judge& asked) {
+OperatorSession::Answer OperatorSession::on(const ask::Judge& asked) {
   const std::string why = why_no_judgement();
   if (!why.empty() || run_->imaged != asked.stage) return refusal(asked.id, Refused::NotNow, why);
   const auto& check = run_->notes.record().stages[asked.stage].check;
@@ -166,11 +166,11 @@ Clinician::Answer Clinician::on(const ask::Judge& asked) {
   return done(asked.id);
 }
 
-console::Step Clinician::step() const {
+console::Step OperatorSession::step() const {
   using console::Step;
   const Mode mode = seen_.supervisor.permit.mode;
   const bool stage_end = mode == Mode::Hold && seen_.supervisor.stage_done;
-  if (is_hot()) {
+  if (hv_permitted()) {
     const bool waits = run_ && stage_end && run_->accepted != seen_.supervisor.stage;
     return waits || (run_ && run_->completed) ? Step::Confirm : Step::Insert;
   }
@@ -182,19 +182,19 @@ console::Step Clinician::step() const {
   return all_ticked() ? Step::Arm : Step::Check;
 }
 
-std::string Clinician::why_no_arm() const {
+std::string OperatorSession::why_no_arm() const {
   const Mode mode = seen_.supervisor.permit.mode;
   if (!confirmed_) return "Confirm the plan first.";
-  if (is_hot()) return "It is armed.";
+  if (hv_permitted()) return "It is armed.";
   if (run_ && !run_->ended) return "The last run is not over: judge its image.";
-  if (!all_ticked()) return "Tick all three checks first.";
+  if (!all_ticked()) return "CycleRecord all three checks first.";
   if (mode == Mode::Trip) return "Stopped: Reset first.";
   if (mode == Mode::Lock) return "Locked: service only.";
   if (mode != Mode::Ready) return fmt::format("Not ready yet: {}.", safety::name_of(seen_.supervisor.worst));
   return simulated_ ? "" : "Turn the arm key on the device.";
 }
 
-std::string Clinician::why_no_insert() const {
+std::string OperatorSession::why_no_insert() const {
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode == Mode::Armed || mode == Mode::Active) return {};
   if (mode != Mode::Hold) return "Arm first.";
@@ -204,20 +204,20 @@ std::string Clinician::why_no_insert() const {
   return run_->accepted == seen_.supervisor.stage ? "" : "Accept the image first.";
 }
 
-std::string Clinician::why_no_judgement() const {
+std::string OperatorSession::why_no_judgement() const {
   if (!run_ || !run_->imaged) return "No image was taken yet.";
   if (!run_->is_checked(*run_->imaged)) return "Wait for the image.";
   if (run_->accepted == run_->imaged) return "It is accepted.";
   return run_->ended || !run_->stopped_because.empty() ? "This run is over." : "";
 }
 
-tell::Disabled Clinician::disabled() const {
+tell::Disabled OperatorSession::disabled() const {
   const Mode mode = seen_.supervisor.permit.mode;
   tell::Disabled why;
   why.arm = why_no_arm();
   why.insert = why_no_insert();
   why.judge = why_no_judgement();
-  if (!is_hot() || mode == Mode::Retract) why.retract = "No voltage: the needle is back or on its way.";
+  if (!hv_permitted() || mode == Mode::Retract) why.retract = "No voltage: the needle is back or on its way.";
   if (mode != Mode::Trip)
     why.reset = mode == Mode::Lock ? "Locked: service only." : "Nothing to reset.";
   else if (!simulated_)
@@ -231,4 +231,4 @@ tell::Disabled Clinician::disabled() const {
   return why;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

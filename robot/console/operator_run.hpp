@@ -8,13 +8,13 @@
 
 #include "robot/console/operator_session.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // How long the robot is told what was asked for once.
 inline constexpr std::int64_t kKeyTurned_us = 200'000;
 inline constexpr std::int64_t kStopLasts_us = 500'000;  // longer than a C1 ramp, and any loss of messages
 
-struct Clinician::Run {
+struct OperatorSession::Run {
   Run(const PreparedCase& planned, std::filesystem::path run_folder)
       : prepared(planned),
         folder(std::move(run_folder)),
@@ -32,7 +32,7 @@ struct Clinician::Run {
 
   std::optional<std::size_t> imaged;         // stage whose image was begun last
   std::optional<std::int64_t> acquiring_us;  // since when
-  std::future<report::StageResult> check;    // of stage `imaged`
+  std::future<report::StepResult> check;    // of stage `imaged`
   std::optional<std::size_t> accepted;       // stage
 
   const Plan& plan() const { return std::get<Plan>(prepared.plan); }
@@ -47,4 +47,4 @@ struct Clinician::Run {
   }
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

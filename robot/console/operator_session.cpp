@@ -15,7 +15,7 @@
 #include "safety/types/limits.hpp"
 #include "safety/types/transitions.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 namespace tell = console::tell;
 
@@ -35,7 +35,7 @@ double seconds_left(std::int64_t since_us, std::int64_t lasts_us, std::int64_t n
 
 }  // namespace
 
-Clinician::Clinician(PreparedCase opened, bool simulated, std::filesystem::path folder,
+OperatorSession::OperatorSession(PreparedCase opened, bool simulated, std::filesystem::path folder,
                      std::uint32_t first_token, SendPlan send_plan)
     : simulated_(simulated),
       folder_(std::move(folder)),
@@ -48,32 +48,32 @@ Clinician::Clinician(PreparedCase opened, bool simulated, std::filesystem::path 
 }
 
 // A check that still runs holds its run: waited for, so that both end.
-Clinician::~Clinician() {
+OperatorSession::~OperatorSession() {
   if (run_ && run_->check.valid()) run_->check.get();
 }
 
-void Clinician::left(console::Client client) {
+void OperatorSession::left(console::Client client) {
   if (lease_.leave(client)) hold_.drop();
 }
 
-const Plan* Clinician::plan() const {
+const Plan* OperatorSession::plan() const {
   return p_SE_ && p_ST_ ? std::get_if<Plan>(&prepared_.plan) : nullptr;
 }
 
-bool Clinician::is_hot() const {
-  return safety::is_hot(seen_.supervisor.permit.mode);
+bool OperatorSession::hv_permitted() const {
+  return safety::hv_permitted(seen_.supervisor.permit.mode);
 }
 
-bool Clinician::is_shown(const std::string& seal) const {
+bool OperatorSession::is_shown(const std::string& seal) const {
   return plan() != nullptr && planner::hex(plan()->seal) == seal;
 }
 
 // The first confirmation is that of the plan, the second that of the three ticks. Without both the supervisor
 // does not get ready; nor would it take a reset, so in Trip both are given but none is withdrawn, and in
 // motion nothing is sent at all.
-void Clinician::send_confirmations() {
+void OperatorSession::send_confirmations() {
   const bool complete = plan() != nullptr && confirmed_ && all_ticked();
-  if (!confirmations_due_ || is_hot()) return;
+  if (!confirmations_due_ || hv_permitted()) return;
   if (seen_.supervisor.permit.mode == Mode::Trip && !complete) return;
   confirmations_due_ = false;
   if (plan() == nullptr) return;
@@ -82,14 +82,14 @@ void Clinician::send_confirmations() {
   announced_ = complete;
 }
 
-void Clinician::unconfirm() {
+void OperatorSession::unconfirm() {
   ticks_ = {};
   confirmed_ = false;
   confirmations_due_ = true;
   ++version_;
 }
 
-World Clinician::world(std::int64_t now_us) {
+World OperatorSession::world(std::int64_t now_us) {
   now_us_ = now_us;
   if (button_ == console::Button::Arm && hold_.held_for_us(now_us) >= kArmHold_us) {
     hold_.drop();
@@ -114,7 +114,7 @@ World Clinician::world(std::int64_t now_us) {
   return world;
 }
 
-void Clinician::see(const Beat& beat, std::int64_t now_us) {
+void OperatorSession::see(const CycleSample& beat, std::int64_t now_us) {
   const Mode before = seen_.supervisor.permit.mode;
   seen_ = beat.tick;
   measured_ = true;
@@ -123,22 +123,22 @@ void Clinician::see(const Beat& beat, std::int64_t now_us) {
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode != before) mode_since_us_ = now_us;
   // What was asked for lasts until it is so.
-  if (is_hot() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
-  if (is_hot() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
-  if (!is_hot()) finish_ = false;
+  if (hv_permitted() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
+  if (hv_permitted() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
+  if (!hv_permitted()) finish_ = false;
   if (mode == Mode::Ready || mode == Mode::Armed) stopped_ = false;
-  const bool waiting = all_ticked() && !is_hot();
+  const bool waiting = all_ticked() && !hv_permitted();
   if (waiting && now_us - ticked_us_ > kTicksLive_us) {
     ticks_ = {};
     confirmations_due_ = true;
   }
   follow_run(beat, before);
   send_confirmations();
-  if (!is_hot()) show_series();
+  if (!hv_permitted()) show_series();
 }
 
 // Points and plan were of the series before.
-void Clinician::show_series() {
+void OperatorSession::show_series() {
   std::optional<Volume> image = series_.take();
   if (!image) return;
   prepared_.image = std::move(*image);
@@ -150,7 +150,7 @@ void Clinician::show_series() {
   ++version_;
 }
 
-void Clinician::follow_run(const Beat& beat, Mode before) {
+void OperatorSession::follow_run(const CycleSample& beat, Mode before) {
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode == Mode::Armed && before != Mode::Armed && plan() != nullptr) {
     run_ = std::make_shared<Run>(prepared_, folder_ / fmt::format("run-{}", ++runs_));
@@ -161,7 +161,7 @@ void Clinician::follow_run(const Beat& beat, Mode before) {
   if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(beat, world_);
   run_->moved = run_->moved || mode == Mode::Active;
   follow_image();
-  if (is_hot()) {
+  if (hv_permitted()) {
     run_->cold_since_us = now_us_;
   } else if (!run_->moved) {
     run_.reset();  // armed, and nothing came of it
@@ -171,7 +171,7 @@ void Clinician::follow_run(const Beat& beat, Mode before) {
   }
 }
 
-void Clinician::follow_image() {
+void OperatorSession::follow_image() {
   const std::size_t stage = seen_.supervisor.stage;
   const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.stage_done;
   if (waits && run_->imaged != stage) {
@@ -188,7 +188,7 @@ void Clinician::follow_image() {
   if (run_->acquiring_us && now_us_ - *run_->acquiring_us >= kAcquisition_us) {
     run_->acquiring_us.reset();
     run_->check = std::async(std::launch::async, [run = run_, stage, tip = run_->notes.take_imaged_tip()] {
-      report::StageResult result;
+      report::StepResult result;
       result.stage = run->plan().stages[stage];
       run->images.take(stage, tip, result);
       return result;
@@ -196,8 +196,8 @@ void Clinician::follow_image() {
   }
   using std::chrono::seconds;
   if (!run_->check.valid() || run_->check.wait_for(seconds(0)) != std::future_status::ready) return;
-  report::StageResult checked = run_->check.get();
-  report::StageResult& noted = run_->notes.record().stages[*run_->imaged];
+  report::StepResult checked = run_->check.get();
+  report::StepResult& noted = run_->notes.record().stages[*run_->imaged];
   noted.check = checked.check;
   noted.image_path = checked.image_path;
   noted.before = std::move(checked.before);
@@ -207,7 +207,7 @@ void Clinician::follow_image() {
 }
 
 // The report is written beside the loop; it takes a second.
-void Clinician::end_run() {
+void OperatorSession::end_run() {
   run_->ended = true;
   ticks_ = {};
   confirmations_due_ = true;
@@ -226,7 +226,7 @@ void Clinician::end_run() {
   });
 }
 
-std::optional<tell::Opened> Clinician::opened() const {
+std::optional<tell::Opened> OperatorSession::opened() const {
   if (!opened_) return std::nullopt;
   tell::Opened told;
   told.series = series_of(prepared_.image);
@@ -235,11 +235,11 @@ std::optional<tell::Opened> Clinician::opened() const {
   return told;
 }
 
-tell::Planned Clinician::planned() const {
+tell::Planned OperatorSession::planned() const {
   return planned_of(prepared_, p_SE_, p_ST_, confirmed_);
 }
 
-std::vector<tell::Checked> Clinician::checked() const {
+std::vector<tell::Checked> OperatorSession::checked() const {
   std::vector<tell::Checked> all;
   if (!run_) return all;
   const auto& stages = run_->notes.record().stages;
@@ -248,7 +248,7 @@ std::vector<tell::Checked> Clinician::checked() const {
   return all;
 }
 
-tell::State Clinician::state(console::Client client, std::int64_t now_us) {
+tell::State OperatorSession::state(console::Client client, std::int64_t now_us) {
   using std::chrono::seconds;
   if (reporting_.valid() && reporting_.wait_for(seconds(0)) == std::future_status::ready) {
     reporting_.get();
@@ -275,7 +275,7 @@ tell::State Clinician::state(console::Client client, std::int64_t now_us) {
     told.hold_left = seconds_left(mode_since_us_, std::int64_t{limits::kHoldMax_ms} * 1'000, now_us);
   if (mode == Mode::Armed)
     told.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
-  if (all_ticked() && !is_hot()) told.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
+  if (all_ticked() && !hv_permitted()) told.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
   if (hold_.held(now_us)) told.held.push_back(button_);
   if (button_ == console::Button::Arm) told.arm_held = static_cast<double>(hold_.held_for_us(now_us)) * 1e-6;
   told.completed = run_ && run_->completed;
@@ -287,4 +287,4 @@ tell::State Clinician::state(console::Client client, std::int64_t now_us) {
   return told;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -1,4 +1,4 @@
-// The clinician at the console, as the robot's side sees them: what the page asked for becomes the World of
+// The operator at the console, as the robot's side sees them: what the page asked for becomes the World of
 // the next tick, what the robot answers becomes what the page is told. Decides nothing about motion: that is
 // the supervisor's.
 #pragma once
@@ -19,17 +19,17 @@
 #include "robot/console/server/hold_to_run.hpp"
 #include "robot/console/server/lease.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-class Clinician {
+class OperatorSession {
  public:
   using SendPlan = std::function<void(const Plan&, const std::array<std::uint64_t, 2>& confirmed)>;
 
   // `opened`: the case with its image. `folder` gets a folder for each run. Keys are turned here only where
   // the stage is `simulated`. `first_token`: above that of every console before.
-  Clinician(PreparedCase opened, bool simulated, std::filesystem::path folder, std::uint32_t first_token,
+  OperatorSession(PreparedCase opened, bool simulated, std::filesystem::path folder, std::uint32_t first_token,
             SendPlan send_plan);
-  ~Clinician();
+  ~OperatorSession();
 
   // Pages. Who comes first controls, all others watch.
   void came(console::Client client) { lease_.take(client); }
@@ -40,7 +40,7 @@ class Clinician {
 
   // Robot
   World world(std::int64_t now_us);
-  void see(const Beat& beat, std::int64_t now_us);
+  void see(const CycleSample& beat, std::int64_t now_us);
   void miss() { silent_ = true; }  // no tick for a second
 
   // What pages are told
@@ -78,7 +78,7 @@ class Clinician {
   void send_confirmations();
   bool all_ticked() const { return ticks_ == std::array{true, true, true}; }
   void show_series();
-  void follow_run(const Beat& beat, Mode before);
+  void follow_run(const CycleSample& beat, Mode before);
   void follow_image();
   void let_back();
   void end_run();
@@ -87,7 +87,7 @@ class Clinician {
   std::string why_no_arm() const;
   std::string why_no_insert() const;
   std::string why_no_judgement() const;
-  bool is_hot() const;
+  bool hv_permitted() const;
 
   bool simulated_;
   std::filesystem::path folder_;
@@ -106,7 +106,7 @@ class Clinician {
   std::int64_t ticked_us_ = 0;
 
   World world_;
-  Tick seen_;
+  CycleRecord seen_;
   bool measured_ = false, silent_ = false;
   std::int64_t now_us_ = 0, mode_since_us_ = 0;
   std::int64_t arm_until_us_ = 0, reset_until_us_ = 0, stop_until_us_ = 0, retract_until_us_ = 0;
@@ -117,4 +117,4 @@ class Clinician {
   std::future<void> reporting_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -29,12 +29,12 @@ RunnerState enter_stage(RunnerState state, std::uint32_t stage) {
 }
 
 // The setpoint walks to the stage's depth at the stage's speed, never further.
-Millimetres walked(Millimetres from, const Stage& stage) {
+Millimetres walked(Millimetres from, const InsertionStep& stage) {
   const Millimetres stride = stage.speed * Seconds(kTick);
   return from + std::clamp(stage.depth - from, -stride, stride);
 }
 
-RunnerState judge(RunnerState state, const Stage& stage, Millimetres depth) {
+RunnerState judge(RunnerState state, const InsertionStep& stage, Millimetres depth) {
   const bool settled = std::abs((stage.depth - depth).value) <= kSettled.value;
   state.settled_ticks = settled ? state.settled_ticks + 1 : 0;
   if (state.settled_ticks * Seconds(kTick) >= stage.dwell) state.reached = true;
@@ -43,7 +43,7 @@ RunnerState judge(RunnerState state, const Stage& stage, Millimetres depth) {
 
 // Held: the amplitude stays, because a regulated hold could only lower it, each sample's noise a little
 // further. But a needle that jumped beyond its stage is let back.
-RunnerState held(const PiGains& gains, RunnerState state, const Stage& stage, Millimetres depth,
+RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& stage, Millimetres depth,
                  Volts envelope) {
   const Volts ceiling = std::min(state.loop.amplitude, envelope);
   if (depth > stage.depth + kLetBack)
@@ -60,7 +60,7 @@ RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
                      const Measurement& measurement, const Permit& permit, std::uint32_t stage_index,
                      bool finish) {
   assert(stage_index < plan.stages.size());
-  const Stage& stage = plan.stages[stage_index];
+  const InsertionStep& stage = plan.stages[stage_index];
   const Millimetres depth = from_um(measurement.depth_um);
   state = enter_stage(state, stage_index);
   if (!permit.hv_enable) {

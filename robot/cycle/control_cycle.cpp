@@ -4,7 +4,7 @@
 
 #include "planner/plan/seal.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::uint32_t kSession = 1;  // a virtual clock starts its first session
@@ -18,7 +18,7 @@ std::uint64_t tag_of(Plan plan) {
 
 }  // namespace
 
-SupervisedStage::SupervisedStage(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage,
+ControlCycle::ControlCycle(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
                                  const std::array<std::uint64_t, 2>& confirmed)
     : facts_(facts),
       confirmed_(confirmed),
@@ -26,7 +26,7 @@ SupervisedStage::SupervisedStage(const Plan& plan, const safety::PlanFacts& fact
       stage_(stage),
       supervisor_(safety::started(kSession)) {}
 
-safety::Observation SupervisedStage::observed(const Measurement& measurement, const World& world) {
+safety::Observation ControlCycle::observed(const Measurement& measurement, const World& world) {
   safety::Observation seen;
   seen.now_us = now_us();
   seen.measurement = measurement;
@@ -45,11 +45,11 @@ safety::Observation SupervisedStage::observed(const Measurement& measurement, co
   return seen;
 }
 
-Tick SupervisedStage::tick(const World& world, const Controller& controller) {
-  Tick tick;
+CycleRecord ControlCycle::tick(const World& world, const Controller& controller) {
+  CycleRecord tick;
   tick.measurement = stage_.measure();
   safety::Observation seen = observed(tick.measurement, world);
-  if (wires_ != nullptr) wires_->carry(seen);
+  if (faults_ != nullptr) faults_->carry(seen);
   safety::SupervisorInput input;
   input.now_us = seen.now_us;
   input.evidence = safety::assess(facts_, memory_, seen);
@@ -63,7 +63,7 @@ Tick SupervisedStage::tick(const World& world, const Controller& controller) {
   input.request = seen.request;
   input.depth_accepted = world.depth_accepted;
   input.accepted_stage = world.accepted_stage;
-  if (wires_ != nullptr) wires_->carry(input);
+  if (faults_ != nullptr) faults_->carry(input);
   tick.evidence = input.evidence;
   std::tie(supervisor_, tick.supervisor) = safety::step(facts_, supervisor_, input);
   permit_ = tick.supervisor.permit;
@@ -71,11 +71,11 @@ Tick SupervisedStage::tick(const World& world, const Controller& controller) {
   request_ = tick.request = controller(tick.measurement, tick.supervisor);
 
   Delivery delivery{&request_, &permit_, now_us(), world.writers};
-  if (wires_ != nullptr) wires_->carry(delivery);
+  if (faults_ != nullptr) faults_->carry(delivery);
   stage_.drive(delivery.request, delivery.permit, delivery.now_us, delivery.writers);
   tick.drive_mV = stage_.command_mV();
   ++ticks_;
   return tick;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

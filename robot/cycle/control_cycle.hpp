@@ -12,7 +12,7 @@
 #include "safety/supervisor.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // What people and the rest of the world do in a tick. Default: nobody asks for anything and all is well.
 struct World {
@@ -31,7 +31,7 @@ struct World {
   bool bench_confirmed = false;  // no patient, no needle
 };
 
-struct Tick {
+struct CycleRecord {
   Measurement measurement;
   safety::Evidence evidence;
   safety::SupervisorOutput supervisor;
@@ -46,27 +46,27 @@ struct Delivery {
   std::int64_t now_us;  // gate's clock
   std::int32_t writers;
 };
-class Wires {
+class FaultHooks {
  public:
-  virtual ~Wires() = default;
+  virtual ~FaultHooks() = default;
   virtual void carry(safety::Observation& /*to the supervisor*/) {}
   virtual void carry(safety::SupervisorInput& /*to its decision*/) {}
   virtual void carry(Delivery& /*to the gate*/) {}
 };
 
-class SupervisedStage {
+class ControlCycle {
  public:
   // Sees what was measured and decided in this tick; answers with what it wants.
   using Controller = std::function<DriveRequest(const Measurement&, const safety::SupervisorOutput&)>;
 
   // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
-  SupervisedStage(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage,
+  ControlCycle(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
                   const std::array<std::uint64_t, 2>& confirmed);
 
-  Tick tick(const World& world, const Controller& controller);
+  CycleRecord tick(const World& world, const Controller& controller);
 
   // `wires` must outlive this.
-  void connect(Wires& wires) { wires_ = &wires; }
+  void connect(FaultHooks& wires) { faults_ = &wires; }
 
   std::int64_t ticks() const { return ticks_; }
   Mode mode() const { return supervisor_.mode; }
@@ -75,17 +75,17 @@ class SupervisedStage {
   safety::Observation observed(const Measurement& measurement, const World& world);
   std::int64_t now_us() const { return (ticks_ + 1) * std::chrono::microseconds(kTick).count(); }
 
-  Wires* wires_ = nullptr;  // none: everything arrives
+  FaultHooks* faults_ = nullptr;  // none: everything arrives
   const safety::PlanFacts& facts_;
   std::array<std::uint64_t, 2> confirmed_;
   std::uint64_t plan_tag_;  // of the plan the controller really runs, sealed anew here
-  port::GatedStage stage_;
+  drivers::GatedStage stage_;
   safety::EvidenceMemory memory_;
-  safety::TissueWatch tissue_;
+  safety::TissueMonitor tissue_;
   safety::SupervisorState supervisor_;
   Permit permit_;
   DriveRequest request_;
   std::int64_t ticks_ = 0;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -27,7 +27,7 @@ static_assert(kSlewUp_mV_per_tick <= limits::kSlewUpMax_mV_per_tick);
 safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
   safety::PlanFacts facts;
   if (plan.stages.size() > facts.stages.size() || plan.limits.plausible.size() > facts.bands.size())
-    throw SetupError(fmt::format("the plan has {} stages; the supervisor holds {}", plan.stages.size(),
+    throw ConfigError(fmt::format("the plan has {} stages; the supervisor holds {}", plan.stages.size(),
                                  facts.stages.size()),
                      "plan", "ask for fewer waypoints or merge thin layers");
   facts.plan_tag = planner::plan_tag(plan);
@@ -36,7 +36,7 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
   facts.tissue_residual_max_um = kTissueResidual_um;
   if (plan.bench)  // never 0, which would make it a plan for a patient
     facts.bench_half_period_ticks = std::max(1, to_integer(plan.bench->half_period / kTick));
-  for (const Stage& stage : plan.stages)
+  for (const InsertionStep& stage : plan.stages)
     facts.stages[facts.stage_count++] = {
         .depth_max_um = std::min(to_um(stage.depth + kStageOvershoot), facts.depth_max_um),
         .v_max_mV = to_mV(stage.v_max),

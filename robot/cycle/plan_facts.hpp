@@ -8,7 +8,7 @@
 
 namespace biopsy::live {
 
-// `config_tag`: identifies the configuration in use; never 0. Throws SetupError for a plan with more stages
+// `config_tag`: identifies the configuration in use; never 0. Throws ConfigError for a plan with more stages
 // than the supervisor can hold.
 safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag);
 

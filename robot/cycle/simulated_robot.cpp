@@ -1,8 +1,8 @@
 #include "robot/cycle/simulated_robot.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-Tick Lockstep::tick(const World& world) {
+CycleRecord SimulatedRobot::tick(const World& world) {
   return stage_.tick(world, [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
     const control::RunnerStep wanted =
         control::run_stage(plan_, {}, controller_, measured, decided.permit, decided.stage, world.finish);
@@ -11,4 +11,4 @@ Tick Lockstep::tick(const World& world) {
   });
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

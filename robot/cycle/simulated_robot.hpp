@@ -9,16 +9,16 @@
 #include "robot/control/step_runner.hpp"
 #include "robot/msg/plan.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-class Lockstep {
+class SimulatedRobot {
  public:
   // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
-  Lockstep(const Plan& plan, const safety::PlanFacts& facts, port::NeedleStage& stage,
+  SimulatedRobot(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
            const std::array<std::uint64_t, 2>& confirmed)
       : plan_(plan), stage_(plan, facts, stage, confirmed) {}
 
-  Tick tick(const World& world);
+  CycleRecord tick(const World& world);
 
   std::int64_t ticks() const { return stage_.ticks(); }
   Mode mode() const { return stage_.mode(); }
@@ -26,8 +26,8 @@ class Lockstep {
 
  private:
   const Plan& plan_;
-  SupervisedStage stage_;
+  ControlCycle stage_;
   control::RunnerState controller_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -13,16 +13,16 @@
 
 namespace biopsy::live {
 
-// The bus as the settings want it. Keys are looked through first. Throws SetupError, naming the file.
-transport::BusSettings bus_settings(const LiveSettings& settings, keys::Role role);
+// The bus as the settings want it. Keys are looked through first. Throws ConfigError, naming the file.
+transport::BusSettings bus_settings(const LiveSettings& settings, security::Role role);
 
 // The same wire without security, under an id that the bus does not use.
 transport::BusSettings plain_settings(const LiveSettings& settings);
 
 class LiveProcess {
  public:
-  // Reads the settings and joins the bus. Throws SetupError.
-  LiveProcess(const std::filesystem::path& run_folder, keys::Role role);
+  // Reads the settings and joins the bus. Throws ConfigError.
+  LiveProcess(const std::filesystem::path& run_folder, security::Role role);
 
   const LiveSettings& settings() const { return settings_; }
   std::uint64_t config_tag() const { return config_tag_; }

@@ -24,7 +24,7 @@ constexpr double kStrokeMax_mm = 1000.0;  // no layer of a patient is deeper
 std::string read_all(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
-    throw SetupError("the file cannot be read", file.string(),
+    throw ConfigError("the file cannot be read", file.string(),
                      "start the robot with `biopsy up`, which writes it");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -74,7 +74,7 @@ class Entries {
     return *found;
   }
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
-    throw SetupError(fmt::format("\"{}\" {}", name, what), where_,
+    throw ConfigError(fmt::format("\"{}\" {}", name, what), where_,
                      "start the robot with `biopsy up`, which writes it");
   }
 
@@ -126,7 +126,7 @@ std::string to_json(const LiveSettings& settings) {
 LiveSettings parse_settings(const std::string& text, const std::string& name) {
   const Json object = Json::parse(text, nullptr, false);
   if (object.is_discarded())
-    throw SetupError("the file is not JSON", name, "start the robot with `biopsy up`, which writes it");
+    throw ConfigError("the file is not JSON", name, "start the robot with `biopsy up`, which writes it");
   Entries from(object, name);
   LiveSettings settings;
   settings.domain = from.integer<std::uint32_t>("domain", 0, 230);
@@ -135,7 +135,7 @@ LiveSettings parse_settings(const std::string& text, const std::string& name) {
   settings.network = from.text("network");
   settings.device = from.text("device");
   if (settings.device != "sim" && settings.device != "nidaqmx")
-    throw SetupError(fmt::format("there is no device \"{}\"", settings.device), name,
+    throw ConfigError(fmt::format("there is no device \"{}\"", settings.device), name,
                      "there are sim and nidaqmx");
   settings.device_config = from.text("device_config");
   settings.commissioning = from.text("commissioning");

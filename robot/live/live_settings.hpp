@@ -34,13 +34,13 @@ struct LiveSettings {
 std::filesystem::path settings_file(const std::filesystem::path& run_folder);
 
 std::string to_json(const LiveSettings& settings);
-// Throws SetupError for a missing file, an unknown name, a value out of range.
+// Throws ConfigError for a missing file, an unknown name, a value out of range.
 LiveSettings read_settings(const std::filesystem::path& run_folder);
 LiveSettings parse_settings(const std::string& text, const std::string& name);
 
 // First 8 bytes of the SHA-256 over the settings and every file they name but keys, log and lines: what
 // stands for "the configuration". Recomputed by each process from the files themselves; never 0. Throws
-// SetupError where a file cannot be read.
+// ConfigError where a file cannot be read.
 std::uint64_t config_tag(const std::filesystem::path& run_folder, const LiveSettings& settings);
 
 }  // namespace biopsy::live

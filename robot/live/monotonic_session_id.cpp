@@ -20,19 +20,19 @@ void keep(const std::filesystem::path& file, std::uint32_t number) {
   std::error_code failed;
   if (out) std::filesystem::rename(beside, file, failed);
   if (!out || failed)
-    throw SetupError("the number of this start cannot be kept", file.string(),
+    throw ConfigError("the number of this start cannot be kept", file.string(),
                      "see that the folder exists and may be written");
 }
 
 }  // namespace
 
-std::uint32_t rising_number(const std::filesystem::path& file) {
+std::uint32_t monotonic_session_id(const std::filesystem::path& file) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t last = 0;
   if (std::filesystem::exists(file)) {
     std::ifstream in(file);
     if (in.peek() == '-' || !(in >> last) || last >= kMost)
-      throw SetupError("holds no number of the last start", file.string(),
+      throw ConfigError("holds no number of the last start", file.string(),
                        "remove it once no process of this robot runs any more");
   }
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();

@@ -7,7 +7,7 @@
 namespace biopsy::live {
 
 // Larger than any that `file` has given before, and the seconds since 1970 where that is larger still. The
-// file is written as a whole. Throws SetupError where it cannot be, or where it holds no number.
-std::uint32_t rising_number(const std::filesystem::path& file);
+// file is written as a whole. Throws ConfigError where it cannot be, or where it holds no number.
+std::uint32_t monotonic_session_id(const std::filesystem::path& file);
 
 }  // namespace biopsy::live

@@ -2,7 +2,7 @@
 
 namespace biopsy::live {
 
-StageLoop::StageLoop(const transport::Participant& bus, port::NeedleStage& stage, lines::StageLines& lines,
+StageLoop::StageLoop(const transport::Participant& bus, drivers::NeedleStage& stage, digital_io::StageIo& lines,
                      std::uint64_t config_tag)
     : gated_(stage),
       lines_(lines),

@@ -16,7 +16,7 @@ namespace biopsy::live {
 class StageLoop {
  public:
   // `stage` must outlive this.
-  StageLoop(const transport::Participant& bus, port::NeedleStage& stage, lines::StageLines& lines,
+  StageLoop(const transport::Participant& bus, drivers::NeedleStage& stage, digital_io::StageIo& lines,
             std::uint64_t config_tag);
 
   // `now_us`: this machine's monotonic clock.
@@ -31,8 +31,8 @@ class StageLoop {
  private:
   std::int32_t writers() const;
 
-  port::GatedStage gated_;
-  lines::StageLines& lines_;
+  drivers::GatedStage gated_;
+  digital_io::StageIo& lines_;
   transport::Writer<Measurement> measurements_;
   transport::Reader<Permit> permits_;
   transport::Reader<DriveRequest> requests_;

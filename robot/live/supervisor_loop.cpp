@@ -36,8 +36,8 @@ std::uint8_t code_of(Enum value) {
 
 }  // namespace
 
-SupervisorLoop::SupervisorLoop(const transport::Participant& bus, port::PulseOutput& interlock,
-                               const lines::LinesReader& panel, std::uint64_t config_tag,
+SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::PulseOutput& interlock,
+                               const digital_io::IoReader& panel, std::uint64_t config_tag,
                                std::uint32_t session, safety::SelfTest self_test)
     : interlock_(interlock),
       panel_(panel),
@@ -102,9 +102,9 @@ void SupervisorLoop::take_plan() {
   if (plans_.take_newest(sealed) == 0) return;
   const std::optional<Plan> plan = planner::open_plan(sealed.bytes, sealed.seal);
   sealed_tag_ = plan ? planner::plan_tag(*plan) : 0;
-  if (safety::is_hot(state_.mode)) return;
+  if (safety::hv_permitted(state_.mode)) return;
   const bool fits =
-      plan && plan->stages.size() <= safety::kMaxStages && plan->limits.plausible.size() <= safety::kMaxBands;
+      plan && plan->stages.size() <= safety::kMaxSteps && plan->limits.plausible.size() <= safety::kMaxBands;
   facts_ = fits ? plan_facts(*plan, config_tag_) : safety::PlanFacts{};
   confirmed_ = sealed.confirmed_tag;
   heartbeat_.health().plan_tag = facts_.plan_tag;
@@ -123,7 +123,7 @@ std::int32_t SupervisorLoop::writers() const {
 
 safety::Observation SupervisorLoop::observed(std::int64_t now_us) {
   const bool act_known = act_us_ != 0 && now_us - act_us_ <= kActOld_us;
-  const lines::PanelLevels panel = panel_.panel();
+  const digital_io::PanelLevels panel = panel_.panel();
   safety::Observation seen;
   seen.now_us = now_us;
   seen.measurement = measured_;
@@ -150,7 +150,7 @@ safety::Observation SupervisorLoop::observed(std::int64_t now_us) {
 
 safety::SupervisorInput SupervisorLoop::input_of(const safety::Observation& seen) {
   const bool act_known = act_us_ != 0 && seen.now_us - act_us_ <= kActOld_us;
-  const lines::PanelLevels panel = panel_.panel();
+  const digital_io::PanelLevels panel = panel_.panel();
   safety::SupervisorInput input;
   input.now_us = seen.now_us;
   input.evidence = safety::assess(facts_, memory_, seen);

@@ -21,8 +21,8 @@ class SupervisorLoop {
  public:
   // `session`: larger at every start. One that failed its self-test locks. `interlock`, this side's half of
   // it, and `panel` must outlive this.
-  SupervisorLoop(const transport::Participant& bus, port::PulseOutput& interlock,
-                 const lines::LinesReader& panel, std::uint64_t config_tag, std::uint32_t session,
+  SupervisorLoop(const transport::Participant& bus, drivers::PulseOutput& interlock,
+                 const digital_io::IoReader& panel, std::uint64_t config_tag, std::uint32_t session,
                  safety::SelfTest self_test);
 
   // Waits for the next measurement or the next millisecond, and decides.
@@ -48,8 +48,8 @@ class SupervisorLoop {
   void announce(const safety::SupervisorOutput& output, std::int64_t now_us);
   std::int32_t writers() const;
 
-  port::PulseOutput& interlock_;
-  const lines::LinesReader& panel_;
+  drivers::PulseOutput& interlock_;
+  const digital_io::IoReader& panel_;
   transport::Reader<Measurement> measurements_;
   transport::Reader<DriveRequest> requests_;
   transport::Reader<OperatorAct> acts_;
@@ -67,7 +67,7 @@ class SupervisorLoop {
   std::array<std::uint64_t, 2> confirmed_{};
   std::uint64_t sealed_tag_ = 0;  // of the plan that was sent last, opened or not
   safety::EvidenceMemory memory_;
-  safety::TissueWatch tissue_;
+  safety::TissueMonitor tissue_;
   safety::SupervisorState state_;
   Burst burst_;
   Permit permit_;

@@ -22,15 +22,15 @@ struct Layer {
   Millimetres thickness() const { return to - from; }
 };
 
-enum class StageKind : std::uint8_t {
+enum class StepKind : std::uint8_t {
   Approach,  // inside a layer, stops short of a boundary
   Cross,     // through a boundary, slowly
-  Waypoint,  // a depth the clinician asked for on the way
+  Waypoint,  // a depth the operator asked for on the way
   Target,    // the depth of the biopsy
 };
 
-struct Stage {
-  StageKind kind = StageKind::Approach;
+struct InsertionStep {
+  StepKind kind = StepKind::Approach;
   Millimetres depth;            // where the stage ends
   MillimetresPerSecond speed;   // limit on the setpoint's rate
   Volts v_max;                  // limit on the drive: what it can store ahead of a boundary, model-based
@@ -63,7 +63,7 @@ struct Plan {
   Millimetres target_depth;
   Millimetres axis_offset;  // distance of the target from the needle axis
   std::vector<Layer> layers;
-  std::vector<Stage> stages;
+  std::vector<InsertionStep> stages;
   PlanLimits limits;
   std::optional<BenchDrive> bench = std::nullopt;  // not for a patient
   Sha256 seal{};                                   // SHA-256 over all of the above

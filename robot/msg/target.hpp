@@ -1,4 +1,4 @@
-// What the clinician chose on the image.
+// What the operator chose on the image.
 #pragma once
 
 #include <string>

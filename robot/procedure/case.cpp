@@ -6,9 +6,10 @@
 #include <algorithm>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/toml_reader.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,7 +24,7 @@ fs::path beside(const fs::path& case_file, const std::string& path) {
 Point ras_point(TomlTable& table, std::string_view name) {
   const std::vector<double> ras = table.numbers(name, -kFar_mm, kFar_mm);
   if (ras.size() != 3)
-    throw SetupError(fmt::format("`{}` has {} numbers", name, ras.size()), table.where(),
+    throw ConfigError(fmt::format("`{}` has {} numbers", name, ras.size()), table.where(),
                      "give R, A, S in mm");
   return lps_from_ras({ras[0], ras[1], ras[2]});
 }
@@ -32,7 +33,7 @@ void read_image(TomlTable table, const fs::path& file, Case& out) {
   out.phantom = table.has("phantom");
   if (out.phantom) {
     if (table.text("phantom") != "paper")
-      throw SetupError("unknown phantom", table.where(), "the built-in phantom is \"paper\"");
+      throw ConfigError("unknown phantom", table.where(), "the built-in phantom is \"paper\"");
   } else {
     out.image = beside(file, table.text("path"));
   }
@@ -50,10 +51,10 @@ void read_target(TomlTable table, Case& out) {
   if (table.has("target_ras_mm")) out.p_ST = ras_point(table, "target_ras_mm");
   if (table.has("depth_mm")) out.depth = Millimetres(table.number("depth_mm", 0.0, 100.0));
   if (out.depth && !out.phantom)
-    throw SetupError("`depth_mm` needs the phantom, which knows its needle axis", table.where(),
+    throw ConfigError("`depth_mm` needs the phantom, which knows its needle axis", table.where(),
                      "give entry_ras_mm and target_ras_mm");
   if (!out.depth && !(out.p_SE && out.p_ST))
-    throw SetupError("no target", table.where(),
+    throw ConfigError("no target", table.where(),
                      "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
   table.refuse_rest();
 }
@@ -63,7 +64,7 @@ void read_robot(TomlTable table, const fs::path& file, Case& out) {
   if (table.has("fiducials")) out.fiducials = beside(file, table.text("fiducials"));
   if (table.has("transform_ras")) out.transform = table.numbers("transform_ras", -kFar_mm, kFar_mm);
   if (out.transform && (out.transform->size() != 16 || !out.fiducials.empty()))
-    throw SetupError("`transform_ras` needs 16 numbers and no `fiducials` beside it", table.where(),
+    throw ConfigError("`transform_ras` needs 16 numbers and no `fiducials` beside it", table.where(),
                      "give the 4 x 4 matrix row by row, or the fiducial file, not both");
   table.refuse_rest();
 }
@@ -97,13 +98,9 @@ void read_rehearsal(TomlTable table, const fs::path& file, Rehearsal& out) {
 
 }  // namespace
 
-fs::path resources() {
-  return BIOPSY_RESOURCES;
-}
-
 std::vector<std::string> built_in_cases() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(resources() / "robot/app/cases"))
+  for (const auto& entry : fs::directory_iterator(data_folder() / "robot/procedure/cases"))
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
@@ -119,17 +116,17 @@ bool has_points(const Case& given) {
 
 Case blank_case() {
   Case out;
-  out.rehearsal.model = resources() / "sim/models/rehearsal.toml";
-  out.rehearsal.tissues = resources() / "sim/models/tissues.toml";
+  out.rehearsal.model = data_folder() / "sim/models/rehearsal.toml";
+  out.rehearsal.tissues = data_folder() / "sim/models/tissues.toml";
   return out;
 }
 
 Case read_case(const std::string& name_or_path) {
   fs::path file = name_or_path;
-  const fs::path built_in = resources() / "robot/app/cases" / (name_or_path + ".toml");
+  const fs::path built_in = data_folder() / "robot/procedure/cases" / (name_or_path + ".toml");
   if (!fs::exists(file) && !file.has_parent_path() && fs::exists(built_in)) file = built_in;
   if (!fs::exists(file))
-    throw SetupError("no such case", name_or_path,
+    throw ConfigError("no such case", name_or_path,
                      fmt::format("give a case file, or one of: {}", fmt::join(built_in_cases(), ", ")));
   TomlTable root = sim::read_toml(file);
   Case out = blank_case();
@@ -145,8 +142,8 @@ Case read_case(const std::string& name_or_path) {
   for (const char* table : {"robot", "plan", "rehearsal"}) root.ignore(table);
   root.refuse_rest();
   if (!out.layers.empty() && !out.labels.empty())
-    throw SetupError("both a table of layers and a label map", file.string(), "keep one of them");
+    throw ConfigError("both a table of layers and a label map", file.string(), "keep one of them");
   return out;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -12,7 +12,7 @@
 #include "planner/plan/insertion_steps.hpp"
 #include "robot/msg/plan.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // What the simulated scanner adds to the confirmation images of a rehearsal.
 struct Rehearsal {
@@ -48,14 +48,12 @@ std::vector<std::filesystem::path> files_of(const Case& given);
 // Whether it says where to go; otherwise a person picks both points on the image.
 bool has_points(const Case& given);
 
-// `name_or_path`: a case file, or the name of a built-in case. Throws SetupError naming file and line.
+// `name_or_path`: a case file, or the name of a built-in case. Throws ConfigError naming file and line.
 Case read_case(const std::string& name_or_path);
 
 // Defaults of a case that is given by --image, --entry and --target alone.
 Case blank_case();
 
-// Names of the built-in cases, and the folder they and the models live in.
 std::vector<std::string> built_in_cases();
-std::filesystem::path resources();
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

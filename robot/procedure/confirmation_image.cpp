@@ -11,7 +11,7 @@
 #include "sim/scanner/scanner.hpp"
 #include "sim/plant/seeded_noise.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::uint64_t kMotionStream = 0x6d6f7665;
@@ -31,7 +31,7 @@ sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_
 
 }  // namespace
 
-void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StageResult& result) const {
+void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StepResult& result) const {
   const std::string name = fmt::format("images/stage-{}", stage + 1);
   sim::ScanSettings settings;
   const Point p_SE = plan_.X_SR.translation();
@@ -55,4 +55,4 @@ void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StageR
   if (pictures.after.picture.width > 0) result.geometry = geometry_of(pictures.after);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -7,7 +7,7 @@
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 class ConfirmationImages {
  public:
@@ -17,7 +17,7 @@ class ConfirmationImages {
 
   // Of the end of `stage`, with the needle at `tip`: fills the check and the pictures of `result`. Takes a
   // second.
-  void take(std::size_t stage, Millimetres tip, report::StageResult& result) const;
+  void take(std::size_t stage, Millimetres tip, report::StepResult& result) const;
 
  private:
   const PreparedCase& prepared_;
@@ -25,4 +25,4 @@ class ConfirmationImages {
   std::filesystem::path folder_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

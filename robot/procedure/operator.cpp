@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kThink_ticks = 300;        // between two acts of a hand
@@ -29,7 +29,7 @@ void Operator::judge(bool accepted, const std::string& reason) {
 }
 
 // Moves the script on; World is then read off the step.
-void Operator::watch(const Tick& seen, std::int64_t tick) {
+void Operator::watch(const CycleRecord& seen, std::int64_t tick) {
   const std::int64_t waited = tick - since_;
   const Mode mode = seen.supervisor.permit.mode;
   const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
@@ -97,7 +97,7 @@ void Operator::watch(const Tick& seen, std::int64_t tick) {
   }
 }
 
-World Operator::act(const Tick& seen, std::int64_t tick) {
+World Operator::act(const CycleRecord& seen, std::int64_t tick) {
   watch(seen, tick);
   World world;
   world.arm = step_ == Step::Arm;
@@ -109,4 +109,4 @@ World Operator::act(const Tick& seen, std::int64_t tick) {
   return world;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

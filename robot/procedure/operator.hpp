@@ -8,7 +8,7 @@
 
 #include "robot/cycle/simulated_robot.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 enum class Step : std::uint8_t { WaitReady, Arm, Press, Insert, Image, Judge, Pause, Withdraw, Done };
 
@@ -17,7 +17,7 @@ class Operator {
   explicit Operator(const Plan& plan) : plan_(plan) {}
 
   // What the person does in this tick, having seen the last one.
-  World act(const Tick& seen, std::int64_t tick);
+  World act(const CycleRecord& seen, std::int64_t tick);
 
   // The image of the present stage is complete: it must be judged before the next act().
   bool wants_verdict() const { return step_ == Step::Judge; }
@@ -32,7 +32,7 @@ class Operator {
  private:
   void go(Step step, std::int64_t tick);
   void give_up(const std::string& reason);
-  void watch(const Tick& seen, std::int64_t tick);
+  void watch(const CycleRecord& seen, std::int64_t tick);
 
   const Plan& plan_;
   Step step_ = Step::WaitReady;
@@ -46,4 +46,4 @@ class Operator {
 
 inline constexpr std::int64_t kAcquisition_ticks = 2000;  // one fast gradient-echo stack through the needle
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -12,7 +12,7 @@
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/phantom.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 // Layers are looked up a little further than any plan can reach, so that the tissue behind the target is
@@ -57,7 +57,7 @@ std::vector<Layer> layers_of(const Case& given, const Volume* labels, const plan
 void check_frames(const Volume& image, const Volume& labels) {
   if (!image.identity.frame_of_reference_uid.empty() && !labels.identity.frame_of_reference_uid.empty() &&
       image.identity.frame_of_reference_uid != labels.identity.frame_of_reference_uid)
-    throw SetupError("the label map lies in another frame of reference than the image", "labels",
+    throw ConfigError("the label map lies in another frame of reference than the image", "labels",
                      "give the label map that was drawn on this image");
 }
 
@@ -125,4 +125,4 @@ PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {
   return out;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -11,7 +11,7 @@
 #include "robot/msg/plan.hpp"
 #include "robot/msg/volume.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 struct PreparedCase {
   Case given;
@@ -24,7 +24,7 @@ struct PreparedCase {
 };
 
 // Reads the image, without a plan yet; `target` holds the points that the case names. A phantom is first
-// written to `folder`/planning as DICOM, so that it goes the way of any image. Throws SetupError for bad
+// written to `folder`/planning as DICOM, so that it goes the way of any image. Throws ConfigError for bad
 // input.
 PreparedCase open_case(const Case& given, const std::filesystem::path& folder);
 
@@ -34,4 +34,4 @@ void plan_to_target(PreparedCase& opened);
 // Both; of a case without points the image, and tissue without a name.
 PreparedCase prepare(const Case& given, const std::filesystem::path& folder);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -14,22 +14,22 @@
 #include "robot/report/procedure/console_table.hpp"
 #include "robot/report/procedure/report_folder.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 namespace fs = std::filesystem;
 
 Case case_of(const ProcedureOptions& options, Points points) {
   const bool by_image = !options.image.empty();
   if (by_image && !options.case_name.empty())
-    throw SetupError("both a case and --image", "command line",
+    throw ConfigError("both a case and --image", "command line",
                      "give a case file, or --image with --entry and --target");
   if (!by_image && (!options.entry.empty() || !options.target.empty() || !options.labels.empty()))
-    throw SetupError("--entry, --target or --labels without --image", "command line", "add --image PATH");
+    throw ConfigError("--entry, --target or --labels without --image", "command line", "add --image PATH");
   Case given = by_image ? blank_case() : read_case(options.case_name.empty() ? "liver" : options.case_name);
   if (by_image) {
     const bool none = options.entry.empty() && options.target.empty();
     if ((options.entry.empty() || options.target.empty()) && !(none && points == Points::PickedLater))
-      throw SetupError("--image without --entry and --target", "command line",
+      throw ConfigError("--image without --entry and --target", "command line",
                        "pick both points: --entry R,A,S --target R,A,S");
     given.image = options.image;
     given.title = (options.image / "").parent_path().filename().string();
@@ -87,4 +87,4 @@ int plan(const ProcedureOptions& options) {
   return record.plan ? 0 : 3;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -8,16 +8,16 @@
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // At the console a person may pick both points on the image.
 enum class Points { Given, PickedLater };
 
-// Throws SetupError where the options do not fit together.
+// Throws ConfigError where the options do not fit together.
 Case case_of(const ProcedureOptions& options, Points points = Points::Given);
 
 // Writes the report and prints its table and path.
 void finish(report::RunRecord& record, const PreparedCase& prepared, const std::filesystem::path& out,
             std::chrono::steady_clock::time_point started);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

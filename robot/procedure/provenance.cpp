@@ -8,7 +8,7 @@
 
 #include "planner/plan/seal.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 std::string sha256(const void* bytes, std::size_t size) {
@@ -43,4 +43,4 @@ std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& 
   return out;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

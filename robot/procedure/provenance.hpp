@@ -8,9 +8,9 @@
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& prepared,
                                                             const report::RunRecord& record);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

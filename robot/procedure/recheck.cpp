@@ -12,7 +12,7 @@
 #include "robot/common/files/whole_file.hpp"
 #include "sim/plant/model_text.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string pattern = (fs::temp_directory_path() / "biopsy-recheck-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
-      throw SetupError("no temporary folder can be made", fs::temp_directory_path().string(),
+      throw ConfigError("no temporary folder can be made", fs::temp_directory_path().string(),
                        "free some space there, set TMPDIR to another folder, or give --no-recheck");
     path_ = pattern;
   }
@@ -52,7 +52,7 @@ std::vector<PreparedCase> prepared_plans(const fs::path& folder) {
   for (const char* name : kReferencePlans) {
     out.push_back(prepare(read_case(name), folder / name));
     if (const auto* refusal = std::get_if<PlanRefusal>(&out.back().plan))
-      throw SetupError("the built-in case is refused: " + refusal->what, name, refusal->remedy);
+      throw ConfigError("the built-in case is refused: " + refusal->what, name, refusal->remedy);
   }
   return out;
 }
@@ -63,7 +63,7 @@ fs::path with_noise(const fs::path& file, double noise_mm, const fs::path& copy)
   std::optional<sim::SensorNoise>& noise = model.model.effects.sensor_noise;
   if (noise && noise->std > 0.0) return file;
   noise = sim::SensorNoise{.std = std::min(noise_mm, kMostNoise_mm) * 1e-3};
-  report::write_whole_file(copy, sim::model_toml(model.model, model.notes));
+  report::atomic_write(copy, sim::model_toml(model.model, model.notes));
   return copy;
 }
 
@@ -140,4 +140,4 @@ Recheck recheck(const fs::path& old_model, const fs::path& new_model, double noi
   return out;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

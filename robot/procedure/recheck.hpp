@@ -9,7 +9,7 @@
 #include "robot/procedure/rehearsal.hpp"
 #include "sim/gap/gap_finding.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 struct Recheck {
   std::vector<MarginChange> margins;
@@ -20,9 +20,9 @@ struct Recheck {
 // new model: figure within its limit; "unplanned stops" also counts a procedure that did not complete. A
 // figure that the new run never got to, because it was stopped before, is left out. A model without noise of
 // the sensor is lent `noise_mm` and a warning says so: the supervisor takes a depth that never changes for a
-// broken sensor. Works in a temporary folder and leaves nothing. Throws SetupError for files that are no
+// broken sensor. Works in a temporary folder and leaves nothing. Throws ConfigError for files that are no
 // models.
 Recheck recheck(const std::filesystem::path& old_model, const std::filesystem::path& new_model,
                 double noise_mm, const Progress& progress);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

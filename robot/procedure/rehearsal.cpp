@@ -13,7 +13,7 @@
 #include "robot/cycle/plan_facts.hpp"
 #include "sim/simulated_stage.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kTicksMax = 600'000;  // ten minutes: no procedure of this robot takes longer
 constexpr std::int64_t kProgressEvery = 1000;
 
-Truth truth_of(const sim::SimStage& stage) {
+Truth truth_of(const sim::SimulatedStage& stage) {
   const sim::PlantState& state = stage.truth();
   return {state.motion.x * 1e3, sim::plate_b(stage.model(), state) * 1e3,
           sim::layers_entered(stage.model(), state)};
@@ -56,7 +56,7 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
   record.plan = plan;
   record.outcome = report::Outcome::Stopped;
   draw_planning_slice(prepared, plan, record);
-  for (const Stage& stage : plan.stages) {
+  for (const InsertionStep& stage : plan.stages) {
     record.stages.emplace_back();
     record.stages.back().stage = stage;
   }
@@ -70,17 +70,17 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   report::RunRecord& record = notes.record();
   Operator person(plan);
   const ConfirmationImages images(prepared, plan, folder);
-  Tick seen;
+  CycleRecord seen;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
     const World world = person.act(seen, number);
     if (person.wants_verdict()) {
-      report::StageResult& result = record.stages[world.accepted_stage];
+      report::StepResult& result = record.stages[world.accepted_stage];
       progress(static_cast<double>(number) * 1e-3,
                fmt::format("checking the image of stage {}", world.accepted_stage + 1));
       images.take(world.accepted_stage, notes.take_imaged_tip(), result);
       person.judge(result.check->verdict == DepthVerdict::Accept, "depth check: " + result.check->reason);
     }
-    const std::optional<Beat> beat = robot(world);
+    const std::optional<CycleSample> beat = robot(world);
     if (!beat) {
       record.refusal = "the stage fell silent";
       break;
@@ -103,20 +103,20 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Case& given = prepared.given;
   const safety::PlanFacts facts = live::plan_facts(plan, 1 + given.seed);
-  sim::SimStage stage(
+  sim::SimulatedStage stage(
       rehearsed_plant(given.rehearsal.model, given.rehearsal.tissues, prepared.layers, given.weight.value),
       given.seed);
   // What both people of the rehearsal were shown and confirm.
   const std::uint64_t shown = planner::plan_tag(plan);
-  Lockstep lockstep(plan, facts, stage, {shown, shown});
+  SimulatedRobot lockstep(plan, facts, stage, {shown, shown});
   const Robot robot = [&](const World& world) {
-    Beat beat;
+    CycleSample beat;
     beat.truth = truth_of(stage);
     beat.tick = lockstep.tick(world);
     beat.setpoint = lockstep.controller().setpoint;
-    return std::optional<Beat>(beat);
+    return std::optional<CycleSample>(beat);
   };
   return rehearse_on(robot, prepared, folder, progress);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -10,7 +10,7 @@
 #include "robot/cycle/control_cycle.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Told now and then how much of the way is done, in [0, 1], and what is going on.
 using Progress = std::function<void(double share, const std::string& what)>;
@@ -22,14 +22,14 @@ struct Truth {
 };
 
 // One tick of a robot: the truth is that at its beginning.
-struct Beat {
-  Tick tick;
+struct CycleSample {
+  CycleRecord tick;
   Truth truth;
   Millimetres setpoint;
 };
 
 // Lets people do what World says, and answers with the next tick, in order. Nothing: the robot is silent.
-using Robot = std::function<std::optional<Beat>(const World&)>;
+using Robot = std::function<std::optional<CycleSample>(const World&)>;
 
 // The record of a plan (or its refusal) before anything moved.
 report::RunRecord planned_record(const PreparedCase& prepared);
@@ -42,4 +42,4 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared,
 report::RunRecord rehearse(const PreparedCase& prepared, const std::filesystem::path& folder,
                            const Progress& progress);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -3,7 +3,7 @@
 #include "sim/plant/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 sim::PlantModel rehearsed_plant(const std::filesystem::path& model, const std::filesystem::path& tissues,
                                 std::span<const Layer> layers, double weight_g) {
@@ -13,4 +13,4 @@ sim::PlantModel rehearsed_plant(const std::filesystem::path& model, const std::f
   return plant;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

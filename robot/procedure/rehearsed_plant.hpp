@@ -7,10 +7,10 @@
 #include "robot/msg/plan.hpp"
 #include "sim/plant/plant_model.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-// The model of the stage with the tissue of these layers along the needle's path. Throws SetupError.
+// The model of the stage with the tissue of these layers along the needle's path. Throws ConfigError.
 sim::PlantModel rehearsed_plant(const std::filesystem::path& model, const std::filesystem::path& tissues,
                                 std::span<const Layer> layers, double weight_g);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

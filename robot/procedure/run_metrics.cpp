@@ -5,7 +5,7 @@
 
 #include "safety/types/limits.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr double kFinalWindow_s = 0.5;  // one period of the square wave
@@ -34,7 +34,7 @@ void for_stage(const report::RunRecord& record, std::size_t index, Visit&& visit
     if (is_driven(sample) && sample.stage == index) visit(sample);
 }
 
-void measure_stage(const report::RunRecord& record, std::size_t index, report::StageResult& result,
+void measure_stage(const report::RunRecord& record, std::size_t index, report::StepResult& result,
                    Rms& settled_all) {
   const double goal = result.stage.depth.value;
   double arrived_s = -1.0;
@@ -98,7 +98,7 @@ void measure_run(report::RunRecord& record) {
   }
   double overshoot = report::kUnknown;
   for (std::size_t i = 0; i < record.stages.size(); ++i) {
-    report::StageResult& result = record.stages[i];
+    report::StepResult& result = record.stages[i];
     measure_stage(record, i, result, settled);
     if (!std::isnan(result.overshoot_mm)) overshoot = std::fmax(overshoot, result.overshoot_mm);
     if (result.reached) record.layer_at_tip = result.layer_at_tip;
@@ -113,4 +113,4 @@ void measure_run(report::RunRecord& record) {
   measure_limits(record);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

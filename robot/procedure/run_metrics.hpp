@@ -4,7 +4,7 @@
 
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Fills the figures of `record` and of its stages from its samples, plan and checks.
 // Settled: from kSettleTime after the setpoint arrived at a stage's depth to the end of that stage's hold,
@@ -14,4 +14,4 @@ void measure_run(report::RunRecord& record);
 inline constexpr double kSettleTime_s =
     1.0;  // two periods of the square wave; the paper's steps settle within that
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -2,11 +2,11 @@
 
 #include <utility>
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
-report::Sample sample_of(const Beat& beat, std::int64_t number) {
-  const Tick& tick = beat.tick;
+report::Sample sample_of(const CycleSample& beat, std::int64_t number) {
+  const CycleRecord& tick = beat.tick;
   report::Sample sample;
   sample.time_ms = static_cast<std::int32_t>(number);
   sample.setpoint_mm = static_cast<float>(beat.setpoint.value);
@@ -38,7 +38,7 @@ std::string layer_at(const Plan& plan, const Truth& truth) {
 RunNotes::RunNotes(const PreparedCase& prepared)
     : plan_(std::get<Plan>(prepared.plan)), record_(planned_record(prepared)) {}
 
-void RunNotes::note_trip(const Tick& tick) {
+void RunNotes::note_trip(const CycleRecord& tick) {
   const Mode now = tick.supervisor.permit.mode;
   const bool unasked = now == Mode::Trip || now == Mode::Lock ||
                        (now == Mode::Retract && tick.supervisor.reason != safety::Hazard::None) ||
@@ -49,13 +49,13 @@ void RunNotes::note_trip(const Tick& tick) {
                            std::string(safety::name_of(tick.supervisor.reason))});
 }
 
-void RunNotes::add(const Beat& beat, const World& world) {
-  const Tick& seen = beat.tick;
+void RunNotes::add(const CycleSample& beat, const World& world) {
+  const CycleRecord& seen = beat.tick;
   const auto number = static_cast<std::int64_t>(record_.samples.size());
   record_.samples.push_back(sample_of(beat, number));
   note_trip(seen);
   mode_ = seen.supervisor.permit.mode;
-  report::StageResult& result = record_.stages[seen.supervisor.stage];
+  report::StepResult& result = record_.stages[seen.supervisor.stage];
   if (seen.supervisor.stage_done && !result.reached) {
     result.reached = true;
     result.reached_s = static_cast<double>(number) * 1e-3;
@@ -73,4 +73,4 @@ Millimetres RunNotes::take_imaged_tip() {
   return Millimetres(std::exchange(tip_sum_mm_, 0.0) / count);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

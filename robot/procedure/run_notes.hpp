@@ -3,7 +3,7 @@
 
 #include "robot/procedure/rehearsal.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 class RunNotes {
  public:
@@ -11,7 +11,7 @@ class RunNotes {
   explicit RunNotes(const PreparedCase& prepared);
 
   // The next tick, and what people did in it.
-  void add(const Beat& beat, const World& world);
+  void add(const CycleSample& beat, const World& world);
 
   // Mean of where the tip was while the image was taken, for the scanner of a rehearsal; the next image
   // starts anew.
@@ -21,7 +21,7 @@ class RunNotes {
   const report::RunRecord& record() const { return record_; }
 
  private:
-  void note_trip(const Tick& tick);
+  void note_trip(const CycleRecord& tick);
 
   const Plan& plan_;
   report::RunRecord record_;
@@ -30,4 +30,4 @@ class RunNotes {
   std::int64_t tip_count_ = 0;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

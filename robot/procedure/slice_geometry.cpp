@@ -2,7 +2,7 @@
 
 #include "robot/console/anatomical_orientation.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
   // The report counts pixels from the corner of the first one, the slice from its centre.
@@ -17,4 +17,4 @@ report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
   return geometry;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -4,8 +4,8 @@
 #include "planner/imaging/registration/reslice.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice);
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -12,10 +12,10 @@
 #include "safety/supervisor.hpp"
 #include "safety/types/transitions.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
-using Json = nlohmann::json;
+using LogBody = nlohmann::json;
 using recorder::RecordKind;
 using recorder::Urgency;
 
@@ -29,8 +29,8 @@ std::int64_t wall_ns() {
 }
 
 // Bytes from elsewhere that are no UTF-8 must not end the recorder.
-std::string text_of(const Json& body) {
-  return body.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string text_of(const LogBody& body) {
+  return body.dump(-1, ' ', false, LogBody::error_handler_t::replace);
 }
 
 std::string hazard(std::uint8_t code) {
@@ -45,7 +45,7 @@ std::string refusal(std::uint8_t code) {
   return std::string(safety::name_of(static_cast<safety::Refusal>(code)));
 }
 
-Json json_of(const Decision& decision) {
+LogBody json_of(const Decision& decision) {
   return {{"mode", safety::name_of(decision.mode)},
           {"event", event(decision.event)},
           {"reason", hazard(decision.reason)},
@@ -66,10 +66,10 @@ bool refuses(GateVerdict verdict) {
 
 }  // namespace
 
-LogScribe::LogScribe(const transport::Participant& bus, recorder::Recorder& recorder,
-                     std::uint64_t config_tag, const transport::Doorkeeper* doorkeeper)
+BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& recorder,
+                     std::uint64_t config_tag, const transport::ParticipantMonitor* participants)
     : recorder_(recorder),
-      doorkeeper_(doorkeeper),
+      participants_(participants),
       decisions_(bus),
       acts_(bus),
       plans_(bus),
@@ -82,19 +82,19 @@ LogScribe::LogScribe(const transport::Participant& bus, recorder::Recorder& reco
   heartbeat_.health().ready = true;
 }
 
-void LogScribe::write(RecordKind kind, const char* source, std::string body, Urgency urgency,
+void BusRecorder::write(RecordKind kind, const char* source, std::string body, Urgency urgency,
                       std::int64_t now_us) {
   recorder_.append({wall_ns(), now_us, source, kind, std::move(body)}, urgency, now_us);
 }
 
-void LogScribe::note(RecordKind kind, const std::string& body, std::int64_t now_us) {
+void BusRecorder::note(RecordKind kind, const std::string& body, std::int64_t now_us) {
   write(kind, "recorder", body, Urgency::Urgent, now_us);
 }
 
 // Each with the supervisor's own times.
-void LogScribe::follow_decisions(std::int64_t now_us) {
+void BusRecorder::follow_decisions(std::int64_t now_us) {
   Decision next;
-  const auto note = [&](RecordKind kind, const Json& body, Urgency urgency) {
+  const auto note = [&](RecordKind kind, const LogBody& body, Urgency urgency) {
     recorder_.append({next.at_ns, next.time_us, "supervisor", kind, text_of(body)}, urgency, now_us);
   };
   while (decisions_.take(next)) {
@@ -118,7 +118,7 @@ void LogScribe::follow_decisions(std::int64_t now_us) {
   }
 }
 
-void LogScribe::follow_acts(std::int64_t now_us) {
+void BusRecorder::follow_acts(std::int64_t now_us) {
   OperatorAct next;
   while (acts_.take(next)) {
     if (!asks_the_same(next, act_))
@@ -135,11 +135,11 @@ void LogScribe::follow_acts(std::int64_t now_us) {
   }
 }
 
-void LogScribe::follow_plan_and_checks(std::int64_t now_us) {
+void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
   SealedPlan sealed;
   while (plans_.take(sealed)) {
     const std::optional<Plan> plan = planner::open_plan(sealed.bytes, sealed.seal);
-    Json body{{"seal", planner::hex(sealed.seal)}, {"seal_holds", plan.has_value()}};
+    LogBody body{{"seal", planner::hex(sealed.seal)}, {"seal_holds", plan.has_value()}};
     if (plan) {
       body["patient"] = plan->target.patient_id;
       body["series_uid"] = plan->target.series_uid;
@@ -156,7 +156,7 @@ void LogScribe::follow_plan_and_checks(std::int64_t now_us) {
           text_of({{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
 }
 
-void LogScribe::follow_stage(std::int64_t now_us) {
+void BusRecorder::follow_stage(std::int64_t now_us) {
   Measurement next;
   while (measurements_.take(next)) {
     if (refuses(next.verdict) != refuses(measured_.verdict) || next.hv_enabled != measured_.hv_enabled)
@@ -183,7 +183,7 @@ void LogScribe::follow_stage(std::int64_t now_us) {
   }
 }
 
-void LogScribe::follow_health(std::int64_t now_us) {
+void BusRecorder::follow_health(std::int64_t now_us) {
   board_.look(now_us);
   for (std::size_t i = 0; i < kProcesses; ++i) {
     const Health health = board_.of(static_cast<Process>(i), now_us);
@@ -204,14 +204,14 @@ void LogScribe::follow_health(std::int64_t now_us) {
   }
 }
 
-void LogScribe::follow_strangers(std::int64_t now_us) {
-  if (doorkeeper_ == nullptr) return;
-  const int strangers = doorkeeper_->strange_endpoints();
+void BusRecorder::follow_strangers(std::int64_t now_us) {
+  if (participants_ == nullptr) return;
+  const int strangers = participants_->unauthenticated_endpoints();
   if (strangers != strangers_)
     write(RecordKind::Alarm, "recorder", text_of({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
           now_us);
   strangers_ = strangers;
-  const int outside = doorkeeper_->strange_participants();
+  const int outside = participants_->unauthenticated_participants();
   if (outside != outside_) outside_us_ = now_us;
   outside_ = outside;
   if (outside_ == told_outside_ || now_us - outside_us_ < kLetIn_us) return;
@@ -221,13 +221,13 @@ void LogScribe::follow_strangers(std::int64_t now_us) {
 }
 
 // A log that hears nothing is not up to date, however little waits to be written.
-std::int64_t LogScribe::unheard_ms(std::int64_t now_us) const {
+std::int64_t BusRecorder::unheard_ms(std::int64_t now_us) const {
   const std::int64_t since_us = std::min({decision_us_, measured_us_, requested_us_});
   return since_us == 0 ? kNever_ms : (now_us - since_us) / 1000;
 }
 
 // Who ceased to write within its lease, and deadlines that went by: as the bus itself saw it.
-void LogScribe::follow_liveliness(std::int64_t now_us) {
+void BusRecorder::follow_liveliness(std::int64_t now_us) {
   if (now_us - lively_us_ < kLivelyEvery_us) return;
   lively_us_ = now_us;
   const std::array<Lively, 3> now{
@@ -244,7 +244,7 @@ void LogScribe::follow_liveliness(std::int64_t now_us) {
   lively_ = now;
 }
 
-void LogScribe::report_itself(std::int64_t now_us) {
+void BusRecorder::report_itself(std::int64_t now_us) {
   heartbeat_.note(recorder_.trouble());
   heartbeat_.beat(now_us);
   if (now_us - reported_us_ < kReportEvery_us) return;
@@ -255,7 +255,7 @@ void LogScribe::report_itself(std::int64_t now_us) {
                      .records = recorder_.written().count});
 }
 
-void LogScribe::turn(std::int64_t now_us) {
+void BusRecorder::turn(std::int64_t now_us) {
   follow_decisions(now_us);
   follow_acts(now_us);
   follow_plan_and_checks(now_us);
@@ -267,4 +267,4 @@ void LogScribe::turn(std::int64_t now_us) {
   report_itself(now_us);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

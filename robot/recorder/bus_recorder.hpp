@@ -12,13 +12,13 @@
 #include "robot/transport/bus.hpp"
 #include "robot/transport/participant_monitor.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-class LogScribe {
+class BusRecorder {
  public:
-  // `doorkeeper`: of a secured bus; null: everybody may come in.
-  LogScribe(const transport::Participant& bus, recorder::Recorder& recorder, std::uint64_t config_tag,
-            const transport::Doorkeeper* doorkeeper);
+  // `participants`: of a secured bus; null: everybody may come in.
+  BusRecorder(const transport::Participant& bus, recorder::Recorder& recorder, std::uint64_t config_tag,
+            const transport::ParticipantMonitor* participants);
 
   // Reads all that came and writes what is due; every 10 ms.
   void turn(std::int64_t now_us);
@@ -40,7 +40,7 @@ class LogScribe {
   std::int64_t unheard_ms(std::int64_t now_us) const;  // the quietest of those it must hear
 
   recorder::Recorder& recorder_;
-  const transport::Doorkeeper* doorkeeper_;
+  const transport::ParticipantMonitor* participants_;
   transport::Reader<Decision> decisions_;
   transport::Reader<OperatorAct> acts_;
   transport::Reader<SealedPlan> plans_;
@@ -72,4 +72,4 @@ class LogScribe {
   std::int64_t reported_us_ = 0;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

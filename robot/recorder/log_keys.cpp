@@ -50,12 +50,12 @@ Key read_key(const fs::path& file, const Sort& sort) {
   const std::string name = sort.name;
   std::ifstream stream(file, std::ios::binary);
   const std::string pem{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw SetupError("cannot read the log's " + name + " key", file.string(), sort.remedy);
+  if (!stream) throw ConfigError("cannot read the log's " + name + " key", file.string(), sort.remedy);
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
   Key key(sort.read(bio.get(), nullptr, no_password, nullptr), EVP_PKEY_free);
   ERR_clear_error();
   if (!key || EVP_PKEY_get_id(key.get()) != EVP_PKEY_ED25519)
-    throw SetupError("this is no " + name + " Ed25519 key in PEM without a password", file.string(),
+    throw ConfigError("this is no " + name + " Ed25519 key in PEM without a password", file.string(),
                      sort.remedy);
   return key;
 }

@@ -1,5 +1,5 @@
 // The Ed25519 keys of a log: the private one signs its head, the public one shows that it did. Read from PEM
-// files (PKCS #8 and SubjectPublicKeyInfo). Throws SetupError for a file that holds no such key.
+// files (PKCS #8 and SubjectPublicKeyInfo). Throws ConfigError for a file that holds no such key.
 #pragma once
 
 #include <openssl/types.h>

@@ -1,5 +1,5 @@
 // Makes an empty log with its signed head, and lays the public key beside it. It appears under its name whole
-// or not at all. Throws SetupError where the folder cannot be written.
+// or not at all. Throws ConfigError where the folder cannot be written.
 #pragma once
 
 #include <filesystem>

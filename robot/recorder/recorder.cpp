@@ -27,7 +27,7 @@ fs::path existing(const fs::path& log, const SigningKey& key) {
 LogHead verified_head(const fs::path& log, const PublicKey& key) {
   const Verdict verdict = verify(log, key);
   if (const auto* flaw = std::get_if<Flaw>(&verdict))
-    throw SetupError("nothing is added to a log that does not verify: " + flaw->what, log.string(),
+    throw ConfigError("nothing is added to a log that does not verify: " + flaw->what, log.string(),
                      "move it aside, with its -wal and -shm files, and keep it; a new one is made");
   return std::get<LogHead>(verdict);
 }
@@ -39,7 +39,7 @@ Database open_for_writing(const fs::path& log) {
   // FULL: SQLite syncs the WAL with each commit, so that it survives a power failure too.
   if (code != SQLITE_OK || database.execute("PRAGMA journal_mode = WAL") != SQLITE_OK ||
       database.execute("PRAGMA synchronous = FULL; BEGIN IMMEDIATE; ROLLBACK") != SQLITE_OK)
-    throw SetupError("the log cannot be written: " + database.message(), log.string(),
+    throw ConfigError("the log cannot be written: " + database.message(), log.string(),
                      "choose a log and a folder that this user may write");
   return database;
 }
@@ -102,11 +102,11 @@ void Recorder::lose(const Record& record, Urgency urgency, std::int64_t now_us) 
   lost_->records += 1;
   lost_->urgent += urgency == Urgency::Urgent ? 1 : 0;
   lost_->last_us = now_us;
-  confess_losses();
+  write_drop_summary();
 }
 
 // Behind the last record that was kept, never before it.
-void Recorder::confess_losses() {
+void Recorder::write_drop_summary() {
   if (!lost_ || !pending_.empty()) return;
   const Lost lost = *std::exchange(lost_, std::nullopt);
   keep({.utc_ns = lost.first_utc_ns,
@@ -127,7 +127,7 @@ void Recorder::write_all(std::int64_t now_us) {
     }
     std::for_each_n(pending_.begin(), batch, [&](const Pending& one) { used_bytes_ -= cost(one.record); });
     pending_.erase(pending_.begin(), pending_.begin() + batch);
-    confess_losses();
+    write_drop_summary();
   }
   urgent_ = false;
   trouble_.clear();

@@ -24,7 +24,7 @@ inline constexpr std::size_t kMemory_bytes = 32U << 20U;
 
 class Recorder {
  public:
-  // Makes the log where there is none; continues one that verifies, whole, with this key. Throws SetupError:
+  // Makes the log where there is none; continues one that verifies, whole, with this key. Throws ConfigError:
   // the log does not verify (it is left as it is), another recorder writes it, the folder cannot be written.
   Recorder(const std::filesystem::path& log, SigningKey key, std::size_t memory_bytes = kMemory_bytes);
 
@@ -56,7 +56,7 @@ class Recorder {
   static std::size_t cost(const Record& record);
   void keep(Record record, std::int64_t arrived_us);
   void lose(const Record& record, Urgency urgency, std::int64_t now_us);
-  void confess_losses();
+  void write_drop_summary();
   void write_all(std::int64_t now_us);
   bool write_batch(std::ptrdiff_t records);
   bool insert(Record& record, LogHead& head);
@@ -65,7 +65,7 @@ class Recorder {
 
   SigningKey key_;
   std::filesystem::path log_;
-  OneWriter only_;
+  FileLock only_;
   LogHead head_;
   Database database_;
   Statement insert_, move_head_;

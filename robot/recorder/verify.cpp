@@ -18,7 +18,7 @@ fs::path readable(const fs::path& log) {
   std::error_code trouble;
   fs::path file = fs::canonical(log, trouble);
   if (trouble || !fs::is_regular_file(file) || !std::ifstream(file))
-    throw SetupError("there is no log that can be read", log.string(), "give the file of a procedure log");
+    throw ConfigError("there is no log that can be read", log.string(), "give the file of a procedure log");
   return file;
 }
 

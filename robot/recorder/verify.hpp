@@ -42,7 +42,7 @@ struct Flaw {
 using Verdict = std::variant<LogHead, Flaw>;
 
 // Writes nothing, beside the log neither. A log that is being written is read as of the last commit. `each`
-// is given every record that can be read, in order, also behind a flaw. Throws SetupError where there is no
+// is given every record that can be read, in order, also behind a flaw. Throws ConfigError where there is no
 // file that can be opened.
 Verdict verify(const std::filesystem::path& log, const PublicKey& key,
                const std::function<void(const Record&)>& each = {});

@@ -7,7 +7,7 @@
 #include <array>
 #include <ctime>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 void set_times(X509* certificate, const Validity& validity) {
@@ -171,4 +171,4 @@ bool is_pair(EVP_PKEY* private_key, EVP_PKEY* public_key) {
          EVP_DigestVerify(verifying.get(), signature.data(), size, message.data(), message.size()) == 1;
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -8,7 +8,7 @@
 #include "robot/security/grants.hpp"
 #include "robot/security/openssl_handles.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 Key new_p256_key();
 Key new_ed25519_key();
@@ -33,4 +33,4 @@ bool is_signed_by(X509* certificate, X509* ca);
 // By signing and verifying: a private key file may carry a public key that does not belong to it.
 bool is_pair(EVP_PKEY* private_key, EVP_PKEY* public_key);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

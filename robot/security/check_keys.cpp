@@ -14,7 +14,7 @@
 #include "robot/security/signed_text.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -210,7 +210,7 @@ std::vector<FileVerdict> inspect_signing_keys(const fs::path& folder, Signer sig
 
 void refuse_the_first_problem(const std::vector<FileVerdict>& verdicts) {
   for (const FileVerdict& verdict : verdicts)
-    if (!verdict.problem.empty()) throw SetupError(verdict.problem, verdict.file.string(), verdict.remedy);
+    if (!verdict.problem.empty()) throw ConfigError(verdict.problem, verdict.file.string(), verdict.remedy);
 }
 
 sys_seconds check_keys(const fs::path& folder, Role role, sys_seconds now) {
@@ -225,4 +225,4 @@ void check_signing_keys(const fs::path& folder, Signer signer) {
   refuse_the_first_problem(inspect_signing_keys(folder, signer));
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -11,7 +11,7 @@
 #include "robot/security/grants.hpp"
 #include "robot/security/key_files.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 struct FileVerdict {
   std::filesystem::path file;
@@ -29,9 +29,9 @@ std::vector<FileVerdict> inspect_signing_keys(const std::filesystem::path& folde
 
 void refuse_the_first_problem(const std::vector<FileVerdict>& verdicts);
 
-// Throws SetupError with the first problem; returns the time until which the keys are good.
+// Throws ConfigError with the first problem; returns the time until which the keys are good.
 std::chrono::sys_seconds check_keys(const std::filesystem::path& folder, Role role,
                                     std::chrono::sys_seconds now);
 void check_signing_keys(const std::filesystem::path& folder, Signer signer);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -7,7 +7,7 @@
 #include "robot/security/key_files.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,7 +37,7 @@ std::string escaped(const std::string& value) {
     return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\\';
   });
   if (unusable || value.find("${") != std::string::npos)
-    throw SetupError("cannot stand in a configuration of Cyclone DDS", value,
+    throw ConfigError("cannot stand in a configuration of Cyclone DDS", value,
                      "choose a name without ${, quotation marks, backslashes and control characters");
   std::string text;
   for (const char c : value) {
@@ -113,4 +113,4 @@ std::string cyclone_xml(const CycloneOptions& options) {
          (options.security ? security(*options.security) : "") + "</Domain></CycloneDDS>";
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

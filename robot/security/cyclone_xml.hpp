@@ -8,7 +8,7 @@
 
 #include "robot/security/roles.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 struct Security {
   std::filesystem::path folder;  // a set of keys
@@ -22,8 +22,8 @@ struct CycloneOptions {
                                       // two roles in one process (0 to 230)
 };
 
-// Reads no file: see check_keys. Throws SetupError for a name that cannot stand in a configuration, or where
+// Reads no file: see check_keys. Throws ConfigError for a name that cannot stand in a configuration, or where
 // the security plugins of Cyclone DDS are not installed.
 std::string cyclone_xml(const CycloneOptions& options);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

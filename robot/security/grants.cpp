@@ -3,7 +3,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 // The parser of Cyclone DDS refuses a larger id than 230 (there are no ports for it either).
@@ -95,4 +95,4 @@ std::string utc_text(std::chrono::sys_seconds time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -7,7 +7,7 @@
 
 #include "robot/security/roles.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 struct Validity {
   std::chrono::sys_seconds from, until;
@@ -26,4 +26,4 @@ std::string subject_of(Role role);
 // "2026-11-21T18:10:23Z"
 std::string utc_text(std::chrono::sys_seconds time);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

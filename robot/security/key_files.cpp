@@ -4,7 +4,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,8 +42,8 @@ fs::path default_folder() {
     return config / "biopsy" / "keys";
   if (const fs::path home = from_environment("HOME"); !home.empty())
     return home / ".config" / "biopsy" / "keys";
-  throw SetupError("neither XDG_CONFIG_HOME nor HOME names a folder", "keys",
+  throw ConfigError("neither XDG_CONFIG_HOME nor HOME names a folder", "keys",
                    "name the folder of the keys on the command line");
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -7,7 +7,7 @@
 
 #include "robot/security/roles.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 struct RoleFiles {
   std::filesystem::path identity_ca;     // certificate that signed every identity
@@ -32,7 +32,7 @@ SigningFiles signing_files(const std::filesystem::path& folder, Signer signer);
 // The private keys of both CAs. No program reads them: the folder may be taken away.
 std::filesystem::path ca_folder(const std::filesystem::path& folder);
 
-// $XDG_CONFIG_HOME/biopsy/keys, or ~/.config/biopsy/keys. Throws SetupError where neither is known.
+// $XDG_CONFIG_HOME/biopsy/keys, or ~/.config/biopsy/keys. Throws ConfigError where neither is known.
 std::filesystem::path default_folder();
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

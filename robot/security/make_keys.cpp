@@ -13,7 +13,7 @@
 #include "robot/security/whole_set.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,7 +36,7 @@ std::string name_of_set() {
   return fmt::format("{:08x}", number);
 }
 
-void write_role(NewFolder& to, Role role, const Authority& identities, const Authority& permissions,
+void write_role(AtomicDirectory& to, Role role, const Authority& identities, const Authority& permissions,
                 const Validity& validity) {
   const RoleFiles files = role_files(to.path(), role);
   const Key key = new_p256_key();
@@ -53,7 +53,7 @@ void write_role(NewFolder& to, Role role, const Authority& identities, const Aut
   to.write(files.permissions, signed_by_ca(permissions_xml(role, validity)));
 }
 
-void write_set(NewFolder& to, const Validity& validity) {
+void write_set(AtomicDirectory& to, const Validity& validity) {
   const std::string set = name_of_set();
   const Authority identities = new_authority("identity CA " + set, CaPurpose::SignsIdentities, validity);
   const Authority permissions = new_authority("permissions CA " + set, CaPurpose::SignsDocuments, validity);
@@ -79,17 +79,17 @@ bool is_occupied(const fs::path& folder, bool replace) {
   std::error_code trouble;
   if (!fs::exists(fs::symlink_status(folder, trouble))) return false;
   if (!fs::is_directory(folder, trouble))
-    throw SetupError("is not a folder", folder.string(), "name a folder for the keys");
+    throw ConfigError("is not a folder", folder.string(), "name a folder for the keys");
   const fs::directory_iterator entries(folder, trouble);
-  if (trouble) throw SetupError("cannot be read", folder.string(), "check the rights of the folder");
+  if (trouble) throw ConfigError("cannot be read", folder.string(), "check the rights of the folder");
   if (entries == fs::directory_iterator()) return false;
   for (const fs::directory_entry& entry : entries)
     if (!is_ours(entry.path().filename()))
-      throw SetupError(
+      throw ConfigError(
           "holds \"" + entry.path().filename().string() + "\", which is not part of a set of keys",
           folder.string(), "name an empty or new folder; nothing was touched");
   if (!replace)
-    throw SetupError("holds keys already", folder.string(),
+    throw ConfigError("holds keys already", folder.string(),
                      "give --replace to make new ones; the old set is moved aside, nothing is lost");
   return true;
 }
@@ -99,7 +99,7 @@ fs::path place_aside(const fs::path& folder, std::chrono::sys_seconds now) {
   const std::time_t time = std::chrono::system_clock::to_time_t(now);
   fs::path aside = fmt::format("{}.{:%Y%m%dT%H%M%SZ}", named.string(), fmt::gmtime(time));
   if (fs::exists(fs::symlink_status(aside)))
-    throw SetupError("is there already, and the old keys should go there", aside.string(),
+    throw ConfigError("is there already, and the old keys should go there", aside.string(),
                      "wait a second, or move it away; nothing was touched");
   return aside;
 }
@@ -108,15 +108,15 @@ fs::path place_aside(const fs::path& folder, std::chrono::sys_seconds now) {
 
 MadeKeys make_keys(const fs::path& folder, int days, std::chrono::sys_seconds now, bool replace) {
   if (days < kLeastDays || days > kMostDays)
-    throw SetupError(fmt::format("keys cannot be good for {} days", days), "--days",
+    throw ConfigError(fmt::format("keys cannot be good for {} days", days), "--days",
                      fmt::format("give {} to {} days", kLeastDays, kMostDays));
   MadeKeys made{.validity = {now - std::chrono::hours(1), now + std::chrono::days(days)}, .old_set = {}};
   if (is_occupied(folder, replace)) made.old_set = place_aside(folder, now);
-  NewFolder fresh(folder);
+  AtomicDirectory fresh(folder);
   write_set(fresh, made.validity);
   check_set(fresh.path(), kRoles, now);
   fresh.settle(made.old_set);
   return made;
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

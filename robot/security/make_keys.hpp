@@ -7,7 +7,7 @@
 
 #include "robot/security/grants.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 inline constexpr int kLeastDays = 1, kMostDays = 3650;
 
@@ -17,8 +17,8 @@ struct MadeKeys {
 };
 
 // Valid from an hour before `now` (clocks of two machines differ) for `days`. Either the whole set is there
-// afterwards, or everything is as it was and SetupError is thrown. An existing set is refused, or with
+// afterwards, or everything is as it was and ConfigError is thrown. An existing set is refused, or with
 // `replace` moved aside to FOLDER.<time>; a folder that holds anything else is always refused.
 MadeKeys make_keys(const std::filesystem::path& folder, int days, std::chrono::sys_seconds now, bool replace);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 Bio reader(std::string_view bytes) {
   Bio bio(BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size())));
@@ -33,4 +33,4 @@ void must(bool succeeded, const char* doing) {
   std::abort();
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

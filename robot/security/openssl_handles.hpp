@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 template <auto Free>
 struct Freed {
@@ -36,4 +36,4 @@ std::string written(const Bio& bio);
 // What cannot fail but for want of memory or a broken OpenSSL ends the program with OpenSSL's reason.
 void must(bool succeeded, const char* doing);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

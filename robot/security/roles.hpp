@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 // One identity each. Planner is the program `biopsy`, which plans, starts and rehearses; an Observer only
 // reads.
@@ -91,4 +91,4 @@ constexpr bool may_write(Role role, std::string_view topic) {
   return false;
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

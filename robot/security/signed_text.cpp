@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 using Store = std::unique_ptr<X509_STORE, Freed<X509_STORE_free>>;
@@ -47,4 +47,4 @@ std::optional<std::string> opened_text(std::string_view document, X509* signer) 
   return text;
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -7,7 +7,7 @@
 
 #include "robot/security/openssl_handles.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 std::string signed_text(std::string_view text, X509* signer, EVP_PKEY* signer_key);
 
@@ -16,4 +16,4 @@ std::string signed_text(std::string_view text, X509* signer, EVP_PKEY* signer_ke
 // looked at.
 std::optional<std::string> opened_text(std::string_view document, X509* signer);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <system_error>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ void check_set(const fs::path& folder, std::span<const Role> roles, std::chrono:
   refuse_the_first_problem(inspect_set(folder, roles, now));
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

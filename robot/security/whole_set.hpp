@@ -8,7 +8,7 @@
 
 #include "robot/security/check_keys.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 // A machine may hold the folders of some roles only.
 std::vector<Role> roles_present(const std::filesystem::path& folder);
@@ -18,8 +18,8 @@ std::vector<Role> roles_present(const std::filesystem::path& folder);
 std::vector<FileVerdict> inspect_set(const std::filesystem::path& folder, std::span<const Role> roles,
                                      std::chrono::sys_seconds now);
 
-// Throws SetupError with the first problem.
+// Throws ConfigError with the first problem.
 void check_set(const std::filesystem::path& folder, std::span<const Role> roles,
                std::chrono::sys_seconds now);
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -87,7 +87,7 @@ Entity topic_on(const Participant& participant) {
 
 Entity::Entity(std::int32_t handle, const char* what) : handle_(handle) {
   if (handle < 0)
-    throw SetupError(fmt::format("the bus refused: {} ({})", what, dds_strretcode(handle)), "DDS",
+    throw ConfigError(fmt::format("the bus refused: {} ({})", what, dds_strretcode(handle)), "DDS",
                      "see the lines before this one; check keys, permissions and the network interface");
 }
 Entity::Entity(Entity&& other) noexcept : handle_(std::exchange(other.handle_, 0)) {}
@@ -99,7 +99,7 @@ Entity::~Entity() {
   if (handle_ > 0) dds_delete(handle_);
 }
 
-std::uint32_t refused_strangers() {
+std::uint32_t refused_samples() {
   return strangers.load(std::memory_order_relaxed);
 }
 

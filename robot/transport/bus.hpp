@@ -21,7 +21,7 @@ struct BusSettings {
 class Entity {
  public:
   Entity() = default;
-  // `handle` < 0 is an error of the library: throws SetupError saying that `what` could not be made.
+  // `handle` < 0 is an error of the library: throws ConfigError saying that `what` could not be made.
   Entity(std::int32_t handle, const char* what);
   Entity(Entity&& other) noexcept;
   Entity& operator=(Entity&& other) noexcept;
@@ -33,11 +33,11 @@ class Entity {
 };
 
 // Messages of participants that were not let in, since this process started.
-std::uint32_t refused_strangers();
+std::uint32_t refused_samples();
 
 class Participant {
  public:
-  // Throws SetupError where the configuration is not accepted, keys included. One per domain and process.
+  // Throws ConfigError where the configuration is not accepted, keys included. One per domain and process.
   explicit Participant(const BusSettings& settings);
   std::int32_t handle() const { return participant_.handle(); }
   std::uint32_t robot() const { return robot_; }

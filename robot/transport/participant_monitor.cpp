@@ -42,9 +42,9 @@ std::vector<Guid> alive(const Entity& reader, dds_guid_t Sample::*key) {
 
 }  // namespace
 
-Doorkeeper::Doorkeeper(const BusSettings& plain, const Participant& secured)
-    : domain_(dds_create_domain(plain.domain, plain.configuration.c_str()), "domain of the doorkeeper"),
-      participant_(dds_create_participant(plain.domain, nullptr, nullptr), "participant of the doorkeeper"),
+ParticipantMonitor::ParticipantMonitor(const BusSettings& plain, const Participant& secured)
+    : domain_(dds_create_domain(plain.domain, plain.configuration.c_str()), "domain of the participants"),
+      participant_(dds_create_participant(plain.domain, nullptr, nullptr), "participant of the participants"),
       writers_(dds_create_reader(participant_.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                "reader of writers"),
       readers_(dds_create_reader(participant_.handle(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
@@ -58,7 +58,7 @@ Doorkeeper::Doorkeeper(const BusSettings& plain, const Participant& secured)
           dds_create_reader(secured.handle(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
           "reader of secured readers") {}
 
-int Doorkeeper::strange_endpoints() const {
+int ParticipantMonitor::unauthenticated_endpoints() const {
   const Guid own = guid_of(participant_);
   int strange = 0;
   for (const Entity* reader : {&writers_, &readers_})
@@ -69,7 +69,7 @@ int Doorkeeper::strange_endpoints() const {
 
 // Every friend writes or reads something, and the secured bus tells of that only once it was let in; of
 // participants it tells before.
-int Doorkeeper::strange_participants() const {
+int ParticipantMonitor::unauthenticated_participants() const {
   std::vector<Guid> friends{guid_of(participant_)};
   for (const Entity* reader : {&secured_writers_, &secured_readers_})
     for (const Guid& owner : alive(*reader, &dds_builtintopic_endpoint_t::participant_key))

@@ -8,17 +8,17 @@
 
 namespace biopsy::transport {
 
-class Doorkeeper {
+class ParticipantMonitor {
  public:
   // `plain`: the wire without security, under a domain id of its own in this process. `secured`: of the bus;
-  // must outlive this. Throws SetupError.
-  Doorkeeper(const BusSettings& plain, const Participant& secured);
+  // must outlive this. Throws ConfigError.
+  ParticipantMonitor(const BusSettings& plain, const Participant& secured);
 
   // Writers and readers that belong to nobody with a key, now.
-  int strange_endpoints() const;
+  int unauthenticated_endpoints() const;
   // Participants that the bus did not let in, now: with no keys, or with keys that are not believed. A friend
   // is one of them until it has been let in, which takes a second or two.
-  int strange_participants() const;
+  int unauthenticated_participants() const;
 
  private:
   Entity domain_, participant_, writers_, readers_, present_;

@@ -14,12 +14,12 @@ constexpr HazardSet when(bool condition, Hazard hazard) {
 }
 
 // Ticks in a row that something has been present.
-constexpr std::int32_t counted(std::int32_t count, bool present, std::int32_t most) {
+constexpr std::int32_t debounced(std::int32_t count, bool present, std::int32_t most) {
   return present ? std::min(count + 1, most) : 0;
 }
 
 // Wrong +2, right -1: an isolated slip is forgiven, a second one soon after is not.
-constexpr std::int32_t scored(std::int32_t score, bool right) {
+constexpr std::int32_t error_counter(std::int32_t score, bool right) {
   return right ? std::max(score - 1, 0) : std::min(score + kScoreWrong, kScoreMax);
 }
 

@@ -43,7 +43,7 @@ struct DriveWindow {
   std::int32_t highest_mV() const;
 };
 
-struct DepthWatch {
+struct DepthMonitor {
   HazardSet found = 0;  // of the depth; stands until the next valid one
   bool needle_home = false;
   DepthHistory history;
@@ -63,8 +63,8 @@ struct DepthFindings {
   bool needle_home = false;
 };
 
-// `zero_volts`: as the drive watch found it in this tick.
-DepthFindings look(const PlanFacts& plan, DepthWatch& watch, const Observation& seen, bool fresh,
+// `zero_volts`: as the drive monitor found it in this tick.
+DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Observation& seen, bool fresh,
                    bool zero_volts);
 
 }  // namespace biopsy::safety

@@ -3,10 +3,10 @@
 namespace biopsy::safety {
 
 Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen) {
-  const LinkFindings link = look(plan, memory.link, seen);
+  const LinkFindings link = update(plan, memory.link, seen);
   const bool stale = (link.found & bit(Hazard::SensorStale)) != 0;
-  const DriveFindings drive = look(plan, memory.drive, seen, link.fresh, stale);
-  const DepthFindings depth = look(plan, memory.depth, seen, link.fresh, drive.zero_volts);
+  const DriveFindings drive = update(plan, memory.drive, seen, link.fresh, stale);
+  const DepthFindings depth = update(plan, memory.depth, seen, link.fresh, drive.zero_volts);
   Evidence evidence;
   evidence.clear = ~(link.found | drive.found | depth.found) & kAllHazards;
   evidence.zero_volts = drive.zero_volts;

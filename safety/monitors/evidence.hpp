@@ -37,9 +37,9 @@ struct Evidence {
 
 // What the detectors remember from tick to tick. One per supervisor; default-constructed at start.
 struct EvidenceMemory {
-  LinkWatch link;
-  DriveWatch drive;
-  DepthWatch depth;
+  LinkMonitor link;
+  VoltageMonitor drive;
+  DepthMonitor depth;
 };
 
 Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen);

@@ -12,7 +12,7 @@
 
 namespace biopsy::safety {
 
-struct LinkWatch {
+struct LinkMonitor {
   bool clock_read = false;
   std::int64_t now_us = 0;
   // measurements
@@ -41,6 +41,6 @@ struct LinkFindings {
   bool fresh = false;  // the measurement is new and may be used
 };
 
-LinkFindings look(const PlanFacts& plan, LinkWatch& watch, const Observation& seen);
+LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const Observation& seen);
 
 }  // namespace biopsy::safety

@@ -14,18 +14,18 @@ namespace biopsy::safety {
 inline constexpr std::int32_t kMean_ticks = 512;  // about one period of the square wave
 
 // |V| over about half a second: what the depth belongs to, not its ripple. Default: no drive yet.
-struct TissueWatch {
+struct TissueMonitor {
   std::int32_t mean_drive_mV = 0;
 };
 
 // um, never negative. Once for every new measurement.
-inline std::int32_t tissue_residual_um(const PlanFacts& plan, TissueWatch& watch,
+inline std::int32_t tissue_residual_um(const PlanFacts& plan, TissueMonitor& monitor,
                                        const Measurement& measured) {
   const std::int32_t drive_mV = std::clamp(measured.command_mV, -limits::kDriveMax_mV, limits::kDriveMax_mV);
   const std::int32_t depth_um =
       std::clamp(measured.depth_um, -1'000'000, 1'000'000);  // no sensor reaches a metre
-  watch.mean_drive_mV += (std::abs(drive_mV) - watch.mean_drive_mV) / kMean_ticks;
-  const DepthRange range = plausible_depth(plan, watch.mean_drive_mV, watch.mean_drive_mV);
+  monitor.mean_drive_mV += (std::abs(drive_mV) - monitor.mean_drive_mV) / kMean_ticks;
+  const DepthRange range = plausible_depth(plan, monitor.mean_drive_mV, monitor.mean_drive_mV);
   return std::max({range.low_um - depth_um, depth_um - range.high_um, 0});
 }
 

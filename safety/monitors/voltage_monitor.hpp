@@ -11,7 +11,7 @@
 
 namespace biopsy::safety {
 
-struct DriveWatch {
+struct VoltageMonitor {
   HazardSet found = 0;                      // stands until the next new measurement
   std::int32_t command_mV = 0;              // of the last measurement
   std::array<std::int64_t, 2> change_mV{};  // |change of command| one and two measurements ago
@@ -40,6 +40,6 @@ struct DriveFindings {
 };
 
 // `fresh`: the measurement is new; `stale`: none for more than 3 ms.
-DriveFindings look(const PlanFacts& plan, DriveWatch& watch, const Observation& seen, bool fresh, bool stale);
+DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Observation& seen, bool fresh, bool stale);
 
 }  // namespace biopsy::safety

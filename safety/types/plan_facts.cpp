@@ -16,7 +16,7 @@ constexpr bool is_within(std::int32_t value, std::int32_t low, std::int32_t high
 // slip of units.
 constexpr std::int32_t kStageMin_um = 100, kSlewMin_mV = 1'000;
 
-bool is_plausible(const StagePermit& stage, std::int32_t plan_depth_max_um) {
+bool is_plausible(const StepLimits& stage, std::int32_t plan_depth_max_um) {
   return is_within(stage.depth_max_um, kStageMin_um, plan_depth_max_um) &&
          is_within(stage.v_max_mV, limits::kZeroVolt_mV, limits::kDriveMax_mV) &&
          is_within(stage.slew_up_mV_per_tick, kSlewMin_mV, limits::kSlewUpMax_mV_per_tick);
@@ -63,7 +63,7 @@ bool is_plausible(const PlanFacts& plan) {
     return false;
   if (!is_within(plan.depth_max_um, kStageMin_um, limits::kStroke_um)) return false;
   if (!is_within(plan.tissue_residual_max_um, 1, limits::kStroke_um)) return false;
-  if (plan.stage_count == 0 || plan.stage_count > kMaxStages) return false;
+  if (plan.stage_count == 0 || plan.stage_count > kMaxSteps) return false;
   if (plan.band_count == 0 || plan.band_count > kMaxBands) return false;
   for (std::size_t i = 0; i < plan.stage_count; ++i)
     if (!is_plausible(plan.stages[i], plan.depth_max_um)) return false;

@@ -8,12 +8,12 @@
 
 namespace biopsy::safety {
 
-inline constexpr std::size_t kMaxStages = 32;
+inline constexpr std::size_t kMaxSteps = 32;
 inline constexpr std::size_t kMaxBands = 32;
 
 // Limits of one stage. The wiring turns the stage's speed into a slew with the steepest slope of the
 // plausible band.
-struct StagePermit {
+struct StepLimits {
   std::int32_t depth_max_um = 0;         // the stage's depth plus the overshoot allowed there: no rise beyond
   std::int32_t v_max_mV = 0;             // envelope of |V|: stored energy ahead of a boundary
   std::int32_t slew_up_mV_per_tick = 0;  // rise of |V| per ms
@@ -34,7 +34,7 @@ struct PlanFacts {
   std::int32_t bench_half_period_ticks = 0;  // 0: for a patient, polarity at 2 Hz; else a bench plan's own
   std::uint32_t stage_count = 0;
   std::uint32_t band_count = 0;
-  std::array<StagePermit, kMaxStages> stages{};
+  std::array<StepLimits, kMaxSteps> stages{};
   std::array<PlausibleBand, kMaxBands> bands{};
 };
 

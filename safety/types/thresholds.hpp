@@ -1,5 +1,5 @@
 // Thresholds of the detectors, each with its reason. Constants of the build; the limits of the robot itself
-// are in safety/types/limits.hpp. Times are counted in ticks of 1 ms.
+// are in safety/types/limits.hpp. Times are debounced in ticks of 1 ms.
 #pragma once
 
 #include <cstdint>

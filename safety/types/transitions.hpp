@@ -81,7 +81,7 @@ constexpr Mode next_mode(Mode from, Event event) {
 }
 
 // The drive may carry voltage in these.
-constexpr bool is_hot(Mode mode) {
+constexpr bool hv_permitted(Mode mode) {
   return mode == Mode::Armed || mode == Mode::Active || mode == Mode::Hold || mode == Mode::Retract;
 }
 

@@ -42,17 +42,17 @@ void carry_over(Hypothesis& to, const Hypothesis& fitted) {
 
 // The numbers as the readings alone have them, where that closes the gap: while something is still missing,
 // they would only bend to make up for it. And unless other runs are predicted worse so.
-Judged polished(const Judged& best, double before, const Evidence& evidence) {
+ScoredModel polished(const ScoredModel& best, double before, const Evidence& evidence) {
   Hypothesis fitted = best.hypothesis;
   fit(fitted, evidence, kIterations, kNothingMissing);
-  Judged judged = judge(std::move(fitted), evidence);
+  ScoredModel judged = judge(std::move(fitted), evidence);
   const bool closes = well_explained(before, judged.square, evidence);
   return closes && judged.square < kNotWorse * best.square ? judged : best;
 }
 
 struct Search {
   Evidence evidence;
-  Judged as_given;
+  ScoredModel as_given;
   Selection selection;
 
   GapVerdict verdict() const { return gap::verdict(as_given, selection, evidence); }
@@ -70,7 +70,7 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   progress("simulating every run with the model as it is");
   const Hypothesis before = as_written(start, out.evidence);
   out.as_given = judge(before, out.evidence);
-  out.selection = {.start = out.as_given, .best = out.as_given, .trials = {}, .entrants = {}};
+  out.selection = {.start = out.as_given, .best = out.as_given, .fits = {}, .selected = {}};
   if (is_only_noise(mean_square(residual(before.model, out.evidence, Part::All)), out.evidence)) return out;
   progress("fitting the baseline's numbers within their calibration errors");
   carry_over(start, before);
@@ -84,17 +84,17 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
 }
 
 // Dry friction is what explains most, by itself or as well as what entered.
-bool rubs(const Selection& selection) {
-  if (selection.entrants.empty()) return false;
-  const Entrant& first = selection.entrants.front();
-  return std::any_of(first.contest.begin(), first.contest.end(), [&](const Trial& t) {
-    return is_dry_friction(t.candidate) && (t.candidate == first.candidate || t.twin);
+bool friction_dominated(const Selection& selection) {
+  if (selection.selected.empty()) return false;
+  const SelectedTerm& first = selection.selected.front();
+  return std::any_of(first.contest.begin(), first.contest.end(), [&](const CandidateFit& t) {
+    return is_dry_friction(t.candidate) && (t.candidate == first.candidate || t.indistinguishable);
   });
 }
 
 bool is_stribeck(const Selection& selection) {
-  if (selection.entrants.empty()) return false;
-  const Candidate& first = selection.entrants.front().candidate;
+  if (selection.selected.empty()) return false;
+  const Candidate& first = selection.selected.front().candidate;
   return first.effect != kBaseline &&
          library()[static_cast<std::size_t>(first.effect)].info.name == StribeckFriction::info.name;
 }
@@ -138,7 +138,7 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
                   const Progress& progress) {
   Search found = search(dataset, model, options, progress);
   std::string warning;
-  if (!options.window && found.leaves_open() && rubs(found.selection)) {
+  if (!options.window && found.leaves_open() && friction_dominated(found.selection)) {
     Search again = in_pieces(dataset, model, options, kPiece, progress);
     if (is_stribeck(again.selection)) {
       found = std::move(again);
@@ -159,7 +159,7 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
           piece);
     }
   }
-  FoundGap out = conclude(model, found.as_given, found.selection, found.evidence);
+  FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
   return out;
 }

@@ -29,7 +29,7 @@ struct FoundGap {
   std::vector<Source> changed;
 };
 
-// Throws SetupError for data that cannot be used and names that cannot be freed.
+// Throws ConfigError for data that cannot be used and names that cannot be freed.
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                   const Progress& progress);
 

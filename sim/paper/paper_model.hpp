@@ -46,7 +46,7 @@ struct PaperModel {
 
 // `stage` is a model file. `paper` holds the other films and what is hung on (sim/models/paper.toml: tables
 // [film.pi25], [film.bopp25], [joint], [needle]); tissues.toml beside it holds the needle's tissues. Every
-// value may be a number or { value, std, source }, as in model files. Throw SetupError.
+// value may be a number or { value, std, source }, as in model files. Throw ConfigError.
 PaperModel read_paper_model(const std::filesystem::path& stage, const std::filesystem::path& paper);
 
 // A stage of another film; what is known only of its own film (retained charge) goes with that.

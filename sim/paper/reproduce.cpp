@@ -36,7 +36,7 @@ std::vector<FigureEntry> figures_named(std::string_view wanted) {
       found.push_back(figure);
   }
   if (found.empty())
-    throw SetupError(fmt::format("the paper has no experiment \"{}\" that is reproduced here", wanted),
+    throw ConfigError(fmt::format("the paper has no experiment \"{}\" that is reproduced here", wanted),
                      "FIGURE", "name one of " + known + "; or none for all of them");
   return found;
 }

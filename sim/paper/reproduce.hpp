@@ -22,7 +22,7 @@ struct FigureEntry {
 const std::vector<FigureEntry>& all_figures();
 
 // Those that `wanted` means: all where it is empty, one ("7a"), or a figure with all its parts ("7"). Throws
-// SetupError for any other word.
+// ConfigError for any other word.
 std::vector<FigureEntry> figures_named(std::string_view wanted);
 
 // Called from any thread, one call at a time: how many figures are done, of how many, and which was last.

@@ -13,9 +13,9 @@ struct Potentials {
   double u_i = 0.0, u_o = 0.0, screened = 0.0;
 };
 
-// The voltage that pulls, at the beginning, middle and end of a passage of time; V. And what stands at its
+// The voltage that pulls, at the beginning, middle and end of a substep; V. And what stands at its
 // end.
-struct Passage {
+struct VoltageProfile {
   double start, half, end;
   Potentials after;
 };
@@ -49,22 +49,22 @@ class Circuit {
         still_(!model.effects.amplifier_lag || model.effects.amplifier_lag->instant()),
         half_(still_ ? fading(model, 0.5 * h) : Fading{}) {}
 
-  Passage over(const Potentials& from, double h) {
-    if (!still_) return on_the_way(from, h);
+  VoltageProfile over(const Potentials& from, double h) {
+    if (!still_) return lagging(from, h);
     if (h != h_) h_ = h, half_ = fading(model_, 0.5 * h);
     const Potentials half = faded(from);
-    return passage(from, half, faded(half));
+    return profile(from, half, faded(half));
   }
 
  private:
   Potentials faded(const Potentials& p) const {
     return {p.u_i, p.u_o * half_.u_o, p.screened * half_.screened + p.u_o * half_.driven};
   }
-  Passage on_the_way(const Potentials& from, double h) const {
+  VoltageProfile lagging(const Potentials& from, double h) const {
     const Potentials half = after(model_, from, asked_, 0.5 * h);
-    return passage(from, half, after(model_, half, asked_, 0.5 * h));
+    return profile(from, half, after(model_, half, asked_, 0.5 * h));
   }
-  Passage passage(const Potentials& from, const Potentials& half, const Potentials& end) const {
+  VoltageProfile profile(const Potentials& from, const Potentials& half, const Potentials& end) const {
     return {acting_voltage(model_, from), acting_voltage(model_, half), acting_voltage(model_, end), end};
   }
 

@@ -40,7 +40,7 @@ void refuse_wrong_units(const CsvTable& table) {
   for (const std::string& name : table.names)
     for (const ColumnRule& rule : kColumns)
       if (in_wrong_unit(name, rule.name, rule.stem))
-        throw SetupError(fmt::format("column `{}` has the wrong unit", name), header_of(table),
+        throw ConfigError(fmt::format("column `{}` has the wrong unit", name), header_of(table),
                          fmt::format("convert it and name it `{}`", rule.name));
 }
 
@@ -48,7 +48,7 @@ void refuse_wrong_units(const CsvTable& table) {
 void refuse_wrong_units(const TomlTable& table, std::string_view right, std::string_view stem) {
   for (const std::string& name : table.names())
     if (in_wrong_unit(name, right, stem))
-      throw SetupError(fmt::format("`{}` has the wrong unit", name), table.place(name),
+      throw ConfigError(fmt::format("`{}` has the wrong unit", name), table.place(name),
                        fmt::format("convert it and name it `{}`", right));
 }
 
@@ -57,7 +57,7 @@ std::vector<double> column(const CsvTable& table, std::string_view name, double 
   std::vector<double> out = table.column(std::string(name));
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i] < rule.low || out[i] > rule.high)
-      throw SetupError(fmt::format("column `{}`: {} is outside [{}, {}]", name, out[i], rule.low, rule.high),
+      throw ConfigError(fmt::format("column `{}`: {} is outside [{}, {}]", name, out[i], rule.low, rule.high),
                        fmt::format("{}:{}", table.file, table.lines[i]), "check the column's unit");
     out[i] *= si_per_unit;
   }
@@ -66,7 +66,7 @@ std::vector<double> column(const CsvTable& table, std::string_view name, double 
 
 void require(const CsvTable& table, std::string_view name) {
   if (!table.has(std::string(name)))
-    throw SetupError(
+    throw ConfigError(
         fmt::format("column `{}` is missing", name), header_of(table),
         "columns: time_s,voltage_V,displacement_mm[,plate_b_mm][,current_uA][,external_force_N]; with drive "
         "= \"force\": time_s,force_N,displacement_mm");
@@ -75,12 +75,12 @@ void require(const CsvTable& table, std::string_view name) {
 // The fixed period of the rows; refuses anything else.
 double period_of(const CsvTable& table, const std::vector<double>& time) {
   if (time.size() < 2)
-    throw SetupError("fewer than two rows", table.file, "a run needs at least two samples");
+    throw ConfigError("fewer than two rows", table.file, "a run needs at least two samples");
   std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) {
     steps.push_back(time[i] - time[i - 1]);
     if (steps.back() <= 0.0)
-      throw SetupError(
+      throw ConfigError(
           fmt::format("column `time_s`: time does not go on ({} s after {} s)", time[i], time[i - 1]),
           fmt::format("{}:{}", table.file, table.lines[i]), "sort the rows and remove repeated ones");
   }
@@ -91,13 +91,13 @@ double period_of(const CsvTable& table, const std::vector<double>& time) {
   for (std::size_t i = 0; i < steps.size(); ++i)
     // Printed times are rounded, often to a microsecond: a tenth of a period is a rounding, more is a gap.
     if (std::abs(steps[i] - usual) > std::max(0.1 * usual, 1.1e-6))
-      throw SetupError(
+      throw ConfigError(
           fmt::format("column `time_s`: a step of {:.6g} s where the others take {:.6g} s", steps[i], usual),
           fmt::format("{}:{}", table.file, table.lines[i + 1]),
           "split the run at the gap or resample it at a fixed rate");
   const double period = (time.back() - time.front()) / static_cast<double>(steps.size());
   if (period < 0.99e-5 || period > 0.0505)
-    throw SetupError(fmt::format("sampled every {:.6g} s", period), table.file,
+    throw ConfigError(fmt::format("sampled every {:.6g} s", period), table.file,
                      "rates from 20 Hz to 100 kHz can be used");
   return period;
 }
@@ -112,7 +112,7 @@ RecordedRun read_run(const std::filesystem::path& folder, TomlTable entry, Drive
   run.name = entry.text("name");
   run.file = entry.text("file");
   if (run.file.empty() || std::filesystem::path(run.file).has_parent_path())
-    throw SetupError(fmt::format("file \"{}\" is not in the data set's folder", run.file), entry.where(),
+    throw ConfigError(fmt::format("file \"{}\" is not in the data set's folder", run.file), entry.where(),
                      "keep the CSV beside dataset.toml");
   refuse_wrong_units(entry, "weight_g", "weight");
   refuse_wrong_units(entry, "external_force_N", "external_force");
@@ -140,7 +140,7 @@ RecordedRun read_run(const std::filesystem::path& folder, TomlTable entry, Drive
 Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
   const std::filesystem::path file = folder / "dataset.toml";
   if (!std::filesystem::exists(file))
-    throw SetupError("no dataset.toml", folder.string(),
+    throw ConfigError("no dataset.toml", folder.string(),
                      "give the folder that holds dataset.toml and its CSV files");
   TomlTable root = read_toml(file);
   Dataset dataset;
@@ -149,7 +149,7 @@ Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
   if (root.has("sensor_noise_mm")) dataset.sensor_noise = root.number("sensor_noise_mm", 0.0, 100.0) * 1e-3;
   for (const TomlTable& entry : root.tables("run")) dataset.runs.push_back(read_run(folder, entry, drive));
   if (dataset.runs.empty())
-    throw SetupError("no [[run]]", file.string(), "list at least one run with name and file");
+    throw ConfigError("no [[run]]", file.string(), "list at least one run with name and file");
   return dataset;
 }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kEdge = 1e-12;  // m: what counts as the edge of a play
 
 // Force of the tissue against the needle except dry friction. N, down
-double tissue_force(const Surroundings& s, const Motion& m) {
+double tissue_force(const StepContext& s, const Motion& m) {
   const double x_max = s.state.x_max;
   double force = 0.0;
   for (std::size_t i = 0; i < s.layers; ++i) {
@@ -27,7 +27,7 @@ double tissue_force(const Surroundings& s, const Motion& m) {
 }
 
 // Forces of the stage's own effects on plate A, except dry friction. N, down
-double stage_force(const Surroundings& s, const Motion& m, double since) {
+double stage_force(const StepContext& s, const Motion& m, double since) {
   const Effects& e = s.model.effects;
   double force = 0.0;
   if (e.quadratic_damping) force += e.quadratic_damping->drag(m.v);
@@ -43,7 +43,7 @@ double stage_force(const Surroundings& s, const Motion& m, double since) {
   return force;
 }
 
-void memory_rates(const Surroundings& s, const Motion& m, Derivative& d) {
+void memory_rates(const StepContext& s, const Motion& m, Derivative& d) {
   for (std::size_t i = 0; i < s.layers; ++i) d.dcrept[i] = s.model.tissue[i].relaxation.rate(m.x, m.crept[i]);
   if (!s.has.inner) return;
   const Effects& e = s.model.effects;
@@ -52,7 +52,7 @@ void memory_rates(const Surroundings& s, const Motion& m, Derivative& d) {
 }
 
 // Once the pouches' rate is known: the yielding spring may ride on plate B.
-void yield_rate(const Surroundings& s, const Motion& m, double v, Derivative& d) {
+void yield_rate(const StepContext& s, const Motion& m, double v, Derivative& d) {
   const auto& spring = s.model.effects.hysteretic_spring;
   if (!s.has.inner) return;
   const bool stack = s.model.baseline.drive == Drive::Stack;
@@ -71,7 +71,7 @@ struct Top {
   double floor = 0.0;  // m
 };
 
-Top top_of(const Surroundings& s, const Motion& m, double since) {
+Top top_of(const StepContext& s, const Motion& m, double since) {
   const Effects& e = s.model.effects;
   const double deflection = m.H - s.model.baseline.H_0;
   Top top;
@@ -95,7 +95,7 @@ Top top_of(const Surroundings& s, const Motion& m, double since) {
 // speed of plate B and that speed on the load: one Newton step from the undamped load solves it, the coupling
 // being a few %.
 template <bool kTopped>
-double spring_force(const Surroundings& s, const Motion& m, Instant at, double& dH) {
+double spring_force(const StepContext& s, const Motion& m, Instant at, double& dH) {
   const Baseline& b = s.model.baseline;
   Top top;
   if constexpr (kTopped) top = top_of(s, m, at.since);
@@ -116,12 +116,12 @@ double spring_force(const Surroundings& s, const Motion& m, Instant at, double& 
 }
 
 // A stack without set and creep takes the short way.
-double spring_force(const Surroundings& s, const Motion& m, Instant at, double& dH) {
+double spring_force(const StepContext& s, const Motion& m, Instant at, double& dH) {
   return s.has.pouch ? spring_force<true>(s, m, at, dH) : spring_force<false>(s, m, at, dH);
 }
 
 // The net force, and the pouches' rate.
-double net_force(const Surroundings& s, const Motion& m, Instant at, double& dH) {
+double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) {
   const Baseline& b = s.model.baseline;
   double down = b.c_s * m.v + s.inputs.external_force + tissue_force(s, m);
   if (s.has.stage) down += stage_force(s, m, at.since);
@@ -155,12 +155,12 @@ double on_top(const PlantModel& model, const Motion& m, double largest) {
   return m.pouch_crept + (set ? set->added(largest, m.H - model.baseline.H_0) : 0.0);
 }
 
-double net_force(const Surroundings& s, const Motion& m, Instant at) {
+double net_force(const StepContext& s, const Motion& m, Instant at) {
   double unused = 0.0;
   return net_force(s, m, at, unused);
 }
 
-Derivative rates(const Surroundings& s, const Motion& m, Instant at, int direction) {
+Derivative rates(const StepContext& s, const Motion& m, Instant at, int direction) {
   Derivative d;
   memory_rates(s, m, d);
   if (direction == 0) {

@@ -16,17 +16,17 @@ struct Presence {
 };
 Presence presence(const PlantModel& model);
 
-// What an evaluation needs besides the motion itself: all of it as it was when the piece of time began.
-struct Surroundings {
+// What an evaluation needs besides the motion itself: all of it as it was when the substep of time began.
+struct StepContext {
   const PlantModel& model;
   const PlantInputs& inputs;
   const PlantState& state;
   const Presence has;
-  const std::size_t layers;  // of tissue that the needle can touch within this piece
+  const std::size_t layers;  // of tissue that the needle can touch within this substep
   const double mass;         // kg, of plate A
 };
 
-// A moment within the piece: the voltage that pulls (V), and the time since the piece began (s).
+// A moment within the substep: the voltage that pulls (V), and the time since the substep began (s).
 struct Instant {
   double u, since;
 };
@@ -38,10 +38,10 @@ struct Derivative {
 };
 
 // direction: +1 or -1 while sliding (friction opposes it), 0 while stuck.
-Derivative rates(const Surroundings& s, const Motion& m, Instant at, int direction);
+Derivative rates(const StepContext& s, const Motion& m, Instant at, int direction);
 
 // Net force on plate A without dry friction. N, up
-double net_force(const Surroundings& s, const Motion& m, Instant at);
+double net_force(const StepContext& s, const Motion& m, Instant at);
 
 // Dry friction available at this position and speed. N
 double friction_bound(const PlantModel& model, double x, double v);

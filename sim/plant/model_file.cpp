@@ -32,7 +32,7 @@ double read_value(TomlTable& table, std::string_view name, double low, double hi
 void read_drive(TomlTable& table, Baseline& baseline) {
   const std::string word = table.text("drive");
   if (word != "stack" && word != "force")
-    throw SetupError("`drive` is neither \"stack\" nor \"force\"", table.where(), "write drive = \"stack\"");
+    throw ConfigError("`drive` is neither \"stack\" nor \"force\"", table.where(), "write drive = \"stack\"");
   baseline.drive = word == "force" ? Drive::Force : Drive::Stack;
 }
 
@@ -87,12 +87,12 @@ Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
   for (const std::string& name : out.values) {
     const auto note = notes.values.find(name);
     if (note == notes.values.end() || !note->second.std || once.size() != out.values.size())
-      throw SetupError(fmt::format("`{}` has no deviation in this file, or stands twice", name),
+      throw ConfigError(fmt::format("`{}` has no deviation in this file, or stands twice", name),
                        table.place("values"), "name values that have a `std`, each once");
   }
   const std::size_t n = out.values.size();
   if (out.lower.size() != (n < 2 ? 0 : n * (n - 1) / 2))
-    throw SetupError(fmt::format("{} numbers for {} values", out.lower.size(), n), table.place("lower"),
+    throw ConfigError(fmt::format("{} numbers for {} values", out.lower.size(), n), table.place("lower"),
                      "give for each value its correlations with those before it, row by row");
   return out;
 }

@@ -47,7 +47,7 @@ class ModelText {
   std::string finished() const {
     for (const auto& [key, note] : notes_.values)
       if (!noted_.contains(key))
-        throw SetupError(fmt::format("a note on `{}`, which the model does not hold", key), kNameInMessages,
+        throw ConfigError(fmt::format("a note on `{}`, which the model does not hold", key), kNameInMessages,
                          "name a value of [baseline], or EFFECT.PARAMETER of an effect that is present");
     return text_;
   }

@@ -25,7 +25,7 @@ constexpr double kResolved = 5.0, kStable = 1.0;  // steps in the time in which 
 constexpr double kArrived = 1e-3;                 // share of the voltage that an amplifier may still be away
 
 // m + h (a d + b e + c f): one row of the tableau, without touching what does not move.
-Motion advanced(const Surroundings& s, const Motion& m, double h, const Derivative& d, double a,
+Motion advanced(const StepContext& s, const Motion& m, double h, const Derivative& d, double a,
                 const Derivative& e, double b, const Derivative& f, double c) {
   Motion out = m;
   out.H += h * (a * d.dH + b * e.dH + c * f.dH);
@@ -42,7 +42,7 @@ Motion advanced(const Surroundings& s, const Motion& m, double h, const Derivati
 }
 
 // Kutta's third-order method.
-Motion runge_kutta(const Surroundings& s, const Motion& m, double h, const Passage& volts, int direction) {
+Motion runge_kutta(const StepContext& s, const Motion& m, double h, const VoltageProfile& volts, int direction) {
   const Derivative a = rates(s, m, {volts.start, 0.0}, direction);
   const Derivative b = rates(s, advanced(s, m, h, a, 0.5, a, 0.0, a, 0.0), {volts.half, 0.5 * h}, direction);
   const Derivative c = rates(s, advanced(s, m, h, a, -1.0, b, 2.0, b, 0.0), {volts.end, h}, direction);
@@ -55,13 +55,13 @@ Potentials potentials(const PlantState& state) {
 
 // Positive while plate A keeps doing what it does: force in reserve while stuck (N), speed while sliding
 // (m/s).
-double regime_margin(const Surroundings& s, const Motion& m, Instant at, int direction) {
+double regime_margin(const StepContext& s, const Motion& m, Instant at, int direction) {
   if (direction != 0) return m.v * direction;
   return friction_bound(s.model, m.x, 0.0) - std::abs(net_force(s, m, at));
 }
 
 // +1, -1, or 0 where friction holds plate A.
-int slide_direction(const Surroundings& s, const Motion& m, bool breaks_away) {
+int slide_direction(const StepContext& s, const Motion& m, bool breaks_away) {
   if (m.v != kStopped) return m.v > 0.0 ? 1 : -1;
   const double net = net_force(s, m, {acting_voltage(s.model, potentials(s.state)), 0.0});
   if (!breaks_away && std::abs(net) <= friction_bound(s.model, m.x, 0.0)) return 0;
@@ -79,57 +79,57 @@ void remember_zipping(const PlantModel& model, PlantState& state) {
   state.zipped = std::max(b.H_0, play->zipped(equilibrium(b, P, load).H, state.zipped));
 }
 
-// A piece of time in which plate A does one thing: its length, what the volts did, and the motion at its end.
-struct Piece {
+// A substep of time in which plate A does one thing: its length, what the volts did, and the motion at its end.
+struct Substep {
   double h;
-  Passage volts;
+  VoltageProfile volts;
   Motion after;
 };
 
-// Commits what a piece leaves behind.
-void remember(const PlantModel& model, PlantState& state, const Piece& piece) {
+// Commits what a substep leaves behind.
+void commit(const PlantModel& model, PlantState& state, const Substep& substep) {
   const Baseline& b = model.baseline;
   const Effects& e = model.effects;
   const double seen_before = e.sensor_lag ? sensed(model, state) : 0.0;
-  const Potentials& volts = piece.volts.after;
+  const Potentials& volts = substep.volts.after;
   state.charge += b.C1 * ((volts.u_i - state.u_i) - (volts.u_o - state.u_o));
   state.u_i = volts.u_i;
   state.u_o = volts.u_o;
   state.memory.screened = volts.screened;
-  state.motion = piece.after;
-  state.time += piece.h;
+  state.motion = substep.after;
+  state.time += substep.h;
   state.x_max = std::max(state.x_max, state.motion.x);
   if (e.hysteretic_spring) state.motion.yielded = e.hysteretic_spring->bounded(state.motion.yielded);
   if (const auto& set = e.residual_set)
-    state.memory.largest = set->remembered(set->faded(state.memory.largest, piece.h), state.motion.H - b.H_0);
+    state.memory.largest = set->remembered(set->faded(state.memory.largest, substep.h), state.motion.H - b.H_0);
   if (e.backlash) state.memory.carried = e.backlash->carried(state.motion.x, state.memory.carried);
   remember_zipping(model, state);
-  remember_reading(model, state, seen_before, piece.h);
+  remember_reading(model, state, seen_before, substep.h);
 }
 
-Piece piece_of(const Surroundings& s, Circuit& circuit, double h, int direction) {
-  Piece piece{h, circuit.over(potentials(s.state), h), {}};
-  piece.after = runge_kutta(s, s.state.motion, h, piece.volts, direction);
-  return piece;
+Substep substep_of(const StepContext& s, Circuit& circuit, double h, int direction) {
+  Substep substep{h, circuit.over(potentials(s.state), h), {}};
+  substep.after = runge_kutta(s, s.state.motion, h, substep.volts, direction);
+  return substep;
 }
 
 // The step, cut where the regime ends: found by false position (Illinois variant).
-Piece until_event(const Surroundings& s, Circuit& circuit, double h, int direction) {
-  Piece piece = piece_of(s, circuit, h, direction);
-  double at_high = regime_margin(s, piece.after, {piece.volts.end, h}, direction);
-  if (at_high >= 0.0) return piece;
+Substep until_event(const StepContext& s, Circuit& circuit, double h, int direction) {
+  Substep substep = substep_of(s, circuit, h, direction);
+  double at_high = regime_margin(s, substep.after, {substep.volts.end, h}, direction);
+  if (at_high >= 0.0) return substep;
   double low = 0.0, high = h;
-  double at_low = regime_margin(s, s.state.motion, {piece.volts.start, 0.0}, direction);
+  double at_low = regime_margin(s, s.state.motion, {substep.volts.start, 0.0}, direction);
   for (int i = 0; i < kRootSteps && high - low > kRootResolution; ++i) {
-    piece = piece_of(s, circuit, high - at_high * (high - low) / (at_high - at_low), direction);
-    const double here = regime_margin(s, piece.after, {piece.volts.end, piece.h}, direction);
+    substep = substep_of(s, circuit, high - at_high * (high - low) / (at_high - at_low), direction);
+    const double here = regime_margin(s, substep.after, {substep.volts.end, substep.h}, direction);
     if (here < 0.0) {
-      high = piece.h, at_high = here, at_low *= 0.5;
+      high = substep.h, at_high = here, at_low *= 0.5;
     } else {
-      low = piece.h, at_low = here, at_high *= 0.5;
+      low = substep.h, at_low = here, at_high *= 0.5;
     }
   }
-  return piece;
+  return substep;
 }
 
 std::size_t layers_within_reach(const PlantModel& model, const PlantState& state) {
@@ -144,15 +144,15 @@ void internal_step(const PlantModel& model, const Presence& has, PlantState& sta
                    Circuit& circuit, const PlantInputs& inputs) {
   bool breaks_away = false;
   for (int event = 0; h > kRootResolution; ++event) {
-    const Surroundings s{model, inputs, state, has, layers_within_reach(model, state), model.mass_A()};
+    const StepContext s{model, inputs, state, has, layers_within_reach(model, state), model.mass_A()};
     const int direction = has.dry ? slide_direction(s, state.motion, breaks_away) : 1;
     const bool locate = has.dry && event < kEventsPerStep;
-    Piece piece = locate ? until_event(s, circuit, h, direction) : piece_of(s, circuit, h, direction);
-    if (has.dry && direction != 0 && (piece.h < h || piece.after.v * direction <= 0.0))
-      piece.after.v = kStopped;
-    breaks_away = direction == 0 && piece.h < h;
-    remember(model, state, piece);
-    h -= piece.h;
+    Substep substep = locate ? until_event(s, circuit, h, direction) : substep_of(s, circuit, h, direction);
+    if (has.dry && direction != 0 && (substep.h < h || substep.after.v * direction <= 0.0))
+      substep.after.v = kStopped;
+    breaks_away = direction == 0 && substep.h < h;
+    commit(model, state, substep);
+    h -= substep.h;
   }
 }
 
@@ -199,7 +199,7 @@ PlantState at_rest(const PlantModel& model) {
   return state;
 }
 
-void place(const PlantModel& model, PlantState& state, double x, double v) {
+void set_state(const PlantModel& model, PlantState& state, double x, double v) {
   const Baseline& b = model.baseline;
   const Effects& e = model.effects;
   Motion& m = state.motion;

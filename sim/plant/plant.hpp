@@ -53,7 +53,7 @@ PlantState at_rest(const PlantModel& model);
 // Puts plate A at x (m) with speed v (m/s), in the middle of a run or at its beginning. Plate B goes along,
 // as far as the pouches can, so that the spring keeps its stretch; sensor and play stand as steady motion
 // leaves them. All else that is remembered (volts, time, creep, set, tissue cut open) stays.
-void place(const PlantModel& model, PlantState& state, double x, double v);
+void set_state(const PlantModel& model, PlantState& state, double x, double v);
 
 // The state after `duration` with inputs held. The voltage jumps at the beginning (eq. (2) at a sample).
 PlantState step(const PlantModel& model, PlantState state, const PlantInputs& inputs, Seconds duration);

@@ -118,21 +118,21 @@ void refuse_unwritable(const Volume& volume, const std::filesystem::path& folder
   const std::string where = folder.string();
   const Grid& grid = volume.grid;
   if (grid.size.minCoeff() < 1 || grid.size.maxCoeff() > 65535 || volume.voxels.size() != grid.voxel_count())
-    throw SetupError("the volume has no voxels, or not as many as its size says", where,
+    throw ConfigError("the volume has no voxels, or not as many as its size says", where,
                      "give a complete volume");
   if (!std::all_of(volume.voxels.begin(), volume.voxels.end(),
                    [](float value) { return std::isfinite(value); }))
-    throw SetupError("a voxel is not finite", where, "give a volume of finite numbers");
+    throw ConfigError("a voxel is not finite", where, "give a volume of finite numbers");
   const Eigen::Matrix3d axes = grid.X_SI.linear().colwise().normalized();
   if (!((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6))
-    throw SetupError("the axes of the volume are not perpendicular", where, "resample the volume first");
+    throw ConfigError("the axes of the volume are not perpendicular", where, "resample the volume first");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
     if (at->path().extension() == ".dcm")
-      throw SetupError("the folder already holds DICOM files", where,
+      throw ConfigError("the folder already holds DICOM files", where,
                        "give an empty folder: two series must not mix");
-  if (error) throw SetupError("cannot be written: " + error.message(), where, "check the permissions");
+  if (error) throw ConfigError("cannot be written: " + error.message(), where, "check the permissions");
 }
 
 std::string file_header(const std::string& instance_uid) {
@@ -241,7 +241,7 @@ std::vector<std::filesystem::path> write_dicom_series(const Volume& volume,
     std::ofstream file(files.back(), std::ios::binary);
     file << file_header(instance_uid) << out.encoded();
     if (!file.flush())
-      throw SetupError("cannot be written", files.back().string(),
+      throw ConfigError("cannot be written", files.back().string(),
                        "check the space left and the permissions");
   }
   return files;

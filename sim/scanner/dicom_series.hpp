@@ -13,7 +13,7 @@ namespace biopsy::sim {
 // numbers that fit 16 bits are stored as they are; other values get the slope that spreads them over 16 bits,
 // and are off by at most half of it. Geometry is exact to 1e-9 mm. Identity comes from the volume; UIDs that
 // are empty or no UIDs are made from a hash of the content, so equal volumes give byte-identical files on any
-// day and machine. Throws SetupError: voxels missing or not finite, axes not perpendicular, a side beyond
+// day and machine. Throws ConfigError: voxels missing or not finite, axes not perpendicular, a side beyond
 // 65535, a folder that already holds .dcm files or cannot be written.
 std::vector<std::filesystem::path> write_dicom_series(const Volume& volume,
                                                       const std::filesystem::path& folder);

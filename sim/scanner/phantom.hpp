@@ -29,7 +29,7 @@ struct Phantom {
   std::array<std::string, 4> names{"outside", "muscle", "gap", "liver"};
 };
 
-// Deterministic. Throws SetupError when a size or the voxel is not positive or the block has more than 2e8
+// Deterministic. Throws ConfigError when a size or the voxel is not positive or the block has more than 2e8
 // voxels.
 Phantom paper_phantom(const PhantomSettings& settings = {});
 

@@ -118,7 +118,7 @@ void refuse_bad(const Volume& planning, const ScanSettings& settings, const Grid
   if (numbers && planning.grid.voxel_count() > 0 && planning.voxels.size() == planning.grid.voxel_count() &&
       grid.size.minCoeff() > 0 && std::abs(grid.X_SI.linear().determinant()) > 0.0)
     return;
-  throw SetupError("a grid is empty or a number is not finite", "simulated scanner",
+  throw ConfigError("a grid is empty or a number is not finite", "simulated scanner",
                    "give a planning volume with voxels and finite settings");
 }
 

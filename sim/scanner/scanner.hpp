@@ -35,7 +35,7 @@ struct ScanSettings {
 // Renders the image. Tissue is read with a cubic kernel (Catmull-Rom: the depth check reads linearly, so the
 // two do not share an interpolation), tissue outside the planning volume is air; a voxel's void is the mean
 // over the voxel, so a thin needle in thick slices is as faint as in life; noise is Rician. Same settings,
-// same voxels, on every machine. Throws SetupError when a grid is empty or a number is not finite.
+// same voxels, on every machine. Throws ConfigError when a grid is empty or a number is not finite.
 Volume scan(const Volume& planning, const ScanSettings& settings);
 
 // Typical tissue signal: the median of what is brighter than a tenth of the 99th percentile (the rest is

@@ -33,13 +33,13 @@ TissueTable read_tissues(const std::filesystem::path& file) {
     table.refuse_rest();
   }
   if (!tissues.contains("unknown"))
-    throw SetupError("no [tissue.unknown]", file.string(), "say what tissue without a name behaves like");
+    throw ConfigError("no [tissue.unknown]", file.string(), "say what tissue without a name behaves like");
   return tissues;
 }
 
 std::vector<TissueLayer> tissue_along(std::span<const Layer> layers, const TissueTable& table) {
   if (layers.size() > kMaxLayers)
-    throw SetupError(fmt::format("{} layers along the path; the plant holds {}", layers.size(), kMaxLayers),
+    throw ConfigError(fmt::format("{} layers along the path; the plant holds {}", layers.size(), kMaxLayers),
                      "tissue", "merge thin layers in the label map or the table");
   std::vector<TissueLayer> tissue;
   for (const Layer& layer : layers) {

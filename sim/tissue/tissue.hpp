@@ -16,11 +16,11 @@ namespace biopsy::sim {
 using TissueTable = std::map<std::string, TissueLayer>;
 
 // [tissue.NAME] tables with the parameters of layer_puncture, shaft_friction and tissue_relaxation but their
-// positions. Throws SetupError naming file and line.
+// positions. Throws ConfigError naming file and line.
 TissueTable read_tissues(const std::filesystem::path& file);
 
 // The layers of a plan as tissue in the plant. A name that the table does not know becomes `unknown`, which
-// it must hold. Throws SetupError where a path has more layers than the plant holds.
+// it must hold. Throws ConfigError where a path has more layers than the plant holds.
 std::vector<TissueLayer> tissue_along(std::span<const Layer> layers, const TissueTable& table);
 
 }  // namespace biopsy::sim

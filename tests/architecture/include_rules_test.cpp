@@ -10,65 +10,66 @@
 #include <vector>
 
 #include "tests/safety/verifies.hpp"
+#include "tests/source_dir.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kHouse = BIOPSY_SOURCE_DIR;
+const fs::path kHouse = biopsy::source_dir();
 
-// Rooms by longest folder, and what each may include besides itself. robot/app joins all of them.
+// Rooms by longest folder, and what each may include besides itself. robot/cli joins all of them.
 const std::map<std::string, std::set<std::string>> kMaySee{
-    {"robot/messages", {}},
-    {"safety", {"robot/messages"}},
-    {"robot/control", {"robot/messages"}},
-    {"robot/report", {"robot/messages"}},
-    {"planner/imaging", {"robot/messages"}},
-    {"planner", {"robot/messages"}},
-    {"drivers/port", {"robot/messages", "safety"}},
-    {"drivers/lines", {"robot/messages", "safety", "drivers/port"}},
-    {"drivers/nidaqmx", {"robot/messages", "safety", "drivers/port"}},
-    {"drivers/commissioning", {"robot/messages", "safety", "drivers/port"}},
-    {"robot/realtime", {"robot/messages"}},
-    {"robot/transport", {"robot/messages"}},
+    {"robot/msg", {}},
+    {"safety", {"robot/msg"}},
+    {"robot/control", {"robot/msg"}},
+    {"robot/report", {"robot/msg"}},
+    {"planner/imaging", {"robot/msg"}},
+    {"planner", {"robot/msg"}},
+    {"drivers", {"robot/msg", "safety"}},
+    {"drivers/digital_io", {"robot/msg", "safety", "drivers"}},
+    {"drivers/nidaqmx", {"robot/msg", "safety", "drivers"}},
+    {"drivers/commissioning", {"robot/msg", "safety", "drivers"}},
+    {"robot/live/realtime", {"robot/msg"}},
+    {"robot/transport", {"robot/msg"}},
     {"robot/live",
-     {"robot/messages", "safety", "robot/control", "robot/transport", "robot/realtime", "drivers/lines",
-      "drivers/port", "planner", "robot/keys"}},
-    {"robot/keys", {"robot/messages"}},
-    {"robot/recorder", {"robot/messages"}},
-    {"robot/console", {"robot/messages"}},
-    {"robot/assurance", {"robot/messages", "robot/report"}},
-    {"sim", {"robot/messages", "drivers/port", "safety"}},
-    {"sim/gap", {"robot/messages", "sim"}},
-    {"sim/paper", {"robot/messages", "robot/control", "sim"}},
-    {"sim/calibration", {"robot/messages", "sim", "sim/paper"}},
-    {"sim/identification", {"robot/messages", "sim"}},
-    {"sim/design", {"robot/messages", "sim"}},
-    {"sim/tuning", {"robot/messages", "robot/control", "sim", "sim/paper"}},
-    {"robot/app",
-     {"robot/messages",
+     {"robot/msg", "safety", "robot/control", "robot/transport", "robot/live/realtime", "drivers/digital_io",
+      "drivers", "planner", "robot/security"}},
+    {"robot/security", {"robot/msg"}},
+    {"robot/recorder", {"robot/msg"}},
+    {"robot/console", {"robot/msg"}},
+    {"robot/report/safety_case", {"robot/msg", "robot/report"}},
+    {"sim", {"robot/msg", "drivers", "safety"}},
+    {"sim/gap", {"robot/msg", "sim"}},
+    {"sim/paper", {"robot/msg", "robot/control", "sim"}},
+    {"sim/paper/calibration", {"robot/msg", "sim", "sim/paper"}},
+    {"sim/paper/identification", {"robot/msg", "sim"}},
+    {"sim/paper/design", {"robot/msg", "sim"}},
+    {"sim/paper/tuning", {"robot/msg", "robot/control", "sim", "sim/paper"}},
+    {"robot/cli",
+     {"robot/msg",
       "safety",
       "robot/control",
       "robot/report",
       "planner",
       "planner/imaging",
-      "drivers/port",
+      "drivers",
       "sim",
       "sim/gap",
       "sim/paper",
-      "sim/calibration",
-      "sim/identification",
-      "sim/design",
-      "sim/tuning",
-      "drivers/lines",
+      "sim/paper/calibration",
+      "sim/paper/identification",
+      "sim/paper/design",
+      "sim/paper/tuning",
+      "drivers/digital_io",
       "drivers/nidaqmx",
       "drivers/commissioning",
-      "robot/realtime",
+      "robot/live/realtime",
       "robot/transport",
       "robot/live",
-      "robot/keys",
+      "robot/security",
       "robot/recorder",
-      "robot/assurance",
+      "robot/report/safety_case",
       "robot/console"}},
 };
 
@@ -119,15 +120,15 @@ TEST(Architecture, EveryRoomIncludesOnlyWhatItMaySee) {
 // What runs once a millisecond. The bus has locks of its own; these have none, and write to no log.
 TEST(Architecture, NothingInTheTickLocksOrWritesALog) {
   const std::regex tick(
-      R"(^(safety|robot/control|robot/messages|drivers/port|drivers/lines)/|_loop\.[ch]pp$|)"
-      R"(^robot/realtime/(tick_clock|latency_histogram)|^drivers/nidaqmx/(nidaqmx_stage|pulse_line))");
+      R"(^(safety|robot/control|robot/msg|drivers|drivers/digital_io)/|_loop\.[ch]pp$|)"
+      R"(^robot/live/realtime/(tick_clock|latency_histogram)|^drivers/nidaqmx/(nidaqmx_stage|pulse_line))");
   const std::regex banned(
       R"(\b(mutex|lock_guard|scoped_lock|unique_lock|condition_variable|semaphore|latch|spdlog|)"
       R"(printf|fprintf|puts|cout|cerr|clog|syslog|sd_journal\w*)\b|fmt::print)");
   std::size_t judged = 0;
   for (const fs::path& file : sources()) {
     const std::string path = fs::relative(file, kHouse).string();
-    if (!std::regex_search(path, tick) || path.starts_with("robot/app/")) continue;
+    if (!std::regex_search(path, tick) || path.starts_with("robot/cli/")) continue;
     ++judged;
     for (std::string line : lines_of(file)) {
       line = line.substr(0, line.find("//"));

@@ -27,7 +27,7 @@ struct Asked {
   int events = 50;
   std::string only;  // of the events: "recorder", "recorder stop"
   double minutes = 30.0;
-  app::LiveOptions live;
+  robot::LiveOptions live;
 };
 
 double at_share(std::vector<double> values, double share) {
@@ -42,7 +42,7 @@ double allowed_ms(Process victim) {
   return victim == Process::Recorder ? 1'500.0 : 10.0;
 }
 
-void bench_events(const Asked& asked, const app::PreparedCase& prepared) {
+void bench_events(const Asked& asked, const robot::PreparedCase& prepared) {
   fmt::print("\nTime from the event to 0 V on the stack, ms ({} events each)\n", asked.events);
   fmt::print("{:<12}{:<9}{:>7}{:>9}{:>9}{:>9}{:>10}{:>8}{:>12}\n", "process", "signal", "events", "p50",
              "p99", "max", "allowed", "over", "host, max");
@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const Cyclictest host;
   const ScratchFolder folder;
-  const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+  const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
   for (const std::string& what : asked.what) {
     if (what == "events") bench_events(asked, prepared);
     if (what == "loop") bench::bench_loop(asked.live);

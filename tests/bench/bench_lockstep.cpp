@@ -18,6 +18,7 @@
 #include "sim/plant/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
 #include "tests/bench/cvode_peer.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::bench {
 namespace {
@@ -51,7 +52,7 @@ struct Biopsy {
 };
 
 Biopsy liver_biopsy() {
-  const auto models = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim" / "models";
+  const auto models = source_dir() / "sim" / "models";
   planner::InsertionRequest request;
   request.target.p_ST = Point(0, 0, 3.5);
   request.X_SR = planner::needle_pose(request.target.p_SE, request.target.p_ST);
@@ -70,20 +71,20 @@ Biopsy liver_biopsy() {
 
 // What the parts of one tick were given, to run them again one by one.
 struct Record {
-  std::vector<app::World> worlds;
-  std::vector<app::Tick> ticks;
+  std::vector<robot::World> worlds;
+  std::vector<robot::CycleRecord> ticks;
 };
 
 // The whole procedure; returns its ticks.
 std::size_t lockstep_run(const Biopsy& biopsy, std::uint64_t seed, Record* record = nullptr) {
-  sim::SimStage stage(biopsy.model, seed);
+  sim::SimulatedStage stage(biopsy.model, seed);
   const std::uint64_t tag = planner::plan_tag(biopsy.plan);
-  app::Lockstep lockstep(biopsy.plan, biopsy.facts, stage, {tag, tag});
-  app::Operator person(biopsy.plan);
-  app::Tick tick;
+  robot::SimulatedRobot lockstep(biopsy.plan, biopsy.facts, stage, {tag, tag});
+  robot::Operator person(biopsy.plan);
+  robot::CycleRecord tick;
   std::int64_t k = 0;
   for (; k < 120'000 && !person.done(); ++k) {
-    const app::World world = person.act(tick, k);
+    const robot::World world = person.act(tick, k);
     if (person.wants_verdict()) person.judge(true, "");
     tick = lockstep.tick(world);
     if (record != nullptr) {
@@ -104,8 +105,8 @@ void safety_run(const Biopsy& biopsy, const Record& record) {
   DriveRequest request;
   const std::uint64_t tag = planner::plan_tag(biopsy.plan);
   for (std::size_t k = 0; k < record.ticks.size(); ++k) {
-    const app::Tick& tick = record.ticks[k];
-    const app::World& world = record.worlds[k];
+    const robot::CycleRecord& tick = record.ticks[k];
+    const robot::World& world = record.worlds[k];
     safety::Observation seen;
     seen.now_us = static_cast<std::int64_t>(k + 1) * 1000;
     seen.measurement = tick.measurement;
@@ -200,7 +201,7 @@ int run() {
   row("  evidence, supervisor and gate alone", best_of([&] { safety_run(biopsy, record); }),
       record.ticks.size());
   std::vector<double> volts;
-  for (const app::Tick& tick : record.ticks) volts.push_back(tick.drive_mV * 1e-3);
+  for (const robot::CycleRecord& tick : record.ticks) volts.push_back(tick.drive_mV * 1e-3);
   row("  plant alone, same voltages, in tissue",
       best_of([&] { keep += plant_run(biopsy.model, volts).back(); }), volts.size());
   compare_with_peer();

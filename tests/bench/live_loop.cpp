@@ -30,10 +30,10 @@ using namespace std::chrono_literals;
 constexpr int kRounds = 12;
 constexpr std::uint32_t kTrips = 3'000, kWarmUp = 1'000;
 
-std::string configuration(const std::filesystem::path& keys, keys::Role role) {
-  keys::CycloneOptions options;
-  if (!keys.empty()) options.security = keys::Security{keys, role};
-  return keys::cyclone_xml(options);
+std::string configuration(const std::filesystem::path& keys, security::Role role) {
+  security::CycloneOptions options;
+  if (!keys.empty()) options.security = security::Security{keys, role};
+  return security::cyclone_xml(options);
 }
 
 void take_precedence() {
@@ -173,10 +173,10 @@ Figures round_trip(std::uint32_t domain, const std::filesystem::path& keys, cons
                    const Measure& measured_by) {
   int ends[2];
   if (pipe(ends) != 0) return {};
-  const pid_t other = child([&] { answer(domain, configuration(keys, keys::Role::Controller)); });
+  const pid_t other = child([&] { answer(domain, configuration(keys, security::Role::Controller)); });
   const pid_t self = child([&] {
     realtime::LatencyHistogram trips;
-    measured_by(domain, configuration(keys, keys::Role::Stage), trips);
+    measured_by(domain, configuration(keys, security::Role::Stage), trips);
     const Figures figures{trips.p50_us(), trips.p99_us(), trips.max_us()};
     [[maybe_unused]] const ssize_t written = write(ends[1], &figures, sizeof figures);
   });
@@ -217,10 +217,10 @@ class Rounds {
 
 }  // namespace
 
-void bench_loop(const app::LiveOptions& options) {
+void bench_loop(const robot::LiveOptions& options) {
   const ScratchFolder folder;
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  keys::make_keys(folder.path() / "keys", 1, now, false);
+  security::make_keys(folder.path() / "keys", 1, now, false);
   fmt::print(
       "Measurement published to DriveRequest received, us ({} rounds of {} round trips at 1 kHz, by turns)\n",
       kRounds, kTrips);

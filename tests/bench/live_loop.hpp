@@ -6,6 +6,6 @@
 namespace biopsy::bench {
 
 // 1 kHz, each round trip alone; with security and without. Prints p50, p99, max and the ratio.
-void bench_loop(const app::LiveOptions& options);
+void bench_loop(const robot::LiveOptions& options);
 
 }  // namespace biopsy::bench

@@ -23,10 +23,10 @@ constexpr std::int64_t kBefore_us = 50'000;  // what stops a robot is seen withi
 // reporter takes old measurements beside the newest decision: between the two times lies what it missed.
 class Watched {
  public:
-  explicit Watched(app::LiveRobot& robot) : robot_(robot) {}
+  explicit Watched(robot::LiveRobot& robot) : robot_(robot) {}
 
-  std::optional<app::Beat> tick(const app::World& world) {
-    const std::optional<app::Beat> beat = robot_.tick(world);
+  std::optional<robot::CycleSample> tick(const robot::World& world) {
+    const std::optional<robot::CycleSample> beat = robot_.tick(world);
     if (!beat) return beat;
     if (after_ < kAfter) last_.push_back(beat->tick);
     if (last_.size() > kKept) last_.pop_front();
@@ -42,22 +42,22 @@ class Watched {
   }
   std::int64_t stopped_us() const { return stopped_us_; }
   std::int64_t heard_us() const { return heard_us_; }
-  const std::deque<app::Tick>& last() const { return last_; }
+  const std::deque<robot::CycleRecord>& last() const { return last_; }
 
  private:
   static constexpr std::size_t kKept = 16, kAfter = 4;
-  app::LiveRobot& robot_;
-  std::deque<app::Tick> last_;
+  robot::LiveRobot& robot_;
+  std::deque<robot::CycleRecord> last_;
   bool was_driven_ = false;
   std::int64_t stopped_us_ = 0, heard_us_ = 0;
   std::size_t after_ = 0;
 };
 
-void print_ticks(const std::deque<app::Tick>& ticks) {
+void print_ticks(const std::deque<robot::CycleRecord>& ticks) {
   fmt::print("    {:>9}{:>10}{:>10}{:>9}{:>10}{:>10}  worst\n", "tick", "time, ms", "permit", "answered",
              "request", "gate");
   const std::int64_t from_us = ticks.front().measurement.time_us;
-  for (const app::Tick& t : ticks)
+  for (const robot::CycleRecord& t : ticks)
     fmt::print("    {:>9}{:>10.3f}{:>10}{:>9}{:>10}{:>10}  {}\n", t.measurement.seq,
                static_cast<double>(t.measurement.time_us - from_us) * 1e-3, t.supervisor.permit.seq,
                t.measurement.answered_seq, t.request.seq, static_cast<int>(t.measurement.verdict),
@@ -66,7 +66,7 @@ void print_ticks(const std::deque<app::Tick>& ticks) {
 
 }  // namespace
 
-void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepared, double minutes) {
+void bench_soak(const robot::LiveOptions& options, const robot::PreparedCase& prepared, double minutes) {
   using Clock = std::chrono::steady_clock;
   const auto until = Clock::now() + std::chrono::duration<double, std::ratio<60>>(minutes);
   int runs = 0, completed = 0;
@@ -78,11 +78,11 @@ void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepar
   while (Clock::now() < until) {
     host.reset();
     const ScratchFolder folder;
-    app::LiveSession session(options, "sim", {}, prepared, folder.path());
+    robot::LiveSession session(options, "sim", {}, prepared, folder.path());
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
     Watched watched(session.robot());
-    const app::Robot robot = [&](const app::World& world) { return watched.tick(world); };
+    const robot::Robot robot = [&](const robot::World& world) { return watched.tick(world); };
     const report::RunRecord record =
         rehearse_on(robot, prepared, folder.path(), [](double, const std::string&) {});
     ++runs;

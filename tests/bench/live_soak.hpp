@@ -8,6 +8,6 @@ namespace biopsy::bench {
 
 // Rehearses the case again and again through the real processes; prints trips, and how late host and
 // processes were.
-void bench_soak(const app::LiveOptions& options, const app::PreparedCase& prepared, double minutes);
+void bench_soak(const robot::LiveOptions& options, const robot::PreparedCase& prepared, double minutes);
 
 }  // namespace biopsy::bench

@@ -1,7 +1,7 @@
 // The watch over the links on a bench of its own, tick by tick.
 #pragma once
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/challenge.hpp"
 #include "safety/monitors/link_monitor.hpp"
 
@@ -10,7 +10,7 @@ namespace biopsy::safety {
 // Everything arrives in order and every answer is right; a test spoils what it is about.
 struct LinkBench {
   PlanFacts plan = three_stage_plan();
-  LinkWatch watch;
+  LinkMonitor watch;
   Observation seen;
   HazardSet found = 0;
 
@@ -39,7 +39,7 @@ struct LinkBench {
         answer_to(challenge_of(5, seq), seen.measurement.command_mV, seen.permit.mode, seq);
   }
   LinkFindings observe() {
-    const LinkFindings findings = look(plan, watch, seen);
+    const LinkFindings findings = update(plan, watch, seen);
     found = findings.found;
     return findings;
   }

@@ -1,4 +1,4 @@
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +81,7 @@ void Rig::control() {
   ++wave_;
   const std::int32_t sign = (wave_ / flip_ticks) % 2 == 0 ? 1 : -1;
   ++request.seq;
-  request.wanted_mV = is_hot(output.permit.mode) ? sign * wanted_mV : 0;
+  request.wanted_mV = hv_permitted(output.permit.mode) ? sign * wanted_mV : 0;
   request.stage = output.stage;
   request.stage_reached = reached;
   request.finished = finished;

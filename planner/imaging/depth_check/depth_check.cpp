@@ -16,10 +16,10 @@ void refuse_bad(const Volume& before, const Volume& after, const NeedleFrame& fr
   const auto where = "depth check";
   if (before.voxels.empty() || after.voxels.empty() || before.voxels.size() != before.grid.voxel_count() ||
       after.voxels.size() != after.grid.voxel_count())
-    throw SetupError("an image has no voxels", where, "give two volumes that were read without complaint");
+    throw ConfigError("an image has no voxels", where, "give two volumes that were read without complaint");
   const double entry_before = Sampler(before).at(frame.p_SE), entry_after = Sampler(after).at(frame.p_SE);
   if (std::isnan(entry_before) && std::isnan(entry_after))
-    throw SetupError("the entry lies outside both images", where,
+    throw ConfigError("the entry lies outside both images", where,
                      "check that entry and images are in one scanner frame (R,A,S or L,P,S mixed up?)");
 }
 

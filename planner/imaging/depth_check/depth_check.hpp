@@ -21,7 +21,7 @@ DepthReading read_depth(const Volume& before, const Volume& after, const NeedleF
 
 // p_SE: entry, axis_S: insertion, both in the scanner frame of the after image, where the robot holds the
 // needle; the patient may have moved by up to 12 mm and 12 degrees. The images may differ in grid, noise and
-// brightness. Knows nothing of the laser. Throws SetupError: no axis, numbers not finite, an empty image,
+// brightness. Knows nothing of the laser. Throws ConfigError: no axis, numbers not finite, an empty image,
 // entry outside both images.
 DepthCheck check_depth(const Volume& before, const Volume& after, const Point& p_SE, const Direction& axis_S,
                        const DepthCheckSettings& settings = {}, DepthCheckPictures* pictures = nullptr);

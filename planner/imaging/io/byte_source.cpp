@@ -24,12 +24,12 @@ void ByteSource::Closer::operator()(void* file) const {
 
 ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset)
     : path_(file), packing_(packing) {
-  const SetupError unreadable("cannot be opened", file.string(), "check the name and the permissions");
+  const ConfigError unreadable("cannot be opened", file.string(), "check the name and the permissions");
   std::error_code error;
   const std::uint64_t length = std::filesystem::file_size(file, error);
   if (error) throw unreadable;
   if (offset > length)
-    throw SetupError("truncated: the data should begin behind the end of the file", file.string(),
+    throw ConfigError("truncated: the data should begin behind the end of the file", file.string(),
                      kRemedyForDamage);
   most_left_ = (length - offset) * (packing == Packing::Gzip ? kBestDeflate : 1);
   if (packing == Packing::Plain) {
@@ -46,7 +46,7 @@ ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::
   }
   gzbuffer(static_cast<gzFile>(gzip_.get()), 1 << 17);
   if (gzdirect(static_cast<gzFile>(gzip_.get())) != 0)  // zlib would pass the bytes through unchanged
-    throw SetupError("the data are not gzip", file.string(), kRemedyForDamage);
+    throw ConfigError("the data are not gzip", file.string(), kRemedyForDamage);
 }
 
 std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
@@ -59,7 +59,7 @@ std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
   int code = Z_OK;
   const char* text = gzerror(file, &code);
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
-    throw SetupError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedyForDamage);
+    throw ConfigError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedyForDamage);
   return static_cast<std::size_t>(got);
 }
 
@@ -67,7 +67,7 @@ void ByteSource::read(std::span<std::byte> bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
     const std::size_t got = read_some(bytes.data() + done, bytes.size() - done);
     if (got == 0)
-      throw SetupError(fmt::format("truncated: {} bytes missing", bytes.size() - done), path_.string(),
+      throw ConfigError(fmt::format("truncated: {} bytes missing", bytes.size() - done), path_.string(),
                        kRemedyForDamage);
     done += got;
   }
@@ -83,7 +83,7 @@ void ByteSource::skip(std::uint64_t count) {
 
 void ByteSource::refuse_if_shorter_than(std::uint64_t count) const {
   if (count > most_left_)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("truncated: the header promises {} bytes, the file has room for {}", count, most_left_),
         path_.string(), kRemedyForDamage);
 }

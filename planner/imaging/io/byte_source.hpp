@@ -1,5 +1,5 @@
 // Bytes of a file in order, plain or gzip-compressed, with the promise that nothing is invented: what is
-// missing or damaged throws SetupError naming the file.
+// missing or damaged throws ConfigError naming the file.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class ByteSource {
   // Gzip where the bytes are not gzip.
   ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset = 0);
 
-  void read(std::span<std::byte> bytes);  // all of them, or SetupError "truncated"
+  void read(std::span<std::byte> bytes);  // all of them, or ConfigError "truncated"
   void skip(std::uint64_t count);
 
   // The most bytes that can still come: what is left of a plain file, 1032 times that of a compressed one

@@ -16,7 +16,7 @@ inline constexpr int kSizeMin = 3;                 // fewer voxels along an axis
 inline constexpr int kSizeMax = 4096;
 inline constexpr double kVoxelsMax = 2147483648.0;
 
-// Throws SetupError naming the file when a size is outside [3, 4096], the product exceeds 2^31, a number is
+// Throws ConfigError naming the file when a size is outside [3, 4096], the product exceeds 2^31, a number is
 // not finite, a spacing is outside (0, 100] mm, the origin is more than 10 m away or the axes are not
 // perpendicular.
 void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file);

@@ -38,10 +38,10 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
   refuse_broken(folder);
   const std::size_t count = folder.series.size() + files.nifti.size() + files.nrrd.size();
   if (count == 0)
-    throw SetupError("DICOM, but no image (a report, structure set or directory)", path.string(),
+    throw ConfigError("DICOM, but no image (a report, structure set or directory)", path.string(),
                      "give an image series");
   if (series_uid.empty() && count > 1)
-    throw SetupError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
+    throw ConfigError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
                      "choose one of them with --series UID");
 
   const auto chosen = [&](const std::string& uid) { return series_uid.empty() || uid == series_uid; };
@@ -54,7 +54,7 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
     if (chosen(name_of(file))) return read_nifti(file);
   for (const auto& file : files.nrrd)
     if (chosen(name_of(file))) return read_nrrd(file);
-  throw SetupError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
+  throw ConfigError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
                    path.string(), "choose one of them with --series UID");
 }
 

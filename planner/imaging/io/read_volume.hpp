@@ -11,7 +11,7 @@
 namespace biopsy::imaging {
 
 // Reads the series with this uid (as list_series names it), or the only one. Voxels are real-world values
-// (slope and intercept applied), exact for integers up to 2^24. Throws SetupError naming file, reason and
+// (slope and intercept applied), exact for integers up to 2^24. Throws ConfigError naming file, reason and
 // remedy: several series and no uid, no such series, a damaged file, and every series that is not one
 // certain, evenly spaced, perpendicular stack of at least three grey slices.
 Volume read_volume(const std::filesystem::path& path, const std::string& series_uid = "");

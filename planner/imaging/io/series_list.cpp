@@ -27,7 +27,7 @@ SeriesSummary summary_of(const DicomSeries& series) {
   }
   try {
     take_grid(stack_series(series).grid, summary);
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     summary.problem = refusal.what();
   }
   return summary;
@@ -51,7 +51,7 @@ SeriesSummary summary_of_file(const std::filesystem::path& file, const std::file
     const Volume header = read_header(file);
     take_grid(header.grid, summary);
     summary.files = header.files;
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     summary.problem = refusal.what();
   }
   return summary;

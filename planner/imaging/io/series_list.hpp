@@ -18,7 +18,7 @@ struct SeriesSummary {
   std::string problem;  // why it cannot be read as a volume; empty = readable by its headers
 };
 
-// Looks at a file, or a folder with all below it, by the headers alone. Throws SetupError only when there is
+// Looks at a file, or a folder with all below it, by the headers alone. Throws ConfigError only when there is
 // no image.
 std::vector<SeriesSummary> list_series(const std::filesystem::path& path);
 

@@ -28,7 +28,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   for (; !error && at != fs::recursive_directory_iterator(); at.increment(error))
     if (at->is_regular_file(error)) files.push_back(at->path());
   // A folder that cannot be read may hold the missing half of a series.
-  if (error) throw SetupError("cannot be read: " + error.message(), folder.string(), "check the permissions");
+  if (error) throw ConfigError("cannot be read: " + error.message(), folder.string(), "check the permissions");
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -39,17 +39,17 @@ VolumeFiles find_volume_files(const fs::path& path) {
   VolumeFiles files;
   std::error_code error;
   if (!fs::exists(path, error))
-    throw SetupError("there is no such file or folder", path.string(), "check the name");
+    throw ConfigError("there is no such file or folder", path.string(), "check the name");
   if (fs::is_directory(path, error)) {
     for (const fs::path& file : files_below(path)) take(file, files);
     if (files.empty())
-      throw SetupError("no image in this folder", path.string(),
+      throw ConfigError("no image in this folder", path.string(),
                        "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
     return files;
   }
   if (fs::is_regular_file(path, error)) take(path, files);
   if (files.empty())
-    throw SetupError("not an image of a known format", path.string(),
+    throw ConfigError("not an image of a known format", path.string(),
                      "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
   return files;
 }

@@ -13,7 +13,7 @@ struct VolumeFiles {
 };
 
 // One file, or a folder with all below it (links to folders are not followed, other files are ignored).
-// Throws SetupError when the path does not exist, cannot be read, or is one file of an unknown format.
+// Throws ConfigError when the path does not exist, cannot be read, or is one file of an unknown format.
 VolumeFiles find_volume_files(const std::filesystem::path& path);
 
 }  // namespace biopsy::imaging

@@ -101,7 +101,7 @@ void read_voxels(ByteSource& source, const VoxelCoding& coding, const std::strin
 void refuse_not_finite(const std::vector<float>& voxels, std::size_t from, const std::string& file) {
   for (std::size_t n = from; n < voxels.size(); ++n)
     if (!std::isfinite(voxels[n]))
-      throw SetupError(
+      throw ConfigError(
           fmt::format("voxel number {} is not a finite number (NaN, infinite or beyond a float)", n), file,
           "repair the image where it was processed: say what these voxels are");
 }

@@ -34,10 +34,10 @@ struct VoxelCoding {
 
 // Reads all voxels of the grid, i fastest, as value * slope + intercept computed in double; integers up to
 // 2^24 stay exact, larger ones are rounded to float and a warning says so. Memory grows with the bytes that
-// really come. Throws SetupError naming the file: truncated data, or a voxel that is not a finite float.
+// really come. Throws ConfigError naming the file: truncated data, or a voxel that is not a finite float.
 void read_voxels(ByteSource& source, const VoxelCoding& coding, const std::string& file, Volume& volume);
 
-// Throws SetupError when a voxel is not finite. Not repaired: a NaN spreads through interpolation into every
+// Throws ConfigError when a voxel is not finite. Not repaired: a NaN spreads through interpolation into every
 // sample beside it, and a zero in its place would be an intensity nobody measured. Scanners write none, so a
 // file with one was processed, and whoever processed it must say what the voxel is.
 void refuse_not_finite(const std::vector<float>& voxels, std::size_t from, const std::string& file);

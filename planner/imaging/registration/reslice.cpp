@@ -79,7 +79,7 @@ bool Sampler::at(const Point& p_S, double& value, Eigen::Vector3d& gradient) con
 
 NeedleFrame needle_frame(const Grid& grid, const Point& p_SE, const Direction& axis_S) {
   if (!is_usable(p_SE) || !is_usable(axis_S) || axis_S.norm() < 1e-6)
-    throw SetupError(
+    throw ConfigError(
         "the needle axis has no length or a coordinate is not a number", "entry and axis of the needle",
         "give the entry in mm and the insertion direction as three numbers that are not all zero");
   NeedleFrame frame;
@@ -141,7 +141,7 @@ void paint(const std::vector<float>& values, const GreyWindow& window, Picture& 
 NeedleSlice slice_through_needle(const Volume& volume, const Point& p_SE, const Direction& axis_S,
                                  Millimetres extent, int size_px) {
   if (!(extent.value > 0.0) || !std::isfinite(extent.value) || size_px < 2 || size_px > 8192)
-    throw SetupError("the picture has no size", "slice through the needle",
+    throw ConfigError("the picture has no size", "slice through the needle",
                      "ask for an extent above 0 mm and 2 to 8192 pixels");
   NeedleSlice slice;
   slice.frame = needle_frame(volume.grid, p_SE, axis_S);

@@ -38,7 +38,7 @@ struct NeedleFrame {
   Point point(double t, double u, double v) const { return p_SE + t * along + u * across + v * up; }
 };
 
-// Throws SetupError where the axis has no length or a number is not finite.
+// Throws ConfigError where the axis has no length or a number is not finite.
 NeedleFrame needle_frame(const Grid& grid, const Point& p_SE, const Direction& axis_S);
 
 // Black and white of a picture, in the volume's units.
@@ -66,7 +66,7 @@ struct NeedleSlice {
 };
 
 // `extent` is the side of the square picture, `size_px` its pixels; the entry lies a quarter from the left
-// edge. What lies outside the volume is black. Throws SetupError on a bad axis, extent or size.
+// edge. What lies outside the volume is black. Throws ConfigError on a bad axis, extent or size.
 NeedleSlice slice_through_needle(const Volume& volume, const Point& p_SE, const Direction& axis_S,
                                  Millimetres extent, int size_px);
 

@@ -10,13 +10,13 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& where, const std::string& what, int reason) {
-  throw SetupError(what + ": " + std::generic_category().message(reason), where.string(),
+  throw ConfigError(what + ": " + std::generic_category().message(reason), where.string(),
                    "name a folder that can be written, on a disk with free space; nothing was changed");
 }
 
@@ -45,7 +45,7 @@ bool renamed(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-NewFolder::NewFolder(const fs::path& destination)
+AtomicDirectory::AtomicDirectory(const fs::path& destination)
     : destination_(fs::absolute(destination).lexically_normal()) {
   if (!destination_.has_filename()) destination_ = destination_.parent_path();  // it ended in a slash
   std::error_code trouble;
@@ -57,12 +57,12 @@ NewFolder::NewFolder(const fs::path& destination)
   temporary_ = pattern;
 }
 
-NewFolder::~NewFolder() {
+AtomicDirectory::~AtomicDirectory() {
   std::error_code ignored;
   if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
 }
 
-void NewFolder::write(const fs::path& file, std::string_view bytes) {
+void AtomicDirectory::write(const fs::path& file, std::string_view bytes) {
   if (::mkdir(file.parent_path().c_str(), 0700) != 0 && errno != EEXIST)
     refuse(file.parent_path(), "cannot be made", errno);
   const int open_file = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
@@ -73,7 +73,7 @@ void NewFolder::write(const fs::path& file, std::string_view bytes) {
   if (!kept) refuse(file, "cannot be written", reason);
 }
 
-void NewFolder::settle(const std::optional<fs::path>& aside) {
+void AtomicDirectory::settle(const std::optional<fs::path>& aside) {
   if (!on_disk(temporary_)) refuse(temporary_, "cannot be written", errno);
   if (aside && !renamed(destination_, *aside)) refuse(destination_, "cannot be moved aside", errno);
   if (!renamed(temporary_, destination_)) {
@@ -85,4 +85,4 @@ void NewFolder::settle(const std::optional<fs::path>& aside) {
   on_disk(destination_.parent_path());  // the new name as well; without it the old set is there again
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

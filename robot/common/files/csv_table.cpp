@@ -33,7 +33,7 @@ double finite(std::string_view cell, const std::string& file, std::size_t line, 
   double value = 0.0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-    throw SetupError(fmt::format("column `{}`: \"{}\" is not a finite number", column, cell.substr(0, 40)),
+    throw ConfigError(fmt::format("column `{}`: \"{}\" is not a finite number", column, cell.substr(0, 40)),
                      fmt::format("{}:{}", file, line),
                      "mend or remove the row; a gap cannot be simulated through");
   return value;
@@ -43,7 +43,7 @@ void read_header(CsvTable& table, std::string_view line, std::size_t number) {
   table.header_line = number;
   for (const std::string_view name : cells(line)) {
     if (name.empty() || table.columns.contains(std::string(name)))
-      throw SetupError(fmt::format("column \"{}\" is empty or there twice", name),
+      throw ConfigError(fmt::format("column \"{}\" is empty or there twice", name),
                        fmt::format("{}:{}", table.file, number),
                        "give each column one name with its unit, e.g. time_s");
     table.names.emplace_back(name);
@@ -54,7 +54,7 @@ void read_header(CsvTable& table, std::string_view line, std::size_t number) {
 void read_row(CsvTable& table, std::string_view line, std::size_t number) {
   const auto row = cells(line);
   if (row.size() != table.names.size())
-    throw SetupError(fmt::format("{} cells, but the header names {} columns", row.size(), table.names.size()),
+    throw ConfigError(fmt::format("{} cells, but the header names {} columns", row.size(), table.names.size()),
                      fmt::format("{}:{}", table.file, number), "give every row one number for each column");
   for (std::size_t i = 0; i < row.size(); ++i)
     table.columns[table.names[i]].push_back(finite(row[i], table.file, number, table.names[i]));
@@ -65,7 +65,7 @@ void read_row(CsvTable& table, std::string_view line, std::size_t number) {
 
 CsvTable read_csv(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw SetupError("cannot be opened", file.string(), "check the file name in dataset.toml");
+  if (!stream) throw ConfigError("cannot be opened", file.string(), "check the file name in dataset.toml");
   CsvTable table;
   table.file = file.string();
   std::string line;
@@ -78,7 +78,7 @@ CsvTable read_csv(const std::filesystem::path& file) {
       read_row(table, text, number);
   }
   if (table.lines.empty())
-    throw SetupError("holds no rows", table.file, "give a header line and at least two rows");
+    throw ConfigError("holds no rows", table.file, "give a header line and at least two rows");
   return table;
 }
 

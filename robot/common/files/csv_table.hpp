@@ -20,7 +20,7 @@ struct CsvTable {
   const std::vector<double>& column(const std::string& name) const { return columns.at(name); }
 };
 
-// Throws SetupError naming file, line and column.
+// Throws ConfigError naming file, line and column.
 CsvTable read_csv(const std::filesystem::path& file);
 
 }  // namespace biopsy::sim

@@ -13,16 +13,16 @@
 namespace biopsy::recorder {
 
 // flock, not fcntl: SQLite's own locks on the file are of the other kind, and neither disturbs the other.
-OneWriter::OneWriter(const std::filesystem::path& log) : file_(::open(log.c_str(), O_RDONLY | O_CLOEXEC)) {
+FileLock::FileLock(const std::filesystem::path& log) : file_(::open(log.c_str(), O_RDONLY | O_CLOEXEC)) {
   if (file_ < 0)
-    throw SetupError(std::string("the log cannot be opened: ") + std::strerror(errno), log.string(),
+    throw ConfigError(std::string("the log cannot be opened: ") + std::strerror(errno), log.string(),
                      "choose a log that this user may read and write");
   if (::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   ::close(file_);
-  throw SetupError("another recorder is writing this log", log.string(), "stop it, or choose another log");
+  throw ConfigError("another recorder is writing this log", log.string(), "stop it, or choose another log");
 }
 
-OneWriter::~OneWriter() {
+FileLock::~FileLock() {
   ::close(file_);
 }
 

@@ -6,13 +6,13 @@
 
 namespace biopsy::recorder {
 
-class OneWriter {
+class FileLock {
  public:
-  // Throws SetupError where the log is taken or cannot be opened.
-  explicit OneWriter(const std::filesystem::path& log);
-  ~OneWriter();
-  OneWriter(const OneWriter&) = delete;
-  OneWriter& operator=(const OneWriter&) = delete;
+  // Throws ConfigError where the log is taken or cannot be opened.
+  explicit FileLock(const std::filesystem::path& log);
+  ~FileLock();
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
 
  private:
   int file_;

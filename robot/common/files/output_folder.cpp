@@ -5,7 +5,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,7 +39,7 @@ void keep_apart(const fs::path& folder, const Inputs& inputs) {
     if (input.empty()) continue;
     const std::string way = way_into(folder, input);
     if (way == "." || is_ours(way))
-      throw SetupError("lies where the answer shall go, and would be lost", input.string(),
+      throw ConfigError("lies where the answer shall go, and would be lost", input.string(),
                        "give --out another folder; nothing was touched");
   }
 }
@@ -49,10 +49,10 @@ void claim_run_folder(const fs::path& folder, const Inputs& inputs) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    throw SetupError("is not a folder that can be made" + (error ? ": " + error.message() : std::string()),
+    throw ConfigError("is not a folder that can be made" + (error ? ": " + error.message() : std::string()),
                      folder.string(), "give --out a folder that can be written");
   if (!fs::is_empty(folder) && !fs::exists(folder / kMark))
-    throw SetupError("holds files that no run of this program wrote", folder.string(),
+    throw ConfigError("holds files that no run of this program wrote", folder.string(),
                      "give --out an empty or new folder; nothing was touched");
   for (const auto& left : fs::directory_iterator(folder))
     if (is_ours(left.path().filename().string())) fs::remove_all(left.path());
@@ -60,7 +60,7 @@ void claim_run_folder(const fs::path& folder, const Inputs& inputs) {
   mark << "written by biopsy; the next run into this folder clears it\n";
   mark.close();
   if (!mark)
-    throw SetupError("cannot be written", folder.string(), "check free space and rights of the folder");
+    throw ConfigError("cannot be written", folder.string(), "check free space and rights of the folder");
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

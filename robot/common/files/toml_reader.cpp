@@ -26,13 +26,13 @@ std::string at_line(const std::string& file, const toml::node& node) {
 double finite(const toml::node& node, std::string_view name, const std::string& where) {
   const auto value = node.value<double>();
   if (!value || !(node.is_floating_point() || node.is_integer()) || !std::isfinite(*value))
-    throw SetupError(fmt::format("`{}` is not a finite number", name), where, "write a finite number");
+    throw ConfigError(fmt::format("`{}` is not a finite number", name), where, "write a finite number");
   return *value;
 }
 
 double ranged(double value, std::string_view name, double low, double high, const std::string& where) {
   if (value < low || value > high)
-    throw SetupError(fmt::format("`{}` = {} is outside [{}, {}]", name, value, low, high), where,
+    throw ConfigError(fmt::format("`{}` = {} is outside [{}, {}]", name, value, low, high), where,
                      "check the unit: it stands in the name or beside it in docs/model.md");
   return value;
 }
@@ -63,7 +63,7 @@ std::string TomlTable::where() const {
 std::string TomlTable::place(std::string_view name) const {
   const toml::node* node = node_->table->get(name);
   if (node == nullptr)
-    throw SetupError(fmt::format("`{}` is missing", name), where(), fmt::format("add `{}`", name));
+    throw ConfigError(fmt::format("`{}` is missing", name), where(), fmt::format("add `{}`", name));
   return at_line(node_->file, *node);
 }
 
@@ -74,7 +74,7 @@ double TomlTable::number(std::string_view name, double low, double high) {
   if (const toml::table* described = node->as_table()) {
     node = described->get("value");
     if (node == nullptr)
-      throw SetupError(fmt::format("`{}` is a table without `value`", name), line,
+      throw ConfigError(fmt::format("`{}` is a table without `value`", name), line,
                        "write a number, or { value = ..., std = ..., source = \"...\" }");
   }
   return ranged(finite(*node, name, line), name, low, high, line);
@@ -85,7 +85,7 @@ std::string TomlTable::text(std::string_view name) {
   known_.emplace(name);
   const auto value = node_->table->get(name)->value<std::string>();
   if (!value)
-    throw SetupError(fmt::format("`{}` is not a text", name), line, fmt::format("write {} = \"...\"", name));
+    throw ConfigError(fmt::format("`{}` is not a text", name), line, fmt::format("write {} = \"...\"", name));
   return *value;
 }
 
@@ -94,7 +94,7 @@ std::vector<double> TomlTable::numbers(std::string_view name, double low, double
   known_.emplace(name);
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr)
-    throw SetupError(fmt::format("`{}` is not a list of numbers", name), line,
+    throw ConfigError(fmt::format("`{}` is not a list of numbers", name), line,
                      fmt::format("write {} = [1.0, 2.0]", name));
   std::vector<double> out;
   for (const toml::node& element : *array)
@@ -107,7 +107,7 @@ std::vector<std::string> TomlTable::texts(std::string_view name) {
   known_.emplace(name);
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr || !(array->empty() || array->is_homogeneous(toml::node_type::string)))
-    throw SetupError(fmt::format("`{}` is not a list of texts", name), line,
+    throw ConfigError(fmt::format("`{}` is not a list of texts", name), line,
                      fmt::format("write {} = [\"one\", \"two\"]", name));
   std::vector<std::string> out;
   for (const toml::node& element : *array) out.push_back(*element.value<std::string>());
@@ -119,7 +119,7 @@ bool TomlTable::flag(std::string_view name) {
   known_.emplace(name);
   const toml::node* node = node_->table->get(name);
   if (!node->is_boolean())
-    throw SetupError(fmt::format("`{}` is neither true nor false", name), line, "write true or false");
+    throw ConfigError(fmt::format("`{}` is neither true nor false", name), line, "write true or false");
   return *node->value<bool>();
 }
 
@@ -128,7 +128,7 @@ TomlTable TomlTable::table(std::string_view name) {
   known_.emplace(name);
   const toml::table* inner = node_->table->get(name)->as_table();
   if (inner == nullptr)
-    throw SetupError(fmt::format("`{}` is not a table", name), line, fmt::format("write [{}]", name));
+    throw ConfigError(fmt::format("`{}` is not a table", name), line, fmt::format("write [{}]", name));
   return TomlTable(std::make_shared<Node>(Node{node_->file, node_->root, inner}));
 }
 
@@ -139,7 +139,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view name) {
   known_.emplace(name);
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr || !array->is_array_of_tables())
-    throw SetupError(fmt::format("`{}` is not a list of tables", name), line,
+    throw ConfigError(fmt::format("`{}` is not a list of tables", name), line,
                      fmt::format("write [[{}]]", name));
   for (const toml::node& element : *array)
     out.emplace_back(std::make_shared<Node>(Node{node_->file, node_->root, element.as_table()}));
@@ -155,7 +155,7 @@ void TomlTable::refuse_rest() const {
   for (const std::string& name : known_) known += (known.empty() ? "" : ", ") + name;
   for (const auto& [key, value] : *node_->table)
     if (!known_.contains(key.str()))
-      throw SetupError(fmt::format("unknown name `{}`", key.str()), at_line(node_->file, value),
+      throw ConfigError(fmt::format("unknown name `{}`", key.str()), at_line(node_->file, value),
                        fmt::format("known here: {}", known));
 }
 
@@ -164,7 +164,7 @@ TomlTable parse_toml(const std::string& text, const std::string& name) {
     auto root = std::make_shared<const toml::table>(toml::parse(text, name));
     return TomlTable(std::make_shared<TomlTable::Node>(TomlTable::Node{name, root, root.get()}));
   } catch (const toml::parse_error& error) {
-    throw SetupError(std::string(error.description()), fmt::format("{}:{}", name, error.source().begin.line),
+    throw ConfigError(std::string(error.description()), fmt::format("{}:{}", name, error.source().begin.line),
                      "the file must be TOML 1.0");
   }
 }
@@ -172,7 +172,7 @@ TomlTable parse_toml(const std::string& text, const std::string& name) {
 TomlTable read_toml(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
-    throw SetupError("cannot be opened", file.string(), "give the path of a TOML file");
+    throw ConfigError("cannot be opened", file.string(), "give the path of a TOML file");
   std::ostringstream text;
   text << stream.rdbuf();
   return parse_toml(text.str(), file.string());

@@ -25,7 +25,7 @@ class TomlTable {
   std::string where() const;                       // file:line of the table,
   std::string place(std::string_view name) const;  // and of one entry; throws where it is missing
 
-  // All throw SetupError where the entry is missing or is not what is asked for.
+  // All throw ConfigError where the entry is missing or is not what is asked for.
   double number(std::string_view name, double low, double high);  // or the `value` of { value, std, source }
   std::string text(std::string_view name);
   std::vector<double> numbers(std::string_view name, double low, double high);
@@ -42,7 +42,7 @@ class TomlTable {
   std::set<std::string, std::less<>> known_;
 };
 
-// Throw SetupError where there is no file or it is no TOML.
+// Throw ConfigError where there is no file or it is no TOML.
 TomlTable read_toml(const std::filesystem::path& file);
 TomlTable parse_toml(const std::string& text, const std::string& name);
 

@@ -10,7 +10,7 @@
 
 namespace biopsy::report {
 
-void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
+void atomic_write(const std::filesystem::path& path, std::string_view bytes) {
   std::error_code trouble;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), trouble);
   // The process number keeps two runs into one folder from writing the same temporary file.
@@ -22,7 +22,7 @@ void write_whole_file(const std::filesystem::path& path, std::string_view bytes)
   if (!file || trouble) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
-    throw SetupError("cannot write the file", path.string(),
+    throw ConfigError("cannot write the file", path.string(),
                      "Choose a folder for --out that can be written, on a disk with free space.");
   }
 }

@@ -1,5 +1,5 @@
 // Writes a file so that a reader finds all of it or none: under a temporary name first, then renamed.
-// Throws SetupError where the folder cannot be made or the disk does not take the bytes.
+// Throws ConfigError where the folder cannot be made or the disk does not take the bytes.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,6 @@
 
 namespace biopsy::report {
 
-void write_whole_file(const std::filesystem::path& path, std::string_view bytes);
+void atomic_write(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace biopsy::report

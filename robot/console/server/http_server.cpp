@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 using Tcp = asio::ip::tcp;
 using Error = beast::error_code;
 
-constexpr std::size_t kHeaderMax_bytes = 8'192, kMessageMax_bytes = 4'096, kClientsMax = 8, kGuestsMax = 64;
+constexpr std::size_t kHeaderMax_bytes = 8'192, kMessageMax_bytes = 4'096, kClientsMax = 8, kHttpSessionsMax = 64;
 constexpr std::chrono::seconds kRequestMax{5}, kPing{2};
 constexpr std::chrono::seconds kAnswerMax{60};  // a volume of 200 MB to a busy page
 
@@ -72,18 +72,18 @@ std::map<std::string, Document> read_page(const fs::path& folder) {
         media_type_of(entry.path()), std::make_shared<const std::string>(body.str())};
   }
   if (!page.contains("/index.html"))
-    throw SetupError("the console's page is not there", folder.string(), "build it: ./dev console");
+    throw ConfigError("the console's page is not there", folder.string(), "build it: ./dev console");
   page["/"] = page["/index.html"];
   return page;
 }
 
 }  // namespace
 
-class Guest;
-class Visitor;
+class HttpSession;
+class WebSocketSession;
 
-struct WebHouse {
-  WebHouse(const fs::path& page_folder, std::string token, WebEvents given)
+struct HttpState {
+  HttpState(const fs::path& page_folder, std::string token, WebEvents given)
       : page(read_page(page_folder)), key(std::move(token)), events(std::move(given)) {}
 
   void listen(std::uint16_t wanted);
@@ -94,19 +94,19 @@ struct WebHouse {
   std::map<std::string, Document> page;
   std::string key;
   std::uint16_t port = 0;
-  std::unique_ptr<GuestRules> rules;
+  std::unique_ptr<OriginPolicy> rules;
   WebEvents events;
   Client last_client = 0;
   std::size_t guests = 0;
-  std::map<Client, std::shared_ptr<Visitor>> visitors;
+  std::map<Client, std::shared_ptr<WebSocketSession>> web_sockets;
   std::thread thread;
 };
 
 // A page with its WebSocket.
-class Visitor : public std::enable_shared_from_this<Visitor> {
+class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
-  Visitor(Tcp::socket socket, WebHouse& house, Client client)
-      : socket_(std::move(socket)), house_(house), client_(client) {}
+  WebSocketSession(Tcp::socket socket, HttpState& house, Client client)
+      : socket_(std::move(socket)), state_(house), client_(client) {}
 
   void welcome(const http::request<http::string_body>& request) {
     websocket::stream_base::timeout timeout{};
@@ -118,7 +118,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     socket_.next_layer().set_option(Tcp::no_delay(true));
     socket_.async_accept(request, [self = shared_from_this()](Error error) {
       if (error) return self->leave();
-      self->house_.events.came(self->client_);
+      self->state_.events.came(self->client_);
       self->read();
     });
   }
@@ -142,7 +142,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
       const std::string text = beast::buffers_to_string(self->buffer_.data());
       self->buffer_.consume(self->buffer_.size());
       if (!self->rate_.allows(now_us())) return self->leave();
-      self->house_.events.said(self->client_, text);
+      self->state_.events.said(self->client_, text);
       self->read();
     });
   }
@@ -159,12 +159,12 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   void leave() {
     if (std::exchange(gone_, true)) return;
     cut();
-    house_.visitors.erase(client_);
-    house_.events.left(client_);
+    state_.web_sockets.erase(client_);
+    state_.events.left(client_);
   }
 
   websocket::stream<Tcp::socket> socket_;
-  WebHouse& house_;
+  HttpState& state_;
   Client client_;
   beast::flat_buffer buffer_;
   Outbox outbox_;
@@ -172,15 +172,15 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   bool gone_ = false;
 };
 
-// One HTTP request, answered and closed, or made a Visitor.
-class Guest : public std::enable_shared_from_this<Guest> {
+// One HTTP request, answered and closed, or made a WebSocketSession.
+class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  Guest(Tcp::socket socket, WebHouse& house) : stream_(std::move(socket)), house_(house) {
-    ++house_.guests;
+  HttpSession(Tcp::socket socket, HttpState& house) : stream_(std::move(socket)), state_(house) {
+    ++state_.guests;
     parser_.header_limit(kHeaderMax_bytes);
     parser_.body_limit(0);
   }
-  ~Guest() { --house_.guests; }
+  ~HttpSession() { --state_.guests; }
 
   void serve() {
     stream_.expires_after(kRequestMax);
@@ -198,25 +198,25 @@ class Guest : public std::enable_shared_from_this<Guest> {
     };
     const std::string_view target(asked.target().data(), asked.target().size());
     const Request request{header(http::field::host), header(http::field::origin), target};
-    if (!house_.rules->is_addressed_to_us(request)) return refuse(http::status::forbidden, "not this server");
+    if (!state_.rules->is_addressed_to_us(request)) return refuse(http::status::forbidden, "not this server");
     const std::string path(target.substr(0, target.find('?')));
     if (websocket::is_upgrade(asked)) return upgrade(request, path);
     if (asked.method() != http::verb::get) return refuse(http::status::method_not_allowed, "GET only");
-    if (const auto file = house_.page.find(path); file != house_.page.end()) return send(file->second);
-    if (!house_.rules->has_token(request)) return refuse(http::status::forbidden, "no token");
-    if (const auto made = house_.events.document(path)) return send(*made);
+    if (const auto file = state_.page.find(path); file != state_.page.end()) return send(file->second);
+    if (!state_.rules->has_token(request)) return refuse(http::status::forbidden, "no token");
+    if (const auto made = state_.events.document(path)) return send(*made);
     refuse(http::status::not_found, "no such page");
   }
 
   void upgrade(const Request& request, const std::string& path) {
-    if (path != "/live" || !house_.rules->is_from_our_page(request) || !house_.rules->has_token(request))
+    if (path != "/live" || !state_.rules->is_from_our_page(request) || !state_.rules->has_token(request))
       return refuse(http::status::forbidden, "not this page, or no token");
-    if (house_.visitors.size() >= kClientsMax)
+    if (state_.web_sockets.size() >= kClientsMax)
       return refuse(http::status::service_unavailable, "too many pages");
     stream_.expires_never();
-    const Client client = ++house_.last_client;
-    const auto visitor = std::make_shared<Visitor>(stream_.release_socket(), house_, client);
-    house_.visitors[client] = visitor;
+    const Client client = ++state_.last_client;
+    const auto visitor = std::make_shared<WebSocketSession>(stream_.release_socket(), state_, client);
+    state_.web_sockets[client] = visitor;
     visitor->welcome(parser_.get());
   }
 
@@ -247,7 +247,7 @@ class Guest : public std::enable_shared_from_this<Guest> {
   }
 
   beast::tcp_stream stream_;
-  WebHouse& house_;
+  HttpState& state_;
   beast::flat_buffer buffer_;
   http::request_parser<http::string_body> parser_;
   http::status status_ = http::status::ok;
@@ -255,7 +255,7 @@ class Guest : public std::enable_shared_from_this<Guest> {
   std::optional<http::response<http::span_body<const char>>> response_;
 };
 
-void WebHouse::listen(std::uint16_t wanted) {
+void HttpState::listen(std::uint16_t wanted) {
   const Tcp::endpoint here(asio::ip::make_address("127.0.0.1"), wanted);
   Error error;
   acceptor.open(here.protocol());
@@ -263,47 +263,47 @@ void WebHouse::listen(std::uint16_t wanted) {
   acceptor.bind(here, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error)
-    throw SetupError(fmt::format("cannot listen: {}", error.message()), fmt::format("127.0.0.1:{}", wanted),
+    throw ConfigError(fmt::format("cannot listen: {}", error.message()), fmt::format("127.0.0.1:{}", wanted),
                      "another --port, or 0 for any that is free");
   port = acceptor.local_endpoint().port();
-  rules = std::make_unique<GuestRules>(port, key);
+  rules = std::make_unique<OriginPolicy>(port, key);
 }
 
-void WebHouse::accept() {
+void HttpState::accept() {
   acceptor.async_accept([this](Error error, Tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && guests < kGuestsMax) std::make_shared<Guest>(std::move(socket), *this)->serve();
+    if (!error && guests < kHttpSessionsMax) std::make_shared<HttpSession>(std::move(socket), *this)->serve();
     accept();
   });
 }
 
-WebServer::WebServer(const fs::path& page, std::uint16_t port, std::string token, WebEvents events)
-    : house_(std::make_unique<WebHouse>(page, std::move(token), std::move(events))) {
-  house_->listen(port);
-  house_->accept();
-  house_->thread = std::thread([this] { house_->io.run(); });
+HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, WebEvents events)
+    : state_(std::make_unique<HttpState>(page, std::move(token), std::move(events))) {
+  state_->listen(port);
+  state_->accept();
+  state_->thread = std::thread([this] { state_->io.run(); });
 }
 
-WebServer::~WebServer() {
-  house_->io.stop();
-  house_->thread.join();
-  for (const auto& [client, visitor] : std::exchange(house_->visitors, {})) visitor->cut();
+HttpServer::~HttpServer() {
+  state_->io.stop();
+  state_->thread.join();
+  for (const auto& [client, visitor] : std::exchange(state_->web_sockets, {})) visitor->cut();
 }
 
-std::string WebServer::url() const {
-  return fmt::format("http://127.0.0.1:{}/?t={}", house_->port, house_->key);
+std::string HttpServer::url() const {
+  return fmt::format("http://127.0.0.1:{}/?t={}", state_->port, state_->key);
 }
 
-void WebServer::send(Client client, Outbox::Text text, Worth worth) {
-  asio::post(house_->io, [this, client, text = std::move(text), worth] {
-    const auto found = house_->visitors.find(client);
-    if (found != house_->visitors.end()) found->second->send(text, worth);
+void HttpServer::send(Client client, Outbox::Text text, Worth worth) {
+  asio::post(state_->io, [this, client, text = std::move(text), worth] {
+    const auto found = state_->web_sockets.find(client);
+    if (found != state_->web_sockets.end()) found->second->send(text, worth);
   });
 }
 
-void WebServer::send_to_all(Outbox::Text text, Worth worth) {
-  asio::post(house_->io, [this, text = std::move(text), worth] {
-    for (const auto& [client, visitor] : std::map(house_->visitors)) visitor->send(text, worth);
+void HttpServer::send_to_all(Outbox::Text text, Worth worth) {
+  asio::post(state_->io, [this, text = std::move(text), worth] {
+    for (const auto& [client, visitor] : std::map(state_->web_sockets)) visitor->send(text, worth);
   });
 }
 

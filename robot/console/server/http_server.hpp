@@ -1,5 +1,5 @@
 // The web server of the console: files of the page, documents made on demand, and one WebSocket a page.
-// Listens on 127.0.0.1 only and lets in whom GuestRules let in. Knows nothing of robots.
+// Listens on 127.0.0.1 only and lets in whom OriginPolicy let in. Knows nothing of robots.
 #pragma once
 
 #include <cstdint>
@@ -29,13 +29,13 @@ struct WebEvents {
   std::function<std::optional<Document>(const std::string& path)> document;
 };
 
-struct WebHouse;
+struct HttpState;
 
-class WebServer {
+class HttpServer {
  public:
-  // `page`: folder of the built page, read once. Port 0: a free one. Throws SetupError: no page, port in use.
-  WebServer(const std::filesystem::path& page, std::uint16_t port, std::string token, WebEvents events);
-  ~WebServer();
+  // `page`: folder of the built page, read once. Port 0: a free one. Throws ConfigError: no page, port in use.
+  HttpServer(const std::filesystem::path& page, std::uint16_t port, std::string token, WebEvents events);
+  ~HttpServer();
 
   std::string url() const;  // with the token: whoever has it may control
   // From any thread; to a client that is gone: nothing happens.
@@ -43,7 +43,7 @@ class WebServer {
   void send_to_all(Outbox::Text text, Worth worth);
 
  private:
-  std::unique_ptr<WebHouse> house_;
+  std::unique_ptr<HttpState> state_;
 };
 
 }  // namespace biopsy::console

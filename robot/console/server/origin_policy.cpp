@@ -23,19 +23,19 @@ bool equal(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-bool GuestRules::is_addressed_to_us(const Request& request) const {
+bool OriginPolicy::is_addressed_to_us(const Request& request) const {
   const bool host = std::any_of(kNames.begin(), kNames.end(), [&](std::string_view name) {
     return request.host == fmt::format("{}:{}", name, port_);
   });
   return host && (request.origin.empty() || is_from_our_page(request));
 }
 
-bool GuestRules::is_from_our_page(const Request& request) const {
+bool OriginPolicy::is_from_our_page(const Request& request) const {
   return request.origin == fmt::format("http://{}", request.host) &&
          request.host.ends_with(fmt::format(":{}", port_));
 }
 
-bool GuestRules::has_token(const Request& request) const {
+bool OriginPolicy::has_token(const Request& request) const {
   constexpr std::string_view kKey = "?t=";
   const std::size_t query = request.target.find(kKey);
   return query != std::string_view::npos && equal(request.target.substr(query + kKey.size()), token_);
@@ -44,7 +44,7 @@ bool GuestRules::has_token(const Request& request) const {
 std::string new_token() {
   std::array<unsigned char, 16> random{};
   if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
-    throw SetupError("no randomness", "getrandom", "check the system");
+    throw ConfigError("no randomness", "getrandom", "check the system");
   std::string token;
   for (const unsigned char byte : random) token += fmt::format("{:02x}", byte);
   return token;

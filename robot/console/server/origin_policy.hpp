@@ -13,9 +13,9 @@ struct Request {
   std::string_view host, origin, target;  // headers as sent (empty: none), path with query
 };
 
-class GuestRules {
+class OriginPolicy {
  public:
-  GuestRules(std::uint16_t port, std::string token) : port_(port), token_(std::move(token)) {}
+  OriginPolicy(std::uint16_t port, std::string token) : port_(port), token_(std::move(token)) {}
 
   // Host is ours (a page of another name that resolves to this machine is not), Origin ours or absent.
   bool is_addressed_to_us(const Request& request) const;
@@ -28,7 +28,7 @@ class GuestRules {
   std::string token_;
 };
 
-// 32 hexadecimal digits nobody can guess. Throws SetupError where the system has no randomness.
+// 32 hexadecimal digits nobody can guess. Throws ConfigError where the system has no randomness.
 std::string new_token();
 
 // Messages of one client: a short burst, then so many a second.

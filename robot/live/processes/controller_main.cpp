@@ -10,7 +10,7 @@ using namespace biopsy;
 constexpr std::chrono::milliseconds kPatience{10};  // without measurements: now and then a look around
 
 void control_stage(const std::filesystem::path& run_folder) {
-  live::LiveProcess process(run_folder, keys::Role::Controller);
+  live::LiveProcess process(run_folder, security::Role::Controller);
   live::ControllerLoop loop(process.bus(), process.config_tag());
   process.start_ticking();
   while (!process.stop_asked()) {

@@ -9,7 +9,7 @@
 #include "drivers/commissioning/signature.hpp"
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 std::string bytes_of(const std::filesystem::path& file) {
@@ -27,9 +27,9 @@ std::unique_ptr<nidaqmx::NidaqmxStage> commissioned_stage(const std::filesystem:
                                     commissioning::sha256_hex(bytes_of(config)),
                                     std::chrono::system_clock::now());
   if (!stage->has_panel())
-    throw SetupError("no keys and no emergency stop are wired", config.string(),
+    throw ConfigError("no keys and no emergency stop are wired", config.string(),
                      "wire them and add [panel]: arming takes a key on the device");
   return stage;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -9,28 +9,28 @@
 #include "robot/common/units.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
-// Throws SetupError where the board, its configuration, its commissioning record or its keys are not as they
+// Throws ConfigError where the board, its configuration, its commissioning record or its keys are not as they
 // must be.
 std::unique_ptr<nidaqmx::NidaqmxStage> commissioned_stage(const std::filesystem::path& config,
                                                           const std::filesystem::path& commissioning,
                                                           const std::filesystem::path& public_key);
 
 // A real stage for loops that run as fast as they can: each tick waits for its millisecond.
-class PacedStage final : public port::NeedleStage {
+class RealtimeNeedleStage final : public drivers::NeedleStage {
  public:
-  explicit PacedStage(port::NeedleStage& stage) : stage_(stage), clock_(kTick) {}
+  explicit RealtimeNeedleStage(drivers::NeedleStage& stage) : stage_(stage), clock_(kTick) {}
 
-  port::SensorReading read() override {
+  drivers::SensorReading read() override {
     clock_.wait();
     return stage_.read();
   }
   void write(const safety::GatedVoltage& voltage) override { stage_.write(voltage); }
 
  private:
-  port::NeedleStage& stage_;
+  drivers::NeedleStage& stage_;
   realtime::TickClock clock_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -26,12 +26,12 @@ constexpr int kPriority = 80;  // above the loops it guards: it must see them st
 int guard(const std::filesystem::path& run_folder) {
   StopSignals stop;
   const ServiceNotice notice;
-  biopsy::lines::InterlockRelay relay(run_folder, monotonic_ns());
+  biopsy::digital_io::InterlockRelay relay(run_folder, monotonic_ns());
   LatencyHistogram lateness;
   const RealtimeObtained obtained = become_realtime({.fifo_priority = kPriority});
   fmt::print("interlock: open; {}\n", to_text(obtained));
   std::fflush(stdout);
-  TickClock clock(biopsy::lines::kRelayPeriod);
+  TickClock clock(biopsy::digital_io::kRelayPeriod);
   notice.ready();
   std::int64_t told_us = 0;
   while (!stop.came()) {
@@ -56,9 +56,9 @@ int guard(const std::filesystem::path& run_folder) {
 int main(int argc, char** argv) {
   try {
     if (argc != 2)
-      throw biopsy::SetupError("wants one argument", "biopsy-interlock", "biopsy-interlock RUN_FOLDER");
+      throw biopsy::ConfigError("wants one argument", "biopsy-interlock", "biopsy-interlock RUN_FOLDER");
     return guard(argv[1]);
-  } catch (const biopsy::SetupError& error) {
+  } catch (const biopsy::ConfigError& error) {
     fmt::print(stderr, "error: {}\nwhere: {}\nto do: {}\n", error.what_is_wrong, error.where, error.remedy);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\nwhere: biopsy-interlock\nto do: report this with what led to it\n",

@@ -14,13 +14,13 @@ using namespace biopsy;
 constexpr std::chrono::milliseconds kPeriod{10};
 
 void record(const std::filesystem::path& run_folder) {
-  live::LiveProcess process(run_folder, keys::Role::Recorder);
+  live::LiveProcess process(run_folder, security::Role::Recorder);
   const live::LiveSettings& settings = process.settings();
   recorder::SigningKey key(settings.log_key);
   recorder::Recorder recorder(settings.log, std::move(key));
-  std::optional<transport::Doorkeeper> doorkeeper;
-  if (!settings.keys.empty()) doorkeeper.emplace(live::plain_settings(settings), process.bus());
-  app::LogScribe scribe(process.bus(), recorder, process.config_tag(), doorkeeper ? &*doorkeeper : nullptr);
+  std::optional<transport::ParticipantMonitor> participants;
+  if (!settings.keys.empty()) participants.emplace(live::plain_settings(settings), process.bus());
+  robot::BusRecorder scribe(process.bus(), recorder, process.config_tag(), participants ? &*participants : nullptr);
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   scribe.note(recorder::RecordKind::ProcessStart, "{}", now_us());
   process.start_ticking();

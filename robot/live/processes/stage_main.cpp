@@ -32,13 +32,13 @@ std::int32_t nanometres(double metres) {
   return static_cast<std::int32_t>(std::lround(metres * 1e9));
 }
 
-void run_simulated(live::LiveProcess& process, lines::StageLines& lines) {
+void run_simulated(live::LiveProcess& process, digital_io::StageIo& lines) {
   const live::LiveSettings& settings = process.settings();
-  const lines::LinesReader relay(settings.lines);
-  sim::SimStage simulated(
-      app::rehearsed_plant(settings.model, settings.tissues, settings.layers, settings.weight_g),
+  const digital_io::IoReader relay(settings.lines);
+  sim::SimulatedStage simulated(
+      robot::rehearsed_plant(settings.model, settings.tissues, settings.layers, settings.weight_g),
       settings.seed);
-  app::WiredSimStage stage(simulated, lines, relay);
+  robot::SimulatedNeedleStage stage(simulated, lines, relay);
   live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
   transport::Writer<StageTruth> truths(process.bus());
   run(process, loop, [&] {
@@ -52,12 +52,12 @@ void run_simulated(live::LiveProcess& process, lines::StageLines& lines) {
 }
 
 // Refuses to start without the record that this very stage was taken into service.
-void run_hardware(live::LiveProcess& process, lines::StageLines& lines) {
+void run_hardware(live::LiveProcess& process, digital_io::StageIo& lines) {
   const live::LiveSettings& settings = process.settings();
   const auto hardware =
-      app::commissioned_stage(settings.device_config, settings.commissioning, settings.commissioning_key);
-  lines::PanelLines panel(settings.lines);
-  app::WiredRealStage stage(*hardware, lines);
+      robot::commissioned_stage(settings.device_config, settings.commissioning, settings.commissioning_key);
+  digital_io::PanelIo panel(settings.lines);
+  robot::HardwareNeedleStage stage(*hardware, lines);
   live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
   run(process, loop, [&] {
     if (hardware->trouble().count > 0) loop.heartbeat().note(hardware->trouble().text.data());
@@ -71,8 +71,8 @@ void run_hardware(live::LiveProcess& process, lines::StageLines& lines) {
 }
 
 void drive_stage(const std::filesystem::path& run_folder) {
-  live::LiveProcess process(run_folder, keys::Role::Stage);
-  lines::StageLines lines(process.settings().lines);
+  live::LiveProcess process(run_folder, security::Role::Stage);
+  digital_io::StageIo lines(process.settings().lines);
   if (process.settings().device == "sim")
     run_simulated(process, lines);
   else

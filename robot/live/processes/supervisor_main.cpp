@@ -14,7 +14,7 @@ using namespace biopsy;
 
 // This side's half of the interlock: the simulated lines, which everybody here reads, and copper where there
 // is some.
-class Interlock final : public port::PulseOutput {
+class Interlock final : public drivers::PulseOutput {
  public:
   explicit Interlock(const live::LiveSettings& settings) : lines_(settings.lines) {
     if (settings.device == "nidaqmx") copper_.emplace(nidaqmx::read_config(settings.device_config));
@@ -26,16 +26,16 @@ class Interlock final : public port::PulseOutput {
   bool failed() const { return copper_ && copper_->failed(); }
 
  private:
-  lines::SupervisorLines lines_;
+  digital_io::SupervisorIo lines_;
   std::optional<nidaqmx::PulseLine> copper_;
 };
 
 void supervise(const std::filesystem::path& run_folder) {
-  live::LiveProcess process(run_folder, keys::Role::Supervisor);
+  live::LiveProcess process(run_folder, security::Role::Supervisor);
   Interlock interlock(process.settings());
-  const lines::LinesReader panel(process.settings().lines);
+  const digital_io::IoReader panel(process.settings().lines);
   live::SupervisorLoop loop(process.bus(), interlock, panel, process.config_tag(),
-                            live::rising_number(run_folder / "session"), live::self_test());
+                            live::monotonic_session_id(run_folder / "session"), live::self_test());
   process.start_ticking();
   while (!process.stop_asked()) {
     loop.turn();

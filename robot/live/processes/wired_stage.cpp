@@ -6,7 +6,7 @@
 #include "robot/common/units.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kTick_ns = std::chrono::nanoseconds(kTick).count();
@@ -14,13 +14,13 @@ constexpr std::int64_t kCatchUp_ticks = 50;  // a stage that stood longer is no 
 
 }  // namespace
 
-port::SensorReading WiredSimStage::read() {
-  port::SensorReading reading = stage_.read();
+drivers::SensorReading SimulatedNeedleStage::read() {
+  drivers::SensorReading reading = stage_.read();
   reading.time_us = realtime::monotonic_ns() / 1000;
   return reading;
 }
 
-void WiredSimStage::write(const safety::GatedVoltage& voltage) {
+void SimulatedNeedleStage::write(const safety::GatedVoltage& voltage) {
   lines_.write(voltage);
   const std::int64_t now_ns = realtime::monotonic_ns();
   const std::int64_t went_by = written_ns_ == 0 ? 1 : (now_ns - written_ns_ + kTick_ns / 2) / kTick_ns;
@@ -30,4 +30,4 @@ void WiredSimStage::write(const safety::GatedVoltage& voltage) {
   for (std::int64_t tick = 0; tick < ticks; ++tick) stage_.write(on ? voltage : safety::GatedVoltage::off());
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -8,38 +8,38 @@
 #include "drivers/needle_stage.hpp"
 #include "sim/simulated_stage.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Real time: one write() is as many milliseconds of the plant as went by since the last.
-class WiredSimStage final : public port::NeedleStage {
+class SimulatedNeedleStage final : public drivers::NeedleStage {
  public:
-  WiredSimStage(sim::SimStage& stage, lines::StageLines& lines, const lines::LinesReader& relay)
+  SimulatedNeedleStage(sim::SimulatedStage& stage, digital_io::StageIo& lines, const digital_io::IoReader& relay)
       : stage_(stage), lines_(lines), relay_(relay) {}
 
-  port::SensorReading read() override;
+  drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
 
  private:
-  sim::SimStage& stage_;
-  lines::StageLines& lines_;
-  const lines::LinesReader& relay_;
+  sim::SimulatedStage& stage_;
+  digital_io::StageIo& lines_;
+  const digital_io::IoReader& relay_;
   std::int64_t written_ns_ = 0;
 };
 
 // A real stage: its converter drives the amplifier itself, the line only shows what was written.
-class WiredRealStage final : public port::NeedleStage {
+class HardwareNeedleStage final : public drivers::NeedleStage {
  public:
-  WiredRealStage(port::NeedleStage& stage, lines::StageLines& lines) : stage_(stage), lines_(lines) {}
+  HardwareNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& lines) : stage_(stage), lines_(lines) {}
 
-  port::SensorReading read() override { return stage_.read(); }
+  drivers::SensorReading read() override { return stage_.read(); }
   void write(const safety::GatedVoltage& voltage) override {
     stage_.write(voltage);
     lines_.write(voltage);
   }
 
  private:
-  port::NeedleStage& stage_;
-  lines::StageLines& lines_;
+  drivers::NeedleStage& stage_;
+  digital_io::StageIo& lines_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

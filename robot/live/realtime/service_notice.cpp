@@ -31,7 +31,7 @@ std::optional<std::int64_t> number(const char* name) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || value <= 0)
-    throw SetupError("\"" + std::string(text) + "\" is not a number above 0", std::string("$") + name,
+    throw ConfigError("\"" + std::string(text) + "\" is not a number above 0", std::string("$") + name,
                      "unset it, or let systemd set it");
   return value;
 }
@@ -48,7 +48,7 @@ ServiceNotice::ServiceNotice() : watchdog_us_(watchdog_period()) {
   const std::string_view name = environment("NOTIFY_SOCKET");
   if (name.empty()) return;
   if ((name[0] != '/' && name[0] != '@') || name.size() < 2 || name.size() >= sizeof address_.sun_path)
-    throw SetupError("is neither a path nor an abstract name (@...) of a socket", "$NOTIFY_SOCKET",
+    throw ConfigError("is neither a path nor an abstract name (@...) of a socket", "$NOTIFY_SOCKET",
                      "unset it, or let systemd set it");
   address_.sun_family = AF_UNIX;
   std::memcpy(address_.sun_path, name.data(), name.size());
@@ -56,7 +56,7 @@ ServiceNotice::ServiceNotice() : watchdog_us_(watchdog_period()) {
   address_size_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size());
   socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket_ < 0)
-    throw SetupError("no socket: " + std::generic_category().message(errno), "$NOTIFY_SOCKET",
+    throw ConfigError("no socket: " + std::generic_category().message(errno), "$NOTIFY_SOCKET",
                      "raise the limit of open files");
 }
 

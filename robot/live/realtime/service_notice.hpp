@@ -14,7 +14,7 @@ namespace biopsy::realtime {
 // throws; each says whether the notice was handed over.
 class ServiceNotice {
  public:
-  // Reads $NOTIFY_SOCKET and $WATCHDOG_USEC. Throws SetupError if one of them is set and makes no sense.
+  // Reads $NOTIFY_SOCKET and $WATCHDOG_USEC. Throws ConfigError if one of them is set and makes no sense.
   ServiceNotice();
   ~ServiceNotice();
   ServiceNotice(const ServiceNotice&) = delete;

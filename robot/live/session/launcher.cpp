@@ -13,7 +13,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,7 +73,7 @@ void Launcher::start() {
 void Launcher::start(Process process, const std::vector<std::string>& more) {
   const fs::path program = programs_ / program_of(process);
   if (!fs::exists(program))
-    throw SetupError(fmt::format("{} is missing", program_of(process)), programs_.string(),
+    throw ConfigError(fmt::format("{} is missing", program_of(process)), programs_.string(),
                      "build or install all programs into one folder");
   // The interlock knows nothing but the lines.
   std::vector<std::string> words{program.string(),
@@ -87,7 +87,7 @@ void Launcher::start(Process process, const std::vector<std::string>& more) {
   const pid_t pid = fork();
   if (pid == 0) become(pointers.data(), output.c_str());
   if (pid < 0)
-    throw SetupError("no new process can be made", program.string(), "see `ulimit -u` and free memory");
+    throw ConfigError("no new process can be made", program.string(), "see `ulimit -u` and free memory");
   pids_[static_cast<std::size_t>(process)] = pid;
 }
 
@@ -148,4 +148,4 @@ std::optional<std::string> Launcher::ended(Process process) {
   return fmt::format("{} {}{}", program_of(process), ending(status), last_words(process));
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

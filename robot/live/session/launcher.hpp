@@ -12,7 +12,7 @@
 
 #include "robot/msg/live.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Interlock and log first, so that nothing happens unguarded or unwritten.
 inline constexpr std::array kStartOrder{Process::Interlock, Process::Recorder, Process::Supervisor,
@@ -30,7 +30,7 @@ class Launcher {
   Launcher(const Launcher&) = delete;
   Launcher& operator=(const Launcher&) = delete;
 
-  // Throws SetupError where a program is missing.
+  // Throws ConfigError where a program is missing.
   void start();
   // `more`: what the program is told beside its folder.
   void start(Process process, const std::vector<std::string>& more = {});
@@ -53,4 +53,4 @@ class Launcher {
   std::array<pid_t, kProcesses> pids_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

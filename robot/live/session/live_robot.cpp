@@ -3,7 +3,7 @@
 #include "planner/plan/seal.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kSpeakEvery_us = 20'000;          // a fifth of what hold-to-run forgives
@@ -54,12 +54,12 @@ void LiveRobot::send_plan(const Plan& plan, const std::array<std::uint64_t, 2>& 
   plan_tag_ = planner::plan_tag(plan);
 }
 
-std::optional<Beat> LiveRobot::tick(const World& world) {
+std::optional<CycleSample> LiveRobot::tick(const World& world) {
   std::unique_lock lock(mutex_);
   world_ = world;
   asked_us_ = realtime::monotonic_ns() / 1000;
   if (!came_.wait_for(lock, kSilence, [this] { return !beats_.empty(); })) return std::nullopt;
-  const Beat beat = beats_.front();
+  const CycleSample beat = beats_.front();
   beats_.pop_front();
   return beat;
 }
@@ -68,7 +68,7 @@ void LiveRobot::let_back() {
   World back;
   back.stop = StopCategory::C1Ramp;
   for (int ticks = 0; ticks < kLetBack_ticks; ++ticks) {
-    const std::optional<Beat> beat = tick(back);
+    const std::optional<CycleSample> beat = tick(back);
     if (!beat || !beat->tick.supervisor.permit.hv_enable) return;
   }
 }
@@ -92,9 +92,9 @@ void LiveRobot::listen(const std::stop_token& stop) {
 }
 
 // The tick of the last measurement, once the next one says what was then put out.
-Beat LiveRobot::beat_of(const Measurement& next) const {
-  Beat beat;
-  Tick& tick = beat.tick;
+CycleSample LiveRobot::beat_of(const Measurement& next) const {
+  CycleSample beat;
+  CycleRecord& tick = beat.tick;
   tick.measurement = measured_;
   tick.request = request_;
   tick.drive_mV = next.command_mV;
@@ -124,7 +124,7 @@ void LiveRobot::gather() {
   while (measurements_.take(next)) {
     if (measured_.seq != 0) {
       if (next.seq > measured_.seq + 1) lost_ += next.seq - measured_.seq - 1;
-      const Beat beat = beat_of(next);
+      const CycleSample beat = beat_of(next);
       const std::lock_guard lock(mutex_);
       beats_.push_back(beat);
     }
@@ -165,4 +165,4 @@ void LiveRobot::speak(std::int64_t now_us) {
   verdicts_.write(judged_);
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -17,7 +17,7 @@
 #include "robot/live/heartbeat.hpp"
 #include "robot/transport/bus.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // A thread of its own talks to the bus, so that a person who looks at an image for seconds misses no tick and
 // lets no message grow old.
@@ -33,7 +33,7 @@ class LiveRobot {
   void send_plan(const Plan& plan, const std::array<std::uint64_t, 2>& confirmed);
 
   // Does what `world` says from now on, and returns the next tick in order. Nothing: none came for a second.
-  std::optional<Beat> tick(const World& world);
+  std::optional<CycleSample> tick(const World& world);
 
   // A needle that is still driven is let back gently: before the processes are brought down.
   void let_back();
@@ -47,9 +47,9 @@ class LiveRobot {
   void listen(const std::stop_token& stop);
   void speak(std::int64_t now_us);
   void gather();
-  Beat beat_of(const Measurement& next) const;
+  CycleSample beat_of(const Measurement& next) const;
 
-  std::optional<lines::PanelLines> panel_;
+  std::optional<digital_io::PanelIo> panel_;
   transport::Reader<Measurement> measurements_;
   transport::Reader<Permit> permits_;
   transport::Reader<Decision> decisions_;
@@ -74,7 +74,7 @@ class LiveRobot {
 
   mutable std::mutex mutex_;
   std::condition_variable came_;
-  std::deque<Beat> beats_;
+  std::deque<CycleSample> beats_;
   World world_;
   std::int64_t asked_us_ = 0;  // when it was last said
   std::uint64_t plan_tag_ = 0;
@@ -84,4 +84,4 @@ class LiveRobot {
   std::jthread thread_;  // last: everything it uses is there
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

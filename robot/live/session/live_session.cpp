@@ -16,15 +16,15 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/whole_file.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kHealthy{15};  // a secured bus needs a second or two to let everybody in
 constexpr int kRehearsalDays = 365;
-constexpr std::array kStarted{keys::Role::Stage, keys::Role::Controller, keys::Role::Supervisor,
-                              keys::Role::Recorder, keys::Role::Planner};
+constexpr std::array kStarted{security::Role::Stage, security::Role::Controller, security::Role::Supervisor,
+                              security::Role::Recorder, security::Role::Planner};
 
 // In memory, one for each robot of a user.
 fs::path make_lines_folder(const LiveOptions& options) {
@@ -33,18 +33,18 @@ fs::path make_lines_folder(const LiveOptions& options) {
   fs::create_directories(folder, error);
   fs::permissions(folder, fs::perms::owner_all, error);
   if (error)
-    throw SetupError(fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
+    throw ConfigError(fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
                      "look who owns it; another --domain uses another folder");
-  lines::lay_lines(folder);
+  digital_io::create_shared_io(folder);
   return folder;
 }
 
 // A rehearsal that brings no keys gets its own, once: a later one in the same folder goes on with its log.
 fs::path keys_for(const LiveOptions& options, const fs::path& folder, bool rehearsal) {
   if (!options.keys.empty()) return options.keys;
-  if (!rehearsal) return keys::default_folder();
+  if (!rehearsal) return security::default_folder();
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  if (!fs::exists(folder / "keys")) keys::make_keys(folder / "keys", kRehearsalDays, now, false);
+  if (!fs::exists(folder / "keys")) security::make_keys(folder / "keys", kRehearsalDays, now, false);
   return folder / "keys";
 }
 
@@ -52,17 +52,17 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
                                 const HardwareOptions& hardware, const PreparedCase& prepared,
                                 const fs::path& folder) {
   if (device != "sim" && (hardware.config.empty() || hardware.commissioning.empty()))
-    throw SetupError("a real stage without --device-config or --commissioning", "command line",
+    throw ConfigError("a real stage without --device-config or --commissioning", "command line",
                      "give both; `biopsy commission` makes the record");
   if (options.without_security && device != "sim")
-    throw SetupError("--without-security with a real stage", "command line",
+    throw ConfigError("--without-security with a real stage", "command line",
                      "leave it away; `biopsy keys init` makes the keys");
   const Case& given = prepared.given;
   live::LiveSettings settings;
   settings.domain = options.domain;
   const fs::path keys = keys_for(options, folder, device == "sim");
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  keys::check_set(keys, kStarted, now);  // before anything is started: each process checks its own again
+  security::check_set(keys, kStarted, now);  // before anything is started: each process checks its own again
   if (!options.without_security) settings.keys = fs::absolute(keys);
   settings.network = options.network;
   settings.device = device;
@@ -70,10 +70,10 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
     settings.device_config = fs::absolute(hardware.config);
     settings.commissioning = fs::absolute(hardware.commissioning);
     settings.commissioning_key =
-        fs::absolute(keys::signing_files(keys, keys::Signer::Commissioning).public_key);
+        fs::absolute(security::signing_files(keys, security::Signer::Commissioning).public_key);
   }
   settings.log = fs::absolute(folder / "procedure.log.sqlite");
-  settings.log_key = fs::absolute(keys::signing_files(keys, keys::Signer::Recorder).private_key);
+  settings.log_key = fs::absolute(security::signing_files(keys, security::Signer::Recorder).private_key);
   settings.lines = make_lines_folder(options);
   settings.fifo_priority = options.fifo_priority;
   settings.model = fs::absolute(given.rehearsal.model);
@@ -90,7 +90,7 @@ live::LiveSettings write_run_folder(const LiveOptions& options, const std::strin
                                     const HardwareOptions& hardware, const PreparedCase& prepared,
                                     const fs::path& folder) {
   live::LiveSettings settings = settings_for(options, device, hardware, prepared, fs::absolute(folder));
-  report::write_whole_file(live::settings_file(folder), live::to_json(settings));
+  report::atomic_write(live::settings_file(folder), live::to_json(settings));
   return settings;
 }
 
@@ -102,7 +102,7 @@ LiveSession::LiveSession(const LiveOptions& options, const std::string& device,
       launcher_(folder_, settings_.lines) {
   config_tag_ = live::config_tag(folder_, settings_);
   if (person == Person::Here) {
-    bus_ = std::make_unique<transport::Participant>(live::bus_settings(settings_, keys::Role::Planner));
+    bus_ = std::make_unique<transport::Participant>(live::bus_settings(settings_, security::Role::Planner));
     robot_ = std::make_unique<LiveRobot>(*bus_, device == "sim" ? settings_.lines : fs::path(), config_tag_);
   }
   launcher_.start();
@@ -117,7 +117,7 @@ void LiveSession::wait_until_healthy() {
   std::string missing;
   do {
     if (const auto ended = launcher_.ended())
-      throw SetupError(*ended, (folder_ / "*.txt").string(),
+      throw ConfigError(*ended, (folder_ / "*.txt").string(),
                        "see what it printed; correct it and start again");
     missing.clear();
     const std::array<Health, kProcesses> board = robot_->health();
@@ -130,7 +130,7 @@ void LiveSession::wait_until_healthy() {
     if (missing.empty()) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   } while (std::chrono::steady_clock::now() < until);
-  throw SetupError(fmt::format("not heard on the bus:{}", missing), folder_.string(),
+  throw ConfigError(fmt::format("not heard on the bus:{}", missing), folder_.string(),
                    "see *.txt in this folder; check keys and network interface");
 }
 
@@ -148,4 +148,4 @@ std::vector<std::string> LiveSession::stop() {
   return trouble;
 }
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

@@ -14,10 +14,10 @@
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/live/live_settings.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 
 // Writes `folder`/live.json, lays the electrical lines, makes keys for a rehearsal that brings none. Throws
-// SetupError.
+// ConfigError.
 live::LiveSettings write_run_folder(const LiveOptions& options, const std::string& device,
                                     const HardwareOptions& hardware, const PreparedCase& prepared,
                                     const std::filesystem::path& folder);
@@ -27,13 +27,13 @@ enum class Person { Here, AtTheConsole };
 
 class LiveSession {
  public:
-  // Writes the run folder and starts all processes. Throws SetupError.
+  // Writes the run folder and starts all processes. Throws ConfigError.
   LiveSession(const LiveOptions& options, const std::string& device, const HardwareOptions& hardware,
               const PreparedCase& prepared, const std::filesystem::path& folder,
               Person person = Person::Here);
   ~LiveSession();
 
-  // Waits until every process is heard with the same configuration. Throws SetupError naming who is not, and
+  // Waits until every process is heard with the same configuration. Throws ConfigError naming who is not, and
   // why.
   void wait_until_healthy();
   // `shown`: what both confirmations were given for.
@@ -56,4 +56,4 @@ class LiveSession {
   std::unique_ptr<LiveRobot> robot_;
 };
 
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

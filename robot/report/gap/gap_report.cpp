@@ -7,9 +7,9 @@
 namespace biopsy::report {
 
 void save_gap(const GapFinding& finding, const std::filesystem::path& folder) {
-  write_whole_file(folder / "model.toml", finding.model_after);
-  write_whole_file(folder / "report.html", gap_html(finding));
-  write_whole_file(folder / "gap.json", gap_json(finding));  // last: who finds it finds the rest too
+  atomic_write(folder / "model.toml", finding.model_after);
+  atomic_write(folder / "report.html", gap_html(finding));
+  atomic_write(folder / "gap.json", gap_json(finding));  // last: who finds it finds the rest too
 }
 
 }  // namespace biopsy::report

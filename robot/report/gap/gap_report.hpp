@@ -1,5 +1,5 @@
 // What a comparison of model and data leaves behind, in one folder: model.toml (the new model), report.html
-// and gap.json. Makes the folder. Throws SetupError where it cannot write.
+// and gap.json. Makes the folder. Throws ConfigError where it cannot write.
 #pragma once
 
 #include <filesystem>

@@ -47,7 +47,7 @@ std::string png_bytes(const Picture& picture) {
 }
 
 void save_png(const Picture& picture, const std::filesystem::path& path) {
-  write_whole_file(path, png_bytes(picture));
+  atomic_write(path, png_bytes(picture));
 }
 
 std::string png_data_uri(const Picture& picture) {

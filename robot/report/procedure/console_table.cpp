@@ -92,7 +92,7 @@ std::string what_was_planned(const RunRecord& record) {
          "  Layers   " + layer_list(*record.plan) + "\n";
 }
 
-std::string image_words(const StageResult& stage) {
+std::string image_words(const StepResult& stage) {
   if (!stage.check) return "–";
   std::string verdict(word(stage.check->verdict));
   if (!stage.check->tip_found) return verdict;
@@ -101,15 +101,15 @@ std::string image_words(const StageResult& stage) {
 }
 
 std::string stage_lines(const RunRecord& record, const Ink& ink) {
-  std::vector<StageResult> stages = record.stages;
+  std::vector<StepResult> stages = record.stages;
   if (stages.empty() && record.plan)
-    for (const Stage& stage : record.plan->stages) stages.emplace_back().stage = stage;
+    for (const InsertionStep& stage : record.plan->stages) stages.emplace_back().stage = stage;
   if (stages.empty()) return {};
   Columns columns({Side::Right, Side::Left, Side::Right, Side::Right, Side::Right, Side::Right, Side::Right,
                    Side::Left, Side::Left});
   columns.add({"No", "Stage", "Plan mm", "mm/s", "Reached s", "Laser mm", "RMSE mm", "Image mm", "Layer"});
   for (std::size_t i = 0; i < stages.size(); ++i) {
-    const StageResult& s = stages[i];
+    const StepResult& s = stages[i];
     columns.add({std::to_string(i + 1), std::string(word(s.stage.kind)), fixed(s.stage.depth.value, 2),
                  fixed(s.stage.speed.value, 2), s.reached ? fixed(s.reached_s, 2) : "not",
                  fixed(s.depth_mm, 3), fixed(s.rmse_settled_mm, 3), image_words(s),

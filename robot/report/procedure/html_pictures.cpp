@@ -63,7 +63,7 @@ std::string plan_facts(const Plan& plan) {
          "</tbody>\n</table>\n";
 }
 
-std::string stage_picture(const RunRecord& record, const StageResult& stage, bool after,
+std::string stage_picture(const RunRecord& record, const StepResult& stage, bool after,
                           const std::string& title) {
   const Picture& slice = after ? stage.after : stage.before;
   if (slice.width == 0) return {};
@@ -74,12 +74,12 @@ std::string stage_picture(const RunRecord& record, const StageResult& stage, boo
 }
 
 std::string stage_pictures(const RunRecord& record, std::size_t index) {
-  const StageResult& stage = record.stages[index];
+  const StepResult& stage = record.stages[index];
   if (stage.before.width == 0 && stage.after.width == 0) return {};
-  std::string html = fmt::format("<h3>Stage {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
+  std::string html = fmt::format("<h3>InsertionStep {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
                                  word(stage.stage.kind), fixed(stage.stage.depth.value, 2, "mm"));
-  html += stage_picture(record, stage, false, fmt::format("Stage {}, before", index + 1));
-  html += stage_picture(record, stage, true, fmt::format("Stage {}, after, registered to before", index + 1));
+  html += stage_picture(record, stage, false, fmt::format("InsertionStep {}, before", index + 1));
+  html += stage_picture(record, stage, true, fmt::format("InsertionStep {}, after, registered to before", index + 1));
   html += "</div>\n";
   if (stage.check) html += "<p>" + escaped(stage.check->reason) + "</p>\n";
   return html;

@@ -19,8 +19,8 @@ std::string number_cell(double value, int decimals) {
   return markup::number_cell(fixed(value, decimals));
 }
 
-std::string stage_row(const StageResult& result, std::size_t number) {
-  const Stage& stage = result.stage;
+std::string stage_row(const StepResult& result, std::size_t number) {
+  const InsertionStep& stage = result.stage;
   return fmt::format("<tr><td class=\"n\">{}</td><td><strong>{}</strong><br />{}</td>", number,
                      word(stage.kind), escaped(stage.why)) +
          number_cell(stage.depth.value, 2) + number_cell(stage.speed.value, 2) +
@@ -47,7 +47,7 @@ std::string triple_cell(const double (&values)[3]) {
          fixed(values[2], 1) + "</td>";
 }
 
-std::string check_row(const StageResult& result, std::size_t number) {
+std::string check_row(const StepResult& result, std::size_t number) {
   const DepthCheck& check = *result.check;
   const double depth = check.tip_found ? check.depth.value : kUnknown;
   return fmt::format("<tr><td class=\"n\">{}</td>", number) + verdict_cell(check) + number_cell(depth, 2) +
@@ -108,9 +108,9 @@ std::string patient_section(const RunRecord& record) {
 }
 
 std::string stages_section(const RunRecord& record) {
-  std::vector<StageResult> stages = record.stages;
+  std::vector<StepResult> stages = record.stages;
   if (stages.empty() && record.plan)
-    for (const Stage& stage : record.plan->stages)
+    for (const InsertionStep& stage : record.plan->stages)
       stages.emplace_back().stage = stage;  // planned, never driven
   if (stages.empty()) return {};
   std::string rows;

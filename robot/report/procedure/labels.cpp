@@ -80,15 +80,15 @@ std::string_view word(GateVerdict verdict) {
   return "unknown";
 }
 
-std::string_view word(StageKind kind) {
+std::string_view word(StepKind kind) {
   switch (kind) {
-    case StageKind::Approach:
+    case StepKind::Approach:
       return "approach";
-    case StageKind::Cross:
+    case StepKind::Cross:
       return "cross";
-    case StageKind::Waypoint:
+    case StepKind::Waypoint:
       return "waypoint";
-    case StageKind::Target:
+    case StepKind::Target:
       return "target";
   }
   return "unknown";

@@ -11,7 +11,7 @@ std::string_view word(Outcome outcome);
 std::string_view word(Mode mode);
 std::string_view word(StopCategory stop);
 std::string_view word(GateVerdict verdict);
-std::string_view word(StageKind kind);
+std::string_view word(StepKind kind);
 std::string_view word(DepthVerdict verdict);
 
 }  // namespace biopsy::report

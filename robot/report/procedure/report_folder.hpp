@@ -1,6 +1,6 @@
 // Everything a run leaves behind, in one folder: report.html, report.json, run.csv (where something ran),
 // planning.png and, for each stage with images, stage-N-before.png and stage-N-after.png. Makes the folder.
-// Throws SetupError where it cannot write.
+// Throws ConfigError where it cannot write.
 #pragma once
 
 #include <filesystem>

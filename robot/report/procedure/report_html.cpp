@@ -84,7 +84,7 @@ std::string report_html(const RunRecord& record) {
 }
 
 void save_report_html(const RunRecord& record, const std::filesystem::path& path) {
-  write_whole_file(path, report_html(record));
+  atomic_write(path, report_html(record));
 }
 
 }  // namespace biopsy::report

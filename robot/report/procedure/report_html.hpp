@@ -1,4 +1,4 @@
-// The run as one self-contained page that a clinician reads and prints (A4): no script, nothing from a
+// The run as one self-contained page that a person reads and prints (A4): no script, nothing from a
 // network. The verdict comes first. Two runs of one record give the same bytes: the wall time and the date
 // are left out.
 #pragma once

@@ -41,7 +41,7 @@ Json check_json(const DepthCheck& check) {
   };
 }
 
-Json stage_json(const StageResult& result, std::size_t index) {
+Json stage_json(const StepResult& result, std::size_t index) {
   return {
       {"number", index + 1},
       {"kind", word(result.stage.kind)},
@@ -64,7 +64,7 @@ Json stage_json(const StageResult& result, std::size_t index) {
   };
 }
 
-Json stages_json(const std::vector<StageResult>& stages) {
+Json stages_json(const std::vector<StepResult>& stages) {
   Json list = Json::array();
   for (std::size_t i = 0; i < stages.size(); ++i) list.push_back(stage_json(stages[i], i));
   return list;
@@ -146,7 +146,7 @@ std::string report_json(const RunRecord& record) {
 }
 
 void save_report_json(const RunRecord& record, const std::filesystem::path& path) {
-  write_whole_file(path, report_json(record));
+  atomic_write(path, report_json(record));
 }
 
 }  // namespace biopsy::report

@@ -67,7 +67,7 @@ std::string run_csv(const RunRecord& record) {
 }
 
 void save_run_csv(const RunRecord& record, const std::filesystem::path& path) {
-  write_whole_file(path, run_csv(record));
+  atomic_write(path, run_csv(record));
 }
 
 }  // namespace biopsy::report

@@ -63,7 +63,7 @@ std::vector<ChartLevel> depth_levels(const RunRecord& record) {
 
 std::vector<ChartDot> image_depths(const RunRecord& record) {
   std::vector<ChartDot> dots;
-  for (const StageResult& stage : record.stages)
+  for (const StepResult& stage : record.stages)
     if (stage.check && stage.check->tip_found && std::isfinite(stage.image_s))
       dots.push_back({stage.image_s, stage.check->depth.value, 2 * stage.check->sigma.value});
   return dots;
@@ -127,7 +127,7 @@ std::vector<ChartBand> stage_bands(const RunRecord& record) {
   for (std::size_t i = 0; i < record.stages.size(); ++i) {
     const auto times = spans(record, [i](const Sample& s) { return s.stage == i && driving(s); });
     if (times.empty()) continue;
-    const Stage& stage = record.stages[i].stage;
+    const InsertionStep& stage = record.stages[i].stage;
     bands.push_back({{times.front().x_from, times.back().x_to},
                      fmt::format("{} {} to {}", i + 1, word(stage.kind), fixed(stage.depth.value, 2, "mm")),
                      std::to_string(i + 1)});

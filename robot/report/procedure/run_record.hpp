@@ -50,8 +50,8 @@ struct SliceGeometry {
 };
 
 // What became of one planned stage.
-struct StageResult {
-  Stage stage;
+struct StepResult {
+  InsertionStep stage;
   bool reached = false;
   double reached_s = kUnknown;        // when, from the start of the run
   double depth_mm = kUnknown;         // laser, mean of the settled window
@@ -94,7 +94,7 @@ struct RunRecord {
   std::optional<SliceGeometry>
       planning_geometry;        // the report then draws layers, entry, target and path over it
   std::vector<Sample> samples;  // one per tick
-  std::vector<StageResult> stages;
+  std::vector<StepResult> stages;
   std::vector<LimitUse> limits;
   std::vector<Trip> trips;
   double final_depth_mm = kUnknown;  // laser, at the end of the last stage

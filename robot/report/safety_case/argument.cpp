@@ -6,7 +6,7 @@
 
 #include "robot/report/safety_case/gaps.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 constexpr std::size_t kWidth = 44;  // characters of a line in a box
@@ -105,4 +105,4 @@ std::string argument_dot(const SafetyCase& safety_case, const std::vector<Findin
   return drawing.text();
 }
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

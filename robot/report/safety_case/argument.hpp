@@ -7,10 +7,10 @@
 
 #include "robot/report/safety_case/safety_case.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 
 // Claim -> strategy -> hazards -> requirements -> evidence. What a gap names is drawn as an alarm.
 std::string argument_dot(const SafetyCase& safety_case, const std::vector<Finding>& findings,
                          const std::vector<Gap>& gaps);
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

@@ -7,7 +7,7 @@
 #include "robot/report/plot/html_markup.hpp"
 #include "robot/common/sanitize_text.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 namespace markup = report::markup;
@@ -179,4 +179,4 @@ std::string case_html(const SafetyCase& safety_case, const std::vector<Finding>&
   return html + "</main>\n</body>\n</html>\n";
 }
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

@@ -5,7 +5,7 @@
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 using nlohmann::json;
@@ -91,4 +91,4 @@ std::string case_sentence(const SafetyCase& safety_case, const std::vector<Findi
   return fmt::format("The case holds for this build: {}, no gap.", scope);
 }
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

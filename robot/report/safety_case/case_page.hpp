@@ -6,7 +6,7 @@
 
 #include "robot/report/safety_case/safety_case.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 
 // One page; its first screen is what an assessor can read in two minutes. `argument_svg`: the drawn argument,
 // may be empty.
@@ -21,4 +21,4 @@ std::string case_json(const SafetyCase& safety_case, const std::vector<Finding>&
 std::string case_sentence(const SafetyCase& safety_case, const std::vector<Finding>& findings,
                           const std::vector<Gap>& gaps, const Build& build);
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

@@ -9,13 +9,13 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 using nlohmann::json;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& name) {
-  throw SetupError(what, name, "let `biopsy safety-case` write it anew");
+  throw ConfigError(what, name, "let `biopsy safety-case` write it anew");
 }
 
 // Runs `read` on the parsed text; whatever is missing or of another type is said with the file's name.
@@ -144,4 +144,4 @@ Finding finding_from_json(const std::string& text, const std::string& name) {
   return finding;
 }
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

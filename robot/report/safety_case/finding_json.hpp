@@ -6,15 +6,15 @@
 
 #include "robot/report/safety_case/safety_case.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 
 // Fill in `passed`, `figures`, `tables`, `tests` of a finding from the JSON text of a source. `name`: of the
 // file, for errors. A test program gives the figures "tests" and "failed", and the largest of each number
-// that its tests recorded. Throw SetupError.
+// that its tests recorded. Throw ConfigError.
 void read_proof(const std::string& text, const std::string& name, Finding& finding);
 void read_tests(const std::string& text, const std::string& name, Finding& finding);
 
 std::string to_json(const Finding& finding);
 Finding finding_from_json(const std::string& text, const std::string& name);
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 using Ids = std::set<std::string>;
@@ -131,4 +131,4 @@ std::vector<const TestResult*> tests_for(const std::vector<Finding>& findings,
   return tests;
 }
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

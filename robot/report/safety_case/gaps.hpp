@@ -5,7 +5,7 @@
 
 #include "robot/report/safety_case/safety_case.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 
 // In the case as written: an id twice, a link to nothing, a requirement that no hazard needs, a hazard
 // without requirement or test.
@@ -27,4 +27,4 @@ const Finding* finding_of(const std::vector<Finding>& findings, const std::strin
 std::vector<const TestResult*> tests_for(const std::vector<Finding>& findings,
                                          const std::string& requirement);
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

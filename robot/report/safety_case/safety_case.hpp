@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 
 // After ISO 14971. Severity of the harm, unmitigated: 1 negligible to 5 catastrophic.
 struct Hazard {
@@ -87,4 +87,4 @@ struct Build {
   double seconds = 0.0;  // to gather all evidence
 };
 
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

@@ -13,7 +13,7 @@ std::string design_html(const DesignStudy& study);
 std::string design_json(const DesignStudy& study);
 std::string design_console(const DesignStudy& study);
 
-// report.html and design.json. Throws SetupError where it cannot write.
+// report.html and design.json. Throws ConfigError where it cannot write.
 void save_design(const DesignStudy& study, const std::filesystem::path& folder);
 
 }  // namespace biopsy::report

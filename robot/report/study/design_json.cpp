@@ -44,8 +44,8 @@ std::string design_json(const DesignStudy& study) {
 }
 
 void save_design(const DesignStudy& study, const std::filesystem::path& folder) {
-  write_whole_file(folder / "report.html", design_html(study));
-  write_whole_file(folder / "design.json", design_json(study));  // last: who finds it finds the rest too
+  atomic_write(folder / "report.html", design_html(study));
+  atomic_write(folder / "design.json", design_json(study));  // last: who finds it finds the rest too
 }
 
 }  // namespace biopsy::report

@@ -7,8 +7,8 @@
 namespace biopsy::report {
 
 void save_reproduction(const Reproduction& reproduction, const std::filesystem::path& folder) {
-  write_whole_file(folder / "report.html", reproduction_html(reproduction));
-  write_whole_file(folder / "reproduce.json",
+  atomic_write(folder / "report.html", reproduction_html(reproduction));
+  atomic_write(folder / "reproduce.json",
                    reproduction_json(reproduction));  // last: who finds it finds the rest
 }
 

@@ -1,5 +1,5 @@
 // What `biopsy reproduce` leaves behind, in one folder: report.html and reproduce.json. Makes the folder.
-// Throws SetupError where it cannot write.
+// Throws ConfigError where it cannot write.
 #pragma once
 
 #include <filesystem>

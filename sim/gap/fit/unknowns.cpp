@@ -153,7 +153,7 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
     const bool is_free = std::find(free.begin(), free.end(), numbers[i].name) != free.end();
     const bool is_zero = model.baseline.*(numbers[i].member) == 0.0;
     if (is_free && is_zero)
-      throw SetupError(fmt::format("`{}` is to be fitted and is 0 in the model", numbers[i].name), "--free",
+      throw ConfigError(fmt::format("`{}` is to be fitted and is 0 in the model", numbers[i].name), "--free",
                        "give it a value of the right order of magnitude, or leave it out of --free");
     if (is_zero) continue;  // a part that is not there
     if (is_free)
@@ -165,7 +165,7 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
     if (library()[i].present(model)) add_given_effect(out, i);
   for (const std::string& name : free)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw SetupError(fmt::format("\"{}\" is no number that can be fitted", name), "--free",
+      throw ConfigError(fmt::format("\"{}\" is no number that can be fitted", name), "--free",
                        fmt::format("use {}", fmt::join(known, ", ")));
   return out;
 }

@@ -50,7 +50,7 @@ struct UncertainNumber {
 const std::vector<UncertainNumber>& uncertain_baseline(Drive drive);
 
 // The model as written up to small errors of calibration, the named numbers of the baseline free. Numbers of
-// effects that it has already are known less well and may move by some tens of per cent. Throws SetupError
+// effects that it has already are known less well and may move by some tens of per cent. Throws ConfigError
 // for a name that is none of this drive's.
 Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::string>& free);
 

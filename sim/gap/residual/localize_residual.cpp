@@ -356,7 +356,7 @@ std::vector<double> since_reversal(const EvidenceRun& run, const SmoothedMotion&
   return out;
 }
 
-std::vector<GapRegime> where(const Evidence& evidence, const std::vector<double>& before,
+std::vector<GapRegime> localize_residual(const Evidence& evidence, const std::vector<double>& before,
                              const std::vector<double>& after, Drive drive) {
   assert(before.size() == after.size());
   Tallies tallies;

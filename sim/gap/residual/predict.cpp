@@ -77,7 +77,7 @@ std::vector<double> predict(PlantModel model, const Evidence& evidence, const Ev
   for (std::size_t i = 0; i < rows; ++i) {
     const Row& row = run.rows[i];
     if (window != run.windows.end() && window->row == i) {
-      place(model, state, window->x, window->v);
+      set_state(model, state, window->x, window->v);
       ++window;
     }
     out.push_back(displacement_reading(model, state));

@@ -69,7 +69,7 @@ double finite(double square) {
   return std::isfinite(square) ? square : std::numeric_limits<double>::infinity();
 }
 
-void judge_trial(Trial& trial, Hypothesis hypothesis, const Evidence& evidence) {
+void judge_trial(CandidateFit& trial, Hypothesis hypothesis, const Evidence& evidence) {
   trial.judged = judge(std::move(hypothesis), evidence);
   trial.judged.square = finite(trial.judged.square);
   trial.fitted = true;
@@ -97,7 +97,7 @@ void try_start(Attempt& attempt, const Hypothesis& current, const Candidate& can
 }
 
 // Each of the first `count` candidates by the start that got farthest.
-void fit_quickly(std::vector<Trial>& trials, const std::vector<Score>& scores, std::size_t count,
+void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scores, std::size_t count,
                  const Hypothesis& current, const Evidence& evidence) {
   std::vector<Attempt> attempts;
   for (std::size_t i = 0; i < count; ++i)
@@ -110,45 +110,45 @@ void fit_quickly(std::vector<Trial>& trials, const std::vector<Score>& scores, s
   std::stable_sort(attempts.begin(), attempts.end(),
                    [](const Attempt& a, const Attempt& b) { return a.square < b.square; });
   for (Attempt& attempt : attempts)
-    if (Trial& trial = trials[attempt.trial]; !trial.fitted)
+    if (CandidateFit& trial = fits[attempt.trial]; !trial.fitted)
       judge_trial(trial, std::move(attempt.reached), evidence);
 }
 
-double log_evidence(const Judged& judged, double looks, const Evidence& evidence) {
+double log_evidence(const ScoredModel& judged, double effective_sample_size, const Evidence& evidence) {
   const double tolerated = kTolerance * evidence.noise;
   const bool waves = judged.hypothesis.model.effects.periodic_disturbance.has_value();
   double free = waves ? static_cast<double>(evidence.runs.size()) : 0.0;  // each run has its phase
   for (const Unknown& u : judged.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
   if (!std::isfinite(judged.square)) return -std::numeric_limits<double>::infinity();
-  return -0.5 * looks * std::log(judged.square + tolerated * tolerated) -
-         0.5 * judged.hypothesis.prior_cost() - free * (0.5 * std::log(looks) + kPlainness);
+  return -0.5 * effective_sample_size * std::log(judged.square + tolerated * tolerated) -
+         0.5 * judged.hypothesis.prior_cost() - free * (0.5 * std::log(effective_sample_size) + kPlainness);
 }
 
-auto by_square = [](const Trial& a, const Trial& b) { return a.judged.square < b.judged.square; };
+auto by_square = [](const CandidateFit& a, const CandidateFit& b) { return a.judged.square < b.judged.square; };
 
 // The best to convergence, and those beside it that could still beat it.
-void fit_best_well(std::vector<Trial>& trials, std::size_t promising, const Evidence& fine) {
+void fit_best_well(std::vector<CandidateFit>& fits, std::size_t promising, const Evidence& fine) {
   std::size_t count = std::min(kFullFits, promising);
-  while (count > 1 && trials[count - 1].judged.square > kHopeless * trials[0].judged.square) --count;
+  while (count > 1 && fits[count - 1].judged.square > kHopeless * fits[0].judged.square) --count;
   in_parallel(count, [&](std::size_t i) {
-    Hypothesis better = trials[i].judged.hypothesis;
+    Hypothesis better = fits[i].judged.hypothesis;
     fit(better, fine, kFullIterations);
-    judge_trial(trials[i], std::move(better), fine);
+    judge_trial(fits[i], std::move(better), fine);
   });
   // What was only searched on coarse rows is judged on the same rows as the rest.
   in_parallel(promising - count, [&](std::size_t i) {
-    judge_trial(trials[count + i], trials[count + i].judged.hypothesis, fine);
+    judge_trial(fits[count + i], fits[count + i].judged.hypothesis, fine);
   });
 }
 
 void share_probability(Round& round) {
   double top = round.nothing;
-  for (const Trial& t : round.trials)
+  for (const CandidateFit& t : round.fits)
     if (t.fitted) top = std::max(top, t.log_evidence);
   double sum = std::exp(round.nothing - top);
-  for (const Trial& t : round.trials)
+  for (const CandidateFit& t : round.fits)
     if (t.fitted) sum += std::exp(t.log_evidence - top);
-  for (Trial& t : round.trials)
+  for (CandidateFit& t : round.fits)
     if (t.fitted) t.probability = std::exp(t.log_evidence - top) / sum;
 }
 
@@ -157,7 +157,7 @@ bool are_kin(const Candidate& a, const Candidate& b) {
   return is_dry_friction(a) && is_dry_friction(b);
 }
 
-bool predict_the_same(const Judged& a, const Judged& b, double explained) {
+bool predict_the_same(const ScoredModel& a, const ScoredModel& b, double explained) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.residual.size(); ++i) sum += std::pow(a.residual[i] - b.residual[i], 2);
   return sum < kTwin * kTwin * explained * static_cast<double>(a.residual.size());
@@ -165,15 +165,15 @@ bool predict_the_same(const Judged& a, const Judged& b, double explained) {
 
 // Kin of the winner, and what predicts the same as the winner or its kin: shaft friction that begins far
 // above the needle, say, is Coulomb's under another name.
-void mark_twins(Round& round, const Judged& now) {
-  const Candidate& winner = round.trials.front().candidate;
-  for (const Trial& one : round.trials) {
+void mark_indistinguishable(Round& round, const ScoredModel& now) {
+  const Candidate& winner = round.fits.front().candidate;
+  for (const CandidateFit& one : round.fits) {
     const bool family = one.candidate == winner || are_kin(one.candidate, winner);
     if (!family || !one.fitted || !std::isfinite(one.judged.square)) continue;
     const double explained = std::max(0.0, now.square - one.judged.square);
-    for (Trial& t : round.trials)
+    for (CandidateFit& t : round.fits)
       if (t.fitted && std::isfinite(t.judged.square) && !(t.candidate == winner))
-        t.twin = t.twin || t.candidate == one.candidate || predict_the_same(t.judged, one.judged, explained);
+        t.indistinguishable = t.indistinguishable || t.candidate == one.candidate || predict_the_same(t.judged, one.judged, explained);
   }
 }
 
@@ -191,21 +191,21 @@ bool is_dry_friction(const Candidate& candidate) {
   return name == CoulombFriction::info.name || name == StribeckFriction::info.name;
 }
 
-Judged judge(Hypothesis hypothesis, const Evidence& evidence) {
-  Judged out{std::move(hypothesis), {}, 0.0};
+ScoredModel judge(Hypothesis hypothesis, const Evidence& evidence) {
+  ScoredModel out{std::move(hypothesis), {}, 0.0};
   out.residual = residual(out.hypothesis.model, evidence, Part::HeldOut);
   out.square = mean_square(out.residual);
   return out;
 }
 
-double held_out_looks(const Evidence& evidence) {
+double held_out_effective_sample_size(const Evidence& evidence) {
   double windows = 0.0;
   for (const EvidenceRun& run : evidence.runs)
     if (run.training_rows < run.rows.size()) windows += static_cast<double>(run.windows.size());
   return windows > 0.0 ? windows : independent_looks(evidence.held_out_seconds);
 }
 
-Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
+Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
                  const Progress& progress) {
   const std::vector<Candidate> open = open_candidates(now.hypothesis);
   progress(fmt::format("{}: score test of {} candidates", name.title, open.size()));
@@ -217,23 +217,23 @@ Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine
     ++promising;
   Round round;
   for (const Score& score : scores)
-    round.trials.push_back(
+    round.fits.push_back(
         {.candidate = score.candidate, .round = name.number, .share = score.share(), .judged = {}});
   progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, now.drive())));
-  fit_quickly(round.trials, scores, promising, now.hypothesis, coarse);
-  const auto end = round.trials.begin() + static_cast<std::ptrdiff_t>(promising);
-  std::stable_sort(round.trials.begin(), end, by_square);
-  fit_best_well(round.trials, promising, fine);
-  std::stable_sort(round.trials.begin(), end, by_square);
+  fit_quickly(round.fits, scores, promising, now.hypothesis, coarse);
+  const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
+  std::stable_sort(round.fits.begin(), end, by_square);
+  fit_best_well(round.fits, promising, fine);
+  std::stable_sort(round.fits.begin(), end, by_square);
   if (promising == 0) return round;
-  const double looks = held_out_looks(fine);
-  round.nothing = log_evidence(now, looks, fine);
-  for (Trial& t : round.trials)
-    if (t.fitted) t.log_evidence = log_evidence(t.judged, looks, fine);
-  std::stable_sort(round.trials.begin(), end,
-                   [](const Trial& a, const Trial& b) { return a.log_evidence > b.log_evidence; });
+  const double effective_sample_size = held_out_effective_sample_size(fine);
+  round.nothing = log_evidence(now, effective_sample_size, fine);
+  for (CandidateFit& t : round.fits)
+    if (t.fitted) t.log_evidence = log_evidence(t.judged, effective_sample_size, fine);
+  std::stable_sort(round.fits.begin(), end,
+                   [](const CandidateFit& a, const CandidateFit& b) { return a.log_evidence > b.log_evidence; });
   share_probability(round);
-  mark_twins(round, now);
+  mark_indistinguishable(round, now);
   return round;
 }
 

@@ -7,7 +7,7 @@
 namespace biopsy::sim::gap {
 
 struct Round {
-  std::vector<Trial> trials;  // the best first
+  std::vector<CandidateFit> fits;  // the best first
   double nothing = 0.0;       // log evidence of the hypothesis as it stood
 };
 
@@ -16,13 +16,13 @@ struct RoundName {
   std::string title;
 };
 
-Round hold_round(const Judged& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
+Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
                  const Progress& progress);
 
 // Friction between plate A and its guide, in either of its forms: one contains the other.
 bool is_dry_friction(const Candidate& candidate);
 
 // How many stretches of the held-out runs err on their own: the windows, where each starts anew.
-double held_out_looks(const Evidence& evidence);
+double held_out_effective_sample_size(const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

@@ -139,10 +139,10 @@ double estimated_noise(const std::vector<RecordedRun>& runs) {
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window, Grain grain) {
   Evidence evidence;
   if (dataset.runs.empty())
-    throw SetupError("the data set has no run", dataset.title, "add at least one [[run]] with a file");
+    throw ConfigError("the data set has no run", dataset.title, "add at least one [[run]] with a file");
   for (const RecordedRun& run : dataset.runs)
     if (run.time.size() < kFewestRows)
-      throw SetupError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
+      throw ConfigError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
                        run.file, fmt::format("record at least {} rows", kFewestRows));
   evidence.step_share = grain == Grain::Coarse ? kCoarse : kFine;
   evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;

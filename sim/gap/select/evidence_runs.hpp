@@ -43,7 +43,7 @@ struct Evidence {
 };
 
 // Every third run is held out, the second first; of a single run its last third. `window` [s] splits the runs
-// into pieces that start from the measured motion. Throws SetupError where a run is too short to be of use.
+// into pieces that start from the measured motion. Throws ConfigError where a run is too short to be of use.
 // Coarse rows are for searching, fine ones for judging.
 enum class Grain : std::uint8_t { Coarse, Fine };
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window, Grain grain);

@@ -69,18 +69,18 @@ GapEstimate common_phase(const PlantModel& model, const Evidence& evidence) {
   return {"phase_deg", std::round(std::arg(sum) * kDegrees), scatter * kDegrees};
 }
 
-FoundEffect describe(const Entrant& entrant, const Hypothesis& best) {
-  const LibraryEffect& effect = library()[static_cast<std::size_t>(entrant.candidate.effect)];
+FoundEffect describe(const SelectedTerm& term, const Hypothesis& best) {
+  const LibraryEffect& effect = library()[static_cast<std::size_t>(term.candidate.effect)];
   FoundEffect out;
   out.name = effect.info.name;
   out.sentence = effect.info.sentence;
-  out.share_explained = entrant.reduction;
+  out.share_explained = term.reduction;
   for (const Unknown& u : best.unknowns)
-    if (u.effect == entrant.candidate.effect)
+    if (u.effect == term.candidate.effect)
       out.parameters.push_back(
           {std::string(effect.parameters[u.parameter].name), u.value() / si_per_unit(u), value_std(u)});
-  for (const Trial& t : entrant.contest) {
-    if (t.candidate == entrant.candidate)
+  for (const CandidateFit& t : term.contest) {
+    if (t.candidate == term.candidate)
       out.probability = t.probability;
     else if (t.fitted && t.probability >= kWorthNaming)
       out.confused_with.push_back({t.candidate.name(best.model.baseline.drive), t.probability});
@@ -114,7 +114,7 @@ void tell_changes(FoundGap& found, const PlantModel& given, const Hypothesis& be
 
 std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive) {
   std::vector<GapCandidate> out;
-  for (const Trial& t : selection.trials) {
+  for (const CandidateFit& t : selection.fits) {
     GapCandidate c;
     c.name = t.candidate.name(drive);
     c.kind = t.candidate.effect == kBaseline ? CandidateKind::Parameter : CandidateKind::Effect;
@@ -131,11 +131,11 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
 
 // The winner and the next best that were fitted, for the experiment that would tell them apart.
 NextExperiment experiment_between(const Selection& selection, const Evidence& evidence) {
-  if (selection.entrants.empty()) return {};
-  const Entrant& first = selection.entrants.front();
+  if (selection.selected.empty()) return {};
+  const SelectedTerm& first = selection.selected.front();
   std::vector<PlantModel> models;
   std::vector<std::string> names;
-  for (const Trial& t : first.contest) {
+  for (const CandidateFit& t : first.contest) {
     if (!t.fitted || !std::isfinite(t.judged.square) || models.size() == 2) continue;
     if (!models.empty() && t.candidate.effect == kBaseline) continue;
     models.push_back(t.judged.hypothesis.model);
@@ -164,7 +164,7 @@ void name_runs(GapFinding& f, const Evidence& evidence) {
 
 }  // namespace
 
-FoundGap conclude(const PlantModel& given, const Judged& before, const Selection& selection,
+FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
                   const Evidence& evidence) {
   FoundGap found;
   GapFinding& f = found.finding;
@@ -186,8 +186,8 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   f.gap_closed = adopted ? gap_closed(before.square, selection.best.square, evidence.noise) : 0.0;
   f.candidates = candidates_of(selection, drive);
   if (f.verdict == GapVerdict::Effect)
-    for (const Entrant& entrant : selection.entrants)
-      if (entrant.is_effect()) f.effects.push_back(describe(entrant, best));
+    for (const SelectedTerm& term : selection.selected)
+      if (term.is_effect()) f.effects.push_back(describe(term, best));
   for (FoundEffect& effect : f.effects)
     if (phase && effect.name == PeriodicDisturbance::info.name) effect.parameters.push_back(*phase);
   if (adopted) tell_changes(found, given, best);
@@ -195,7 +195,7 @@ FoundGap conclude(const PlantModel& given, const Judged& before, const Selection
   name_runs(f, evidence);
   const std::vector<double> was = residual(before.hypothesis.model, evidence, Part::All);
   const std::vector<double> is = adopted ? residual(found.model, evidence, Part::All) : was;
-  f.where = where(evidence, was, is, drive);
+  f.where = localize_residual(evidence, was, is, drive);
   const MainRegimes regimes = main_regime(evidence, was, drive);
   f.regime_names = regimes.names;
   f.traces = traces(evidence, was, is, regimes, drive);

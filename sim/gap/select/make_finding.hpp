@@ -7,7 +7,7 @@
 namespace biopsy::sim::gap {
 
 // `before`: the model as given, with only the numbers fitted that were said to be unknown.
-FoundGap conclude(const PlantModel& given, const Judged& before, const Selection& selection,
+FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
                   const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

@@ -24,27 +24,27 @@ constexpr double kFarBehind = 9.0;        // mean square: a third of the winner'
 constexpr int kRefitIterations = 15;
 
 // `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
-bool convinces(const Round& round, const Judged& now, bool much_left, const Evidence& evidence) {
-  if (round.trials.empty() || !round.trials.front().fitted) return false;
-  const Trial& first = round.trials.front();
+bool convinces(const Round& round, const ScoredModel& now, bool much_left, const Evidence& evidence) {
+  if (round.fits.empty() || !round.fits.front().fitted) return false;
+  const CandidateFit& first = round.fits.front();
   const double needed = much_left ? kWorthTrying : kWorthKeeping;
   return first.log_evidence > round.nothing + kNeededEvidence &&
          excess(first.judged.square, evidence) < (1.0 - needed) * excess(now.square, evidence);
 }
 
-double reduction(const Judged& from, const Judged& to, const Evidence& evidence) {
+double reduction(const ScoredModel& from, const ScoredModel& to, const Evidence& evidence) {
   const double left = excess(from.square, evidence);
   return left > 0.0 ? 1.0 - excess(to.square, evidence) / left : 0.0;
 }
 
 // Nothing left that could be told from the noise, or too little to be asked for a second name.
-bool is_closed(const Judged& now, bool named, const Evidence& evidence) {
+bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
   if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
   return is_only_noise(now.square, evidence);
 }
 
 // The hypothesis without one of its effects, the rest fitted anew.
-Judged without(const Judged& best, const Candidate& candidate, const Evidence& fine) {
+ScoredModel without(const ScoredModel& best, const Candidate& candidate, const Evidence& fine) {
   Hypothesis reduced = best.hypothesis;
   std::erase_if(reduced.unknowns, [&](const Unknown& u) { return u.effect == candidate.effect; });
   library()[static_cast<std::size_t>(candidate.effect)].remove(reduced.model);
@@ -53,10 +53,10 @@ Judged without(const Judged& best, const Candidate& candidate, const Evidence& f
 }
 
 // Nothing came near it when it entered: what entered later did not decide that.
-bool stood_alone(const Entrant& entrant) {
+bool has_clear_margin(const SelectedTerm& term) {
   double own = 0.0, next = std::numeric_limits<double>::infinity();
-  for (const Trial& t : entrant.contest) {
-    if (t.candidate == entrant.candidate)
+  for (const CandidateFit& t : term.contest) {
+    if (t.candidate == term.candidate)
       own = t.judged.square;
     else if (t.fitted)
       next = std::min(next, t.judged.square);
@@ -67,19 +67,19 @@ bool stood_alone(const Entrant& entrant) {
 // Each effect but the last to enter was chosen when the others were not there yet: it must win its place
 // again, unless it had it without a rival.
 void contest_places(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
-  for (std::size_t i = 0; i + 1 < out.entrants.size(); ++i) {
-    Entrant& entrant = out.entrants[i];
-    if (!entrant.is_effect() || stood_alone(entrant)) continue;
-    const std::string name = entrant.candidate.name(out.best.drive());
-    Round again = hold_round(
-        without(out.best, entrant.candidate, fine), coarse, fine,
+  for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
+    SelectedTerm& term = out.selected[i];
+    if (!term.is_effect() || has_clear_margin(term)) continue;
+    const std::string name = term.candidate.name(out.best.drive());
+    Round again = selection_step(
+        without(out.best, term.candidate, fine), coarse, fine,
         {.number = static_cast<int>(i) + 1, .title = fmt::format("again for {}'s place", name)}, progress);
-    if (again.trials.empty() || !again.trials.front().fitted) continue;
-    if (again.trials.front().judged.square < kAsGood * out.best.square) {
-      out.best = again.trials.front().judged;
-      entrant.candidate = again.trials.front().candidate;
+    if (again.fits.empty() || !again.fits.front().fitted) continue;
+    if (again.fits.front().judged.square < kAsGood * out.best.square) {
+      out.best = again.fits.front().judged;
+      term.candidate = again.fits.front().candidate;
     }
-    entrant.contest = std::move(again.trials);
+    term.contest = std::move(again.fits);
   }
 }
 
@@ -95,32 +95,32 @@ bool is_only_noise(double square, const Evidence& evidence) {
 
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
                  std::size_t most_effects) {
-  Selection out{.start = judge(std::move(start), fine), .best = {}, .trials = {}, .entrants = {}};
-  std::vector<Judged> stands{out.start};
+  Selection out{.start = judge(std::move(start), fine), .best = {}, .fits = {}, .selected = {}};
+  std::vector<ScoredModel> stands{out.start};
   std::size_t effects = 0;
-  while (out.entrants.size() < kMostRounds && effects < most_effects &&
+  while (out.selected.size() < kMostRounds && effects < most_effects &&
          !is_closed(stands.back(), effects > 0, fine)) {
-    const int number = static_cast<int>(out.entrants.size()) + 1;
+    const int number = static_cast<int>(out.selected.size()) + 1;
     Round round =
-        hold_round(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
+        selection_step(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
     const bool much_left = excess(stands.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
     const bool found = convinces(round, stands.back(), much_left, fine);
     if (found) {
-      round.trials.front().chosen = true;
-      out.entrants.push_back({round.trials.front().candidate,
-                              reduction(stands.back(), round.trials.front().judged, fine), round.trials});
-      stands.push_back(round.trials.front().judged);
-      if (out.entrants.back().is_effect()) ++effects;
+      round.fits.front().chosen = true;
+      out.selected.push_back({round.fits.front().candidate,
+                              reduction(stands.back(), round.fits.front().judged, fine), round.fits});
+      stands.push_back(round.fits.front().judged);
+      if (out.selected.back().is_effect()) ++effects;
     }
-    out.trials.insert(out.trials.end(), round.trials.begin(), round.trials.end());
+    out.fits.insert(out.fits.end(), round.fits.begin(), round.fits.end());
     if (!found) break;
   }
-  while (!out.entrants.empty() && out.entrants.back().reduction < kWorthKeeping) {
-    out.entrants.pop_back();
+  while (!out.selected.empty() && out.selected.back().reduction < kWorthKeeping) {
+    out.selected.pop_back();
     stands.pop_back();
   }
-  for (Trial& trial : out.trials)
-    if (static_cast<std::size_t>(trial.round) > out.entrants.size()) trial.chosen = false;
+  for (CandidateFit& trial : out.fits)
+    if (static_cast<std::size_t>(trial.round) > out.selected.size()) trial.chosen = false;
   out.best = stands.back();
   contest_places(out, coarse, fine, progress);
   return out;

@@ -1,8 +1,8 @@
 // Forward selection: which candidate explains the gap, and is it anything at all? Held-out runs decide.
 //
-// Evidence of a hypothesis = -looks/2 ln(held-out mean square) - prior cost/2 - free numbers (ln(looks)/2 +
+// Evidence of a hypothesis = -effective_sample_size/2 ln(held-out mean square) - prior cost/2 - free numbers (ln(effective_sample_size)/2 +
 // 1): the Bayesian information criterion with an effective sample size. Residuals of a wrong model are
-// correlated, and counting each reading would take every candidate that comes along; `looks` counts stretches
+// correlated, and counting each reading would take every candidate that comes along; `effective_sample_size` counts stretches
 // that err on their own (independent_looks). A tenth of the noise is tolerated, so that a difference between
 // integrators is nobody's effect.
 #pragma once
@@ -16,7 +16,7 @@
 namespace biopsy::sim::gap {
 
 // A hypothesis, fitted on the training runs and judged on the others.
-struct Judged {
+struct ScoredModel {
   Hypothesis hypothesis;
   std::vector<double> residual;  // m, held-out rows
   double square = 0.0;           // m^2, its mean square
@@ -25,37 +25,37 @@ struct Judged {
 };
 
 // One candidate, tried: with its fit where the score test let it through.
-struct Trial {
+struct CandidateFit {
   Candidate candidate;
   int round = 1;
   double share = 0.0;  // of the training gap, by the score test
   bool fitted = false;
-  Judged judged;
+  ScoredModel judged;
   double log_evidence = 0.0;
   double probability = 0.0;  // in its round, among all candidates and "nothing"
   bool chosen = false;
-  bool twin = false;  // predicts what the winner, or a special case of it, predicts
+  bool indistinguishable = false;  // predicts what the winner, or a special case of it, predicts
 };
 
 // What entered, and the last contest for its place: all candidates in the company of the others that entered.
-struct Entrant {
+struct SelectedTerm {
   Candidate candidate;
   double reduction = 0.0;  // of the excess square that was left
-  std::vector<Trial> contest;
+  std::vector<CandidateFit> contest;
 
   bool is_effect() const { return candidate.effect != kBaseline; }
 };
 
 struct Selection {
-  Judged start;  // the model with calibration errors only
-  Judged best;
-  std::vector<Trial> trials;  // of all rounds
-  std::vector<Entrant> entrants;
+  ScoredModel start;  // the model with calibration errors only
+  ScoredModel best;
+  std::vector<CandidateFit> fits;  // of all rounds
+  std::vector<SelectedTerm> selected;
 };
 
 using Progress = std::function<void(const std::string& doing)>;
 
-Judged judge(Hypothesis hypothesis, const Evidence& evidence);
+ScoredModel judge(Hypothesis hypothesis, const Evidence& evidence);
 
 // What is above the noise of a mean square; m^2, at least 0.
 double excess(double square, const Evidence& evidence);

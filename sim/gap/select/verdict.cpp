@@ -44,26 +44,26 @@ bool well_explained(double before, double after, const Evidence& evidence) {
 }
 
 double lead(const Selection& selection) {
-  const auto first = std::find_if(selection.entrants.begin(), selection.entrants.end(),
-                                  [](const Entrant& entrant) { return entrant.is_effect(); });
+  const auto first = std::find_if(selection.selected.begin(), selection.selected.end(),
+                                  [](const SelectedTerm& term) { return term.is_effect(); });
   double next = std::numeric_limits<double>::infinity();
-  if (first == selection.entrants.end()) return next;
+  if (first == selection.selected.end()) return next;
   double own = selection.best.square;
-  for (const Trial& t : first->contest) {
+  for (const CandidateFit& t : first->contest) {
     if (t.candidate == first->candidate)
       own = t.judged.square;
-    else if (t.fitted && !t.twin)
+    else if (t.fitted && !t.indistinguishable)
       next = std::min(next, t.judged.square);
   }
   return next / own;
 }
 
-GapVerdict verdict(const Judged& before, const Selection& selection, const Evidence& evidence) {
-  if (selection.entrants.empty() && is_hardly_a_gap(before.square, selection.best.square, evidence))
+GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence) {
+  if (selection.selected.empty() && is_hardly_a_gap(before.square, selection.best.square, evidence))
     return GapVerdict::NoGap;
   const bool closed = well_explained(before.square, selection.best.square, evidence);
-  if (std::none_of(selection.entrants.begin(), selection.entrants.end(),
-                   [](const Entrant& entrant) { return entrant.is_effect(); }))
+  if (std::none_of(selection.selected.begin(), selection.selected.end(),
+                   [](const SelectedTerm& term) { return term.is_effect(); }))
     return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
                           lead(selection) >= kFarAhead && !bends_calibration(selection.best.hypothesis);

@@ -7,7 +7,7 @@
 namespace biopsy::sim::gap {
 
 // `before`: the model as given, with only the numbers fitted that were said to be unknown.
-GapVerdict verdict(const Judged& before, const Selection& selection, const Evidence& evidence);
+GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence);
 
 // Share of the held-out RMSE above the noise that is gone.
 double gap_closed(double square_before, double square_after, double noise);

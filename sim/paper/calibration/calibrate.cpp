@@ -13,41 +13,41 @@
 namespace biopsy::sim::calibration {
 namespace {
 
-constexpr double kStride = 0.05;  // of a knob's doubt, for differences: above the figures' graininess
+constexpr double kStride = 0.05;  // of a parameter's doubt, for differences: above the figures' graininess
 constexpr std::uint64_t kOtherDraws = 1000;  // seeds of the second search are others than those of the first
 constexpr double kOnlyPrior = 0.9;           // of the std that was known beforehand, which is 1
 
 using Vector = Eigen::VectorXd;
 using Residuals = std::function<Vector(const Question&, const Vector&, bool)>;
 
-Vector tamed_residuals(const Question& question, const Vector& z, bool parallel) {
-  return residuals(question, z, parallel, Pull::Tamed);
+Vector robust_residuals(const Question& question, const Vector& z, bool parallel) {
+  return residuals(question, z, parallel, Pull::Robust);
 }
 
-// Held within their ranges, so that a knob's z says what its value is.
-Vector within(const std::vector<Knob>& knobs, Vector z) {
-  for (std::size_t i = 0; i < knobs.size(); ++i) {
+// Held within their ranges, so that a parameter's z says what its value is.
+Vector within(const std::vector<Parameter>& parameters, Vector z) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
     double& here = z[static_cast<Eigen::Index>(i)];
-    here = to_search(knobs[i], from_search(knobs[i], here));
+    here = to_search(parameters[i], from_search(parameters[i], here));
   }
   return z;
 }
 
-// Central differences, all points in parallel; at the edge of a knob's range one-sided.
+// Central differences, all points in parallel; at the edge of a parameter's range one-sided.
 Eigen::MatrixXd jacobian(const Question& question, const Vector& z, const Residuals& f) {
   std::vector<Vector> ahead(z.size()), behind(z.size());
   Vector apart = Vector::Zero(z.size());
-  const Vector here = within(question.knobs, z);  // Ceres knows no edges
-  const auto moved = [&](Eigen::Index knob, double by) {
+  const Vector here = within(question.parameters, z);  // Ceres knows no edges
+  const auto moved = [&](Eigen::Index parameter, double by) {
     Vector point = here;
-    point[knob] += by;
-    point[knob] = within(question.knobs, point)[knob];
+    point[parameter] += by;
+    point[parameter] = within(question.parameters, point)[parameter];
     return point;
   };
   for (Eigen::Index i = 0; i < z.size(); ++i) apart[i] = moved(i, kStride)[i] - moved(i, -kStride)[i];
   in_parallel(2 * static_cast<std::size_t>(z.size()), [&](std::size_t i) {
-    const auto knob = static_cast<Eigen::Index>(i / 2);
-    (i % 2 == 0 ? ahead : behind)[i / 2] = f(question, moved(knob, i % 2 == 0 ? kStride : -kStride), false);
+    const auto parameter = static_cast<Eigen::Index>(i / 2);
+    (i % 2 == 0 ? ahead : behind)[i / 2] = f(question, moved(parameter, i % 2 == 0 ? kStride : -kStride), false);
   });
   Eigen::MatrixXd out(ahead.front().size(), z.size());
   for (Eigen::Index i = 0; i < z.size(); ++i) out.col(i) = (ahead[i] - behind[i]) / apart[i];
@@ -58,16 +58,16 @@ class RowsForCeres : public ceres::CostFunction {
  public:
   RowsForCeres(const Question& question, int rows) : question_(question) {
     set_num_residuals(rows);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(question.knobs.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(question.parameters.size()));
   }
 
   bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
     const Vector z =
-        Eigen::Map<const Vector>(parameters[0], static_cast<Eigen::Index>(question_.knobs.size()));
+        Eigen::Map<const Vector>(parameters[0], static_cast<Eigen::Index>(question_.parameters.size()));
     Eigen::Map<Vector>(out, num_residuals()) = residuals(question_, z, true);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor>(jacobians[0], num_residuals(), z.size()) = jacobian(question_, z, tamed_residuals);
+    Eigen::Map<RowMajor>(jacobians[0], num_residuals(), z.size()) = jacobian(question_, z, robust_residuals);
     return true;
   }
 
@@ -90,7 +90,7 @@ Vector last_steps(const Question& question, Vector z, int steps) {
   return z;
 }
 
-// How well the knobs are known, in units of their doubts: a number of the paper is good to its band, and what
+// How well the parameters are known, in units of their doubts: a number of the paper is good to its band, and what
 // was known beforehand counts in full.
 Eigen::MatrixXd covariance(const Question& question, const Vector& z) {
   const Eigen::MatrixXd J =
@@ -99,18 +99,18 @@ Eigen::MatrixXd covariance(const Question& question, const Vector& z) {
   return information.inverse();
 }
 
-KnobFound found(const Knob& knob, double z, double std) {
-  KnobFound out{knob, from_search(knob, z)};
+CalibratedParameter found(const Parameter& parameter, double z, double std) {
+  CalibratedParameter out{parameter, from_search(parameter, z)};
   out.only_prior = std >= kOnlyPrior;
-  out.std = knob.doubt * std * (knob.share ? 1.0 : out.value);
-  out.at_bound = out.value <= knob.low || out.value >= knob.high;
+  out.std = parameter.doubt * std * (parameter.share ? 1.0 : out.value);
+  out.at_bound = out.value <= parameter.low || out.value >= parameter.high;
   return out;
 }
 
-Vector first_guess(const std::vector<Knob>& knobs) {
-  Vector z(static_cast<Eigen::Index>(knobs.size()));
-  for (std::size_t i = 0; i < knobs.size(); ++i)
-    z[static_cast<Eigen::Index>(i)] = to_search(knobs[i], knobs[i].start);
+Vector first_guess(const std::vector<Parameter>& parameters) {
+  Vector z(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    z[static_cast<Eigen::Index>(i)] = to_search(parameters[i], parameters[i].start);
   return z;
 }
 
@@ -128,7 +128,7 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
     if (progress) progress(share, doing);
   };
   const auto cost = [&](const Vector& z) { return residuals(question, z, false).squaredNorm(); };
-  const Vector first = first_guess(question.knobs);
+  const Vector first = first_guess(question.parameters);
   Calibration out;
   out.before = cost(first);
   const double far_share = settings.far / (settings.far + settings.evaluations + 1.0);
@@ -143,7 +143,7 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
         [&](double share, double best) {
           say(0.9 * far_share * share, fmt::format("coming near, {:.1f} off now", best));
         });
-    from = within(question.knobs, near.best);
+    from = within(question.parameters, near.best);
     out.evaluations = near.evaluations;
   }
   const CmaSettings search{.spread = settings.spread,
@@ -156,11 +156,11 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   });
   // The sum of squares counts rows, but only nearly: of what both beginnings lead to, who reaches more of
   // them.
-  Vector z = within(question.knobs, global.best);
+  Vector z = within(question.parameters, global.best);
   std::size_t reached = rows_reached(question, z);
-  for (const Vector& begin : {z, within(question.knobs, from)}) {
+  for (const Vector& begin : {z, within(question.parameters, from)}) {
     say(0.9, fmt::format("last steps, {} rows reached", reached));
-    const Vector end = within(question.knobs, last_steps(question, begin, settings.last_steps));
+    const Vector end = within(question.parameters, last_steps(question, begin, settings.last_steps));
     const std::size_t rows = rows_reached(question, end);
     if (rows > reached || (rows == reached && cost(end) < cost(z))) z = end, reached = rows;
   }
@@ -168,15 +168,15 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   const Eigen::MatrixXd C = covariance(question, z);
   const Vector stds = C.diagonal().cwiseSqrt();
   out.correlations = stds.cwiseInverse().asDiagonal() * C * stds.cwiseInverse().asDiagonal();
-  out.model = turned(question.start, question.knobs, z);
+  out.model = turned(question.start, question.parameters, z);
   for (Eigen::Index i = 0; i < z.size(); ++i) {
-    out.knobs.push_back(found(question.knobs[i], z[i], stds[i]));
-    out.knobs.back().value = value_of(out.model, question.knobs[i].name);  // breakaway is at least sliding
+    out.parameters.push_back(found(question.parameters[i], z[i], stds[i]));
+    out.parameters.back().value = value_of(out.model, question.parameters[i].name);  // breakaway is at least sliding
   }
   out.rows = rows_at(question, z, true);
   out.runs = run_fits(question, z);
   out.after = cost(z);
-  out.kept_start = z == within(question.knobs, first);
+  out.kept_start = z == within(question.parameters, first);
   out.evaluations += global.evaluations;
   return out;
 }

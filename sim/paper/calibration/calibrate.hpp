@@ -22,8 +22,8 @@ struct CalibrationSettings {
   double far_spread = 0.6, spread = 0.2;
 };
 
-struct KnobFound {
-  Knob knob;
+struct CalibratedParameter {
+  Parameter parameter;
   double value = 0.0, std = 0.0;  // file units
   bool at_bound = false;          // the paper asks for more than is plausible
   bool only_prior = false;        // nine tenths of the std and more are what was known beforehand
@@ -31,8 +31,8 @@ struct KnobFound {
 
 struct Calibration {
   paper::PaperModel model;
-  std::vector<KnobFound> knobs;
-  Eigen::MatrixXd correlations;      // of the knobs, in their order
+  std::vector<CalibratedParameter> parameters;
+  Eigen::MatrixXd correlations;      // of the parameters, in their order
   std::vector<PaperRow> rows;        // at the answer, as the brief experiments give them
   std::vector<RunFit> runs;          // and the measured runs
   double before = 0.0, after = 0.0;  // sum of squared residuals where the search began, and at the answer
@@ -43,7 +43,7 @@ struct Calibration {
 // Share done, -1 where that is not known, and what is being done.
 using CalibrationProgress = std::function<void(double share, const std::string& doing)>;
 
-// Begins at the knobs' starts, whatever `question.start` has there. Deterministic, on any number of
+// Begins at the parameters' starts, whatever `question.start` has there. Deterministic, on any number of
 // cores.
 Calibration calibrate(const Question& question, const CalibrationSettings& settings,
                       const CalibrationProgress& progress = {});

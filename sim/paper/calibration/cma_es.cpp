@@ -34,9 +34,9 @@ struct Rates {
 };
 
 // What is adapted.
-class Cloud {
+class SearchDistribution {
  public:
-  Cloud(const Eigen::VectorXd& start, const CmaSettings& settings, int population)
+  SearchDistribution(const Eigen::VectorXd& start, const CmaSettings& settings, int population)
       : n_(start.size()),
         rates_(static_cast<double>(n_), population),
         seed_(settings.seed),
@@ -112,12 +112,12 @@ CmaResult minimise(const Cost& cost, const Eigen::VectorXd& start, const CmaSett
   const auto n = static_cast<double>(start.size());
   const int population =
       settings.population > 1 ? settings.population : 4 + static_cast<int>(3.0 * std::log(n));
-  Cloud cloud(start, settings, population);
+  SearchDistribution distribution(start, settings, population);
   CmaResult out{start, finite(cost(start)), 1};
   std::vector<Eigen::VectorXd> points(population);
   std::vector<double> values(population);
-  while (out.evaluations < settings.evaluations && cloud.widest() > settings.narrow) {
-    for (Eigen::VectorXd& point : points) point = cloud.drawn();
+  while (out.evaluations < settings.evaluations && distribution.widest() > settings.narrow) {
+    for (Eigen::VectorXd& point : points) point = distribution.drawn();
     in_parallel(points.size(), [&](std::size_t i) { values[i] = finite(cost(points[i])); });
     out.evaluations += population;
     std::vector<std::size_t> order(population);
@@ -130,7 +130,7 @@ CmaResult minimise(const Cost& cost, const Eigen::VectorXd& start, const CmaSett
       out.value = values[order[0]];
       out.best = ranked[0];
     }
-    cloud.adapt(ranked);
+    distribution.adapt(ranked);
     if (progress) progress(static_cast<double>(out.evaluations) / settings.evaluations, out.value);
   }
   return out;

@@ -14,7 +14,7 @@
 namespace biopsy::sim::calibration {
 namespace {
 
-constexpr double kPrior = 0.1;  // a knob one doubt off its nominal value, against a number a band off its own
+constexpr double kPrior = 0.1;  // a parameter one doubt off its nominal value, against a number a band off its own
 constexpr double kCentre = 0.15;  // pull of a number that is within its band towards its middle
 // Share by which a statement is to hold, and of a band that stays free, so that no row hangs by a thread.
 constexpr double kRoom = 0.03;
@@ -29,7 +29,7 @@ constexpr double kReachBand = 0.05;  // of the reach: never levels off, unlike a
 
 // Its square grows with |miss| at first and towards 2 in the end, with a rounded tip: a sum of such is least
 // where most rows are reached and a few are given up, rather than where all are missed a little.
-double tamed(double miss) {
+double robust_loss(double miss) {
   const double size = std::abs(miss);
   return std::copysign(std::sqrt(2.0 * (std::hypot(kTip, size) - kTip) / (1.0 + size)), miss);
 }
@@ -50,7 +50,7 @@ double reach_miss(PlantModel stage, double reach) {
 }
 
 double pulled(double miss, Pull pull) {
-  return pull == Pull::Tamed ? tamed(miss) : std::min(miss, kFarthest);
+  return pull == Pull::Robust ? robust_loss(miss) : std::min(miss, kFarthest);
 }
 
 double row_residual(const PaperRow& row, Pull pull) {
@@ -92,7 +92,7 @@ double rms_miss(const std::vector<double>& misses) {
 }
 
 // A run weighs as much as a number, however many samples it has; of these so many speak, each with its sign,
-// so that what the run tells of each knob shows.
+// so that what the run tells of each parameter shows.
 void add_run_readings(const std::vector<double>& misses, std::vector<double>& out) {
   const std::size_t count = std::min<std::size_t>(kRunReadings, misses.size());
   for (std::size_t i = 0; i < count; ++i)
@@ -100,7 +100,7 @@ void add_run_readings(const std::vector<double>& misses, std::vector<double>& ou
 }
 
 void add_priors(const Eigen::VectorXd& z, std::vector<double>& out) {
-  for (const double knob : z) out.push_back(kPrior * knob);
+  for (const double parameter : z) out.push_back(kPrior * parameter);
 }
 
 Eigen::VectorXd as_vector(const std::vector<double>& values) {
@@ -117,7 +117,7 @@ std::vector<paper::FigureEntry> calibrated_figures() {
 }
 
 std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z, bool parallel) {
-  paper::PaperModel model = turned(question.start, question.knobs, z);
+  paper::PaperModel model = turned(question.start, question.parameters, z);
   model.brief = true;
   std::vector<std::vector<PaperRow>> found(question.figures.size());
   const auto run = [&](std::size_t i) { found[i] = question.figures[i].run(model).rows; };
@@ -136,7 +136,7 @@ std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z
 Eigen::VectorXd residuals(const Question& question, const Eigen::VectorXd& z, bool parallel, Pull pull) {
   std::vector<double> out;
   for (const PaperRow& row : rows_at(question, z, parallel)) out.push_back(row_residual(row, pull));
-  const PlantModel stage = turned(question.start, question.knobs, z).stage;
+  const PlantModel stage = turned(question.start, question.parameters, z).stage;
   for (const RecordedRun& run : question.runs) out.push_back(pulled(rms_miss(run_misses(stage, run)), pull));
   if (question.reach > 0.0) out.push_back(reach_miss(stage, question.reach));
   add_priors(z, out);
@@ -144,7 +144,7 @@ Eigen::VectorXd residuals(const Question& question, const Eigen::VectorXd& z, bo
 }
 
 std::vector<RunFit> run_fits(const Question& question, const Eigen::VectorXd& z) {
-  const PlantModel stage = turned(question.start, question.knobs, z).stage;
+  const PlantModel stage = turned(question.start, question.parameters, z).stage;
   std::vector<RunFit> fits;
   for (const RecordedRun& run : question.runs) {
     const double span = span_of(run), band = kRunBand * span, away = band * rms(run_misses(stage, run));
@@ -157,7 +157,7 @@ Eigen::VectorXd readings(const Question& question, const Eigen::VectorXd& z, boo
   std::vector<double> out;
   for (const PaperRow& row : rows_at(question, z, parallel))
     if (row.kind == RowKind::Number) out.push_back(in_bands(row));
-  const PlantModel stage = turned(question.start, question.knobs, z).stage;
+  const PlantModel stage = turned(question.start, question.parameters, z).stage;
   for (const RecordedRun& run : question.runs) add_run_readings(run_misses(stage, run), out);
   add_priors(z, out);
   return as_vector(out);

@@ -15,8 +15,8 @@
 namespace biopsy::sim::calibration {
 
 struct Question {
-  paper::PaperModel start;  // what no knob turns stays as it is here
-  std::vector<Knob> knobs;
+  paper::PaperModel start;  // what no parameter turns stays as it is here
+  std::vector<Parameter> parameters;
   std::vector<paper::FigureEntry> figures;
   std::vector<RecordedRun> runs;  // measured, open loop
   double reach = 0.0;             // m that 8 kV of 2 Hz must lift 50 g; 0: not asked for
@@ -34,13 +34,13 @@ std::vector<paper::FigureEntry> calibrated_figures();
 std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z, bool in_parallel);
 
 // How hard a row pulls that is far from being reached. Even: by how far it is, so that a search that begins
-// far from everything comes near to most. Tamed: hardly more than one that is nearly reached, so that the sum
+// far from everything comes near to most. Robust: hardly more than one that is nearly reached, so that the sum
 // of squares counts rows rather than being ruled by the worst.
-enum class Pull : std::uint8_t { Even, Tamed };
+enum class Pull : std::uint8_t { Even, Robust };
 
-// One entry a row, a measured run and a knob: 0 where a row is reached with room to spare.
+// One entry a row, a measured run and a parameter: 0 where a row is reached with room to spare.
 Eigen::VectorXd residuals(const Question& question, const Eigen::VectorXd& z, bool in_parallel,
-                          Pull pull = Pull::Tamed);
+                          Pull pull = Pull::Robust);
 
 // How the measured runs are followed, in their order.
 struct RunFit {
@@ -50,7 +50,7 @@ struct RunFit {
 };
 std::vector<RunFit> run_fits(const Question& question, const Eigen::VectorXd& z);
 
-// ln(ours/paper) of the number rows in bands, samples of the measured runs in bands, and the knobs' weak
+// ln(ours/paper) of the number rows in bands, samples of the measured runs in bands, and the parameters' weak
 // priors: what standard deviations are taken from.
 Eigen::VectorXd readings(const Question& question, const Eigen::VectorXd& z, bool in_parallel);
 

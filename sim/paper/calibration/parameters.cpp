@@ -55,7 +55,7 @@ Place place_of(PaperModel& model, const std::string& name) {
   Place place = outside_stage(model, name);
   if (place.si == nullptr) place = in_effects(model.stage.effects, name);
   if (place.si == nullptr)
-    throw SetupError(fmt::format("nothing in a model is called `{}`", name), "calibration",
+    throw ConfigError(fmt::format("nothing in a model is called `{}`", name), "calibration",
                      "name a value of [baseline], EFFECT.PARAMETER, film.NAME.tau or joint.mass_g");
   return place;
 }
@@ -79,18 +79,18 @@ void set_value(PaperModel& model, const std::string& name, double value) {
   *place.si = value * place.si_per_unit;
 }
 
-double to_search(const Knob& knob, double value) {
-  return knob.share ? (value - knob.nominal) / knob.doubt : std::log(value / knob.nominal) / knob.doubt;
+double to_search(const Parameter& parameter, double value) {
+  return parameter.share ? (value - parameter.nominal) / parameter.doubt : std::log(value / parameter.nominal) / parameter.doubt;
 }
 
-double from_search(const Knob& knob, double z) {
-  const double value = knob.share ? knob.nominal + z * knob.doubt : knob.nominal * std::exp(z * knob.doubt);
-  return std::clamp(value, knob.low, knob.high);
+double from_search(const Parameter& parameter, double z) {
+  const double value = parameter.share ? parameter.nominal + z * parameter.doubt : parameter.nominal * std::exp(z * parameter.doubt);
+  return std::clamp(value, parameter.low, parameter.high);
 }
 
-PaperModel turned(PaperModel model, const std::vector<Knob>& knobs, const Eigen::VectorXd& z) {
-  for (std::size_t i = 0; i < knobs.size(); ++i)
-    set_value(model, knobs[i].name, from_search(knobs[i], z[static_cast<Eigen::Index>(i)]));
+PaperModel turned(PaperModel model, const std::vector<Parameter>& parameters, const Eigen::VectorXd& z) {
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    set_value(model, parameters[i].name, from_search(parameters[i], z[static_cast<Eigen::Index>(i)]));
   if (auto& friction = model.stage.effects.stribeck_friction)
     friction->breakaway = std::max(friction->breakaway, friction->sliding);
   follow_stage(model.stage.baseline, model.pi25);

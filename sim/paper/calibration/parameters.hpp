@@ -10,7 +10,7 @@
 
 namespace biopsy::sim::calibration {
 
-struct Knob {
+struct Parameter {
   std::string name;    // as in files: "K", "stribeck_friction.sliding_N", "film.pi25.tau", "joint.mass_g"
   double low, high;    // file units
   double nominal;      // what it is drawn to where the paper says nothing: docs/model.md or the effect's page
@@ -20,20 +20,20 @@ struct Knob {
   std::string why;     // where nominal and range come from
 };
 
-const std::vector<Knob>& standard_knobs();
+const std::vector<Parameter>& standard_parameters();
 
-// The number a knob stands for, in file units; an effect that the stage lacks is put there absent: no
+// The number a parameter stands for, in file units; an effect that the stage lacks is put there absent: no
 // strength, its typical shape.
-// Throws SetupError for a name that nothing has.
+// Throws ConfigError for a name that nothing has.
 double value_of(const paper::PaperModel& model, const std::string& name);
 void set_value(paper::PaperModel& model, const std::string& name, double value);
 
-// In units of doubt, 0 at nominal: what the search sees. And back, held within the knob's range.
-double to_search(const Knob& knob, double value);
-double from_search(const Knob& knob, double z);
+// In units of doubt, 0 at nominal: what the search sees. And back, held within the parameter's range.
+double to_search(const Parameter& parameter, double value);
+double from_search(const Parameter& parameter, double z);
 
-// The model with all knobs set so. What follows from them: breakaway is at least sliding friction, and the
+// The model with all parameters set so. What follows from them: breakaway is at least sliding friction, and the
 // other films' K follows the stage's by C2, which goes with eps_film/d_film (same size, same cable).
-paper::PaperModel turned(paper::PaperModel model, const std::vector<Knob>& knobs, const Eigen::VectorXd& z);
+paper::PaperModel turned(paper::PaperModel model, const std::vector<Parameter>& parameters, const Eigen::VectorXd& z);
 
 }  // namespace biopsy::sim::calibration

@@ -1,11 +1,11 @@
-// The knobs of the needle stage. eps_film, d_film, L0, n and the plates' masses are printed in the paper
+// The parameters of the needle stage. eps_film, d_film, L0, n and the plates' masses are printed in the paper
 // (III.A, IV.A) and stay; K, eps_film and d_film act only as K^2 eps_film/d_film^2, so one of them is enough.
 #include "sim/paper/calibration/parameters.hpp"
 
 namespace biopsy::sim::calibration {
 
-const std::vector<Knob>& standard_knobs() {
-  static const std::vector<Knob> kKnobs{
+const std::vector<Parameter>& standard_parameters() {
+  static const std::vector<Parameter> kParameters{
       {"K", 0.15, 0.95, 0.80, 0.5591, 0.5, false,
        "model.md; with less, 8 kV give the strain of Fig. 8b and no more"},
       {"tau", 1.0, 40.0, 6.9, 13.44, 0.7, false, "model.md; 50 um PI, Fig. 6"},
@@ -31,7 +31,7 @@ const std::vector<Knob>& standard_knobs() {
       {"film.bopp25.tau", 0.1, 20.0, 1.5, 1.303, 1.0, false, "Fig. 6"},
       {"joint.mass_g", 10.0, 150.0, 70.0, 27.84, 0.5, false, "not in the paper"},
       {"joint.friction_N", 0.01, 0.3, 0.05, 0.0108, 0.7, false, "not in the paper"}};
-  return kKnobs;
+  return kParameters;
 }
 
 }  // namespace biopsy::sim::calibration

@@ -1,5 +1,5 @@
 // Designs of the stack that none beats in everything, and the paper's own beside them. Values only:
-// sim/design makes it, robot/report prints it. Units are people's, in the names.
+// sim/paper/design makes it, robot/report prints it. Units are people's, in the names.
 #pragma once
 
 #include <cstddef>

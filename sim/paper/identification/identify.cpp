@@ -43,7 +43,7 @@ std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::stri
       records.push_back(std::move(record));
   }
   if (!any_current)
-    throw SetupError("no run has the column `current_uA`", place,
+    throw ConfigError("no run has the column `current_uA`", place,
                      "record the amplifier's current monitor, the mean over each row, beside the voltage");
   double largest = 0.0;
   for (const ChargeRecord& record : records)
@@ -52,7 +52,7 @@ std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::stri
     warnings.push_back(fmt::format(
         "no voltage is above {:.3g} V: the column voltage_V is in volts, not in kilovolts", largest));
   if (records.empty())
-    throw SetupError("no run steps its voltage", place,
+    throw ConfigError("no run steps its voltage", place,
                      "hold 0 V, step to a constant voltage and hold it for three time constants or more");
   return records;
 }
@@ -66,14 +66,14 @@ double longest(const std::vector<ChargeRecord>& records) {
 void refuse_what_shows_no_decay(const ChargeFit& fit, double seconds, const std::string& place) {
   const bool stands_out = fit.regular && fit.decay > kTwoSided95 * std::sqrt(fit.covariance(0, 0));
   if (!stands_out)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("no decay of the current stands out of its noise of {:.2g} uA", 1e6 * fit.noise), place,
         "step to a higher voltage, hold longer, repeat the step, or average more in the monitor; a monitor "
         "that "
         "counts the other way round has to be turned");
   const double tau = std::exp(fit.log_tau), vague = std::sqrt(fit.covariance(2, 2));
   if (seconds < tau || vague > kVaguestDecay)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("the longest run goes on for {:.3g} s after its step, the current decays with "
                     "about {:.3g} s: too short to tell a decay from an offset",
                     seconds, tau),

@@ -43,7 +43,7 @@ struct IdentifiedCircuit {
   std::vector<FigurePanel> panels;  // the monitor's current and the fitted one, one a run
 };
 
-// Throws SetupError, naming `place`: no run has current; none has a step; no decay stands out of the noise;
+// Throws ConfigError, naming `place`: no run has current; none has a step; no decay stands out of the noise;
 // no run goes on for a time constant after its first step.
 IdentifiedCircuit identify_circuit(const Dataset& dataset, const std::string& place);
 

@@ -54,7 +54,7 @@ PlantState at_depth(const PlantModel& model, double depth, double amplitude) {
   state.u_i = amplitude;
   state.u_o = model.baseline.K * amplitude;
   state.memory.asked = amplitude;
-  place(model, state, depth * 1e-3, 0.0);
+  set_state(model, state, depth * 1e-3, 0.0);
   return state;
 }
 
@@ -89,7 +89,7 @@ bool can_hold(const PlantModel& model, double depth) {
 LinearStage linearised(const PlantModel& full, double depth) {
   const PlantModel model = smooth(full);
   if (!can_hold(full, depth))
-    throw SetupError(fmt::format("a depth of {} mm cannot be held with {:.0f} kV", depth, kHighest * 1e-3),
+    throw ConfigError(fmt::format("a depth of {} mm cannot be held with {:.0f} kV", depth, kHighest * 1e-3),
                      "the stage's model", "use a model with more stroke, or less weight");
   const double amplitude = paper::holding_voltage(model, depth, 0, kHighest);
   const PlantState middle = at_depth(model, depth, amplitude);

@@ -25,7 +25,7 @@ PlantModel smooth(PlantModel model);
 // Whether 8 kV hold the smooth stage at that depth (mm).
 bool can_hold(const PlantModel& model, double depth);
 
-// Around `depth` (mm), which must be above 0 and held by 8 kV: throws SetupError.
+// Around `depth` (mm), which must be above 0 and held by 8 kV: throws ConfigError.
 LinearStage linearised(const PlantModel& model, double depth);
 
 // y per u at that angular frequency (rad/s). mm/V

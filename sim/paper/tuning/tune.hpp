@@ -64,7 +64,7 @@ struct Tuning {
 // Between 0 and 1, from the calling thread.
 using TuneProgress = std::function<void(double share, const std::string& what)>;
 
-// Deterministic. The run's weight is 50 g, as in the paper. Throws SetupError where the model cannot be
+// Deterministic. The run's weight is 50 g, as in the paper. Throws ConfigError where the model cannot be
 // driven with volts or has not the stroke.
 Tuning tune(const NotedModel& model, const TuneOptions& options = {}, const TuneProgress& progress = {});
 

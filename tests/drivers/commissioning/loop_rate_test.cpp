@@ -31,19 +31,19 @@ class TimedRig final : public Rig {
   int tick_ = 0;
 };
 
-class Nobody final : public Person {
+class Nobody final : public Operator {
  public:
-  void told(const std::string&) override {}
-  bool does(Act, const std::string&) override { return true; }
-  std::optional<double> reads(const std::string&) override { return std::nullopt; }
+  void notify(const std::string&) override {}
+  bool confirm(Act, const std::string&) override { return true; }
+  std::optional<double> enter_value(const std::string&) override { return std::nullopt; }
 };
 
 std::string wrong_with(const std::function<void(int, Sample&)>& disturb) {
   TimedRig rig(disturb);
-  Nobody person;
+  Nobody operator_;
   for (const Step& step : all_steps()) {
     if (step.name != "loop rate") continue;
-    const Measured measured = step.measure(rig, person);
+    const Measured measured = step.measure(rig, operator_);
     for (std::size_t k = 0; k < step.limits.size(); ++k)
       if (!(measured.values[k] >= step.limits[k].low && measured.values[k] <= step.limits[k].high))
         return std::string(step.limits[k].what);

@@ -176,7 +176,7 @@ TEST_F(CommissioningRecord, WhateverIsWrittenIsARecordOrASetupError) {
     try {
       EXPECT_FALSE(to_json(from_json(changed, "record")).empty());
       ++read;
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_EQ(error.where, "record");
       ++refused;
     }

@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
                           "laser zero and direction: laser minus block"},
                     Fault{"LaserDirection", [](Laboratory& l) { l.board.laser_mm_per_V = -2.0; },
                           "laser zero and direction: laser minus block"},
-                    Fault{"BlockMistyped", [](Laboratory& l) { l.person.block_mm = 40.0; },
+                    Fault{"BlockMistyped", [](Laboratory& l) { l.operator_.block_mm = 40.0; },
                           "laser zero and direction: gauge block"},
                     Fault{"MonitorScale", [](Laboratory& l) { l.board.monitor_gain = 0.95; },
                           "monitor gain: gain of monitor over command"},
@@ -119,10 +119,10 @@ TEST(Commissioning, StepsTellTheirLimitsAndReasons) {
 }
 
 TEST(Commissioning, HardwareIsDrivenAMillisecondATick) {
-  app::SimulatedBench bench(quiet_model(), 1);
-  app::StageTrimmings trimmings = bench.trimmings();
+  robot::SimulatedBench bench(quiet_model(), 1);
+  robot::StageTrimmings trimmings = bench.trimmings();
   trimmings.real_time = true;
-  app::SupervisedRig rig(bench, trimmings);
+  robot::SupervisedRig rig(bench, trimmings);
   const std::int64_t before_ns = realtime::monotonic_ns();
   for (int k = 0; k < 20; ++k) EXPECT_GE(rig.rest().late_us, 0);
   EXPECT_GE(realtime::monotonic_ns() - before_ns, 19'000'000) << "a machine may be slower, never faster";
@@ -131,19 +131,19 @@ TEST(Commissioning, HardwareIsDrivenAMillisecondATick) {
 TEST(Commissioning, TerminalTakesNoAnswerForNo) {
   std::istringstream in("what\nyes\nn\n");
   std::ostringstream out;
-  app::TerminalPerson person(in, out);
-  EXPECT_TRUE(person.does(Act::Prepare, "Connect everything."));
-  EXPECT_FALSE(person.does(Act::Prepare, "And now?"));
-  EXPECT_FALSE(person.does(Act::Prepare, "Is anybody there?")) << "the input has ended";
+  robot::TerminalOperator operator_(in, out);
+  EXPECT_TRUE(operator_.confirm(Act::Prepare, "Connect everything."));
+  EXPECT_FALSE(operator_.confirm(Act::Prepare, "And now?"));
+  EXPECT_FALSE(operator_.confirm(Act::Prepare, "Is anybody there?")) << "the input has ended";
   EXPECT_NE(out.str().find("Connect everything."), std::string::npos);
 }
 
 TEST(Commissioning, TerminalTakesOnlyNumbersForNumbers) {
   std::istringstream in("four\n4 mm\nnan\n1e999\n4.00\n");
   std::ostringstream out;
-  app::TerminalPerson person(in, out);
-  EXPECT_EQ(person.reads("Height of the block, mm"), 4.0);
-  EXPECT_EQ(person.reads("Height of the block, mm"), std::nullopt);
+  robot::TerminalOperator operator_(in, out);
+  EXPECT_EQ(operator_.enter_value("Height of the block, mm"), 4.0);
+  EXPECT_EQ(operator_.enter_value("Height of the block, mm"), std::nullopt);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace biopsy {
 
 class DrivenStage {
  public:
-  explicit DrivenStage(port::NeedleStage& stage) : stage_(stage) { tick(0, false); }
+  explicit DrivenStage(drivers::NeedleStage& stage) : stage_(stage) { tick(0, false); }
 
   // One tick: reads, then puts out what is wanted, as far as the gate lets it.
   Measurement tick(std::int32_t wanted_mV, bool enabled = true) {
@@ -39,7 +39,7 @@ class DrivenStage {
   std::int32_t command_mV() const { return stage_.command_mV(); }
 
  private:
-  port::GatedStage stage_;
+  drivers::GatedStage stage_;
   std::int64_t now_us_ = 0;
   std::uint32_t seq_ = 0;
 };

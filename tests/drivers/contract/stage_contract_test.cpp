@@ -18,23 +18,23 @@ namespace {
 
 struct Device {
   std::string name;
-  std::function<std::unique_ptr<port::NeedleStage>()> make;
+  std::function<std::unique_ptr<drivers::NeedleStage>()> make;
 };
 
-std::unique_ptr<port::NeedleStage> simulated() {
+std::unique_ptr<drivers::NeedleStage> simulated() {
   sim::PlantModel model;
   model.effects.sensor_noise = sim::SensorNoise{.std = 10e-6};
-  return std::make_unique<sim::SimStage>(model, 1);
+  return std::make_unique<sim::SimulatedStage>(model, 1);
 }
 
-std::unique_ptr<port::NeedleStage> on_the_board() {
+std::unique_ptr<drivers::NeedleStage> on_the_board() {
   fake_reset();
   return std::make_unique<nidaqmx::NidaqmxStage>(nidaqmx::laboratory(), fake_now_us);
 }
 
 class StageContract : public testing::TestWithParam<Device> {
  protected:
-  std::unique_ptr<port::NeedleStage> stage_ = GetParam().make();
+  std::unique_ptr<drivers::NeedleStage> stage_ = GetParam().make();
 };
 
 INSTANTIATE_TEST_SUITE_P(Devices, StageContract,
@@ -46,7 +46,7 @@ constexpr std::int32_t kNear_mV = 30'000;   // a third of what counts as zero vo
 constexpr std::int32_t kNear_nA = 200'000;  // a fifth of the arc detector's margin
 
 TEST_P(StageContract, RestsAtZeroBeforeAnythingIsWritten) {
-  const port::SensorReading reading = stage_->read();
+  const drivers::SensorReading reading = stage_->read();
   EXPECT_TRUE(reading.laser_valid);
   EXPECT_NEAR(reading.depth_um, 0, kNear_um);
   EXPECT_NEAR(reading.monitor_mV, 0, kNear_mV);
@@ -131,7 +131,7 @@ TEST_P(StageContract, NoiseOfTheLaserShowsInItsCode) {
 TEST_P(StageContract, ReadingTwiceMovesNothing) {
   DrivenStage driven(*stage_);
   driven.hold(5'000'000, 200);
-  const port::SensorReading first = stage_->read(), second = stage_->read();
+  const drivers::SensorReading first = stage_->read(), second = stage_->read();
   EXPECT_EQ(first.time_us, second.time_us);
   EXPECT_NEAR(first.depth_um, second.depth_um, 2 * kNear_um);
   EXPECT_NEAR(first.monitor_mV, second.monitor_mV, 2 * kNear_mV);

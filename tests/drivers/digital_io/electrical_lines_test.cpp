@@ -17,13 +17,13 @@
 #include "tests/drivers/digital_io/high_voltage.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 namespace {
 
 std::string refusal(const std::function<void()>& act) {
   try {
     act();
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_FALSE(error.where.empty() || error.remedy.empty());
     return error.what_is_wrong;
   }
@@ -31,19 +31,19 @@ std::string refusal(const std::function<void()>& act) {
 }
 
 std::string refusal_to_attach(const std::filesystem::path& folder) {
-  return refusal([&] { const LinesReader reader(folder); });
+  return refusal([&] { const IoReader reader(folder); });
 }
 
 class Lines : public testing::Test {
  protected:
-  Lines() { lay_lines(folder_.path()); }
+  Lines() { create_shared_io(folder_.path()); }
   std::filesystem::path file() const { return folder_ / "lines"; }
 
   ScratchFolder folder_;
 };
 
 TEST_F(Lines, AreDeadWhenLaid) {
-  const LinesReader reader(folder_.path());
+  const IoReader reader(folder_.path());
   EXPECT_EQ(reader.converter(), ConverterOutput{});
   EXPECT_EQ(reader.panel(), PanelLevels{});
   EXPECT_FALSE(reader.panel().estop_a_closed) << "an E-stop nobody drives is pressed";
@@ -54,12 +54,12 @@ TEST_F(Lines, AreDeadWhenLaid) {
 }
 
 TEST_F(Lines, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
-  EXPECT_EQ(offsetof(Wires, stage), 1 * kPage);
-  EXPECT_EQ(offsetof(Wires, supervisor), 2 * kPage);
-  EXPECT_EQ(offsetof(Wires, interlock), 3 * kPage);
-  EXPECT_EQ(offsetof(Wires, panel), 4 * kPage);
-  EXPECT_EQ(offsetof(StageWires, pulses), 8U);
-  EXPECT_EQ(offsetof(InterlockWires, ticks), 32U);
+  EXPECT_EQ(offsetof(IoBlock, stage), 1 * kPage);
+  EXPECT_EQ(offsetof(IoBlock, supervisor), 2 * kPage);
+  EXPECT_EQ(offsetof(IoBlock, interlock), 3 * kPage);
+  EXPECT_EQ(offsetof(IoBlock, panel), 4 * kPage);
+  EXPECT_EQ(offsetof(StageOutputs, pulses), 8U);
+  EXPECT_EQ(offsetof(InterlockOutputs, ticks), 32U);
   const std::string content = file_content(file());
   ASSERT_EQ(content.size(), 5 * kPage);
   EXPECT_EQ(content.substr(1, 7), "biopsyl");
@@ -71,11 +71,11 @@ TEST_F(Lines, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
 }
 
 TEST_F(Lines, CarryWhatEachOwnerWrites) {
-  const LinesReader reader(folder_.path());
-  StageLines stage(folder_.path());
-  SupervisorLines supervisor(folder_.path());
-  InterlockLines interlock(folder_.path());
-  PanelLines panel(folder_.path());
+  const IoReader reader(folder_.path());
+  StageIo stage(folder_.path());
+  SupervisorIo supervisor(folder_.path());
+  InterlockIo interlock(folder_.path());
+  PanelIo panel(folder_.path());
   stage.write(high_voltage(-2'400'000));
   stage.pulse();
   for (int i = 0; i < 3; ++i) supervisor.pulse();
@@ -115,8 +115,8 @@ TEST(LineWords, KeepEveryVoltage) {
 }
 
 TEST_F(Lines, StageThatStartsPutsOutZeroWhateverStoodThere) {
-  const LinesReader reader(folder_.path());
-  std::optional<StageLines> stage(folder_.path());
+  const IoReader reader(folder_.path());
+  std::optional<StageIo> stage(folder_.path());
   stage->write(high_voltage(8'000'000));
   stage->pulse();
   stage.reset();
@@ -127,8 +127,8 @@ TEST_F(Lines, StageThatStartsPutsOutZeroWhateverStoodThere) {
 }
 
 TEST_F(Lines, PanelThatStartsHasNoKeyTurnedAndTheEStopPressed) {
-  const LinesReader reader(folder_.path());
-  std::optional<PanelLines> panel(folder_.path());
+  const IoReader reader(folder_.path());
+  std::optional<PanelIo> panel(folder_.path());
   panel->set({true, true, true, true, true});
   panel.reset();
   EXPECT_NE(reader.panel(), PanelLevels{});
@@ -137,40 +137,40 @@ TEST_F(Lines, PanelThatStartsHasNoKeyTurnedAndTheEStopPressed) {
 }
 
 TEST_F(Lines, AreDrivenByOneProcessEach) {
-  std::optional<StageLines> stage(folder_.path());
-  const SupervisorLines supervisor(folder_.path());
-  EXPECT_EQ(refusal([&] { const StageLines second(folder_.path()); }), "another process drives these lines");
+  std::optional<StageIo> stage(folder_.path());
+  const SupervisorIo supervisor(folder_.path());
+  EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "another process drives these lines");
   stage.reset();
-  EXPECT_EQ(refusal([&] { const StageLines second(folder_.path()); }), "");
+  EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "");
 }
 
 TEST_F(Lines, AreNotLaidAnewUnderARunningRobot) {
-  std::optional<InterlockLines> interlock(folder_.path());
-  EXPECT_EQ(refusal([&] { lay_lines(folder_.path()); }), "belongs to a robot that is running");
+  std::optional<InterlockIo> interlock(folder_.path());
+  EXPECT_EQ(refusal([&] { create_shared_io(folder_.path()); }), "belongs to a robot that is running");
   interlock.reset();
-  EXPECT_EQ(refusal([&] { lay_lines(folder_.path()); }), "");
+  EXPECT_EQ(refusal([&] { create_shared_io(folder_.path()); }), "");
 }
 
 TEST_F(Lines, ReadersOfOldLinesSeeNothingOfNewOnes) {
-  const LinesReader old(folder_.path());
-  lay_lines(folder_.path());
-  StageLines stage(folder_.path());
+  const IoReader old(folder_.path());
+  create_shared_io(folder_.path());
+  StageIo stage(folder_.path());
   stage.pulse();
   EXPECT_EQ(old.stage_pulses(), 0U);
-  EXPECT_EQ(LinesReader(folder_.path()).stage_pulses(), 1U);
+  EXPECT_EQ(IoReader(folder_.path()).stage_pulses(), 1U);
 }
 
 TEST_F(Lines, OfAnotherOwnerCannotBeWrittenEvenByMistake) {
-  const ElectricalLines lines(folder_.path(), Owner::Supervisor);
-  lines.wires().supervisor.pulses = 1;
-  EXPECT_DEATH(lines.wires().stage.pulses = 1, "");
-  EXPECT_DEATH(lines.wires().interlock.load = 1, "");
+  const SharedIo lines(folder_.path(), Owner::Supervisor);
+  lines.block().supervisor.pulses = 1;
+  EXPECT_DEATH(lines.block().stage.pulses = 1, "");
+  EXPECT_DEATH(lines.block().interlock.load = 1, "");
 }
 
 TEST_F(Lines, AreRefusedWhenMissingCutShortOrReachableByOthers) {
   const ScratchFolder empty;
   EXPECT_NE(refusal_to_attach(empty.path()), "");
-  EXPECT_NE(refusal([&] { lay_lines(empty / "nowhere"); }), "");
+  EXPECT_NE(refusal([&] { create_shared_io(empty / "nowhere"); }), "");
   ::chmod(file().c_str(), 0660);
   EXPECT_EQ(refusal_to_attach(folder_.path()), "can be reached by other users");
   ::chmod(file().c_str(), 0600);
@@ -204,4 +204,4 @@ TEST_F(Lines, AreRefusedWithAnyBitOfTheirTitleWrongOrAnyOtherLength) {
 }
 
 }  // namespace
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

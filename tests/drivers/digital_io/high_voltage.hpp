@@ -4,7 +4,7 @@
 #include "safety/types/limits.hpp"
 #include "safety/gate.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 
 inline safety::GatedVoltage high_voltage(std::int32_t mV) {
   Permit permit{.session = 1, .epoch = 1, .ttl_us = limits::kPermitTtl_us, .mode = Mode::Safe};
@@ -19,4 +19,4 @@ inline safety::GatedVoltage high_voltage(std::int32_t mV) {
   return result.voltage;
 }
 
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

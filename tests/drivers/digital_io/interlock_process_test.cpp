@@ -26,12 +26,14 @@
 #include "tests/drivers/digital_io/high_voltage.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 namespace {
 
 using realtime::monotonic_ns;
 
+const std::string kInterlock = (binary_dir() / "biopsy-interlock").string();
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kLimit = 20 * kMillisecond;
 constexpr std::int64_t kPeriod_ns = std::chrono::nanoseconds(kRelayPeriod).count();
@@ -107,18 +109,18 @@ class HostJitter {
 
 class InterlockProcess : public testing::Test {
  protected:
-  InterlockProcess() : reader_((lay_lines(folder_.path()), folder_.path())) {}
+  InterlockProcess() : reader_((create_shared_io(folder_.path()), folder_.path())) {}
 
   Child relay() const {
     return Child([this] {
       std::freopen((folder_ / "interlock.txt").c_str(), "w", stdout);
-      ::execl(BIOPSY_BINARY_DIR "/biopsy-interlock", "biopsy-interlock", folder_.path().c_str(), nullptr);
+      ::execl(kInterlock.c_str(), "biopsy-interlock", folder_.path().c_str(), nullptr);
       ::_exit(127);
     });
   }
   Child stage() const {
     return Child([this] {
-      StageLines lines(folder_.path());
+      StageIo lines(folder_.path());
       const safety::GatedVoltage voltage = high_voltage(kDrive_mV);
       realtime::TickClock clock{std::chrono::milliseconds(1)};
       for (;; clock.wait()) lines.write(voltage), lines.pulse();
@@ -126,7 +128,7 @@ class InterlockProcess : public testing::Test {
   }
   Child supervisor() const {
     return Child([this] {
-      SupervisorLines lines(folder_.path());
+      SupervisorIo lines(folder_.path());
       realtime::TickClock clock{std::chrono::milliseconds(1)};
       for (;; clock.wait()) lines.pulse();
     });
@@ -157,7 +159,7 @@ class InterlockProcess : public testing::Test {
   }
 
   ScratchFolder folder_;
-  LinesReader reader_;
+  IoReader reader_;
   std::mt19937 random_{17};
 };
 
@@ -255,7 +257,7 @@ TEST_F(InterlockProcess, RefusesToStartWithoutLinesOrBesideAnother) {
   for (const char* folder : {folder_.path().c_str(), "/nowhere"}) {
     Child second([folder] {
       std::freopen("/dev/null", "w", stderr);
-      ::execl(BIOPSY_BINARY_DIR "/biopsy-interlock", "biopsy-interlock", folder, nullptr);
+      ::execl(kInterlock.c_str(), "biopsy-interlock", folder, nullptr);
     });
     const int status = second.end(0);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 2) << folder;
@@ -263,4 +265,4 @@ TEST_F(InterlockProcess, RefusesToStartWithoutLinesOrBesideAnother) {
 }
 
 }  // namespace
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

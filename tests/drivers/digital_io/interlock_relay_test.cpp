@@ -12,7 +12,7 @@
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace biopsy::lines {
+namespace biopsy::digital_io {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -22,7 +22,7 @@ constexpr std::int64_t kLimit = 20 * kMillisecond;
 // A stage at +6 kV, a supervisor and the relay between them.
 class Relay : public testing::Test {
  protected:
-  Relay() : reader_((lay_lines(folder_.path()), folder_.path())) {
+  Relay() : reader_((create_shared_io(folder_.path()), folder_.path())) {
     stage_.emplace(folder_.path());
     supervisor_.emplace(folder_.path());
     relay_.emplace(folder_.path(), now_);
@@ -39,9 +39,9 @@ class Relay : public testing::Test {
   std::int32_t load_mV() const { return reader_.relay().output.load_mV; }
 
   ScratchFolder folder_;
-  LinesReader reader_;
-  std::optional<StageLines> stage_;
-  std::optional<SupervisorLines> supervisor_;
+  IoReader reader_;
+  std::optional<StageIo> stage_;
+  std::optional<SupervisorIo> supervisor_;
   std::optional<InterlockRelay> relay_;
   std::int64_t now_ = 500 * kMillisecond;
 };
@@ -145,9 +145,9 @@ TEST_F(Relay, ThatComesBackStartsOpenAndDoesNotCountOldPulses) {
 
 TEST_F(Relay, ShowsTheLoadNothingWhileHvIsOffWhateverTheConverterHolds) {
   stage_.reset();
-  const ElectricalLines broken_stage(folder_.path(), Owner::Stage);
-  broken_stage.wires().stage.converter = packed(6'000'000, false);
-  broken_stage.wires().stage.pulses = 1'000;
+  const SharedIo broken_stage(folder_.path(), Owner::Stage);
+  broken_stage.block().stage.converter = packed(6'000'000, false);
+  broken_stage.block().stage.pulses = 1'000;
   supervisor_->pulse();
   tick();
   EXPECT_TRUE(relay_->closed());
@@ -206,7 +206,7 @@ TEST_F(Relay, LetsTheReaderSeeTheConverterWithoutWaitingForATick) {
 }
 
 TEST_F(Relay, AllocatesNothingAndNeitherDoWhoFeedAndRead) {
-  PanelLines panel(folder_.path());
+  PanelIo panel(folder_.path());
   const safety::GatedVoltage voltage = high_voltage(1'000'000);
   const realtime::AllocationCount count;
   std::int64_t sum_mV = 0;
@@ -222,4 +222,4 @@ TEST_F(Relay, AllocatesNothingAndNeitherDoWhoFeedAndRead) {
 }
 
 }  // namespace
-}  // namespace biopsy::lines
+}  // namespace biopsy::digital_io

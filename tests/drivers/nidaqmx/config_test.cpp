@@ -12,11 +12,12 @@
 #include "drivers/nidaqmx/daqmx_functions.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sim/plant/refusal.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {
 
-const std::string kSampleFile = BIOPSY_SOURCE_DIR "/drivers/nidaqmx/usb6211.toml";
+const std::string kSampleFile = source_dir() / "drivers/nidaqmx/usb6211.toml";
 
 std::string sample() {
   return file_content(kSampleFile);
@@ -144,7 +145,7 @@ TEST(NidaqmxConfig, WhateverIsWrittenIsRefusedOrInRange) {
     try {
       expect_in_range(parse_config(mutated(random, text), "stage.toml"));
       ++accepted;
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_FALSE(error.what_is_wrong.empty() || error.remedy.empty());
       ++refused;
     }

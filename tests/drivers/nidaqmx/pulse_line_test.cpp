@@ -11,6 +11,7 @@
 #include "tests/drivers/nidaqmx/stage_in_hand.hpp"
 #include "tests/robot/live/realtime/counting_allocator.hpp"
 #include "tests/safety/verifies.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {
@@ -58,25 +59,25 @@ TEST(PulseLine, IsRefusedWhereNoneIsWiredOrTheBoardDoesNotGiveIt) {
   fake_reset();
   Config config = laboratory();
   config.supervisor_pulse->line = 7;
-  EXPECT_THROW(PulseLine{config}, SetupError);
+  EXPECT_THROW(PulseLine{config}, ConfigError);
   config.supervisor_pulse.reset();
   try {
     const PulseLine line(config);
     FAIL() << "there is none";
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_EQ(error.where, "[supervisor_pulse]");
   }
 }
 
 TEST(PulseLine, MayNotBeOnTheStagesBoard) {
-  std::ifstream file(BIOPSY_SOURCE_DIR "/drivers/nidaqmx/usb6211.toml");
+  std::ifstream file(source_dir() / "drivers/nidaqmx/usb6211.toml");
   std::string sample{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NO_THROW(parse_config(sample, "test"));
   sample.replace(sample.find("\"Dev2\""), 6, "\"Dev1\"");
   try {
     parse_config(sample, "test");
     FAIL() << "one board feeds both halves";
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_NE(error.what_is_wrong.find("the stage's board"), std::string::npos) << error.what_is_wrong;
   }
 }

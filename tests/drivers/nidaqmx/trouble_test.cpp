@@ -40,10 +40,10 @@ TEST_F(NidaqmxTrouble, HealthyTicksFeedTheInterlock) {
 
 TEST_F(NidaqmxTrouble, ReadingThatTimesOutIsNotRenewedAndTheNextOneIs) {
   for (const Status late : {-200284, -200279, -200278}) {
-    const port::SensorReading before = stage_.read();
+    const drivers::SensorReading before = stage_.read();
     driven_.tick(2'000'000);
     fake_fail("DAQmxReadAnalogF64", late, 1);
-    const port::SensorReading missed = stage_.read();
+    const drivers::SensorReading missed = stage_.read();
     EXPECT_FALSE(missed.laser_valid);
     EXPECT_EQ(missed.laser_code, before.laser_code) << "told as it was";
     EXPECT_GT(missed.time_us, before.time_us) << "the clock is sound";

@@ -110,9 +110,9 @@ TEST(DepthCheck, DrawsBothImagesInOnePlaneWithTheTipMarked) {
 
 TEST(DepthCheck, RefusesAnAxisWithoutLengthAnEmptyImageAndAnEntryOutsideBoth) {
   const Volume image = before();
-  EXPECT_THROW(check_depth(image, image, kEntry, Direction::Zero()), SetupError);
-  EXPECT_THROW(check_depth(image, Volume{}, kEntry, kAxis), SetupError);
-  EXPECT_THROW(check_depth(image, image, Point(500.0, 0.0, 0.0), kAxis), SetupError);
+  EXPECT_THROW(check_depth(image, image, kEntry, Direction::Zero()), ConfigError);
+  EXPECT_THROW(check_depth(image, Volume{}, kEntry, kAxis), ConfigError);
+  EXPECT_THROW(check_depth(image, image, Point(500.0, 0.0, 0.0), kAxis), ConfigError);
 }
 
 TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {

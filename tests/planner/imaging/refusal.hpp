@@ -12,7 +12,7 @@ namespace biopsy::imaging {
 inline std::string refusal_of(const std::filesystem::path& path, const std::string& series_uid = "") {
   try {
     read_volume(path, series_uid);
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     return refusal.where + ": " + refusal.what_is_wrong +
            (refusal.remedy.empty() ? "" : " [" + refusal.remedy + "]");
   }

@@ -6,6 +6,7 @@
 #include "planner/imaging/io/read_volume.hpp"
 #include "planner/imaging/registration/register_rigid.hpp"
 #include "tests/planner/imaging/analytic_scene.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -84,7 +85,7 @@ TEST(RegisterRigid, SaysSoWhenImagesHaveNothingInCommon) {
 }
 
 TEST(RegisterRigid, FindsTheShiftBetweenARealPlanningAndGuidanceScan) {
-  const auto folder = std::filesystem::path(BIOPSY_SOURCE_DIR) / "../shared/data/images/mr";
+  const auto folder = source_dir() / "../shared/data/images/mr";
   if (!std::filesystem::exists(folder / "prostate_guidance")) GTEST_SKIP() << "no real images at " << folder;
   const Volume planning = read_volume(folder / "prostate_planning"),
                guidance = read_volume(folder / "prostate_guidance");

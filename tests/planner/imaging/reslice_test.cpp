@@ -45,8 +45,8 @@ TEST(NeedleFrame, IsRightHandedAndShowsTheNeedleWithinTheSlices) {
 }
 
 TEST(NeedleFrame, RefusesAnAxisWithoutLength) {
-  EXPECT_THROW(needle_frame(scene::grid(1.0, 3.0), Point::Zero(), Direction::Zero()), SetupError);
-  EXPECT_THROW(needle_frame(scene::grid(1.0, 3.0), Point::Zero(), Direction(NAN, 0, 1)), SetupError);
+  EXPECT_THROW(needle_frame(scene::grid(1.0, 3.0), Point::Zero(), Direction::Zero()), ConfigError);
+  EXPECT_THROW(needle_frame(scene::grid(1.0, 3.0), Point::Zero(), Direction(NAN, 0, 1)), ConfigError);
 }
 
 TEST(NeedleSlice, ShowsABrightSpotAtThePixelItsMappingNames) {
@@ -85,9 +85,9 @@ TEST(NeedleSlice, WindowIgnoresAFewFlares) {
 TEST(NeedleSlice, RefusesAPictureWithoutSize) {
   const Volume volume = scene::imaged(scene::grid(2.0, 4.0), plane);
   EXPECT_THROW(slice_through_needle(volume, Point::Zero(), Direction::UnitX(), Millimetres(0.0), 100),
-               SetupError);
+               ConfigError);
   EXPECT_THROW(slice_through_needle(volume, Point::Zero(), Direction::UnitX(), Millimetres(50.0), 1),
-               SetupError);
+               ConfigError);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ std::vector<SlicePlane> random_stack(std::mt19937& random, int count, double gap
 std::string refusal_of(const std::vector<SlicePlane>& slices) {
   try {
     stack_slices(slices);
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     return refusal.what();
   }
   return "accepted";

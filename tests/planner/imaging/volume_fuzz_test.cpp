@@ -49,7 +49,7 @@ int refused_of(const std::filesystem::path& folder, const std::filesystem::path&
       EXPECT_EQ(volume.voxels.size(), volume.grid.voxel_count());
       EXPECT_TRUE(volume.grid.X_SI.matrix().allFinite());
       EXPECT_GE(volume.grid.size.minCoeff(), 3);
-    } catch (const SetupError& refusal) {
+    } catch (const ConfigError& refusal) {
       EXPECT_FALSE(refusal.what_is_wrong.empty());
       EXPECT_FALSE(refusal.remedy.empty());
       ++refused;

@@ -7,12 +7,13 @@
 #include "planner/imaging/io/nifti/nifti_reader.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "tests/planner/imaging/refusal.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::imaging {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kImages = fs::path(BIOPSY_SOURCE_DIR) / "../shared/data/images";
+const fs::path kImages = source_dir() / "../shared/data/images";
 const fs::path kPydicom = "/usr/lib/python3/dist-packages/pydicom/data/test_files";
 const fs::path kNibabel = "/usr/lib/python3/dist-packages/nibabel/tests/data";
 const fs::path kMricron = "/usr/share/mricron/templates";
@@ -93,13 +94,13 @@ TEST(RealImages, OneSliceIsTheSameInEveryEncoding) {
   try {
     pixels("MR_small_jp2klossless.dcm");
     FAIL() << "JPEG 2000 has no decoder here";
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     EXPECT_NE(refusal.what_is_wrong.find("JPEG 2000"), std::string::npos) << refusal.what();
   }
   try {
     pixels("MR_truncated.dcm");
     FAIL() << "truncated pixels were read";
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     EXPECT_NE(refusal.what_is_wrong.find("truncated"), std::string::npos) << refusal.what();
   }
 }

@@ -22,10 +22,10 @@ std::vector<FiducialPair> read(const std::string& text) {
 }
 
 // The error a text must cause; every error names the file and a remedy.
-SetupError error_of(const std::string& text) {
+ConfigError error_of(const std::string& text) {
   try {
     read(text);
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_EQ(error.where.rfind("frame.csv", 0), 0u) << error.where;
     EXPECT_FALSE(error.remedy.empty());
     return error;
@@ -49,7 +49,7 @@ TEST(FiducialFile, ReadsSpreadsheetHabits) {
 
 TEST(FiducialFile, NamesLineAndColumnOfWhatIsNotANumber) {
   for (const std::string bad : {"nan", "inf", "-inf", "", "12,5", "1e999", "0x10", "12mm", "--3", "1 2"}) {
-    const SetupError error = error_of(kHeader + "F1,0,0,0,10,20,30\nF2,50,0," + bad + ",60,20,30\n");
+    const ConfigError error = error_of(kHeader + "F1,0,0,0,10,20,30\nF2,50,0," + bad + ",60,20,30\n");
     EXPECT_NE(error.where.find("line 3"), std::string::npos) << bad << ": " << error.where;
     if (bad != "12,5") {
       EXPECT_NE(error.where.find("column 4 (robot_z_mm)"), std::string::npos) << bad << ": " << error.where;
@@ -61,7 +61,7 @@ TEST(FiducialFile, RefusesOtherUnitsByName) {
   for (const std::string unit : {"_cm", "_m", "", "_inch"}) {
     std::string text = kGood;
     text.replace(text.find("scanner_a_mm"), 12, "scanner_a" + unit);
-    const SetupError error = error_of(text);
+    const ConfigError error = error_of(text);
     EXPECT_NE(error.what_is_wrong.find("not in millimetres"), std::string::npos) << error.what_is_wrong;
     EXPECT_NE(error.where.find("line 1, column 6"), std::string::npos) << error.where;
     EXPECT_NE(error.remedy.find("scanner_a_mm"), std::string::npos);
@@ -73,7 +73,7 @@ TEST(FiducialFile, RefusesEachMissingColumn) {
        {"name,", "robot_x_mm,", "robot_y_mm,", "robot_z_mm,", "scanner_r_mm,", "scanner_a_mm,"}) {
     std::string header = kHeader;
     header.erase(header.find(column), column.size());
-    const SetupError error = error_of(header + "F1,0,0,0,1,2\n");
+    const ConfigError error = error_of(header + "F1,0,0,0,1,2\n");
     EXPECT_NE(error.what_is_wrong.find(column.substr(0, column.size() - 1) + "' is missing"),
               std::string::npos)
         << error.what_is_wrong;
@@ -104,7 +104,7 @@ TEST(FiducialFile, RefusesEmptyShortAndNamelessLines) {
   error_of("# only a comment\n");
   EXPECT_NE(error_of(kHeader + "F1,0,0\n").what_is_wrong.find("3 fields"), std::string::npos);
   EXPECT_NE(error_of(kHeader + ",0,0,0,1,2,3\n").what_is_wrong.find("no name"), std::string::npos);
-  EXPECT_THROW(read_fiducials(std::filesystem::path("no/such/file.csv")), SetupError);
+  EXPECT_THROW(read_fiducials(std::filesystem::path("no/such/file.csv")), ConfigError);
 }
 
 TEST(FiducialFile, ReturnsWhatWasWrittenInAnyOrderOfColumns) {
@@ -135,7 +135,7 @@ TEST(FiducialFile, ReturnsWhatWasWrittenInAnyOrderOfColumns) {
   }
 }
 
-// Whatever the bytes, the reader either throws SetupError or returns pairs that are sound.
+// Whatever the bytes, the reader either throws ConfigError or returns pairs that are sound.
 TEST(FiducialFile, SurvivesDamagedFiles) {
   std::mt19937_64 random(11);
   int refused = 0, accepted = 0;
@@ -168,7 +168,7 @@ TEST(FiducialFile, SurvivesDamagedFiles) {
         EXPECT_TRUE(names.insert(pair.name).second);
       }
       ++accepted;
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_FALSE(error.where.empty() || error.remedy.empty());
       ++refused;
     }

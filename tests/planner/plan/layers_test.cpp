@@ -124,23 +124,23 @@ TEST(Layers, RefusesAPathOutsideTheLabelMapNamingTheFile) {
   try {
     layers_along_path(volume, Point(5, 5, 5), Point(0, 0, 1), Millimetres(6.0), kNames);
     FAIL();
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_NE(error.what_is_wrong.find("leaves the label map 4.5 mm"), std::string::npos)
         << error.what_is_wrong;
     EXPECT_EQ(error.where, "labels.nii.gz");
   }
   EXPECT_THROW(layers_along_path(volume, Point(-1, 5, 5), Point(0, 0, 1), Millimetres(2.0), kNames),
-               SetupError);
+               ConfigError);
 }
 
 TEST(Layers, RefusesAnImageInPlaceOfLabels) {
   Volume volume = labelled({10, 10, 10}, isotropic_grid(1.0), [](int, int, int) { return 1; });
   for (float& voxel : volume.voxels) voxel = 103.7F;
   EXPECT_THROW(layers_along_path(volume, Point(5, 5, 2), Point(0, 0, 1), Millimetres(2.0), kNames),
-               SetupError);
+               ConfigError);
   for (float& voxel : volume.voxels) voxel = std::nanf("");
   EXPECT_THROW(layers_along_path(volume, Point(5, 5, 2), Point(0, 0, 1), Millimetres(2.0), kNames),
-               SetupError);
+               ConfigError);
 }
 
 Layer layer(const char* name, double from, double to) {
@@ -163,7 +163,7 @@ TEST(LayerTable, RefusesWhatDoesNotDescribeAPath) {
                                                   {layer("muscle", 0, INFINITY)}};
   for (const auto& layers : faulty) {
     EXPECT_NE(layer_fault(layers), "");
-    EXPECT_THROW(check_layers(layers, "case.toml"), SetupError);
+    EXPECT_THROW(check_layers(layers, "case.toml"), ConfigError);
   }
 }
 

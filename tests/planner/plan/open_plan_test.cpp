@@ -17,9 +17,9 @@ Plan sealed_plan(bool bench) {
   plan.registration_fre_mm = 0.25;
   plan.target_depth = Millimetres(3.5);
   plan.layers = {{"gap", Millimetres(0), Millimetres(1)}, {"liver", Millimetres(1), Millimetres(9)}};
-  plan.stages = {{StageKind::Approach, Millimetres(0.5), MillimetresPerSecond(2), Volts(5000), Seconds(0.2),
+  plan.stages = {{StepKind::Approach, Millimetres(0.5), MillimetresPerSecond(2), Volts(5000), Seconds(0.2),
                   false, "stop short"},
-                 {StageKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
+                 {StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
                   true, "target in liver"}};
   plan.limits = {Millimetres(4.5), Volts(6000), {{Volts(500), Millimetres(-0.5), Millimetres(4)}}};
   if (bench) plan.bench = BenchDrive{Seconds(0.5)};

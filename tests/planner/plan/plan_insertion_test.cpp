@@ -71,7 +71,7 @@ TEST(PlanInsertion, LimitsStayWithinTheHardOnes) {
     const Plan plan = plan_of(request_for({0, 0, depth - 1e-9 + (depth < 1 ? 2e-9 : 0)}));
     EXPECT_LE(to_um(plan.limits.depth_max), limits::kStroke_um);
     EXPECT_LE(to_mV(plan.limits.v_max), limits::kDriveMax_mV);
-    for (const Stage& stage : plan.stages) EXPECT_LE(stage.v_max, plan.limits.v_max);
+    for (const InsertionStep& stage : plan.stages) EXPECT_LE(stage.v_max, plan.limits.v_max);
     EXPECT_EQ(plan.limits.plausible.size(), 17u);
   }
 }

@@ -154,7 +154,7 @@ TEST(GivenTransform, RefusesWhatIsNotRigid) {
     try {
       rigid_transform_from_ras(rows, "case.toml");
       ADD_FAILURE() << reason;
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_NE(error.what_is_wrong.find(reason), std::string::npos) << error.what_is_wrong;
       EXPECT_EQ(error.where, "case.toml");
     }
@@ -170,7 +170,7 @@ TEST(NeedlePose, WaitsAtTheEntryAndPointsAtTheTarget) {
     EXPECT_NEAR(X_SR.linear().determinant(), 1.0, 1e-9);
   }
   EXPECT_NO_THROW(needle_pose({0, 0, 5}, {0, 0, 1}));  // straight against robot z
-  EXPECT_THROW(needle_pose({1, 2, 3}, {1, 2, 3}), SetupError);
+  EXPECT_THROW(needle_pose({1, 2, 3}, {1, 2, 3}), ConfigError);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ Plan sample_plan() {
   plan.target_depth = Millimetres(3.5);
   plan.axis_offset = Millimetres(0.125);
   plan.layers = {{"liver", Millimetres(0), Millimetres(9)}};
-  plan.stages = {{StageKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
+  plan.stages = {{StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
                   true, "target in liver"}};
   plan.limits = {Millimetres(4.5), Volts(6000), {{Volts(500), Millimetres(-0.5), Millimetres(4)}}};
   return plan;
@@ -50,7 +50,7 @@ TEST(Seal, BreaksWithEverySingleField) {
       [](Plan& p) { p.target_depth += Millimetres(0.1); }, [](Plan& p) { p.axis_offset += Millimetres(0.1); },
       [](Plan& p) { p.layers[0].name = "gap"; }, [](Plan& p) { p.layers[0].from += Millimetres(0.1); },
       [](Plan& p) { p.layers[0].to += Millimetres(0.1); }, [](Plan& p) { p.layers.push_back(p.layers[0]); },
-      [](Plan& p) { p.layers.clear(); }, [](Plan& p) { p.stages[0].kind = StageKind::Waypoint; },
+      [](Plan& p) { p.layers.clear(); }, [](Plan& p) { p.stages[0].kind = StepKind::Waypoint; },
       [](Plan& p) { p.stages[0].depth += Millimetres(0.1); },
       [](Plan& p) { p.stages[0].speed += MillimetresPerSecond(0.1); },
       [](Plan& p) { p.stages[0].v_max += Volts(1); }, [](Plan& p) { p.stages[0].dwell += Seconds(0.1); },

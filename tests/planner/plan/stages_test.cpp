@@ -22,14 +22,14 @@ std::vector<Millimetres> millimetres(const std::vector<double>& values) {
   return depths;
 }
 
-std::vector<Stage> stages_in(const std::vector<Layer>& layers, double target,
+std::vector<InsertionStep> stages_in(const std::vector<Layer>& layers, double target,
                              const std::vector<double>& waypoints = {},
                              Staging staging = Staging::Automatic) {
   return plan_stages(layers, Millimetres(target), millimetres(waypoints), staging, Pace{},
                      NominalModel(Grams(50)));
 }
 
-void expect_depths(const std::vector<Stage>& stages, const std::vector<double>& depths) {
+void expect_depths(const std::vector<InsertionStep>& stages, const std::vector<double>& depths) {
   ASSERT_EQ(stages.size(), depths.size());
   for (std::size_t n = 0; n < depths.size(); ++n) EXPECT_NEAR(stages[n].depth.value, depths[n], 1e-9) << n;
 }
@@ -37,7 +37,7 @@ void expect_depths(const std::vector<Stage>& stages, const std::vector<double>& 
 TEST(Stages, GapSamplingGoesDirectlyAsThePaperDid) {
   const auto stages = stages_in(kPhantom, 2.5, {}, Staging::AsGiven);
   expect_depths(stages, {2.5});
-  EXPECT_EQ(stages[0].kind, StageKind::Target);
+  EXPECT_EQ(stages[0].kind, StepKind::Target);
   EXPECT_EQ(stages[0].speed, Pace{}.crossing);  // through muscle | gap
   EXPECT_TRUE(stages[0].image_confirms);
   EXPECT_EQ(stages[0].why, "target in gap; slowly through muscle | gap at 2.00 mm");
@@ -46,7 +46,7 @@ TEST(Stages, GapSamplingGoesDirectlyAsThePaperDid) {
 TEST(Stages, LiverSamplingStopsAtTwoMillimetresForAnImage) {
   const auto stages = stages_in(kPhantom, 3.5, {2.0}, Staging::AsGiven);
   expect_depths(stages, {2.0, 3.5});
-  EXPECT_EQ(stages[0].kind, StageKind::Waypoint);
+  EXPECT_EQ(stages[0].kind, StepKind::Waypoint);
   EXPECT_TRUE(stages[0].image_confirms && stages[1].image_confirms);
   EXPECT_NE(stages[1].why.find("gap | liver at 2.90 mm"), std::string::npos) << stages[1].why;
 }
@@ -54,13 +54,13 @@ TEST(Stages, LiverSamplingStopsAtTwoMillimetresForAnImage) {
 TEST(Stages, AutomaticStagesStopOnBothSidesOfEachBoundary) {
   const auto stages = stages_in(kPhantom, 3.5);
   expect_depths(stages, {1.7, 2.3, 2.6, 3.2, 3.5});
-  const std::vector<StageKind> kinds = {StageKind::Approach, StageKind::Cross, StageKind::Approach,
-                                        StageKind::Cross, StageKind::Target};
+  const std::vector<StepKind> kinds = {StepKind::Approach, StepKind::Cross, StepKind::Approach,
+                                        StepKind::Cross, StepKind::Target};
   const std::vector<bool> confirms = {false, false, true, false, true};
   for (std::size_t n = 0; n < stages.size(); ++n) {
     EXPECT_EQ(stages[n].kind, kinds[n]) << n;
     EXPECT_EQ(stages[n].image_confirms, confirms[n]) << n;
-    EXPECT_EQ(stages[n].speed, kinds[n] == StageKind::Cross ? Pace{}.crossing : Pace{}.speed) << n;
+    EXPECT_EQ(stages[n].speed, kinds[n] == StepKind::Cross ? Pace{}.crossing : Pace{}.speed) << n;
   }
   EXPECT_EQ(stages[0].why, "stop short of muscle | gap at 2.00 mm");
   EXPECT_EQ(stages[1].why, "stop behind muscle | gap at 2.00 mm");
@@ -133,12 +133,12 @@ RandomPath random_path(std::mt19937_64& random) {
   return path;
 }
 
-void expect_each_boundary_is_respected(const RandomPath& path, const std::vector<Stage>& stages,
+void expect_each_boundary_is_respected(const RandomPath& path, const std::vector<InsertionStep>& stages,
                                        Staging staging) {
   for (std::size_t n = 1; n < path.layers.size(); ++n) {
     const double boundary = path.layers[n].from.value;
     double start = 0.0;
-    for (const Stage& stage : stages) {
+    for (const InsertionStep& stage : stages) {
       const bool comes_near = start < boundary + 0.3 - 1e-5 && stage.depth.value > boundary - 0.3 + 1e-5;
       if (comes_near) {
         EXPECT_EQ(stage.speed, Pace{}.crossing) << "boundary " << boundary;
@@ -151,7 +151,7 @@ void expect_each_boundary_is_respected(const RandomPath& path, const std::vector
     const bool too_close = n > 1 && boundary - path.layers[n - 1].from.value < 0.3 + 0.3 + 0.2;
     if (at_entry || too_close) continue;
     EXPECT_TRUE(std::any_of(stages.begin(), stages.end(),
-                            [&](const Stage& stage) {
+                            [&](const InsertionStep& stage) {
                               return stage.depth.value <= boundary - 0.3 + 1e-5 &&
                                      stage.depth.value >= boundary - 0.5 - 1e-5;
                             }))
@@ -169,10 +169,10 @@ TEST(Stages, HoldTheirInvariantsOverRandomTissue) {
 
     ASSERT_FALSE(stages.empty());
     EXPECT_EQ(stages.back().depth.value, path.target);
-    EXPECT_EQ(stages.back().kind, StageKind::Target);
+    EXPECT_EQ(stages.back().kind, StepKind::Target);
     EXPECT_TRUE(stages.back().image_confirms);
     double previous = 0.0;
-    for (const Stage& stage : stages) {
+    for (const InsertionStep& stage : stages) {
       EXPECT_GT(stage.depth.value, previous);
       EXPECT_GT(stage.v_max.value, 0.0);
       EXPECT_LE(to_mV(stage.v_max), limits::kDriveMax_mV);
@@ -182,7 +182,7 @@ TEST(Stages, HoldTheirInvariantsOverRandomTissue) {
     }
     for (const double waypoint : path.waypoints)
       EXPECT_EQ(std::count_if(stages.begin(), stages.end(),
-                              [&](const Stage& s) { return s.depth.value == waypoint; }),
+                              [&](const InsertionStep& s) { return s.depth.value == waypoint; }),
                 1);
     if (staging == Staging::AsGiven) {
       EXPECT_EQ(stages.size(), path.waypoints.size() + 1);
@@ -190,7 +190,7 @@ TEST(Stages, HoldTheirInvariantsOverRandomTissue) {
     expect_each_boundary_is_respected(path, stages, staging);
 
     // An image confirms the last stop in front of the target's layer, wherever there is one.
-    const auto before = [&](const Stage& stage) {
+    const auto before = [&](const InsertionStep& stage) {
       return stage.depth.value <= path.layers.back().from.value + 1e-6;
     };
     const auto last = std::find_if(stages.rbegin() + 1, stages.rend(), before);

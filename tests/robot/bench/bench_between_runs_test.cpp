@@ -9,7 +9,7 @@
 #include "robot/bench/experiments.hpp"
 #include "sim/simulated_stage.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr double kTau_s = 6.9;  // of the films, model.md
@@ -21,7 +21,7 @@ sim::PlantModel bench_model() {
   return model;
 }
 
-BenchResult played(const BenchRun& run, sim::SimStage& stage, Seconds rest,
+BenchResult played(const BenchRun& run, sim::SimulatedStage& stage, Seconds rest,
                    const std::function<bool()>& stop = {}) {
   const auto plan = planner::plan_bench(bench_request(run));
   return run_on_bench(
@@ -44,7 +44,7 @@ BenchRun run_named(const std::string& name) {
 TEST(BenchBetweenRuns, ARestMakesAUsedStageANewOne) {
   const BenchRun plus = run_named("dc-plus-50g"), minus = run_named("dc-minus-50g");
   const auto after = [&](Seconds rest, bool used) {
-    sim::SimStage stage(bench_model(), 3);
+    sim::SimulatedStage stage(bench_model(), 3);
     if (used) {
       EXPECT_EQ(played(plus, stage, Seconds(0)).stopped_because, "");
     }
@@ -58,7 +58,7 @@ TEST(BenchBetweenRuns, ARestMakesAUsedStageANewOne) {
 }
 
 TEST(BenchBetweenRuns, TheRestIsNotPartOfTheRecord) {
-  sim::SimStage stage(bench_model(), 3), other(bench_model(), 3);
+  sim::SimulatedStage stage(bench_model(), 3), other(bench_model(), 3);
   const BenchRun run = run_named("staircase-50g");
   const auto rows = played(run, stage, Seconds(20)).recorded.time.size();
   EXPECT_NEAR(static_cast<double>(rows),
@@ -69,7 +69,7 @@ TEST(BenchBetweenRuns, TheRestIsNotPartOfTheRecord) {
 TEST(BenchBetweenRuns, StoppedInItsRestItNeverBegins) {
   const BenchRun run = run_named("staircase-50g");
   const auto plan = planner::plan_bench(bench_request(run));
-  sim::SimStage stage(bench_model(), 3);
+  sim::SimulatedStage stage(bench_model(), 3);
   int ticks = 0;
   bool asked = false;
   const BenchResult result = run_on_bench(run, std::get<Plan>(plan), 1,
@@ -87,7 +87,7 @@ TEST(BenchBetweenRuns, StoppedInItsRestItNeverBegins) {
 TEST(BenchBetweenRuns, WhoeverStopsItGetsZeroVoltsAndWhatWasRecorded) {
   const BenchRun run = run_named("staircase-50g");
   for (const int after_ticks : {200, 1'000, 3'000, 12'000}) {
-    sim::SimStage stage(bench_model(), 3);
+    sim::SimulatedStage stage(bench_model(), 3);
     int ticks = 0;
     const BenchResult result = played(run, stage, Seconds(0), [&] { return ++ticks > after_ticks; });
     EXPECT_EQ(result.stopped_because, "interrupted");
@@ -99,4 +99,4 @@ TEST(BenchBetweenRuns, WhoeverStopsItGetsZeroVoltsAndWhatWasRecorded) {
 }
 
 }  // namespace
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

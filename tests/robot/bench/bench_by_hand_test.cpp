@@ -13,8 +13,9 @@
 #include "sim/simulated_stage.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/simulate.hpp"
+#include "tests/source_dir.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr std::size_t kPeriod_ticks = 500;  // 2 Hz
@@ -31,7 +32,7 @@ sim::PlantModel stage_with(double friction_N, double weight_g) {
 // Does what it was asked for, a second or so later.
 class Hand {
  public:
-  Hand(sim::SimStage& stage, unsigned seed, double latest_s)
+  Hand(sim::SimulatedStage& stage, unsigned seed, double latest_s)
       : stage_(stage), random_(seed), latest_s_(latest_s) {}
 
   void asked(double push_N) {
@@ -51,7 +52,7 @@ class Hand {
   std::vector<double> began_s;  // since the first tick
 
  private:
-  sim::SimStage& stage_;
+  sim::SimulatedStage& stage_;
   std::mt19937 random_;
   double latest_s_;
   double now_s_ = 0.0, begins_s_ = 0.0, from_N_ = 0.0, asked_N_ = 0.0;
@@ -70,7 +71,7 @@ ByHand played_by_hand(const std::string& experiment, const sim::PlantModel& mode
   setup.by_hand = true;
   const BenchRun run = runs_of({experiment}, setup).front();
   const auto plan = planner::plan_bench(bench_request(run));
-  sim::SimStage stage(model, seed);
+  sim::SimulatedStage stage(model, seed);
   Hand hand(stage, seed, latest_s);
   std::int64_t asked_us = std::numeric_limits<std::int64_t>::max();
   ByHand played;
@@ -143,7 +144,7 @@ TEST(BenchByHand, OnAStageThatRubsWhatIsSeenIsWhereTheHandWas) {
 
 // The stage behind the paper's figures: guide, retained charge, a reading that is late.
 TEST(BenchByHand, OnTheCalibratedStageTheyAreSeenToo) {
-  sim::PlantModel model = sim::read_model(BIOPSY_SOURCE_DIR "/sim/models/calibrated.toml");
+  sim::PlantModel model = sim::read_model(source_dir() / "sim/models/calibrated.toml");
   model.weight = 0.050;
   EXPECT_GE(seen_in_three_loads(model, {.drive_scale = 2.0, .push_scale = 2.5}), 9U);
 }
@@ -191,7 +192,7 @@ TEST(BenchByHand, NoiseAndOscillationAreNoPush) {
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U}) {
     const BenchRun run = runs_of({"load"}, {.weight = Grams(50.0), .by_hand = true}).front();
     const auto plan = planner::plan_bench(bench_request(run));
-    sim::SimStage stage(stage_with(0.02, 50.0), seed);
+    sim::SimulatedStage stage(stage_with(0.02, 50.0), seed);
     BenchResult result = run_on_bench(run, std::get<Plan>(plan), 1,
                                       {.stage = stage, .push = [](double) {}, .played = [](double) {}});
     const std::vector<HandPush> pushes = dated(result.recorded);
@@ -212,4 +213,4 @@ TEST(BenchByHand, WeightsAreWholeGramsAndLastUntilAHandCanFollow) {
 }
 
 }  // namespace
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

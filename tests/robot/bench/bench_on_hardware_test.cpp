@@ -8,7 +8,7 @@
 #include "robot/bench/experiments.hpp"
 #include "tests/drivers/nidaqmx/stage_in_hand.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 constexpr int kHandAfter_ticks = 2'000;
@@ -67,4 +67,4 @@ TEST_F(BenchOnHardware, ThePressedEmergencyStopKeepsItFromStarting) {
 }
 
 }  // namespace
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

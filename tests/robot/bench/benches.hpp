@@ -15,11 +15,11 @@
 namespace biopsy::commissioning {
 
 // Hears everything, answers nothing: the other half of a simulated person.
-class Listener final : public Person {
+class Listener final : public Operator {
  public:
-  void told(const std::string& what) override { heard += what + "\n"; }
-  bool does(Act act, const std::string&) override { return !refuses.contains(act); }
-  std::optional<double> reads(const std::string&) override { return std::nullopt; }
+  void notify(const std::string& what) override { heard += what + "\n"; }
+  bool confirm(Act act, const std::string&) override { return !refuses.contains(act); }
+  std::optional<double> enter_value(const std::string&) override { return std::nullopt; }
 
   std::string heard;
   std::set<Act> refuses;
@@ -33,28 +33,28 @@ inline sim::PlantModel quiet_model() {
 
 // The simulated bench with everything that belongs to it.
 struct SimulatedRoom {
-  app::SimulatedBench bench{quiet_model(), 1};
-  app::SupervisedRig rig{bench, bench.trimmings()};
+  robot::SimulatedBench bench{quiet_model(), 1};
+  robot::SupervisedRig rig{bench, bench.trimmings()};
   Listener listener;
-  app::SimulatedPerson person{bench, listener, false};
+  robot::SimulatedOperator operator_{bench, listener, false};
 
-  Record walk() { return walked({}, rig, person); }
+  Record walk() { return run_steps({}, rig, operator_); }
 };
 
 // Hands at the board that is not there.
-class BoardPerson final : public Person {
+class BoardOperator final : public Operator {
  public:
-  explicit BoardPerson(fake::Board& board) : board_(board) {}
+  explicit BoardOperator(fake::Board& board) : board_(board) {}
 
-  void told(const std::string&) override {}
-  bool does(Act act, const std::string&) override {
+  void notify(const std::string&) override {}
+  bool confirm(Act act, const std::string&) override {
     if (act == Act::LayBlock) board_.push_N = -0.56;
     if (act == Act::RemoveBlock) board_.push_N = 0.0;
     if (act == Act::PressEstopUnderVoltage) board_.press_under_voltage = 300;
     if (act == Act::ReleaseEstop) board_.press_under_voltage = 0, board_.contacts |= 0b1100U;
     return true;
   }
-  std::optional<double> reads(const std::string&) override {
+  std::optional<double> enter_value(const std::string&) override {
     return block_mm.value_or(board_.plant.motion.x * 1e3);
   }
 
@@ -68,22 +68,22 @@ struct Laboratory {
   explicit Laboratory(nidaqmx::Config with = nidaqmx::laboratory()) : config(std::move(with)) {}
 
   Record walk() {
-    app::StageTrimmings trimmings;
+    robot::StageTrimmings trimmings;
     trimmings.feed_interlock = [this](bool feeding) { stage.feed_interlock(feeding); };
     if (stage.has_panel())
       trimmings.estop = [this] {
-        return app::StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
+        return robot::StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
       };
     trimmings.supervisor_pulse = &supervisors_half;
-    app::SupervisedRig rig(stage, trimmings);
-    return walked({}, rig, person);
+    robot::SupervisedRig rig(stage, trimmings);
+    return run_steps({}, rig, operator_);
   }
 
   fake::Board& board = *fake_reset();
   nidaqmx::Config config;
   nidaqmx::NidaqmxStage stage{config, fake_now_us};
   nidaqmx::PulseLine supervisors_half{config};
-  BoardPerson person{board};
+  BoardOperator operator_{board};
 };
 
 // The step that ended a walk, and the first of its figures that is not right.
@@ -96,7 +96,7 @@ inline std::string ended_by(const Record& record) {
 
 inline std::string told_all(const Record& record) {
   std::string text;
-  for (const StepRecord& step : record.steps) text += step.name + "\n" + told(step) + "\n";
+  for (const StepRecord& step : record.steps) text += step.name + "\n" + notify(step) + "\n";
   return text;
 }
 

@@ -31,9 +31,9 @@ class AcceptedModel : public testing::Test {
   void expect_refused(const std::string& text, const std::string& reason) {
     const std::set<std::string> before = files_in(folder_.path());
     try {
-      app::accept_model(file_, text);
+      robot::accept_model(file_, text);
       FAIL() << "accepted";
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_NE(error.what_is_wrong.find(reason), std::string::npos) << error.what_is_wrong;
       EXPECT_FALSE(error.remedy.empty());
     }
@@ -48,8 +48,8 @@ class AcceptedModel : public testing::Test {
 };
 
 TEST_F(AcceptedModel, KeepsEveryOldVersionUnderItsNumber) {
-  EXPECT_EQ(app::accept_model(file_, kNew).filename(), "stage.toml.1");
-  EXPECT_EQ(app::accept_model(file_, kNewer).filename(), "stage.toml.2");
+  EXPECT_EQ(robot::accept_model(file_, kNew).filename(), "stage.toml.1");
+  EXPECT_EQ(robot::accept_model(file_, kNewer).filename(), "stage.toml.2");
   EXPECT_EQ(file_content(file_), kNewer);
   EXPECT_EQ(file_content(folder_ / "stage.toml.1"), kOld);
   EXPECT_EQ(file_content(folder_ / "stage.toml.2"), kNew);
@@ -59,7 +59,7 @@ TEST_F(AcceptedModel, KeepsEveryOldVersionUnderItsNumber) {
 TEST_F(AcceptedModel, TakesTheFirstFreeNumberAndOverwritesNobody) {
   folder_.write("stage.toml.1", "mine");
   fs::create_symlink("nowhere", folder_ / "stage.toml.2");
-  EXPECT_EQ(app::accept_model(file_, kNew).filename(), "stage.toml.3");
+  EXPECT_EQ(robot::accept_model(file_, kNew).filename(), "stage.toml.3");
   EXPECT_EQ(file_content(folder_ / "stage.toml.1"), "mine");
   EXPECT_EQ(file_content(folder_ / "stage.toml.3"), kOld);
 }
@@ -67,7 +67,7 @@ TEST_F(AcceptedModel, TakesTheFirstFreeNumberAndOverwritesNobody) {
 TEST_F(AcceptedModel, KeepsTheModeOfTheFile) {
   const fs::perms mode = fs::perms::owner_read | fs::perms::owner_write;
   fs::permissions(file_, mode);
-  const fs::path old = app::accept_model(file_, kNew);
+  const fs::path old = robot::accept_model(file_, kNew);
   EXPECT_EQ(fs::status(file_).permissions(), mode);
   EXPECT_EQ(fs::status(old).permissions(), mode);
 }
@@ -75,7 +75,7 @@ TEST_F(AcceptedModel, KeepsTheModeOfTheFile) {
 TEST_F(AcceptedModel, FollowsALinkToTheFileBehindIt) {
   const ScratchFolder elsewhere;
   fs::create_symlink(file_, elsewhere / "linked.toml");
-  EXPECT_EQ(app::accept_model(elsewhere / "linked.toml", kNew),
+  EXPECT_EQ(robot::accept_model(elsewhere / "linked.toml", kNew),
             fs::canonical(folder_.path()) / "stage.toml.1");
   EXPECT_TRUE(fs::is_symlink(elsewhere / "linked.toml"));
   EXPECT_EQ(file_content(file_), kNew);
@@ -110,7 +110,7 @@ TEST_F(AcceptedModel, LeavesEverythingWhereTheOldOneCannotBeKept) {
   // 255 letters are the most a name may have: there is no room for ".1".
   const fs::path longest = folder_ / (std::string(250, 'm').append(".toml"));
   write_content(longest, kOld);
-  EXPECT_THROW(app::accept_model(longest, kNew), SetupError);
+  EXPECT_THROW(robot::accept_model(longest, kNew), ConfigError);
   EXPECT_EQ(file_content(longest), kOld);
 }
 

@@ -6,6 +6,7 @@
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/simulate.hpp"
 #include "tests/robot/cli/command.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::stories {
 namespace {
@@ -113,8 +114,7 @@ TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {
 TEST(Characterise, AStageThatNeedsMoreVoltageGetsItUnderTheSameSupervisor) {
   const ScratchFolder folder;
   const auto measured = [&](const std::string& scale) {
-    return biopsy("characterise --bench --model " BIOPSY_SOURCE_DIR
-                  "/sim/models/calibrated.toml --drive-scale " +
+    return biopsy("characterise --bench --model " + (kHouse / "sim/models/calibrated.toml").string() + " --drive-scale " +
                   scale + " --out " + (folder / scale).string());
   };
   const Answer little = measured("1"), enough = measured("2");
@@ -137,7 +137,7 @@ std::string without(std::string text, const std::string& from, const std::string
 
 TEST(Characterise, NamesTheGuideThatTheStageBehindThePaperHas) {
   const ScratchFolder folder;
-  const std::string truth = BIOPSY_SOURCE_DIR "/sim/models/calibrated.toml";
+  const std::string truth = kHouse / "sim/models/calibrated.toml";
   const std::string uncorrelated = without(file_content(truth), "# Of the deviations above");
   folder.write("believed.toml", without(uncorrelated, "# A restoring force", "# The reading is late"));
   const Answer measured = biopsy("characterise staircase --bench --drive-scale 2 --model " + truth +
@@ -221,8 +221,7 @@ TEST(Characterise, RefusesWithWhatToDo) {
   refuse("--bench", "--out");
   refuse("fly --bench" + out, "choose from: dc, staircase, load, impact, frequency");
   refuse("--device nidaqmx --bench" + out, "--commissioning");
-  const std::string board = " --device-config " BIOPSY_SOURCE_DIR
-                            "/drivers/nidaqmx/usb6211.toml --commissioning " +
+  const std::string board = " --device-config " + (kHouse / "drivers/nidaqmx/usb6211.toml").string() + " --commissioning " +
                             (folder / "none").string();
   refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
   refuse("load --device nidaqmx --bench" + board + out, "--weights-by-hand");

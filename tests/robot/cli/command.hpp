@@ -13,10 +13,11 @@
 #include <string>
 
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::stories {
 
-inline const std::filesystem::path kHouse = BIOPSY_SOURCE_DIR;
+inline const std::filesystem::path kHouse = source_dir();
 inline const std::filesystem::path kShared = kHouse / "../shared/data";
 
 struct Answer {
@@ -26,7 +27,7 @@ struct Answer {
 
 // `words`: everything after the program's name, as typed in a shell.
 inline Answer biopsy(const std::string& words) {
-  const std::string line = "'" BIOPSY_BINARY_DIR "/biopsy' " + words + " 2>&1";
+  const std::string line = "'" + (binary_dir() / "biopsy").string() + "' " + words + " 2>&1";
   Answer answer;
   FILE* pipe = popen(line.c_str(), "r");
   if (pipe == nullptr) return answer;

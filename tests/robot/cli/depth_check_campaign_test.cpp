@@ -14,6 +14,7 @@
 #include "sim/scanner/phantom.hpp"
 #include "sim/scanner/scanner.hpp"
 #include "sim/plant/seeded_noise.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy {
 namespace {
@@ -181,7 +182,7 @@ void expect_the_bar(const std::vector<Outcome>& outcomes, double band_mm, double
 }
 
 std::optional<Volume> real_volume(const std::string& name) {
-  const auto path = std::filesystem::path(BIOPSY_SOURCE_DIR) / "../shared/data/images/mr" / name;
+  const auto path = source_dir() / "../shared/data/images/mr" / name;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return imaging::read_volume(path);
 }

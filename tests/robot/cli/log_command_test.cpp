@@ -10,6 +10,7 @@
 #include "robot/security/make_keys.hpp"
 #include "robot/recorder/recorder.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy {
 namespace {
@@ -18,7 +19,7 @@ class LogCommand : public testing::Test {
  protected:
   void SetUp() override {
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-    keys::make_keys(folder_ / "keys", 1, now, false);
+    security::make_keys(folder_ / "keys", 1, now, false);
     recorder::Recorder recorder(log_, recorder::SigningKey(folder_ / "keys/recorder/signing_key.pem"));
     for (int n = 0; n < 5; ++n)
       recorder.append({n, n, "test", recorder::RecordKind::OperatorAct, "comma, \"quote\"\nand line"},
@@ -28,7 +29,7 @@ class LogCommand : public testing::Test {
 
   int answer(const std::string& words) const {
     const std::string command =
-        fmt::format("{}/biopsy log {} > {} 2>&1", BIOPSY_BINARY_DIR, words, (folder_ / "said").string());
+        fmt::format("{}/biopsy log {} > {} 2>&1", binary_dir().string(), words, (folder_ / "said").string());
     return WEXITSTATUS(std::system(command.c_str()));
   }
   void change(const char* sql) const {

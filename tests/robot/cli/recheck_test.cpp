@@ -8,28 +8,29 @@
 
 #include "robot/common/config_error.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::stories {
 namespace {
 
 const std::filesystem::path kRehearsal =
-    std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models/rehearsal.toml";
+    source_dir() / "sim/models/rehearsal.toml";
 const std::string kNoisy = "[baseline]\n[effect.sensor_noise]\nstd_mm = 0.010\n";
 // An amplifier that gives no more than 1.2 kV lifts nothing to the target.
 const std::string kWeak = "[effect.voltage_saturation]\nlevel_kV = 1.2\nknee_kV = 0\n";
 
-app::Recheck rechecked(const std::filesystem::path& old_model, const std::filesystem::path& new_model) {
-  return app::recheck(old_model, new_model, 0.010, [](double, const std::string&) {});
+robot::Recheck rechecked(const std::filesystem::path& old_model, const std::filesystem::path& new_model) {
+  return robot::recheck(old_model, new_model, 0.010, [](double, const std::string&) {});
 }
 
-const MarginChange& margin(const app::Recheck& checked, const std::string& plan,
+const MarginChange& margin(const robot::Recheck& checked, const std::string& plan,
                            const std::string& quantity) {
   return *std::find_if(checked.margins.begin(), checked.margins.end(),
                        [&](const MarginChange& m) { return m.plan == plan && m.quantity == quantity; });
 }
 
 TEST(Recheck, TheSameModelTwiceChangesNoMargin) {
-  const app::Recheck checked = rechecked(kRehearsal, kRehearsal);
+  const robot::Recheck checked = rechecked(kRehearsal, kRehearsal);
   EXPECT_EQ(checked.margins.size(), 20U);
   for (const MarginChange& m : checked.margins) {
     EXPECT_EQ(m.before, m.after) << m.plan << " " << m.quantity;
@@ -45,7 +46,7 @@ TEST(Recheck, AModelThatTheRobotCannotWorkWithFailsAndSaysWhy) {
   const ScratchFolder folder;
   folder.write("old.toml", kNoisy);
   folder.write("new.toml", kNoisy + kWeak);
-  const app::Recheck checked = rechecked(folder / "old.toml", folder / "new.toml");
+  const robot::Recheck checked = rechecked(folder / "old.toml", folder / "new.toml");
   for (const char* plan : {"gap", "liver"}) {
     const MarginChange& stops = margin(checked, plan, "unplanned stops");
     EXPECT_EQ(stops.before, 0.0);
@@ -62,7 +63,7 @@ TEST(Recheck, LendsASensorsNoiseToAModelThatHasNone) {
   const ScratchFolder folder;
   folder.write("old.toml", kNoisy + kWeak);  // stopped early, so that this takes no time
   folder.write("new.toml", "[baseline]\n" + kWeak);
-  const app::Recheck checked = rechecked(folder / "old.toml", folder / "new.toml");
+  const robot::Recheck checked = rechecked(folder / "old.toml", folder / "new.toml");
   for (const MarginChange& m : checked.margins) EXPECT_EQ(m.before, m.after) << m.plan << " " << m.quantity;
   ASSERT_FALSE(checked.warnings.empty());
   EXPECT_NE(checked.warnings.back().find("no [effect.sensor_noise]"), std::string::npos);
@@ -74,8 +75,8 @@ TEST(Recheck, LendsASensorsNoiseToAModelThatHasNone) {
 TEST(Recheck, RefusesAFileThatIsNoModel) {
   const ScratchFolder folder;
   folder.write("new.toml", "nonsense");
-  EXPECT_THROW(rechecked(kRehearsal, folder / "new.toml"), SetupError);
-  EXPECT_THROW(rechecked(folder / "none.toml", kRehearsal), SetupError);
+  EXPECT_THROW(rechecked(kRehearsal, folder / "new.toml"), ConfigError);
+  EXPECT_THROW(rechecked(folder / "none.toml", kRehearsal), ConfigError);
 }
 
 }  // namespace

@@ -93,15 +93,15 @@ TEST(NiftiBytes, AreReadBackByThePlannersOwnReaderAtTheSamePlace) {
   small.size_mm = {6.0, 8.0, 5.0};
   const Volume image = sim::paper_phantom(small).image;
   const ScratchFolder folder;
-  report::write_whole_file(folder.path() / "volume.nii", nifti_bytes(image));
+  report::atomic_write(folder.path() / "volume.nii", nifti_bytes(image));
   const Volume back = imaging::read_volume(folder.path() / "volume.nii");
   ASSERT_EQ(back.grid.size, image.grid.size);
   EXPECT_EQ(back.voxels, image.voxels);
   EXPECT_LT((back.grid.X_SI.matrix() - image.grid.X_SI.matrix()).norm(), 1e-4);
 }
 
-TEST(GuestRules, LetInOnlyThisServersOwnPageWithItsToken) {
-  const GuestRules rules(8080, "0123");
+TEST(OriginPolicy, LetInOnlyThisServersOwnPageWithItsToken) {
+  const OriginPolicy rules(8080, "0123");
   const auto request = [](std::string_view host, std::string_view origin, std::string_view target) {
     return Request{host, origin, target};
   };
@@ -119,7 +119,7 @@ TEST(GuestRules, LetInOnlyThisServersOwnPageWithItsToken) {
     EXPECT_FALSE(rules.has_token(request("", "", target))) << target;
 }
 
-TEST(GuestRules, TokensAreLongAndNeverTheSame) {
+TEST(OriginPolicy, TokensAreLongAndNeverTheSame) {
   EXPECT_EQ(new_token().size(), 32U);
   EXPECT_NE(new_token(), new_token());
 }

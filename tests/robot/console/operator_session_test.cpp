@@ -1,4 +1,4 @@
-// The clinician at the console, without a page: what is asked, what the robot is told.
+// The operator at the console, without a page: what is asked, what the robot is told.
 #include "robot/console/operator_session.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "sim/scanner/phantom.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 namespace ask = console::ask;
@@ -25,40 +25,40 @@ constexpr std::int64_t kReads_us = 1000;
 
 struct Desk {
   ScratchFolder folder;
-  Clinician clinician;
+  OperatorSession session;
   std::vector<std::array<std::uint64_t, 2>> sent;  // the confirmations of each plan that was sent
   std::int64_t now_us = 0;
 
   explicit Desk(const Case& given)
-      : clinician(open_case(given, folder / "case"), true, folder.path(), 1,
+      : session(open_case(given, folder / "case"), true, folder.path(), 1,
                   [this](const Plan&, const std::array<std::uint64_t, 2>& confirmed) {
                     sent.push_back(confirmed);
                   }) {
-    clinician.came(kPage);
+    session.came(kPage);
   }
 
   bool asks(const console::ask::Any& asked) {
-    const auto answer = clinician.ask(kPage, asked, now_us);
+    const auto answer = session.ask(kPage, asked, now_us);
     return answer && answer->done;
   }
   void robot_is(Mode mode, safety::Hazard worst) {
     now_us += kReads_us;
-    clinician.world(now_us);
-    Beat beat{};
+    session.world(now_us);
+    CycleSample beat{};
     beat.tick.supervisor.permit.mode = mode;
     beat.tick.supervisor.worst = worst;
-    clinician.see(beat, now_us);
+    session.see(beat, now_us);
   }
   bool opens(const std::string& series_uid) {
     if (!asks(ask::OpenSeries{1, series_uid})) return false;
-    while (!clinician.state(kPage, now_us).reading.empty()) {
+    while (!session.state(kPage, now_us).reading.empty()) {
       std::this_thread::yield();
       robot_is(Mode::Safe, safety::Hazard::PlanUnconfirmed);
     }
-    return clinician.prepared().image.identity.series_uid == series_uid;
+    return session.prepared().image.identity.series_uid == series_uid;
   }
   bool sets(Mark mark, const Point& there) {
-    const Volume& image = clinician.prepared().image;
+    const Volume& image = session.prepared().image;
     const Eigen::Vector3d voxel = image.grid.X_SI.inverse() * there;
     const Point ras = ras_from_lps(there);
     return asks(ask::SetPoint{
@@ -67,20 +67,20 @@ struct Desk {
   void plans(const Point& p_SE, const Point& p_ST) {
     ASSERT_TRUE(sets(Mark::Entry, p_SE));
     ASSERT_TRUE(sets(Mark::Target, p_ST));
-    ASSERT_TRUE(asks(ask::ConfirmPlan{1, clinician.planned().seal})) << clinician.planned().refusal;
+    ASSERT_TRUE(asks(ask::ConfirmPlan{1, session.planned().seal})) << session.planned().refusal;
   }
   void ticks(bool on) {
     for (const console::Tick tick : {console::Tick::Patient, console::Tick::Place, console::Tick::Risks})
-      ASSERT_TRUE(asks(ask::SetTick{1, tick, on, clinician.planned().seal}));
+      ASSERT_TRUE(asks(ask::SetTick{1, tick, on, session.planned().seal}));
   }
 };
 
 TEST(AClinician, WhoseRobotTrippedBeforeThePlanIsConfirmedConfirmsItThenResets) {
   Desk desk(read_case("gap"));
-  const Target target = desk.clinician.prepared().target;
-  ASSERT_TRUE(desk.opens(desk.clinician.prepared().image.identity.series_uid));
+  const Target target = desk.session.prepared().target;
+  ASSERT_TRUE(desk.opens(desk.session.prepared().image.identity.series_uid));
   desk.robot_is(Mode::Trip, safety::Hazard::PlanUnconfirmed);
-  EXPECT_NE(desk.clinician.state(kPage, desk.now_us).disabled.reset.find("Confirm the plan"),
+  EXPECT_NE(desk.session.state(kPage, desk.now_us).disabled.reset.find("Confirm the plan"),
             std::string::npos);
   desk.plans(target.p_SE, target.p_ST);
   desk.robot_is(Mode::Trip, safety::Hazard::PlanUnconfirmed);
@@ -91,7 +91,7 @@ TEST(AClinician, WhoseRobotTrippedBeforeThePlanIsConfirmedConfirmsItThenResets) 
   EXPECT_NE(desk.sent[0][0], 0u);
   EXPECT_EQ(desk.sent[0][0], desk.sent[0][1]);
   desk.robot_is(Mode::Trip, safety::Hazard::None);
-  EXPECT_EQ(desk.clinician.state(kPage, desk.now_us).disabled.reset, "");
+  EXPECT_EQ(desk.session.state(kPage, desk.now_us).disabled.reset, "");
   desk.ticks(false);
   desk.robot_is(Mode::Trip, safety::Hazard::None);
   EXPECT_EQ(desk.sent.size(), 1u);  // what is withdrawn in Trip would take the reset with it
@@ -123,28 +123,28 @@ class AFolderOfImages : public ::testing::Test {
 };
 
 TEST_F(AFolderOfImages, IsOpenedByChoosingAndPlannedByClicking) {
-  EXPECT_THROW(case_of(options_), SetupError);
+  EXPECT_THROW(case_of(options_), ConfigError);
   Desk desk(case_of(options_, Points::PickedLater));
-  ASSERT_EQ(desk.clinician.series().all().size(), 3u);
+  ASSERT_EQ(desk.session.series().all().size(), 3u);
   for (const char* patient : {"A", "B", "A"}) {
     ASSERT_TRUE(desk.opens(std::string("1.2.3.") + (*patient == 'A' ? "1" : "2"))) << patient;
-    EXPECT_TRUE(desk.clinician.opened()->proposal.empty());
+    EXPECT_TRUE(desk.session.opened()->proposal.empty());
     desk.plans(p_SE_, p_ST_);
-    EXPECT_EQ(desk.clinician.prepared().target.patient_id, patient);
-    EXPECT_NEAR(desk.clinician.planned().depth, 2.0, 1e-9);
+    EXPECT_EQ(desk.session.prepared().target.patient_id, patient);
+    EXPECT_NEAR(desk.session.planned().depth, 2.0, 1e-9);
   }
   EXPECT_FALSE(desk.opens("lost.nii"));
 }
 
 TEST_F(AFolderOfImages, OfACaseWithPointsIsOfOnePatient) {
   options_.entry = "0,0,0";
-  EXPECT_THROW(case_of(options_, Points::PickedLater), SetupError);  // one point is none
+  EXPECT_THROW(case_of(options_, Points::PickedLater), ConfigError);  // one point is none
   options_.target = "0,0,-5";
   options_.series = "1.2.3.1";
   Desk desk(case_of(options_, Points::PickedLater));
   EXPECT_FALSE(desk.opens("1.2.3.2"));
-  EXPECT_EQ(desk.clinician.opened().has_value(), false);
+  EXPECT_EQ(desk.session.opened().has_value(), false);
 }
 
 }  // namespace
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

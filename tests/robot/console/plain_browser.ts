@@ -1,5 +1,5 @@
 // A browser without the test tool in it: the tool tells each of its pages that it is in view and has the keyboard,
-// whatever lies in front of it. Spoken to by the DevTools protocol over a pipe.
+// whatever lies in front of it. ProcessResult to by the DevTools protocol over a pipe.
 import { type ChildProcess, spawn } from 'node:child_process'
 import { mkdtempSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'

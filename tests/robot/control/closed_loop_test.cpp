@@ -10,6 +10,7 @@
 #include "robot/control/step_runner.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/plant.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::control {
 namespace {
@@ -39,7 +40,7 @@ struct Trouble {
 Trace driven(const std::string& model_name, double target_mm, int ticks = 12000,
              const Trouble& trouble = {}) {
   const sim::PlantModel model =
-      sim::read_model(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim" / "models" / model_name);
+      sim::read_model(source_dir() / "sim" / "models" / model_name);
   Plan plan;
   plan.stages.resize(1);
   plan.stages[0].depth = Millimetres(target_mm);

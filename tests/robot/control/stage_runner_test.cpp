@@ -9,14 +9,14 @@
 namespace biopsy::control {
 namespace {
 
-Plan plan_of(std::vector<Stage> stages) {
+Plan plan_of(std::vector<InsertionStep> stages) {
   Plan plan;
   plan.stages = std::move(stages);
   return plan;
 }
 
-Stage stage(double depth_mm, double speed_mm_s, double dwell_s = 0.0) {
-  Stage made;
+InsertionStep stage(double depth_mm, double speed_mm_s, double dwell_s = 0.0) {
+  InsertionStep made;
   made.depth = Millimetres(depth_mm);
   made.speed = MillimetresPerSecond(speed_mm_s);
   made.dwell = Seconds(dwell_s);

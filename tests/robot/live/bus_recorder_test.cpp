@@ -10,7 +10,7 @@
 #include "robot/live/heartbeat.hpp"
 #include "tests/robot/recorder/log_for_tests.hpp"
 
-namespace biopsy::app {
+namespace biopsy::robot {
 namespace {
 
 using recorder::LogFolder;
@@ -18,11 +18,11 @@ using recorder::Record;
 
 constexpr std::uint32_t kDomain = 77;  // of this test alone
 
-TEST(LogScribe, WritesDownWhatAProcessSaysWhateverTheBytes) {
-  const transport::Participant bus({kDomain, keys::cyclone_xml({}), 1});
+TEST(BusRecorder, WritesDownWhatAProcessSaysWhateverTheBytes) {
+  const transport::Participant bus({kDomain, security::cyclone_xml({}), 1});
   const LogFolder folder;
   recorder::Recorder log(folder.log, folder.key());
-  LogScribe scribe(bus, log, 1, nullptr);
+  BusRecorder scribe(bus, log, 1, nullptr);
   live::Heartbeat stage(bus, Process::Stage, 1);
   const std::string said = "NI-DAQmx -200279: device is gone";
   stage.note(said);
@@ -47,4 +47,4 @@ TEST(LogScribe, WritesDownWhatAProcessSaysWhateverTheBytes) {
 }
 
 }  // namespace
-}  // namespace biopsy::app
+}  // namespace biopsy::robot

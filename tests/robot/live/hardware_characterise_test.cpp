@@ -58,7 +58,7 @@ TEST(HardwareLive, CharacteriseAsksAHandForWeightsAndDatesThemByTheDepth) {
   constexpr double kSixGrams_N = 6 * 9.81e-3;
   const fs::path leaky = lab.folder.path() / "leaky.toml";  // rests for 3.5 s
   std::ofstream(leaky) << "[baseline]\ntau = 0.5\n";
-  const app::CharacteriseOptions options{.experiments = {"load"},
+  const robot::CharacteriseOptions options{.experiments = {"load"},
                                          .device = "nidaqmx",
                                          .model = leaky,
                                          .bench = true,
@@ -70,7 +70,7 @@ TEST(HardwareLive, CharacteriseAsksAHandForWeightsAndDatesThemByTheDepth) {
   on_a_steady_host([&]() -> std::string {
     fake::Board& board = *fake_reset();
     const std::jthread hand([&](const std::stop_token& stop) { lay_on(stop, board, kSixGrams_N); });
-    const int code = app::characterise(options);
+    const int code = robot::characterise(options);
     return code == 3 ? "the run was stopped" : code == 0 ? "" : "refused";
   });
   if (IsSkipped() || HasFailure()) return;

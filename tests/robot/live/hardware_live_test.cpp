@@ -15,16 +15,16 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
   lab.commission();
   on_a_steady_host([&]() -> std::string {
     const ScratchFolder run;
-    const app::PreparedCase prepared = app::prepare(app::read_case("gap"), run.path());
-    app::LiveSession session(lab.options, "nidaqmx", lab.hardware, prepared, run.path());
+    const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), run.path());
+    robot::LiveSession session(lab.options, "nidaqmx", lab.hardware, prepared, run.path());
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
-    app::World asking;  // over the network: which arms nothing
+    robot::World asking;  // over the network: which arms nothing
     asking.remote_arm = true;
     bool ready = false;
     Measurement seen;
     for (int n = 0; n < 3'000; ++n) {
-      const std::optional<app::Beat> beat = session.robot().tick(asking);
+      const std::optional<robot::CycleSample> beat = session.robot().tick(asking);
       if (!beat) continue;
       ready = ready || beat->tick.supervisor.permit.mode == Mode::Ready;
       seen = beat->tick.measurement;

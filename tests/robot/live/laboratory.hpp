@@ -18,6 +18,7 @@
 #include "robot/common/config_error.hpp"
 #include "tests/robot/bench/benches.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::live_tests {
 
@@ -35,11 +36,11 @@ struct Lab {
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
     options.domain = kLabDomain;
     options.keys = folder.path() / "keys";
-    keys::make_keys(options.keys, 1, now, false);
+    security::make_keys(options.keys, 1, now, false);
     hardware.config = folder.path() / "stage.toml";
     hardware.commissioning = folder.path() / "commissioned";
     std::ofstream(hardware.config) << "library = \"" << FAKE_NIDAQMX << "\"\n"
-                                   << bytes_of(BIOPSY_SOURCE_DIR "/drivers/nidaqmx/usb6211.toml");
+                                   << bytes_of(source_dir() / "drivers/nidaqmx/usb6211.toml");
   }
 
   // As `biopsy commission` does it, every step walked.
@@ -53,7 +54,7 @@ struct Lab {
     record.made_unix_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();
     ASSERT_TRUE(record.passed()) << commissioning::told_all(record);
     const commissioning::SigningKey key(
-        keys::signing_files(options.keys, keys::Signer::Commissioning).private_key);
+        security::signing_files(options.keys, security::Signer::Commissioning).private_key);
     const std::string text = commissioning::to_json(record);
     fs::create_directories(hardware.commissioning);
     std::ofstream(hardware.commissioning / commissioning::kRecordFile, std::ios::binary) << text;
@@ -63,20 +64,20 @@ struct Lab {
   // What starting says; empty where the robot came up.
   std::string refusal() const {
     const ScratchFolder run;
-    const app::PreparedCase prepared = app::prepare(app::read_case("gap"), run.path());
+    const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), run.path());
     try {
-      app::LiveSession session(options, "nidaqmx", hardware, prepared, run.path());
+      robot::LiveSession session(options, "nidaqmx", hardware, prepared, run.path());
       session.wait_until_healthy();
       return {};
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       return error.what_is_wrong + bytes_of(run.path() / "stage.txt") +
              bytes_of(run.path() / "supervisor.txt");
     }
   }
 
   ScratchFolder folder;
-  app::LiveOptions options;
-  app::HardwareOptions hardware;
+  robot::LiveOptions options;
+  robot::HardwareOptions hardware;
 };
 
 }  // namespace biopsy::live_tests

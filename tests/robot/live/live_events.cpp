@@ -15,22 +15,22 @@
 
 namespace biopsy::live_tests {
 
-EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
-                        const app::PreparedCase& prepared, const std::filesystem::path& folder,
+EventOutcome live_event(const LiveEvent& event, const robot::LiveOptions& options,
+                        const robot::PreparedCase& prepared, const std::filesystem::path& folder,
                         std::int64_t watch_ms) {
   EventOutcome outcome;
   const Plan& plan = std::get<Plan>(prepared.plan);
   std::filesystem::create_directories(folder);
   BadWire wire(folder);
-  app::LiveSession session(options, "sim", {}, prepared, folder);
+  robot::LiveSession session(options, "sim", {}, prepared, folder);
   session.wait_until_healthy();
   session.send_plan(plan);
-  const std::optional<app::World> pressing = move(session, plan, event.after_ticks);
+  const std::optional<robot::World> pressing = move(session, plan, event.after_ticks);
   if (!pressing) {
     outcome.trouble = "the needle never moved";
     return outcome;
   }
-  const lines::LinesReader lines(session.settings().lines);
+  const digital_io::IoReader lines(session.settings().lines);
   HostWatch host;
   std::jthread finger([&](const std::stop_token& stop) {  // stays on the button
     while (!stop.stop_requested()) session.robot().tick(*pressing);

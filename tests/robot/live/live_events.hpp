@@ -31,8 +31,8 @@ struct EventOutcome {
 };
 
 // Starts a robot in `folder`, moves the needle, sends the signal and watches the lines for `watch_ms`.
-EventOutcome live_event(const LiveEvent& event, const app::LiveOptions& options,
-                        const app::PreparedCase& prepared, const std::filesystem::path& folder,
+EventOutcome live_event(const LiveEvent& event, const robot::LiveOptions& options,
+                        const robot::PreparedCase& prepared, const std::filesystem::path& folder,
                         std::int64_t watch_ms);
 
 }  // namespace biopsy::live_tests

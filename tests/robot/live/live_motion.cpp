@@ -10,14 +10,14 @@ constexpr std::int64_t kMoving_ticks = 300;
 
 }  // namespace
 
-std::optional<app::World> move(app::LiveSession& session, const Plan& plan, std::int64_t ticks) {
-  app::Operator person(plan);
-  app::Tick seen;
+std::optional<robot::World> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks) {
+  robot::Operator person(plan);
+  robot::CycleRecord seen;
   std::int64_t moved = 0;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
-    const app::World world = person.act(seen, number);
+    const robot::World world = person.act(seen, number);
     if (person.wants_verdict()) return std::nullopt;
-    const std::optional<app::Beat> beat = session.robot().tick(world);
+    const std::optional<robot::CycleSample> beat = session.robot().tick(world);
     if (!beat) return std::nullopt;
     seen = beat->tick;
     moved = seen.supervisor.permit.mode == Mode::Active ? moved + 1 : 0;
@@ -26,11 +26,11 @@ std::optional<app::World> move(app::LiveSession& session, const Plan& plan, std:
   return std::nullopt;
 }
 
-std::unique_ptr<app::LiveSession> moving_robot(const app::LiveOptions& options,
-                                               const app::PreparedCase& prepared,
+std::unique_ptr<robot::LiveSession> moving_robot(const robot::LiveOptions& options,
+                                               const robot::PreparedCase& prepared,
                                                const std::filesystem::path& folder) {
   const Plan& plan = std::get<Plan>(prepared.plan);
-  auto session = std::make_unique<app::LiveSession>(options, "sim", app::HardwareOptions{}, prepared, folder);
+  auto session = std::make_unique<robot::LiveSession>(options, "sim", robot::HardwareOptions{}, prepared, folder);
   session->wait_until_healthy();
   session->send_plan(plan);
   if (!move(*session, plan, kMoving_ticks)) return nullptr;

@@ -13,11 +13,11 @@ namespace biopsy::live_tests {
 
 // Arms, presses, and goes on until the needle has moved for so many ticks and high voltage is on. What the
 // person then does: presses. Nothing: it never came to that.
-std::optional<app::World> move(app::LiveSession& session, const Plan& plan, std::int64_t ticks);
+std::optional<robot::World> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks);
 
 // A secured or plain robot that moves, in `folder`. Empty: it never did.
-std::unique_ptr<app::LiveSession> moving_robot(const app::LiveOptions& options,
-                                               const app::PreparedCase& prepared,
+std::unique_ptr<robot::LiveSession> moving_robot(const robot::LiveOptions& options,
+                                               const robot::PreparedCase& prepared,
                                                const std::filesystem::path& folder);
 
 }  // namespace biopsy::live_tests

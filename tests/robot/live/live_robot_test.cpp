@@ -30,9 +30,9 @@ namespace {
 constexpr std::uint32_t kDomain = 80;  // and the next: of these tests alone
 constexpr const char* kNeverMoved = "the needle never moved";
 
-const app::PreparedCase& gap_case() {
+const robot::PreparedCase& gap_case() {
   static const ScratchFolder folder;
-  static const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+  static const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
   return prepared;
 }
 
@@ -40,38 +40,38 @@ const Plan& gap_plan() {
   return std::get<Plan>(gap_case().plan);
 }
 
-app::LiveOptions plain() {
-  app::LiveOptions options;
+robot::LiveOptions plain() {
+  robot::LiveOptions options;
   options.domain = kDomain;
   options.without_security = true;
   return options;
 }
 
 // Goes on with the same world until the robot is in `mode`.
-bool reaches(app::LiveSession& session, const app::World& world, Mode mode, int ticks) {
+bool reaches(robot::LiveSession& session, const robot::World& world, Mode mode, int ticks) {
   for (int n = 0; n < ticks; ++n) {
-    const std::optional<app::Beat> beat = session.robot().tick(world);
+    const std::optional<robot::CycleSample> beat = session.robot().tick(world);
     if (beat && beat->tick.supervisor.permit.mode == mode) return true;
   }
   return false;
 }
 
 // What the stage puts out once a decision has reached it.
-lines::ConverterOutput settled_output(app::LiveSession& session) {
+digital_io::ConverterOutput settled_output(robot::LiveSession& session) {
   for (int n = 0; n < 20; ++n) session.robot().tick({});
-  return lines::LinesReader(session.settings().lines).converter();
+  return digital_io::IoReader(session.settings().lines).converter();
 }
 
 TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    app::LiveOptions options;
+    robot::LiveOptions options;
     options.domain = kDomain;
-    app::LiveSession session(options, "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(options, "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     const report::RunRecord record =
-        app::rehearse_on([&](const app::World& world) { return session.robot().tick(world); }, gap_case(),
+        robot::rehearse_on([&](const robot::World& world) { return session.robot().tick(world); }, gap_case(),
                          folder.path(), [](double, const std::string&) {});
     EXPECT_TRUE(session.stop().empty());
     if (record.outcome != report::Outcome::Completed) return "the procedure was stopped: " + record.refusal;
@@ -162,12 +162,12 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
     const PacketTrouble& trouble = GetParam().second;
     const ScratchFolder folder;
     BadWire wire(folder.path());
-    app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     wire.set(trouble);
     const report::RunRecord record =
-        app::rehearse_on([&](const app::World& world) { return session.robot().tick(world); }, gap_case(),
+        robot::rehearse_on([&](const robot::World& world) { return session.robot().tick(world); }, gap_case(),
                          folder.path(), [](double, const std::string&) {});
     wire.set({});
     session.stop();
@@ -209,10 +209,10 @@ TYPED_TEST(SecondWriter, Trips) {
     const ScratchFolder folder;
     const auto robot = moving_robot(plain(), gap_case(), folder.path());
     if (!robot) return kNeverMoved;
-    app::LiveSession& session = *robot;
+    robot::LiveSession& session = *robot;
     transport::Writer<TypeParam> rogue(session.bus());
     EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
-    EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+    EXPECT_EQ(settled_output(session), digital_io::ConverterOutput{});
     return {};
   });
 }
@@ -223,7 +223,7 @@ TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
     const ScratchFolder folder;
     const auto robot = moving_robot(plain(), gap_case(), folder.path());
     if (!robot) return kNeverMoved;
-    app::LiveSession& session = *robot;
+    robot::LiveSession& session = *robot;
     transport::Writer<Permit> rogue(session.bus());
     Permit forged;
     forged.session = 0xffff'ffff;
@@ -241,7 +241,7 @@ TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
       session.robot().tick({});
     }
     EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
-    EXPECT_EQ(settled_output(session), lines::ConverterOutput{});
+    EXPECT_EQ(settled_output(session), digital_io::ConverterOutput{});
     return {};
   });
 }
@@ -250,11 +250,11 @@ TEST(LiveRobot, TheNetworkCannotArm) {
   verifies("R-39", "R-40");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     if (!reaches(session, {}, Mode::Ready, 5'000)) return "the robot never got ready";
-    app::World asking;
+    robot::World asking;
     asking.remote_arm = true;
     asking.press = {1, true};
     EXPECT_FALSE(reaches(session, asking, Mode::Armed, 1'000));
@@ -268,7 +268,7 @@ TEST(LiveRobot, AnotherPlanInMotionTrips) {
     const ScratchFolder folder;
     const auto robot = moving_robot(plain(), gap_case(), folder.path());
     if (!robot) return kNeverMoved;
-    app::LiveSession& session = *robot;
+    robot::LiveSession& session = *robot;
     Plan other = gap_plan();
     other.target.patient_id = "SOMEBODY ELSE";
     planner::seal(other);
@@ -285,7 +285,7 @@ TEST(LiveRobot, AProgramThatStandsStillHoldsNoButton) {
     const auto robot = moving_robot(plain(), gap_case(), folder.path());
     if (!robot) return kNeverMoved;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));  // while its bus goes on
-    app::World pressing;
+    robot::World pressing;
     pressing.press = {1, true};
     if (reaches(*robot, pressing, Mode::Hold, 2'000)) return {};
     EXPECT_TRUE(reaches(*robot, pressing, Mode::Trip, 50)) << "it went on";
@@ -297,7 +297,7 @@ TEST(LiveRobot, APlanOfOneConfirmationIsNotReady) {
   verifies("R-30");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    app::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.robot().send_plan(gap_plan(), {planner::plan_tag(gap_plan()), 0});
     EXPECT_FALSE(reaches(session, {}, Mode::Ready, 1'500));
@@ -309,16 +309,16 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
   verifies("R-46");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    app::LiveOptions secured;
+    robot::LiveOptions secured;
     secured.domain = kDomain + 1;
-    app::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     if (!reaches(session, {}, Mode::Ready, 5'000)) return "the robot never got ready";
     // The planner's identity may not write requests: no writer at all, and no second one is seen.
-    EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), SetupError);
+    EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), ConfigError);
     for (int n = 0; n < 500; ++n) {
-      const std::optional<app::Beat> beat = session.robot().tick({});
+      const std::optional<robot::CycleSample> beat = session.robot().tick({});
       if (!beat) continue;
       EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
       if (beat->tick.supervisor.permit.mode == Mode::Safe) return "the robot did not stay ready";
@@ -329,13 +329,13 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
 
 TEST(LiveRobot, MissingKeysAreNamed) {
   const ScratchFolder folder;
-  app::LiveOptions options;
+  robot::LiveOptions options;
   options.domain = kDomain;
   options.keys = folder.path() / "no-keys";
   try {
-    app::LiveSession session(options, "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(options, "sim", {}, gap_case(), folder.path());
     FAIL() << "started without keys";
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_NE(error.where.find("no-keys"), std::string::npos) << error.what();
   }
 }

@@ -48,7 +48,7 @@ TEST(LiveSettings, RefuseWhatIsMissingUnknownOrOutOfRange) {
         with("\"fifo_priority\": 60", "\"fifo_priority\": 99"),
         with("\"seed\": 99", "\"seed\": 18446744073709551615"),
         with("\"seed\": 99", "\"seed\": 99, \"more\": 1"), with("\"name\": \"gap\"", "\"name\": 5")}) {
-    EXPECT_THROW(parse_settings(bad, "live.json"), SetupError) << bad;
+    EXPECT_THROW(parse_settings(bad, "live.json"), ConfigError) << bad;
   }
 }
 
@@ -61,7 +61,7 @@ TEST(LiveSettings, SurviveAnyBytes) {
       const LiveSettings read = parse_settings(text, "live.json");
       EXPECT_LE(read.domain, 230U);
       EXPECT_GE(read.weight_g, 0.0);
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_EQ(error.where, "live.json");
     }
   }
@@ -86,7 +86,7 @@ TEST(LiveSettings, TheTagChangesWithEveryFileThatCounts) {
   write("live.json", to_json(settings) + " ");
   EXPECT_NE(config_tag(folder.path(), settings), tag);
   std::filesystem::remove(settings.tissues);
-  EXPECT_THROW(config_tag(folder.path(), settings), SetupError);
+  EXPECT_THROW(config_tag(folder.path(), settings), ConfigError);
 }
 
 }  // namespace

@@ -26,14 +26,14 @@ namespace {
 
 TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
   const ScratchFolder folder;
-  const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+  const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
   const Plan& plan = std::get<Plan>(prepared.plan);
   const safety::PlanFacts facts = live::plan_facts(plan, 1);
-  const app::Rehearsal& given = prepared.given.rehearsal;
-  sim::SimStage stage(app::rehearsed_plant(given.model, given.tissues, prepared.layers, 50.0), 1);
-  port::GatedStage gated(stage);
+  const robot::Rehearsal& given = prepared.given.rehearsal;
+  sim::SimulatedStage stage(robot::rehearsed_plant(given.model, given.tissues, prepared.layers, 50.0), 1);
+  drivers::GatedStage gated(stage);
   safety::EvidenceMemory memory;
-  safety::TissueWatch tissue;
+  safety::TissueMonitor tissue;
   safety::SupervisorState supervisor = safety::started(1);
   control::RunnerState runner;
   realtime::LatencyHistogram lateness;
@@ -88,15 +88,15 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
 // in C++ takes it by new.
 TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   const ScratchFolder folder;
-  const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
+  const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
   Plan plan = std::get<Plan>(prepared.plan);
-  const app::Rehearsal& given = prepared.given.rehearsal;
-  sim::SimStage simulated(app::rehearsed_plant(given.model, given.tissues, prepared.layers, 50.0), 1);
-  lines::lay_lines(folder.path());
-  lines::StageLines converter(folder.path());
-  lines::SupervisorLines pulse(folder.path());
-  lines::PanelLines panel(folder.path());
-  const lines::LinesReader reader(folder.path());
+  const robot::Rehearsal& given = prepared.given.rehearsal;
+  sim::SimulatedStage simulated(robot::rehearsed_plant(given.model, given.tissues, prepared.layers, 50.0), 1);
+  digital_io::create_shared_io(folder.path());
+  digital_io::StageIo converter(folder.path());
+  digital_io::SupervisorIo pulse(folder.path());
+  digital_io::PanelIo panel(folder.path());
+  const digital_io::IoReader reader(folder.path());
   const transport::Participant bus({84, "", 1});
   live::StageLoop stage(bus, simulated, converter, 1);
   live::ControllerLoop controller(bus, 1);

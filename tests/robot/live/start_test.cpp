@@ -65,9 +65,9 @@ TEST(SelfTest, IsFailedByAWrongAnswerAndByASealThatHoldsOnAnything) {
 Mode mode_after_start(SelfTest self) {
   const ScratchFolder folder;
   const transport::Participant bus({83, "", 1});
-  lines::lay_lines(folder.path());
-  lines::SupervisorLines lines(folder.path());
-  const lines::LinesReader panel(folder.path());
+  digital_io::create_shared_io(folder.path());
+  digital_io::SupervisorIo lines(folder.path());
+  const digital_io::IoReader panel(folder.path());
   SupervisorLoop loop(bus, lines, panel, 1, 1, self);
   for (int n = 0; n < 20; ++n) loop.turn();
   return loop.mode();
@@ -81,12 +81,12 @@ TEST(SelfTest, ThatFailedLocksTheSupervisor) {
 TEST(RisingNumber, RisesFromStartToStartWhateverTheWallClockSays) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder.path() / "session";
-  const std::uint32_t first = rising_number(file);
+  const std::uint32_t first = monotonic_session_id(file);
   EXPECT_GT(first, 1'700'000'000U);
-  EXPECT_EQ(rising_number(file), first + 1) << "two starts within a second";
+  EXPECT_EQ(monotonic_session_id(file), first + 1) << "two starts within a second";
   std::ofstream(file) << "4000000000\n";  // a clock that was set back since
-  EXPECT_EQ(rising_number(file), 4'000'000'001U);
-  EXPECT_EQ(rising_number(file), 4'000'000'002U);
+  EXPECT_EQ(monotonic_session_id(file), 4'000'000'001U);
+  EXPECT_EQ(monotonic_session_id(file), 4'000'000'002U);
 }
 
 TEST(RisingNumber, IsRefusedWhereTheLastOneIsNotKnown) {
@@ -94,9 +94,9 @@ TEST(RisingNumber, IsRefusedWhereTheLastOneIsNotKnown) {
   const std::filesystem::path file = folder.path() / "session";
   for (const char* text : {"", "soon", "-1", "4294967295", "99999999999999999999"}) {
     std::ofstream(file) << text;
-    EXPECT_THROW(rising_number(file), SetupError) << text;
+    EXPECT_THROW(monotonic_session_id(file), ConfigError) << text;
   }
-  EXPECT_THROW(rising_number(folder.path() / "nowhere" / "session"), SetupError);
+  EXPECT_THROW(monotonic_session_id(folder.path() / "nowhere" / "session"), ConfigError);
 }
 
 }  // namespace

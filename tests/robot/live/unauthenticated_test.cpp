@@ -50,12 +50,12 @@ struct Moved {
   safety::Hazard reason = safety::Hazard::None;
 };
 
-Moved two_seconds(app::LiveSession& session) {
-  app::World pressing;
+Moved two_seconds(robot::LiveSession& session) {
+  robot::World pressing;
   pressing.press = {1, true};
   Moved moved;
   for (int n = 0; n < 2'000; ++n) {
-    const std::optional<app::Beat> beat = session.robot().tick(pressing);
+    const std::optional<robot::CycleSample> beat = session.robot().tick(pressing);
     if (!beat) return moved;
     moved.active += beat->tick.supervisor.permit.mode == Mode::Active;
     if (moved.reason == safety::Hazard::None) moved.reason = beat->tick.supervisor.reason;
@@ -68,14 +68,14 @@ Moved two_seconds(app::LiveSession& session) {
 void moves_on_and_logs(bool with_keys, const std::string& words) {
   on_a_steady_host([&]() -> std::string {
     const ScratchFolder folder;
-    const app::PreparedCase prepared = app::prepare(app::read_case("gap"), folder.path());
-    app::LiveOptions secured;
+    const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
+    robot::LiveOptions secured;
     secured.domain = kDomain;
     const auto robot = moving_robot(secured, prepared, folder.path());
     if (!robot) return "the needle never moved";
     const std::filesystem::path keys = folder.path() / "keys of somebody else";
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-    if (with_keys) keys::make_keys(keys, 1, now, false);
+    if (with_keys) security::make_keys(keys, 1, now, false);
     const Rogue rogue(with_keys ? keys.string() : "");
     const Moved moved = two_seconds(*robot);
     EXPECT_TRUE(robot->stop().empty());

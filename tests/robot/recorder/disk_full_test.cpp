@@ -122,7 +122,7 @@ TEST(FullDisk, ANewLogThatDoesNotFitIsRefusedAndLeavesNothing) {
   const LogFolder folder;
   {
     const FullDisk full(2000);
-    EXPECT_THROW(Recorder(folder.log, folder.key()), SetupError);
+    EXPECT_THROW(Recorder(folder.log, folder.key()), ConfigError);
   }
   EXPECT_FALSE(fs::exists(folder.log));
   const auto files = std::distance(fs::directory_iterator(folder.scratch.path()), {});

@@ -98,7 +98,7 @@ TEST(Recorder, AddsNothingToALogThatDoesNotVerifyAndLeavesItAsItIs) {
   try {
     Recorder recorder(folder.log, folder.key());
     FAIL() << "a spoilt log was opened";
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_NE(error.what_is_wrong.find("record 7"), std::string::npos) << error.what();
     EXPECT_NE(error.remedy.find("move it aside"), std::string::npos);
   }
@@ -108,14 +108,14 @@ TEST(Recorder, AddsNothingToALogThatDoesNotVerifyAndLeavesItAsItIs) {
 TEST(Recorder, RefusesALogOfAnotherKeyAnEmptyFileAndAFolder) {
   const LogFolder folder(2);
   make_key(folder.scratch / "other.pem");
-  EXPECT_THROW(Recorder(folder.log, SigningKey(folder.scratch / "other.pem")), SetupError);
+  EXPECT_THROW(Recorder(folder.log, SigningKey(folder.scratch / "other.pem")), ConfigError);
   folder.scratch.write("empty.log", "");
-  EXPECT_THROW(Recorder(folder.scratch / "empty.log", folder.key()), SetupError);
-  EXPECT_THROW(Recorder(folder.scratch.path(), folder.key()), SetupError);
-  EXPECT_THROW(Recorder("/proc/nowhere/procedure.log", folder.key()), SetupError);
+  EXPECT_THROW(Recorder(folder.scratch / "empty.log", folder.key()), ConfigError);
+  EXPECT_THROW(Recorder(folder.scratch.path(), folder.key()), ConfigError);
+  EXPECT_THROW(Recorder("/proc/nowhere/procedure.log", folder.key()), ConfigError);
   fs::rename(folder.log, folder.scratch / "kept.log");
   folder.scratch.write("procedure.log-wal", "the end of another log");
-  EXPECT_THROW(Recorder(folder.log, folder.key()), SetupError) << "a new log would swallow the old one's WAL";
+  EXPECT_THROW(Recorder(folder.log, folder.key()), ConfigError) << "a new log would swallow the old one's WAL";
   EXPECT_FALSE(fs::exists(folder.log));
 }
 
@@ -123,7 +123,7 @@ TEST(Recorder, ASecondRecorderOfOneLogIsRefused) {
   const LogFolder folder;
   {
     Recorder first(folder.log, folder.key());
-    EXPECT_THROW(Recorder(folder.log, folder.key()), SetupError);
+    EXPECT_THROW(Recorder(folder.log, folder.key()), ConfigError);
     first.append(entry(1), Urgency::Urgent, 0);
     EXPECT_EQ(first.written().count, 1U);
   }
@@ -168,16 +168,16 @@ TEST(Recorder, LaysThePublicKeyBesideTheLogAndLeavesNoTemporaryFile) {
 
 TEST(LogKeys, AFileThatHoldsNoSuchKeyIsRefused) {
   const LogFolder folder(1);
-  EXPECT_THROW(SigningKey(folder.scratch / "absent.pem"), SetupError);
-  EXPECT_THROW(SigningKey(public_key_beside(folder.log)), SetupError) << "the public one";
-  EXPECT_THROW(read_public_key(folder.scratch / "key.pem"), SetupError) << "the private one";
-  EXPECT_THROW(read_public_key(folder.log), SetupError);
+  EXPECT_THROW(SigningKey(folder.scratch / "absent.pem"), ConfigError);
+  EXPECT_THROW(SigningKey(public_key_beside(folder.log)), ConfigError) << "the public one";
+  EXPECT_THROW(read_public_key(folder.scratch / "key.pem"), ConfigError) << "the private one";
+  EXPECT_THROW(read_public_key(folder.log), ConfigError);
   EVP_PKEY* other = EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256");
   std::FILE* file = std::fopen((folder.scratch / "ec.pem").c_str(), "w");
   PEM_write_PrivateKey(file, other, nullptr, nullptr, 0, nullptr, nullptr);
   std::fclose(file);
   EVP_PKEY_free(other);
-  EXPECT_THROW(SigningKey(folder.scratch / "ec.pem"), SetupError);
+  EXPECT_THROW(SigningKey(folder.scratch / "ec.pem"), ConfigError);
 }
 
 }  // namespace

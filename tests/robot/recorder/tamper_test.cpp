@@ -260,8 +260,8 @@ TEST(Tampering, RandomBytesAreNoLogAndAreRefusedWithASentence) {
     EXPECT_TRUE(flaw.kind == FlawKind::NotALog || flaw.kind == FlawKind::Damaged) << told(verdict);
     EXPECT_FALSE(flaw.what.empty());
   }
-  EXPECT_THROW((void)verify(folder.scratch / "absent.log", folder.public_key()), SetupError);
-  EXPECT_THROW((void)verify(folder.scratch.path(), folder.public_key()), SetupError);
+  EXPECT_THROW((void)verify(folder.scratch / "absent.log", folder.public_key()), ConfigError);
+  EXPECT_THROW((void)verify(folder.scratch.path(), folder.public_key()), ConfigError);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace {
 
 BenchRecord two_runs() {
   BenchRecord record;
-  record.title = "Stage <A>";
+  record.title = "InsertionStep <A>";
   record.device = "simulated stage";
   record.planned_runs = 3;
   record.sensor_noise_mm = 0.0102;
@@ -55,7 +55,7 @@ TEST(BenchReport, SaysWhichRunWasStoppedWhenAndWhy) {
 TEST(BenchReport, TakesNothingFromOutsideAsMarkup) {
   const std::string html = bench_html(two_runs());
   EXPECT_EQ(html.find("<A>"), std::string::npos);
-  EXPECT_NE(html.find("Stage &lt;A&gt;"), std::string::npos);
+  EXPECT_NE(html.find("InsertionStep &lt;A&gt;"), std::string::npos);
   EXPECT_NE(html.find("a push &amp; a pull"), std::string::npos);
 }
 

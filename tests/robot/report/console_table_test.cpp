@@ -98,7 +98,7 @@ TEST(ReportFolder, ThatCannotBeMadeIsRefusedNamingTheFile) {
   try {
     save_report(example_refusal(), in_the_way);
     ADD_FAILURE() << "nothing was thrown";
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_NE(error.where.find("biopsy_report_in_the_way"), std::string::npos);
   }
   std::filesystem::remove(in_the_way);

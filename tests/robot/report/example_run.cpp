@@ -44,9 +44,9 @@ Plan plan() {
   plan.layers = {{"muscle", Millimetres(0), Millimetres(2.0)},
                  {"gap", Millimetres(2.0), Millimetres(2.9)},
                  {"liver", Millimetres(2.9), Millimetres(12.0)}};
-  plan.stages = {{StageKind::Waypoint, Millimetres(2.0), MillimetresPerSecond(2.0), Volts(5200), Seconds(1),
+  plan.stages = {{StepKind::Waypoint, Millimetres(2.0), MillimetresPerSecond(2.0), Volts(5200), Seconds(1),
                   true, "stop short of muscle | gap at 2.00 mm"},
-                 {StageKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(7600), Seconds(1),
+                 {StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(7600), Seconds(1),
                   true, "depth of the biopsy"}};
   plan.limits = {Millimetres(4.5), Volts(7600), {}};
   for (std::size_t i = 0; i < plan.seal.size(); ++i) plan.seal[i] = static_cast<std::uint8_t>(37 * i + 11);
@@ -98,9 +98,9 @@ std::vector<Sample> samples() {
   return samples;
 }
 
-StageResult stage_result(const Stage& stage, double reached_s, double depth_mm, double image_mm,
+StepResult stage_result(const InsertionStep& stage, double reached_s, double depth_mm, double image_mm,
                          std::string layer) {
-  StageResult result;
+  StepResult result;
   result.stage = stage;
   result.reached = true;
   result.reached_s = reached_s;

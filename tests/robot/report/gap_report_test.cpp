@@ -122,7 +122,7 @@ TEST(GapReport, LeavesThreeWholeFilesAndNothingElse) {
 TEST(GapReport, RefusesAFolderThatCannotBeMade) {
   const ScratchFolder folder;
   std::ofstream(folder.path() / "taken") << "a file";
-  EXPECT_THROW(save_gap(example_effect(), folder.path() / "taken"), SetupError);
+  EXPECT_THROW(save_gap(example_effect(), folder.path() / "taken"), ConfigError);
 }
 
 using enum DiffKind;

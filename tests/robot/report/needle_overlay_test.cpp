@@ -90,7 +90,7 @@ TEST(PlanningOverlay, LabelsOfThinLayersNeverOverlap) {
 }
 
 TEST(TipOverlay, DotLiesAtTheDepthFoundAndIsAbsentWithoutATip) {
-  const StageResult stage = example_run().stages[1];
+  const StepResult stage = example_run().stages[1];
   DepthCheck check = *stage.check;
   check.depth = Millimetres(2.5);
   const TipDepths depths{stage.stage.depth, stage.stage.depth, &check};

@@ -55,7 +55,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 std::vector<RunRecord> every_kind() {
   RunRecord undrawn = example_run();  // pictures without geometry
   undrawn.planning_geometry.reset();
-  for (StageResult& stage : undrawn.stages) stage.geometry.reset();
+  for (StepResult& stage : undrawn.stages) stage.geometry.reset();
   return {example_run(), example_refusal(), example_stop(), undrawn, RunRecord{}};
 }
 
@@ -164,7 +164,7 @@ TEST(ReportHtml, GivesEveryPictureATextForThoseWhoCannotSeeIt) {
 TEST(ReportHtml, NeverShowsNanOrInfinity) {
   RunRecord record = example_stop();
   record.limits[0].limit = 0;
-  for (StageResult& stage : record.stages) stage.depth_mm = kUnknown;
+  for (StepResult& stage : record.stages) stage.depth_mm = kUnknown;
   const std::string html = report_html(record);
   for (const char* token : {">nan", " nan", "\"nan", ">inf ", " inf", "\"inf", "-nan", "-inf"})
     EXPECT_EQ(html.find(token), std::string::npos) << token;

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstddef>
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 struct Sample {
@@ -119,4 +119,4 @@ int BusProbe::writers_met() const {
   return static_cast<int>(status.current_count);
 }
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

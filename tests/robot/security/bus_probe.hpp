@@ -10,7 +10,7 @@
 
 #include "robot/security/cyclone_xml.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 class BusProbe {
  public:
@@ -44,4 +44,4 @@ class BusProbe {
   dds_entity_t domain_ = 0, participant_ = 0, writer_ = 0, reader_ = 0;
 };
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

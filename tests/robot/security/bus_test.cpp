@@ -11,7 +11,7 @@
 #include "tests/robot/security/made_set.hpp"
 #include "tests/safety/verifies.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ TEST(Bus, TwoSecureParticipantsMeetInTime) {
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

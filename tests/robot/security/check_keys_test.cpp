@@ -13,7 +13,7 @@
 #include "robot/common/config_error.hpp"
 #include "tests/robot/security/made_set.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ std::string problem(const fs::path& folder, Role role) {
   try {
     check_keys(folder, role, now());
     return "";
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_FALSE(error.remedy.empty());
     return fs::path(error.where).filename().string() + ": " + error.what_is_wrong;
   }
@@ -193,7 +193,7 @@ TEST_F(CheckKeys, AForeignSigningKeyIsRefused) {
   const SigningFiles recorder = signing_files(set_.folder(), Signer::Recorder);
   const SigningFiles commissioning = signing_files(set_.folder(), Signer::Commissioning);
   take(commissioning.public_key, recorder.public_key);
-  EXPECT_THROW(check_signing_keys(set_.folder(), Signer::Recorder), SetupError);
+  EXPECT_THROW(check_signing_keys(set_.folder(), Signer::Recorder), ConfigError);
   EXPECT_NO_THROW(check_signing_keys(set_.folder(), Signer::Commissioning));
 }
 
@@ -207,7 +207,7 @@ TEST_F(CheckKeys, AFolderMixedOfTwoSetsIsRefused) {
   try {
     check_set(set_.folder(), kRoles, now());
     FAIL();
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_TRUE(error.where.ends_with("controller/identity_ca.pem"));
     EXPECT_EQ(error.what_is_wrong, "is of another set than stage/identity_ca.pem");
   }
@@ -219,7 +219,7 @@ TEST_F(CheckKeys, AMachineWithSomeRolesIsJudgedByThese) {
   const std::vector<Role> present = roles_present(set_.folder());
   EXPECT_EQ(present, (std::vector{Role::Stage, Role::Controller, Role::Observer}));
   EXPECT_NO_THROW(check_set(set_.folder(), present, now()));
-  EXPECT_THROW(check_set(set_.folder(), kRoles, now()), SetupError);
+  EXPECT_THROW(check_set(set_.folder(), kRoles, now()), ConfigError);
 }
 
 // What a file means, read by other calls than the checked code uses.
@@ -314,4 +314,4 @@ TEST_F(CheckKeys, ATruncatedOrRandomFileIsRefused) {
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -4,7 +4,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 bool holds(const std::string& text, const std::string& part) {
@@ -48,9 +48,9 @@ TEST(CycloneXml, WhatCycloneWouldReadOtherwiseIsRefused) {
   for (const char* name : {"/a${HOME}", "/a\nb", "/a\"b", "/a\\b", "/a\x01"})
     EXPECT_THROW(
         cyclone_xml({.interface = {}, .security = Security{name, Role::Stage}, .domain_on_wire = {}}),
-        SetupError)
+        ConfigError)
         << name;
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

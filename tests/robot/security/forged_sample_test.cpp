@@ -12,7 +12,7 @@
 #include "tests/robot/security/made_set.hpp"
 #include "tests/safety/verifies.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 // One RTPS message with one sample in it (OMG DDSI-RTPS 2.2, 9.4.5.3), little endian.
@@ -68,4 +68,4 @@ TEST(ForgedSample, IsNotHeardOnATopicThatIsSignedAndNotEncrypted) {
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

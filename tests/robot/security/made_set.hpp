@@ -7,7 +7,7 @@
 #include "robot/security/make_keys.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 
 inline std::chrono::sys_seconds now() {
   return std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -24,4 +24,4 @@ class MadeSet {
   ScratchFolder scratch_;
 };
 
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

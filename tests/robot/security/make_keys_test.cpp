@@ -14,7 +14,7 @@
 #include "robot/common/config_error.hpp"
 #include "tests/robot/security/made_set.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,10 +37,10 @@ TEST(MakeKeys, AFreshSetIsGoodForEveryRoleUntilItsEnd) {
     EXPECT_NEAR(static_cast<double>((check_keys(set.folder(), role, now()) - now()).count()), 30 * 86400.0,
                 60.0);
     EXPECT_NO_THROW(check_keys(set.folder(), role, now() + days(30) - std::chrono::minutes(2)));
-    EXPECT_THROW(check_keys(set.folder(), role, now() + days(30) + std::chrono::minutes(2)), SetupError);
+    EXPECT_THROW(check_keys(set.folder(), role, now() + days(30) + std::chrono::minutes(2)), ConfigError);
     EXPECT_NO_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(50)))
         << "a clock behind ours";
-    EXPECT_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(70)), SetupError);
+    EXPECT_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(70)), ConfigError);
   }
   for (const Signer signer : kSigners) EXPECT_NO_THROW(check_signing_keys(set.folder(), signer));
 }
@@ -67,13 +67,13 @@ TEST(MakeKeys, ARoleRunsOnItsOwnFolderAlone) {
   fs::copy(set.folder() / "stage", machine / "stage", fs::copy_options::recursive);
   fs::permissions(machine / "stage", fs::perms::owner_all);
   EXPECT_NO_THROW(check_keys(machine, Role::Stage, now()));
-  EXPECT_THROW(check_keys(machine, Role::Controller, now()), SetupError);
+  EXPECT_THROW(check_keys(machine, Role::Controller, now()), ConfigError);
 }
 
 TEST(MakeKeys, AnExistingSetIsNotTouchedUnlessToldTo) {
   const MadeSet set;
   const auto before = contents(set.folder());
-  EXPECT_THROW(make_keys(set.folder(), 30, now(), false), SetupError);
+  EXPECT_THROW(make_keys(set.folder(), 30, now(), false), ConfigError);
   EXPECT_EQ(contents(set.folder()), before);
   EXPECT_EQ(entries(set.folder().parent_path()), 1U) << "nothing half made is left behind";
 }
@@ -88,7 +88,7 @@ TEST(MakeKeys, ReplacingKeepsTheOldSetAside) {
   EXPECT_EQ(contents(*made.old_set), before);
   EXPECT_NE(contents(set.folder()), before);
   EXPECT_NO_THROW(check_keys(set.folder(), Role::Stage, later));
-  EXPECT_THROW(make_keys(set.folder(), 60, later, true), SetupError) << "the same second";
+  EXPECT_THROW(make_keys(set.folder(), 60, later, true), ConfigError) << "the same second";
   EXPECT_EQ(entries(set.folder().parent_path()), 2U);
 }
 
@@ -115,8 +115,8 @@ TEST(MakeKeys, WhoeverIsInterruptedLeavesAWholeSetOrNone) {
 TEST(MakeKeys, AFolderWithAnythingElseInItIsNeverMovedAside) {
   const ScratchFolder scratch;
   scratch.write("thesis.tex", "years of work");
-  EXPECT_THROW(make_keys(scratch.path(), 30, now(), true), SetupError);
-  EXPECT_THROW(make_keys(scratch / "thesis.tex", 30, now(), true), SetupError);
+  EXPECT_THROW(make_keys(scratch.path(), 30, now(), true), ConfigError);
+  EXPECT_THROW(make_keys(scratch / "thesis.tex", 30, now(), true), ConfigError);
   EXPECT_EQ(file_content(scratch / "thesis.tex"), "years of work");
   fs::create_directory(scratch / "empty");
   EXPECT_NO_THROW(make_keys(scratch / "empty", 30, now(), false));
@@ -125,13 +125,13 @@ TEST(MakeKeys, AFolderWithAnythingElseInItIsNeverMovedAside) {
 TEST(MakeKeys, AFolderThatCannotBePutInPlaceLeavesNothingBehind) {
   const ScratchFolder scratch;
   {
-    NewFolder fresh(scratch / "keys");
+    AtomicDirectory fresh(scratch / "keys");
     fresh.write(fresh.path() / "stage" / "identity_key.pem", "secret");
-    EXPECT_THROW(fresh.write(fresh.path() / "stage" / "identity_key.pem", "again"), SetupError);
+    EXPECT_THROW(fresh.write(fresh.path() / "stage" / "identity_key.pem", "again"), ConfigError);
     fs::create_directory(scratch / "keys");
     scratch.write("keys/theirs", "came first");
-    EXPECT_THROW(fresh.settle(std::nullopt), SetupError);
-    EXPECT_THROW(fresh.settle(scratch / "nowhere" / "aside"), SetupError);
+    EXPECT_THROW(fresh.settle(std::nullopt), ConfigError);
+    EXPECT_THROW(fresh.settle(scratch / "nowhere" / "aside"), ConfigError);
   }
   EXPECT_EQ(entries(scratch.path()), 1U);
   EXPECT_EQ(file_content(scratch / "keys/theirs"), "came first");
@@ -140,7 +140,7 @@ TEST(MakeKeys, AFolderThatCannotBePutInPlaceLeavesNothingBehind) {
 TEST(MakeKeys, DaysAreCheckedForTheirRange) {
   const ScratchFolder scratch;
   for (const int wrong : {-1, 0, 3651, 2000000000})
-    EXPECT_THROW(make_keys(scratch / "keys", wrong, now(), false), SetupError);
+    EXPECT_THROW(make_keys(scratch / "keys", wrong, now(), false), ConfigError);
   EXPECT_EQ(entries(scratch.path()), 0U);
   for (const int right : {1, 3650})
     EXPECT_NO_THROW(make_keys(scratch / std::to_string(right), right, now(), false));
@@ -152,7 +152,7 @@ TEST(MakeKeys, APlaceThatCannotBeWrittenIsNamed) {
   try {
     make_keys(scratch / "file" / "keys", 30, now(), false);
     FAIL();
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_NE(error.where.find("file"), std::string::npos);
   }
 }
@@ -168,7 +168,7 @@ TEST(MakeKeys, TheUsualFolderFollowsTheXdgSpecification) {
   EXPECT_EQ(default_folder(), "/etc/xdg/biopsy/keys");
   unsetenv("XDG_CONFIG_HOME");
   unsetenv("HOME");
-  EXPECT_THROW(default_folder(), SetupError);
+  EXPECT_THROW(default_folder(), ConfigError);
   setenv("HOME", home.c_str(), 1);
 }
 
@@ -181,4 +181,4 @@ TEST(MakeKeys, TwoSetsHaveNothingInCommon) {
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

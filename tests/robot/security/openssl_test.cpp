@@ -9,7 +9,7 @@
 #include "robot/security/signed_text.hpp"
 #include "tests/robot/security/made_set.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,4 +97,4 @@ TEST_F(OpenSsl, VerifiesWhatASigningKeySigned) {
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

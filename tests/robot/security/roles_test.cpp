@@ -8,7 +8,7 @@
 
 #include "robot/security/grants.hpp"
 
-namespace biopsy::keys {
+namespace biopsy::security {
 namespace {
 
 constexpr std::size_t writers_of(std::string_view topic) {
@@ -80,4 +80,4 @@ TEST(Roles, TimesAreWrittenInUtc) {
 }
 
 }  // namespace
-}  // namespace biopsy::keys
+}  // namespace biopsy::security

@@ -25,7 +25,7 @@ constexpr std::uint32_t kDomain = 71;  // of this test alone
 
 // One domain a process: every test uses this participant.
 const Participant& bus() {
-  static const Participant participant({kDomain, keys::cyclone_xml({}), 1});
+  static const Participant participant({kDomain, security::cyclone_xml({}), 1});
   return participant;
 }
 
@@ -118,12 +118,12 @@ TEST(Topics, HaveARuleEachForWhoMayWriteThem) {
                                              kDelivery<DepthVerdictNote>.topic, kDelivery<LogHealth>.topic,
                                              kDelivery<StageTruth>.topic,       kDelivery<Health>.topic};
   std::set<std::string_view> ruled;
-  for (const keys::TopicRule& rule : keys::kTopicRules) ruled.insert(rule.topic);
+  for (const security::TopicRule& rule : security::kTopicRules) ruled.insert(rule.topic);
   EXPECT_EQ(delivered, ruled);
 }
 
 TEST(Bus, RefusesAConfigurationThatIsNone) {
-  EXPECT_THROW(Participant({kDomain + 1, "<CycloneDDS><Nonsense>1</Nonsense></CycloneDDS>", 1}), SetupError);
+  EXPECT_THROW(Participant({kDomain + 1, "<CycloneDDS><Nonsense>1</Nonsense></CycloneDDS>", 1}), ConfigError);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/gate.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {

@@ -6,16 +6,16 @@
 #include <random>
 #include <vector>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/monitors/depth_monitor.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
 struct Bench {
   PlanFacts plan = three_stage_plan();
-  DepthWatch watch;
+  DepthMonitor watch;
   Observation seen;
   bool zero_volts = false;
 
@@ -27,7 +27,7 @@ struct Bench {
   HazardSet sample(std::int32_t depth_um) {
     seen.measurement.depth_um = depth_um;
     ++seen.measurement.laser_code;
-    return look(plan, watch, seen, true, zero_volts).found;
+    return update(plan, watch, seen, true, zero_volts).found;
   }
   HazardSet samples(int count, std::int32_t depth_um) {
     HazardSet found = 0;
@@ -219,7 +219,7 @@ TEST(FrozenCode, IsTheSameForTwentyTicksWhileTheDriveMovesByMoreThanTwoHundredVo
     bench.seen.measurement.command_mV = 1'000'000;
     bench.sample(500);
     bench.seen.measurement.command_mV = drive_mV;
-    const auto same_code = [&] { return look(bench.plan, bench.watch, bench.seen, true, false).found; };
+    const auto same_code = [&] { return update(bench.plan, bench.watch, bench.seen, true, false).found; };
     for (int i = 0; i < 19; ++i) EXPECT_EQ(same_code() & bit(Hazard::SensorFrozen), 0U) << i;
     EXPECT_EQ(same_code() != 0, moved) << drive_mV;
     bench.seen.measurement.command_mV = 1'000'000;
@@ -284,7 +284,7 @@ TEST(Plausibility, IsLookedUpAnewWhenTheDriveOrThePlanChanges) {
 TEST(NeedleHome, IsAboveOneMillimetreAndMissedAfterHalfASecondAtZeroVolts) {
   verifies("R-02");
   const auto home = [](Bench& bench) {
-    return look(bench.plan, bench.watch, bench.seen, false, true).needle_home;
+    return update(bench.plan, bench.watch, bench.seen, false, true).needle_home;
   };
   Bench bench(Mode::Safe);
   bench.zero_volts = true;
@@ -305,7 +305,7 @@ TEST(LaserDropout, IsThreeSamplesWithoutATargetAndTheNeedleIsNowhereThen) {
   Bench bench;
   bench.samples(20, 100);
   bench.seen.measurement.laser_valid = false;
-  const auto lost = [&] { return look(bench.plan, bench.watch, bench.seen, true, false); };
+  const auto lost = [&] { return update(bench.plan, bench.watch, bench.seen, true, false); };
   EXPECT_EQ(lost().found, 0U);
   EXPECT_TRUE(lost().needle_home) << "where it was seen last";
   const DepthFindings third = lost();
@@ -321,7 +321,7 @@ TEST(LaserDropout, OfTwoSamplesKeepsTheHistory) {
   Bench bench;
   bench.samples(20, 100);
   bench.seen.measurement.laser_valid = false;
-  for (int i = 0; i < 2; ++i) look(bench.plan, bench.watch, bench.seen, true, false);
+  for (int i = 0; i < 2; ++i) update(bench.plan, bench.watch, bench.seen, true, false);
   bench.seen.measurement.laser_valid = true;
   bench.sample(400);
   EXPECT_EQ(bench.watch.history.advance_um(), 300);

@@ -3,16 +3,16 @@
 
 #include <cstdlib>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
 struct Bench {
   PlanFacts plan = three_stage_plan();
-  DriveWatch watch;
+  VoltageMonitor watch;
   Observation seen;
 
   explicit Bench(Mode mode = Mode::Active, bool enabled = true) {
@@ -25,7 +25,7 @@ struct Bench {
     seen.measurement.command_mV = command_mV;
     seen.measurement.monitor_mV = monitor_mV;
     seen.measurement.current_nA = current_nA;
-    return look(plan, watch, seen, true, false);
+    return update(plan, watch, seen, true, false);
   }
   bool names(Hazard hazard) const { return (watch.found & bit(hazard)) != 0; }
 };
@@ -156,7 +156,7 @@ TEST(ZeroVolts, AreLostByTheMonitorAfterThreeSamples) {
 TEST(ZeroVolts, HaveToBeShownAnewByAStageThatHadFallenSilent) {
   Bench bench(Mode::Ready, false);
   for (int i = 0; i < 3; ++i) bench.sample(0, 0);
-  EXPECT_FALSE(look(bench.plan, bench.watch, bench.seen, false, true).zero_volts);
+  EXPECT_FALSE(update(bench.plan, bench.watch, bench.seen, false, true).zero_volts);
   for (const bool zero : {false, false, true}) EXPECT_EQ(bench.sample(0, 0).zero_volts, zero);
 }
 
@@ -188,7 +188,7 @@ TEST(Wave, OnTheBenchIsForgottenOutsideActiveAndBelowAKilovoltItsBalanceOutsideA
     return bench.watch;
   };
   for (const Mode mode : {Mode::Safe, Mode::Armed, Mode::Retract, Mode::Hold}) {
-    const DriveWatch watch = after(mode, 2'000'000);
+    const VoltageMonitor watch = after(mode, 2'000'000);
     EXPECT_EQ(watch.flips, 0);
     EXPECT_EQ(watch.polarity, 0);
     EXPECT_FALSE(watch.wrong_frequency);
@@ -197,7 +197,7 @@ TEST(Wave, OnTheBenchIsForgottenOutsideActiveAndBelowAKilovoltItsBalanceOutsideA
     EXPECT_EQ(watch.total_mVms, kept ? 7'000'000 : 0);
     EXPECT_EQ(watch.wave_ticks, kept ? 9 : 0);
   }
-  const DriveWatch low = after(Mode::Active, 999'999), high = after(Mode::Active, 1'000'000);
+  const VoltageMonitor low = after(Mode::Active, 999'999), high = after(Mode::Active, 1'000'000);
   EXPECT_EQ(low.flips, 0);
   EXPECT_EQ(low.polarity, 0);
   EXPECT_FALSE(low.wrong_frequency);
@@ -286,7 +286,7 @@ TEST(Images, AreDisturbedByAChangeOfMoreThanAHundredVoltsOrByAStageThatSaysNothi
   EXPECT_FALSE(bench.sample(-1'000'000, -1'000'000).image_disturbed);
   EXPECT_TRUE(bench.sample(-899'999, -899'999).image_disturbed);
   EXPECT_TRUE(bench.sample(-1'000'000, -1'000'000).image_disturbed);
-  EXPECT_TRUE(look(bench.plan, bench.watch, bench.seen, false, false).image_disturbed);
+  EXPECT_TRUE(update(bench.plan, bench.watch, bench.seen, false, false).image_disturbed);
 }
 
 TEST(Images, AreSoundWhereNothingSwitched) {

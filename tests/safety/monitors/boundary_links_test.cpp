@@ -1,8 +1,8 @@
 // The watch over the links, tick by tick, at the edges of every limit.
 #include <gtest/gtest.h>
 
-#include "link_bench.hpp"
-#include "verifies.hpp"
+#include "tests/safety/link_bench.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <limits>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/monitors/clock_step.hpp"
 #include "safety/monitors/debounce.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -110,10 +110,10 @@ TEST(PlausibleBands, BeyondTheStrokeAreReadAsItsEnds) {
   }
 }
 
-TEST(TissueWatch, CutsADepthAtAMetreAndADriveAtItsLimit) {
+TEST(TissueMonitor, CutsADepthAtAMetreAndADriveAtItsLimit) {
   verifies("R-27", "R-32");
   for (const std::int32_t sign : {1, -1}) {
-    TissueWatch watch;
+    TissueMonitor watch;
     Measurement m;
     m.command_mV = sign * 9'000'000;
     m.depth_um = sign * 2'000'000;

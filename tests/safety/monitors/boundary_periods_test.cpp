@@ -1,8 +1,8 @@
 // Periods that controller or stage let go by, at the edges of the limit.
 #include <gtest/gtest.h>
 
-#include "link_bench.hpp"
-#include "verifies.hpp"
+#include "tests/safety/link_bench.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {

@@ -1,7 +1,7 @@
 // The needle's depth and the plan's model of it, condition by condition.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -50,10 +50,10 @@ TEST(Plausibility, IsJudgedByTheBandsOfThePlanInUse) {
   EXPECT_LE(rig.ticks_until([&] { return names(rig, Hazard::OffsetOrScale); }, 60), 60);
 }
 
-TEST(TissueWatch, FindsNothingWhereTheDepthIsInsideTheBandOfTheMeanDrive) {
+TEST(TissueMonitor, FindsNothingWhereTheDepthIsInsideTheBandOfTheMeanDrive) {
   verifies("R-32");
   const PlanFacts plan = three_stage_plan();
-  TissueWatch watch;
+  TissueMonitor watch;
   Measurement m;
   m.depth_um = 2'000;
   m.command_mV = -4'000'000;
@@ -63,10 +63,10 @@ TEST(TissueWatch, FindsNothingWhereTheDepthIsInsideTheBandOfTheMeanDrive) {
   EXPECT_NEAR(watch.mean_drive_mV, 4'000'000, kMean_ticks);
 }
 
-TEST(TissueWatch, MeasuresTheWayToTheNearerEdgeOfTheBand) {
+TEST(TissueMonitor, MeasuresTheWayToTheNearerEdgeOfTheBand) {
   verifies("R-27", "R-32");
   const PlanFacts plan = three_stage_plan();
-  TissueWatch watch{.mean_drive_mV = 4'000'000};
+  TissueMonitor watch{.mean_drive_mV = 4'000'000};
   Measurement m;
   m.command_mV = 4'000'000;
   m.depth_um = 2'900;

@@ -2,7 +2,7 @@
 // order or from a part that was restarted.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/challenge.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -68,7 +68,7 @@ TEST(Measurements, OfARestartedStageAreNotBelievedWhileTheDriveMayBeOn) {
   ASSERT_LE(rig.ticks_until([&] { return rig.state.mode == Mode::Retract; }, 10), 10);
   rig.measurement.seq = 0;  // counts from 1 again
   rig.on_measurement = [](Measurement&) {};
-  while (is_hot(rig.output.permit.mode)) {
+  while (hv_permitted(rig.output.permit.mode)) {
     rig.tick();
     EXPECT_TRUE(names(rig, Hazard::SensorStale)) << name_of(rig.state.mode);
   }
@@ -124,14 +124,14 @@ TEST(Controller, ThatIsRestartedUnderVoltageIsNotTakenUp) {
   Observation seen;
   rig.on_observation = [&](Observation& s) { seen = s; };
   rig.tick();
-  LinkWatch watch = rig.memory.link;
+  LinkMonitor watch = rig.memory.link;
   watch.silent_ticks = 100;
   seen.request.seq = 1;
   ++seen.measurement.seq;
-  EXPECT_NE(look(rig.plan, watch, seen).found & bit(Hazard::ControllerSilent), 0U);
+  EXPECT_NE(update(rig.plan, watch, seen).found & bit(Hazard::ControllerSilent), 0U);
   seen.permit.mode = Mode::Trip;
   ++seen.measurement.seq;
-  EXPECT_EQ(look(rig.plan, watch, seen).found & bit(Hazard::ControllerSilent), 0U);
+  EXPECT_EQ(update(rig.plan, watch, seen).found & bit(Hazard::ControllerSilent), 0U);
 }
 
 TEST(Controller, DoesNotMissPeriodsByBeingRestarted) {

@@ -1,7 +1,7 @@
 // Hold-to-run, stages and depth checks: what makes the needle go on, and what cannot.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/thresholds.hpp"
 #include "tests/safety/verifies.hpp"
 

@@ -4,17 +4,17 @@
 
 #include <cmath>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/monitors/depth_monitor.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
 struct Drive {
   PlanFacts plan = three_stage_plan();
-  DriveWatch watch;
+  VoltageMonitor watch;
   Observation seen;
 
   explicit Drive(Mode mode = Mode::Active) {
@@ -24,7 +24,7 @@ struct Drive {
   }
   std::int32_t ceiling_mV(std::int32_t command_mV) {
     seen.measurement.command_mV = seen.measurement.monitor_mV = command_mV;
-    return look(plan, watch, seen, true, false).ceiling_mV;
+    return update(plan, watch, seen, true, false).ceiling_mV;
   }
 };
 
@@ -79,7 +79,7 @@ TEST(Ceiling, BeginsAnewWhereTheDriveWasOff) {
     Drive drive(mode);
     drive.watch.pull_V2 = 9'000'000;
     drive.ceiling_mV(0);
-    EXPECT_EQ(drive.watch.pull_V2, is_hot(mode) ? 9'000'000 - 9'000'000 / 128 : 0) << name_of(mode);
+    EXPECT_EQ(drive.watch.pull_V2, hv_permitted(mode) ? 9'000'000 - 9'000'000 / 128 : 0) << name_of(mode);
   }
 }
 
@@ -90,7 +90,7 @@ TEST(Ceiling, IsTheRobotsOwnForABenchWithoutANeedleAndKeptWhereNothingNewWasMeas
     drive.plan.bench_half_period_ticks = half_period_ticks;
     EXPECT_EQ(drive.ceiling_mV(0), 8'000'000);
   }
-  EXPECT_EQ(look(drive.plan, drive.watch, drive.seen, false, false).ceiling_mV, 8'000'000);
+  EXPECT_EQ(update(drive.plan, drive.watch, drive.seen, false, false).ceiling_mV, 8'000'000);
   EXPECT_EQ(Evidence{}.ceiling_mV, 0) << "nothing is allowed by default";
   Drive implausible;
   implausible.plan.bench_half_period_ticks = -1;
@@ -116,7 +116,7 @@ TEST(Ceiling, HoldsAControllerThatAsksForEverythingNearToWhatItHad) {
 
 struct Needle {
   PlanFacts plan = three_stage_plan();
-  DepthWatch watch;
+  DepthMonitor watch;
   Observation seen;
 
   explicit Needle(Mode mode = Mode::Active) {
@@ -128,7 +128,7 @@ struct Needle {
     seen.measurement.depth_um = depth_um;
     seen.measurement.command_mV = drive_mV;
     ++seen.measurement.laser_code;
-    return (look(plan, watch, seen, true, false).found & bit(Hazard::OffsetOrScale)) != 0;
+    return (update(plan, watch, seen, true, false).found & bit(Hazard::OffsetOrScale)) != 0;
   }
   // Stays at one depth; true from the tick in which it is named.
   int ticks_until_named(std::int32_t depth_um, std::int32_t drive_mV = 4'000'000) {

@@ -106,7 +106,7 @@ TEST(Absence, APlanPlansNothing) {
   EXPECT_EQ(plan.bench_half_period_ticks, 0);
   EXPECT_EQ(plan.stage_count, 0U);
   EXPECT_EQ(plan.band_count, 0U);
-  const StagePermit stage;
+  const StepLimits stage;
   EXPECT_EQ(stage.depth_max_um, 0);
   EXPECT_EQ(stage.v_max_mV, 0);
   EXPECT_EQ(stage.slew_up_mV_per_tick, 0);
@@ -121,7 +121,7 @@ TEST(Absence, APlanPlansNothing) {
 }
 
 TEST(Absence, TheWatchOverTheLinksTakesAllForSilentAndNothingForProven) {
-  const LinkWatch watch;
+  const LinkMonitor watch;
   EXPECT_FALSE(watch.clock_read);
   EXPECT_EQ(watch.now_us, 0);
   EXPECT_EQ(watch.seq, 0U);
@@ -144,7 +144,7 @@ TEST(Absence, TheWatchOverTheLinksTakesAllForSilentAndNothingForProven) {
 }
 
 TEST(Absence, TheWatchOverTheDriveHasSeenNoZeroVolts) {
-  const DriveWatch watch;
+  const VoltageMonitor watch;
   EXPECT_EQ(watch.found, 0U);
   EXPECT_EQ(watch.command_mV, 0);
   EXPECT_EQ(watch.over_ticks + watch.arc_ticks + watch.disagree_ticks + watch.disobey_ticks, 0);
@@ -172,7 +172,7 @@ TEST(Absence, TheWatchOverTheDriveHasSeenNoZeroVolts) {
 }
 
 TEST(Absence, TheWatchOverTheDepthHasSeenNoTargetAndNoNeedleAtHome) {
-  const DepthWatch watch;
+  const DepthMonitor watch;
   EXPECT_EQ(watch.found, 0U);
   EXPECT_FALSE(watch.needle_home);
   EXPECT_EQ(watch.history.next, 0U);
@@ -205,7 +205,7 @@ TEST(Absence, NobodyHasFedTheInterlock) {
   EXPECT_FALSE(interlock.fed_by_driver);
   EXPECT_EQ(interlock.supervisor_us, 0);
   EXPECT_EQ(interlock.driver_us, 0);
-  EXPECT_EQ(TissueWatch{}.mean_drive_mV, 0);
+  EXPECT_EQ(TissueMonitor{}.mean_drive_mV, 0);
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 // Which event a step names and what it answers to a request, at the edges of times, tokens and stages.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {

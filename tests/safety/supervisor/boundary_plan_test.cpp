@@ -1,11 +1,11 @@
 // The numbers of a plan at the edges of what the robot could mean, and the band between its points.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -125,9 +125,9 @@ TEST(PlausibleBand, OfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
   }
 }
 
-TEST(TissueWatch, FollowsTheDriveByOneIn512) {
+TEST(TissueMonitor, FollowsTheDriveByOneIn512) {
   verifies("R-32");
-  TissueWatch watch;
+  TissueMonitor watch;
   Measurement m;
   m.command_mV = -512'000;
   tissue_residual_um(three_stage_plan(), watch, m);
@@ -136,10 +136,10 @@ TEST(TissueWatch, FollowsTheDriveByOneIn512) {
   EXPECT_EQ(watch.mean_drive_mV, 1'998);
 }
 
-TEST(TissueWatch, GivesTheWayToTheNearerEdgeOfTheBandAndNothingInside) {
+TEST(TissueMonitor, GivesTheWayToTheNearerEdgeOfTheBandAndNothingInside) {
   for (const auto& [depth_um, residual_um] :
        {std::pair{-103, 3}, {-101, 1}, {-100, 0}, {0, 0}, {100, 0}, {101, 1}}) {
-    TissueWatch watch;
+    TissueMonitor watch;
     Measurement m;
     m.depth_um = depth_um;
     EXPECT_EQ(tissue_residual_um(three_stage_plan(), watch, m), residual_um);

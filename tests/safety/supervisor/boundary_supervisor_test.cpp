@@ -1,12 +1,12 @@
 // What one step makes of one state, field by field: everything a permit and an output say.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/decide.hpp"
 #include "safety/types/thresholds.hpp"
-#include "verifies.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -90,7 +90,7 @@ TEST(Outputs, FeedTheInterlockAndAllowImagesInTheirModesOnly) {
   for (std::size_t i = 0; i < kModes; ++i) {
     const auto mode = static_cast<Mode>(i);
     const SupervisorOutput output = stays(mode).second;
-    EXPECT_EQ(output.interlock_pulse, mode == Mode::Ready || is_hot(mode)) << name_of(mode);
+    EXPECT_EQ(output.interlock_pulse, mode == Mode::Ready || hv_permitted(mode)) << name_of(mode);
     EXPECT_EQ(output.image_allowed, mode != Mode::Active && mode != Mode::Retract) << name_of(mode);
     EXPECT_FALSE(output.image_disturbed);
     EXPECT_EQ(output.event, Event::None) << name_of(mode);

@@ -14,13 +14,14 @@
 #include "safety/types/thresholds.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 #include "safety/types/transitions.hpp"
-#include "verifies.hpp"
+#include "tests/source_dir.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
 std::string section(const std::string& title) {
-  std::ifstream file(BIOPSY_SOURCE_DIR "/docs/safety.md");
+  std::ifstream file(source_dir() / "docs/safety.md");
   std::stringstream text;
   text << file.rdbuf();
   const std::string all = text.str();

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/gate.hpp"
 #include "tests/safety/verifies.hpp"
@@ -68,13 +68,13 @@ TEST(BrokenMemory, AStageBeyondTheRoomForStagesIsAllowedNothingWhateverThePlanCo
   plan.stages.fill(plan.stages[0]);
   SupervisorState state = started(1);
   state.mode = Mode::Active;
-  for (const std::uint32_t stage : {std::uint32_t{kMaxStages}, std::uint32_t{kMaxStages} + 8}) {
+  for (const std::uint32_t stage : {std::uint32_t{kMaxSteps}, std::uint32_t{kMaxSteps} + 8}) {
     state.stage = stage;
     const Permit permit = step(plan, state, healthy()).second.permit;
     EXPECT_EQ(permit.v_max_mV, 0);
     EXPECT_EQ(permit.slew_up_mV_per_tick, 0);
   }
-  state.stage = kMaxStages - 1;
+  state.stage = kMaxSteps - 1;
   EXPECT_GT(step(plan, state, healthy()).second.permit.v_max_mV, 0);
 }
 

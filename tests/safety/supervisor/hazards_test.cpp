@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/thresholds.hpp"
 #include "tests/safety/verifies.hpp"
 

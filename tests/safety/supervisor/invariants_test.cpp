@@ -4,7 +4,7 @@
 #include <array>
 #include <random>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -174,13 +174,13 @@ TEST(Invariants, HoldInEveryStepOfARandomWalk) {
     if (state.mode == Mode::Lock) {
       ASSERT_EQ(next.mode, Mode::Lock);
     }
-    if (is_hot(state.mode) && next.mode == Mode::Trip) {
+    if (hv_permitted(state.mode) && next.mode == Mode::Trip) {
       ASSERT_EQ(next.epoch, state.epoch + 1);
     }
     if (next.mode != state.mode) {
       ASSERT_EQ(next.mode, next_mode(state.mode, output.event)) << name_of(output.event);
     }
-    ASSERT_EQ(permit.hv_enable, is_hot(next.mode));
+    ASSERT_EQ(permit.hv_enable, hv_permitted(next.mode));
     ASSERT_TRUE(permit.hv_enable || permit.v_max_mV == 0);
     ASSERT_LE(permit.v_max_mV, limits::kDriveMax_mV);
     ASSERT_GE(permit.v_max_mV, 0);

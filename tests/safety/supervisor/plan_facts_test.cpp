@@ -1,7 +1,7 @@
 // Plan facts, hazard table and interlock.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/interlock.hpp"
@@ -28,7 +28,7 @@ TEST(PlanFacts, RefuseEveryNumberTheRobotCannotMean) {
       spoilt([](PlanFacts& p) { p.tissue_residual_max_um = 0; }),
       spoilt([](PlanFacts& p) { p.tissue_residual_max_um = limits::kStroke_um + 1; }),
       spoilt([](PlanFacts& p) { p.stage_count = 0; }),
-      spoilt([](PlanFacts& p) { p.stage_count = kMaxStages + 1; }),
+      spoilt([](PlanFacts& p) { p.stage_count = kMaxSteps + 1; }),
       spoilt([](PlanFacts& p) { p.band_count = 0; }),
       spoilt([](PlanFacts& p) { p.band_count = kMaxBands + 1; }),
       spoilt([](PlanFacts& p) { p.stages[1].depth_max_um = 99; }),
@@ -47,7 +47,7 @@ TEST(PlanFacts, RefuseEveryNumberTheRobotCannotMean) {
 
 TEST(PlanFacts, AcceptAsManyStagesAndBandsAsThereIsRoomFor) {
   PlanFacts plan = three_stage_plan();
-  plan.stage_count = kMaxStages;
+  plan.stage_count = kMaxSteps;
   plan.stages.fill(plan.stages[0]);
   plan.band_count = kMaxBands;
   for (std::size_t i = 0; i < kMaxBands; ++i)
@@ -207,9 +207,9 @@ TEST(Ramp, StartsAtThePresentVoltageAndFallsInAStraightLine) {
 
 TEST(Challenge, NothingIsProvenBeforeTheFirstPermit) {
   verifies("R-10");
-  LinkWatch watch;
+  LinkMonitor watch;
   watch.answer_score = 0;
-  EXPECT_NE(look(three_stage_plan(), watch, Observation{}).found & bit(Hazard::WrongAnswer), 0U);
+  EXPECT_NE(update(three_stage_plan(), watch, Observation{}).found & bit(Hazard::WrongAnswer), 0U);
 }
 
 TEST(Challenge, LostPermitsAreForgivenAslongAsTheAnswersAreRight) {
@@ -276,7 +276,7 @@ TEST(EStop, LatchesADisagreementUntilBothContactsWereSeenOpen) {
   EXPECT_EQ(rig.output.worst, Hazard::None);
 }
 
-TEST(Lockstep, ASupervisorThatDiesLeavesTheNeedleWithoutDriveInFiveMilliseconds) {
+TEST(SimulatedRobot, ASupervisorThatDiesLeavesTheNeedleWithoutDriveInFiveMilliseconds) {
   verifies("R-44");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -288,7 +288,7 @@ TEST(Lockstep, ASupervisorThatDiesLeavesTheNeedleWithoutDriveInFiveMilliseconds)
   EXPECT_EQ(rig.gate_state.drive_mV, 0);
 }
 
-TEST(Lockstep, AStageThatRestartsIsTakenUpAgainOnceTheDriveIsOff) {
+TEST(SimulatedRobot, AStageThatRestartsIsTakenUpAgainOnceTheDriveIsOff) {
   Rig rig;
   ASSERT_TRUE(rig.go_trip());
   rig.on_measurement = [old = rig.measurement](Measurement& m) { m = old; };

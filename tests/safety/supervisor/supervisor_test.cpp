@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "rig.hpp"
+#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
 #include "tests/safety/verifies.hpp"

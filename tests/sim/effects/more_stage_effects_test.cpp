@@ -161,7 +161,7 @@ TEST(PeriodicDisturbance, ShakesAnOscillatorByItsFrequencyResponse) {
 TEST(Place, PutsAForceDrivenMassWhereAFreshOscillatorWouldBe) {
   const PlantModel model = bare_mass(0.0, 140.0);
   PlantState state = at_rest(model);
-  place(model, state, 0.4e-3, 0.03);
+  set_state(model, state, 0.4e-3, 0.03);
   EXPECT_EQ(displacement_reading(model, state), 0.4e-3);
   state = pushed(model, state, 0.0, 100);
   const double w = std::sqrt(140.0 / 0.080);
@@ -175,9 +175,9 @@ TEST(Place, TakesPlateBAlongSoThatTheSpringKeepsItsStretch) {
   for (int k = 0; k < 5000; ++k)
     state = step(model, state, {.voltage = 3000.0, .external_force = 0.1}, Seconds(1e-3));
   const double stretch = plate_b(model, state) - state.motion.x;
-  place(model, state, state.motion.x - 0.5e-3, 0.0);
+  set_state(model, state, state.motion.x - 0.5e-3, 0.0);
   EXPECT_NEAR(plate_b(model, state) - state.motion.x, stretch, 1e-12);
-  place(model, state, -5e-3, 0.0);  // further than the pouches can
+  set_state(model, state, -5e-3, 0.0);  // further than the pouches can
   EXPECT_EQ(state.motion.H, model.baseline.H_0);
 }
 
@@ -186,7 +186,7 @@ TEST(Place, LeavesPlayAndSensorAsSteadyMotionDoes) {
   model.effects.backlash = Backlash{0.2e-3};
   model.effects.sensor_lag = SensorLag{.time = 4e-3, .delay = 6e-3};
   PlantState state = at_rest(model);
-  place(model, state, 1e-3, 0.02);
+  set_state(model, state, 1e-3, 0.02);
   for (int k = 0; k < 20; ++k) {
     const double expected = 1e-3 + 0.02 * k * 1e-3 - 0.1e-3 - 0.02 * 10e-3;
     ASSERT_NEAR(displacement_reading(model, state), expected, 1e-12) << k;

@@ -7,11 +7,12 @@
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/plant.hpp"
 #include "sim/tissue/tissue.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim {
 
 inline std::filesystem::path models_folder() {
-  return std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim" / "models";
+  return source_dir() / "sim" / "models";
 }
 
 // The paper's needle experiment: muscle 2 mm, gap 0.9 mm, liver behind.

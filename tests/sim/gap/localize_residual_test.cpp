@@ -44,7 +44,7 @@ struct Case {
     evidence.runs.push_back(run);
   }
   std::vector<GapRegime> regimes(Drive drive = Drive::Stack) const {
-    return where(evidence, before, after, drive);
+    return localize_residual(evidence, before, after, drive);
   }
 };
 

@@ -6,12 +6,13 @@
 #include "sim/plant/model_file.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::paper {
 namespace {
 
 PaperModel damped() {
-  const std::filesystem::path models = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+  const std::filesystem::path models = source_dir() / "sim/models";
   PaperModel model = read_paper_model(models / "rehearsal.toml", models / "paper.toml");
   model.stage.baseline.tau_h = 0.3;
   model.stage.baseline.c_s = 1.7;
@@ -88,7 +89,7 @@ TEST(PaperClosedLoop, ABiasBringsTheStageBackToItsZero) {
 
 // Fig. 9a as it is; Fig. 9b, which ends at 0, above what friction keeps.
 TEST(PaperClosedLoop, FeedForwardBeatsThePapersFigures) {
-  const std::filesystem::path models = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+  const std::filesystem::path models = source_dir() / "sim/models";
   const PaperFigure figure = beyond(read_paper_model(models / "calibrated.toml", models / "paper.toml"));
   EXPECT_LT(row(figure, "sine, RMSE over everything: above a bias").ours, 0.211);
   EXPECT_LT(row(figure, "square wave, RMSE over settled windows: feed-forward").ours, 0.077);

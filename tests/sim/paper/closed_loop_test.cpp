@@ -9,6 +9,7 @@
 
 #include "sim/plant/model_file.hpp"
 #include "sim/paper/figures/loop_scores.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::paper {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 const LoopSettings kNoLoop{.gains = {0.0, 0.0}, .highest = 8000.0, .feed = {}};
 
 PlantModel rehearsal() {
-  PlantModel model = read_model(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models/rehearsal.toml");
+  PlantModel model = read_model(source_dir() / "sim/models/rehearsal.toml");
   model.baseline.tau_h = 0.3;  // slow oil and a damped slider: the loop holds it
   model.baseline.c_s = 1.7;
   return model;

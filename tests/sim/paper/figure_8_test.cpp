@@ -6,6 +6,7 @@
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/stack_height.hpp"
 #include "tests/sim/paper/paper_stage.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::paper {
 namespace {
@@ -49,7 +50,7 @@ TEST(Figure8, ThePrintedStiffnessStandsInARowOfItsOwn) {
 // not the one on the way: cut short before that, a brief run saw twice the ripple. A margin of 1 is 1 % of
 // the level.
 TEST(Figure8, TheBriefExperimentSeesTheRippleOfTheWholeOne) {
-  const std::filesystem::path models = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+  const std::filesystem::path models = source_dir() / "sim/models";
   PaperModel model = read_paper_model(models / "calibrated.toml", models / "paper.toml");
   const std::vector<PaperRow> whole = figure_8a(model).rows;
   model.brief = true;

@@ -5,12 +5,13 @@
 
 #include "sim/paper/paper_figure.hpp"
 #include "sim/paper/paper_model.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::paper {
 
 // The stage of docs/model.md without any effect, and the films and mechanisms of sim/models/paper.toml.
 inline PaperModel bare_paper_model() {
-  const std::filesystem::path models = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+  const std::filesystem::path models = source_dir() / "sim/models";
   return read_paper_model(models / "baseline.toml", models / "paper.toml");
 }
 

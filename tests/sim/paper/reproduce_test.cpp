@@ -21,7 +21,7 @@ TEST(Reproduce, RefusesAFigureThatThePaperLacksAndNamesThoseItHas) {
     try {
       figures_named(word);
       ADD_FAILURE() << word;
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_NE(std::string(error.what()).find(word), std::string::npos);
     }
   }

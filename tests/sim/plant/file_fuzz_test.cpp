@@ -88,7 +88,7 @@ int survives(Read&& read) {
   try {
     read();
     return 1;
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_FALSE(error.where.empty());
     EXPECT_FALSE(error.what_is_wrong.empty());
     return 0;

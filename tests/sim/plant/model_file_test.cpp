@@ -180,7 +180,7 @@ TEST(Tissue, RefusesAPathOfMoreLayersThanThePlantHolds) {
   std::vector<Layer> layers;
   for (int i = 0; i < static_cast<int>(kMaxLayers) + 1; ++i)
     layers.push_back({"muscle", Millimetres(i), Millimetres(i + 1)});
-  EXPECT_THROW(tissue_along(layers, table), SetupError);
+  EXPECT_THROW(tissue_along(layers, table), ConfigError);
   layers.pop_back();
   EXPECT_EQ(tissue_along(layers, table).size(), kMaxLayers);
 }

@@ -14,7 +14,7 @@ template <class Read>
 std::string refusal(Read&& read) {
   try {
     read();
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     return error.where + ": " + error.what_is_wrong + " [" + error.remedy + "]";
   }
   return "accepted";

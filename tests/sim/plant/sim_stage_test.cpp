@@ -41,10 +41,10 @@ struct OpenGate {
   }
 };
 
-TEST(SimStage, ReadsRestBeforeAnythingIsWritten) {
+TEST(SimulatedStage, ReadsRestBeforeAnythingIsWritten) {
   PlantModel model;
-  SimStage stage(model, 1);
-  const port::SensorReading reading = stage.read();
+  SimulatedStage stage(model, 1);
+  const drivers::SensorReading reading = stage.read();
   EXPECT_EQ(reading.time_us, 0);
   EXPECT_EQ(reading.depth_um, 0);
   EXPECT_TRUE(reading.laser_valid);
@@ -52,8 +52,8 @@ TEST(SimStage, ReadsRestBeforeAnythingIsWritten) {
   EXPECT_LT(std::abs(reading.current_nA), 150);  // seven standard deviations of its noise
 }
 
-TEST(SimStage, OneMillisecondPassesWithEachWriteAndNoneWithARead) {
-  SimStage stage(PlantModel{}, 1);
+TEST(SimulatedStage, OneMillisecondPassesWithEachWriteAndNoneWithARead) {
+  SimulatedStage stage(PlantModel{}, 1);
   for (int k = 1; k <= 5; ++k) {
     stage.write(safety::GatedVoltage::off());
     EXPECT_EQ(stage.read().time_us, 1000 * k);
@@ -62,9 +62,9 @@ TEST(SimStage, OneMillisecondPassesWithEachWriteAndNoneWithARead) {
   EXPECT_EQ(stage.now_us(), 5000);
 }
 
-TEST(SimStage, MovesAsThePlantDoesUnderTheGatesVoltage) {
+TEST(SimulatedStage, MovesAsThePlantDoesUnderTheGatesVoltage) {
   const PlantModel model = rehearsal_with_tissue();
-  SimStage stage(model, 5);
+  SimulatedStage stage(model, 5);
   OpenGate gate;
   PlantModel seeded = model;
   seeded.noise_seed = 5;
@@ -83,18 +83,18 @@ TEST(SimStage, MovesAsThePlantDoesUnderTheGatesVoltage) {
   EXPECT_GT(stage.truth().motion.x, 1e-3);
 }
 
-TEST(SimStage, DepthIsTheLasersCodeTimesItsStep) {
+TEST(SimulatedStage, DepthIsTheLasersCodeTimesItsStep) {
   PlantModel model;
   model.effects.sensor_offset = SensorOffset{1.2346e-3};
-  SimStage stage(model, 1, {.laser_code_um = 5});
+  SimulatedStage stage(model, 1, {.laser_code_um = 5});
   const auto reading = stage.read();
   EXPECT_EQ(reading.laser_code, 247);
   EXPECT_EQ(reading.depth_um, 1235);
 }
 
-TEST(SimStage, MonitorsCarryTheirOwnNoiseAndNoneWhereItIsZero) {
-  SimStage clean(PlantModel{}, 1, {.monitor_noise = 0.0, .current_noise_A = 0.0});
-  SimStage noisy(PlantModel{}, 1);
+TEST(SimulatedStage, MonitorsCarryTheirOwnNoiseAndNoneWhereItIsZero) {
+  SimulatedStage clean(PlantModel{}, 1, {.monitor_noise = 0.0, .current_noise_A = 0.0});
+  SimulatedStage noisy(PlantModel{}, 1);
   OpenGate gate;
   double sum = 0.0, squares = 0.0;
   constexpr int kCount = 4000;
@@ -112,9 +112,9 @@ TEST(SimStage, MonitorsCarryTheirOwnNoiseAndNoneWhereItIsZero) {
   EXPECT_NEAR(std::sqrt(squares), 0.001, 0.05 * 0.001);
 }
 
-TEST(SimStage, SameSeedSameReadingsAnotherSeedOthers) {
+TEST(SimulatedStage, SameSeedSameReadingsAnotherSeedOthers) {
   const auto readings = [](std::uint64_t seed) {
-    SimStage stage(rehearsal_with_tissue(), seed);
+    SimulatedStage stage(rehearsal_with_tissue(), seed);
     std::vector<std::int32_t> out;
     for (int k = 0; k < 200; ++k) {
       stage.write(safety::GatedVoltage::off());

@@ -116,15 +116,15 @@ TEST_F(DicomSeriesWriter, WritesALeftHandedGridBackToFront) {
 TEST_F(DicomSeriesWriter, RefusesWhatWouldNotBeASeries) {
   Volume bad = volume();
   bad.voxels.pop_back();
-  EXPECT_THROW(write_dicom_series(bad, folder / "a"), SetupError);
+  EXPECT_THROW(write_dicom_series(bad, folder / "a"), ConfigError);
   bad = volume();
   bad.voxels[3] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THROW(write_dicom_series(bad, folder / "a"), SetupError);
+  EXPECT_THROW(write_dicom_series(bad, folder / "a"), ConfigError);
   bad = volume();
   bad.grid.X_SI.linear()(0, 2) = 0.1;
-  EXPECT_THROW(write_dicom_series(bad, folder / "a"), SetupError);
+  EXPECT_THROW(write_dicom_series(bad, folder / "a"), ConfigError);
   write_dicom_series(volume(), folder / "b");
-  EXPECT_THROW(write_dicom_series(volume(), folder / "b"), SetupError);  // two series must not mix
+  EXPECT_THROW(write_dicom_series(volume(), folder / "b"), ConfigError);  // two series must not mix
 }
 
 }  // namespace

@@ -170,10 +170,10 @@ TEST(Scanner, RendersOnAnotherGridAndLeavesAirOutsideThePlanningVolume) {
 }
 
 TEST(Scanner, RefusesEmptyVolumesAndNumbersThatAreNone) {
-  EXPECT_THROW(scan(Volume{}, clean()), SetupError);
+  EXPECT_THROW(scan(Volume{}, clean()), ConfigError);
   ScanSettings settings = clean();
   settings.motion.shift_mm.x() = NAN;
-  EXPECT_THROW(scan(block(2.0, 2.0), settings), SetupError);
+  EXPECT_THROW(scan(block(2.0, 2.0), settings), ConfigError);
 }
 
 TEST(PaperPhantom, HasTheLayersOfThePaperAlongTheNeedle) {
@@ -193,7 +193,7 @@ TEST(PaperPhantom, HasTheLayersOfThePaperAlongTheNeedle) {
   EXPECT_NEAR(length[3], 7.1, 0.25);
   EXPECT_NEAR(phantom.axis_S.norm(), 1.0, 1e-9);
   EXPECT_EQ(phantom.image.voxels, paper_phantom().image.voxels);
-  EXPECT_THROW(paper_phantom({.voxel = Millimetres(0.0)}), SetupError);
+  EXPECT_THROW(paper_phantom({.voxel = Millimetres(0.0)}), ConfigError);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "tests/source_dir.hpp"
 #include "tests/verification/cost/instructions.hpp"
 #include "tests/verification/cost/measured.hpp"
 #include "tests/verification/fault_injection/evidence_file.hpp"
@@ -122,7 +123,7 @@ int main(int count, char** words) {
     return 2;
   }
   fmt::print(stderr, "recording what supervisor and gate are given\n");
-  const Workshop workshop = open_workshop(fs::path(BIOPSY_SOURCE_DIR) / "sim/models");
+  const Workshop workshop = open_workshop(biopsy::source_dir() / "sim/models");
   std::vector<Stream> streams = recorded_streams(workshop, options->quick ? 6 : 1'000);
   for (std::uint64_t seed = 1; seed <= (options->quick ? 2 : 20); ++seed)
     streams.push_back(random_stream(seed, 1'000));

@@ -18,7 +18,7 @@ safety::PlanFacts largest_plan() {
   plan.plan_tag = plan.config_tag = 1;
   plan.depth_max_um = limits::kStroke_um;
   plan.tissue_residual_max_um = 500;
-  plan.stage_count = safety::kMaxStages;
+  plan.stage_count = safety::kMaxSteps;
   plan.band_count = safety::kMaxBands;
   plan.stages.fill({limits::kStroke_um, limits::kDriveMax_mV, 80'000, true});
   for (std::size_t i = 0; i < safety::kMaxBands; ++i) {
@@ -74,7 +74,7 @@ std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t class
   sim::in_parallel(faults.size(), [&](std::size_t i) {
     Campaign campaign{workshop};
     campaign.tap = [&stream = streams[i]](const safety::PlanFacts& facts, const safety::Observation& seen,
-                                          const safety::SupervisorInput& asked, const app::Delivery& given) {
+                                          const safety::SupervisorInput& asked, const robot::Delivery& given) {
       stream.facts = facts;
       Beat beat;
       beat.seen = seen;

@@ -26,7 +26,7 @@ struct Stream {
   std::vector<Beat> beats;
 };
 
-// One spoiled procedure of every class, from its beginning to the end of its reaction.
+// One corrupted procedure of every class, from its beginning to the end of its reaction.
 std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t classes);
 // The largest plan the supervisor holds, and everything it can be shown changing from tick to tick.
 Stream random_stream(std::uint64_t seed, std::size_t beats);

@@ -54,9 +54,9 @@ std::uint64_t number_of(const std::string& text) {  // FNV-1a
   return hash;
 }
 
-void deafen(Spoilers& spoil, safety::HazardSet deaf_to) {
+void deafen(Corruptors& corrupt, safety::HazardSet deaf_to) {
   if (deaf_to == 0) return;
-  spoil.input = [deaf_to, before = std::move(spoil.input)](safety::SupervisorInput& input) {
+  corrupt.input = [deaf_to, before = std::move(corrupt.input)](safety::SupervisorInput& input) {
     if (before) before(input);
     input.evidence.clear |= deaf_to;
   };
@@ -116,9 +116,9 @@ RunResult run_in(Rehearsals& rehearsals, const Campaign& campaign, const FaultCl
   procedure.listen(campaign.tap);
   Line line;
   for (std::size_t k = 0; k <= moment.tick; ++k) line = procedure.tick();
-  Spoilers spoilers = fault.inject(draw, procedure, line);
-  deafen(spoilers, campaign.deaf_to);
-  procedure.spoil(std::move(spoilers));
+  Corruptors corruptors = fault.inject(draw, procedure, line);
+  deafen(corruptors, campaign.deaf_to);
+  procedure.corrupt(std::move(corruptors));
   RunResult result;
   result.mode = line.mode;
   result.tick = line.tick + 1;

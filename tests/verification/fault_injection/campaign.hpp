@@ -1,4 +1,4 @@
-// Many spoiled procedures, in parallel, and the table of what became of them.
+// Many corrupted procedures, in parallel, and the table of what became of them.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct Campaign {
   Tap tap = {};  // hears what supervisor and gate are given; from one thread at a time
 };
 
-// One run of a class: a scene, its sound procedure to choose the moment from, and the same spoiled at that
+// One run of a class: a scene, its sound procedure to choose the moment from, and the same corrupted at that
 // moment. Depends on the seed, the class and `run` alone; all classes of a run share the scene.
 RunResult run_one(const Campaign& campaign, const FaultClass& fault, std::uint64_t run);
 

@@ -15,9 +15,9 @@ struct Sight {
   bool disturbing;  // the drive was switched in the tick that this sample reports
 };
 
-struct Spoilers {
-  std::function<void(app::World&)> world;  // people, scanner, log, panel
-  std::function<void(port::SensorReading&)> reading;
+struct Corruptors {
+  std::function<void(robot::World&)> world;  // people, scanner, log, panel
+  std::function<void(drivers::SensorReading&)> reading;
   // V, signed, on the stack. A sound one gives what is asked while the relay is closed.
   std::function<double(double asked_V, bool enabled, bool relay_closed)> amplifier;
   std::function<double(const sim::Motion&)> push_N;       // a force from outside, withdrawing
@@ -25,7 +25,7 @@ struct Spoilers {
   std::function<void(safety::Observation&)> observation;  // on the way to the supervisor
   std::function<void(safety::SupervisorInput&)> input;    // inside of it
   std::function<void(DriveRequest&)> request;             // inside the controller
-  std::function<void(app::Delivery&)> delivery;           // on the way to the gate
+  std::function<void(robot::Delivery&)> delivery;           // on the way to the gate
   // Whether this sample shows the fault by the limit that docs/safety.md states. Empty: every one does.
   std::function<bool(const Sight&)> shows;
 };

@@ -21,50 +21,50 @@ bool under_voltage(const Glimpse& g) {
 }
 
 // Some of the charge stays on the stack when the drive goes, or leaks in where there must be none.
-Spoilers keep_charge(Draw& draw, Procedure&, const Line& now) {
-  Spoilers spoil;
+Corruptors keep_charge(Draw& draw, Procedure&, const Line& now) {
+  Corruptors corrupt;
   const double most_V = now.mode == Mode::Ready ? 1'000.0 : 1e-3 * std::abs(now.command_mV);
   const double kept_V = draw.within(105.0, std::min(most_V, 1'000.0));
   const double sign = now.command_mV < 0 ? -1.0 : 1.0;
   const std::int32_t way = draw.whole(0, 2);
-  spoil.world = [way](app::World& world) {
+  corrupt.world = [way](robot::World& world) {
     if (way == 0) world.stop = StopCategory::C0Off;
     if (way == 1) world.stop = StopCategory::C1Ramp;
     if (way == 2) world.finish = true;
   };
-  spoil.amplifier = [=](double asked_V, bool enabled, bool closed) {
+  corrupt.amplifier = [=](double asked_V, bool enabled, bool closed) {
     return enabled && closed && std::abs(asked_V) > kept_V ? asked_V : sign * kept_V;
   };
-  spoil.shows = [](const Sight& s) {
-    return !safety::is_hot(s.seen.permit.mode) &&
+  corrupt.shows = [](const Sight& s) {
+    return !safety::hv_permitted(s.seen.permit.mode) &&
            std::abs(s.seen.measurement.monitor_mV) > limits::kZeroVolt_mV;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers run_away(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors run_away(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const double output_V = draw.either_sign(8'250.0, 11'000.0);
-  spoil.amplifier = [=](double, bool enabled, bool closed) { return enabled && closed ? output_V : 0.0; };
-  spoil.shows = [](const Sight& s) {
+  corrupt.amplifier = [=](double, bool enabled, bool closed) { return enabled && closed ? output_V : 0.0; };
+  corrupt.shows = [](const Sight& s) {
     return std::abs(s.seen.measurement.monitor_mV) > limits::kMonitorTrip_mV;
   };
-  return spoil;
+  return corrupt;
 }
 
 // An arc draws its current along with the voltage. Shown where it exceeds 2 nF times the largest change of
 // the last three ticks, and 1 mA.
-Spoilers arc(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors arc(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const auto arc_nA = static_cast<std::int32_t>(1e6 * draw.within(1.1, 20.0));
-  spoil.reading = [=](port::SensorReading& r) { r.current_nA += r.monitor_mV < 0 ? -arc_nA : arc_nA; };
-  spoil.shows = [before = procedure.last().measurement.command_mV,
+  corrupt.reading = [=](drivers::SensorReading& r) { r.current_nA += r.monitor_mV < 0 ? -arc_nA : arc_nA; };
+  corrupt.shows = [before = procedure.last().measurement.command_mV,
                  changes = std::array<double, 3>{}](const Sight& s) mutable {
     changes = {std::abs(double{1.0} * s.seen.measurement.command_mV - before), changes[0], changes[1]};
     before = s.seen.measurement.command_mV;
     return std::abs(s.seen.measurement.current_nA) > 2.0 * *std::ranges::max_element(changes) + 1e6;
   };
-  return spoil;
+  return corrupt;
 }
 
 double tolerance_mV(double drive_mV) {
@@ -72,18 +72,18 @@ double tolerance_mV(double drive_mV) {
 }
 
 // The monitor, or the amplifier itself, is off by more than 3 % and 100 V.
-Spoilers disagree(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors disagree(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const double off = draw.either_sign(1.2, 4.0);
   if (draw.coin())
-    spoil.reading = [=](port::SensorReading& r) {
+    corrupt.reading = [=](drivers::SensorReading& r) {
       r.monitor_mV += static_cast<std::int32_t>(off * tolerance_mV(r.monitor_mV));
     };
   else
-    spoil.amplifier = [=](double asked_V, bool enabled, bool closed) {
+    corrupt.amplifier = [=](double asked_V, bool enabled, bool closed) {
       return enabled && closed ? asked_V + 1e-3 * off * tolerance_mV(1e3 * asked_V) : 0.0;
     };
-  spoil.shows = [before = procedure.last().measurement.command_mV](const Sight& s) mutable {
+  corrupt.shows = [before = procedure.last().measurement.command_mV](const Sight& s) mutable {
     const double now = s.seen.measurement.command_mV,
                  then = std::exchange(before, s.seen.measurement.command_mV);
     const double tolerance = tolerance_mV(std::max(std::abs(now), std::abs(then)));
@@ -91,17 +91,17 @@ Spoilers disagree(Draw& draw, Procedure& procedure, const Line&) {
            (s.seen.measurement.monitor_mV < std::min(now, then) - tolerance ||
             s.seen.measurement.monitor_mV > std::max(now, then) + tolerance);
   };
-  return spoil;
+  return corrupt;
 }
 
 // A driver that goes its own way and answers every challenge as if that were right. Only the interlock can
 // stop it.
-Spoilers disobey(Draw& draw, Procedure& procedure, const Line& now) {
-  Spoilers spoil;
+Corruptors disobey(Draw& draw, Procedure& procedure, const Line& now) {
+  Corruptors corrupt;
   const double above_mV = procedure.last().supervisor.permit.v_max_mV + 1e3 * draw.within(210.0, 800.0);
   const double own_mV = now.mode == Mode::Retract ? now.command_mV : (draw.coin() ? 1 : -1) * above_mV;
-  spoil.amplifier = [=](double, bool, bool closed) { return closed ? 1e-3 * own_mV : 0.0; };
-  spoil.observation = [own_mV, first = true](safety::Observation& seen) mutable {
+  corrupt.amplifier = [=](double, bool, bool closed) { return closed ? 1e-3 * own_mV : 0.0; };
+  corrupt.observation = [own_mV, first = true](safety::Observation& seen) mutable {
     if (std::exchange(first, false)) return;  // reports what was put out before it broke
     Measurement& m = seen.measurement;
     m.command_mV = static_cast<std::int32_t>(own_mV);
@@ -109,38 +109,38 @@ Spoilers disobey(Draw& draw, Procedure& procedure, const Line& now) {
     m.answer = safety::answer_to(safety::challenge_of(seen.permit.session, m.answered_seq), m.command_mV,
                                  seen.permit.mode, m.answered_seq);
   };
-  spoil.shows = [](const Sight& s) {
+  corrupt.shows = [](const Sight& s) {
     return std::abs(s.seen.measurement.command_mV) > s.seen.permit.v_max_mV + 200'000 ||
            s.seen.measurement.hv_enabled != s.seen.permit.hv_enable;
   };
-  return spoil;
+  return corrupt;
 }
 
 bool in_motion(const Sight& s) {
   return s.seen.permit.mode == Mode::Active && std::abs(s.seen.measurement.command_mV) >= 1'000'000;
 }
 
-Spoilers stick_polarity(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors stick_polarity(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const bool negative = draw.coin();
-  spoil.request = [=](DriveRequest& r) { r.wanted_mV = (negative ? -1 : 1) * std::abs(r.wanted_mV); };
-  spoil.shows = [same = 0, was = 0](const Sight& s) mutable {
+  corrupt.request = [=](DriveRequest& r) { r.wanted_mV = (negative ? -1 : 1) * std::abs(r.wanted_mV); };
+  corrupt.shows = [same = 0, was = 0](const Sight& s) mutable {
     const int polarity = s.seen.measurement.command_mV < 0 ? -1 : 1;
     same = polarity == was ? same + 1 : 1;
     was = polarity;
     return in_motion(s) && same > 250;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers change_rate(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors change_rate(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int32_t half = draw.coin() ? draw.whole(50, 190) : draw.whole(310, 600);
-  spoil.request = [half, tick = 0](DriveRequest& r) mutable {
+  corrupt.request = [half, tick = 0](DriveRequest& r) mutable {
     r.wanted_mV = (tick++ / half % 2 == 0 ? 1 : -1) * std::abs(r.wanted_mV);
   };
   // Shown by the first half-period that is a fifth too short or too long.
-  spoil.shows = [same = 0, was = 0, flips = 0](const Sight& s) mutable {
+  corrupt.shows = [same = 0, was = 0, flips = 0](const Sight& s) mutable {
     const int polarity = s.seen.measurement.command_mV < 0 ? -1 : 1;
     const bool flip = was != 0 && polarity != was;
     const bool odd = (flip && flips > 0 && same < 200) || same > 300;
@@ -149,7 +149,7 @@ Spoilers change_rate(Draw& draw, Procedure&, const Line&) {
     was = polarity;
     return in_motion(s) && odd;
   };
-  return spoil;
+  return corrupt;
 }
 
 }  // namespace

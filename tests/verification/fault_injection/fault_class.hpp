@@ -36,7 +36,7 @@ struct FaultClass {
   std::int32_t row = 1;                       // samples in a row that show it, as docs/safety.md counts
   std::vector<Mode> modes;                    // in which it may begin
   bool (*fits)(const Glimpse&) = [](const Glimpse&) { return true; };
-  Spoilers (*inject)(Draw& draw, Procedure& procedure, const Line& now) = nullptr;
+  Corruptors (*inject)(Draw& draw, Procedure& procedure, const Line& now) = nullptr;
   bool moves_needle = false;  // the fault itself is a force on the needle: it, not the drive, makes the depth
   bool raises_drive = false;  // the fault itself is a voltage: judged is when it ends
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "tests/source_dir.hpp"
 #include "tests/verification/fault_injection/campaign.hpp"
 #include "tests/verification/fault_injection/trace_text.hpp"
 #include "tests/safety/verifies.hpp"
@@ -18,7 +19,7 @@ void PrintTo(const FaultClass& fault, std::ostream* out) {
 namespace {
 
 const Workshop& workshop() {
-  static const Workshop kOpened = open_workshop(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models");
+  static const Workshop kOpened = open_workshop(source_dir() / "sim/models");
   return kOpened;
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "tests/source_dir.hpp"
 #include "tests/verification/fault_injection/campaign.hpp"
 #include "tests/verification/fault_injection/evidence_file.hpp"
 #include "tests/verification/fault_injection/trace_text.hpp"
@@ -138,7 +139,7 @@ nlohmann::json figures_of(const std::vector<Tally>& tallies, double seconds) {
 int main(int count, char** words) {
   const std::optional<Options> options = parse(count, words);
   if (!options) return usage();
-  const Workshop workshop = open_workshop(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models");
+  const Workshop workshop = open_workshop(biopsy::source_dir() / "sim/models");
   const Campaign campaign{workshop, options->seed, 0};
   std::vector<FaultClass> faults = all_faults();
   if (!options->story.empty()) return tell(campaign, faults, options->story);

@@ -34,7 +34,7 @@ std::int32_t span_ms(std::size_t from, std::size_t to) {
 }
 
 bool is_idle(Mode mode) {
-  return !safety::is_hot(mode) && mode != Mode::Ready;
+  return !safety::hv_permitted(mode) && mode != Mode::Ready;
 }
 
 bool rises_after(std::span<const Line> lines, std::size_t reacted) {

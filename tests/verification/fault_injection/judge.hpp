@@ -1,4 +1,4 @@
-// What the lines of one spoiled run say about its class.
+// What the lines of one corrupted run say about its class.
 #pragma once
 
 #include <span>

@@ -14,54 +14,54 @@ using safety::Hazard;
 
 const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
 
-Spoilers press_estop(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors press_estop(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int32_t contacts = draw.whole(1, 3);  // one works, or the other, or both
-  spoil.observation = [=](safety::Observation& seen) {
+  corrupt.observation = [=](safety::Observation& seen) {
     if ((contacts & 1) != 0) seen.estop_a_closed = false;
     if ((contacts & 2) != 0) seen.estop_b_closed = false;
   };
-  return spoil;
+  return corrupt;
 }
 
 // One contact opens, and may close again: the disagreement stays known.
-Spoilers split_estop(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors split_estop(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const bool first = draw.coin();
   const std::int32_t heals = draw.coin() ? draw.whole(21, 60) : std::numeric_limits<std::int32_t>::max();
-  spoil.observation = [=, tick = 0](safety::Observation& seen) mutable {
+  corrupt.observation = [=, tick = 0](safety::Observation& seen) mutable {
     const bool open = tick < heals;
     tick += open;
     (first ? seen.estop_a_closed : seen.estop_b_closed) = !open;
   };
-  spoil.shows = [](const Sight& s) { return s.seen.estop_a_closed != s.seen.estop_b_closed; };
-  return spoil;
+  corrupt.shows = [](const Sight& s) { return s.seen.estop_a_closed != s.seen.estop_b_closed; };
+  return corrupt;
 }
 
 // A clock jumps ahead by more than 5 ms or does not go on; the supervisor's, the stage's or the gate's.
-Spoilers jump_clock(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors jump_clock(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int64_t by_us = draw.coin() ? draw.whole(4'001, 5'000'000) : -draw.whole(1'000, 5'000'000);
   switch (draw.whole(0, 2)) {
     case 0:
-      spoil.observation = [=](safety::Observation& seen) { seen.now_us += by_us; };
+      corrupt.observation = [=](safety::Observation& seen) { seen.now_us += by_us; };
       break;
     case 1:
-      spoil.reading = [=](port::SensorReading& r) { r.time_us += by_us; };
+      corrupt.reading = [=](drivers::SensorReading& r) { r.time_us += by_us; };
       break;
     default:
-      spoil.delivery = [=](app::Delivery& d) { d.now_us += by_us; };
-      spoil.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::ClockJump; };
+      corrupt.delivery = [=](robot::Delivery& d) { d.now_us += by_us; };
+      corrupt.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::ClockJump; };
   }
-  return spoil;
+  return corrupt;
 }
 
 // A driver whose arithmetic broke, that stands, that never answers, or that wrote another code than it says.
-Spoilers answer_wrong(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors answer_wrong(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const std::int32_t way = draw.whole(0, 3);
   const auto flaw = static_cast<std::uint32_t>(draw.whole(1, std::numeric_limits<std::int32_t>::max() - 1));
-  spoil.observation = [way, flaw, old = procedure.last().measurement](safety::Observation& seen) {
+  corrupt.observation = [way, flaw, old = procedure.last().measurement](safety::Observation& seen) {
     Measurement& m = seen.measurement;
     if (way == 0) m.answer ^= flaw;
     if (way == 1) m.answer = m.answered_seq = 0;
@@ -71,26 +71,26 @@ Spoilers answer_wrong(Draw& draw, Procedure& procedure, const Line&) {
                                    m.command_mV + static_cast<std::int32_t>(flaw % 16'000'000) + 1,
                                    seen.permit.mode, m.answered_seq);
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers add_writer(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors add_writer(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::array kCounts{0, 2, 3, 7};
   const std::int32_t count = kCounts[static_cast<std::size_t>(draw.whole(0, 3))];
   const std::int32_t who = draw.whole(1, 3);  // supervisor, gate, or both see it
-  if ((who & 1) != 0) spoil.observation = [=](safety::Observation& seen) { seen.writers = count; };
-  if ((who & 2) != 0) spoil.delivery = [=](app::Delivery& d) { d.writers = count; };
+  if ((who & 1) != 0) corrupt.observation = [=](safety::Observation& seen) { seen.writers = count; };
+  if ((who & 2) != 0) corrupt.delivery = [=](robot::Delivery& d) { d.writers = count; };
   if (who == 2)
-    spoil.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::SecondWriter; };
-  return spoil;
+    corrupt.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::SecondWriter; };
+  return corrupt;
 }
 
 // Three periods missed within 100 ms: nothing is sent in them, and the next request says so.
-Spoilers overrun(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors overrun(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const std::array<std::int32_t, 3> missed{0, draw.whole(2, 45), draw.whole(47, 94)};
-  spoil.request = [=, old = procedure.last().request, tick = 0, count = 0U](DriveRequest& r) mutable {
+  corrupt.request = [=, old = procedure.last().request, tick = 0, count = 0U](DriveRequest& r) mutable {
     for (const std::int32_t at : missed) {
       if (tick != at) continue;
       ++count, ++tick;
@@ -101,37 +101,37 @@ Spoilers overrun(Draw& draw, Procedure& procedure, const Line&) {
     r.overruns += count;
     old = r;
   };
-  spoil.shows = [before = procedure.last().request.overruns](const Sight& s) {
+  corrupt.shows = [before = procedure.last().request.overruns](const Sight& s) {
     return s.seen.request.overruns >= before + 3;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers silence_controller(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors silence_controller(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const bool restarts = draw.coin();  // sends again, but counts from 1: not the controller that was trusted
-  spoil.request = [restarts, old = procedure.last().request, next = 1U](DriveRequest& r) mutable {
+  corrupt.request = [restarts, old = procedure.last().request, next = 1U](DriveRequest& r) mutable {
     if (restarts)
       r.seq = next++;
     else
       r = old;
   };
-  spoil.shows = [newest = 0U](const Sight& s) mutable {  // the last sound one is still on its way
+  corrupt.shows = [newest = 0U](const Sight& s) mutable {  // the last sound one is still on its way
     const bool old = s.seen.request.seq <= newest;
     newest = std::max(newest, s.seen.request.seq);
     return old;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers stall_log(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors stall_log(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int32_t backlog_ms = draw.within(0.0, 1.0) < 0.1 ? -1 : draw.whole(1'001, 60'000);
-  spoil.world = [=](app::World& world) { world.log_backlog_ms = backlog_ms; };
-  return spoil;
+  corrupt.world = [=](robot::World& world) { world.log_backlog_ms = backlog_ms; };
+  return corrupt;
 }
 
-FaultClass anywhere(Hazard hazard, Spoilers (*inject)(Draw&, Procedure&, const Line&)) {
+FaultClass anywhere(Hazard hazard, Corruptors (*inject)(Draw&, Procedure&, const Line&)) {
   FaultClass fault = class_of(hazard);
   fault.modes = kEverywhere;
   fault.inject = inject;

@@ -10,7 +10,7 @@ namespace {
 
 using safety::bit;
 using safety::Hazard;
-using Inject = Spoilers (*)(Draw&, Procedure&, const Line&);
+using Inject = Corruptors (*)(Draw&, Procedure&, const Line&);
 
 const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
 const std::vector<Mode> kHot{Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
@@ -26,9 +26,9 @@ auto out_of_order(const Procedure& procedure) {
 }
 
 // One to three in a row do not arrive, one does, and again.
-Spoilers lose(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
-  spoil.observation = [draw, old = procedure.last().measurement,
+Corruptors lose(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
+  corrupt.observation = [draw, old = procedure.last().measurement,
                        lost = draw.whole(1, 3)](safety::Observation& seen) mutable {
     if (lost-- > 0) {
       seen.measurement = old;
@@ -37,59 +37,59 @@ Spoilers lose(Draw& draw, Procedure& procedure, const Line&) {
       lost = draw.whole(1, 3);
     }
   };
-  spoil.shows = out_of_order(procedure);
-  return spoil;
+  corrupt.shows = out_of_order(procedure);
+  return corrupt;
 }
 
 // Messages that came before, two to twenty back, come again in place of the newest.
-Spoilers repeat(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
-  spoil.observation = [draw, past = std::deque<Measurement>{}](safety::Observation& seen) mutable {
+Corruptors repeat(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
+  corrupt.observation = [draw, past = std::deque<Measurement>{}](safety::Observation& seen) mutable {
     past.push_front(seen.measurement);
     if (past.size() > 21) past.pop_back();
     if (past.size() > 3)
       seen.measurement =
           past[static_cast<std::size_t>(draw.whole(2, static_cast<std::int32_t>(past.size()) - 1))];
   };
-  spoil.shows = out_of_order(procedure);
-  return spoil;
+  corrupt.shows = out_of_order(procedure);
+  return corrupt;
 }
 
 // Pairs change places: the second is in time, the first comes after it.
-Spoilers swap(Draw&, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors swap(Draw&, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const Measurement last = procedure.last().measurement;
-  spoil.observation = [late = last, now = last, second = false](safety::Observation& seen) mutable {
+  corrupt.observation = [late = last, now = last, second = false](safety::Observation& seen) mutable {
     late = now;
     now = seen.measurement;
     if (!second) seen.measurement = late.seq > 0 ? late : now;
     second = !second;
   };
-  spoil.shows = out_of_order(procedure);
-  return spoil;
+  corrupt.shows = out_of_order(procedure);
+  return corrupt;
 }
 
 // A stretch is recorded, and played back for ever.
-Spoilers replay(Draw& draw, Procedure& procedure, const Line&) {
-  Spoilers spoil;
-  spoil.observation = [length = static_cast<std::size_t>(draw.whole(10, 200)), next = std::size_t{0},
+Corruptors replay(Draw& draw, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
+  corrupt.observation = [length = static_cast<std::size_t>(draw.whole(10, 200)), next = std::size_t{0},
                        record = std::vector<Measurement>{}](safety::Observation& seen) mutable {
     if (record.size() < length)
       record.push_back(seen.measurement);
     else
       seen.measurement = record[next++ % length];
   };
-  spoil.shows = out_of_order(procedure);
-  return spoil;
+  corrupt.shows = out_of_order(procedure);
+  return corrupt;
 }
 
-Spoilers disorder(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors disorder(Draw& draw, Procedure& procedure, const Line& now) {
   constexpr Inject kWays[] = {lose, repeat, swap, replay};
   return kWays[draw.whole(0, 3)](draw, procedure, now);
 }
 
 // Permits and requests of a motion are recorded; once it was stopped they come again, and only they.
-Spoilers replay_to_gate(Draw& draw, Procedure&, const Line&) {
+Corruptors replay_to_gate(Draw& draw, Procedure&, const Line&) {
   struct Tape {
     std::vector<Permit> permits;
     std::vector<DriveRequest> requests;
@@ -99,11 +99,11 @@ Spoilers replay_to_gate(Draw& draw, Procedure&, const Line&) {
   auto tape = std::make_shared<Tape>();
   tape->length = static_cast<std::size_t>(draw.whole(10, 200));
   const StopCategory stop = draw.coin() ? StopCategory::C0Off : StopCategory::C1Ramp;
-  Spoilers spoil;
-  spoil.world = [=](app::World& world) {
+  Corruptors corrupt;
+  corrupt.world = [=](robot::World& world) {
     if (tape->is_full()) world.stop = stop;
   };
-  spoil.delivery = [=](app::Delivery& d) {
+  corrupt.delivery = [=](robot::Delivery& d) {
     if (tape->is_full()) {
       d.permit = &tape->permits[tape->next % tape->length];
       d.request = &tape->requests[tape->next++ % tape->length];
@@ -112,50 +112,50 @@ Spoilers replay_to_gate(Draw& draw, Procedure&, const Line&) {
       tape->requests.push_back(*d.request);
     }
   };
-  spoil.shows = [=](const Sight&) { return tape->is_full(); };
-  return spoil;
+  corrupt.shows = [=](const Sight&) { return tape->is_full(); };
+  return corrupt;
 }
 
-Spoilers stop_supervisor(Draw&, Procedure&, const Line&) {
-  Spoilers spoil;
-  spoil.delivery = [](app::Delivery& d) { d.permit = nullptr; };
-  return spoil;
+Corruptors stop_supervisor(Draw&, Procedure&, const Line&) {
+  Corruptors corrupt;
+  corrupt.delivery = [](robot::Delivery& d) { d.permit = nullptr; };
+  return corrupt;
 }
 
 // The driver stands; its converter holds the last voltage, and nothing more is measured.
-Spoilers stop_driver(Draw&, Procedure& procedure, const Line&) {
-  Spoilers spoil;
-  spoil.driver_stopped = true;
-  spoil.observation = [old = procedure.last().measurement](safety::Observation& seen) {
+Corruptors stop_driver(Draw&, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
+  corrupt.driver_stopped = true;
+  corrupt.observation = [old = procedure.last().measurement](safety::Observation& seen) {
     seen.measurement = old;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers silence_console(Draw&, Procedure&, const Line&) {
-  Spoilers spoil;
-  spoil.input = [](safety::SupervisorInput& input) { input.motion = {}; };
-  return spoil;
+Corruptors silence_console(Draw&, Procedure&, const Line&) {
+  Corruptors corrupt;
+  corrupt.input = [](safety::SupervisorInput& input) { input.motion = {}; };
+  return corrupt;
 }
 
 // The button was let go and the motion is on hold; heartbeats of it arrive late, again and again.
-Spoilers press_late(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors press_late(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const auto back = static_cast<std::uint32_t>(draw.whole(0, 3));
-  spoil.input = [back, newest = 0U](safety::SupervisorInput& input) mutable {
+  corrupt.input = [back, newest = 0U](safety::SupervisorInput& input) mutable {
     const bool lets_go = newest == 0;
     newest = std::max(newest, input.motion.token);
     const std::uint32_t late = newest > back ? newest - back : newest;
     input.motion = lets_go ? safety::MotionPress{newest, false} : safety::MotionPress{late, true};
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers scan_meanwhile(Draw&, Procedure&, const Line&) {
-  Spoilers spoil;
-  spoil.world = [](app::World& world) { world.acquiring = true; };
-  spoil.shows = [](const Sight& s) { return s.seen.acquiring && s.disturbing; };
-  return spoil;
+Corruptors scan_meanwhile(Draw&, Procedure&, const Line&) {
+  Corruptors corrupt;
+  corrupt.world = [](robot::World& world) { world.acquiring = true; };
+  corrupt.shows = [](const Sight& s) { return s.seen.acquiring && s.disturbing; };
+  return corrupt;
 }
 
 FaultClass way_of(Hazard hazard, const char* way, const char* what, Inject inject) {

@@ -24,104 +24,104 @@ auto hand(double x, double end, double speed) {
 }
 
 // Tissue or a jammed guide keeps the needle in when the drive goes.
-Spoilers hold_needle(Draw& draw, Procedure&, const Line& now) {
-  Spoilers spoil;
+Corruptors hold_needle(Draw& draw, Procedure&, const Line& now) {
+  Corruptors corrupt;
   const double at = draw.within(1.5e-3, std::max(1.6e-3, 1e-3 * now.depth_mm));
-  spoil.push_N = hand(1e-3 * now.depth_mm, at, 5e-3);
+  corrupt.push_N = hand(1e-3 * now.depth_mm, at, 5e-3);
   const std::int32_t way = draw.whole(0, 2);
-  spoil.world = [way](app::World& world) {
+  corrupt.world = [way](robot::World& world) {
     if (way == 0) world.estop_closed = false;
     if (way == 1) world.stop = StopCategory::C1Ramp;
     if (way == 2) world.finish = true;
   };
-  spoil.shows = [quiet = 0](const Sight& s) mutable {  // 0 V is known after three quiet samples
+  corrupt.shows = [quiet = 0](const Sight& s) mutable {  // 0 V is known after three quiet samples
     const Measurement& m = s.seen.measurement;
     const bool zero =
         std::abs(m.monitor_mV) <= limits::kZeroVolt_mV && std::abs(m.command_mV) <= limits::kZeroVolt_mV;
     quiet = zero ? quiet + 1 : 0;
     return quiet >= 3 && m.depth_um > limits::kReturned_um;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers drag_to(Draw& draw, const Line& now, double end_mm, double slow_mm_s, double fast_mm_s) {
-  Spoilers spoil;
-  spoil.push_N = hand(1e-3 * now.depth_mm, 1e-3 * end_mm, 1e-3 * draw.within(slow_mm_s, fast_mm_s));
-  return spoil;
+Corruptors drag_to(Draw& draw, const Line& now, double end_mm, double slow_mm_s, double fast_mm_s) {
+  Corruptors corrupt;
+  corrupt.push_N = hand(1e-3 * now.depth_mm, 1e-3 * end_mm, 1e-3 * draw.within(slow_mm_s, fast_mm_s));
+  return corrupt;
 }
 
-Spoilers drag_far_beyond(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors drag_far_beyond(Draw& draw, Procedure& procedure, const Line& now) {
   const std::int32_t limit_um = procedure.facts().depth_max_um;
-  Spoilers spoil = drag_to(draw, now, 1e-3 * limit_um + draw.within(1.15, 1.9), 5.0, 70.0);
-  spoil.shows = [=](const Sight& s) {
+  Corruptors corrupt = drag_to(draw, now, 1e-3 * limit_um + draw.within(1.15, 1.9), 5.0, 70.0);
+  corrupt.shows = [=](const Sight& s) {
     return s.seen.measurement.depth_um > limit_um + limits::kDepthMargin_um;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers drag_beyond(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors drag_beyond(Draw& draw, Procedure& procedure, const Line& now) {
   const std::int32_t limit_um = procedure.facts().depth_max_um;
-  Spoilers spoil = drag_to(draw, now, 1e-3 * limit_um + draw.within(0.35, 0.8), 2.0, 60.0);
-  spoil.shows = [=](const Sight& s) { return s.seen.measurement.depth_um > limit_um; };
-  return spoil;
+  Corruptors corrupt = drag_to(draw, now, 1e-3 * limit_um + draw.within(0.35, 0.8), 2.0, 60.0);
+  corrupt.shows = [=](const Sight& s) { return s.seen.measurement.depth_um > limit_um; };
+  return corrupt;
 }
 
-Spoilers drag_beyond_stage(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors drag_beyond_stage(Draw& draw, Procedure& procedure, const Line& now) {
   const auto& stage = procedure.facts().stages[now.stage];
   const double room_mm = 1e-3 * (procedure.facts().depth_max_um - stage.depth_max_um);
-  Spoilers spoil =
+  Corruptors corrupt =
       drag_to(draw, now, 1e-3 * stage.depth_max_um + draw.within(0.25, std::min(0.45, room_mm)), 2.0, 40.0);
-  spoil.shows = [](const Sight& s) {
+  corrupt.shows = [](const Sight& s) {
     return s.seen.permit.mode == Mode::Active && s.seen.measurement.depth_um > s.seen.permit.depth_max_um;
   };
-  return spoil;
+  return corrupt;
 }
 
 // Drive lost: a pushed needle falls as one without support, or faster.
-Spoilers drop(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors drop(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const double push_N = draw.within(1.5, 5.0);
-  spoil.push_N = [=](const sim::Motion&) { return push_N; };
-  spoil.shows = [](const Sight& s) { return s.truth.v < -0.050; };
-  return spoil;
+  corrupt.push_N = [=](const sim::Motion&) { return push_N; };
+  corrupt.shows = [](const Sight& s) { return s.truth.v < -0.050; };
+  return corrupt;
 }
 
-Spoilers jerk(Draw& draw, Procedure&, const Line& now) {
-  Spoilers spoil;
+Corruptors jerk(Draw& draw, Procedure&, const Line& now) {
+  Corruptors corrupt;
   const double way_mm = draw.within(1.0, 1.7);
-  spoil.push_N = hand(1e-3 * now.depth_mm, 1e-3 * (now.depth_mm + way_mm), 1e-3 * draw.within(120.0, 300.0));
-  spoil.shows = [past = std::vector<std::int32_t>{}](const Sight& s) mutable {
+  corrupt.push_N = hand(1e-3 * now.depth_mm, 1e-3 * (now.depth_mm + way_mm), 1e-3 * draw.within(120.0, 300.0));
+  corrupt.shows = [past = std::vector<std::int32_t>{}](const Sight& s) mutable {
     past.push_back(s.seen.measurement.depth_um);
     const std::size_t ten = past.size() > 10 ? past.size() - 11 : 0;
     return past.back() - past[ten] > 800;
   };
-  return spoil;
+  return corrupt;
 }
 
 // Tissue much stiffer than planned, building up within a second; or a model of it that is wrong.
-Spoilers stiffen(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors stiffen(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   if (draw.coin()) {
     const double most_N = draw.within(3.5, 6.0), rise_N = draw.within(1.0, 3.0) * 1e-3;
-    spoil.push_N = [=, force = 0.0](const sim::Motion&) mutable {
+    corrupt.push_N = [=, force = 0.0](const sim::Motion&) mutable {
       return force = std::min(most_N, force + rise_N);
     };
   } else {
     const std::int32_t residual_um = draw.coin() ? draw.whole(501, 5'000) : -1;
-    spoil.observation = [=](safety::Observation& seen) { seen.tissue_residual_um = residual_um; };
+    corrupt.observation = [=](safety::Observation& seen) { seen.tissue_residual_um = residual_um; };
   }
-  spoil.shows = [](const Sight& s) {
+  corrupt.shows = [](const Sight& s) {
     return s.seen.tissue_residual_um > 500 || s.seen.tissue_residual_um < 0;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers move_patient(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors move_patient(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int32_t moved_um = draw.coin() ? draw.whole(2'001, 2'500) : draw.whole(2'500, 40'000);
   const std::int32_t seen_um = draw.within(0.0, 1.0) < 0.1 ? -1 : moved_um;  // negative: unknown
-  spoil.world = [=](app::World& world) { world.patient_motion_um = seen_um; };
-  return spoil;
+  corrupt.world = [=](robot::World& world) { world.patient_motion_um = seen_um; };
+  return corrupt;
 }
 
 bool deep(const Glimpse& g) {

@@ -13,16 +13,16 @@ using safety::Hazard;
 const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
 
 // What is in use is not what was sealed: changed in memory, gone, or another one.
-Spoilers change_plan(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors change_plan(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  spoil.observation = [=](safety::Observation& seen) { seen.plan_tag = gone ? 0 : seen.plan_tag ^ flaw; };
-  return spoil;
+  corrupt.observation = [=](safety::Observation& seen) { seen.plan_tag = gone ? 0 : seen.plan_tag ^ flaw; };
+  return corrupt;
 }
 
 // The same plan for another patient, image, pose or target, sealed anew.
-Spoilers take_another(Draw& draw, Procedure& procedure, const Line&) {
+Corruptors take_another(Draw& draw, Procedure& procedure, const Line&) {
   Plan other = procedure.scene().plan;
   switch (draw.whole(0, 4)) {
     case 0:
@@ -42,29 +42,29 @@ Spoilers take_another(Draw& draw, Procedure& procedure, const Line&) {
   }
   planner::seal(other);
   const std::uint64_t tag = planner::plan_tag(other);
-  Spoilers spoil;
-  spoil.observation = [=](safety::Observation& seen) { seen.plan_tag = tag; };
-  return spoil;
+  Corruptors corrupt;
+  corrupt.observation = [=](safety::Observation& seen) { seen.plan_tag = tag; };
+  return corrupt;
 }
 
-Spoilers tamper(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors tamper(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  spoil.observation = [=](safety::Observation& seen) { seen.config_tag = gone ? 0 : seen.config_tag ^ flaw; };
-  return spoil;
+  corrupt.observation = [=](safety::Observation& seen) { seen.config_tag = gone ? 0 : seen.config_tag ^ flaw; };
+  return corrupt;
 }
 
-Spoilers unconfirm(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors unconfirm(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const auto who = static_cast<std::size_t>(draw.whole(0, 1));
   const std::uint64_t shown = draw.coin() ? 0 : draw.bits();
-  spoil.observation = [=](safety::Observation& seen) { seen.confirmed_tag[who] = shown; };
-  return spoil;
+  corrupt.observation = [=](safety::Observation& seen) { seen.confirmed_tag[who] = shown; };
+  return corrupt;
 }
 
 // One kind of number in a wrong unit: millimetres or nanometres, volts or kilovolts.
-Spoilers slip_units(Draw& draw, Procedure& procedure, const Line&) {
+Corruptors slip_units(Draw& draw, Procedure& procedure, const Line&) {
   safety::PlanFacts& facts = procedure.facts();
   const bool less = draw.coin();
   const auto slip = [less](std::int32_t& value) {
@@ -78,13 +78,13 @@ Spoilers slip_units(Draw& draw, Procedure& procedure, const Line&) {
       slip(facts.depth_max_um);
       break;
     case 1:
-      each_stage(&safety::StagePermit::depth_max_um);
+      each_stage(&safety::StepLimits::depth_max_um);
       break;
     case 2:
-      each_stage(&safety::StagePermit::v_max_mV);
+      each_stage(&safety::StepLimits::v_max_mV);
       break;
     case 3:
-      each_stage(&safety::StagePermit::slew_up_mV_per_tick);
+      each_stage(&safety::StepLimits::slew_up_mV_per_tick);
       break;
     default:
       for (std::uint32_t i = 0; i < facts.band_count; ++i) slip(facts.bands[i].drive_mV);
@@ -93,20 +93,20 @@ Spoilers slip_units(Draw& draw, Procedure& procedure, const Line&) {
 }
 
 // A controller that runs away, or asks in microvolts: the gate gives what the stage's envelope allows.
-Spoilers ask_too_much(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors ask_too_much(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int32_t asked_mV = draw.whole(8'000'000, 2'000'000'000);
-  spoil.request = [=](DriveRequest& r) {
+  corrupt.request = [=](DriveRequest& r) {
     r.wanted_mV = r.wanted_mV < 0 ? -asked_mV : asked_mV;
     r.stage_reached = false;
   };
-  spoil.shows = [](const Sight& s) {
+  corrupt.shows = [](const Sight& s) {
     return s.seen.permit.mode == Mode::Active && s.seen.measurement.depth_um > s.seen.permit.depth_max_um;
   };
-  return spoil;
+  return corrupt;
 }
 
-FaultClass anywhere(Hazard hazard, Spoilers (*inject)(Draw&, Procedure&, const Line&)) {
+FaultClass anywhere(Hazard hazard, Corruptors (*inject)(Draw&, Procedure&, const Line&)) {
   FaultClass fault = class_of(hazard);
   fault.modes = kEverywhere;
   fault.inject = inject;

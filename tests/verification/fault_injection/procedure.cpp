@@ -21,8 +21,8 @@ safety::GatedVoltage forged(double volts) {
 
 }  // namespace
 
-port::SensorReading BreakableStage::read() {
-  port::SensorReading reading = sound_.read();
+drivers::SensorReading BreakableStage::read() {
+  drivers::SensorReading reading = sound_.read();
   if (spoilers_.reading) spoilers_.reading(reading);
   return reading;
 }
@@ -57,7 +57,7 @@ Procedure::Procedure(const Scene& scene)
 Line Procedure::tick() {
   line_ = {};
   line_.tick = supervised_.ticks();
-  app::World world = person_.act(last_, line_.tick);
+  robot::World world = person_.act(last_, line_.tick);
   if (person_.wants_verdict()) person_.judge(true, "");
   if (spoilers_.world) spoilers_.world(world);
   last_ = supervised_.tick(world, [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
@@ -98,7 +98,7 @@ void Procedure::carry(safety::SupervisorInput& input) {
   asked_ = input;
 }
 
-void Procedure::carry(app::Delivery& delivery) {
+void Procedure::carry(robot::Delivery& delivery) {
   if (spoilers_.delivery) spoilers_.delivery(delivery);
   if (tap_) tap_(facts_, seen_, asked_, delivery);
 }

@@ -29,12 +29,12 @@ struct Line {
   std::int32_t seen_um = 0, monitor_mV = 0, current_nA = 0;
 };
 
-class BreakableStage final : public port::NeedleStage {
+class BreakableStage final : public drivers::NeedleStage {
  public:
-  BreakableStage(const Scene& scene, const Spoilers& spoilers)
-      : sound_(scene.plant, scene.noise_seed), spoilers_(spoilers) {}
+  BreakableStage(const Scene& scene, const Corruptors& corruptors)
+      : sound_(scene.plant, scene.noise_seed), spoilers_(corruptors) {}
 
-  port::SensorReading read() override;
+  drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
   void pulse_from_supervisor();
 
@@ -42,17 +42,17 @@ class BreakableStage final : public port::NeedleStage {
   bool enabled() const { return asked_.hv_enabled(); }
 
  private:
-  sim::SimStage sound_;
-  const Spoilers& spoilers_;
+  sim::SimulatedStage sound_;
+  const Corruptors& spoilers_;
   safety::Interlock relay_;
   safety::GatedVoltage asked_ = safety::GatedVoltage::off();
 };
 
 // Hears what the supervisor and the gate are given in a tick.
 using Tap = std::function<void(const safety::PlanFacts&, const safety::Observation&,
-                               const safety::SupervisorInput&, const app::Delivery&)>;
+                               const safety::SupervisorInput&, const robot::Delivery&)>;
 
-class Procedure final : private app::Wires {
+class Procedure final : private robot::FaultHooks {
  public:
   // `scene` must outlive this.
   explicit Procedure(const Scene& scene);
@@ -60,29 +60,29 @@ class Procedure final : private app::Wires {
   Procedure& operator=(const Procedure&) = delete;
 
   // From the next tick on.
-  void spoil(Spoilers spoilers) { spoilers_ = std::move(spoilers); }
+  void corrupt(Corruptors corruptors) { spoilers_ = std::move(corruptors); }
   void listen(Tap tap) { tap_ = std::move(tap); }
   Line tick();
 
   bool over() const { return person_.done(); }
-  const app::Operator& person() const { return person_; }
-  const app::Tick& last() const { return last_; }
+  const robot::Operator& person() const { return person_; }
+  const robot::CycleRecord& last() const { return last_; }
   const Scene& scene() const { return scene_; }
   safety::PlanFacts& facts() { return facts_; }  // the supervisor's memory of the plan
 
  private:
   void carry(safety::Observation& seen) override;
   void carry(safety::SupervisorInput& input) override;
-  void carry(app::Delivery& delivery) override;
+  void carry(robot::Delivery& delivery) override;
 
   const Scene& scene_;
   safety::PlanFacts facts_;
-  Spoilers spoilers_;
+  Corruptors spoilers_;
   BreakableStage stage_;
-  app::SupervisedStage supervised_;
+  robot::ControlCycle supervised_;
   control::RunnerState controller_;
-  app::Operator person_;
-  app::Tick last_;
+  robot::Operator person_;
+  robot::CycleRecord last_;
   std::int32_t switched_from_mV_ = 0;
   Tap tap_;
   safety::Observation seen_;  // of this tick, for the tap

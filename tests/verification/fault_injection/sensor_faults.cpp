@@ -16,37 +16,37 @@ using safety::Hazard;
 
 const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
 
-Spoilers stop_measuring(Draw&, Procedure& procedure, const Line&) {
-  Spoilers spoil;
-  spoil.observation = [old = procedure.last().measurement](safety::Observation& seen) {
+Corruptors stop_measuring(Draw&, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
+  corrupt.observation = [old = procedure.last().measurement](safety::Observation& seen) {
     seen.measurement = old;
   };
-  return spoil;
+  return corrupt;
 }
 
 // Shown once the voltage moved by more than 200 V over the same code.
-Spoilers freeze(Draw&, Procedure& procedure, const Line&) {
-  Spoilers spoil;
+Corruptors freeze(Draw&, Procedure& procedure, const Line&) {
+  Corruptors corrupt;
   const Measurement old = procedure.last().measurement;
-  spoil.reading = [=](port::SensorReading& r) { r.depth_um = old.depth_um, r.laser_code = old.laser_code; };
-  spoil.shows = [low = std::numeric_limits<std::int32_t>::max(), high = 0](const Sight& s) mutable {
+  corrupt.reading = [=](drivers::SensorReading& r) { r.depth_um = old.depth_um, r.laser_code = old.laser_code; };
+  corrupt.shows = [low = std::numeric_limits<std::int32_t>::max(), high = 0](const Sight& s) mutable {
     low = std::min(low, std::abs(s.seen.measurement.command_mV));
     high = std::max(high, std::abs(s.seen.measurement.command_mV));
     return high - low > 200'000;
   };
-  return spoil;
+  return corrupt;
 }
 
-Spoilers blind(Draw& draw, Procedure&, const Line&) {
-  Spoilers spoil;
+Corruptors blind(Draw& draw, Procedure&, const Line&) {
+  Corruptors corrupt;
   const std::int32_t instead_um = draw.whole(-20'000, 20'000);  // anything stands in the register
   const bool keeps = draw.coin();
-  spoil.reading = [=](port::SensorReading& r) {
+  corrupt.reading = [=](drivers::SensorReading& r) {
     r.laser_valid = false;
     if (!keeps) r.depth_um = r.laser_code = instead_um;
   };
-  spoil.shows = [](const Sight& s) { return !s.seen.measurement.laser_valid; };
-  return spoil;
+  corrupt.shows = [](const Sight& s) { return !s.seen.measurement.laser_valid; };
+  return corrupt;
 }
 
 // Depths between which a sound stage lies at drives from low to high, by the plan's own table; um.
@@ -68,8 +68,8 @@ Range plausible(const Plan& plan, double lowest_V, double highest_V) {
 }
 
 // The laser's zero walks off, at once or within half a second, to where no stage could be.
-Spoilers shift(Draw& draw, Procedure& procedure, const Line& now) {
-  Spoilers spoil;
+Corruptors shift(Draw& draw, Procedure& procedure, const Line& now) {
+  Corruptors corrupt;
   const Plan& plan = procedure.scene().plan;
   const double drive_V = std::abs(now.command_mV) * 1e-3;
   const Range sound = plausible(plan, drive_V, drive_V);
@@ -78,12 +78,12 @@ Spoilers shift(Draw& draw, Procedure& procedure, const Line& now) {
       deeper ? sound.high + draw.within(1'200.0, 4'000.0) : sound.low - draw.within(1'200.0, 4'000.0);
   const double offset_um = seen_um - 1e3 * now.depth_mm;
   const double ticks = draw.coin() ? 1.0 : draw.within(1.0, 300.0);
-  spoil.reading = [=, tick = 0.0](port::SensorReading& r) mutable {
+  corrupt.reading = [=, tick = 0.0](drivers::SensorReading& r) mutable {
     tick = std::min(ticks, tick + 1.0);
     r.depth_um += static_cast<std::int32_t>(offset_um * tick / ticks);
     r.laser_code = r.depth_um;
   };
-  spoil.shows = [&plan, past = std::deque<double>{}](const Sight& s) mutable {
+  corrupt.shows = [&plan, past = std::deque<double>{}](const Sight& s) mutable {
     past.push_back(1e-3 * std::abs(s.seen.measurement.command_mV));
     if (past.size() > 500) past.pop_front();
     const auto [low, high] = std::ranges::minmax_element(past);
@@ -91,7 +91,7 @@ Spoilers shift(Draw& draw, Procedure& procedure, const Line& now) {
     const double depth_um = s.seen.measurement.depth_um;
     return depth_um < range.low - 1'000.0 || depth_um > range.high + 1'000.0;
   };
-  return spoil;
+  return corrupt;
 }
 
 }  // namespace

@@ -9,15 +9,15 @@
 FUZZ(keys) {
   using namespace biopsy;
   using namespace biopsy::fuzz;
-  static const keys::MadeSet set;
+  static const security::MadeSet set;
   if (bytes.empty()) return;
-  const keys::RoleFiles files = keys::role_files(set.folder(), keys::Role::Stage);
+  const security::RoleFiles files = security::role_files(set.folder(), security::Role::Stage);
   const std::filesystem::path all[] = {files.identity_ca, files.permissions_ca, files.identity,
                                        files.private_key, files.governance,     files.permissions};
   const std::filesystem::path& file = all[bytes[0] % std::size(all)];
   const std::string whole = file_content(file);
   write_content(file, text_of(bytes.subspan(1)));
-  const auto verdicts = keys::inspect_keys(set.folder(), keys::Role::Stage, keys::now());
+  const auto verdicts = security::inspect_keys(set.folder(), security::Role::Stage, security::now());
   const bool refused = std::ranges::any_of(verdicts, [](const auto& v) { return !v.problem.empty(); });
   write_content(file, whole);
   claim(refused, "a file that is not the set's own is a problem");

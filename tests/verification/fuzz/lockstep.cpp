@@ -22,7 +22,7 @@ const std::vector<Rig>& rigs() {
   return made;
 }
 
-void spoil(Feed& feed, safety::Observation& s) {
+void corrupt(Feed& feed, safety::Observation& s) {
   switch (feed.any<std::uint8_t>() % 8) {
     case 0:
       return fill(feed, s.measurement);
@@ -47,7 +47,7 @@ void spoil(Feed& feed, safety::Observation& s) {
 
 void claim_bounded(const safety::EvidenceMemory& m) {
   using namespace biopsy::safety;
-  const LinkWatch& link = m.link;
+  const LinkMonitor& link = m.link;
   claim(link.stale_ticks <= kStale_ticks + 1 && link.silent_ticks <= kStale_ticks + 1,
         "silence counts to its limit");
   claim(link.order_score >= 0 && link.order_score <= kScoreMax && link.answer_score >= 0 &&
@@ -56,13 +56,13 @@ void claim_bounded(const safety::EvidenceMemory& m) {
   claim(link.miss_score >= 0 && link.miss_score <= kMissMax, "missed periods count to their limit");
   claim(link.residual_ticks <= kWrongModel_ticks && link.estop_differs_ticks <= kEStopDisagree_ticks + 1,
         "link counters stop at their limits");
-  const DriveWatch& drive = m.drive;
+  const VoltageMonitor& drive = m.drive;
   claim(drive.flips >= 0 && drive.flips <= 4 && drive.off_ticks <= kResidual_ticks &&
             drive.zero_ticks <= kZero_ticks,
         "drive counters stop at their limits");
   claim(std::abs(drive.signed_mVms) <= drive.total_mVms + 2 * kForget_ticks * 20,
         "the balance is at most the charge");
-  const DepthWatch& depth = m.depth;
+  const DepthMonitor& depth = m.depth;
   claim(depth.not_back_ticks <= kNotBack_ticks && depth.implausible_ticks <= kImplausible_ticks &&
             depth.same_code_ticks <= kFrozen_ticks && depth.dropout_ticks <= kDropout_ticks,
         "depth counters stop at their limits");
@@ -92,7 +92,7 @@ FUZZ(lockstep) {
     const auto what = feed.any<std::uint8_t>();
     rig.on_observation = [](safety::Observation&) {};
     if (what & 1) {
-      rig.on_observation = [&](safety::Observation& seen) { spoil(feed, seen); };
+      rig.on_observation = [&](safety::Observation& seen) { corrupt(feed, seen); };
     }
     if (what & 2) rig.press();
     if (what & 4) rig.release();

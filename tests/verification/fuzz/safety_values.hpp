@@ -56,7 +56,7 @@ inline void fill(Feed& feed, safety::PlanFacts& p) {
 inline void claim_sound(const Permit& permit) {
   claim(permit.v_max_mV >= 0 && permit.v_max_mV <= limits::kDriveMax_mV,
         "no permit beyond the robot's limit");
-  claim(permit.hv_enable == safety::is_hot(permit.mode), "enabled in the hot modes and nowhere else");
+  claim(permit.hv_enable == safety::hv_permitted(permit.mode), "enabled in the hot modes and nowhere else");
   claim(permit.hv_enable || permit.v_max_mV == 0, "no voltage without the enable");
   claim(permit.slew_up_mV_per_tick == 0 || permit.mode == Mode::Active, "only Active may rise");
   claim(permit.slew_up_mV_per_tick >= 0 && permit.slew_up_mV_per_tick <= limits::kSlewUpMax_mV_per_tick,

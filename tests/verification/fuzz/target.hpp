@@ -14,6 +14,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::fuzz {
 
@@ -31,7 +32,7 @@ template <class Read>
 void reads_or_refuses(Read&& read) {
   try {
     read();
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     claim(!refusal.what_is_wrong.empty() && !refusal.where.empty() && !refusal.remedy.empty(),
           "a refusal says what is wrong, where, and what to do");
   }
@@ -95,7 +96,7 @@ namespace biopsy::fuzz {
 inline void replay(const std::string& name, void (*target)(Bytes)) {
   int files = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(BIOPSY_SOURCE_DIR "/tests/fuzz/corpus/" + name)) {
+       std::filesystem::directory_iterator(biopsy::source_dir() / "tests/verification/fuzz/corpus/" / name)) {
     SCOPED_TRACE(entry.path().string());
     const std::string content = file_content(entry.path());
     target({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()});

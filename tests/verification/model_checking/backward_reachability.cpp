@@ -1,4 +1,4 @@
-#include "way_home.hpp"
+#include "backward_reachability.hpp"
 
 #include "states.hpp"
 

@@ -166,7 +166,7 @@ std::string with_bug(const SeededBug& bug, const std::string& source) {
   const std::size_t at = source.find(bug.text);
   const bool twice = at != std::string::npos && source.find(bug.text, at + 1) != std::string::npos;
   if (at == std::string::npos || twice)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("the text of seeded bug {} stands there {}", bug.id, twice ? "twice" : "nowhere"),
         fmt::format("safety/{}", bug.file), "write the bug again for what the file says now");
   return source.substr(0, at) + std::string(bug.replacement) + source.substr(at + bug.text.size());

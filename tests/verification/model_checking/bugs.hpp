@@ -21,7 +21,7 @@ struct SeededBug {
 
 std::span<const SeededBug> seeded_bugs();
 
-// The text with the bug in it. Throws SetupError where `bug.text` is not there exactly once.
+// The text with the bug in it. Throws ConfigError where `bug.text` is not there exactly once.
 std::string with_bug(const SeededBug& bug, const std::string& source);
 
 }  // namespace biopsy::explore

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <mutex>
 
-#include "hunt.hpp"
+#include "find_violation.hpp"
 #include "parallel.hpp"
 #include "parts.hpp"
 
@@ -13,9 +13,9 @@ namespace biopsy::explore {
 namespace {
 
 // What an unchanged copy breaks, by part: nothing, if the shipped code is clean.
-std::array<Catch, 2> hunt_in_unchanged_copy(const Workshop& workshop) {
-  const SeededSubject subject(workshop, nullptr);
-  return {hunt(subject.get(), Part::Supervisor, {}), hunt(subject.get(), Part::Gate, {})};
+std::array<Catch, 2> hunt_in_unchanged_copy(const MutantBuild& mutant_build) {
+  const SeededSubject subject(mutant_build, nullptr);
+  return {find_violation(subject.get(), Part::Supervisor, {}), find_violation(subject.get(), Part::Gate, {})};
 }
 
 void add_row(Report& report, const SeededBug& bug, const Catch& caught) {
@@ -24,20 +24,20 @@ void add_row(Report& report, const SeededBug& bug, const Catch& caught) {
                                    {"part", bug.part == Part::Gate ? "gate" : "supervisor"},
                                    {"file", fmt::format("safety/{}", bug.file)},
                                    {"caught_by", fmt::format("{}", fmt::join(caught.claims, ", "))},
-                                   {"story", caught.stories.empty() ? "" : caught.stories.front()}});
+                                   {"counterexample", caught.stories.empty() ? "" : caught.stories.front()}});
 }
 
 }  // namespace
 
-void prove_bugs(Report& report, const Workshop& workshop) {
+void prove_bugs(Report& report, const MutantBuild& mutant_build) {
   const auto start = std::chrono::steady_clock::now();
-  const std::array<Catch, 2> unchanged = hunt_in_unchanged_copy(workshop);
+  const std::array<Catch, 2> unchanged = hunt_in_unchanged_copy(mutant_build);
   const std::span<const SeededBug> bugs = seeded_bugs();
   std::vector<Catch> caught(bugs.size());
   std::mutex mutex;
   in_parallel(bugs.size(), [&](std::size_t i) {
-    const SeededSubject subject(workshop, &bugs[i]);
-    caught[i] = hunt(subject.get(), bugs[i].part, unchanged[static_cast<std::size_t>(bugs[i].part)].claims);
+    const SeededSubject subject(mutant_build, &bugs[i]);
+    caught[i] = find_violation(subject.get(), bugs[i].part, unchanged[static_cast<std::size_t>(bugs[i].part)].claims);
     const std::lock_guard lock(mutex);
     fmt::print(stderr, "seeded bug {}: breaks {}\n", bugs[i].id,
                caught[i].claims.empty() ? "nothing that is looked at"

@@ -1,4 +1,4 @@
-#include "story.hpp"
+#include "counterexample.hpp"
 
 #include <fmt/format.h>
 

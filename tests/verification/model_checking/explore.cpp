@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "tests/source_dir.hpp"
 #include "parts.hpp"
 #include "robot/common/config_error.hpp"
 
@@ -14,7 +15,7 @@ using namespace biopsy;
 
 struct Options {
   std::filesystem::path json;
-  explore::Workshop workshop{BIOPSY_SOURCE_DIR, BIOPSY_CXX, BIOPSY_BENCH};
+  explore::MutantBuild mutant_build{source_dir().string(), BIOPSY_CXX, BIOPSY_BENCH};
   bool quick = false, bugs = false, spin = false;
 };
 
@@ -27,8 +28,8 @@ explore::Report prove(const Options& options) {
   for (const std::string what : {"transitions", "states", "violations"})
     report.figures[what] = figure(("supervisor_" + what).c_str()) + figure(("gate_" + what).c_str());
   report.figures["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (options.bugs) explore::prove_bugs(report, options.workshop);
-  if (options.spin) explore::prove_with_spin(report, options.workshop);
+  if (options.bugs) explore::prove_bugs(report, options.mutant_build);
+  if (options.spin) explore::prove_with_spin(report, options.mutant_build);
   return report;
 }
 
@@ -39,9 +40,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Every reachable state and input of the shipped supervisor and gate, against every invariant"};
   app.add_option("--json", options.json, "write figures and tables to this file");
   app.add_flag("--quick", options.quick, "one hazard of each class instead of all combinations");
-  app.add_flag("--bugs", options.bugs, "also hunt the seeded bugs");
+  app.add_flag("--bugs", options.bugs, "also find_violation the seeded bugs");
   app.add_flag("--spin", options.spin, "also ask Spin");
-  app.add_option("--bench", options.workshop.bench, "folder for copies and models")->capture_default_str();
+  app.add_option("--bench", options.mutant_build.bench, "folder for copies and models")->capture_default_str();
   try {
     app.parse(argc, argv);
     const explore::Report report = prove(options);
@@ -50,7 +51,7 @@ int main(int argc, char** argv) {
     return report.passed ? 0 : 3;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
-  } catch (const SetupError& error) {
+  } catch (const ConfigError& error) {
     fmt::print(stderr, "{}\n  {}\n  {}\n", error.what_is_wrong, error.where, error.remedy);
     return 2;
   }

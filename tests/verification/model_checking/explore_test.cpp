@@ -5,18 +5,19 @@
 
 #include "explorer.hpp"
 #include "gate_explorer.hpp"
-#include "hunt.hpp"
+#include "find_violation.hpp"
 #include "parts.hpp"
 #include "plans.hpp"
 #include "robot/common/config_error.hpp"
-#include "story.hpp"
+#include "counterexample.hpp"
+#include "tests/source_dir.hpp"
 #include "twin.hpp"
-#include "workshop.hpp"
+#include "mutant_build.hpp"
 
 namespace biopsy::explore {
 namespace {
 
-const Workshop kWorkshop{BIOPSY_SOURCE_DIR, BIOPSY_CXX, BIOPSY_BENCH};
+const MutantBuild kWorkshop{source_dir().string(), BIOPSY_CXX, BIOPSY_BENCH};
 
 const SeededBug& bug_named(std::string_view id) {
   return *std::ranges::find(seeded_bugs(), id, &SeededBug::id);
@@ -53,7 +54,7 @@ TEST(Exploration, SpeaksOfEveryClaimAndReachesEveryTimeInEveryMode) {
 TEST(Exploration, FindsNothingWrongInTheShippedGate) {
   const GateExploration exploration = explore_gate(shipped(), true, 0);
   for (std::size_t c = 0; c < kGateInvariants; ++c) {
-    EXPECT_EQ(exploration.claims[c].story, "") << kGateInvariantTable[c].name;
+    EXPECT_EQ(exploration.claims[c].counterexample, "") << kGateInvariantTable[c].name;
     EXPECT_GT(exploration.claims[c].checked, 0U) << kGateInvariantTable[c].name;
   }
   EXPECT_GT(exploration.transitions, 1'000'000U);
@@ -109,9 +110,9 @@ TEST(Twins, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
   EXPECT_TRUE(before && after);
 }
 
-TEST(Story, OfASeededBugReadsAsAPersonWouldTellIt) {
+TEST(Counterexample, OfASeededBugReadsAsAPersonWouldTellIt) {
   const SeededSubject subject(kWorkshop, &bug_named("depth-check-of-any-stage"));
-  const Catch caught = hunt(subject.get(), Part::Supervisor, {});
+  const Catch caught = find_violation(subject.get(), Part::Supervisor, {});
   ASSERT_EQ(caught.claims, std::vector<std::string>{"depth-check"});
   EXPECT_EQ(caught.stories.front(),
             R"(       0 ms  boot | 0 V measured -> safe (self-test passed)
@@ -126,33 +127,33 @@ TEST(Story, OfASeededBugReadsAsAPersonWouldTellIt) {
 )");
 }
 
-TEST(Story, OfATimeThatNeverEndsTellsHowLongItWasWaited) {
+TEST(Counterexample, OfATimeThatNeverEndsTellsHowLongItWasWaited) {
   const SeededSubject subject(kWorkshop, &bug_named("hold-limit-in-us"));
-  const Catch caught = hunt(subject.get(), Part::Supervisor, {});
+  const Catch caught = find_violation(subject.get(), Part::Supervisor, {});
   ASSERT_FALSE(caught.claims.empty());
   EXPECT_NE(caught.stories.front().find("for 10.000 s: hold"), std::string::npos) << caught.stories.front();
 }
 
 TEST(SeededBugs, AreEachFoundOnceInTheTextOfTheirFile) {
   for (const SeededBug& bug : seeded_bugs()) {
-    std::ifstream stream(std::filesystem::path(BIOPSY_SOURCE_DIR) / "safety" / bug.file);
+    std::ifstream stream(source_dir() / "safety" / bug.file);
     const std::string source{std::istreambuf_iterator<char>(stream), {}};
     EXPECT_NE(with_bug(bug, source), source) << bug.id;
-    EXPECT_THROW(with_bug(bug, source + source), SetupError) << bug.id;
-    EXPECT_THROW(with_bug(bug, ""), SetupError) << bug.id;
+    EXPECT_THROW(with_bug(bug, source + source), ConfigError) << bug.id;
+    EXPECT_THROW(with_bug(bug, ""), ConfigError) << bug.id;
   }
   EXPECT_GE(seeded_bugs().size(), 26U);
 }
 
 TEST(SeededBugs, OfTheGateAreCaught) {
   const SeededSubject subject(kWorkshop, &bug_named("permit-lives-on"));
-  EXPECT_EQ(hunt(subject.get(), Part::Gate, {}).claims, std::vector<std::string>{"gate-life"});
+  EXPECT_EQ(find_violation(subject.get(), Part::Gate, {}).claims, std::vector<std::string>{"gate-life"});
 }
 
 TEST(SeededBugs, AnUnchangedCopyIsAsCleanAsTheShippedCode) {
   const SeededSubject subject(kWorkshop, nullptr);
-  EXPECT_TRUE(hunt(subject.get(), Part::Gate, {}).claims.empty());
-  EXPECT_TRUE(hunt(subject.get(), Part::Supervisor, {}).claims.empty());
+  EXPECT_TRUE(find_violation(subject.get(), Part::Gate, {}).claims.empty());
+  EXPECT_TRUE(find_violation(subject.get(), Part::Supervisor, {}).claims.empty());
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include "permissiveness.hpp"
 #include "states.hpp"
 #include "twin.hpp"
-#include "way_home.hpp"
+#include "backward_reachability.hpp"
 
 namespace biopsy::explore {
 namespace {

@@ -1,11 +1,11 @@
-#include "hunt.hpp"
+#include "find_violation.hpp"
 
 #include <algorithm>
 
 #include "explorer.hpp"
 #include "gate_explorer.hpp"
 #include "plans.hpp"
-#include "story.hpp"
+#include "counterexample.hpp"
 
 namespace biopsy::explore {
 namespace {
@@ -37,14 +37,14 @@ Catch hunt_in_gate(const Subject& subject, const std::vector<std::string>& known
   for (std::size_t c = 0; c < kGateInvariants; ++c) {
     if (exploration.claims[c].broken == 0 || is_in(known, kGateInvariantTable[c].name)) continue;
     found.claims.emplace_back(kGateInvariantTable[c].name);
-    found.stories.push_back(exploration.claims[c].story);
+    found.stories.push_back(exploration.claims[c].counterexample);
   }
   return found;
 }
 
 }  // namespace
 
-Catch hunt(const Subject& subject, Part part, const std::vector<std::string>& known) {
+Catch find_violation(const Subject& subject, Part part, const std::vector<std::string>& known) {
   if (part == Part::Gate) return hunt_in_gate(subject, known);
   Catch found = hunt_in_supervisor(subject, three_stages(0b010).facts, known);
   return found.claims.empty() ? hunt_in_supervisor(subject, greedy().facts, known) : found;

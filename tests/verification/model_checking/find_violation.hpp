@@ -15,6 +15,6 @@ struct Catch {
 };
 
 // `known`: claims that break without the bug as well, and so do not show it.
-Catch hunt(const Subject& subject, Part part, const std::vector<std::string>& known);
+Catch find_violation(const Subject& subject, Part part, const std::vector<std::string>& known);
 
 }  // namespace biopsy::explore

@@ -45,7 +45,7 @@ class GateExplorer {
       ++tally.checked;
       if (finding.holds) continue;
       ++broken_;
-      if (++tally.broken == 1) tally.story = story(from, index, i);
+      if (++tally.broken == 1) tally.counterexample = counterexample(from, index, i);
     }
   }
 
@@ -75,7 +75,7 @@ class GateExplorer {
   }
 
   // From the start, on the real function.
-  std::string story(std::uint32_t state, std::uint32_t last, std::size_t claim) {
+  std::string counterexample(std::uint32_t state, std::uint32_t last, std::size_t claim) {
     std::vector<std::uint32_t> way{last};
     for (; state != 0; state = parents_[state]) way.push_back(via_[state]);
     const safety::GateState kept = after_;

@@ -15,7 +15,7 @@ namespace biopsy::explore {
 
 struct GateTally {
   std::uint64_t checked = 0, broken = 0;
-  std::string story;  // of the first time it broke
+  std::string counterexample;  // of the first time it broke
 };
 
 struct GateExploration {

@@ -19,8 +19,8 @@ void prove_gate(Report& report, bool quick) {
     report.require(tally.checked > 0 && tally.broken == 0);
     if (tally.broken == 0) continue;
     report.tables["stories"].push_back(
-        {{"claim", kGateInvariantTable[c].name}, {"plan", ""}, {"story", tally.story}});
-    fmt::print("{}\n", tally.story);
+        {{"claim", kGateInvariantTable[c].name}, {"plan", ""}, {"counterexample", tally.counterexample}});
+    fmt::print("{}\n", tally.counterexample);
   }
   report.figures["gate_transitions"] = exploration.transitions;
   report.figures["gate_states"] = exploration.states;

@@ -22,14 +22,14 @@ constexpr std::int32_t kHighest_mV = 8'000'000, kSteepest_mV = 400'000;
 const HazardSet kLocking = safety::locking_hazards();
 const HazardSet kC0 = safety::hazards_with(StopCategory::C0Off);
 
-constexpr bool is_hot(Mode mode) {
+constexpr bool hv_permitted(Mode mode) {
   return mode == Mode::Armed || mode == Mode::Active || mode == Mode::Hold || mode == Mode::Retract;
 }
 constexpr bool is_off(const Permit& permit) {
   return !permit.hv_enable && permit.v_max_mV == 0 && permit.slew_up_mV_per_tick == 0;
 }
 bool has_stage(const Step& s, std::uint32_t stage) {
-  return stage < std::min<std::uint32_t>(s.plan.stage_count, safety::kMaxStages);
+  return stage < std::min<std::uint32_t>(s.plan.stage_count, safety::kMaxSteps);
 }
 std::int32_t stage_depth_um(const Step& s) {
   return s.after.mode == Mode::Active && has_stage(s, s.after.stage)
@@ -65,7 +65,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     // Stops
     {"c0-same-tick", "A C0 hazard or stop takes enable, voltage and rise away in the same tick.",
      [](const Step& s) {
-       return Finding{s.stop == StopCategory::C0Off && is_hot(s.before.mode),
+       return Finding{s.stop == StopCategory::C0Off && hv_permitted(s.before.mode),
                       is_off(s.output.permit) && s.after.mode == Mode::Trip};
      }},
     {"c0-keeps-off", "Under a C0 hazard no permit enables the drive, whatever the mode.",
@@ -165,7 +165,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     {"depth-check", "Past a stage that an image confirms only with the depth check of that very stage.",
      [](const Step& s) {
        const bool asks = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.stage_done &&
-                         s.plan.stages[s.before.stage % safety::kMaxStages].image_confirms;
+                         s.plan.stages[s.before.stage % safety::kMaxSteps].image_confirms;
        return Finding{asks, s.input.depth_accepted && s.input.accepted_stage == s.before.stage};
      }},
     {"stage-order", "Stages go up by one, from Hold at a stage's end; arming begins at the first.",
@@ -276,7 +276,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        const auto within = [](std::int32_t value, std::int32_t most) { return value >= 0 && value <= most; };
        return Finding{true, within(s.after.ticks_in_mode, kArmed_ms + 1) &&
                                 within(s.after.ticks_since_held, kSilence_ms) &&
-                                within(s.after.held_mV, kHighest_mV) && s.after.stage < safety::kMaxStages};
+                                within(s.after.held_mV, kHighest_mV) && s.after.stage < safety::kMaxSteps};
      }},
     // Envelope
     {"envelope-falls", "In Hold and Retract the envelope only falls.",
@@ -311,7 +311,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
                                   StopCategory::C2Hold, StopCategory::None,  StopCategory::C2Hold,
                                   StopCategory::C1Ramp, StopCategory::C0Off, StopCategory::C0Off};
        const Permit& p = s.output.permit;
-       return Finding{true, p.hv_enable == is_hot(s.after.mode) && (p.hv_enable || is_off(p)) &&
+       return Finding{true, p.hv_enable == hv_permitted(s.after.mode) && (p.hv_enable || is_off(p)) &&
                                 p.mode == s.after.mode &&
                                 p.stop == kStop[static_cast<std::size_t>(s.after.mode)]};
      }},
@@ -341,7 +341,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     {"interlock", "The interlock is fed in Ready and wherever the drive may carry voltage, never elsewhere.",
      [](const Step& s) {
        return Finding{true,
-                      s.output.interlock_pulse == (is_hot(s.after.mode) || s.after.mode == Mode::Ready)};
+                      s.output.interlock_pulse == (hv_permitted(s.after.mode) || s.after.mode == Mode::Ready)};
      }},
     {"images", "A scan may start unless the drive moves; one that saw the drive switch is flagged.",
      [](const Step& s) {

@@ -1,4 +1,4 @@
-#include "workshop.hpp"
+#include "mutant_build.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ std::string text_of(const fs::path& file) {
   std::ifstream stream(file);
   std::ostringstream text;
   text << stream.rdbuf();
-  if (!stream) throw SetupError("cannot be read", file.string(), "run from a complete source tree");
+  if (!stream) throw ConfigError("cannot be read", file.string(), "run from a complete source tree");
   return text.str();
 }
 
@@ -33,25 +33,25 @@ void copy_with_bug(const fs::path& from, const fs::path& to, const SeededBug* bu
 
 }  // namespace
 
-SeededSubject::SeededSubject(const Workshop& workshop, const SeededBug* bug) {
+SeededSubject::SeededSubject(const MutantBuild& mutant_build, const SeededBug* bug) {
   const std::string name(bug != nullptr ? bug->id : "unchanged");
-  const fs::path bench = workshop.bench / name, object = bench / "seeded.so", errors = bench / "errors.txt";
-  copy_with_bug(workshop.source / "safety", bench / "safety", bug);
+  const fs::path bench = mutant_build.bench / name, object = bench / "seeded.so", errors = bench / "errors.txt";
+  copy_with_bug(mutant_build.source / "safety", bench / "safety", bug);
   const std::string command = fmt::format(
       "'{}' -std=c++20 -O2 -w -shared -fPIC -fvisibility=hidden -I'{}' -I'{}' '{}' -o '{}' 2> '{}'",
-      workshop.compiler.string(), bench.string(), workshop.source.string(),
-      (workshop.source / "tests/verification/model_checking/seeded.cpp").string(), object.string(), errors.string());
+      mutant_build.compiler.string(), bench.string(), mutant_build.source.string(),
+      (mutant_build.source / "tests/verification/model_checking/seeded.cpp").string(), object.string(), errors.string());
   if (std::system(command.c_str()) != 0)
-    throw SetupError(fmt::format("the copy with seeded bug {} does not compile", name), errors.string(),
+    throw ConfigError(fmt::format("the copy with seeded bug {} does not compile", name), errors.string(),
                      "read the compiler's words there");
   library_ = {dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* library) {
                 if (library != nullptr) dlclose(library);
               }};
-  if (!library_) throw SetupError(dlerror(), object.string(), "build again");
+  if (!library_) throw ConfigError(dlerror(), object.string(), "build again");
   subject_.step = reinterpret_cast<decltype(subject_.step)>(dlsym(library_.get(), "seeded_step"));
   subject_.gate = reinterpret_cast<decltype(subject_.gate)>(dlsym(library_.get(), "seeded_gate"));
   if (subject_.step == nullptr || subject_.gate == nullptr)
-    throw SetupError("lacks its two functions", object.string(), "build again");
+    throw ConfigError("lacks its two functions", object.string(), "build again");
 }
 
 }  // namespace biopsy::explore

@@ -11,14 +11,14 @@
 namespace biopsy::explore {
 
 // Where sources and compiler are, and where copies go.
-struct Workshop {
+struct MutantBuild {
   std::filesystem::path source, compiler, bench;
 };
 
 class SeededSubject {
  public:
-  // `bug` null: an unchanged copy. Throws SetupError where it cannot be built.
-  SeededSubject(const Workshop& workshop, const SeededBug* bug);
+  // `bug` null: an unchanged copy. Throws ConfigError where it cannot be built.
+  SeededSubject(const MutantBuild& mutant_build, const SeededBug* bug);
   const Subject& get() const { return subject_; }
 
  private:

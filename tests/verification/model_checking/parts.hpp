@@ -3,7 +3,7 @@
 #pragma once
 
 #include "report.hpp"
-#include "workshop.hpp"
+#include "mutant_build.hpp"
 
 namespace biopsy::explore {
 
@@ -14,9 +14,9 @@ void prove_supervisor(Report& report, bool quick);
 void prove_gate(Report& report, bool quick);
 
 // Every seeded bug is found, an unchanged copy is as clean as the shipped code.
-void prove_bugs(Report& report, const Workshop& workshop);
+void prove_bugs(Report& report, const MutantBuild& mutant_build);
 
 // Spin, an independent explorer, over the same compiled step.
-void prove_with_spin(Report& report, const Workshop& workshop);
+void prove_with_spin(Report& report, const MutantBuild& mutant_build);
 
 }  // namespace biopsy::explore

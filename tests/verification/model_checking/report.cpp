@@ -16,7 +16,7 @@ void write(const Report& report, std::string_view tool, const std::filesystem::p
   std::error_code failed;
   if (stream) std::filesystem::rename(part, file, failed);
   if (!stream || failed)
-    throw SetupError("cannot be written", file.string(),
+    throw ConfigError("cannot be written", file.string(),
                      "name a file in a folder that exists and may be written");
 }
 

@@ -15,7 +15,7 @@ struct Report {
   void require(bool holds) { passed = passed && holds; }
 };
 
-// Writes {"tool", "passed", "figures", "tables"}, whole or not at all. Throws SetupError where it cannot.
+// Writes {"tool", "passed", "figures", "tables"}, whole or not at all. Throws ConfigError where it cannot.
 void write(const Report& report, std::string_view tool, const std::filesystem::path& file);
 
 }  // namespace biopsy::explore

@@ -42,19 +42,19 @@ struct Verdict {
 void run(const std::string& command, const fs::path& folder) {
   const std::string all = fmt::format("cd '{}' && ( {} ) > log.txt 2>&1", folder.string(), command);
   if (std::system(all.c_str()) != 0)
-    throw SetupError("Spin's model cannot be built", (folder / "log.txt").string(),
+    throw ConfigError("Spin's model cannot be built", (folder / "log.txt").string(),
                      "install spin; read the log");
 }
 
 // The model checker of one run, against the step compiled with `headers` first on the include path.
-fs::path build(const Workshop& workshop, const std::string& name, const std::string& defines,
+fs::path build(const MutantBuild& mutant_build, const std::string& name, const std::string& defines,
                const fs::path& headers) {
-  const fs::path folder = workshop.bench / name, here = workshop.source / "tests/proof/explore";
+  const fs::path folder = mutant_build.bench / name, here = mutant_build.source / "tests/verification/model_checking";
   fs::create_directories(folder);
   fs::copy_file(here / "spin/supervisor.pml", folder / "supervisor.pml",
                 fs::copy_options::overwrite_existing);
-  const std::string cxx = fmt::format("'{}' -std=c++20 -O2 -w -I'{}' -I'{}'", workshop.compiler.string(),
-                                      headers.string(), workshop.source.string());
+  const std::string cxx = fmt::format("'{}' -std=c++20 -O2 -w -I'{}' -I'{}'", mutant_build.compiler.string(),
+                                      headers.string(), mutant_build.source.string());
   run(fmt::format(
           "spin {0} -a supervisor.pml && cc -O2 -w -DNOFAIR {1} -I'{2}/spin' -c pan.c && "
           "{3} -c '{2}/spin/entry.cpp' && {3} -c '{2}/seeded.cpp' && {3} pan.o entry.o seeded.o -o pan",
@@ -91,19 +91,19 @@ Verdict verify(const fs::path& folder, const Property& property) {
 }
 
 // The same model over a step with a seeded bug: Spin must find it, or it sees nothing.
-std::uint64_t errors_with_a_bug(const Workshop& workshop) {
+std::uint64_t errors_with_a_bug(const MutantBuild& mutant_build) {
   const SeededBug& bug = *std::ranges::find(seeded_bugs(), "token-not-greater", &SeededBug::id);
-  const SeededSubject subject({workshop.source, workshop.compiler, workshop.bench / "spin-canary"}, &bug);
-  const fs::path copy = workshop.bench / "spin-canary" / bug.id;
-  return verify(build(workshop, "spin-canary/pan", "", copy), kProperties[0]).errors;
+  const SeededSubject subject({mutant_build.source, mutant_build.compiler, mutant_build.bench / "spin-canary"}, &bug);
+  const fs::path copy = mutant_build.bench / "spin-canary" / bug.id;
+  return verify(build(mutant_build, "spin-canary/pan", "", copy), kProperties[0]).errors;
 }
 
 }  // namespace
 
-void prove_with_spin(Report& report, const Workshop& workshop) {
+void prove_with_spin(Report& report, const MutantBuild& mutant_build) {
   const auto start = std::chrono::steady_clock::now();
-  const fs::path every_input = build(workshop, "spin-every-input", "", workshop.source);
-  const fs::path every_tick = build(workshop, "spin-every-tick", "-DEXACT", workshop.source);
+  const fs::path every_input = build(mutant_build, "spin-every-input", "", mutant_build.source);
+  const fs::path every_tick = build(mutant_build, "spin-every-tick", "-DEXACT", mutant_build.source);
   std::array<Verdict, kProperties.size()> verdicts;
   std::mutex mutex;
   in_parallel(kProperties.size(), [&](std::size_t i) {
@@ -124,7 +124,7 @@ void prove_with_spin(Report& report, const Workshop& workshop) {
                                      {"errors", verdicts[i].errors},
                                      {"seconds", verdicts[i].seconds}});
   }
-  const std::uint64_t canary = errors_with_a_bug(workshop);
+  const std::uint64_t canary = errors_with_a_bug(mutant_build);
   report.figures["spin_properties"] = kProperties.size();
   report.figures["spin_states"] = sum.states;
   report.figures["spin_transitions"] = sum.transitions;

@@ -27,7 +27,7 @@ std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, co
   switch (state.mode) {
     case Mode::Active:
       return state.stage < plan.stage_count
-                 ? std::clamp(std::min(plan.stages[state.stage % safety::kMaxStages].v_max_mV,
+                 ? std::clamp(std::min(plan.stages[state.stage % safety::kMaxSteps].v_max_mV,
                                        input.evidence.ceiling_mV),
                               0, kHighest_mV)
                  : 0;

@@ -8,7 +8,7 @@
 #include "parallel.hpp"
 #include "parts.hpp"
 #include "plans.hpp"
-#include "story.hpp"
+#include "counterexample.hpp"
 
 namespace biopsy::explore {
 namespace {
@@ -57,7 +57,7 @@ void add_claims(Report& report, const std::vector<PlanResult>& results) {
         std::ranges::find_if(results, [c](const PlanResult& r) { return !r.stories[c].empty(); });
     if (first == results.end()) continue;
     report.tables["stories"].push_back(
-        {{"claim", name_of_claim(c)}, {"plan", first->plan.name}, {"story", first->stories[c]}});
+        {{"claim", name_of_claim(c)}, {"plan", first->plan.name}, {"counterexample", first->stories[c]}});
     fmt::print("{}\n{}\n", first->plan.name, first->stories[c]);
   }
 }
@@ -77,8 +77,8 @@ void add_figures(Report& report, const std::vector<PlanResult>& results) {
       ticks = std::max(ticks, r.exploration.longest_ticks[static_cast<std::size_t>(mode)]);
     return ticks;
   };
-  std::uint32_t way_home = 0;
-  for (const PlanResult& r : results) way_home = std::max(way_home, r.exploration.longest_way_home_ticks);
+  std::uint32_t backward_reachability = 0;
+  for (const PlanResult& r : results) backward_reachability = std::max(backward_reachability, r.exploration.longest_way_home_ticks);
   report.figures["supervisor_plans"] = results.size();
   report.figures["supervisor_transitions"] = transitions;
   report.figures["supervisor_twins"] = twins;
@@ -89,7 +89,7 @@ void add_figures(Report& report, const std::vector<PlanResult>& results) {
   report.figures["longest_armed_ms"] = longest(Mode::Armed);
   report.figures["longest_hold_ms"] = longest(Mode::Hold);
   report.figures["longest_retract_ms"] = longest(Mode::Retract);
-  report.figures["longest_way_home_ms"] = way_home;
+  report.figures["longest_way_home_ms"] = backward_reachability;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Every step of the supervisor, or of the gate, that the exploration takes from its start
-// (tests/proof/explore): the reachable relation at its abstraction.
+// (tests/verification/model_checking): the reachable relation at its abstraction.
 #pragma once
 
 #include <vector>

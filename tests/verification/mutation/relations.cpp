@@ -163,7 +163,7 @@ class Course {
     if (dice_.one_in(100)) drive_mV_ = dice_.of(kVolts_mV) / (1 + static_cast<std::int32_t>(dice_.below(2)));
     if (dice_.one_in(200)) spoil_ = dice_.below(24);
     fill();
-    if (dice_.below(6) != 0) spoil();
+    if (dice_.below(6) != 0) corrupt();
   }
 
   const PlanFacts& plan() const { return plan_; }
@@ -195,7 +195,7 @@ class Course {
     seen_.bench_confirmed = true;
   }
 
-  void spoil() {
+  void corrupt() {
     Measurement& m = seen_.measurement;
     switch (spoil_) {
       case 0:
@@ -277,7 +277,7 @@ class Course {
 void hash_evidence(Hash& hash) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     Course course(seed);
-    TissueWatch tissue;
+    TissueMonitor tissue;
     for (int i = 0; i < 25'000; ++i) {
       course.tick();
       const Evidence evidence = assess(course.plan(), course.memory(), course.seen());
@@ -305,7 +305,7 @@ void hash_tables(Hash& hash) {
   for (int mode = 0; mode < 256; ++mode)
     for (int event = 0; event < 256; ++event)
       hash.add(next_mode(static_cast<Mode>(mode), static_cast<Event>(event)),
-               is_hot(static_cast<Mode>(mode)));
+               hv_permitted(static_cast<Mode>(mode)));
   for (std::size_t a = 0; a < 64; ++a)
     for (std::size_t b = 0; b < 64; ++b) hash.add(worst_of(HazardSet{1} << a | HazardSet{1} << b));
   hash.add(worst_of(0), worst_of(~HazardSet{0}), locking_hazards(), kAllHazards);

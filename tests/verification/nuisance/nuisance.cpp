@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "tests/source_dir.hpp"
 #include "tests/verification/fault_injection/evidence_file.hpp"
 #include "tests/verification/nuisance/shift.hpp"
 
@@ -76,7 +77,7 @@ int main(int count, char** words) {
     fmt::print(stderr, "nuisance [--json FILE] [--quick] [--hours H] [--seed S]\n");
     return 2;
   }
-  const Workshop workshop = open_workshop(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models");
+  const Workshop workshop = open_workshop(biopsy::source_dir() / "sim/models");
   const auto begin = std::chrono::steady_clock::now();
   const Shift day = work(workshop, options->hours, options->seed, {}, [](double share) {
     fmt::print(stderr, "\rhealthy procedures: {:3.0f} %", 100.0 * std::min(share, 1.0));

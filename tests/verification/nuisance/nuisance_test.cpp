@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "tests/source_dir.hpp"
 #include "tests/verification/nuisance/shift.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -10,7 +11,7 @@ namespace biopsy::proof {
 namespace {
 
 Workshop workshop() {
-  return open_workshop(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models");
+  return open_workshop(source_dir() / "sim/models");
 }
 
 TEST(Nuisance, AnHourOfHealthyProceduresHasNoTrip) {

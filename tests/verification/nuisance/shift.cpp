@@ -35,10 +35,10 @@ Shift work_once(const Workshop& workshop, std::uint64_t seed, std::uint64_t numb
   const Scene scene = draw_scene(workshop, seed_of(seed, kDays, number));
   VariedPerson person(scene.plan, seed_of(seed, kPeople, number));
   Procedure procedure(scene);
-  Spoilers people;
-  people.world = [&](app::World& world) { world = person.act(procedure.last()); };
+  Corruptors people;
+  people.world = [&](robot::World& world) { world = person.act(procedure.last()); };
   people.observation = seeing;
-  procedure.spoil(std::move(people));
+  procedure.corrupt(std::move(people));
   Shift shift;
   Mode before = Mode::Boot;
   std::int64_t ticks = 0;

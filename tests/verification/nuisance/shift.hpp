@@ -27,7 +27,7 @@ struct Shift {
 };
 
 // Procedures of different scenes and people until `hours` are full. The same seed, the same day. `seeing`, if
-// given, may spoil what the supervisor sees: a bench that cannot complain proves nothing.
+// given, may corrupt what the supervisor sees: a bench that cannot complain proves nothing.
 Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
            const std::function<void(safety::Observation&)>& seeing,
            const std::function<void(double share)>& progress);

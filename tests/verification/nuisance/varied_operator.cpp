@@ -25,18 +25,18 @@ void VariedPerson::go(Step step, std::int32_t ticks) {
 }
 
 // The stage is done: an image where the plan wants one, then on; at the last one, back.
-void VariedPerson::reach(const app::Tick& seen) {
+void VariedPerson::reach(const robot::CycleRecord& seen) {
   held_ = false;
   accepted_stage_ = seen.supervisor.stage;
   accepted_ = !plan_.stages[accepted_stage_].image_confirms;
   if (accepted_) completed_ = accepted_stage_ + 1 == plan_.stages.size();
   if (!accepted_)
-    go(Step::Image, app::kAcquisition_ticks);
+    go(Step::Image, robot::kAcquisition_ticks);
   else
     go(completed_ ? Step::Withdraw : Step::Think, draw_.whole(150, 4'000));
 }
 
-void VariedPerson::insert(const app::Tick& seen) {
+void VariedPerson::insert(const robot::CycleRecord& seen) {
   const Mode mode = seen.supervisor.permit.mode;
   if (mode == Mode::Hold && seen.supervisor.stage_done && held_) return reach(seen);
   held_back_ = mode == Mode::Hold ? held_back_ + 1 : 0;
@@ -50,7 +50,7 @@ void VariedPerson::insert(const app::Tick& seen) {
   go(Step::Think, draw_.whole(150, 5'000));
 }
 
-void VariedPerson::watch(const app::Tick& seen) {
+void VariedPerson::watch(const robot::CycleRecord& seen) {
   const Mode mode = seen.supervisor.permit.mode;
   const bool stopped = mode == Mode::Retract || mode == Mode::Trip || mode == Mode::Lock;
   if (step_ != Step::Withdraw && step_ != Step::Done && (stopped || --quits_in_ == 0)) {
@@ -89,9 +89,9 @@ void VariedPerson::watch(const app::Tick& seen) {
   }
 }
 
-app::World VariedPerson::act(const app::Tick& seen) {
+robot::World VariedPerson::act(const robot::CycleRecord& seen) {
   watch(seen);
-  app::World world;
+  robot::World world;
   world.arm = step_ == Step::Arm;
   world.press = {token_, held_};
   world.acquiring = step_ == Step::Image;

@@ -13,7 +13,7 @@ class VariedPerson {
  public:
   VariedPerson(const Plan& plan, std::uint64_t seed);
 
-  app::World act(const app::Tick& seen);
+  robot::World act(const robot::CycleRecord& seen);
 
   bool done() const { return step_ == Step::Done; }
   bool completed() const { return completed_; }
@@ -24,9 +24,9 @@ class VariedPerson {
   enum class Step : std::uint8_t { Wait, Arm, Think, Insert, Image, Withdraw, Done };
 
   void go(Step step, std::int32_t ticks);
-  void watch(const app::Tick& seen);
-  void insert(const app::Tick& seen);
-  void reach(const app::Tick& seen);
+  void watch(const robot::CycleRecord& seen);
+  void insert(const robot::CycleRecord& seen);
+  void reach(const robot::CycleRecord& seen);
 
   const Plan& plan_;
   Draw draw_;

@@ -33,7 +33,7 @@ RC_GTEST_PROP(Supervisor, AllowsNothingBeyondTheRobotFromAnyMemory, ()) {
   const Permit& permit = output.permit;
   RC_ASSERT(permit.v_max_mV >= 0 && permit.v_max_mV <= limits::kDriveMax_mV);
   RC_ASSERT(permit.slew_up_mV_per_tick >= 0 && permit.slew_up_mV_per_tick <= limits::kSlewUpMax_mV_per_tick);
-  RC_ASSERT(is_real(next.mode) && permit.hv_enable == safety::is_hot(next.mode));
+  RC_ASSERT(is_real(next.mode) && permit.hv_enable == safety::hv_permitted(next.mode));
   RC_ASSERT(permit.slew_up_mV_per_tick == 0 || next.mode == Mode::Active);
   RC_ASSERT(permit.seq == state.seq + 1);
 }
@@ -113,7 +113,7 @@ RC_GTEST_PROP(PlanFacts, AreJudgedAndUsedWhateverTheySay, ()) {
   fuzz::Feed feed(bytes);
   safety::PlanFacts plan;
   fuzz::fill(feed, plan);
-  safety::TissueWatch watch;
+  safety::TissueMonitor watch;
   Measurement measured;
   fuzz::fill(feed, measured);
   RC_ASSERT(safety::tissue_residual_um(plan, watch, measured) >= 0);

@@ -28,7 +28,7 @@ std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey&
   if (text.empty()) return std::nullopt;
   auto numbers = strict_numbers(text, '\\');
   if (!numbers || numbers->size() != count)
-    throw SetupError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count,
+    throw ConfigError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count,
                                  count == 1 ? "" : "s"),
                      file, "export the series again with its original headers");
   return numbers;
@@ -38,7 +38,7 @@ std::vector<double> required_dicom_numbers(DcmItem& item, const DcmTagKey& tag, 
                                            const std::string& file) {
   const auto numbers = dicom_numbers(item, tag, count, file);
   if (!numbers)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("{} is missing: the image cannot be placed in the scanner", dicom_tag_name(tag)), file,
         "export the original series from the scanner, not a secondary capture");
   return *numbers;

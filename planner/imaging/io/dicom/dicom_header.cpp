@@ -30,7 +30,7 @@ FrameItems items_of_classic(DcmItem& dataset) {
 FrameItems items_of_frame(DcmItem& dataset, int frame, const std::string& name) {
   DcmItem* own = nullptr;
   if (dataset.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, own, frame).bad() || !own)
-    throw SetupError("the functional groups of this frame are missing", name, "export the series again");
+    throw ConfigError("the functional groups of this frame are missing", name, "export the series again");
   DcmItem* shared = dicom_first_item(dataset, DCM_SharedFunctionalGroupsSequence);
   const auto group = [&](const DcmTagKey& sequence) {
     DcmItem* found = dicom_first_item(*own, sequence);
@@ -39,7 +39,7 @@ FrameItems items_of_frame(DcmItem& dataset, int frame, const std::string& name) 
   const FrameItems items = {group(DCM_PlanePositionSequence), group(DCM_PlaneOrientationSequence),
                             group(DCM_PixelMeasuresSequence), group(DCM_PixelValueTransformationSequence)};
   if (!items.position || !items.orientation || !items.measures)
-    throw SetupError(
+    throw ConfigError(
         "plane position, plane orientation or pixel measures are missing from the functional groups", name,
         "export the series as classic single-frame images");
   return items;
@@ -70,13 +70,13 @@ SlicePlane plane_of(const FrameItems& items, const PixelFormat& format, const st
 void read_scale(DcmItem& item, DicomSlice& slice) {
   const std::string& name = slice.plane.name;
   if (item.tagExists(DCM_ModalityLUTSequence))
-    throw SetupError("a modality look-up table is not applied", name,
+    throw ConfigError("a modality look-up table is not applied", name,
                      "export the series with rescale slope and intercept");
   slice.slope = dicom_numbers(item, DCM_RescaleSlope, 1, name).value_or(std::vector<double>{1.0}).front();
   slice.intercept =
       dicom_numbers(item, DCM_RescaleIntercept, 1, name).value_or(std::vector<double>{0.0}).front();
   if (slice.slope == 0.0 || std::abs(slice.slope) > kScaleMax || std::abs(slice.intercept) > kScaleMax)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("rescale slope {:g} and intercept {:g} are impossible", slice.slope, slice.intercept),
         name, "export the series again");
 }
@@ -86,10 +86,10 @@ void read_slices(DcmItem& dataset, DicomFile& file) {
   const PixelFormat format = read_pixel_format(dataset, name);
   const bool enhanced = dataset.tagExists(DCM_PerFrameFunctionalGroupsSequence);
   if (file.image_type.find("MOSAIC") != std::string::npos)
-    throw SetupError("a mosaic (many slices tiled into one picture) is not read", name,
+    throw ConfigError("a mosaic (many slices tiled into one picture) is not read", name,
                      "export the series as single slices");
   if (format.frames > 1 && !enhanced)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("{} frames without functional groups (not an enhanced multi-frame image)", format.frames),
         name, "export the series as single slices or as enhanced multi-frame");
   for (int frame = 0; frame < format.frames; ++frame) {
@@ -171,7 +171,7 @@ DicomFile scan_dicom_file(const std::filesystem::path& path) {
   file.is_image = loaded.good() && dataset.tagExists(DCM_Rows) && dataset.tagExists(DCM_Columns);
   file.readable = loaded.good() && (file.is_image || says_it_is_no_image(content));
   if (!file.readable) {
-    file.refusal = SetupError(fmt::format("cannot be read as DICOM, truncated or damaged ({})",
+    file.refusal = ConfigError(fmt::format("cannot be read as DICOM, truncated or damaged ({})",
                                           loaded.bad() ? loaded.text() : "the header ends early"),
                               path.string(), "copy the file again, or take it out of the folder");
     return file;
@@ -179,7 +179,7 @@ DicomFile scan_dicom_file(const std::filesystem::path& path) {
   try {
     read_identity(dataset, file);
     if (file.is_image) read_slices(dataset, file);
-  } catch (const SetupError& refusal) {
+  } catch (const ConfigError& refusal) {
     file.refusal = refusal;
   }
   return file;

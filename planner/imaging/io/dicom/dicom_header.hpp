@@ -26,7 +26,7 @@ struct DicomFile {
   bool readable = false;              // DICOM all through to the pixels
   bool is_image = false;              // a report, structure set or DICOMDIR is none
   std::vector<DicomSlice> slices;     // one, or one a frame of an enhanced image
-  std::optional<SetupError> refusal;  // why it cannot be part of a volume
+  std::optional<ConfigError> refusal;  // why it cannot be part of a volume
 
   bool localiser() const { return image_type.find("LOCALIZER") != std::string::npos; }
 };

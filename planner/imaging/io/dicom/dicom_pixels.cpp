@@ -45,7 +45,7 @@ bool is_lossy(E_TransferSyntax syntax, DcmItem& dataset) {
 
 int required_short(DcmItem& dataset, const DcmTagKey& tag, const std::string& file) {
   const std::optional<int> value = dicom_unsigned_short(dataset, tag);
-  if (!value) throw SetupError(fmt::format("{} is missing", dicom_tag_name(tag)), file, kCopyAgain);
+  if (!value) throw ConfigError(fmt::format("{} is missing", dicom_tag_name(tag)), file, kCopyAgain);
   return *value;
 }
 
@@ -54,7 +54,7 @@ int frames_of(DcmItem& dataset, const std::string& file) {
   if (text.empty()) return 1;
   const auto frames = strict_integer(text);
   if (!frames || *frames < 1 || *frames > kSizeMax)
-    throw SetupError(fmt::format("NumberOfFrames is \"{:.20}\", not a number from 1 to {}", text, kSizeMax),
+    throw ConfigError(fmt::format("NumberOfFrames is \"{:.20}\", not a number from 1 to {}", text, kSizeMax),
                      file, kCopyAgain);
   return static_cast<int>(*frames);
 }
@@ -94,13 +94,13 @@ double append_scaled(const std::vector<Uint8>& bytes, const PixelFormat& format,
 void ready_dicom_library() {
   static std::once_flag once;
   std::call_once(once, [] {
-    OFLog::configure(OFLogger::OFF_LOG_LEVEL);  // what matters is said in a SetupError
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);  // what matters is said in a ConfigError
     DcmRLEDecoderRegistration::registerCodecs();
     DJDecoderRegistration::registerCodecs();
     DJLSDecoderRegistration::registerCodecs();
   });
   if (!dcmDataDict.isDictionaryLoaded())
-    throw SetupError("DCMTK's data dictionary is not loaded", "DICOM library",
+    throw ConfigError("DCMTK's data dictionary is not loaded", "DICOM library",
                      "install the dictionary (dicom.dic) or point DCMDICTPATH at it");
 }
 
@@ -108,12 +108,12 @@ PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
   PixelFormat format;
   const std::string colours = dicom_text(dataset, DCM_PhotometricInterpretation);
   if (dicom_unsigned_short(dataset, DCM_SamplesPerPixel).value_or(1) != 1)
-    throw SetupError(fmt::format("a colour image ({:.30})", colours), file,
+    throw ConfigError(fmt::format("a colour image ({:.30})", colours), file,
                      "give the series as measured, in grey values");
   // MONOCHROME1 shows low values bright. A dark needle would be stored bright: read as if it were the usual
   // kind, it would mislead the search for the tip.
   if (colours != "MONOCHROME2")
-    throw SetupError(
+    throw ConfigError(
         fmt::format("photometric interpretation \"{:.30}\" is not read, only MONOCHROME2", colours), file,
         "export the series as MONOCHROME2 (low values dark)");
   format.columns = required_short(dataset, DCM_Columns, file);
@@ -126,15 +126,15 @@ PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
   format.is_signed = representation == 1;
 
   if (format.columns < 1 || format.rows < 1 || format.columns > kSizeMax || format.rows > kSizeMax)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("{} columns x {} rows is outside 1 to {}", format.columns, format.rows, kSizeMax), file,
         kCopyAgain);
   if (format.bits_allocated != 8 && format.bits_allocated != 16 && format.bits_allocated != 32)
-    throw SetupError(fmt::format("{} bits a pixel are not read, only 8, 16 or 32", format.bits_allocated),
+    throw ConfigError(fmt::format("{} bits a pixel are not read, only 8, 16 or 32", format.bits_allocated),
                      file, kUncompressed);
   if (format.bits_stored < 1 || format.high_bit >= format.bits_allocated ||
       format.high_bit + 1 < format.bits_stored || representation > 1)
-    throw SetupError(
+    throw ConfigError(
         fmt::format(
             "BitsAllocated {}, BitsStored {}, HighBit {}, PixelRepresentation {} contradict each other",
             format.bits_allocated, format.bits_stored, format.high_bit, representation),
@@ -159,23 +159,23 @@ struct DicomPixels::Open {
 void DicomPixels::Open::find_pixels(std::uint64_t file_bytes) {
   const DcmXfer syntax(dataset().getOriginalXfer());
   if (!is_decoded(syntax.getXfer()))
-    throw SetupError(fmt::format("compressed as {}, which is not decoded", syntax.getXferName()), file,
+    throw ConfigError(fmt::format("compressed as {}, which is not decoded", syntax.getXferName()), file,
                      kUncompressed);
   lossy = is_lossy(syntax.getXfer(), dataset());
   DcmElement* element = nullptr;
   if (dataset().findAndGetElement(DCM_PixelData, element).bad() ||
       !(pixels = dynamic_cast<DcmPixelData*>(element)))
-    throw SetupError("holds no pixel data", file, "give an image series");
+    throw ConfigError("holds no pixel data", file, "give an image series");
   if (syntax.isEncapsulated()) return;
   // Whether the two words of such a pixel are swapped too is read differently by different writers.
   if (format.bits_allocated == 32 && syntax.isBigEndian())
-    throw SetupError("32-bit pixels in big endian are not read", file, kUncompressed);
+    throw ConfigError("32-bit pixels in big endian are not read", file, kUncompressed);
   const std::uint64_t promised =
       static_cast<std::uint64_t>(format.frame_bytes()) * static_cast<std::uint64_t>(format.frames);
   const std::uint64_t stored = element->getLengthField();
   const bool on_disk = syntax.getStreamCompression() != ESC_none || file_bytes >= promised;
   if (stored < promised || !on_disk)
-    throw SetupError(fmt::format("truncated: {} bytes of pixels promised, {} there", promised,
+    throw ConfigError(fmt::format("truncated: {} bytes of pixels promised, {} there", promised,
                                  std::min(stored, file_bytes)),
                      file, kCopyAgain);
 }
@@ -187,7 +187,7 @@ DicomPixels::DicomPixels(const std::filesystem::path& path) : open_(std::make_un
   const std::uint64_t file_bytes = std::filesystem::file_size(path, error);
   const OFCondition loaded = open_->content.loadFile(path.c_str());
   if (error || loaded.bad())
-    throw SetupError(fmt::format("cannot be read as DICOM, truncated or damaged ({})", loaded.text()),
+    throw ConfigError(fmt::format("cannot be read as DICOM, truncated or damaged ({})", loaded.text()),
                      open_->file, kCopyAgain);
   open_->format = read_pixel_format(open_->dataset(), open_->file);
   open_->find_pixels(file_bytes);
@@ -210,7 +210,7 @@ bool DicomPixels::append_frame(int frame, double slope, double intercept, std::v
       &open_->dataset(), static_cast<Uint32>(frame), open_->fragment, bytes.data(),
       static_cast<Uint32>(bytes.size()), colours, &open_->cache);
   if (decoded.bad())
-    throw SetupError(
+    throw ConfigError(
         fmt::format("frame {} cannot be decoded, truncated or damaged ({})", frame + 1, decoded.text()),
         open_->file, kCopyAgain);
   double largest = 0.0;

@@ -20,7 +20,7 @@ struct PixelFormat {
   std::size_t frame_bytes() const { return pixels() * static_cast<std::size_t>(bits_allocated / 8); }
 };
 
-// Throws SetupError naming the file: colour, MONOCHROME1, other than 8, 16 or 32 bits, contradicting or
+// Throws ConfigError naming the file: colour, MONOCHROME1, other than 8, 16 or 32 bits, contradicting or
 // absurd sizes.
 PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file);
 
@@ -32,7 +32,7 @@ void ready_dicom_library();
 
 class DicomPixels {
  public:
-  // Opens the file. Throws SetupError naming it: unreadable, no pixels, truncated, a compression that is not
+  // Opens the file. Throws ConfigError naming it: unreadable, no pixels, truncated, a compression that is not
   // decoded (JPEG 2000 and the video formats), 32-bit big endian, or what read_pixel_format refuses.
   // Uncompressed little and big endian, deflated, RLE, JPEG and JPEG-LS are read.
   explicit DicomPixels(const std::filesystem::path& file);

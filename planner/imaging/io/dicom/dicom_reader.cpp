@@ -19,7 +19,7 @@ std::vector<const DicomSlice*> slices_of(const DicomSeries& series) {
 void refuse_mixture(const DicomFile& first, const DicomFile& file) {
   const std::string both = first.file.string() + " and " + file.file.string();
   const auto refuse = [&](const char* what) {
-    throw SetupError(what, both, "separate the files and export the series again");
+    throw ConfigError(what, both, "separate the files and export the series again");
   };
   if (first.identity.patient_id != file.identity.patient_id) refuse("two patients in one series");
   if (first.identity.study_uid != file.identity.study_uid) refuse("two studies in one series");
@@ -39,7 +39,7 @@ class SliceDecoder {
     const PixelFormat& format = pixels_->format();
     if (format.columns != slice.plane.columns || format.rows != slice.plane.rows ||
         slice.frame >= format.frames)
-      throw SetupError("changed while it was read", slice.file.string(),
+      throw ConfigError("changed while it was read", slice.file.string(),
                        "read again when the export has finished");
     rounded_ |= pixels_->append_frame(slice.frame, slice.slope, slice.intercept, volume.voxels);
     lossy_ |= pixels_->lossy();

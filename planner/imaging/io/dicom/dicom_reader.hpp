@@ -21,12 +21,12 @@ struct DicomFolder {
 
 DicomFolder scan_dicom_files(const std::vector<std::filesystem::path>& files);
 
-// Throws SetupError when the series is not one volume: a file refused, two patients or frames of reference, a
+// Throws ConfigError when the series is not one volume: a file refused, two patients or frames of reference, a
 // scout among slices, or what stack_slices refuses.
 SliceStack stack_series(const DicomSeries& series);
 
 // The volume: right-handed, slices along rising position on the normal; identity from the first slice;
-// warnings for contradicting spacings and lossy compression. Throws SetupError as stack_series and
+// warnings for contradicting spacings and lossy compression. Throws ConfigError as stack_series and
 // DicomPixels do.
 Volume read_dicom_series(const DicomSeries& series);
 

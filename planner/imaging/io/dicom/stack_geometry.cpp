@@ -19,15 +19,15 @@ void refuse_bad_plane(const SlicePlane& slice) {
   const std::string remedy = "export the series again with its original headers";
   const Direction &row = slice.along_row, &column = slice.along_column;
   if (!slice.p_SV.allFinite() || !row.allFinite() || !column.allFinite())
-    throw SetupError("position or orientation is not finite", slice.name, remedy);
+    throw ConfigError("position or orientation is not finite", slice.name, remedy);
   if (std::abs(row.norm() - 1.0) > 1e-3 || std::abs(column.norm() - 1.0) > 1e-3)
-    throw SetupError("the directions of ImageOrientationPatient do not have length 1", slice.name, remedy);
+    throw ConfigError("the directions of ImageOrientationPatient do not have length 1", slice.name, remedy);
   if (std::abs(row.normalized().dot(column.normalized())) > kDirectionTolerance)
-    throw SetupError("rows and columns are not perpendicular", slice.name, remedy);
+    throw ConfigError("rows and columns are not perpendicular", slice.name, remedy);
   const double low = std::min(slice.spacing_i_mm, slice.spacing_j_mm);
   const double high = std::max(slice.spacing_i_mm, slice.spacing_j_mm);
   if (!(low > 0.0) || !(high <= kSpacingMax_mm))
-    throw SetupError(fmt::format("PixelSpacing {:g} x {:g} mm is outside (0, {:g}]", slice.spacing_j_mm,
+    throw ConfigError(fmt::format("PixelSpacing {:g} x {:g} mm is outside (0, {:g}]", slice.spacing_j_mm,
                                  slice.spacing_i_mm, kSpacingMax_mm),
                      slice.name, remedy);
 }
@@ -37,18 +37,18 @@ void refuse_different_planes(const SlicePlane& first, const SlicePlane& slice) {
   const double turn = std::max((first.along_row.normalized() - slice.along_row.normalized()).norm(),
                                (first.along_column.normalized() - slice.along_column.normalized()).norm());
   if (turn > kDirectionTolerance)
-    throw SetupError(
+    throw ConfigError(
         fmt::format(
             "two orientations in one series: the slices are turned by {:.2f} degrees against each other",
             2.0 * std::asin(std::min(1.0, turn / 2.0)) * 180.0 / EIGEN_PI),
         both, "give a series of parallel slices: a localiser (scout) is no volume");
   if (first.columns != slice.columns || first.rows != slice.rows)
-    throw SetupError(fmt::format("two sizes in one series: {} x {} and {} x {}", first.columns, first.rows,
+    throw ConfigError(fmt::format("two sizes in one series: {} x {} and {} x {}", first.columns, first.rows,
                                  slice.columns, slice.rows),
                      both, "separate the series, or leave the scout image out");
   if (std::abs(first.spacing_i_mm - slice.spacing_i_mm) > 1e-4 * first.spacing_i_mm ||
       std::abs(first.spacing_j_mm - slice.spacing_j_mm) > 1e-4 * first.spacing_j_mm)
-    throw SetupError(
+    throw ConfigError(
         fmt::format("two pixel spacings in one series: {:g} x {:g} and {:g} x {:g} mm", first.spacing_j_mm,
                     first.spacing_i_mm, slice.spacing_j_mm, slice.spacing_i_mm),
         both, "separate the series");
@@ -77,13 +77,13 @@ void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceS
     const SlicePlane &below = slices[stack.order[k - 1]], &above = slices[stack.order[k]];
     gaps.push_back(normal.dot(above.p_SV - below.p_SV));
     if (gaps.back() < 0.01)
-      throw SetupError("not a volume: two slices at the same place", below.name + " and " + above.name,
+      throw ConfigError("not a volume: two slices at the same place", below.name + " and " + above.name,
                        "keep one time, echo or copy of the series in the folder");
   }
   const double usual = usual_gap(gaps);
   for (std::size_t k = 0; k < gaps.size(); ++k)
     if (std::abs(gaps[k] - usual) > kStackTolerance_mm)
-      throw SetupError(
+      throw ConfigError(
           fmt::format(
               "uneven slices: a gap of {:.3f} mm where the others are {:.3f} mm (a slice is missing?)",
               gaps[k], usual),
@@ -101,7 +101,7 @@ void refuse_off_grid(const std::vector<SlicePlane>& slices, const SliceStack& st
     const Eigen::Vector3d way = slice.p_SV - first.p_SV;
     const double sideways = (way - normal * normal.dot(way)).norm();
     if (sideways > kStackTolerance_mm)
-      throw SetupError(
+      throw ConfigError(
           fmt::format(
               "tilted stack: slices are shifted sideways by {:.2f} mm over {:.2f} mm, so they are not "
               "perpendicular to the direction of stacking (gantry tilt, shear)",
@@ -109,7 +109,7 @@ void refuse_off_grid(const std::vector<SlicePlane>& slices, const SliceStack& st
           first.name + " and " + slice.name, "reconstruct the series without tilt");
     const double creep = (way - stack.grid.X_SI.linear().col(2) * static_cast<double>(k)).norm();
     if (creep > 2 * kStackTolerance_mm)
-      throw SetupError(fmt::format("uneven slices: off a regular stack by {:.3f} mm", creep), slice.name,
+      throw ConfigError(fmt::format("uneven slices: off a regular stack by {:.3f} mm", creep), slice.name,
                        "export the whole series again");
   }
 }
@@ -128,12 +128,12 @@ void warn_of_contradictions(const SlicePlane& slice, SliceStack& stack) {
 }  // namespace
 
 SliceStack stack_slices(const std::vector<SlicePlane>& slices) {
-  if (slices.empty()) throw SetupError("no slices", "series", "give a folder with an image series");
+  if (slices.empty()) throw ConfigError("no slices", "series", "give a folder with an image series");
   for (const SlicePlane& slice : slices) refuse_bad_plane(slice);
   for (const SlicePlane& slice : slices) refuse_different_planes(slices.front(), slice);
   const SlicePlane& any = slices.front();
   if (slices.size() < kSizeMin)
-    throw SetupError(fmt::format("only {} slice{}: a volume needs at least {}", slices.size(),
+    throw ConfigError(fmt::format("only {} slice{}: a volume needs at least {}", slices.size(),
                                  slices.size() == 1 ? "" : "s", kSizeMin),
                      any.name, "give the folder with the whole series");
 

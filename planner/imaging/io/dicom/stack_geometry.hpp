@@ -32,7 +32,7 @@ struct SliceStack {
 // 1e-5 mm, and half of the robot's 0.1 mm is the most an image may cost.
 inline constexpr double kStackTolerance_mm = 0.05;
 
-// Throws SetupError naming the slices: other size, spacing or orientation within the stack, fewer than three
+// Throws ConfigError naming the slices: other size, spacing or orientation within the stack, fewer than three
 // slices, two at one place, a tilted stack (sheared, gantry tilt), uneven gaps (a missing slice).
 SliceStack stack_slices(const std::vector<SlicePlane>& slices);
 

@@ -54,22 +54,22 @@ Header read_header(ByteSource& source, const std::string& file) {
   header.swapped = size_as_stored != 348;
   if (header.swapped) swap_bytes(header.raw);
   if (size_as_stored == 540 || header.raw.sizeof_hdr == 540)
-    throw SetupError("NIfTI-2 is not read", file, "convert to NIfTI-1 (.nii or .nii.gz)");
-  if (header.raw.sizeof_hdr != 348) throw SetupError("not a NIfTI-1 file", file, kNiftiRemedy);
+    throw ConfigError("NIfTI-2 is not read", file, "convert to NIfTI-1 (.nii or .nii.gz)");
+  if (header.raw.sizeof_hdr != 348) throw ConfigError("not a NIfTI-1 file", file, kNiftiRemedy);
   if (std::memcmp(header.raw.magic, "ni1", 4) == 0)
-    throw SetupError("header and image in two files are not read", file,
+    throw ConfigError("header and image in two files are not read", file,
                      "convert to one .nii or .nii.gz file");
   if (std::memcmp(header.raw.magic, "n+1", 4) != 0)
-    throw SetupError("not a NIfTI-1 file (no n+1; an Analyze file has no geometry)", file, kNiftiRemedy);
+    throw ConfigError("not a NIfTI-1 file (no n+1; an Analyze file has no geometry)", file, kNiftiRemedy);
   return header;
 }
 
 Eigen::Vector3i size_of(const nifti_1_header& raw, const std::string& file) {
   if (raw.dim[0] < 1 || raw.dim[0] > 7)
-    throw SetupError(fmt::format("{} dimensions: the header is damaged", raw.dim[0]), file, kNiftiRemedy);
+    throw ConfigError(fmt::format("{} dimensions: the header is damaged", raw.dim[0]), file, kNiftiRemedy);
   for (int d = 4; d <= raw.dim[0]; ++d)
     if (raw.dim[d] > 1)
-      throw SetupError(fmt::format("4-D: {} volumes in one file", raw.dim[d]), file, "extract one volume");
+      throw ConfigError(fmt::format("4-D: {} volumes in one file", raw.dim[d]), file, "extract one volume");
   const auto along = [&](int d) { return d <= raw.dim[0] ? static_cast<int>(raw.dim[d]) : 1; };
   Eigen::Vector3i size(along(1), along(2), along(3));
   refuse_bad_size(size, file);
@@ -109,7 +109,7 @@ VoxelCoding coding_of(const Header& header, const std::string& file) {
   if (!type) {
     const bool complex = datatype == DT_COMPLEX64 || datatype == DT_COMPLEX128 || datatype == DT_COMPLEX256;
     const bool colour = datatype == DT_RGB24 || datatype == DT_RGBA32;
-    throw SetupError(fmt::format("{} voxels (NIfTI datatype {}) are not read",
+    throw ConfigError(fmt::format("{} voxels (NIfTI datatype {}) are not read",
                                  complex  ? "complex"
                                  : colour ? "RGB colour"
                                           : "unknown",
@@ -117,12 +117,12 @@ VoxelCoding coding_of(const Header& header, const std::string& file) {
                      file, "give an image with one real number a voxel");
   }
   if (header.raw.bitpix != static_cast<int>(8 * bytes_of(*type)))
-    throw SetupError(
+    throw ConfigError(
         fmt::format("datatype {} with {} bits a voxel: the header is damaged", datatype, header.raw.bitpix),
         file, kNiftiRemedy);
   const double slope = header.raw.scl_slope, intercept = header.raw.scl_inter;
   if (!std::isfinite(slope) || !std::isfinite(intercept))
-    throw SetupError("scl_slope or scl_inter is not finite", file, kNiftiRemedy);
+    throw ConfigError("scl_slope or scl_inter is not finite", file, kNiftiRemedy);
   return slope == 0.0 ? VoxelCoding{*type, header.swapped}
                       : VoxelCoding{*type, header.swapped, slope, intercept};
 }
@@ -168,10 +168,10 @@ double furthest_corner_mm(const AffineTransform& a, const AffineTransform& b, co
 
 void place(const nifti_1_header& raw, const std::string& file, Volume& volume) {
   const bool sform = raw.sform_code > 0, qform = raw.qform_code > 0;
-  if (!sform && !qform) throw SetupError("no geometry: neither sform nor qform is set", file, kNiftiRemedy);
+  if (!sform && !qform) throw ConfigError("no geometry: neither sform nor qform is set", file, kNiftiRemedy);
   const int units = raw.xyzt_units & 0x07;
   if (units != NIFTI_UNITS_MM && units != NIFTI_UNITS_UNKNOWN)
-    throw SetupError(
+    throw ConfigError(
         units == NIFTI_UNITS_METER ? "the unit of length is metres, not mm" : "the unit of length is not mm",
         file, kNiftiRemedy);
   volume.grid.X_SI = sform ? sform_of(raw) : qform_of(raw);
@@ -201,7 +201,7 @@ OpenNifti open_nifti(const std::filesystem::path& path) {
   place(header.raw, file, open.volume);
   const float offset = header.raw.vox_offset;
   if (!(offset >= 352.0F && offset < 1e9F) || offset != std::floor(offset))
-    throw SetupError(fmt::format("the voxels are said to begin at byte {:g}", offset), file, kNiftiRemedy);
+    throw ConfigError(fmt::format("the voxels are said to begin at byte {:g}", offset), file, kNiftiRemedy);
   open.source.skip(static_cast<std::uint64_t>(offset) - sizeof(header.raw));
   open.source.refuse_if_shorter_than(open.volume.grid.voxel_count() * bytes_of(open.coding.type));
   return open;

@@ -12,7 +12,7 @@ bool looks_like_nifti(const std::filesystem::path& file);
 
 // The grid in LPS mm, format, files and warnings, without the voxels. The sform is preferred over the qform;
 // a warning tells when both are given and place a corner of the image more than 0.1 mm apart. Throws
-// SetupError naming file and reason: not NIfTI-1, neither sform nor qform, sheared, absurd geometry, more
+// ConfigError naming file and reason: not NIfTI-1, neither sform nor qform, sheared, absurd geometry, more
 // than three dimensions, RGB, complex, units other than mm, truncated.
 Volume read_nifti_header(const std::filesystem::path& file);
 

@@ -41,7 +41,7 @@ struct HeaderText {
 };
 
 [[noreturn]] void refuse(const std::string& what, const std::string& file) {
-  throw SetupError(what, file, kNrrdRemedy);
+  throw ConfigError(what, file, kNrrdRemedy);
 }
 
 std::string lower(std::string_view text) {

@@ -21,7 +21,7 @@ struct NrrdHeader {
   std::uint64_t data_offset = 0;    // bytes into data_file
 };
 
-// Throws SetupError naming file and reason: not NRRD, other than three spatial dimensions, no or unknown
+// Throws ConfigError naming file and reason: not NRRD, other than three spatial dimensions, no or unknown
 // anatomical space, missing or bad directions or origin, colour, vectors, unsupported encoding, units other
 // than mm.
 NrrdHeader read_nrrd_header_fields(const std::filesystem::path& file);

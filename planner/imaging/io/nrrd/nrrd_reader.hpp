@@ -10,7 +10,7 @@ namespace biopsy::imaging {
 // By name (.nrrd, .nhdr).
 bool looks_like_nrrd(const std::filesystem::path& file);
 
-// The grid in LPS mm, format, files and warnings, without the voxels. Throws SetupError naming file and
+// The grid in LPS mm, format, files and warnings, without the voxels. Throws ConfigError naming file and
 // reason.
 Volume read_nrrd_header(const std::filesystem::path& file);
 

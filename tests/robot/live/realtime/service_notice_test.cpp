@@ -107,7 +107,7 @@ TEST_F(Service, RefusesAnAddressThatIsNone) {
   for (const std::string& name :
        {std::string("notify"), std::string("/"), std::string("@"), "/" + std::string(107, 'a')}) {
     set("NOTIFY_SOCKET", name);
-    EXPECT_THROW(ServiceNotice(), SetupError) << name;
+    EXPECT_THROW(ServiceNotice(), ConfigError) << name;
   }
   set("NOTIFY_SOCKET", "/" + std::string(106, 'a'));
   EXPECT_NO_THROW(ServiceNotice());
@@ -123,7 +123,7 @@ TEST_F(Service, KnowsItsWatchdogAndNotThatOfItsParent) {
   ::unsetenv("WATCHDOG_PID");
   for (const char* wrong : {"0", "-1", "3s", " 3", "1e6", "99999999999999999999"}) {
     set("WATCHDOG_USEC", wrong);
-    EXPECT_THROW(ServiceNotice(), SetupError) << wrong;
+    EXPECT_THROW(ServiceNotice(), ConfigError) << wrong;
   }
 }
 

@@ -14,9 +14,9 @@
 int main(int count, char** argv) {
   using namespace biopsy;
   const auto domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
-  keys::CycloneOptions options;
-  if (count > 2) options.security = keys::Security{argv[2], keys::Role::Controller};
-  const transport::Participant bus({domain, keys::cyclone_xml(options), 1});
+  security::CycloneOptions options;
+  if (count > 2) options.security = security::Security{argv[2], security::Role::Controller};
+  const transport::Participant bus({domain, security::cyclone_xml(options), 1});
   transport::Writer<DriveRequest> requests(bus);
   std::optional<transport::Writer<Permit>> permits;
   std::optional<transport::Writer<OperatorAct>> acts;

@@ -7,7 +7,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 constexpr const char* kTests = R"({"testsuites": [{"name": "Any/Suite", "testsuite": [
@@ -69,11 +69,11 @@ TEST(Findings, SurviveAnyBytesAndNameTheFile) {
     try {
       read_proof(text, "proof.json", finding);
       read_tests(text, "proof.json", finding);
-    } catch (const SetupError& error) {
+    } catch (const ConfigError& error) {
       EXPECT_EQ(error.where, "proof.json");
     }
   }
 }
 
 }  // namespace
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

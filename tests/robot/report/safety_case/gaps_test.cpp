@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace biopsy::assurance {
+namespace biopsy::safety_case {
 namespace {
 
 struct Whole {
@@ -111,4 +111,4 @@ TEST(SafetyCase, AQuickBuildAsksForItsSubsetOnlyAndJudgesNoBar) {
 }
 
 }  // namespace
-}  // namespace biopsy::assurance
+}  // namespace biopsy::safety_case

@@ -12,17 +12,18 @@
 #include "sim/paper/open_loop.hpp"
 #include "sim/paper/figures/rows.hpp"
 #include "sim/plant/simulate.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+const std::filesystem::path kModels = source_dir() / "sim/models";
 
 paper::PaperModel start_model() {
   return paper::read_paper_model(kModels / "rehearsal.toml", kModels / "paper.toml");
 }
 
-std::vector<Knob> two_knobs() {
+std::vector<Parameter> two_knobs() {
   return {{"tau", 1.0, 40.0, 6.9, 6.9, 0.7, false, ""}, {"V0", 4e-8, 4e-7, 1.9e-7, 1.9e-7, 0.5, false, ""}};
 }
 
@@ -60,18 +61,18 @@ const Calibration& answer() {
 }
 
 TEST(Calibrate, RecoversTheNumbersBehindTheRows) {
-  EXPECT_NEAR(answer().knobs[0].value, kTrueTau, 0.05 * kTrueTau);
-  EXPECT_NEAR(answer().knobs[1].value, kTrueV0, 0.05 * kTrueV0);
+  EXPECT_NEAR(answer().parameters[0].value, kTrueTau, 0.05 * kTrueTau);
+  EXPECT_NEAR(answer().parameters[1].value, kTrueV0, 0.05 * kTrueV0);
   EXPECT_LT(answer().after, 0.05 * answer().before);
   for (const PaperRow& row : answer().rows) EXPECT_TRUE(row.ok) << row.quantity;
-  EXPECT_DOUBLE_EQ(answer().model.stage.baseline.tau, answer().knobs[0].value);
+  EXPECT_DOUBLE_EQ(answer().model.stage.baseline.tau, answer().parameters[0].value);
 }
 
 // 2 % of the rows, by the rows' sensitivity: some per cent of the numbers, and no more than what was known.
 TEST(Calibrate, SaysHowWellANumberIsKnown) {
-  for (const KnobFound& found : answer().knobs) {
-    EXPECT_GT(found.std, 1e-3 * found.value) << found.knob.name;
-    EXPECT_LT(found.std, 0.2 * found.value) << found.knob.name;
+  for (const CalibratedParameter& found : answer().parameters) {
+    EXPECT_GT(found.std, 1e-3 * found.value) << found.parameter.name;
+    EXPECT_LT(found.std, 0.2 * found.value) << found.parameter.name;
     EXPECT_FALSE(found.at_bound);
   }
   EXPECT_NEAR(answer().correlations(0, 0), 1.0, 1e-12);
@@ -80,8 +81,8 @@ TEST(Calibrate, SaysHowWellANumberIsKnown) {
 
 TEST(Calibrate, GivesTheSameAnswerEveryTime) {
   const Calibration again = calibrate(made_up_question(), {.evaluations = 200});
-  for (std::size_t i = 0; i < again.knobs.size(); ++i)
-    EXPECT_EQ(again.knobs[i].value, answer().knobs[i].value);
+  for (std::size_t i = 0; i < again.parameters.size(); ++i)
+    EXPECT_EQ(again.parameters[i].value, answer().parameters[i].value);
 }
 
 TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
@@ -102,10 +103,10 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
   run.external_force.assign(300, 0.0);
   question.runs = {simulate(truth, run)};
   const Calibration found = calibrate(question, {.evaluations = 200});
-  EXPECT_NEAR(found.knobs[0].value, kTrueTau, 0.1 * kTrueTau);
-  EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
-  for (const KnobFound& knob : found.knobs)
-    EXPECT_LT(knob.std, 0.5 * knob.knob.doubt * knob.value) << knob.knob.name << ": the run says more";
+  EXPECT_NEAR(found.parameters[0].value, kTrueTau, 0.1 * kTrueTau);
+  EXPECT_NEAR(found.parameters[1].value, kTrueV0, 0.1 * kTrueV0);
+  for (const CalibratedParameter& parameter : found.parameters)
+    EXPECT_LT(parameter.std, 0.5 * parameter.parameter.doubt * parameter.value) << parameter.parameter.name << ": the run says more";
   ASSERT_EQ(found.runs.size(), 1U);
   EXPECT_TRUE(found.runs[0].followed);
   EXPECT_FALSE(found.kept_start);
@@ -121,10 +122,10 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
 TEST(Calibrate, KnowsANumberAtTheEdgeOfItsRangeAsWellAsOneWithin) {
   const auto std_of_tau = [](double low) {
     Question question = made_up_question();
-    question.knobs[0].low = low;
-    question.knobs[0].nominal = question.knobs[0].start = kTrueTau;
-    question.knobs[1].nominal = question.knobs[1].start = kTrueV0;
-    return calibrate(question, {.evaluations = 1, .last_steps = 0}).knobs[0].std;
+    question.parameters[0].low = low;
+    question.parameters[0].nominal = question.parameters[0].start = kTrueTau;
+    question.parameters[1].nominal = question.parameters[1].start = kTrueV0;
+    return calibrate(question, {.evaluations = 1, .last_steps = 0}).parameters[0].std;
   };
   EXPECT_NEAR(std_of_tau(kTrueTau), std_of_tau(1.0), 0.1 * std_of_tau(1.0));
 }
@@ -132,11 +133,11 @@ TEST(Calibrate, KnowsANumberAtTheEdgeOfItsRangeAsWellAsOneWithin) {
 // From far away, rows that all pull alike first.
 TEST(Calibrate, ComesFromFarToTheNumbersBehindTheRows) {
   Question question = made_up_question();
-  question.knobs[0].start = 30.0;
-  question.knobs[1].start = 3.5e-7;
+  question.parameters[0].start = 30.0;
+  question.parameters[1].start = 3.5e-7;
   const Calibration found = calibrate(question, {.far = 200, .evaluations = 200});
-  EXPECT_NEAR(found.knobs[0].value, kTrueTau, 0.1 * kTrueTau);
-  EXPECT_NEAR(found.knobs[1].value, kTrueV0, 0.1 * kTrueV0);
+  EXPECT_NEAR(found.parameters[0].value, kTrueTau, 0.1 * kTrueTau);
+  EXPECT_NEAR(found.parameters[1].value, kTrueV0, 0.1 * kTrueV0);
   EXPECT_GE(found.evaluations, 400);
 }
 
@@ -155,9 +156,9 @@ TEST(Calibrate, StaysWithWhatWasKnownWhereNothingSpeaks) {
   Question question = made_up_question();
   question.figures.clear();
   const Calibration found = calibrate(question, {.evaluations = 50});
-  EXPECT_NEAR(found.knobs[0].value, 6.9, 1e-6);
-  EXPECT_NEAR(found.knobs[0].std, 0.7 * 6.9, 1e-6);
-  EXPECT_TRUE(found.knobs[0].only_prior);
+  EXPECT_NEAR(found.parameters[0].value, 6.9, 1e-6);
+  EXPECT_NEAR(found.parameters[0].std, 0.7 * 6.9, 1e-6);
+  EXPECT_TRUE(found.parameters[0].only_prior);
   EXPECT_TRUE(found.kept_start);
 }
 

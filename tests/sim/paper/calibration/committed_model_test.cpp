@@ -6,11 +6,12 @@
 
 #include "sim/paper/calibration/objective.hpp"
 #include "sim/plant/model_file.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+const std::filesystem::path kModels = source_dir() / "sim/models";
 
 double share_reached(const char* model) {
   const Question question{
@@ -25,10 +26,10 @@ double share_reached(const char* model) {
 TEST(CalibratedModel, EveryNumberIsWithinWhatIsPlausible) {
   const paper::PaperModel model =
       paper::read_paper_model(kModels / "calibrated.toml", kModels / "paper.toml");
-  for (const Knob& knob : standard_knobs()) {
-    const double value = value_of(model, knob.name);
-    EXPECT_GE(value, knob.low * (1.0 - 1e-3)) << knob.name;
-    EXPECT_LE(value, knob.high * (1.0 + 1e-3)) << knob.name;
+  for (const Parameter& parameter : standard_parameters()) {
+    const double value = value_of(model, parameter.name);
+    EXPECT_GE(value, parameter.low * (1.0 - 1e-3)) << parameter.name;
+    EXPECT_LE(value, parameter.high * (1.0 + 1e-3)) << parameter.name;
   }
 }
 

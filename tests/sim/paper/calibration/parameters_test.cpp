@@ -9,40 +9,41 @@
 #include "robot/common/config_error.hpp"
 #include "sim/paper/calibration/objective.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models";
+const std::filesystem::path kModels = source_dir() / "sim/models";
 
 paper::PaperModel start_model() {
   return paper::read_paper_model(kModels / "rehearsal.toml", kModels / "paper.toml");
 }
 
 TEST(Knobs, EveryOneTurnsWhatItsNameSays) {
-  for (const Knob& knob : standard_knobs()) {
+  for (const Parameter& parameter : standard_parameters()) {
     paper::PaperModel model = start_model();
-    const double value = from_search(knob, 0.1);
-    set_value(model, knob.name, value);
-    EXPECT_NEAR(value_of(model, knob.name), value, 1e-12 * value) << knob.name;
-    EXPECT_NEAR(to_search(knob, value), 0.1, 1e-9) << knob.name;
-    EXPECT_FALSE(knob.why.empty()) << knob.name;
+    const double value = from_search(parameter, 0.1);
+    set_value(model, parameter.name, value);
+    EXPECT_NEAR(value_of(model, parameter.name), value, 1e-12 * value) << parameter.name;
+    EXPECT_NEAR(to_search(parameter, value), 0.1, 1e-9) << parameter.name;
+    EXPECT_FALSE(parameter.why.empty()) << parameter.name;
   }
 }
 
 TEST(Knobs, StayWithinWhatIsPlausible) {
-  for (const Knob& knob : standard_knobs()) {
-    EXPECT_EQ(from_search(knob, 100.0), knob.high) << knob.name;
-    EXPECT_EQ(from_search(knob, -100.0), knob.low) << knob.name;
-    EXPECT_GT(knob.nominal, knob.low) << knob.name;
-    EXPECT_LT(knob.nominal, knob.high) << knob.name;
+  for (const Parameter& parameter : standard_parameters()) {
+    EXPECT_EQ(from_search(parameter, 100.0), parameter.high) << parameter.name;
+    EXPECT_EQ(from_search(parameter, -100.0), parameter.low) << parameter.name;
+    EXPECT_GT(parameter.nominal, parameter.low) << parameter.name;
+    EXPECT_LT(parameter.nominal, parameter.high) << parameter.name;
   }
 }
 
 TEST(Knobs, OtherFilmsDifferOnlyInTheirOwnBlock) {
-  const Question question{start_model(), standard_knobs(), {}, {}};
-  Eigen::VectorXd z = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(question.knobs.size()), -0.4);
-  const paper::PaperModel model = turned(question.start, question.knobs, z);
+  const Question question{start_model(), standard_parameters(), {}, {}};
+  Eigen::VectorXd z = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(question.parameters.size()), -0.4);
+  const paper::PaperModel model = turned(question.start, question.parameters, z);
   const PlantModel other = with_film(model.stage, model.bopp25);
   for (double Baseline::*shared :
        {&Baseline::L0, &Baseline::V0, &Baseline::H_0, &Baseline::tau_h, &Baseline::k})
@@ -52,10 +53,10 @@ TEST(Knobs, OtherFilmsDifferOnlyInTheirOwnBlock) {
 }
 
 TEST(Knobs, BreakawayIsNeverBelowSliding) {
-  const std::vector<Knob> knobs{{"stribeck_friction.sliding_N", 0.01, 0.2, 0.10, 0.10, 0.5, false, ""},
+  const std::vector<Parameter> parameters{{"stribeck_friction.sliding_N", 0.01, 0.2, 0.10, 0.10, 0.5, false, ""},
                                 {"stribeck_friction.breakaway_N", 0.01, 0.2, 0.02, 0.02, 0.5, false, ""}};
   const auto friction =
-      turned(start_model(), knobs, Eigen::VectorXd::Zero(2)).stage.effects.stribeck_friction;
+      turned(start_model(), parameters, Eigen::VectorXd::Zero(2)).stage.effects.stribeck_friction;
   EXPECT_EQ(friction->breakaway, friction->sliding);
 }
 
@@ -72,8 +73,8 @@ TEST(Knobs, AnEffectThatTheStageLacksComesAbsentAndWithItsTypicalShape) {
 
 TEST(Knobs, RefuseANameThatNothingHas) {
   paper::PaperModel model = start_model();
-  EXPECT_THROW(set_value(model, "stiction", 1.0), SetupError);
-  EXPECT_THROW(set_value(model, "film.pi25.colour", 1.0), SetupError);
+  EXPECT_THROW(set_value(model, "stiction", 1.0), ConfigError);
+  EXPECT_THROW(set_value(model, "film.pi25.colour", 1.0), ConfigError);
 }
 
 TEST(PaperText, ReadsBackAsWhatWasWritten) {

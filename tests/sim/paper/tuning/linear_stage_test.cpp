@@ -11,6 +11,7 @@
 #include "sim/plant/model_file.hpp"
 #include "sim/paper/feed_forward.hpp"
 #include "sim/plant/plant.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::tuning {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 using std::numbers::pi;
 
 PlantModel damped() {
-  PlantModel model = read_model(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models/rehearsal.toml");
+  PlantModel model = read_model(source_dir() / "sim/models/rehearsal.toml");
   model.baseline.tau_h = 0.3;
   model.baseline.c_s = 1.7;
   return model;
@@ -101,7 +102,7 @@ TEST(LinearStage, LateSensorsAndSlowAmplifiersAreSeen) {
 TEST(LinearStage, RefusesADepthBeyondTheStroke) {
   EXPECT_FALSE(can_hold(damped(), 100.0));
   EXPECT_TRUE(can_hold(damped(), 5.0));
-  EXPECT_THROW(linearised(damped(), 100.0), SetupError);
+  EXPECT_THROW(linearised(damped(), 100.0), ConfigError);
 }
 
 }  // namespace

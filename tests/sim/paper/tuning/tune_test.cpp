@@ -8,12 +8,13 @@
 
 #include "robot/common/config_error.hpp"
 #include "sim/paper/tuning/uncertainty.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::sim::tuning {
 namespace {
 
 NotedModel damped() {
-  NotedModel model = read_noted_model(std::filesystem::path(BIOPSY_SOURCE_DIR) / "sim/models/rehearsal.toml");
+  NotedModel model = read_noted_model(source_dir() / "sim/models/rehearsal.toml");
   model.model.baseline.tau_h = 0.3;
   model.model.baseline.c_s = 1.7;
   model.model.baseline.V0 = 1.2e-7;
@@ -87,7 +88,7 @@ TEST(Tune, LooksOnlyAtDepthsWithinTheStroke) {
 TEST(Tune, RefusesAStageWithoutVolts) {
   NotedModel model;
   model.model.baseline.drive = Drive::Force;
-  EXPECT_THROW(tune(model, kQuick), SetupError);
+  EXPECT_THROW(tune(model, kQuick), ConfigError);
 }
 
 TEST(Uncertainty, ScattersAsTheFileSaysAndLeavesTheRestAlone) {

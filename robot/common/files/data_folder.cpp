@@ -1,0 +1,45 @@
+#include "robot/common/files/data_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <system_error>
+
+#include "robot/common/config_error.hpp"
+
+namespace biopsy {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool holds_data(const fs::path& folder) {
+  return fs::exists(folder / "sim/models");
+}
+
+fs::path installed_data() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : program.parent_path().parent_path() / "share/biopsy";
+}
+
+}  // namespace
+
+fs::path source_folder() {
+  return BIOPSY_SOURCE_FOLDER;
+}
+
+fs::path data_folder() {
+  if (const char* given = std::getenv("BIOPSY_DATA"); given != nullptr && *given != '\0') {
+    if (holds_data(given)) return given;
+    throw ConfigError("holds no sim/models", fmt::format("BIOPSY_DATA={}", given),
+                      "set it to the folder share/biopsy of an installation, or leave it unset");
+  }
+  const fs::path installed = installed_data();
+  for (const fs::path& folder : {installed, source_folder()})
+    if (holds_data(folder)) return folder;
+  throw ConfigError("models and cases are missing",
+                    fmt::format("{} and {}", installed.string(), source_folder().string()),
+                    "install the program whole (cmake --install), or set BIOPSY_DATA to its folder share/biopsy");
+}
+
+}  // namespace biopsy
