@@ -136,7 +136,8 @@ Refusal refusal_to_move(const TransitionInputs& t) {
 
 }  // namespace
 
-TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state,
+                                   const SupervisorInput& input) {
   const HazardSet hazards = input.evidence.hazards();
   return {plan,
           state,

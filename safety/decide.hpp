@@ -20,7 +20,8 @@ struct TransitionInputs {
   bool arm_edge, reset_edge;
 };
 
-TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input);
+TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state,
+                                   const SupervisorInput& input);
 
 // One guard a line, the worst first; None where nothing changes the mode.
 Event event_of(const TransitionInputs& t);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/monitors/clock_step.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -92,7 +92,8 @@ GateVerdict accept_permit(GateState& state, const Permit* permit, std::int64_t n
 }
 
 // What the permit in force makes of the request.
-GateVerdict apply_command(GateState& state, const DriveRequest* request, std::int64_t now_us, bool permit_is_good) {
+GateVerdict apply_command(GateState& state, const DriveRequest* request, std::int64_t now_us,
+                          bool permit_is_good) {
   const bool new_request = take_request(state, request);
   const std::int32_t wanted_mV = new_request ? request->wanted_mV : state.drive_mV;
   if (state.permit.seq == 0) return switch_off(state), GateVerdict::NoPermit;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/decide.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
 
 namespace biopsy::safety {

@@ -1,5 +1,5 @@
-// Where the source tree and the build tree are. Functions, not macros in every file: one object differs between two
-// checkouts, and the compiler cache serves the rest.
+// Where the source tree and the build tree are. Functions, not macros in every file: one object differs
+// between two checkouts, and the compiler cache serves the rest.
 #pragma once
 
 #include <filesystem>

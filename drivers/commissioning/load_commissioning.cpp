@@ -39,15 +39,16 @@ Record load_commissioning(const fs::path& folder, const fs::path& public_key, co
     throw ConfigError("the record was changed after it was signed, or signed with another key", place, kAnew);
   Record record = from_json(text, place);
   if (record.device != device)
-    throw ConfigError(fmt::format("is the record of {}; connected is {}", words(record.device), words(device)),
-                     place, kAnew);
+    throw ConfigError(
+        fmt::format("is the record of {}; connected is {}", words(record.device), words(device)), place,
+        kAnew);
   if (record.config_sha256 != config_sha256)
     throw ConfigError("the configuration was changed after commissioning", place, kAnew);
   if (!record.passed()) throw ConfigError("the stage did not pass all steps of this version", place, kAnew);
   const std::chrono::sys_seconds made{std::chrono::seconds(record.made_unix_s)};
   if (made > now + kAhead)
     throw ConfigError("the record is of a day to come", place,
-                     "set this computer's clock, or commission anew");
+                      "set this computer's clock, or commission anew");
   if (now > made + kGoodFor)
     throw ConfigError(fmt::format("the record is older than {} days", kGoodFor.count()), place, kAnew);
   return record;

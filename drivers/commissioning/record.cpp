@@ -100,7 +100,7 @@ Record from_json(std::string_view text, const std::string& place) {
   } catch (const Json::exception&) {  // said below
   }
   throw ConfigError("is no record of commissioning that this version reads", place,
-                   "commission the stage anew: biopsy commission");
+                    "commission the stage anew: biopsy commission");
 }
 
 }  // namespace biopsy::commissioning

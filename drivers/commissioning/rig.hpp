@@ -50,7 +50,7 @@ class Operator {
  public:
   virtual ~Operator() = default;
   virtual void notify(const std::string& what) = 0;
-  virtual bool confirm(Act act, const std::string& what) = 0;           // false: not done
+  virtual bool confirm(Act act, const std::string& what) = 0;              // false: not done
   virtual std::optional<double> enter_value(const std::string& what) = 0;  // a number; none: nothing usable
 };
 

@@ -50,7 +50,7 @@ Key read_key(const fs::path& file, decltype(&PEM_read_bio_PrivateKey) read) {
   ERR_clear_error();
   if (!key || EVP_PKEY_get_id(key.get()) != EVP_PKEY_ED25519)
     throw ConfigError("is no Ed25519 key in PEM without a password", file.string(),
-                     "make keys with `biopsy keys init`, or give the right file");
+                      "make keys with `biopsy keys init`, or give the right file");
   return key;
 }
 

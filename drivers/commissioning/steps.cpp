@@ -46,7 +46,8 @@ Measured laser(Rig& rig, Operator& operator_) {
   const double zero_mm = mean(rest_for(rig, kSecond), depth_mm);
   const bool laid = operator_.confirm(Act::LayBlock, "Lay a gauge block of 2 to 8 mm under plate A.");
   rest_for(rig, kSettle);
-  const double block_mm = laid ? operator_.enter_value("Height of the block, mm").value_or(kNotSeen) : kNotSeen;
+  const double block_mm =
+      laid ? operator_.enter_value("Height of the block, mm").value_or(kNotSeen) : kNotSeen;
   const double read_mm = mean(rest_for(rig, kSecond), depth_mm);
   const bool removed = operator_.confirm(Act::RemoveBlock, "Take the block away, let the plate sink back.");
   rest_for(rig, kSettle);
@@ -120,7 +121,7 @@ const Sample* first(const std::vector<Sample>& samples, bool (*is)(const Sample&
 Measured emergency_stop(Rig& rig, Operator& operator_) {
   const bool willing =
       operator_.confirm(Act::PressEstopUnderVoltage,
-                  "The stage will be put to 0.3 kV for 20 s. Press the emergency stop in that time.");
+                        "The stage will be put to 0.3 kV for 20 s. Press the emergency stop in that time.");
   if (!willing) return {{kNotSeen, kNotSeen}, "was not pressed"};
   const Drive drive = rig.drive(kTestLevel_mV, 20 * kSecond, has_voltage);
   const bool released = operator_.confirm(Act::ReleaseEstop, "Release the emergency stop.");

@@ -26,8 +26,7 @@ void StageIo::pulse() {
   count_up(lines_.block().stage.pulses);
 }
 
-SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder)
-    : lines_(run_folder, Owner::Supervisor) {}
+SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Supervisor) {}
 
 void SupervisorIo::pulse() {
   count_up(lines_.block().supervisor.pulses);
@@ -41,8 +40,7 @@ void PanelIo::set(const PanelLevels& levels) {
   lines_.block().panel.levels.store(packed(levels), std::memory_order_release);
 }
 
-InterlockIo::InterlockIo(const std::filesystem::path& run_folder)
-    : lines_(run_folder, Owner::Interlock) {}
+InterlockIo::InterlockIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Interlock) {}
 
 void InterlockIo::write(const RelayOutput& output, std::int64_t now_ns) {
   InterlockOutputs& block = lines_.block().interlock;

@@ -97,14 +97,15 @@ void create_shared_io(const fs::path& run_folder) {
   const fs::path path = run_folder / kName;
   if (is_in_use(path))
     throw ConfigError("belongs to a robot that is running", path.string(),
-                     "stop that one first, or use another run folder");
-  static const Title title{.size = sizeof(IoBlock)};  // static: no stray bytes of the stack between its members
+                      "stop that one first, or use another run folder");
+  static const Title title{.size =
+                               sizeof(IoBlock)};  // static: no stray bytes of the stack between its members
   std::string temporary = (run_folder / ".lines-XXXXXX").string();
   const File file(::mkstemp(temporary.data()));  // mode 0600
   const auto give_up = [&](int error) {
     if (file) ::unlink(temporary.c_str());
     throw ConfigError("cannot be made: " + reason(error), path.string(),
-                     "give a run folder that exists, can be written and has space");
+                      "give a run folder that exists, can be written and has space");
   };
   if (!file) give_up(errno);
   // Reserved, not only promised: a full disk must not be noticed by a write to a mapped page.
@@ -119,12 +120,12 @@ SharedIo::SharedIo(const fs::path& run_folder, Owner owner) {
   File file(::open(path.c_str(), way | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file)
     throw ConfigError("cannot be opened: " + reason(errno), path.string(),
-                     "lay the lines first, with `biopsy up`");
+                      "lay the lines first, with `biopsy up`");
   check(file, path);
   struct flock claim = claim_of(owner);
   if (owner != Owner::Nobody && ::fcntl(file.get(), F_OFD_SETLK, &claim) != 0)
     throw ConfigError("another process drives these lines", path.string(),
-                     "each process of the robot runs once; stop the other one");
+                      "each process of the robot runs once; stop the other one");
   void* memory = ::mmap(nullptr, sizeof(IoBlock), PROT_READ, MAP_SHARED | MAP_POPULATE, file.get(), 0);
   if (memory == MAP_FAILED) throw ConfigError("cannot be mapped: " + reason(errno), path.string(), kLayAnew);
   block_ = static_cast<IoBlock*>(memory);

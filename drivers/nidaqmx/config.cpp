@@ -11,8 +11,8 @@
 
 #include "drivers/nidaqmx/config_table.hpp"
 #include "drivers/nidaqmx/daqmx_functions.hpp"
-#include "safety/types/limits.hpp"
 #include "robot/common/config_error.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {
@@ -176,7 +176,7 @@ Config read_config(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
     throw ConfigError("cannot be opened", file.string(),
-                     "give the stage's configuration; a sample is drivers/nidaqmx/usb6211.toml");
+                      "give the stage's configuration; a sample is drivers/nidaqmx/usb6211.toml");
   std::ostringstream text;
   text << stream.rdbuf();
   return parse_config(text.str(), file.string());

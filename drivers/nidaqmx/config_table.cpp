@@ -92,7 +92,7 @@ ConfigTable parse_config_table(const std::string& text, const std::string& name)
     return ConfigTable(std::make_shared<ConfigTable::Node>(ConfigTable::Node{name, root, root.get()}));
   } catch (const toml::parse_error& error) {
     throw ConfigError(std::string(error.description()), fmt::format("{}:{}", name, error.source().begin.line),
-                     "the file must be TOML 1.0");
+                      "the file must be TOML 1.0");
   }
 }
 

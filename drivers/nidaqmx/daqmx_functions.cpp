@@ -63,8 +63,8 @@ DaqmxFunctions load_daqmx(const std::string& library) {
   symbols.find("DAQmxWriteAnalogScalarF64", found.write_analog_scalar_f64);
   symbols.find("DAQmxWriteDigitalScalarU32", found.write_digital_scalar_u32);
   if (!symbols.missing().empty())
-    throw ConfigError(fmt::format("the NI-DAQmx driver lacks {}", fmt::join(symbols.missing(), ", ")), library,
-                     kInstall);
+    throw ConfigError(fmt::format("the NI-DAQmx driver lacks {}", fmt::join(symbols.missing(), ", ")),
+                      library, kInstall);
   return found;
 }
 

@@ -62,14 +62,14 @@ void NidaqmxStage::find_board() {
   const std::string present = fmt::format(", {},", text.data());
   if (present.find(fmt::format(" {},", config_.device)) == std::string::npos)
     throw ConfigError(fmt::format("there is no board of this name; there are: {}", text.data()),
-                     config_.device,
-                     "plug it in and see `nilsdev`, or correct `device` in the configuration");
+                      config_.device,
+                      "plug it in and see `nilsdev`, or correct `device` in the configuration");
   demand(daqmx_, daqmx_.get_dev_product_type(config_.device.c_str(), text.data(), size), config_.device);
   product_ = text.data();
   demand(daqmx_, daqmx_.get_dev_serial_num(config_.device.c_str(), &serial_), config_.device);
   if (config_.serial && *config_.serial != serial_)
     throw ConfigError(fmt::format("this board's serial number is {}, not {}", serial_, *config_.serial),
-                     config_.device, "connect the right board, or correct `serial` and commission anew");
+                      config_.device, "connect the right board, or correct `serial` and commission anew");
   demand(daqmx_, daqmx_.reset_device(config_.device.c_str()), config_.device + ", reset");
   demand(daqmx_, daqmx_.self_test_device(config_.device.c_str()), config_.device + ", self test");
 }

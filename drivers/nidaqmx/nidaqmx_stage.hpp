@@ -13,9 +13,9 @@
 #include <optional>
 #include <string>
 
+#include "drivers/needle_stage.hpp"
 #include "drivers/nidaqmx/config.hpp"
 #include "drivers/nidaqmx/task.hpp"
-#include "drivers/needle_stage.hpp"
 
 namespace biopsy::nidaqmx {
 

@@ -74,7 +74,7 @@ void demand(const DaqmxFunctions& daqmx, Status status, const std::string& where
   daqmx.get_extended_error_info(words.text.data(), static_cast<std::uint32_t>(words.text.size()) - 1);
   const Trouble trouble = trouble_of(status);
   throw ConfigError(fmt::format("NI-DAQmx {} ({}): {}", status, name_of(trouble), words.text.data()), where,
-                   remedy_for(trouble));
+                    remedy_for(trouble));
 }
 
 }  // namespace biopsy::nidaqmx

@@ -56,9 +56,9 @@ struct Place {
     if (known != kColumns[0] &&
         (known.substr(0, known.size() - 3) == stem || known.substr(0, known.size() - 3) == field))
       throw ConfigError(fmt::format("'{}' is not in millimetres", field), place.column(column, field),
-                       fmt::format("convert the numbers to mm and name the column {}", known));
+                        fmt::format("convert the numbers to mm and name the column {}", known));
   throw ConfigError(fmt::format("unknown column '{}'", field), place.column(column, field),
-                   std::string(kHeaderRemedy));
+                    std::string(kHeaderRemedy));
 }
 
 // For each known column its position in the line.
@@ -70,14 +70,14 @@ std::array<std::size_t, 7> read_header(std::string_view line, const Place& place
     if (std::find(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(n), fields[n]) !=
         fields.begin() + static_cast<std::ptrdiff_t>(n))
       throw ConfigError(fmt::format("column '{}' is there twice", fields[n]), place.column(n, fields[n]),
-                       "remove one of the two");
+                        "remove one of the two");
   }
   std::array<std::size_t, 7> position{};
   for (std::size_t known = 0; known < kColumns.size(); ++known) {
     const auto found = std::find(fields.begin(), fields.end(), kColumns[known]);
     if (found == fields.end())
       throw ConfigError(fmt::format("column '{}' is missing", kColumns[known]), place.whole_line(),
-                       std::string(kHeaderRemedy));
+                        std::string(kHeaderRemedy));
     position[known] = static_cast<std::size_t>(found - fields.begin());
   }
   return position;
@@ -88,10 +88,10 @@ double read_number(std::string_view text, const std::string& where) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number))
     throw ConfigError(fmt::format("'{}' is not a number", text), where,
-                     "write a number in mm with a decimal point");
+                      "write a number in mm with a decimal point");
   if (std::abs(number) > kReach_mm)
     throw ConfigError(fmt::format("{} mm is further than {} mm from the origin", text, kReach_mm), where,
-                     "check the unit: coordinates are in mm");
+                      "check the unit: coordinates are in mm");
   return number;
 }
 
@@ -100,12 +100,12 @@ FiducialPair read_pair(std::string_view line, const std::array<std::size_t, 7>& 
   const auto fields = fields_of(line);
   if (fields.size() != kColumns.size())
     throw ConfigError(fmt::format("{} fields instead of {}", fields.size(), kColumns.size()),
-                     place.whole_line(),
-                     "one comma between two fields, and a point, not a comma, in numbers");
+                      place.whole_line(),
+                      "one comma between two fields, and a point, not a comma, in numbers");
   FiducialPair pair{.name = std::string(fields[position[0]])};
   if (pair.name.empty())
     throw ConfigError("the fiducial has no name", place.column(position[0], kColumns[0]),
-                     "give each fiducial a name");
+                      "give each fiducial a name");
   std::array<double, 6> number{};
   for (std::size_t n = 0; n < number.size(); ++n)
     number[n] = read_number(fields[position[n + 1]], place.column(position[n + 1], kColumns[n + 1]));
@@ -119,11 +119,11 @@ void refuse_repetition(const std::vector<FiducialPair>& earlier, const FiducialP
   for (const FiducialPair& other : earlier) {
     if (other.name == pair.name)
       throw ConfigError(fmt::format("fiducial '{}' is there twice", pair.name),
-                       place.column(name_column, "name"), "name each fiducial once");
+                        place.column(name_column, "name"), "name each fiducial once");
     if ((other.p_RF - pair.p_RF).norm() < kSamePosition_mm ||
         (other.p_SF - pair.p_SF).norm() < kSamePosition_mm)
       throw ConfigError(fmt::format("fiducial '{}' is at the position of '{}'", pair.name, other.name),
-                       place.whole_line(), "remove the line that was copied, or measure the fiducial again");
+                        place.whole_line(), "remove the line that was copied, or measure the fiducial again");
   }
 }
 

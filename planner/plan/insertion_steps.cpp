@@ -101,17 +101,18 @@ const Layer& layer_of(const std::vector<Layer>& layers, Millimetres target) {
 }
 
 InsertionStep stage_from(const Stop& stop, Millimetres start, const std::vector<Crossing>& crossings,
-                 const std::vector<Boundary>& boundaries, const Pace& pace, const NominalModel& model) {
+                         const std::vector<Boundary>& boundaries, const Pace& pace,
+                         const NominalModel& model) {
   const bool slow = std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& span) {
     return start < span.to - kSlack && stop.depth > span.from + kSlack;
   });
   InsertionStep stage{.kind = stop.kind,
-              .depth = stop.depth,
-              .speed = slow ? pace.crossing : pace.speed,
-              .v_max = model.drive_limit(stop.depth),
-              .dwell = pace.dwell,
-              .image_confirms = stop.kind == StepKind::Waypoint || stop.kind == StepKind::Target,
-              .why = stop.why};
+                      .depth = stop.depth,
+                      .speed = slow ? pace.crossing : pace.speed,
+                      .v_max = model.drive_limit(stop.depth),
+                      .dwell = pace.dwell,
+                      .image_confirms = stop.kind == StepKind::Waypoint || stop.kind == StepKind::Target,
+                      .why = stop.why};
   if (const std::string crossed = list_of(boundaries, start, stop.depth);
       slow && stop.kind != StepKind::Cross)
     stage.why += crossed.empty() ? ", slowly: a boundary is near" : "; slowly through " + crossed;
@@ -121,8 +122,8 @@ InsertionStep stage_from(const Stop& stop, Millimetres start, const std::vector<
 }  // namespace
 
 std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millimetres target,
-                               const std::vector<Millimetres>& waypoints, Staging staging, const Pace& pace,
-                               const NominalModel& model) {
+                                       const std::vector<Millimetres>& waypoints, Staging staging,
+                                       const Pace& pace, const NominalModel& model) {
   assert(std::is_sorted(waypoints.begin(), waypoints.end()) && target.value > 0.0);
   const Layer& goal = layer_of(layers, target);
   const std::vector<Boundary> boundaries = boundaries_near_path(layers, target);

@@ -36,7 +36,7 @@ inline constexpr Millimetres kStageMin{0.2};
 // `waypoints` must rise inside (0, target) and the layers must cover the target (asserted: plan_insertion
 // refuses before).
 std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millimetres target,
-                               const std::vector<Millimetres>& waypoints, Staging staging, const Pace& pace,
-                               const NominalModel& model);
+                                       const std::vector<Millimetres>& waypoints, Staging staging,
+                                       const Pace& pace, const NominalModel& model);
 
 }  // namespace biopsy::planner

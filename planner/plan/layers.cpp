@@ -38,7 +38,7 @@ class LabelPath {
     const float value = labels_.at(index.x(), index.y(), index.z());
     if (!(std::abs(value) < 1e6F) || value != std::round(value))
       throw ConfigError(fmt::format("label value {} is not a whole number", value), where(),
-                       "give a label map (segmentation), not an image");
+                        "give a label map (segmentation), not an image");
     return static_cast<int>(value);
   }
 

@@ -89,7 +89,7 @@ void read(Parser& from, Layer& layer) {
 void read(Parser& from, InsertionStep& stage) {
   const std::uint8_t kind = from.byte();
   stage.kind = kind <= static_cast<std::uint8_t>(StepKind::Target) ? static_cast<StepKind>(kind)
-                                                                    : static_cast<StepKind>(from.fail());
+                                                                   : static_cast<StepKind>(from.fail());
   read(from, stage.depth);
   stage.speed = MillimetresPerSecond(from.number());
   stage.v_max = Volts(from.number());

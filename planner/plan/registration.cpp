@@ -114,8 +114,8 @@ RigidTransform rigid_transform_from_ras(const std::array<double, 16>& rows, cons
   const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());
   const auto refuse = [&where](const std::string& what) {
     throw ConfigError(what, where,
-                     "give the 4 x 4 robot-to-scanner transform row by row: rotation, translation in mm "
-                     "(RAS), and 0 0 0 1");
+                      "give the 4 x 4 robot-to-scanner transform row by row: rotation, translation in mm "
+                      "(RAS), and 0 0 0 1");
   };
   if (!matrix.allFinite()) refuse("the transform has an entry that is not a number");
   if (!matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kTolerance))
@@ -137,7 +137,7 @@ RigidTransform needle_pose(const Point& p_SE, const Point& p_ST) {
   const Eigen::Vector3d path = p_ST - p_SE;
   if (!(path.norm() > 0.01))
     throw ConfigError("entry and target are the same point", "needle path",
-                     "choose a target deeper than the entry");
+                      "choose a target deeper than the entry");
   RigidTransform X_SR = RigidTransform::Identity();
   X_SR.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), path).toRotationMatrix();
   X_SR.translation() = p_SE;

@@ -27,14 +27,14 @@ struct BenchKeys {
 };
 
 struct Bench {
-  drivers::NeedleStage& stage;                       // at rest, and discharged once it has rested
-  std::function<void(double)> push;               // N on plate A, from the next voltage on; stays at a stop
-  std::function<void(double)> played;             // told now and then which share of the program
-  std::function<BenchKeys()> keys = {};           // turned by hand; none: the script turns them
+  drivers::NeedleStage& stage;           // at rest, and discharged once it has rested
+  std::function<void(double)> push;      // N on plate A, from the next voltage on; stays at a stop
+  std::function<void(double)> played;    // told now and then which share of the program
+  std::function<BenchKeys()> keys = {};  // turned by hand; none: the script turns them
   drivers::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; none: there is none
-  Seconds rest{0.0};                              // at 0 V beforehand, until what an earlier run left is gone
-  std::function<void()> ask_for_key = {};         // told when that is over and the key may be turned
-  std::function<bool()> stop = {};                // somebody wants it to end: withdraws as at any stop
+  Seconds rest{0.0};                       // at 0 V beforehand, until what an earlier run left is gone
+  std::function<void()> ask_for_key = {};  // told when that is over and the key may be turned
+  std::function<bool()> stop = {};         // somebody wants it to end: withdraws as at any stop
 };
 
 // Arms, holds the button while the program plays, then withdraws; gives up at whatever ends the motion before

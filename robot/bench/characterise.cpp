@@ -1,5 +1,7 @@
 // biopsy characterise: the paper's open-loop experiments on a stage, under the supervisor, stored as a data
 // set.
+#include "robot/bench/characterise.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,23 +14,22 @@
 #include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/bench/bench_notes.hpp"
 #include "robot/bench/bench_run.hpp"
-#include "robot/common/files/data_folder.hpp"
-#include "robot/procedure/case.hpp"
-#include "robot/cli/commands.hpp"
 #include "robot/bench/experiments.hpp"
 #include "robot/bench/hand_push.hpp"
-#include "robot/live/processes/hardware_stage.hpp"
-#include "robot/cli/live_options.hpp"
-#include "robot/common/progress.hpp"
-#include "robot/common/files/output_folder.hpp"
-#include "robot/security/key_files.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/live/processes/hardware_stage.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/stop_signals.hpp"
+#include "robot/live/session/live_options.hpp"
+#include "robot/procedure/case.hpp"
 #include "robot/report/study/bench_report.hpp"
-#include "robot/common/files/whole_file.hpp"
-#include "sim/simulated_stage.hpp"
+#include "robot/security/key_files.hpp"
 #include "sim/plant/model_file.hpp"
+#include "sim/simulated_stage.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -65,7 +66,7 @@ void leave_out(Session& session, const std::string& why, const std::function<boo
   session.notes.push_back(fmt::format("Left out, because {}: {}.", why, names));
   if (session.runs.empty())
     throw ConfigError("nothing is left to do: " + why, "EXPERIMENT",
-                     "ask for dc, staircase or frequency, or add --weights-by-hand");
+                      "ask for dc, staircase or frequency, or add --weights-by-hand");
 }
 
 // What a real stage does not do by itself.
@@ -85,13 +86,13 @@ void leave_out_on_hardware(Session& session, const CharacteriseOptions& options)
 Session prepared(const CharacteriseOptions& options) {
   if (!is_real(options) && options.device != "sim")
     throw ConfigError(fmt::format("there is no device \"{}\"", options.device), "--device",
-                     "there are sim and nidaqmx");
+                      "there are sim and nidaqmx");
   if (is_real(options) && (options.device_config.empty() || options.commissioning.empty()))
     throw ConfigError("a real stage without --device-config or --commissioning", "command line",
-                     "give both; `biopsy commission` makes the record");
+                      "give both; `biopsy commission` makes the record");
   if (options.weights_by_hand && !is_real(options))
     throw ConfigError("no hand reaches a simulated stage", "--weights-by-hand",
-                     "leave it out: load and impact are simulated; or give --device nidaqmx");
+                      "leave it out: load and impact are simulated; or give --device nidaqmx");
   Session session;
   session.model_file = !options.model.empty() ? options.model
                        : is_real(options)     ? data_folder() / "sim/models/calibrated.toml"
@@ -99,7 +100,7 @@ Session prepared(const CharacteriseOptions& options) {
   session.model = sim::read_model(session.model_file);
   if (session.model.baseline.drive != sim::Drive::Stack)
     throw ConfigError("the model is driven by a force and has no voltage", session.model_file.string(),
-                     "give a model of the stage with its stack");
+                      "give a model of the stage with its stack");
   auto& noise = session.model.effects.sensor_noise;
   if (!is_real(options) && (!noise || !(noise->std > 0.0))) {
     noise = sim::SensorNoise{.std = kLentNoise};
@@ -116,7 +117,7 @@ Session prepared(const CharacteriseOptions& options) {
     auto plan = planner::plan_bench(bench_request(run));
     if (const auto* refusal = std::get_if<PlanRefusal>(&plan))
       throw ConfigError(run.name + " is refused: " + refusal->what, "--weight-g, --drive-scale",
-                       refusal->remedy);
+                        refusal->remedy);
     session.plans.push_back(std::get<Plan>(std::move(plan)));
   }
   return session;
@@ -180,7 +181,7 @@ void store(const BenchResult& result, const sim::Dataset& dataset, const fs::pat
     head = fmt::format("# incomplete: stopped at {:.3f} s, {}\n", result.stopped_s, result.stopped_because);
   for (const std::string& remark : result.remarks) head += "# " + remark + "\n";
   report::atomic_write(folder / result.recorded.file,
-                           head + sim::run_csv(result.recorded, sim::Drive::Stack));
+                       head + sim::run_csv(result.recorded, sim::Drive::Stack));
   report::atomic_write(folder / "dataset.toml", sim::dataset_toml(dataset));
 }
 
@@ -351,7 +352,7 @@ int characterise(const CharacteriseOptions& options) {
     throw ConfigError("nowhere to put the data set", "command line", "add --out FOLDER, or --dry-run");
   if (!options.bench)
     throw ConfigError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
-                     "look at what would be done with --dry-run; then clear the stage and add --bench");
+                      "look at what would be done with --dry-run; then clear the stage and add --bench");
   const Inputs inputs{session.model_file, options.device_config, options.commissioning, options.keys};
   keep_apart(options.out, inputs);
   const auto hardware = is_real(options) ? hardware_of(options) : nullptr;

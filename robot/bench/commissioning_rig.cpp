@@ -9,8 +9,8 @@
 
 #include "planner/plan/bench_plan.hpp"
 #include "planner/plan/seal.hpp"
-#include "robot/cycle/control_cycle.hpp"
 #include "robot/control/voltage_program.hpp"
+#include "robot/cycle/control_cycle.hpp"
 #include "robot/cycle/plan_facts.hpp"
 
 namespace biopsy::robot {
@@ -25,7 +25,7 @@ constexpr std::uint64_t kConfigTag = 1;  // nothing can change within a step
 constexpr std::uint32_t kLevelRamp_ticks = 100;
 constexpr std::uint32_t kThink_ticks = 50;  // in a mode before the next one is asked for
 constexpr std::uint32_t kReady_ticks = 5'000;
-constexpr std::uint32_t kLevelRest_ticks = 300;       // behind the end of the voltage
+constexpr std::uint32_t kLevelRest_ticks = 300;  // behind the end of the voltage
 constexpr std::int64_t kPause_ns = 100'000'000;  // somebody was asked something: the beat begins anew
 
 Plan small_voltages() {
@@ -38,7 +38,8 @@ Plan small_voltages() {
 control::VoltageProgram program_of(std::int32_t level_mV, std::uint32_t ticks) {
   const Volts level = from_mV(std::abs(level_mV));
   control::VoltageProgram program;
-  program.segments = {{kLevelRamp_ticks, Volts(0), level}, {ticks, level, level}, {kLevelRamp_ticks, level, Volts(0)}};
+  program.segments = {
+      {kLevelRamp_ticks, Volts(0), level}, {ticks, level, level}, {kLevelRamp_ticks, level, Volts(0)}};
   program.half_period_ticks = 0;
   program.sign = level_mV < 0 ? -1 : 1;
   return program;

@@ -8,8 +8,8 @@
 
 #include "drivers/commissioning/rig.hpp"
 #include "drivers/pulse_output.hpp"
-#include "robot/msg/plan.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/msg/plan.hpp"
 #include "safety/types/plan_facts.hpp"
 
 namespace biopsy::robot {
@@ -19,10 +19,10 @@ struct StageTrimmings {
   struct Contacts {
     bool a_closed = false, b_closed = false;
   };
-  std::function<Contacts()> estop;                // as of the last read(); none: not wired to this device
-  std::function<void(bool)> feed_interlock;       // none: nothing to feed
+  std::function<Contacts()> estop;                   // as of the last read(); none: not wired to this device
+  std::function<void(bool)> feed_interlock;          // none: nothing to feed
   drivers::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; must outlive the rig
-  bool real_time = false;                         // 1 kHz on this computer's clock, else as fast as it goes
+  bool real_time = false;  // 1 kHz on this computer's clock, else as fast as it goes
 };
 
 class SupervisedRig final : public commissioning::Rig {

@@ -41,7 +41,7 @@ class InsertionStep {
     const std::optional<Volts> drive = nominal_.drive(depth);
     if (!drive)
       throw ConfigError(fmt::format("{:.0f} g cannot be lifted by {:.1f} mm", weight_.value, depth.value),
-                       "--weight-g", "put less on the fixture");
+                        "--weight-g", "put less on the fixture");
     return Volts(10.0 * std::round(scale_ * drive->value / 10.0));
   }
   Millimetres depth(Volts amplitude, double push_N = 0.0) const {
@@ -206,9 +206,9 @@ std::vector<BenchRun> load_runs(const BenchSetup& setup) {
     from += stand_ticks;
   }
   if (stage.depth(amplitude, 2.0 * push_N) < kStillUp)
-    throw ConfigError(fmt::format("a push of {:.3f} N, doubled, takes the nominal stage below {:g} mm", push_N,
-                                 kStillUp.value),
-                     "--push-scale", "take a smaller one");
+    throw ConfigError(fmt::format("a push of {:.3f} N, doubled, takes the nominal stage below {:g} mm",
+                                  push_N, kStillUp.value),
+                      "--push-scale", "take a smaller one");
   return {run};
 }
 
@@ -262,12 +262,12 @@ const std::vector<Experiment>& experiments() {
 std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const BenchSetup& setup) {
   if (!(setup.weight >= Grams(0) && setup.weight <= planner::kWeightMax))
     throw ConfigError(fmt::format("a weight of {:g} g is outside 0 to {:.0f} g", setup.weight.value,
-                                 planner::kWeightMax.value),
-                     "--weight-g", "put less on the fixture");
+                                  planner::kWeightMax.value),
+                      "--weight-g", "put less on the fixture");
   if (!(setup.drive_scale >= 1.0 && setup.drive_scale <= planner::kDriveScaleMax))
     throw ConfigError(fmt::format("{:g} times the nominal voltage is outside 1 to {:g}", setup.drive_scale,
-                                 planner::kDriveScaleMax),
-                     "--drive-scale", "measure with 1 first; the report says how far the stage went");
+                                  planner::kDriveScaleMax),
+                      "--drive-scale", "measure with 1 first; the report says how far the stage went");
   if (!(setup.push_scale >= 1.0 && setup.push_scale <= kPushScaleMax))
     throw ConfigError(
         fmt::format("{:g} times the nominal push is outside 1 to {:g}", setup.push_scale, kPushScaleMax),
@@ -276,7 +276,7 @@ std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const Bench
     if (std::none_of(experiments().begin(), experiments().end(),
                      [&](const auto& e) { return e.name == name; }))
       throw ConfigError(fmt::format("there is no experiment \"{}\"", name), "command line",
-                       "choose from: " + list_of_names() + "; or name none for all of them");
+                        "choose from: " + list_of_names() + "; or name none for all of them");
   std::vector<BenchRun> runs;
   for (const Experiment& experiment : experiments())
     if (names.empty() || std::find(names.begin(), names.end(), experiment.name) != names.end())

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason) {
   throw ConfigError(fmt::format("the model cannot be replaced: {}", reason), file.string(),
-                   "give --model a file in a folder that can be written, on a disk with free space");
+                    "give --model a file in a folder that can be written, on a disk with free space");
 }
 
 fs::path replaceable(const fs::path& model_file) {

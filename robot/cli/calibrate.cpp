@@ -6,13 +6,13 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "robot/common/files/data_folder.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/common/progress.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/procedure/case.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
 #include "sim/plant/model_text.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using sim::calibration::Calibration;
 using sim::calibration::CalibratedParameter;
+using sim::calibration::Calibration;
 
 constexpr int kEvaluations = 600, kEvaluationsFromFar = 1600;
 // From far away, in many dimensions at once; near an earlier answer few draws go more ways in the same time.
@@ -158,8 +158,9 @@ void print_correlations(const Calibration& result) {
   for (Eigen::Index i = 0; i < result.correlations.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j)
       if (std::abs(result.correlations(i, j)) >= kWorthSaying)
-        fmt::print("hardly known apart: {} and {} (correlation {:.2f})\n", result.parameters[j].parameter.name,
-                   result.parameters[i].parameter.name, result.correlations(i, j));
+        fmt::print("hardly known apart: {} and {} (correlation {:.2f})\n",
+                   result.parameters[j].parameter.name, result.parameters[i].parameter.name,
+                   result.correlations(i, j));
 }
 
 void print(const Calibration& result, double seconds) {

@@ -6,11 +6,11 @@
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/cli/commands.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/typed_point.hpp"
-#include "robot/common/config_error.hpp"
 #include "robot/report/plot/png.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::robot {
@@ -38,7 +38,7 @@ void check_patients(const Volume& before, const Volume& after) {
   const std::string &a = before.identity.patient_id, &b = after.identity.patient_id;
   if (!a.empty() && !b.empty() && a != b)
     throw ConfigError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b),
-                     "--before, --after", "give two images of one patient");
+                      "--before, --after", "give two images of one patient");
 }
 
 }  // namespace

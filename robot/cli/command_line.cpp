@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "robot/bench/characterise.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/cli/live_commands.hpp"
 #include "robot/cli/study_commands.hpp"

@@ -8,16 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace biopsy::robot {
+#include "robot/procedure/procedure_options.hpp"
 
-struct ProcedureOptions {
-  std::string case_name;  // empty: the built-in liver case, unless an image is given
-  std::filesystem::path image, labels, fiducials;
-  std::string series, entry, target;  // "R,A,S" in mm
-  std::optional<std::uint64_t> seed;
-  std::filesystem::path model;
-  std::filesystem::path out;
-};
+namespace biopsy::robot {
 
 // Exit code 0: completed; 3: refused or stopped, which is an answer and not an error of use.
 int dry_run(const ProcedureOptions& options);
@@ -118,24 +111,5 @@ struct TuneOptions {
 };
 
 int tune(const TuneOptions& options);
-
-struct CharacteriseOptions {
-  std::vector<std::string> experiments;  // none: all
-  std::string device = "sim";
-  std::filesystem::path model;  // of the simulated stage; empty: the one of rehearsals
-  double weight_g = 50.0;
-  double drive_scale = 1.0;  // how many times the nominal voltage the stage needs for a depth
-  double push_scale = 1.0;   // how many times the nominal push is laid on
-  std::uint64_t seed = 1;
-  bool dry_run = false;          // says what would be done
-  bool bench = false;            // no patient, no needle
-  bool weights_by_hand = false;  // on a real stage: somebody lays weights on under voltage
-  std::filesystem::path device_config, commissioning,
-      keys;  // of a real stage; keys empty: the user's own set
-  std::filesystem::path out;
-};
-
-// Exit code 0: every run came to its end; 3: the supervisor stopped one.
-int characterise(const CharacteriseOptions& options);
 
 }  // namespace biopsy::robot

@@ -11,13 +11,13 @@
 #include "drivers/commissioning/walk.hpp"
 #include "drivers/nidaqmx/nidaqmx_stage.hpp"
 #include "drivers/nidaqmx/pulse_line.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/bench/commissioning_operator.hpp"
 #include "robot/cli/live_options.hpp"
-#include "robot/security/key_files.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/live/realtime/become_realtime.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
+#include "robot/procedure/case.hpp"
+#include "robot/security/key_files.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {
@@ -32,10 +32,10 @@ void refuse_unusable(const CommissionOptions& options) {
   const bool hardware = options.device == "nidaqmx";
   if (!hardware && options.device != "sim")
     throw ConfigError(fmt::format("there is no device \"{}\"", options.device), "--device",
-                     "use sim or nidaqmx");
+                      "use sim or nidaqmx");
   if (hardware && options.config.empty())
     throw ConfigError("the hardware's configuration is missing", "--config",
-                     "copy drivers/nidaqmx/usb6211.toml, correct it to your laboratory and give it");
+                      "copy drivers/nidaqmx/usb6211.toml, correct it to your laboratory and give it");
   if (hardware && options.yes)
     throw ConfigError("nobody else can answer for what hands do at real hardware", "--yes", "leave it out");
   if (options.out.empty())

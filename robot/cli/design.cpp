@@ -1,12 +1,12 @@
 // biopsy design: which stacks are better than the paper's, and at what price.
 #include <fmt/format.h>
 
-#include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/common/files/data_folder.hpp"
-#include "robot/common/progress.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/procedure/case.hpp"
 #include "robot/report/study/design_html.hpp"
 #include "sim/paper/design/design_study.hpp"
 #include "sim/plant/model_file.hpp"
@@ -28,7 +28,7 @@ int design(const DesignOptions& options) {
   const sim::PlantModel model = sim::read_model(file);
   if (model.baseline.drive != sim::Drive::Stack)
     throw ConfigError("this model has no stack of pouches (drive = \"force\")", file.string(),
-                     "give the model of a stage that voltage drives");
+                      "give the model of a stage that voltage drives");
   claim_run_folder(options.out, {file});
   const std::string name = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
   const DesignStudy study = studied(model, name, options.seed);

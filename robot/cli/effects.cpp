@@ -67,8 +67,8 @@ bool is_close(std::string_view typed, std::string_view name) {
     if (is_close(typed, card.info.name))
       close += fmt::format("{}{}", close.empty() ? "" : ", ", card.info.name);
   throw ConfigError(fmt::format("no effect is called `{}`", typed), "biopsy effects",
-                   close.empty() ? "`biopsy effects` lists all names"
-                                 : fmt::format("close: {}; `biopsy effects` lists all names", close));
+                    close.empty() ? "`biopsy effects` lists all names"
+                                  : fmt::format("close: {}; `biopsy effects` lists all names", close));
 }
 
 std::vector<EffectCard> chosen(const std::string& name) {

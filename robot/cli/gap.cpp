@@ -6,17 +6,17 @@
 
 #include "robot/cli/accepted_model.hpp"
 #include "robot/cli/commands.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/recheck.hpp"
-#include "robot/common/files/output_folder.hpp"
-#include "robot/common/config_error.hpp"
 #include "robot/report/gap/gap_console.hpp"
 #include "robot/report/gap/gap_report.hpp"
 #include "robot/report/gap/gap_sentence.hpp"
-#include "robot/common/files/whole_file.hpp"
-#include "sim/gap/select/evidence_runs.hpp"
 #include "sim/gap/find_gap.hpp"
 #include "sim/gap/fit/unknowns.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {
@@ -33,9 +33,9 @@ void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, 
     const double length = run.period * static_cast<double>(run.time.size());
     if (options.window && *options.window > length)
       throw ConfigError(fmt::format("a window of {} s is longer than run \"{}\", which has {:.3g} s",
-                                   *options.window, run.name, length),
-                       "--window",
-                       "give a shorter window, or leave --window out to simulate each run in one piece");
+                                    *options.window, run.name, length),
+                        "--window",
+                        "give a shorter window, or leave --window out to simulate each run in one piece");
     if (options.window && *options.window < 2.0 * run.period)
       throw ConfigError(
           fmt::format("a window of {} s holds less than two rows of run \"{}\", which come every "

@@ -6,13 +6,13 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "robot/common/files/data_folder.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/report/study/study_html.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/procedure/case.hpp"
+#include "robot/report/study/study_html.hpp"
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "planner/imaging/registration/orthogonal_slices.hpp"
 #include "planner/imaging/io/read_volume.hpp"
+#include "planner/imaging/registration/orthogonal_slices.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/console/anatomical_orientation.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/procedure/anatomical_orientation.hpp"
 #include "robot/report/plot/png.hpp"
 
 namespace biopsy::robot {

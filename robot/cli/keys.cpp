@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "robot/cli/live_options.hpp"
+#include "robot/common/sanitize_text.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
 #include "robot/security/whole_set.hpp"
-#include "robot/common/sanitize_text.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -73,8 +73,9 @@ int keys_check(const KeysOptions& options) {
   const std::vector<security::FileVerdict> verdicts = security::inspect_set(folder, roles, now());
   print_table(verdicts, folder);
   print_where_the_ca_is(folder);
-  const auto first = std::find_if(verdicts.begin(), verdicts.end(),
-                                  [](const security::FileVerdict& verdict) { return !verdict.problem.empty(); });
+  const auto first = std::find_if(verdicts.begin(), verdicts.end(), [](const security::FileVerdict& verdict) {
+    return !verdict.problem.empty();
+  });
   if (first == verdicts.end()) return 0;
   fmt::print("\nwhat to do: {}\n", first->remedy);
   return 1;

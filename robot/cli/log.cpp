@@ -6,11 +6,11 @@
 
 #include "robot/cli/live_options.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "robot/common/sanitize_text.hpp"
 #include "robot/recorder/log_csv.hpp"
 #include "robot/recorder/log_file.hpp"
 #include "robot/recorder/verify.hpp"
-#include "robot/common/sanitize_text.hpp"
-#include "robot/common/files/whole_file.hpp"
 
 namespace biopsy::robot {
 namespace {

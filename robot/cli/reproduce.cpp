@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "robot/common/files/data_folder.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/common/progress.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/procedure/case.hpp"
 #include "robot/report/study/reproduction_console.hpp"
 #include "robot/report/study/reproduction_report.hpp"
 

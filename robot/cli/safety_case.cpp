@@ -5,20 +5,20 @@
 #include <fstream>
 #include <iterator>
 
-#include "robot/procedure/case.hpp"
-#include "robot/common/code_identity.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/common/files/data_folder.hpp"
-#include "robot/common/progress.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/cli/safety_case_files.hpp"
+#include "robot/common/code_identity.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "robot/common/progress.hpp"
 #include "robot/common/subprocess.hpp"
+#include "robot/procedure/case.hpp"
 #include "robot/report/safety_case/argument.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/finding_json.hpp"
 #include "robot/report/safety_case/gaps.hpp"
-#include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -75,7 +75,7 @@ std::optional<Finding> run(const Source& source, const Build& build, const fs::p
   if (!fs::exists(raw)) return std::nullopt;
   const std::string json = text_of(raw);
   source.kind == safety_case::SourceKind::Tests ? read_tests(json, raw.string(), finding)
-                                              : read_proof(json, raw.string(), finding);
+                                                : read_proof(json, raw.string(), finding);
   finding.passed = finding.passed && spoken.exit_code == 0;
   fs::remove(raw);
   return finding;
@@ -101,7 +101,7 @@ std::vector<Finding> gather(const safety_case::SafetyCase& safety_case, const Bu
 std::vector<Finding> collect(const safety_case::SafetyCase& safety_case, const fs::path& folder) {
   if (!fs::is_directory(folder))
     throw ConfigError("is no folder of evidence", folder.string(),
-                     "give the evidence folder of an earlier case");
+                      "give the evidence folder of an earlier case");
   std::vector<Finding> findings;
   for (const Source& source : safety_case.sources)
     if (const fs::path file = folder / (source.id + ".json"); fs::exists(file))

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "robot/cli/commands.hpp"
-#include "robot/common/progress.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/common/progress.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <chrono>
 
-#include "robot/common/files/data_folder.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/cli/commands.hpp"
-#include "robot/common/progress.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/cli/tuning_text.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/procedure/case.hpp"
 
 namespace biopsy::robot {
 namespace {

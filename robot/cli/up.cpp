@@ -8,13 +8,14 @@
 #include <thread>
 
 #include "drivers/digital_io/io_views.hpp"
-#include "robot/live/session/live_session.hpp"
-#include "robot/procedure/procedure.hpp"
-#include "robot/common/progress.hpp"
-#include "robot/procedure/rehearsal.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/common/progress.hpp"
 #include "robot/live/realtime/stop_signals.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/cli/live_options.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/procedure/procedure.hpp"
+#include "robot/procedure/rehearsal.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
 

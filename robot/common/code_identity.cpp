@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "robot/common/subprocess.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/subprocess.hpp"
 
 namespace biopsy::robot {
 namespace {

@@ -67,8 +67,8 @@ std::string everything_from(int descriptor, const std::function<void()>& while_r
 
 }  // namespace
 
-ProcessResult run_subprocess(const std::vector<std::string>& words, const std::string& input, bool with_errors,
-                      const std::function<void()>& while_running) {
+ProcessResult run_subprocess(const std::vector<std::string>& words, const std::string& input,
+                             bool with_errors, const std::function<void()>& while_running) {
   const File given = file_of(input);
   std::array<int, 2> pipe_ends{};
   if (given == nullptr || pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return {};

@@ -12,7 +12,7 @@ namespace biopsy::robot {
 Point typed_point(const std::string& option, const std::string& text) {
   const auto refuse = [&](const std::string& why) {
     throw ConfigError(fmt::format("\"{}\" {}", text, why), option,
-                     "type three numbers in mm, e.g. 12.5,-30,48.25 (right, anterior, superior)");
+                      "type three numbers in mm, e.g. 12.5,-30,48.25 (right, anterior, superior)");
   };
   Eigen::Vector3d ras;
   const char* at = text.data();

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "planner/plan/seal.hpp"
-#include "robot/console/anatomical_orientation.hpp"
 #include "robot/console/server/picked_point.hpp"
+#include "robot/procedure/anatomical_orientation.hpp"
 #include "robot/report/plot/png.hpp"
 
 namespace biopsy::robot {

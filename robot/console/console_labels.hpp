@@ -1,6 +1,6 @@
 // What the console says to a person: every refusal and alarm with its code, what it is, what the robot did
-// and what to do now. The codes: E-1nn what a person asked for, E-2nn the hazards of safety/types/hazards.hpp by
-// their number.
+// and what to do now. The codes: E-1nn what a person asked for, E-2nn the hazards of safety/types/hazards.hpp
+// by their number.
 #pragma once
 
 #include <console_messages.hpp>  // generated from robot/msg/console.idl

@@ -44,9 +44,9 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& 
     : robot_(robot),
       settings_(settings),
       session_(std::move(opened), settings.simulated, settings.folder, settings.first_token,
-                 [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
-                   robot.send_plan(plan, confirmed);
-                 }) {
+               [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
+                 robot.send_plan(plan, confirmed);
+               }) {
   console::WebEvents events;
   events.came = [this](Client client) { came(client); };
   events.said = [this](Client client, const std::string& text) { said(client, text); };

@@ -1,5 +1,5 @@
-// Joins the operator's console page to the robot: one thread follows the robot tick by tick, the web server's the
-// pages.
+// Joins the operator's console page to the robot: one thread follows the robot tick by tick, the web server's
+// the pages.
 #pragma once
 
 #include <map>
@@ -8,9 +8,9 @@
 #include <string>
 
 #include "robot/console/operator_session.hpp"
-#include "robot/live/session/live_robot.hpp"
-#include "robot/console/server/telemetry_batch.hpp"
 #include "robot/console/server/http_server.hpp"
+#include "robot/console/server/telemetry_batch.hpp"
+#include "robot/live/session/live_robot.hpp"
 
 namespace biopsy::robot {
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "planner/imaging/io/read_volume.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/server/nifti_bytes.hpp"
-#include "robot/common/config_error.hpp"
 
 namespace biopsy::robot {
 

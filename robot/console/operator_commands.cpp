@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "planner/plan/seal.hpp"
-#include "robot/console/operator_session.hpp"
-#include "robot/console/operator_run.hpp"
-#include "robot/console/console_labels.hpp"
-#include "robot/console/server/picked_point.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/console/console_labels.hpp"
+#include "robot/console/operator_run.hpp"
+#include "robot/console/operator_session.hpp"
+#include "robot/console/server/picked_point.hpp"
 #include "safety/types/hazards.hpp"
 
 namespace biopsy::robot {
@@ -25,7 +25,7 @@ tell::Answer done(std::uint32_t id) {
 }  // namespace
 
 std::optional<tell::Answer> OperatorSession::ask(console::Client client, const ask::Any& asked,
-                                           std::int64_t now_us) {
+                                                 std::int64_t now_us) {
   now_us_ = now_us;
   if (const auto* stop = std::get_if<ask::Stop>(&asked)) return on(*stop);  // anyone may
   if (const auto* take = std::get_if<ask::TakeControl>(&asked)) return on(client, *take);

@@ -32,7 +32,7 @@ struct OperatorSession::Run {
 
   std::optional<std::size_t> imaged;         // stage whose image was begun last
   std::optional<std::int64_t> acquiring_us;  // since when
-  std::future<report::StepResult> check;    // of stage `imaged`
+  std::future<report::StepResult> check;     // of stage `imaged`
   std::optional<std::size_t> accepted;       // stage
 
   const Plan& plan() const { return std::get<Plan>(prepared.plan); }

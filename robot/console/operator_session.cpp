@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "planner/plan/seal.hpp"
-#include "robot/console/operator_run.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
+#include "robot/console/operator_run.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/run_metrics.hpp"
@@ -36,7 +36,7 @@ double seconds_left(std::int64_t since_us, std::int64_t lasts_us, std::int64_t n
 }  // namespace
 
 OperatorSession::OperatorSession(PreparedCase opened, bool simulated, std::filesystem::path folder,
-                     std::uint32_t first_token, SendPlan send_plan)
+                                 std::uint32_t first_token, SendPlan send_plan)
     : simulated_(simulated),
       folder_(std::move(folder)),
       send_plan_(std::move(send_plan)),

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "robot/procedure/confirmation_image.hpp"
 #include "robot/console/console_series.hpp"
-#include "robot/procedure/run_notes.hpp"
 #include "robot/console/server/hold_to_run.hpp"
 #include "robot/console/server/lease.hpp"
+#include "robot/procedure/confirmation_image.hpp"
+#include "robot/procedure/run_notes.hpp"
 
 namespace biopsy::robot {
 
@@ -27,8 +27,8 @@ class OperatorSession {
 
   // `opened`: the case with its image. `folder` gets a folder for each run. Keys are turned here only where
   // the stage is `simulated`. `first_token`: above that of every console before.
-  OperatorSession(PreparedCase opened, bool simulated, std::filesystem::path folder, std::uint32_t first_token,
-            SendPlan send_plan);
+  OperatorSession(PreparedCase opened, bool simulated, std::filesystem::path folder,
+                  std::uint32_t first_token, SendPlan send_plan);
   ~OperatorSession();
 
   // Pages. Who comes first controls, all others watch.

@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
+#include "robot/common/units.hpp"
 #include "robot/control/square_wave.hpp"
 #include "robot/msg/drive_request.hpp"
 #include "robot/msg/permit.hpp"
-#include "robot/common/units.hpp"
 
 namespace biopsy::control {
 

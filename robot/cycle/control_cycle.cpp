@@ -19,7 +19,7 @@ std::uint64_t tag_of(Plan plan) {
 }  // namespace
 
 ControlCycle::ControlCycle(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
-                                 const std::array<std::uint64_t, 2>& confirmed)
+                           const std::array<std::uint64_t, 2>& confirmed)
     : facts_(facts),
       confirmed_(confirmed),
       plan_tag_(tag_of(plan)),

@@ -9,8 +9,8 @@
 #include "drivers/gated_stage.hpp"
 #include "robot/msg/plan.hpp"
 #include "safety/monitors/evidence.hpp"
-#include "safety/supervisor.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "safety/supervisor.hpp"
 
 namespace biopsy::robot {
 
@@ -61,7 +61,7 @@ class ControlCycle {
 
   // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
   ControlCycle(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
-                  const std::array<std::uint64_t, 2>& confirmed);
+               const std::array<std::uint64_t, 2>& confirmed);
 
   CycleRecord tick(const World& world, const Controller& controller);
 

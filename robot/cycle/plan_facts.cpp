@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "planner/plan/seal.hpp"
-#include "safety/types/limits.hpp"
 #include "robot/common/config_error.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::live {
 namespace {
@@ -28,8 +28,8 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
   safety::PlanFacts facts;
   if (plan.stages.size() > facts.stages.size() || plan.limits.plausible.size() > facts.bands.size())
     throw ConfigError(fmt::format("the plan has {} stages; the supervisor holds {}", plan.stages.size(),
-                                 facts.stages.size()),
-                     "plan", "ask for fewer waypoints or merge thin layers");
+                                  facts.stages.size()),
+                      "plan", "ask for fewer waypoints or merge thin layers");
   facts.plan_tag = planner::plan_tag(plan);
   facts.config_tag = config_tag;
   facts.depth_max_um = to_um(plan.limits.depth_max);

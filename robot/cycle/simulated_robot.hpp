@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 
-#include "robot/cycle/control_cycle.hpp"
 #include "robot/control/step_runner.hpp"
+#include "robot/cycle/control_cycle.hpp"
 #include "robot/msg/plan.hpp"
 
 namespace biopsy::robot {
@@ -15,7 +15,7 @@ class SimulatedRobot {
  public:
   // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
   SimulatedRobot(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
-           const std::array<std::uint64_t, 2>& confirmed)
+                 const std::array<std::uint64_t, 2>& confirmed)
       : plan_(plan), stage_(plan, facts, stage, confirmed) {}
 
   CycleRecord tick(const World& world);

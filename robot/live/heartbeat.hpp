@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "robot/msg/live.hpp"
 #include "robot/live/realtime/latency_histogram.hpp"
+#include "robot/msg/live.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::live {

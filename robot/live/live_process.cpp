@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <exception>
 
-#include "robot/security/check_keys.hpp"
-#include "robot/security/cyclone_xml.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
+#include "robot/security/check_keys.hpp"
+#include "robot/security/cyclone_xml.hpp"
 
 namespace biopsy::live {
 namespace {

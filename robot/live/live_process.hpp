@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <string>
 
-#include "robot/security/roles.hpp"
 #include "robot/live/live_settings.hpp"
 #include "robot/live/realtime/service_notice.hpp"
 #include "robot/live/realtime/stop_signals.hpp"
+#include "robot/security/roles.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::live {

@@ -25,7 +25,7 @@ std::string read_all(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
     throw ConfigError("the file cannot be read", file.string(),
-                     "start the robot with `biopsy up`, which writes it");
+                      "start the robot with `biopsy up`, which writes it");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -75,7 +75,7 @@ class Entries {
   }
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
     throw ConfigError(fmt::format("\"{}\" {}", name, what), where_,
-                     "start the robot with `biopsy up`, which writes it");
+                      "start the robot with `biopsy up`, which writes it");
   }
 
   const Json& object_;
@@ -136,7 +136,7 @@ LiveSettings parse_settings(const std::string& text, const std::string& name) {
   settings.device = from.text("device");
   if (settings.device != "sim" && settings.device != "nidaqmx")
     throw ConfigError(fmt::format("there is no device \"{}\"", settings.device), name,
-                     "there are sim and nidaqmx");
+                      "there are sim and nidaqmx");
   settings.device_config = from.text("device_config");
   settings.commissioning = from.text("commissioning");
   settings.commissioning_key = from.text("commissioning_key");

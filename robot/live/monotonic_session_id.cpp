@@ -21,7 +21,7 @@ void keep(const std::filesystem::path& file, std::uint32_t number) {
   if (out) std::filesystem::rename(beside, file, failed);
   if (!out || failed)
     throw ConfigError("the number of this start cannot be kept", file.string(),
-                     "see that the folder exists and may be written");
+                      "see that the folder exists and may be written");
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ std::uint32_t monotonic_session_id(const std::filesystem::path& file) {
     std::ifstream in(file);
     if (in.peek() == '-' || !(in >> last) || last >= kMost)
       throw ConfigError("holds no number of the last start", file.string(),
-                       "remove it once no process of this robot runs any more");
+                        "remove it once no process of this robot runs any more");
   }
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t seconds = std::chrono::duration_cast<std::chrono::seconds>(since_1970).count();

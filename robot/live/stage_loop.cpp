@@ -2,8 +2,8 @@
 
 namespace biopsy::live {
 
-StageLoop::StageLoop(const transport::Participant& bus, drivers::NeedleStage& stage, digital_io::StageIo& lines,
-                     std::uint64_t config_tag)
+StageLoop::StageLoop(const transport::Participant& bus, drivers::NeedleStage& stage,
+                     digital_io::StageIo& lines, std::uint64_t config_tag)
     : gated_(stage),
       lines_(lines),
       measurements_(bus),

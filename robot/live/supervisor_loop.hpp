@@ -12,8 +12,8 @@
 #include "robot/msg/drive_request.hpp"
 #include "robot/msg/measurement.hpp"
 #include "robot/transport/bus.hpp"
-#include "safety/supervisor.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "safety/supervisor.hpp"
 
 namespace biopsy::live {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "robot/msg/target.hpp"
 #include "robot/common/units.hpp"
+#include "robot/msg/target.hpp"
 
 namespace biopsy {
 

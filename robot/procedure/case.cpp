@@ -25,7 +25,7 @@ Point ras_point(TomlTable& table, std::string_view name) {
   const std::vector<double> ras = table.numbers(name, -kFar_mm, kFar_mm);
   if (ras.size() != 3)
     throw ConfigError(fmt::format("`{}` has {} numbers", name, ras.size()), table.where(),
-                     "give R, A, S in mm");
+                      "give R, A, S in mm");
   return lps_from_ras({ras[0], ras[1], ras[2]});
 }
 
@@ -52,10 +52,10 @@ void read_target(TomlTable table, Case& out) {
   if (table.has("depth_mm")) out.depth = Millimetres(table.number("depth_mm", 0.0, 100.0));
   if (out.depth && !out.phantom)
     throw ConfigError("`depth_mm` needs the phantom, which knows its needle axis", table.where(),
-                     "give entry_ras_mm and target_ras_mm");
+                      "give entry_ras_mm and target_ras_mm");
   if (!out.depth && !(out.p_SE && out.p_ST))
     throw ConfigError("no target", table.where(),
-                     "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
+                      "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
   table.refuse_rest();
 }
 
@@ -65,7 +65,7 @@ void read_robot(TomlTable table, const fs::path& file, Case& out) {
   if (table.has("transform_ras")) out.transform = table.numbers("transform_ras", -kFar_mm, kFar_mm);
   if (out.transform && (out.transform->size() != 16 || !out.fiducials.empty()))
     throw ConfigError("`transform_ras` needs 16 numbers and no `fiducials` beside it", table.where(),
-                     "give the 4 x 4 matrix row by row, or the fiducial file, not both");
+                      "give the 4 x 4 matrix row by row, or the fiducial file, not both");
   table.refuse_rest();
 }
 
@@ -127,7 +127,7 @@ Case read_case(const std::string& name_or_path) {
   if (!fs::exists(file) && !file.has_parent_path() && fs::exists(built_in)) file = built_in;
   if (!fs::exists(file))
     throw ConfigError("no such case", name_or_path,
-                     fmt::format("give a case file, or one of: {}", fmt::join(built_in_cases(), ", ")));
+                      fmt::format("give a case file, or one of: {}", fmt::join(built_in_cases(), ", ")));
   TomlTable root = sim::read_toml(file);
   Case out = blank_case();
   out.title = root.has("title") ? root.text("title") : file.stem().string();

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "planner/plan/layers.hpp"
 #include "planner/plan/insertion_steps.hpp"
+#include "planner/plan/layers.hpp"
 #include "robot/msg/plan.hpp"
 
 namespace biopsy::robot {

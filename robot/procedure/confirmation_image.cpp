@@ -7,9 +7,9 @@
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/procedure/slice_geometry.hpp"
+#include "sim/plant/seeded_noise.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/scanner.hpp"
-#include "sim/plant/seeded_noise.hpp"
 
 namespace biopsy::robot {
 namespace {

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "planner/plan/fiducial_file.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "planner/imaging/io/series_list.hpp"
+#include "planner/plan/fiducial_file.hpp"
 #include "planner/plan/plan_insertion.hpp"
 #include "planner/plan/registration.hpp"
-#include "safety/types/limits.hpp"
 #include "robot/common/config_error.hpp"
+#include "safety/types/limits.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/phantom.hpp"
 
@@ -58,7 +58,7 @@ void check_frames(const Volume& image, const Volume& labels) {
   if (!image.identity.frame_of_reference_uid.empty() && !labels.identity.frame_of_reference_uid.empty() &&
       image.identity.frame_of_reference_uid != labels.identity.frame_of_reference_uid)
     throw ConfigError("the label map lies in another frame of reference than the image", "labels",
-                     "give the label map that was drawn on this image");
+                      "give the label map that was drawn on this image");
 }
 
 // Where nothing names a series, a person at the console begins with the first that can be read.

@@ -7,9 +7,9 @@
 #include <variant>
 #include <vector>
 
-#include "robot/procedure/case.hpp"
 #include "robot/msg/plan.hpp"
 #include "robot/msg/volume.hpp"
+#include "robot/procedure/case.hpp"
 
 namespace biopsy::robot {
 

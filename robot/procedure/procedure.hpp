@@ -4,8 +4,8 @@
 #include <chrono>
 #include <filesystem>
 
-#include "robot/cli/commands.hpp"
 #include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/procedure_options.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
 namespace biopsy::robot {

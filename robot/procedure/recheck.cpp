@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kReferencePlans[] = {"gap", "liver"};  // the paper's two biopsies (Fig. 13)
 
-// What the planner counts on when it places stops (planner/plan/insertion_steps.hpp): so much final error and settled error
-// of the loop, and so much room to a boundary.
+// What the planner counts on when it places stops (planner/plan/insertion_steps.hpp): so much final error and
+// settled error of the loop, and so much room to a boundary.
 constexpr double kFinalError_mm = 0.1, kSettledError_mm = 0.07;
 constexpr double kOvershoot_mm = planner::kStopShort.value;
 constexpr double kMostNoise_mm = 1.0;  // a model file allows no more
@@ -32,7 +32,7 @@ class TemporaryFolder {
     std::string pattern = (fs::temp_directory_path() / "biopsy-recheck-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
       throw ConfigError("no temporary folder can be made", fs::temp_directory_path().string(),
-                       "free some space there, set TMPDIR to another folder, or give --no-recheck");
+                        "free some space there, set TMPDIR to another folder, or give --no-recheck");
     path_ = pattern;
   }
   ~TemporaryFolder() {

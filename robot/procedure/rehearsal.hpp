@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "robot/procedure/prepared_case.hpp"
 #include "robot/cycle/control_cycle.hpp"
+#include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
 namespace biopsy::robot {

@@ -56,7 +56,7 @@ Key read_key(const fs::path& file, const Sort& sort) {
   ERR_clear_error();
   if (!key || EVP_PKEY_get_id(key.get()) != EVP_PKEY_ED25519)
     throw ConfigError("this is no " + name + " Ed25519 key in PEM without a password", file.string(),
-                     sort.remedy);
+                      sort.remedy);
   return key;
 }
 

@@ -55,7 +55,7 @@ void make_log(const fs::path& log, const SigningKey& key) {
   std::error_code trouble;
   if (fs::exists(wal_of(log)))
     throw ConfigError("the last records of another log lie here without it", wal_of(log).string(),
-                     "put that log back, or move this file aside");
+                      "put that log back, or move this file aside");
   if (log.has_parent_path()) fs::create_directories(log.parent_path(), trouble);
   const fs::path new_log = unfinished(log), new_key = unfinished(public_key_beside(log));
   if (write_tables(new_log, key) && write_key(new_key, key)) {
@@ -66,7 +66,7 @@ void make_log(const fs::path& log, const SigningKey& key) {
   for (const fs::path& half : {new_log, wal_of(new_log), fs::path(new_log.string() + "-shm"), new_key})
     fs::remove(half, trouble);
   throw ConfigError("cannot make the procedure log", log.string(),
-                   "choose a folder that can be written, on a disk with free space");
+                    "choose a folder that can be written, on a disk with free space");
 }
 
 }  // namespace biopsy::recorder

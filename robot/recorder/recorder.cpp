@@ -28,7 +28,7 @@ LogHead verified_head(const fs::path& log, const PublicKey& key) {
   const Verdict verdict = verify(log, key);
   if (const auto* flaw = std::get_if<Flaw>(&verdict))
     throw ConfigError("nothing is added to a log that does not verify: " + flaw->what, log.string(),
-                     "move it aside, with its -wal and -shm files, and keep it; a new one is made");
+                      "move it aside, with its -wal and -shm files, and keep it; a new one is made");
   return std::get<LogHead>(verdict);
 }
 
@@ -40,7 +40,7 @@ Database open_for_writing(const fs::path& log) {
   if (code != SQLITE_OK || database.execute("PRAGMA journal_mode = WAL") != SQLITE_OK ||
       database.execute("PRAGMA synchronous = FULL; BEGIN IMMEDIATE; ROLLBACK") != SQLITE_OK)
     throw ConfigError("the log cannot be written: " + database.message(), log.string(),
-                     "choose a log and a folder that this user may write");
+                      "choose a log and a folder that this user may write");
   return database;
 }
 

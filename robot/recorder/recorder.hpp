@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
+#include "robot/common/files/file_lock.hpp"
 #include "robot/recorder/chain.hpp"
 #include "robot/recorder/database.hpp"
-#include "robot/common/files/file_lock.hpp"
 
 namespace biopsy::recorder {
 

@@ -10,9 +10,9 @@
 #include <fstream>
 #include <system_error>
 
+#include "robot/common/config_error.hpp"
 #include "robot/security/certificates.hpp"
 #include "robot/security/signed_text.hpp"
-#include "robot/common/config_error.hpp"
 
 namespace biopsy::security {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "robot/security/key_files.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/security/key_files.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -38,7 +38,7 @@ std::string escaped(const std::string& value) {
   });
   if (unusable || value.find("${") != std::string::npos)
     throw ConfigError("cannot stand in a configuration of Cyclone DDS", value,
-                     "choose a name without ${, quotation marks, backslashes and control characters");
+                      "choose a name without ${, quotation marks, backslashes and control characters");
   std::string text;
   for (const char c : value) {
     switch (c) {

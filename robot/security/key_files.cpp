@@ -43,7 +43,7 @@ fs::path default_folder() {
   if (const fs::path home = from_environment("HOME"); !home.empty())
     return home / ".config" / "biopsy" / "keys";
   throw ConfigError("neither XDG_CONFIG_HOME nor HOME names a folder", "keys",
-                   "name the folder of the keys on the command line");
+                    "name the folder of the keys on the command line");
 }
 
 }  // namespace biopsy::security

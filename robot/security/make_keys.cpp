@@ -6,12 +6,12 @@
 
 #include <array>
 
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/atomic_directory.hpp"
 #include "robot/security/certificates.hpp"
 #include "robot/security/key_files.hpp"
-#include "robot/common/files/atomic_directory.hpp"
 #include "robot/security/signed_text.hpp"
 #include "robot/security/whole_set.hpp"
-#include "robot/common/config_error.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -90,7 +90,7 @@ bool is_occupied(const fs::path& folder, bool replace) {
           folder.string(), "name an empty or new folder; nothing was touched");
   if (!replace)
     throw ConfigError("holds keys already", folder.string(),
-                     "give --replace to make new ones; the old set is moved aside, nothing is lost");
+                      "give --replace to make new ones; the old set is moved aside, nothing is lost");
   return true;
 }
 
@@ -100,7 +100,7 @@ fs::path place_aside(const fs::path& folder, std::chrono::sys_seconds now) {
   fs::path aside = fmt::format("{}.{:%Y%m%dT%H%M%SZ}", named.string(), fmt::gmtime(time));
   if (fs::exists(fs::symlink_status(aside)))
     throw ConfigError("is there already, and the old keys should go there", aside.string(),
-                     "wait a second, or move it away; nothing was touched");
+                      "wait a second, or move it away; nothing was touched");
   return aside;
 }
 
@@ -109,7 +109,7 @@ fs::path place_aside(const fs::path& folder, std::chrono::sys_seconds now) {
 MadeKeys make_keys(const fs::path& folder, int days, std::chrono::sys_seconds now, bool replace) {
   if (days < kLeastDays || days > kMostDays)
     throw ConfigError(fmt::format("keys cannot be good for {} days", days), "--days",
-                     fmt::format("give {} to {} days", kLeastDays, kMostDays));
+                      fmt::format("give {} to {} days", kLeastDays, kMostDays));
   MadeKeys made{.validity = {now - std::chrono::hours(1), now + std::chrono::days(days)}, .old_set = {}};
   if (is_occupied(folder, replace)) made.old_set = place_aside(folder, now);
   AtomicDirectory fresh(folder);

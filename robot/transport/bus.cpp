@@ -88,7 +88,7 @@ Entity topic_on(const Participant& participant) {
 Entity::Entity(std::int32_t handle, const char* what) : handle_(handle) {
   if (handle < 0)
     throw ConfigError(fmt::format("the bus refused: {} ({})", what, dds_strretcode(handle)), "DDS",
-                     "see the lines before this one; check keys, permissions and the network interface");
+                      "see the lines before this one; check keys, permissions and the network interface");
 }
 Entity::Entity(Entity&& other) noexcept : handle_(std::exchange(other.handle_, 0)) {}
 Entity& Entity::operator=(Entity&& other) noexcept {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "safety/types/limits.hpp"
 #include "safety/monitors/debounce.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -20,7 +20,7 @@ std::int64_t stopping_depth_um(std::int32_t depth_um, std::int64_t velocity_um_p
 }
 
 HazardSet check_depth(const PlanFacts& plan, DepthMonitor& monitor, const Permit& permit,
-                        std::int32_t depth_um) {
+                      std::int32_t depth_um) {
   const std::int64_t stopping = stopping_depth_um(depth_um, monitor.history.velocity_um_per_s());
   const std::int64_t planned = plan.depth_max_um;
   const bool hard =
@@ -37,7 +37,8 @@ HazardSet check_depth(const PlanFacts& plan, DepthMonitor& monitor, const Permit
 HazardSet check_motion(DepthMonitor& monitor, Mode mode) {
   const bool lifted =
       mode == Mode::Active || mode == Mode::Hold;  // elsewhere gravity is meant to withdraw it
-  monitor.pop_ticks = debounced(monitor.pop_ticks, monitor.history.advance_um() > kPopThrough_um, kDepth_ticks);
+  monitor.pop_ticks =
+      debounced(monitor.pop_ticks, monitor.history.advance_um() > kPopThrough_um, kDepth_ticks);
   const bool dropping = monitor.history.velocity_um_per_s() < -kFastDrop_um_per_s;
   return when(lifted && monitor.pop_ticks >= kDepth_ticks, Hazard::PopThrough) |
          when(lifted && dropping, Hazard::FastDrop);
@@ -56,7 +57,8 @@ HazardSet check_code(DepthMonitor& monitor, const Measurement& m) {
 
 HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::int32_t depth_um) {
   const std::int32_t low_mV = monitor.window.lowest_mV(), high_mV = monitor.window.highest_mV();
-  if (low_mV != monitor.range_low_mV || high_mV != monitor.range_high_mV || plan.plan_tag != monitor.range_tag) {
+  if (low_mV != monitor.range_low_mV || high_mV != monitor.range_high_mV ||
+      plan.plan_tag != monitor.range_tag) {
     monitor.range = plausible_depth(plan, low_mV, high_mV);
     monitor.range_low_mV = low_mV, monitor.range_high_mV = high_mV, monitor.range_tag = plan.plan_tag;
   }
@@ -84,7 +86,8 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const Observation
   if (monitor.dropout_ticks >= kDropout_ticks) monitor.history.fill(depth_um);
   monitor.history.push(depth_um);
   monitor.needle_home = depth_um < limits::kReturned_um;
-  monitor.not_back_ticks = debounced(monitor.not_back_ticks, zero_volts && !monitor.needle_home, kNotBack_ticks);
+  monitor.not_back_ticks =
+      debounced(monitor.not_back_ticks, zero_volts && !monitor.needle_home, kNotBack_ticks);
   monitor.found = check_depth(plan, monitor, seen.permit, depth_um);
   monitor.found |= check_motion(monitor, seen.permit.mode);
   monitor.found |= check_return(plan, monitor, seen.permit.mode, magnitude(m.command_mV));
@@ -131,7 +134,7 @@ std::int32_t DriveWindow::highest_mV() const {
 }
 
 DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Observation& seen, bool fresh,
-                   bool zero_volts) {
+                     bool zero_volts) {
   const Measurement& m = seen.measurement;
   if (fresh) {
     monitor.window.push(magnitude(m.command_mV));

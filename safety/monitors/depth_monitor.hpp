@@ -65,6 +65,6 @@ struct DepthFindings {
 
 // `zero_volts`: as the drive monitor found it in this tick.
 DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Observation& seen, bool fresh,
-                   bool zero_volts);
+                     bool zero_volts);
 
 }  // namespace biopsy::safety

@@ -15,9 +15,9 @@
 #include <cstdint>
 
 #include "safety/monitors/depth_monitor.hpp"
+#include "safety/monitors/link_monitor.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
 #include "safety/types/hazards.hpp"
-#include "safety/monitors/link_monitor.hpp"
 #include "safety/types/observation.hpp"
 #include "safety/types/plan_facts.hpp"
 

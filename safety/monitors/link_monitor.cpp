@@ -25,9 +25,9 @@ constexpr bool may_restart(std::int32_t silent_ticks, Mode mode) {
 }
 
 void count_missed(LinkMonitor& monitor, std::uint32_t missed) {
-  monitor.miss_score = missed > 2
-                         ? kMissMax
-                         : std::min(monitor.miss_score + static_cast<std::int32_t>(missed) * kMiss, kMissMax);
+  monitor.miss_score =
+      missed > 2 ? kMissMax
+                 : std::min(monitor.miss_score + static_cast<std::int32_t>(missed) * kMiss, kMissMax);
 }
 
 struct Arrival {
@@ -76,8 +76,9 @@ HazardSet check_answer(LinkMonitor& monitor, const Observation& seen, bool fresh
 // A controller answers measurements: its silence counts only where there was one to answer.
 HazardSet check_controller(LinkMonitor& monitor, const Observation& seen, bool measured) {
   const DriveRequest& request = seen.request;
-  const bool fresh = request.seq > monitor.request_seq ||
-                     (request.seq != monitor.request_seq && may_restart(monitor.silent_ticks, seen.permit.mode));
+  const bool fresh =
+      request.seq > monitor.request_seq ||
+      (request.seq != monitor.request_seq && may_restart(monitor.silent_ticks, seen.permit.mode));
   const std::uint32_t missed = request.overruns - monitor.overruns;
   if (fresh && request.seq > monitor.request_seq && monitor.request_seq != 0) count_missed(monitor, missed);
   if (fresh) monitor.request_seq = request.seq, monitor.overruns = request.overruns;

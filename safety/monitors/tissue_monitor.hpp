@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "safety/types/limits.hpp"
 #include "robot/msg/measurement.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/types/plan_facts.hpp"
 
 namespace biopsy::safety {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "safety/types/limits.hpp"
 #include "safety/monitors/debounce.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::safety {
@@ -91,7 +91,8 @@ std::int64_t forgetting_ticks(std::int32_t half_period) {
 
 HazardSet check_wave(const PlanFacts& plan, VoltageMonitor& monitor, const Measurement& m, Mode mode) {
   ++monitor.tick;
-  if (mode != Mode::Active && mode != Mode::Hold) monitor.signed_mVms = monitor.total_mVms = monitor.wave_ticks = 0;
+  if (mode != Mode::Active && mode != Mode::Hold)
+    monitor.signed_mVms = monitor.total_mVms = monitor.wave_ticks = 0;
   // A plan for the bench may begin and hold with one polarity; its balance is what ends that.
   const bool for_patient = is_for_patient(plan);
   const bool judged = mode == Mode::Active || (mode == Mode::Hold && for_patient);
@@ -106,7 +107,8 @@ HazardSet check_wave(const PlanFacts& plan, VoltageMonitor& monitor, const Measu
   monitor.signed_mVms += m.monitor_mV - monitor.signed_mVms / forgetting;
   monitor.total_mVms += magnitude(m.monitor_mV) - monitor.total_mVms / forgetting;
   monitor.wave_ticks = std::min(monitor.wave_ticks + 1, seen);
-  const bool unbalanced = monitor.wave_ticks >= seen && 2 * std::abs(monitor.signed_mVms) > monitor.total_mVms;
+  const bool unbalanced =
+      monitor.wave_ticks >= seen && 2 * std::abs(monitor.signed_mVms) > monitor.total_mVms;
   return when(unbalanced, Hazard::PolarityStuck) |
          when(monitor.wrong_frequency || (for_patient && is_too_slow(monitor)), Hazard::WrongFrequency);
 }
@@ -137,7 +139,7 @@ bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
 }  // namespace
 
 DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Observation& seen, bool fresh,
-                   bool stale) {
+                     bool stale) {
   const Measurement& m = seen.measurement;
   DriveFindings findings;
   findings.image_disturbed = seen.acquiring && (!fresh || is_switching(monitor.command_mV, m.command_mV));

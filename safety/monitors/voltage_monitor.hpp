@@ -40,6 +40,7 @@ struct DriveFindings {
 };
 
 // `fresh`: the measurement is new; `stale`: none for more than 3 ms.
-DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Observation& seen, bool fresh, bool stale);
+DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Observation& seen, bool fresh,
+                     bool stale);
 
 }  // namespace biopsy::safety

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/gap/select/make_finding.hpp"
-#include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/compare_candidates.hpp"
+#include "sim/gap/select/make_finding.hpp"
 #include "sim/gap/select/verdict.hpp"
 #include "sim/plant/plant.hpp"
 

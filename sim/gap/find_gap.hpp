@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sim/gap/gap_finding.hpp"
-#include "sim/plant/dataset.hpp"
 #include "sim/gap/select/select.hpp"
+#include "sim/plant/dataset.hpp"
 
 namespace biopsy::sim::gap {
 

@@ -2,10 +2,10 @@
 
 #include <numbers>
 
+#include "robot/common/files/toml_reader.hpp"
 #include "sim/plant/baseline_entries.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
-#include "robot/common/files/toml_reader.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

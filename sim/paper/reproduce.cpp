@@ -37,7 +37,7 @@ std::vector<FigureEntry> figures_named(std::string_view wanted) {
   }
   if (found.empty())
     throw ConfigError(fmt::format("the paper has no experiment \"{}\" that is reproduced here", wanted),
-                     "FIGURE", "name one of " + known + "; or none for all of them");
+                      "FIGURE", "name one of " + known + "; or none for all of them");
   return found;
 }
 

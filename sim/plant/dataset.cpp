@@ -41,7 +41,7 @@ void refuse_wrong_units(const CsvTable& table) {
     for (const ColumnRule& rule : kColumns)
       if (in_wrong_unit(name, rule.name, rule.stem))
         throw ConfigError(fmt::format("column `{}` has the wrong unit", name), header_of(table),
-                         fmt::format("convert it and name it `{}`", rule.name));
+                          fmt::format("convert it and name it `{}`", rule.name));
 }
 
 // The same for dataset.toml: weight_kg = 0.05 must not become a run without a weight.
@@ -49,7 +49,7 @@ void refuse_wrong_units(const TomlTable& table, std::string_view right, std::str
   for (const std::string& name : table.names())
     if (in_wrong_unit(name, right, stem))
       throw ConfigError(fmt::format("`{}` has the wrong unit", name), table.place(name),
-                       fmt::format("convert it and name it `{}`", right));
+                        fmt::format("convert it and name it `{}`", right));
 }
 
 std::vector<double> column(const CsvTable& table, std::string_view name, double si_per_unit) {
@@ -58,7 +58,7 @@ std::vector<double> column(const CsvTable& table, std::string_view name, double 
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i] < rule.low || out[i] > rule.high)
       throw ConfigError(fmt::format("column `{}`: {} is outside [{}, {}]", name, out[i], rule.low, rule.high),
-                       fmt::format("{}:{}", table.file, table.lines[i]), "check the column's unit");
+                        fmt::format("{}:{}", table.file, table.lines[i]), "check the column's unit");
     out[i] *= si_per_unit;
   }
   return out;
@@ -98,7 +98,7 @@ double period_of(const CsvTable& table, const std::vector<double>& time) {
   const double period = (time.back() - time.front()) / static_cast<double>(steps.size());
   if (period < 0.99e-5 || period > 0.0505)
     throw ConfigError(fmt::format("sampled every {:.6g} s", period), table.file,
-                     "rates from 20 Hz to 100 kHz can be used");
+                      "rates from 20 Hz to 100 kHz can be used");
   return period;
 }
 
@@ -113,7 +113,7 @@ RecordedRun read_run(const std::filesystem::path& folder, TomlTable entry, Drive
   run.file = entry.text("file");
   if (run.file.empty() || std::filesystem::path(run.file).has_parent_path())
     throw ConfigError(fmt::format("file \"{}\" is not in the data set's folder", run.file), entry.where(),
-                     "keep the CSV beside dataset.toml");
+                      "keep the CSV beside dataset.toml");
   refuse_wrong_units(entry, "weight_g", "weight");
   refuse_wrong_units(entry, "external_force_N", "external_force");
   run.weight = number_or(entry, "weight_g", 0.0, 1e5, 0.0) * 1e-3;
@@ -141,7 +141,7 @@ Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
   const std::filesystem::path file = folder / "dataset.toml";
   if (!std::filesystem::exists(file))
     throw ConfigError("no dataset.toml", folder.string(),
-                     "give the folder that holds dataset.toml and its CSV files");
+                      "give the folder that holds dataset.toml and its CSV files");
   TomlTable root = read_toml(file);
   Dataset dataset;
   refuse_wrong_units(root, "sensor_noise_mm", "sensor_noise");

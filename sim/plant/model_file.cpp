@@ -6,8 +6,8 @@
 #include <set>
 
 #include "robot/common/config_error.hpp"
-#include "sim/plant/baseline_entries.hpp"
 #include "robot/common/files/toml_reader.hpp"
+#include "sim/plant/baseline_entries.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -88,12 +88,12 @@ Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
     const auto note = notes.values.find(name);
     if (note == notes.values.end() || !note->second.std || once.size() != out.values.size())
       throw ConfigError(fmt::format("`{}` has no deviation in this file, or stands twice", name),
-                       table.place("values"), "name values that have a `std`, each once");
+                        table.place("values"), "name values that have a `std`, each once");
   }
   const std::size_t n = out.values.size();
   if (out.lower.size() != (n < 2 ? 0 : n * (n - 1) / 2))
     throw ConfigError(fmt::format("{} numbers for {} values", out.lower.size(), n), table.place("lower"),
-                     "give for each value its correlations with those before it, row by row");
+                      "give for each value its correlations with those before it, row by row");
   return out;
 }
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "robot/common/config_error.hpp"
-#include "sim/plant/baseline_entries.hpp"
 #include "robot/common/files/toml_reader.hpp"
+#include "sim/plant/baseline_entries.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -48,7 +48,7 @@ class ModelText {
     for (const auto& [key, note] : notes_.values)
       if (!noted_.contains(key))
         throw ConfigError(fmt::format("a note on `{}`, which the model does not hold", key), kNameInMessages,
-                         "name a value of [baseline], or EFFECT.PARAMETER of an effect that is present");
+                          "name a value of [baseline], or EFFECT.PARAMETER of an effect that is present");
     return text_;
   }
 

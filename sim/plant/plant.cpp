@@ -42,7 +42,8 @@ Motion advanced(const StepContext& s, const Motion& m, double h, const Derivativ
 }
 
 // Kutta's third-order method.
-Motion runge_kutta(const StepContext& s, const Motion& m, double h, const VoltageProfile& volts, int direction) {
+Motion runge_kutta(const StepContext& s, const Motion& m, double h, const VoltageProfile& volts,
+                   int direction) {
   const Derivative a = rates(s, m, {volts.start, 0.0}, direction);
   const Derivative b = rates(s, advanced(s, m, h, a, 0.5, a, 0.0, a, 0.0), {volts.half, 0.5 * h}, direction);
   const Derivative c = rates(s, advanced(s, m, h, a, -1.0, b, 2.0, b, 0.0), {volts.end, h}, direction);
@@ -79,7 +80,8 @@ void remember_zipping(const PlantModel& model, PlantState& state) {
   state.zipped = std::max(b.H_0, play->zipped(equilibrium(b, P, load).H, state.zipped));
 }
 
-// A substep of time in which plate A does one thing: its length, what the volts did, and the motion at its end.
+// A substep of time in which plate A does one thing: its length, what the volts did, and the motion at its
+// end.
 struct Substep {
   double h;
   VoltageProfile volts;
@@ -101,7 +103,8 @@ void commit(const PlantModel& model, PlantState& state, const Substep& substep) 
   state.x_max = std::max(state.x_max, state.motion.x);
   if (e.hysteretic_spring) state.motion.yielded = e.hysteretic_spring->bounded(state.motion.yielded);
   if (const auto& set = e.residual_set)
-    state.memory.largest = set->remembered(set->faded(state.memory.largest, substep.h), state.motion.H - b.H_0);
+    state.memory.largest =
+        set->remembered(set->faded(state.memory.largest, substep.h), state.motion.H - b.H_0);
   if (e.backlash) state.memory.carried = e.backlash->carried(state.motion.x, state.memory.carried);
   remember_zipping(model, state);
   remember_reading(model, state, seen_before, substep.h);

@@ -119,7 +119,7 @@ void refuse_unwritable(const Volume& volume, const std::filesystem::path& folder
   const Grid& grid = volume.grid;
   if (grid.size.minCoeff() < 1 || grid.size.maxCoeff() > 65535 || volume.voxels.size() != grid.voxel_count())
     throw ConfigError("the volume has no voxels, or not as many as its size says", where,
-                     "give a complete volume");
+                      "give a complete volume");
   if (!std::all_of(volume.voxels.begin(), volume.voxels.end(),
                    [](float value) { return std::isfinite(value); }))
     throw ConfigError("a voxel is not finite", where, "give a volume of finite numbers");
@@ -131,7 +131,7 @@ void refuse_unwritable(const Volume& volume, const std::filesystem::path& folder
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
     if (at->path().extension() == ".dcm")
       throw ConfigError("the folder already holds DICOM files", where,
-                       "give an empty folder: two series must not mix");
+                        "give an empty folder: two series must not mix");
   if (error) throw ConfigError("cannot be written: " + error.message(), where, "check the permissions");
 }
 
@@ -242,7 +242,7 @@ std::vector<std::filesystem::path> write_dicom_series(const Volume& volume,
     file << file_header(instance_uid) << out.encoded();
     if (!file.flush())
       throw ConfigError("cannot be written", files.back().string(),
-                       "check the space left and the permissions");
+                        "check the space left and the permissions");
   }
   return files;
 }

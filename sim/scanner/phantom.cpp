@@ -87,7 +87,7 @@ Phantom paper_phantom(const PhantomSettings& settings) {
   const bool sizes = settings.voxel.value > 0.0 && settings.size_mm.minCoeff() >= 3.0 * settings.voxel.value;
   if (!sizes || settings.size_mm.prod() / std::pow(settings.voxel.value, 3) > 2e8)
     throw ConfigError("the block has no voxels or too many", "paper phantom",
-                     "choose a voxel and a size in mm above 0");
+                      "choose a voxel and a size in mm above 0");
   Phantom phantom;
   phantom.image.grid = oblique_grid(settings);
   phantom.image.format = "phantom";

@@ -119,7 +119,7 @@ void refuse_bad(const Volume& planning, const ScanSettings& settings, const Grid
       grid.size.minCoeff() > 0 && std::abs(grid.X_SI.linear().determinant()) > 0.0)
     return;
   throw ConfigError("a grid is empty or a number is not finite", "simulated scanner",
-                   "give a planning volume with voxels and finite settings");
+                    "give a planning volume with voxels and finite settings");
 }
 
 }  // namespace

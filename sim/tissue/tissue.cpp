@@ -40,7 +40,7 @@ TissueTable read_tissues(const std::filesystem::path& file) {
 std::vector<TissueLayer> tissue_along(std::span<const Layer> layers, const TissueTable& table) {
   if (layers.size() > kMaxLayers)
     throw ConfigError(fmt::format("{} layers along the path; the plant holds {}", layers.size(), kMaxLayers),
-                     "tissue", "merge thin layers in the label map or the table");
+                      "tissue", "merge thin layers in the label map or the table");
   std::vector<TissueLayer> tissue;
   for (const Layer& layer : layers) {
     const auto known = table.find(layer.name);

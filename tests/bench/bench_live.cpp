@@ -11,8 +11,8 @@
 #include <map>
 #include <random>
 
-#include "robot/procedure/case.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/procedure/case.hpp"
 #include "tests/bench/live_loop.hpp"
 #include "tests/bench/live_soak.hpp"
 #include "tests/robot/live/live_events.hpp"

@@ -26,7 +26,8 @@ double stack_voltage(const Problem& p, double t) {
   return p.u_start * std::exp(-(t - p.t_start) / p.b.tau);
 }
 
-// H, x, v. The loop through the spring's damper by Newton's method, as in sim/plant/plant.cpp but to convergence.
+// H, x, v. The loop through the spring's damper by Newton's method, as in sim/plant/plant.cpp but to
+// convergence.
 int rates(double t, N_Vector state, N_Vector rate, void* data) {
   const Problem& p = *static_cast<const Problem*>(data);
   const sim::Baseline& b = p.b;

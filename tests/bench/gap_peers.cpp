@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot/common/in_parallel.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/score.hpp"
-#include "robot/common/in_parallel.hpp"
 
 namespace biopsy::bench {
 namespace {

@@ -2,8 +2,8 @@
 // its own school would build it; none knows what was hidden.
 #pragma once
 
-#include "sim/plant/dataset.hpp"
 #include "sim/gap/select/evidence_runs.hpp"
+#include "sim/plant/dataset.hpp"
 #include "sim/plant/plant_model.hpp"
 #include "tests/sim/gap/gap_score.hpp"
 

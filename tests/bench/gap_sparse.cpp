@@ -6,8 +6,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "sim/gap/select/evidence_runs.hpp"
 #include "sim/gap/fit/library.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
 #include "tests/bench/gap_balance.hpp"
 #include "tests/bench/gap_peers.hpp"
 

@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "robot/security/cyclone_xml.hpp"
-#include "robot/security/make_keys.hpp"
 #include "robot/live/controller_loop.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/latency_histogram.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/security/cyclone_xml.hpp"
+#include "robot/security/make_keys.hpp"
 #include "robot/transport/bus.hpp"
 #include "tests/scratch_folder.hpp"
 

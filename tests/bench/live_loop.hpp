@@ -1,7 +1,7 @@
 // How long from a measurement published to the controller's request received, beside the bare bus.
 #pragma once
 
-#include "robot/cli/live_options.hpp"
+#include "robot/live/session/live_options.hpp"
 
 namespace biopsy::bench {
 

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <deque>
 
+#include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/rehearsal.hpp"
-#include "robot/live/realtime/tick_clock.hpp"
 #include "tests/robot/live/host_watch.hpp"
 #include "tests/scratch_folder.hpp"
 

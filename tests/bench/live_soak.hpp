@@ -1,7 +1,7 @@
 // Hours of rehearsal compressed to minutes of real time: how often does the live robot stop for nothing?
 #pragma once
 
-#include "robot/cli/live_options.hpp"
+#include "robot/live/session/live_options.hpp"
 #include "robot/procedure/prepared_case.hpp"
 
 namespace biopsy::bench {

@@ -1,9 +1,9 @@
 // The watch over the links on a bench of its own, tick by tick.
 #pragma once
 
-#include "tests/safety/rig.hpp"
 #include "safety/challenge.hpp"
 #include "safety/monitors/link_monitor.hpp"
+#include "tests/safety/rig.hpp"
 
 namespace biopsy::safety {
 

@@ -8,10 +8,10 @@
 #include <random>
 #include <tuple>
 
-#include "safety/monitors/evidence.hpp"
 #include "safety/gate.hpp"
-#include "safety/types/plan_facts.hpp"
+#include "safety/monitors/evidence.hpp"
 #include "safety/supervisor.hpp"
+#include "safety/types/plan_facts.hpp"
 
 namespace biopsy::safety {
 

@@ -20,7 +20,7 @@ void refuse_bad(const Volume& before, const Volume& after, const NeedleFrame& fr
   const double entry_before = Sampler(before).at(frame.p_SE), entry_after = Sampler(after).at(frame.p_SE);
   if (std::isnan(entry_before) && std::isnan(entry_after))
     throw ConfigError("the entry lies outside both images", where,
-                     "check that entry and images are in one scanner frame (R,A,S or L,P,S mixed up?)");
+                      "check that entry and images are in one scanner frame (R,A,S or L,P,S mixed up?)");
 }
 
 // Path from behind the entry as far as the after image goes.

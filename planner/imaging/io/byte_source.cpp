@@ -30,7 +30,7 @@ ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::
   if (error) throw unreadable;
   if (offset > length)
     throw ConfigError("truncated: the data should begin behind the end of the file", file.string(),
-                     kRemedyForDamage);
+                      kRemedyForDamage);
   most_left_ = (length - offset) * (packing == Packing::Gzip ? kBestDeflate : 1);
   if (packing == Packing::Plain) {
     plain_.open(file, std::ios::binary);
@@ -68,7 +68,7 @@ void ByteSource::read(std::span<std::byte> bytes) {
     const std::size_t got = read_some(bytes.data() + done, bytes.size() - done);
     if (got == 0)
       throw ConfigError(fmt::format("truncated: {} bytes missing", bytes.size() - done), path_.string(),
-                       kRemedyForDamage);
+                        kRemedyForDamage);
     done += got;
   }
   most_left_ -= std::min<std::uint64_t>(most_left_, bytes.size());

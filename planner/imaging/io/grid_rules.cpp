@@ -12,10 +12,10 @@ void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file) {
   const std::string text = fmt::format("{} x {} x {} voxels", size.x(), size.y(), size.z());
   if (size.minCoeff() < kSizeMin)
     throw ConfigError(text + fmt::format(": a volume needs at least {} along every axis", kSizeMin), file,
-                     "give the whole stack of slices, not a single picture");
+                      "give the whole stack of slices, not a single picture");
   if (size.maxCoeff() > kSizeMax || size.cast<double>().prod() > kVoxelsMax)
     throw ConfigError(text + fmt::format(": more than {} along an axis or 2^31 in all", kSizeMax), file,
-                     "the header is damaged, or the image must be cropped first");
+                      "the header is damaged, or the image must be cropped first");
 }
 
 void refuse_bad_grid(const Grid& grid, const std::string& file) {
@@ -27,8 +27,8 @@ void refuse_bad_grid(const Grid& grid, const std::string& file) {
   const Eigen::Vector3d spacing = grid.spacing_mm();
   if (spacing.minCoeff() < 1e-3 || spacing.maxCoeff() > kSpacingMax_mm)
     throw ConfigError(fmt::format("voxel spacing {:g} x {:g} x {:g} mm is outside (0.001, {:g}]", spacing.x(),
-                                 spacing.y(), spacing.z(), kSpacingMax_mm),
-                     file, remedy);
+                                  spacing.y(), spacing.z(), kSpacingMax_mm),
+                      file, remedy);
   if (grid.X_SI.translation().cwiseAbs().maxCoeff() > kOriginMax_mm)
     throw ConfigError("the first voxel is more than 10 m from the scanner's isocentre", file, remedy);
   for (int a = 0; a < 3; ++a) {
@@ -37,8 +37,8 @@ void refuse_bad_grid(const Grid& grid, const std::string& file) {
         grid.X_SI.linear().col(a).dot(grid.X_SI.linear().col(b)) / (spacing[a] * spacing[b]);
     if (std::abs(cosine) > kDirectionTolerance)
       throw ConfigError(fmt::format("sheared: the axes {} and {} meet at {:.2f} degrees, not 90", "ijk"[a],
-                                   "ijk"[b], std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / EIGEN_PI),
-                       file, "resample the image onto perpendicular axes, or give the original series");
+                                    "ijk"[b], std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / EIGEN_PI),
+                        file, "resample the image onto perpendicular axes, or give the original series");
   }
 }
 

@@ -39,10 +39,10 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
   const std::size_t count = folder.series.size() + files.nifti.size() + files.nrrd.size();
   if (count == 0)
     throw ConfigError("DICOM, but no image (a report, structure set or directory)", path.string(),
-                     "give an image series");
+                      "give an image series");
   if (series_uid.empty() && count > 1)
     throw ConfigError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
-                     "choose one of them with --series UID");
+                      "choose one of them with --series UID");
 
   const auto chosen = [&](const std::string& uid) { return series_uid.empty() || uid == series_uid; };
   const auto name_of = [&](const std::filesystem::path& file) {
@@ -55,7 +55,7 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
   for (const auto& file : files.nrrd)
     if (chosen(name_of(file))) return read_nrrd(file);
   throw ConfigError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
-                   path.string(), "choose one of them with --series UID");
+                    path.string(), "choose one of them with --series UID");
 }
 
 }  // namespace biopsy::imaging

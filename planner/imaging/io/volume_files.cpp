@@ -28,7 +28,8 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   for (; !error && at != fs::recursive_directory_iterator(); at.increment(error))
     if (at->is_regular_file(error)) files.push_back(at->path());
   // A folder that cannot be read may hold the missing half of a series.
-  if (error) throw ConfigError("cannot be read: " + error.message(), folder.string(), "check the permissions");
+  if (error)
+    throw ConfigError("cannot be read: " + error.message(), folder.string(), "check the permissions");
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -44,13 +45,13 @@ VolumeFiles find_volume_files(const fs::path& path) {
     for (const fs::path& file : files_below(path)) take(file, files);
     if (files.empty())
       throw ConfigError("no image in this folder", path.string(),
-                       "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+                        "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
     return files;
   }
   if (fs::is_regular_file(path, error)) take(path, files);
   if (files.empty())
     throw ConfigError("not an image of a known format", path.string(),
-                     "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+                      "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
   return files;
 }
 

@@ -142,7 +142,7 @@ NeedleSlice slice_through_needle(const Volume& volume, const Point& p_SE, const 
                                  Millimetres extent, int size_px) {
   if (!(extent.value > 0.0) || !std::isfinite(extent.value) || size_px < 2 || size_px > 8192)
     throw ConfigError("the picture has no size", "slice through the needle",
-                     "ask for an extent above 0 mm and 2 to 8192 pixels");
+                      "ask for an extent above 0 mm and 2 to 8192 pixels");
   NeedleSlice slice;
   slice.frame = needle_frame(volume.grid, p_SE, axis_S);
   slice.mm_per_pixel = extent.value / size_px;

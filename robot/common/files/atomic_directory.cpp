@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& where, const std::string& what, int reason) {
   throw ConfigError(what + ": " + std::generic_category().message(reason), where.string(),
-                   "name a folder that can be written, on a disk with free space; nothing was changed");
+                    "name a folder that can be written, on a disk with free space; nothing was changed");
 }
 
 bool wrote_all(int file, std::string_view bytes) {

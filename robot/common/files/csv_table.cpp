@@ -34,8 +34,8 @@ double finite(std::string_view cell, const std::string& file, std::size_t line, 
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
     throw ConfigError(fmt::format("column `{}`: \"{}\" is not a finite number", column, cell.substr(0, 40)),
-                     fmt::format("{}:{}", file, line),
-                     "mend or remove the row; a gap cannot be simulated through");
+                      fmt::format("{}:{}", file, line),
+                      "mend or remove the row; a gap cannot be simulated through");
   return value;
 }
 
@@ -44,8 +44,8 @@ void read_header(CsvTable& table, std::string_view line, std::size_t number) {
   for (const std::string_view name : cells(line)) {
     if (name.empty() || table.columns.contains(std::string(name)))
       throw ConfigError(fmt::format("column \"{}\" is empty or there twice", name),
-                       fmt::format("{}:{}", table.file, number),
-                       "give each column one name with its unit, e.g. time_s");
+                        fmt::format("{}:{}", table.file, number),
+                        "give each column one name with its unit, e.g. time_s");
     table.names.emplace_back(name);
     table.columns[std::string(name)];
   }
@@ -54,8 +54,9 @@ void read_header(CsvTable& table, std::string_view line, std::size_t number) {
 void read_row(CsvTable& table, std::string_view line, std::size_t number) {
   const auto row = cells(line);
   if (row.size() != table.names.size())
-    throw ConfigError(fmt::format("{} cells, but the header names {} columns", row.size(), table.names.size()),
-                     fmt::format("{}:{}", table.file, number), "give every row one number for each column");
+    throw ConfigError(
+        fmt::format("{} cells, but the header names {} columns", row.size(), table.names.size()),
+        fmt::format("{}:{}", table.file, number), "give every row one number for each column");
   for (std::size_t i = 0; i < row.size(); ++i)
     table.columns[table.names[i]].push_back(finite(row[i], table.file, number, table.names[i]));
   table.lines.push_back(number);

@@ -37,9 +37,9 @@ fs::path data_folder() {
   const fs::path installed = installed_data();
   for (const fs::path& folder : {installed, source_folder()})
     if (holds_data(folder)) return folder;
-  throw ConfigError("models and cases are missing",
-                    fmt::format("{} and {}", installed.string(), source_folder().string()),
-                    "install the program whole (cmake --install), or set BIOPSY_DATA to its folder share/biopsy");
+  throw ConfigError(
+      "models and cases are missing", fmt::format("{} and {}", installed.string(), source_folder().string()),
+      "install the program whole (cmake --install), or set BIOPSY_DATA to its folder share/biopsy");
 }
 
 }  // namespace biopsy

@@ -1,12 +1,14 @@
-// Where models, built-in cases, the console's page and the safety case's tables are: paths as in the source tree.
+// Where models, built-in cases, the console's page and the safety case's tables are: paths as in the source
+// tree.
 #pragma once
 
 #include <filesystem>
 
 namespace biopsy {
 
-// $BIOPSY_DATA where set; else share/biopsy beside the folder of the running program (an installation, wherever it was
-// moved); else the source tree that it was built from. Throws ConfigError naming all three where none is there.
+// $BIOPSY_DATA where set; else share/biopsy beside the folder of the running program (an installation,
+// wherever it was moved); else the source tree that it was built from. Throws ConfigError naming all three
+// where none is there.
 std::filesystem::path data_folder();
 
 // The source tree that the program was built from, whether or not it still exists.

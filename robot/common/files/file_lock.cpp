@@ -16,7 +16,7 @@ namespace biopsy::recorder {
 FileLock::FileLock(const std::filesystem::path& log) : file_(::open(log.c_str(), O_RDONLY | O_CLOEXEC)) {
   if (file_ < 0)
     throw ConfigError(std::string("the log cannot be opened: ") + std::strerror(errno), log.string(),
-                     "choose a log that this user may read and write");
+                      "choose a log that this user may read and write");
   if (::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   ::close(file_);
   throw ConfigError("another recorder is writing this log", log.string(), "stop it, or choose another log");

@@ -40,7 +40,7 @@ void keep_apart(const fs::path& folder, const Inputs& inputs) {
     const std::string way = way_into(folder, input);
     if (way == "." || is_ours(way))
       throw ConfigError("lies where the answer shall go, and would be lost", input.string(),
-                       "give --out another folder; nothing was touched");
+                        "give --out another folder; nothing was touched");
   }
 }
 
@@ -50,10 +50,10 @@ void claim_run_folder(const fs::path& folder, const Inputs& inputs) {
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
     throw ConfigError("is not a folder that can be made" + (error ? ": " + error.message() : std::string()),
-                     folder.string(), "give --out a folder that can be written");
+                      folder.string(), "give --out a folder that can be written");
   if (!fs::is_empty(folder) && !fs::exists(folder / kMark))
     throw ConfigError("holds files that no run of this program wrote", folder.string(),
-                     "give --out an empty or new folder; nothing was touched");
+                      "give --out an empty or new folder; nothing was touched");
   for (const auto& left : fs::directory_iterator(folder))
     if (is_ours(left.path().filename().string())) fs::remove_all(left.path());
   std::ofstream mark(folder / kMark);

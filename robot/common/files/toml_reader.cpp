@@ -33,7 +33,7 @@ double finite(const toml::node& node, std::string_view name, const std::string& 
 double ranged(double value, std::string_view name, double low, double high, const std::string& where) {
   if (value < low || value > high)
     throw ConfigError(fmt::format("`{}` = {} is outside [{}, {}]", name, value, low, high), where,
-                     "check the unit: it stands in the name or beside it in docs/model.md");
+                      "check the unit: it stands in the name or beside it in docs/model.md");
   return value;
 }
 
@@ -75,7 +75,7 @@ double TomlTable::number(std::string_view name, double low, double high) {
     node = described->get("value");
     if (node == nullptr)
       throw ConfigError(fmt::format("`{}` is a table without `value`", name), line,
-                       "write a number, or { value = ..., std = ..., source = \"...\" }");
+                        "write a number, or { value = ..., std = ..., source = \"...\" }");
   }
   return ranged(finite(*node, name, line), name, low, high, line);
 }
@@ -95,7 +95,7 @@ std::vector<double> TomlTable::numbers(std::string_view name, double low, double
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr)
     throw ConfigError(fmt::format("`{}` is not a list of numbers", name), line,
-                     fmt::format("write {} = [1.0, 2.0]", name));
+                      fmt::format("write {} = [1.0, 2.0]", name));
   std::vector<double> out;
   for (const toml::node& element : *array)
     out.push_back(ranged(finite(element, name, line), name, low, high, line));
@@ -108,7 +108,7 @@ std::vector<std::string> TomlTable::texts(std::string_view name) {
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr || !(array->empty() || array->is_homogeneous(toml::node_type::string)))
     throw ConfigError(fmt::format("`{}` is not a list of texts", name), line,
-                     fmt::format("write {} = [\"one\", \"two\"]", name));
+                      fmt::format("write {} = [\"one\", \"two\"]", name));
   std::vector<std::string> out;
   for (const toml::node& element : *array) out.push_back(*element.value<std::string>());
   return out;
@@ -140,7 +140,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view name) {
   const toml::array* array = node_->table->get(name)->as_array();
   if (array == nullptr || !array->is_array_of_tables())
     throw ConfigError(fmt::format("`{}` is not a list of tables", name), line,
-                     fmt::format("write [[{}]]", name));
+                      fmt::format("write [[{}]]", name));
   for (const toml::node& element : *array)
     out.emplace_back(std::make_shared<Node>(Node{node_->file, node_->root, element.as_table()}));
   return out;
@@ -156,7 +156,7 @@ void TomlTable::refuse_rest() const {
   for (const auto& [key, value] : *node_->table)
     if (!known_.contains(key.str()))
       throw ConfigError(fmt::format("unknown name `{}`", key.str()), at_line(node_->file, value),
-                       fmt::format("known here: {}", known));
+                        fmt::format("known here: {}", known));
 }
 
 TomlTable parse_toml(const std::string& text, const std::string& name) {
@@ -165,7 +165,7 @@ TomlTable parse_toml(const std::string& text, const std::string& name) {
     return TomlTable(std::make_shared<TomlTable::Node>(TomlTable::Node{name, root, root.get()}));
   } catch (const toml::parse_error& error) {
     throw ConfigError(std::string(error.description()), fmt::format("{}:{}", name, error.source().begin.line),
-                     "the file must be TOML 1.0");
+                      "the file must be TOML 1.0");
   }
 }
 

@@ -23,7 +23,7 @@ void atomic_write(const std::filesystem::path& path, std::string_view bytes) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
     throw ConfigError("cannot write the file", path.string(),
-                     "Choose a folder for --out that can be written, on a disk with free space.");
+                      "Choose a folder for --out that can be written, on a disk with free space.");
   }
 }
 

@@ -14,8 +14,8 @@
 #include <sstream>
 #include <thread>
 
-#include "robot/console/server/origin_policy.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/console/server/origin_policy.hpp"
 
 namespace biopsy::console {
 namespace {
@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 using Tcp = asio::ip::tcp;
 using Error = beast::error_code;
 
-constexpr std::size_t kHeaderMax_bytes = 8'192, kMessageMax_bytes = 4'096, kClientsMax = 8, kHttpSessionsMax = 64;
+constexpr std::size_t kHeaderMax_bytes = 8'192, kMessageMax_bytes = 4'096, kClientsMax = 8,
+                      kHttpSessionsMax = 64;
 constexpr std::chrono::seconds kRequestMax{5}, kPing{2};
 constexpr std::chrono::seconds kAnswerMax{60};  // a volume of 200 MB to a busy page
 
@@ -264,7 +265,7 @@ void HttpState::listen(std::uint16_t wanted) {
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error)
     throw ConfigError(fmt::format("cannot listen: {}", error.message()), fmt::format("127.0.0.1:{}", wanted),
-                     "another --port, or 0 for any that is free");
+                      "another --port, or 0 for any that is free");
   port = acceptor.local_endpoint().port();
   rules = std::make_unique<OriginPolicy>(port, key);
 }

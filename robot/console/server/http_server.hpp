@@ -33,7 +33,8 @@ struct HttpState;
 
 class HttpServer {
  public:
-  // `page`: folder of the built page, read once. Port 0: a free one. Throws ConfigError: no page, port in use.
+  // `page`: folder of the built page, read once. Port 0: a free one. Throws ConfigError: no page, port in
+  // use.
   HttpServer(const std::filesystem::path& page, std::uint16_t port, std::string token, WebEvents events);
   ~HttpServer();
 

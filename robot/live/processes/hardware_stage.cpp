@@ -28,7 +28,7 @@ std::unique_ptr<nidaqmx::NidaqmxStage> commissioned_stage(const std::filesystem:
                                     std::chrono::system_clock::now());
   if (!stage->has_panel())
     throw ConfigError("no keys and no emergency stop are wired", config.string(),
-                     "wire them and add [panel]: arming takes a key on the device");
+                      "wire them and add [panel]: arming takes a key on the device");
   return stage;
 }
 

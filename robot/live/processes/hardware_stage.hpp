@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "drivers/nidaqmx/nidaqmx_stage.hpp"
 #include "drivers/needle_stage.hpp"
+#include "drivers/nidaqmx/nidaqmx_stage.hpp"
 #include "robot/common/units.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 

@@ -2,10 +2,10 @@
 #include <chrono>
 #include <optional>
 
-#include "robot/recorder/bus_recorder.hpp"
-#include "robot/security/key_files.hpp"
+#include "robot/live/bus_recorder.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/security/key_files.hpp"
 
 namespace {
 
@@ -20,7 +20,8 @@ void record(const std::filesystem::path& run_folder) {
   recorder::Recorder recorder(settings.log, std::move(key));
   std::optional<transport::ParticipantMonitor> participants;
   if (!settings.keys.empty()) participants.emplace(live::plain_settings(settings), process.bus());
-  robot::BusRecorder scribe(process.bus(), recorder, process.config_tag(), participants ? &*participants : nullptr);
+  robot::BusRecorder scribe(process.bus(), recorder, process.config_tag(),
+                            participants ? &*participants : nullptr);
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   scribe.note(recorder::RecordKind::ProcessStart, "{}", now_us());
   process.start_ticking();

@@ -1,12 +1,12 @@
 // biopsy-stage RUN_FOLDER: owns sensors and amplifier, simulated or real, and holds the gate.
 #include <cmath>
 
-#include "robot/live/processes/hardware_stage.hpp"
-#include "robot/procedure/rehearsed_plant.hpp"
-#include "robot/live/processes/wired_stage.hpp"
 #include "robot/live/live_process.hpp"
-#include "robot/live/stage_loop.hpp"
+#include "robot/live/processes/hardware_stage.hpp"
+#include "robot/live/processes/wired_stage.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/live/stage_loop.hpp"
+#include "robot/procedure/rehearsed_plant.hpp"
 
 namespace {
 

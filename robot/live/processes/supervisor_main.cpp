@@ -2,11 +2,11 @@
 #include <optional>
 
 #include "drivers/nidaqmx/pulse_line.hpp"
+#include "robot/cycle/self_test.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/monotonic_session_id.hpp"
-#include "robot/cycle/self_test.hpp"
-#include "robot/live/supervisor_loop.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/live/supervisor_loop.hpp"
 
 namespace {
 

@@ -13,7 +13,8 @@ namespace biopsy::robot {
 // Real time: one write() is as many milliseconds of the plant as went by since the last.
 class SimulatedNeedleStage final : public drivers::NeedleStage {
  public:
-  SimulatedNeedleStage(sim::SimulatedStage& stage, digital_io::StageIo& lines, const digital_io::IoReader& relay)
+  SimulatedNeedleStage(sim::SimulatedStage& stage, digital_io::StageIo& lines,
+                       const digital_io::IoReader& relay)
       : stage_(stage), lines_(lines), relay_(relay) {}
 
   drivers::SensorReading read() override;
@@ -29,7 +30,8 @@ class SimulatedNeedleStage final : public drivers::NeedleStage {
 // A real stage: its converter drives the amplifier itself, the line only shows what was written.
 class HardwareNeedleStage final : public drivers::NeedleStage {
  public:
-  HardwareNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& lines) : stage_(stage), lines_(lines) {}
+  HardwareNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& lines)
+      : stage_(stage), lines_(lines) {}
 
   drivers::SensorReading read() override { return stage_.read(); }
   void write(const safety::GatedVoltage& voltage) override {

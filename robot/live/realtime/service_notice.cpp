@@ -32,7 +32,7 @@ std::optional<std::int64_t> number(const char* name) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || value <= 0)
     throw ConfigError("\"" + std::string(text) + "\" is not a number above 0", std::string("$") + name,
-                     "unset it, or let systemd set it");
+                      "unset it, or let systemd set it");
   return value;
 }
 
@@ -49,7 +49,7 @@ ServiceNotice::ServiceNotice() : watchdog_us_(watchdog_period()) {
   if (name.empty()) return;
   if ((name[0] != '/' && name[0] != '@') || name.size() < 2 || name.size() >= sizeof address_.sun_path)
     throw ConfigError("is neither a path nor an abstract name (@...) of a socket", "$NOTIFY_SOCKET",
-                     "unset it, or let systemd set it");
+                      "unset it, or let systemd set it");
   address_.sun_family = AF_UNIX;
   std::memcpy(address_.sun_path, name.data(), name.size());
   if (name[0] == '@') address_.sun_path[0] = '\0';
@@ -57,7 +57,7 @@ ServiceNotice::ServiceNotice() : watchdog_us_(watchdog_period()) {
   socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket_ < 0)
     throw ConfigError("no socket: " + std::generic_category().message(errno), "$NOTIFY_SOCKET",
-                     "raise the limit of open files");
+                      "raise the limit of open files");
 }
 
 ServiceNotice::~ServiceNotice() {

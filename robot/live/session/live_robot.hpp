@@ -13,8 +13,8 @@
 #include <thread>
 
 #include "drivers/digital_io/io_views.hpp"
-#include "robot/procedure/rehearsal.hpp"
 #include "robot/live/heartbeat.hpp"
+#include "robot/procedure/rehearsal.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::robot {

@@ -9,12 +9,12 @@
 
 #include "drivers/digital_io/shared_io.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "robot/live/live_process.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
 #include "robot/security/whole_set.hpp"
-#include "robot/live/live_process.hpp"
-#include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -34,7 +34,7 @@ fs::path make_lines_folder(const LiveOptions& options) {
   fs::permissions(folder, fs::perms::owner_all, error);
   if (error)
     throw ConfigError(fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
-                     "look who owns it; another --domain uses another folder");
+                      "look who owns it; another --domain uses another folder");
   digital_io::create_shared_io(folder);
   return folder;
 }
@@ -53,10 +53,10 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
                                 const fs::path& folder) {
   if (device != "sim" && (hardware.config.empty() || hardware.commissioning.empty()))
     throw ConfigError("a real stage without --device-config or --commissioning", "command line",
-                     "give both; `biopsy commission` makes the record");
+                      "give both; `biopsy commission` makes the record");
   if (options.without_security && device != "sim")
     throw ConfigError("--without-security with a real stage", "command line",
-                     "leave it away; `biopsy keys init` makes the keys");
+                      "leave it away; `biopsy keys init` makes the keys");
   const Case& given = prepared.given;
   live::LiveSettings settings;
   settings.domain = options.domain;
@@ -118,7 +118,7 @@ void LiveSession::wait_until_healthy() {
   do {
     if (const auto ended = launcher_.ended())
       throw ConfigError(*ended, (folder_ / "*.txt").string(),
-                       "see what it printed; correct it and start again");
+                        "see what it printed; correct it and start again");
     missing.clear();
     const std::array<Health, kProcesses> board = robot_->health();
     for (const Process process :
@@ -131,7 +131,7 @@ void LiveSession::wait_until_healthy() {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   } while (std::chrono::steady_clock::now() < until);
   throw ConfigError(fmt::format("not heard on the bus:{}", missing), folder_.string(),
-                   "see *.txt in this folder; check keys and network interface");
+                    "see *.txt in this folder; check keys and network interface");
 }
 
 void LiveSession::send_plan(const Plan& plan) {

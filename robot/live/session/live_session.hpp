@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "robot/live/live_settings.hpp"
 #include "robot/live/session/launcher.hpp"
-#include "robot/cli/live_options.hpp"
+#include "robot/live/session/live_options.hpp"
 #include "robot/live/session/live_robot.hpp"
 #include "robot/procedure/prepared_case.hpp"
-#include "robot/live/live_settings.hpp"
 
 namespace biopsy::robot {
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <vector>
 
-#include "robot/report/gap/gap_candidates.hpp"
-#include "robot/report/gap/gap_sections.hpp"
-#include "robot/report/gap/gap_labels.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/gap/gap_candidates.hpp"
+#include "robot/report/gap/gap_labels.hpp"
+#include "robot/report/gap/gap_sections.hpp"
 
 namespace biopsy::report {
 namespace {

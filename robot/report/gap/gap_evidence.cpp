@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "robot/report/gap/gap_candidates.hpp"
-#include "robot/report/gap/gap_figures.hpp"
-#include "robot/report/gap/gap_sections.hpp"
-#include "robot/report/gap/gap_labels.hpp"
-#include "robot/report/plot/html_markup.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/gap/gap_candidates.hpp"
+#include "robot/report/gap/gap_figures.hpp"
+#include "robot/report/gap/gap_labels.hpp"
+#include "robot/report/gap/gap_sections.hpp"
+#include "robot/report/plot/html_markup.hpp"
 
 namespace biopsy::report {
 namespace {

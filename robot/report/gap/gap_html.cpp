@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/report/gap/gap_sections.hpp"
-#include "robot/report/gap/gap_labels.hpp"
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/gap/gap_labels.hpp"
+#include "robot/report/gap/gap_sections.hpp"
+#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 
 namespace biopsy::report {
 namespace {

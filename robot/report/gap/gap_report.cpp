@@ -1,8 +1,8 @@
 #include "robot/report/gap/gap_report.hpp"
 
+#include "robot/common/files/whole_file.hpp"
 #include "robot/report/gap/gap_html.hpp"
 #include "robot/report/gap/gap_json.hpp"
-#include "robot/common/files/whole_file.hpp"
 
 namespace biopsy::report {
 

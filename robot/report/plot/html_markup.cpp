@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "robot/report/gap/gap_labels.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/gap/gap_labels.hpp"
 
 namespace biopsy::report::markup {
 

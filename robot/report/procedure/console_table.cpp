@@ -7,8 +7,8 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/procedure/verdict.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
 namespace {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "robot/report/procedure/html_sections.hpp"
-#include "robot/report/plot/needle_overlay.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/plot/needle_overlay.hpp"
 #include "robot/report/plot/png.hpp"
-#include "robot/report/procedure/run_figure.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/run_figure.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -79,7 +79,8 @@ std::string stage_pictures(const RunRecord& record, std::size_t index) {
   std::string html = fmt::format("<h3>InsertionStep {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
                                  word(stage.stage.kind), fixed(stage.stage.depth.value, 2, "mm"));
   html += stage_picture(record, stage, false, fmt::format("InsertionStep {}, before", index + 1));
-  html += stage_picture(record, stage, true, fmt::format("InsertionStep {}, after, registered to before", index + 1));
+  html += stage_picture(record, stage, true,
+                        fmt::format("InsertionStep {}, after, registered to before", index + 1));
   html += "</div>\n";
   if (stage.check) html += "<p>" + escaped(stage.check->reason) + "</p>\n";
   return html;

@@ -1,12 +1,12 @@
 #include "robot/report/procedure/report_html.hpp"
 
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
+#include "robot/common/files/whole_file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/procedure/verdict.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "robot/common/number_text.hpp"
-#include "robot/report/procedure/verdict.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/common/number_text.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
 namespace {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "robot/common/picture.hpp"
 #include "robot/msg/depth_check.hpp"
 #include "robot/msg/measurement.hpp"
 #include "robot/msg/permit.hpp"
-#include "robot/common/picture.hpp"
 #include "robot/msg/plan.hpp"
 #include "robot/msg/volume.hpp"
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "robot/common/sanitize_text.hpp"
+#include "robot/report/plot/html_markup.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/common/sanitize_text.hpp"
 
 namespace biopsy::safety_case {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/plot/html_markup.hpp"
 #include "robot/report/plot/svg_chart.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 
 namespace biopsy::report {
 namespace {

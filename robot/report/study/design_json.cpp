@@ -1,8 +1,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "robot/report/study/design_html.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/report/study/design_html.hpp"
 
 namespace biopsy::report {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cctype>
 
+#include "robot/common/number_text.hpp"
+#include "robot/common/sanitize_text.hpp"
 #include "robot/report/plot/figure_svg.hpp"
 #include "robot/report/plot/html_markup.hpp"
 #include "robot/report/procedure/html_sections.hpp"
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
 #include "robot/report/study/paper_score.hpp"
 
 namespace biopsy::report {

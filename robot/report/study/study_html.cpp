@@ -1,9 +1,9 @@
 #include "robot/report/study/study_html.hpp"
 
+#include "robot/common/sanitize_text.hpp"
 #include "robot/report/plot/figure_svg.hpp"
 #include "robot/report/plot/html_markup.hpp"
 #include "robot/report/procedure/html_sections.hpp"
-#include "robot/common/sanitize_text.hpp"
 
 namespace biopsy::report {
 namespace {

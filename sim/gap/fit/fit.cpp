@@ -9,8 +9,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "sim/gap/residual/predict.hpp"
 #include "robot/common/in_parallel.hpp"
+#include "sim/gap/residual/predict.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -180,8 +180,8 @@ void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, doubl
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
   options.function_tolerance = kConverged;
-  // Where a step leaves the bounds Ceres effective_sample_size along it; by values alone, since a derivative costs as many
-  // simulations as there are unknowns.
+  // Where a step leaves the bounds Ceres effective_sample_size along it; by values alone, since a derivative
+  // costs as many simulations as there are unknowns.
   options.line_search_interpolation_type = ceres::QUADRATIC;
   options.max_num_line_search_step_size_iterations = kLooksAlongAStep;
   options.num_threads = 1;
@@ -214,8 +214,8 @@ void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
   }
   const double few = static_cast<double>(all.size());
   const Eigen::MatrixXd robust = inverse * scatter * inverse * (few / std::max(1.0, few - 1.0));
-  // What is left above the noise is the model's error, which comes back with every cycle: few effective_sample_size, not
-  // rows.
+  // What is left above the noise is the model's error, which comes back with every cycle: few
+  // effective_sample_size, not rows.
   const double square = mean_square(r), above = std::max(0.0, 1.0 - std::pow(evidence.noise, 2) / square);
   const double repeats = above * static_cast<double>(r.size()) / independent_looks(evidence.training_seconds);
   const Eigen::MatrixXd coherent = inverse * (1.0 + repeats);

@@ -7,16 +7,17 @@
 
 namespace biopsy::sim::gap {
 
-// How many independent effective_sample_size a stretch of time gives. Readings are dense, but what a model misses comes back
-// with every cycle of the drive: neighbours and cycles err together, and counting each reading would take a
-// difference in form (how friction sets in, say) for a discovery.
+// How many independent effective_sample_size a stretch of time gives. Readings are dense, but what a model
+// misses comes back with every cycle of the drive: neighbours and cycles err together, and counting each
+// reading would take a difference in form (how friction sets in, say) for a discovery.
 double independent_looks(double seconds);
 
 // d residual / d theta over the training rows; one column an unknown. Forward differences.
 Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evidence,
                               const std::vector<double>& residual_now);
 
-// Weight of one squared residual against one squared prior: independent effective_sample_size at the present misfit. 1/m^2
+// Weight of one squared residual against one squared prior: independent effective_sample_size at the present
+// misfit. 1/m^2
 double residual_weight(const Evidence& evidence, double mean_square);
 
 // Moves the unknowns to the optimum; `iterations` bounds the work. While something may still be missing the

@@ -154,7 +154,7 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
     const bool is_zero = model.baseline.*(numbers[i].member) == 0.0;
     if (is_free && is_zero)
       throw ConfigError(fmt::format("`{}` is to be fitted and is 0 in the model", numbers[i].name), "--free",
-                       "give it a value of the right order of magnitude, or leave it out of --free");
+                        "give it a value of the right order of magnitude, or leave it out of --free");
     if (is_zero) continue;  // a part that is not there
     if (is_free)
       out.unknowns.push_back(number(model, i, std::numeric_limits<double>::infinity(), kUnknownRange));
@@ -166,7 +166,7 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
   for (const std::string& name : free)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw ConfigError(fmt::format("\"{}\" is no number that can be fitted", name), "--free",
-                       fmt::format("use {}", fmt::join(known, ", ")));
+                        fmt::format("use {}", fmt::join(known, ", ")));
   return out;
 }
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/gap/select/evidence_runs.hpp"
 #include "sim/gap/fit/library.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
 
 namespace biopsy::sim::gap {
 

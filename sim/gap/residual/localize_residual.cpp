@@ -357,7 +357,7 @@ std::vector<double> since_reversal(const EvidenceRun& run, const SmoothedMotion&
 }
 
 std::vector<GapRegime> localize_residual(const Evidence& evidence, const std::vector<double>& before,
-                             const std::vector<double>& after, Drive drive) {
+                                         const std::vector<double>& after, Drive drive) {
   assert(before.size() == after.size());
   Tallies tallies;
   double time = 0.0, excess = 0.0;

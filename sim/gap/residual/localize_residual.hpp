@@ -36,7 +36,7 @@ std::vector<double> since_reversal(const EvidenceRun& run, const SmoothedMotion&
 // short or too slight to matter; last those that err like everything else. Shares and errors are weighted
 // by time, so that rows joined by `prepare` count for all they stand for. The result is in mm.
 std::vector<GapRegime> localize_residual(const Evidence& evidence, const std::vector<double>& before,
-                             const std::vector<double>& after, Drive drive);
+                                         const std::vector<double>& after, Drive drive);
 
 // One regime a row, for shading a trace.
 struct MainRegimes {

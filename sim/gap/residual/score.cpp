@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/gap/fit/fit.hpp"
-#include "sim/gap/residual/predict.hpp"
-#include "sim/gap/fit/probes.hpp"
 #include "robot/common/in_parallel.hpp"
+#include "sim/gap/fit/fit.hpp"
+#include "sim/gap/fit/probes.hpp"
+#include "sim/gap/residual/predict.hpp"
 
 namespace biopsy::sim::gap {
 namespace {

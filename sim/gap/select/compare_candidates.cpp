@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot/common/in_parallel.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
-#include "robot/common/in_parallel.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -124,7 +124,9 @@ double log_evidence(const ScoredModel& judged, double effective_sample_size, con
          0.5 * judged.hypothesis.prior_cost() - free * (0.5 * std::log(effective_sample_size) + kPlainness);
 }
 
-auto by_square = [](const CandidateFit& a, const CandidateFit& b) { return a.judged.square < b.judged.square; };
+auto by_square = [](const CandidateFit& a, const CandidateFit& b) {
+  return a.judged.square < b.judged.square;
+};
 
 // The best to convergence, and those beside it that could still beat it.
 void fit_best_well(std::vector<CandidateFit>& fits, std::size_t promising, const Evidence& fine) {
@@ -136,9 +138,8 @@ void fit_best_well(std::vector<CandidateFit>& fits, std::size_t promising, const
     judge_trial(fits[i], std::move(better), fine);
   });
   // What was only searched on coarse rows is judged on the same rows as the rest.
-  in_parallel(promising - count, [&](std::size_t i) {
-    judge_trial(fits[count + i], fits[count + i].judged.hypothesis, fine);
-  });
+  in_parallel(promising - count,
+              [&](std::size_t i) { judge_trial(fits[count + i], fits[count + i].judged.hypothesis, fine); });
 }
 
 void share_probability(Round& round) {
@@ -173,7 +174,8 @@ void mark_indistinguishable(Round& round, const ScoredModel& now) {
     const double explained = std::max(0.0, now.square - one.judged.square);
     for (CandidateFit& t : round.fits)
       if (t.fitted && std::isfinite(t.judged.square) && !(t.candidate == winner))
-        t.indistinguishable = t.indistinguishable || t.candidate == one.candidate || predict_the_same(t.judged, one.judged, explained);
+        t.indistinguishable = t.indistinguishable || t.candidate == one.candidate ||
+                              predict_the_same(t.judged, one.judged, explained);
   }
 }
 
@@ -205,8 +207,8 @@ double held_out_effective_sample_size(const Evidence& evidence) {
   return windows > 0.0 ? windows : independent_looks(evidence.held_out_seconds);
 }
 
-Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
-                 const Progress& progress) {
+Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
+                     const RoundName& name, const Progress& progress) {
   const std::vector<Candidate> open = open_candidates(now.hypothesis);
   progress(fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
@@ -230,8 +232,9 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   round.nothing = log_evidence(now, effective_sample_size, fine);
   for (CandidateFit& t : round.fits)
     if (t.fitted) t.log_evidence = log_evidence(t.judged, effective_sample_size, fine);
-  std::stable_sort(round.fits.begin(), end,
-                   [](const CandidateFit& a, const CandidateFit& b) { return a.log_evidence > b.log_evidence; });
+  std::stable_sort(round.fits.begin(), end, [](const CandidateFit& a, const CandidateFit& b) {
+    return a.log_evidence > b.log_evidence;
+  });
   share_probability(round);
   mark_indistinguishable(round, now);
   return round;

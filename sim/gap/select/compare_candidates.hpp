@@ -8,7 +8,7 @@ namespace biopsy::sim::gap {
 
 struct Round {
   std::vector<CandidateFit> fits;  // the best first
-  double nothing = 0.0;       // log evidence of the hypothesis as it stood
+  double nothing = 0.0;            // log evidence of the hypothesis as it stood
 };
 
 struct RoundName {
@@ -16,8 +16,8 @@ struct RoundName {
   std::string title;
 };
 
-Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine, const RoundName& name,
-                 const Progress& progress);
+Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
+                     const RoundName& name, const Progress& progress);
 
 // Friction between plate A and its guide, in either of its forms: one contains the other.
 bool is_dry_friction(const Candidate& candidate);

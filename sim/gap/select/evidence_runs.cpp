@@ -143,7 +143,7 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
   for (const RecordedRun& run : dataset.runs)
     if (run.time.size() < kFewestRows)
       throw ConfigError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
-                       run.file, fmt::format("record at least {} rows", kFewestRows));
+                        run.file, fmt::format("record at least {} rows", kFewestRows));
   evidence.step_share = grain == Grain::Coarse ? kCoarse : kFine;
   evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;

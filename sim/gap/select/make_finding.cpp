@@ -8,12 +8,12 @@
 #include <numbers>
 
 #include "sim/gap/millimetres.hpp"
-#include "sim/gap/select/next_experiment.hpp"
+#include "sim/gap/residual/localize_residual.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/residual_shape.hpp"
 #include "sim/gap/residual/trace.hpp"
+#include "sim/gap/select/next_experiment.hpp"
 #include "sim/gap/select/verdict.hpp"
-#include "sim/gap/residual/localize_residual.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -165,7 +165,7 @@ void name_runs(GapFinding& f, const Evidence& evidence) {
 }  // namespace
 
 FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
-                  const Evidence& evidence) {
+                      const Evidence& evidence) {
   FoundGap found;
   GapFinding& f = found.finding;
   const Drive drive = given.baseline.drive;

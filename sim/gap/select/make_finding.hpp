@@ -8,6 +8,6 @@ namespace biopsy::sim::gap {
 
 // `before`: the model as given, with only the numbers fitted that were said to be unknown.
 FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
-                  const Evidence& evidence);
+                      const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

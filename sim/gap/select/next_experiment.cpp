@@ -9,9 +9,9 @@
 #include <limits>
 #include <numbers>
 
+#include "robot/common/in_parallel.hpp"
 #include "safety/types/limits.hpp"
 #include "sim/gap/millimetres.hpp"
-#include "robot/common/in_parallel.hpp"
 #include "sim/plant/plant.hpp"
 #include "sim/plant/seeded_noise.hpp"
 

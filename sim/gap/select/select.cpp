@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/fit/fit.hpp"
+#include "sim/gap/select/compare_candidates.hpp"
 
 namespace biopsy::sim::gap {
 namespace {

@@ -1,10 +1,10 @@
 // Forward selection: which candidate explains the gap, and is it anything at all? Held-out runs decide.
 //
-// Evidence of a hypothesis = -effective_sample_size/2 ln(held-out mean square) - prior cost/2 - free numbers (ln(effective_sample_size)/2 +
-// 1): the Bayesian information criterion with an effective sample size. Residuals of a wrong model are
-// correlated, and counting each reading would take every candidate that comes along; `effective_sample_size` counts stretches
-// that err on their own (independent_looks). A tenth of the noise is tolerated, so that a difference between
-// integrators is nobody's effect.
+// Evidence of a hypothesis = -effective_sample_size/2 ln(held-out mean square) - prior cost/2 - free numbers
+// (ln(effective_sample_size)/2 + 1): the Bayesian information criterion with an effective sample size.
+// Residuals of a wrong model are correlated, and counting each reading would take every candidate that comes
+// along; `effective_sample_size` counts stretches that err on their own (independent_looks). A tenth of the
+// noise is tolerated, so that a difference between integrators is nobody's effect.
 #pragma once
 
 #include <functional>

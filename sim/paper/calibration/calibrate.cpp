@@ -47,7 +47,8 @@ Eigen::MatrixXd jacobian(const Question& question, const Vector& z, const Residu
   for (Eigen::Index i = 0; i < z.size(); ++i) apart[i] = moved(i, kStride)[i] - moved(i, -kStride)[i];
   in_parallel(2 * static_cast<std::size_t>(z.size()), [&](std::size_t i) {
     const auto parameter = static_cast<Eigen::Index>(i / 2);
-    (i % 2 == 0 ? ahead : behind)[i / 2] = f(question, moved(parameter, i % 2 == 0 ? kStride : -kStride), false);
+    (i % 2 == 0 ? ahead : behind)[i / 2] =
+        f(question, moved(parameter, i % 2 == 0 ? kStride : -kStride), false);
   });
   Eigen::MatrixXd out(ahead.front().size(), z.size());
   for (Eigen::Index i = 0; i < z.size(); ++i) out.col(i) = (ahead[i] - behind[i]) / apart[i];
@@ -90,8 +91,8 @@ Vector last_steps(const Question& question, Vector z, int steps) {
   return z;
 }
 
-// How well the parameters are known, in units of their doubts: a number of the paper is good to its band, and what
-// was known beforehand counts in full.
+// How well the parameters are known, in units of their doubts: a number of the paper is good to its band, and
+// what was known beforehand counts in full.
 Eigen::MatrixXd covariance(const Question& question, const Vector& z) {
   const Eigen::MatrixXd J =
       jacobian(question, z, readings).topRows(readings(question, z, true).size() - z.size());
@@ -171,7 +172,8 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   out.model = turned(question.start, question.parameters, z);
   for (Eigen::Index i = 0; i < z.size(); ++i) {
     out.parameters.push_back(found(question.parameters[i], z[i], stds[i]));
-    out.parameters.back().value = value_of(out.model, question.parameters[i].name);  // breakaway is at least sliding
+    out.parameters.back().value =
+        value_of(out.model, question.parameters[i].name);  // breakaway is at least sliding
   }
   out.rows = rows_at(question, z, true);
   out.runs = run_fits(question, z);

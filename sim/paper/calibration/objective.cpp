@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "safety/types/limits.hpp"
 #include "robot/common/in_parallel.hpp"
+#include "safety/types/limits.hpp"
 #include "sim/paper/figures/figures.hpp"
+#include "sim/paper/figures/rows.hpp"
 #include "sim/paper/open_loop.hpp"
 #include "sim/paper/paper_targets.hpp"
-#include "sim/paper/figures/rows.hpp"
 #include "sim/plant/simulate.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
 
-constexpr double kPrior = 0.1;  // a parameter one doubt off its nominal value, against a number a band off its own
+constexpr double kPrior =
+    0.1;  // a parameter one doubt off its nominal value, against a number a band off its own
 constexpr double kCentre = 0.15;  // pull of a number that is within its band towards its middle
 // Share by which a statement is to hold, and of a band that stays free, so that no row hangs by a thread.
 constexpr double kRoom = 0.03;

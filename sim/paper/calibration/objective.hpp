@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/paper/paper_figure.hpp"
 #include "sim/paper/calibration/parameters.hpp"
-#include "sim/plant/dataset.hpp"
+#include "sim/paper/paper_figure.hpp"
 #include "sim/paper/reproduce.hpp"
+#include "sim/plant/dataset.hpp"
 
 namespace biopsy::sim::calibration {
 
@@ -34,8 +34,8 @@ std::vector<paper::FigureEntry> calibrated_figures();
 std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z, bool in_parallel);
 
 // How hard a row pulls that is far from being reached. Even: by how far it is, so that a search that begins
-// far from everything comes near to most. Robust: hardly more than one that is nearly reached, so that the sum
-// of squares counts rows rather than being ruled by the worst.
+// far from everything comes near to most. Robust: hardly more than one that is nearly reached, so that the
+// sum of squares counts rows rather than being ruled by the worst.
 enum class Pull : std::uint8_t { Even, Robust };
 
 // One entry a row, a measured run and a parameter: 0 where a row is reached with room to spare.

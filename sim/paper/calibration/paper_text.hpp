@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "sim/plant/model_file.hpp"
 #include "sim/paper/paper_model.hpp"
+#include "sim/plant/model_file.hpp"
 
 namespace biopsy::sim::calibration {
 

@@ -56,7 +56,7 @@ Place place_of(PaperModel& model, const std::string& name) {
   if (place.si == nullptr) place = in_effects(model.stage.effects, name);
   if (place.si == nullptr)
     throw ConfigError(fmt::format("nothing in a model is called `{}`", name), "calibration",
-                     "name a value of [baseline], EFFECT.PARAMETER, film.NAME.tau or joint.mass_g");
+                      "name a value of [baseline], EFFECT.PARAMETER, film.NAME.tau or joint.mass_g");
   return place;
 }
 
@@ -80,11 +80,13 @@ void set_value(PaperModel& model, const std::string& name, double value) {
 }
 
 double to_search(const Parameter& parameter, double value) {
-  return parameter.share ? (value - parameter.nominal) / parameter.doubt : std::log(value / parameter.nominal) / parameter.doubt;
+  return parameter.share ? (value - parameter.nominal) / parameter.doubt
+                         : std::log(value / parameter.nominal) / parameter.doubt;
 }
 
 double from_search(const Parameter& parameter, double z) {
-  const double value = parameter.share ? parameter.nominal + z * parameter.doubt : parameter.nominal * std::exp(z * parameter.doubt);
+  const double value = parameter.share ? parameter.nominal + z * parameter.doubt
+                                       : parameter.nominal * std::exp(z * parameter.doubt);
   return std::clamp(value, parameter.low, parameter.high);
 }
 

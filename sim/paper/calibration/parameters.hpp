@@ -32,8 +32,9 @@ void set_value(paper::PaperModel& model, const std::string& name, double value);
 double to_search(const Parameter& parameter, double value);
 double from_search(const Parameter& parameter, double z);
 
-// The model with all parameters set so. What follows from them: breakaway is at least sliding friction, and the
-// other films' K follows the stage's by C2, which goes with eps_film/d_film (same size, same cable).
-paper::PaperModel turned(paper::PaperModel model, const std::vector<Parameter>& parameters, const Eigen::VectorXd& z);
+// The model with all parameters set so. What follows from them: breakaway is at least sliding friction, and
+// the other films' K follows the stage's by C2, which goes with eps_film/d_film (same size, same cable).
+paper::PaperModel turned(paper::PaperModel model, const std::vector<Parameter>& parameters,
+                         const Eigen::VectorXd& z);
 
 }  // namespace biopsy::sim::calibration

@@ -9,8 +9,8 @@
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/loop_panels.hpp"
 #include "sim/paper/figures/loop_scores.hpp"
-#include "sim/paper/paper_targets.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "sim/paper/paper_targets.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

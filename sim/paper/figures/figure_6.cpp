@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "sim/paper/figures/figures.hpp"
-#include "sim/paper/open_loop.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "sim/paper/open_loop.hpp"
 
 namespace biopsy::sim::paper {
 namespace {

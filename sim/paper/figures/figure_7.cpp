@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "sim/paper/figures/figures.hpp"
-#include "sim/paper/open_loop.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "sim/paper/open_loop.hpp"
 #include "sim/plant/pouch.hpp"
 
 namespace biopsy::sim::paper {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "sim/paper/figures/figures.hpp"
-#include "sim/paper/open_loop.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "sim/paper/open_loop.hpp"
 #include "sim/paper/stack_height.hpp"
 
 namespace biopsy::sim::paper {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "sim/paper/paper_figure.hpp"
 #include "sim/paper/closed_loop.hpp"
+#include "sim/paper/paper_figure.hpp"
 
 namespace biopsy::sim::paper {
 

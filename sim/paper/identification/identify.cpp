@@ -44,7 +44,7 @@ std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::stri
   }
   if (!any_current)
     throw ConfigError("no run has the column `current_uA`", place,
-                     "record the amplifier's current monitor, the mean over each row, beside the voltage");
+                      "record the amplifier's current monitor, the mean over each row, beside the voltage");
   double largest = 0.0;
   for (const ChargeRecord& record : records)
     for (const double volts : record.input) largest = std::max(largest, std::abs(volts));
@@ -53,7 +53,7 @@ std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::stri
         "no voltage is above {:.3g} V: the column voltage_V is in volts, not in kilovolts", largest));
   if (records.empty())
     throw ConfigError("no run steps its voltage", place,
-                     "hold 0 V, step to a constant voltage and hold it for three time constants or more");
+                      "hold 0 V, step to a constant voltage and hold it for three time constants or more");
   return records;
 }
 

@@ -90,7 +90,7 @@ LinearStage linearised(const PlantModel& full, double depth) {
   const PlantModel model = smooth(full);
   if (!can_hold(full, depth))
     throw ConfigError(fmt::format("a depth of {} mm cannot be held with {:.0f} kV", depth, kHighest * 1e-3),
-                     "the stage's model", "use a model with more stroke, or less weight");
+                      "the stage's model", "use a model with more stroke, or less weight");
   const double amplitude = paper::holding_voltage(model, depth, 0, kHighest);
   const PlantState middle = at_depth(model, depth, amplitude);
   const std::vector<Coordinate> all = coordinates(model);

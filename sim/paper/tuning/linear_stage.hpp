@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 #include <complex>
 
-#include "sim/plant/plant_model.hpp"
 #include "sim/paper/tuning/margins.hpp"
+#include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim::tuning {
 

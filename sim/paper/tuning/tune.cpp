@@ -200,7 +200,7 @@ Judged judged_with_feed(const Family& family, const std::string& name, const PiG
 Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgress& progress) {
   if (given.model.baseline.drive != Drive::Stack)
     throw ConfigError("a stage that is driven by a force has no voltage to tune", "drive = \"force\"",
-                     "give the model of a needle stage");
+                      "give the model of a needle stage");
   if (progress) progress(0.0, "stages within the uncertainty");
   NotedModel model = given;
   model.model.weight = paper::kWeight;

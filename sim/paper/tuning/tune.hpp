@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/paper/paper_figure.hpp"
-#include "sim/plant/model_file.hpp"
 #include "sim/paper/tuning/margins.hpp"
+#include "sim/plant/model_file.hpp"
 
 namespace biopsy::sim::tuning {
 

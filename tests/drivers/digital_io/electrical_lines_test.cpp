@@ -1,6 +1,4 @@
 // The lines as a file: what is refused, what is dead, who may write what.
-#include "drivers/digital_io/shared_io.hpp"
-
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -13,6 +11,7 @@
 #include <string>
 
 #include "drivers/digital_io/io_views.hpp"
+#include "drivers/digital_io/shared_io.hpp"
 #include "robot/common/config_error.hpp"
 #include "tests/drivers/digital_io/high_voltage.hpp"
 #include "tests/scratch_folder.hpp"

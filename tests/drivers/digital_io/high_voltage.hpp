@@ -1,8 +1,8 @@
 // A voltage that the gate let through: there is no other way to have one.
 #pragma once
 
-#include "safety/types/limits.hpp"
 #include "safety/gate.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::digital_io {
 

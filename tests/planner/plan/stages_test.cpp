@@ -1,10 +1,9 @@
-#include "planner/plan/insertion_steps.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
+#include "planner/plan/insertion_steps.hpp"
 #include "safety/types/limits.hpp"
 
 namespace biopsy::planner {
@@ -23,8 +22,8 @@ std::vector<Millimetres> millimetres(const std::vector<double>& values) {
 }
 
 std::vector<InsertionStep> stages_in(const std::vector<Layer>& layers, double target,
-                             const std::vector<double>& waypoints = {},
-                             Staging staging = Staging::Automatic) {
+                                     const std::vector<double>& waypoints = {},
+                                     Staging staging = Staging::Automatic) {
   return plan_stages(layers, Millimetres(target), millimetres(waypoints), staging, Pace{},
                      NominalModel(Grams(50)));
 }
@@ -55,7 +54,7 @@ TEST(Stages, AutomaticStagesStopOnBothSidesOfEachBoundary) {
   const auto stages = stages_in(kPhantom, 3.5);
   expect_depths(stages, {1.7, 2.3, 2.6, 3.2, 3.5});
   const std::vector<StepKind> kinds = {StepKind::Approach, StepKind::Cross, StepKind::Approach,
-                                        StepKind::Cross, StepKind::Target};
+                                       StepKind::Cross, StepKind::Target};
   const std::vector<bool> confirms = {false, false, true, false, true};
   for (std::size_t n = 0; n < stages.size(); ++n) {
     EXPECT_EQ(stages[n].kind, kinds[n]) << n;

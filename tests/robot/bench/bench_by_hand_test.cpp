@@ -10,9 +10,9 @@
 #include "robot/bench/bench_run.hpp"
 #include "robot/bench/experiments.hpp"
 #include "robot/bench/hand_push.hpp"
-#include "sim/simulated_stage.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/simulate.hpp"
+#include "sim/simulated_stage.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::robot {

@@ -114,8 +114,8 @@ TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {
 TEST(Characterise, AStageThatNeedsMoreVoltageGetsItUnderTheSameSupervisor) {
   const ScratchFolder folder;
   const auto measured = [&](const std::string& scale) {
-    return biopsy("characterise --bench --model " + (kHouse / "sim/models/calibrated.toml").string() + " --drive-scale " +
-                  scale + " --out " + (folder / scale).string());
+    return biopsy("characterise --bench --model " + (kHouse / "sim/models/calibrated.toml").string() +
+                  " --drive-scale " + scale + " --out " + (folder / scale).string());
   };
   const Answer little = measured("1"), enough = measured("2");
   EXPECT_EQ(little.code, 0) << little.text;
@@ -221,8 +221,8 @@ TEST(Characterise, RefusesWithWhatToDo) {
   refuse("--bench", "--out");
   refuse("fly --bench" + out, "choose from: dc, staircase, load, impact, frequency");
   refuse("--device nidaqmx --bench" + out, "--commissioning");
-  const std::string board = " --device-config " + (kHouse / "drivers/nidaqmx/usb6211.toml").string() + " --commissioning " +
-                            (folder / "none").string();
+  const std::string board = " --device-config " + (kHouse / "drivers/nidaqmx/usb6211.toml").string() +
+                            " --commissioning " + (folder / "none").string();
   refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
   refuse("load --device nidaqmx --bench" + board + out, "--weights-by-hand");
   refuse("load --device nidaqmx --weights-by-hand --bench" + board + out, "libnidaqmx.so");

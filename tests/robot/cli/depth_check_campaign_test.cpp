@@ -11,9 +11,9 @@
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "planner/imaging/io/read_volume.hpp"
+#include "sim/plant/seeded_noise.hpp"
 #include "sim/scanner/phantom.hpp"
 #include "sim/scanner/scanner.hpp"
-#include "sim/plant/seeded_noise.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy {

@@ -11,9 +11,9 @@
 #include "robot/msg/permit.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
-#include "tests/robot/live/steady_host.hpp"
 #include "tests/robot/cli/command.hpp"
 #include "tests/robot/cli/documented_fields.hpp"
+#include "tests/robot/live/steady_host.hpp"
 
 namespace biopsy::stories {
 namespace {

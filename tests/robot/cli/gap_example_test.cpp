@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kHiddenForce_N = 0.050;  // given to the generator of tests/sim/gap, written nowhere in the data
+constexpr double kHiddenForce_N =
+    0.050;  // given to the generator of tests/sim/gap, written nowhere in the data
 
 std::string sha256(const std::string& bytes) {
   std::array<unsigned char, 32> digest{};

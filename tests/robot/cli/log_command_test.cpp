@@ -7,8 +7,8 @@
 #include <array>
 #include <cstdlib>
 
-#include "robot/security/make_keys.hpp"
 #include "robot/recorder/recorder.hpp"
+#include "robot/security/make_keys.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 

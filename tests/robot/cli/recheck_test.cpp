@@ -13,8 +13,7 @@
 namespace biopsy::stories {
 namespace {
 
-const std::filesystem::path kRehearsal =
-    source_dir() / "sim/models/rehearsal.toml";
+const std::filesystem::path kRehearsal = source_dir() / "sim/models/rehearsal.toml";
 const std::string kNoisy = "[baseline]\n[effect.sensor_noise]\nstd_mm = 0.010\n";
 // An amplifier that gives no more than 1.2 kV lifts nothing to the target.
 const std::string kWeak = "[effect.voltage_saturation]\nlevel_kV = 1.2\nknee_kV = 0\n";

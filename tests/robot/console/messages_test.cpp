@@ -2,14 +2,14 @@
 #include <gtest/gtest.h>
 
 #include "planner/imaging/io/read_volume.hpp"
+#include "robot/common/files/whole_file.hpp"
 #include "robot/console/server/command_from_json.hpp"
-#include "robot/console/server/origin_policy.hpp"
 #include "robot/console/server/lease.hpp"
 #include "robot/console/server/nifti_bytes.hpp"
+#include "robot/console/server/origin_policy.hpp"
 #include "robot/console/server/outbox.hpp"
 #include "robot/console/server/picked_point.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "sim/scanner/phantom.hpp"
 #include "tests/scratch_folder.hpp"
 

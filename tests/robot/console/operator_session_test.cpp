@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "planner/plan/seal.hpp"
-#include "robot/procedure/procedure.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/procedure/procedure.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/phantom.hpp"
 #include "tests/scratch_folder.hpp"
@@ -31,9 +31,9 @@ struct Desk {
 
   explicit Desk(const Case& given)
       : session(open_case(given, folder / "case"), true, folder.path(), 1,
-                  [this](const Plan&, const std::array<std::uint64_t, 2>& confirmed) {
-                    sent.push_back(confirmed);
-                  }) {
+                [this](const Plan&, const std::array<std::uint64_t, 2>& confirmed) {
+                  sent.push_back(confirmed);
+                }) {
     session.came(kPage);
   }
 

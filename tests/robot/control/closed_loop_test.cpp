@@ -39,8 +39,7 @@ struct Trouble {
 
 Trace driven(const std::string& model_name, double target_mm, int ticks = 12000,
              const Trouble& trouble = {}) {
-  const sim::PlantModel model =
-      sim::read_model(source_dir() / "sim" / "models" / model_name);
+  const sim::PlantModel model = sim::read_model(source_dir() / "sim" / "models" / model_name);
   Plan plan;
   plan.stages.resize(1);
   plan.stages[0].depth = Millimetres(target_mm);

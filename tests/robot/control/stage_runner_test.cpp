@@ -1,10 +1,10 @@
 // The runner asks for what the plan and the permit say, tick by tick.
-#include "robot/control/step_runner.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
+
+#include "robot/control/step_runner.hpp"
 
 namespace biopsy::control {
 namespace {

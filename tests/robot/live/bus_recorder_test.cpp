@@ -1,13 +1,13 @@
 // What a process says of itself is in the procedure log.
-#include "robot/recorder/bus_recorder.hpp"
+#include "robot/live/bus_recorder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <thread>
 
-#include "robot/security/cyclone_xml.hpp"
 #include "robot/live/heartbeat.hpp"
+#include "robot/security/cyclone_xml.hpp"
 #include "tests/robot/recorder/log_for_tests.hpp"
 
 namespace biopsy::robot {

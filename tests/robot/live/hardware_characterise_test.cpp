@@ -4,7 +4,7 @@
 #include <array>
 #include <thread>
 
-#include "robot/cli/commands.hpp"
+#include "robot/bench/characterise.hpp"
 #include "sim/plant/dataset.hpp"
 #include "tests/robot/live/laboratory.hpp"
 #include "tests/robot/live/steady_host.hpp"
@@ -59,14 +59,14 @@ TEST(HardwareLive, CharacteriseAsksAHandForWeightsAndDatesThemByTheDepth) {
   const fs::path leaky = lab.folder.path() / "leaky.toml";  // rests for 3.5 s
   std::ofstream(leaky) << "[baseline]\ntau = 0.5\n";
   const robot::CharacteriseOptions options{.experiments = {"load"},
-                                         .device = "nidaqmx",
-                                         .model = leaky,
-                                         .bench = true,
-                                         .weights_by_hand = true,
-                                         .device_config = lab.hardware.config,
-                                         .commissioning = lab.hardware.commissioning,
-                                         .keys = lab.options.keys,
-                                         .out = lab.folder.path() / "data"};
+                                           .device = "nidaqmx",
+                                           .model = leaky,
+                                           .bench = true,
+                                           .weights_by_hand = true,
+                                           .device_config = lab.hardware.config,
+                                           .commissioning = lab.hardware.commissioning,
+                                           .keys = lab.options.keys,
+                                           .out = lab.folder.path() / "data"};
   on_a_steady_host([&]() -> std::string {
     fake::Board& board = *fake_reset();
     const std::jthread hand([&](const std::stop_token& stop) { lay_on(stop, board, kSixGrams_N); });

@@ -11,11 +11,11 @@
 
 #include "drivers/commissioning/load_commissioning.hpp"
 #include "drivers/commissioning/signature.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/live/session/live_session.hpp"
+#include "robot/procedure/case.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
-#include "robot/common/config_error.hpp"
 #include "tests/robot/bench/benches.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"

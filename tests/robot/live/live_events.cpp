@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "drivers/digital_io/io_views.hpp"
-#include "robot/live/session/live_session.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "robot/live/session/live_session.hpp"
 #include "tests/robot/live/host_watch.hpp"
 #include "tests/robot/live/live_motion.hpp"
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
-#include "robot/cli/live_options.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/live/session/live_options.hpp"
 #include "robot/msg/live.hpp"
+#include "robot/procedure/prepared_case.hpp"
 #include "tests/robot/live/bad_wire.hpp"
 
 namespace biopsy::live_tests {

@@ -27,10 +27,11 @@ std::optional<robot::World> move(robot::LiveSession& session, const Plan& plan, 
 }
 
 std::unique_ptr<robot::LiveSession> moving_robot(const robot::LiveOptions& options,
-                                               const robot::PreparedCase& prepared,
-                                               const std::filesystem::path& folder) {
+                                                 const robot::PreparedCase& prepared,
+                                                 const std::filesystem::path& folder) {
   const Plan& plan = std::get<Plan>(prepared.plan);
-  auto session = std::make_unique<robot::LiveSession>(options, "sim", robot::HardwareOptions{}, prepared, folder);
+  auto session =
+      std::make_unique<robot::LiveSession>(options, "sim", robot::HardwareOptions{}, prepared, folder);
   session->wait_until_healthy();
   session->send_plan(plan);
   if (!move(*session, plan, kMoving_ticks)) return nullptr;

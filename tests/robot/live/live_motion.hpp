@@ -17,7 +17,7 @@ std::optional<robot::World> move(robot::LiveSession& session, const Plan& plan, 
 
 // A secured or plain robot that moves, in `folder`. Empty: it never did.
 std::unique_ptr<robot::LiveSession> moving_robot(const robot::LiveOptions& options,
-                                               const robot::PreparedCase& prepared,
-                                               const std::filesystem::path& folder);
+                                                 const robot::PreparedCase& prepared,
+                                                 const std::filesystem::path& folder);
 
 }  // namespace biopsy::live_tests

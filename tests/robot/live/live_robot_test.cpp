@@ -10,17 +10,17 @@
 
 #include "drivers/digital_io/io_views.hpp"
 #include "planner/plan/seal.hpp"
-#include "robot/procedure/case.hpp"
-#include "robot/live/session/live_session.hpp"
-#include "robot/procedure/rehearsal.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/procedure/case.hpp"
+#include "robot/procedure/rehearsal.hpp"
 #include "robot/recorder/log_keys.hpp"
 #include "robot/recorder/verify.hpp"
 #include "tests/robot/live/in_time.hpp"
 #include "tests/robot/live/live_events.hpp"
 #include "tests/robot/live/live_motion.hpp"
-#include "tests/robot/live/steady_host.hpp"
 #include "tests/robot/live/log_mentions.hpp"
+#include "tests/robot/live/steady_host.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -72,7 +72,7 @@ TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
     session.send_plan(gap_plan());
     const report::RunRecord record =
         robot::rehearse_on([&](const robot::World& world) { return session.robot().tick(world); }, gap_case(),
-                         folder.path(), [](double, const std::string&) {});
+                           folder.path(), [](double, const std::string&) {});
     EXPECT_TRUE(session.stop().empty());
     if (record.outcome != report::Outcome::Completed) return "the procedure was stopped: " + record.refusal;
     EXPECT_NEAR(record.final_depth_mm, 2.5, 0.1);
@@ -168,7 +168,7 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
     wire.set(trouble);
     const report::RunRecord record =
         robot::rehearse_on([&](const robot::World& world) { return session.robot().tick(world); }, gap_case(),
-                         folder.path(), [](double, const std::string&) {});
+                           folder.path(), [](double, const std::string&) {});
     wire.set({});
     session.stop();
     const PacketTrouble done = wire.done();

@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include "drivers/digital_io/shared_io.hpp"
-#include "robot/live/monotonic_session_id.hpp"
-#include "robot/cycle/self_test.hpp"
-#include "robot/live/supervisor_loop.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/cycle/self_test.hpp"
+#include "robot/live/monotonic_session_id.hpp"
+#include "robot/live/supervisor_loop.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::live {

@@ -8,13 +8,13 @@
 #include <chrono>
 #include <csignal>
 
-#include "robot/procedure/case.hpp"
 #include "robot/live/session/live_session.hpp"
+#include "robot/procedure/case.hpp"
 #include "robot/security/make_keys.hpp"
 #include "safety/types/hazards.hpp"
 #include "tests/robot/live/live_motion.hpp"
-#include "tests/robot/live/steady_host.hpp"
 #include "tests/robot/live/log_mentions.hpp"
+#include "tests/robot/live/steady_host.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 

@@ -115,7 +115,8 @@ TEST(Recorder, RefusesALogOfAnotherKeyAnEmptyFileAndAFolder) {
   EXPECT_THROW(Recorder("/proc/nowhere/procedure.log", folder.key()), ConfigError);
   fs::rename(folder.log, folder.scratch / "kept.log");
   folder.scratch.write("procedure.log-wal", "the end of another log");
-  EXPECT_THROW(Recorder(folder.log, folder.key()), ConfigError) << "a new log would swallow the old one's WAL";
+  EXPECT_THROW(Recorder(folder.log, folder.key()), ConfigError)
+      << "a new log would swallow the old one's WAL";
   EXPECT_FALSE(fs::exists(folder.log));
 }
 

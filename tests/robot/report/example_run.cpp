@@ -99,7 +99,7 @@ std::vector<Sample> samples() {
 }
 
 StepResult stage_result(const InsertionStep& stage, double reached_s, double depth_mm, double image_mm,
-                         std::string layer) {
+                        std::string layer) {
   StepResult result;
   result.stage = stage;
   result.reached = true;

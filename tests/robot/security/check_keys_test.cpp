@@ -7,10 +7,10 @@
 #include <functional>
 #include <random>
 
+#include "robot/common/config_error.hpp"
 #include "robot/security/certificates.hpp"
 #include "robot/security/signed_text.hpp"
 #include "robot/security/whole_set.hpp"
-#include "robot/common/config_error.hpp"
 #include "tests/robot/security/made_set.hpp"
 
 namespace biopsy::security {

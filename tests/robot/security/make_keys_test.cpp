@@ -8,10 +8,10 @@
 #include <map>
 #include <random>
 
-#include "robot/security/check_keys.hpp"
-#include "robot/common/files/atomic_directory.hpp"
-#include "robot/security/whole_set.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/atomic_directory.hpp"
+#include "robot/security/check_keys.hpp"
+#include "robot/security/whole_set.hpp"
 #include "tests/robot/security/made_set.hpp"
 
 namespace biopsy::security {

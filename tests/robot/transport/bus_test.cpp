@@ -7,13 +7,13 @@
 #include <string_view>
 #include <thread>
 
-#include "robot/security/cyclone_xml.hpp"
-#include "robot/security/roles.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/msg/drive_request.hpp"
 #include "robot/msg/live.hpp"
 #include "robot/msg/measurement.hpp"
 #include "robot/msg/permit.hpp"
-#include "robot/common/config_error.hpp"
+#include "robot/security/cyclone_xml.hpp"
+#include "robot/security/roles.hpp"
 #include "robot/transport/topics.hpp"
 
 namespace biopsy::transport {

@@ -1,9 +1,9 @@
 // The gate to the millivolt and the microsecond, and from states that only a broken memory holds.
 #include <gtest/gtest.h>
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/gate.hpp"
+#include "safety/types/limits.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

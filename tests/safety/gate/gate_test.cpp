@@ -1,4 +1,6 @@
 // The gate: one by one, and over random permits and requests.
+#include "safety/gate.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -6,9 +8,8 @@
 #include <random>
 #include <type_traits>
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
-#include "safety/gate.hpp"
+#include "safety/types/limits.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "tests/safety/rig.hpp"
 #include "safety/monitors/depth_monitor.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

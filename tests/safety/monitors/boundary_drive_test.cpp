@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "tests/safety/rig.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -3,11 +3,11 @@
 
 #include <limits>
 
-#include "tests/safety/rig.hpp"
 #include "safety/monitors/clock_step.hpp"
 #include "safety/monitors/debounce.hpp"
-#include "safety/types/plan_facts.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "safety/types/plan_facts.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -1,8 +1,8 @@
 // The needle's depth and the plan's model of it, condition by condition.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

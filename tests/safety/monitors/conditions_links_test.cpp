@@ -2,8 +2,8 @@
 // order or from a part that was restarted.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
 #include "safety/challenge.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

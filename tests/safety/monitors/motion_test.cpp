@@ -1,8 +1,8 @@
 // Hold-to-run, stages and depth checks: what makes the needle go on, and what cannot.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
 #include "safety/types/thresholds.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "tests/safety/rig.hpp"
 #include "safety/monitors/depth_monitor.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -2,8 +2,8 @@
 // without somebody who says "no patient, no needle" it may do nothing at all.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
 #include "safety/types/thresholds.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

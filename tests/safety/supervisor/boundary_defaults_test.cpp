@@ -3,11 +3,11 @@
 
 #include <limits>
 
-#include "safety/monitors/evidence.hpp"
 #include "safety/gate.hpp"
 #include "safety/interlock.hpp"
-#include "safety/supervisor.hpp"
+#include "safety/monitors/evidence.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "safety/supervisor.hpp"
 
 namespace biopsy::safety {
 namespace {

@@ -1,9 +1,9 @@
 // Which event a step names and what it answers to a request, at the edges of times, tokens and stages.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

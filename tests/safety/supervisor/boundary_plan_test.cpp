@@ -1,10 +1,10 @@
 // The numbers of a plan at the edges of what the robot could mean, and the band between its points.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
+#include "safety/monitors/tissue_monitor.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/plan_facts.hpp"
-#include "safety/monitors/tissue_monitor.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

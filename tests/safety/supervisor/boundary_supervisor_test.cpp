@@ -1,11 +1,11 @@
 // What one step makes of one state, field by field: everything a permit and an output say.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/decide.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

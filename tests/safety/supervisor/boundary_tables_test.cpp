@@ -6,16 +6,16 @@
 #include <sstream>
 #include <string>
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
-#include "safety/monitors/depth_monitor.hpp"
-#include "safety/types/hazards.hpp"
 #include "safety/interlock.hpp"
-#include "safety/types/thresholds.hpp"
+#include "safety/monitors/depth_monitor.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "safety/types/hazards.hpp"
+#include "safety/types/limits.hpp"
+#include "safety/types/thresholds.hpp"
 #include "safety/types/transitions.hpp"
-#include "tests/source_dir.hpp"
 #include "tests/safety/verifies.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::safety {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <limits>
 
-#include "tests/safety/rig.hpp"
-#include "safety/types/limits.hpp"
 #include "safety/gate.hpp"
+#include "safety/types/limits.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "tests/safety/rig.hpp"
 #include "safety/types/thresholds.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -4,8 +4,8 @@
 #include <array>
 #include <random>
 
-#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

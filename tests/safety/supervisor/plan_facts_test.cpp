@@ -1,10 +1,10 @@
 // Plan facts, hazard table and interlock.
 #include <gtest/gtest.h>
 
-#include "tests/safety/rig.hpp"
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
 #include "safety/interlock.hpp"
+#include "safety/types/limits.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

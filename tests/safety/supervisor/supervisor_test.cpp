@@ -3,9 +3,9 @@
 
 #include <set>
 
-#include "tests/safety/rig.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
+#include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

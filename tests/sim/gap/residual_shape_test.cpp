@@ -92,7 +92,8 @@ TEST(ResidualShape, AConstantDependsOnNothing) {
 }
 
 TEST(ResidualShape, NoiseWithAMemoryIsHardlyTakenForACurve) {
-  // Memory of 1 s: twenty effective_sample_size a run. A curve drawn from the residual itself "explains" a large share.
+  // Memory of 1 s: twenty effective_sample_size a run. A curve drawn from the residual itself "explains" a
+  // large share.
   double largest = 0.0;
   int taken = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -109,7 +110,8 @@ TEST(ResidualShape, NoiseWithAMemoryIsHardlyTakenForACurve) {
       if (shape.quantity != "weight") largest = std::max(largest, shape.share_explained);
   }
   EXPECT_LT(largest,
-            0.05);  // weight has as many effective_sample_size as there are runs, six: chance has its way now and then
+            0.05);  // weight has as many effective_sample_size as there are runs, six: chance has its way now
+                    // and then
   EXPECT_LE(taken, 4) << "of 20, eight quantities each";
 }
 

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "sim/plant/model_file.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "sim/plant/model_file.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::sim::paper {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/plant/model_file.hpp"
 #include "sim/paper/figures/loop_scores.hpp"
+#include "sim/plant/model_file.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::sim::paper {

@@ -8,8 +8,8 @@
 #include "sim/plant/dataset.hpp"
 #include "sim/plant/simulate.hpp"
 #include "tests/scratch_folder.hpp"
-#include "tests/sim/plant/refusal.hpp"
 #include "tests/sim/effects/staged_model.hpp"
+#include "tests/sim/plant/refusal.hpp"
 
 namespace biopsy::sim {
 namespace {

@@ -10,8 +10,8 @@
 #include "sim/plant/baseline_entries.hpp"
 #include "sim/plant/effect_labels.hpp"
 #include "tests/scratch_folder.hpp"
-#include "tests/sim/plant/refusal.hpp"
 #include "tests/sim/effects/staged_model.hpp"
+#include "tests/sim/plant/refusal.hpp"
 
 namespace biopsy::sim {
 namespace {

@@ -1,10 +1,9 @@
 // The simulated stage behind the port of the hardware.
-#include "sim/simulated_stage.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "sim/simulated_stage.hpp"
 #include "tests/sim/effects/staged_model.hpp"
 
 namespace biopsy::sim {

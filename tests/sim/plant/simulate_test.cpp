@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "tests/scratch_folder.hpp"
-#include "tests/sim/plant/refusal.hpp"
 #include "tests/sim/effects/staged_model.hpp"
+#include "tests/sim/plant/refusal.hpp"
 
 namespace biopsy::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <type_traits>
 
-#include "safety/types/limits.hpp"
 #include "robot/common/in_parallel.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::proof {
 namespace {
@@ -74,7 +74,8 @@ std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t class
   sim::in_parallel(faults.size(), [&](std::size_t i) {
     Campaign campaign{workshop};
     campaign.tap = [&stream = streams[i]](const safety::PlanFacts& facts, const safety::Observation& seen,
-                                          const safety::SupervisorInput& asked, const robot::Delivery& given) {
+                                          const safety::SupervisorInput& asked,
+                                          const robot::Delivery& given) {
       stream.facts = facts;
       Beat beat;
       beat.seen = seen;

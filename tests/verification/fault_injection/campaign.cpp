@@ -7,8 +7,8 @@
 #include <deque>
 #include <optional>
 
-#include "safety/types/limits.hpp"
 #include "robot/common/in_parallel.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::proof {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
+#include "safety/types/limits.hpp"
 #include "safety/types/transitions.hpp"
 #include "tests/verification/fault_injection/fault_class.hpp"
 
@@ -59,7 +59,7 @@ Corruptors arc(Draw& draw, Procedure& procedure, const Line&) {
   const auto arc_nA = static_cast<std::int32_t>(1e6 * draw.within(1.1, 20.0));
   corrupt.reading = [=](drivers::SensorReading& r) { r.current_nA += r.monitor_mV < 0 ? -arc_nA : arc_nA; };
   corrupt.shows = [before = procedure.last().measurement.command_mV,
-                 changes = std::array<double, 3>{}](const Sight& s) mutable {
+                   changes = std::array<double, 3>{}](const Sight& s) mutable {
     changes = {std::abs(double{1.0} * s.seen.measurement.command_mV - before), changes[0], changes[1]};
     before = s.seen.measurement.command_mV;
     return std::abs(s.seen.measurement.current_nA) > 2.0 * *std::ranges::max_element(changes) + 1e6;

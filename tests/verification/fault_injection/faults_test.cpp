@@ -5,10 +5,10 @@
 #include <cmath>
 #include <ostream>
 
+#include "tests/safety/verifies.hpp"
 #include "tests/source_dir.hpp"
 #include "tests/verification/fault_injection/campaign.hpp"
 #include "tests/verification/fault_injection/trace_text.hpp"
-#include "tests/safety/verifies.hpp"
 
 namespace biopsy::proof {
 

@@ -29,7 +29,7 @@ auto out_of_order(const Procedure& procedure) {
 Corruptors lose(Draw& draw, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   corrupt.observation = [draw, old = procedure.last().measurement,
-                       lost = draw.whole(1, 3)](safety::Observation& seen) mutable {
+                         lost = draw.whole(1, 3)](safety::Observation& seen) mutable {
     if (lost-- > 0) {
       seen.measurement = old;
     } else {
@@ -73,7 +73,7 @@ Corruptors swap(Draw&, Procedure& procedure, const Line&) {
 Corruptors replay(Draw& draw, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   corrupt.observation = [length = static_cast<std::size_t>(draw.whole(10, 200)), next = std::size_t{0},
-                       record = std::vector<Measurement>{}](safety::Observation& seen) mutable {
+                         record = std::vector<Measurement>{}](safety::Observation& seen) mutable {
     if (record.size() < length)
       record.push_back(seen.measurement);
     else

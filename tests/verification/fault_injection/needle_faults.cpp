@@ -89,7 +89,8 @@ Corruptors drop(Draw& draw, Procedure&, const Line&) {
 Corruptors jerk(Draw& draw, Procedure&, const Line& now) {
   Corruptors corrupt;
   const double way_mm = draw.within(1.0, 1.7);
-  corrupt.push_N = hand(1e-3 * now.depth_mm, 1e-3 * (now.depth_mm + way_mm), 1e-3 * draw.within(120.0, 300.0));
+  corrupt.push_N =
+      hand(1e-3 * now.depth_mm, 1e-3 * (now.depth_mm + way_mm), 1e-3 * draw.within(120.0, 300.0));
   corrupt.shows = [past = std::vector<std::int32_t>{}](const Sight& s) mutable {
     past.push_back(s.seen.measurement.depth_um);
     const std::size_t ten = past.size() > 10 ? past.size() - 11 : 0;

@@ -51,7 +51,9 @@ Corruptors tamper(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  corrupt.observation = [=](safety::Observation& seen) { seen.config_tag = gone ? 0 : seen.config_tag ^ flaw; };
+  corrupt.observation = [=](safety::Observation& seen) {
+    seen.config_tag = gone ? 0 : seen.config_tag ^ flaw;
+  };
   return corrupt;
 }
 

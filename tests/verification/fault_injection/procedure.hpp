@@ -4,12 +4,12 @@
 
 #include <cstdint>
 
-#include "robot/procedure/operator.hpp"
 #include "robot/control/step_runner.hpp"
+#include "robot/procedure/operator.hpp"
 #include "safety/interlock.hpp"
 #include "sim/simulated_stage.hpp"
-#include "tests/verification/fault_injection/scene.hpp"
 #include "tests/verification/fault_injection/corruptors.hpp"
+#include "tests/verification/fault_injection/scene.hpp"
 
 namespace biopsy::proof {
 

@@ -28,7 +28,9 @@ Corruptors stop_measuring(Draw&, Procedure& procedure, const Line&) {
 Corruptors freeze(Draw&, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   const Measurement old = procedure.last().measurement;
-  corrupt.reading = [=](drivers::SensorReading& r) { r.depth_um = old.depth_um, r.laser_code = old.laser_code; };
+  corrupt.reading = [=](drivers::SensorReading& r) {
+    r.depth_um = old.depth_um, r.laser_code = old.laser_code;
+  };
   corrupt.shows = [low = std::numeric_limits<std::int32_t>::max(), high = 0](const Sight& s) mutable {
     low = std::min(low, std::abs(s.seen.measurement.command_mV));
     high = std::max(high, std::abs(s.seen.measurement.command_mV));

@@ -3,8 +3,8 @@
 
 #include "robot/security/check_keys.hpp"
 #include "robot/security/key_files.hpp"
-#include "tests/verification/fuzz/target.hpp"
 #include "tests/robot/security/made_set.hpp"
+#include "tests/verification/fuzz/target.hpp"
 
 FUZZ(keys) {
   using namespace biopsy;

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "tests/verification/fuzz/safety_values.hpp"
 #include "tests/safety/rig.hpp"
+#include "tests/verification/fuzz/safety_values.hpp"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // Safety's plain values out of bytes, every field anything at all; and what must be true of every permit.
 #pragma once
 
-#include "safety/types/limits.hpp"
 #include "safety/gate.hpp"
 #include "safety/supervisor.hpp"
+#include "safety/types/limits.hpp"
 #include "tests/verification/fuzz/target.hpp"
 
 namespace biopsy::fuzz {

@@ -37,7 +37,8 @@ void prove_bugs(Report& report, const MutantBuild& mutant_build) {
   std::mutex mutex;
   in_parallel(bugs.size(), [&](std::size_t i) {
     const SeededSubject subject(mutant_build, &bugs[i]);
-    caught[i] = find_violation(subject.get(), bugs[i].part, unchanged[static_cast<std::size_t>(bugs[i].part)].claims);
+    caught[i] =
+        find_violation(subject.get(), bugs[i].part, unchanged[static_cast<std::size_t>(bugs[i].part)].claims);
     const std::lock_guard lock(mutex);
     fmt::print(stderr, "seeded bug {}: breaks {}\n", bugs[i].id,
                caught[i].claims.empty() ? "nothing that is looked at"

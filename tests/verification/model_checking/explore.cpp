@@ -5,9 +5,9 @@
 #include <chrono>
 #include <filesystem>
 
-#include "tests/source_dir.hpp"
 #include "parts.hpp"
 #include "robot/common/config_error.hpp"
+#include "tests/source_dir.hpp"
 
 namespace {
 
@@ -42,7 +42,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", options.quick, "one hazard of each class instead of all combinations");
   app.add_flag("--bugs", options.bugs, "also find_violation the seeded bugs");
   app.add_flag("--spin", options.spin, "also ask Spin");
-  app.add_option("--bench", options.mutant_build.bench, "folder for copies and models")->capture_default_str();
+  app.add_option("--bench", options.mutant_build.bench, "folder for copies and models")
+      ->capture_default_str();
   try {
     app.parse(argc, argv);
     const explore::Report report = prove(options);

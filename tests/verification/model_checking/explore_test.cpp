@@ -3,16 +3,16 @@
 
 #include <fstream>
 
+#include "counterexample.hpp"
 #include "explorer.hpp"
-#include "gate_explorer.hpp"
 #include "find_violation.hpp"
+#include "gate_explorer.hpp"
+#include "mutant_build.hpp"
 #include "parts.hpp"
 #include "plans.hpp"
 #include "robot/common/config_error.hpp"
-#include "counterexample.hpp"
 #include "tests/source_dir.hpp"
 #include "twin.hpp"
-#include "mutant_build.hpp"
 
 namespace biopsy::explore {
 namespace {

@@ -4,10 +4,10 @@
 #include <bit>
 #include <set>
 
+#include "backward_reachability.hpp"
 #include "permissiveness.hpp"
 #include "states.hpp"
 #include "twin.hpp"
-#include "backward_reachability.hpp"
 
 namespace biopsy::explore {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "counterexample.hpp"
 #include "explorer.hpp"
 #include "gate_explorer.hpp"
 #include "plans.hpp"
-#include "counterexample.hpp"
 
 namespace biopsy::explore {
 namespace {

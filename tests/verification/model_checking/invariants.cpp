@@ -340,8 +340,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      }},
     {"interlock", "The interlock is fed in Ready and wherever the drive may carry voltage, never elsewhere.",
      [](const Step& s) {
-       return Finding{true,
-                      s.output.interlock_pulse == (hv_permitted(s.after.mode) || s.after.mode == Mode::Ready)};
+       return Finding{
+           true, s.output.interlock_pulse == (hv_permitted(s.after.mode) || s.after.mode == Mode::Ready)};
      }},
     {"images", "A scan may start unless the drive moves; one that saw the drive switch is flagged.",
      [](const Step& s) {

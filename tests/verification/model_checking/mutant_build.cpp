@@ -35,15 +35,17 @@ void copy_with_bug(const fs::path& from, const fs::path& to, const SeededBug* bu
 
 SeededSubject::SeededSubject(const MutantBuild& mutant_build, const SeededBug* bug) {
   const std::string name(bug != nullptr ? bug->id : "unchanged");
-  const fs::path bench = mutant_build.bench / name, object = bench / "seeded.so", errors = bench / "errors.txt";
+  const fs::path bench = mutant_build.bench / name, object = bench / "seeded.so",
+                 errors = bench / "errors.txt";
   copy_with_bug(mutant_build.source / "safety", bench / "safety", bug);
   const std::string command = fmt::format(
       "'{}' -std=c++20 -O2 -w -shared -fPIC -fvisibility=hidden -I'{}' -I'{}' '{}' -o '{}' 2> '{}'",
       mutant_build.compiler.string(), bench.string(), mutant_build.source.string(),
-      (mutant_build.source / "tests/verification/model_checking/seeded.cpp").string(), object.string(), errors.string());
+      (mutant_build.source / "tests/verification/model_checking/seeded.cpp").string(), object.string(),
+      errors.string());
   if (std::system(command.c_str()) != 0)
     throw ConfigError(fmt::format("the copy with seeded bug {} does not compile", name), errors.string(),
-                     "read the compiler's words there");
+                      "read the compiler's words there");
   library_ = {dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* library) {
                 if (library != nullptr) dlclose(library);
               }};

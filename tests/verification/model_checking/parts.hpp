@@ -2,8 +2,8 @@
 // verdict.
 #pragma once
 
-#include "report.hpp"
 #include "mutant_build.hpp"
+#include "report.hpp"
 
 namespace biopsy::explore {
 

@@ -17,7 +17,7 @@ void write(const Report& report, std::string_view tool, const std::filesystem::p
   if (stream) std::filesystem::rename(part, file, failed);
   if (!stream || failed)
     throw ConfigError("cannot be written", file.string(),
-                     "name a file in a folder that exists and may be written");
+                      "name a file in a folder that exists and may be written");
 }
 
 }  // namespace biopsy::explore

@@ -43,13 +43,14 @@ void run(const std::string& command, const fs::path& folder) {
   const std::string all = fmt::format("cd '{}' && ( {} ) > log.txt 2>&1", folder.string(), command);
   if (std::system(all.c_str()) != 0)
     throw ConfigError("Spin's model cannot be built", (folder / "log.txt").string(),
-                     "install spin; read the log");
+                      "install spin; read the log");
 }
 
 // The model checker of one run, against the step compiled with `headers` first on the include path.
 fs::path build(const MutantBuild& mutant_build, const std::string& name, const std::string& defines,
                const fs::path& headers) {
-  const fs::path folder = mutant_build.bench / name, here = mutant_build.source / "tests/verification/model_checking";
+  const fs::path folder = mutant_build.bench / name,
+                 here = mutant_build.source / "tests/verification/model_checking";
   fs::create_directories(folder);
   fs::copy_file(here / "spin/supervisor.pml", folder / "supervisor.pml",
                 fs::copy_options::overwrite_existing);
@@ -93,7 +94,8 @@ Verdict verify(const fs::path& folder, const Property& property) {
 // The same model over a step with a seeded bug: Spin must find it, or it sees nothing.
 std::uint64_t errors_with_a_bug(const MutantBuild& mutant_build) {
   const SeededBug& bug = *std::ranges::find(seeded_bugs(), "token-not-greater", &SeededBug::id);
-  const SeededSubject subject({mutant_build.source, mutant_build.compiler, mutant_build.bench / "spin-canary"}, &bug);
+  const SeededSubject subject(
+      {mutant_build.source, mutant_build.compiler, mutant_build.bench / "spin-canary"}, &bug);
   const fs::path copy = mutant_build.bench / "spin-canary" / bug.id;
   return verify(build(mutant_build, "spin-canary/pan", "", copy), kProperties[0]).errors;
 }

@@ -4,11 +4,11 @@
 #include <chrono>
 #include <mutex>
 
+#include "counterexample.hpp"
 #include "explorer.hpp"
 #include "parallel.hpp"
 #include "parts.hpp"
 #include "plans.hpp"
-#include "counterexample.hpp"
 
 namespace biopsy::explore {
 namespace {
@@ -78,7 +78,8 @@ void add_figures(Report& report, const std::vector<PlanResult>& results) {
     return ticks;
   };
   std::uint32_t backward_reachability = 0;
-  for (const PlanResult& r : results) backward_reachability = std::max(backward_reachability, r.exploration.longest_way_home_ticks);
+  for (const PlanResult& r : results)
+    backward_reachability = std::max(backward_reachability, r.exploration.longest_way_home_ticks);
   report.figures["supervisor_plans"] = results.size();
   report.figures["supervisor_transitions"] = transitions;
   report.figures["supervisor_twins"] = twins;

@@ -22,12 +22,12 @@
 #include "mutation.hpp"
 #include "reachable.hpp"
 #include "relation_hash.hpp"
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
-#include "safety/monitors/evidence.hpp"
 #include "safety/gate.hpp"
-#include "safety/supervisor.hpp"
+#include "safety/monitors/evidence.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
+#include "safety/supervisor.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::safety {
 namespace {

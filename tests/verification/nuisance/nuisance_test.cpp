@@ -3,9 +3,9 @@
 
 #include <iostream>
 
+#include "tests/safety/verifies.hpp"
 #include "tests/source_dir.hpp"
 #include "tests/verification/nuisance/shift.hpp"
-#include "tests/safety/verifies.hpp"
 
 namespace biopsy::proof {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "safety/types/transitions.hpp"
 #include "robot/common/in_parallel.hpp"
+#include "safety/types/transitions.hpp"
 #include "tests/verification/fault_injection/procedure.hpp"
 #include "tests/verification/nuisance/varied_operator.hpp"
 

@@ -9,8 +9,8 @@
 #include "sim/plant/dataset.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/model_text.hpp"
-#include "tests/verification/properties/property.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/verification/properties/property.hpp"
 
 namespace biopsy::properties {
 namespace {

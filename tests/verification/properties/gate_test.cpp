@@ -1,11 +1,11 @@
 // The gate from any memory and any permit; and what making a permit worse does to it.
 #include "safety/gate.hpp"
 
-#include "safety/types/limits.hpp"
 #include "safety/challenge.hpp"
+#include "safety/types/limits.hpp"
+#include "tests/safety/verifies.hpp"
 #include "tests/verification/fuzz/safety_values.hpp"
 #include "tests/verification/properties/property.hpp"
-#include "tests/safety/verifies.hpp"
 
 namespace biopsy::properties {
 namespace {

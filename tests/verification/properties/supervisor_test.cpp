@@ -1,12 +1,12 @@
 // The supervisor's step and its evidence from any memory, under any plan: total, and never permissive.
 #include "safety/supervisor.hpp"
 
-#include "safety/types/limits.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
-#include "tests/verification/fuzz/safety_values.hpp"
-#include "tests/verification/properties/property.hpp"
+#include "safety/types/limits.hpp"
 #include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
+#include "tests/verification/fuzz/safety_values.hpp"
+#include "tests/verification/properties/property.hpp"
 
 namespace biopsy::properties {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "robot/common/strict_number.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/strict_number.hpp"
 
 namespace biopsy::imaging {
 
@@ -29,8 +29,8 @@ std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey&
   auto numbers = strict_numbers(text, '\\');
   if (!numbers || numbers->size() != count)
     throw ConfigError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count,
-                                 count == 1 ? "" : "s"),
-                     file, "export the series again with its original headers");
+                                  count == 1 ? "" : "s"),
+                      file, "export the series again with its original headers");
   return numbers;
 }
 

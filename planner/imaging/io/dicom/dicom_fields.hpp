@@ -16,8 +16,8 @@ namespace biopsy::imaging {
 // become '?'.
 std::string dicom_text(DcmItem& item, const DcmTagKey& tag);
 
-// Decimal numbers; nothing where the element is absent or empty. Throws ConfigError naming the file when there
-// are not exactly `count` finite numbers.
+// Decimal numbers; nothing where the element is absent or empty. Throws ConfigError naming the file when
+// there are not exactly `count` finite numbers.
 std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey& tag, std::size_t count,
                                                  const std::string& file);
 std::vector<double> required_dicom_numbers(DcmItem& item, const DcmTagKey& tag, std::size_t count,

@@ -71,7 +71,7 @@ void read_scale(DcmItem& item, DicomSlice& slice) {
   const std::string& name = slice.plane.name;
   if (item.tagExists(DCM_ModalityLUTSequence))
     throw ConfigError("a modality look-up table is not applied", name,
-                     "export the series with rescale slope and intercept");
+                      "export the series with rescale slope and intercept");
   slice.slope = dicom_numbers(item, DCM_RescaleSlope, 1, name).value_or(std::vector<double>{1.0}).front();
   slice.intercept =
       dicom_numbers(item, DCM_RescaleIntercept, 1, name).value_or(std::vector<double>{0.0}).front();
@@ -87,7 +87,7 @@ void read_slices(DcmItem& dataset, DicomFile& file) {
   const bool enhanced = dataset.tagExists(DCM_PerFrameFunctionalGroupsSequence);
   if (file.image_type.find("MOSAIC") != std::string::npos)
     throw ConfigError("a mosaic (many slices tiled into one picture) is not read", name,
-                     "export the series as single slices");
+                      "export the series as single slices");
   if (format.frames > 1 && !enhanced)
     throw ConfigError(
         fmt::format("{} frames without functional groups (not an enhanced multi-frame image)", format.frames),
@@ -172,8 +172,8 @@ DicomFile scan_dicom_file(const std::filesystem::path& path) {
   file.readable = loaded.good() && (file.is_image || says_it_is_no_image(content));
   if (!file.readable) {
     file.refusal = ConfigError(fmt::format("cannot be read as DICOM, truncated or damaged ({})",
-                                          loaded.bad() ? loaded.text() : "the header ends early"),
-                              path.string(), "copy the file again, or take it out of the folder");
+                                           loaded.bad() ? loaded.text() : "the header ends early"),
+                               path.string(), "copy the file again, or take it out of the folder");
     return file;
   }
   try {

@@ -22,10 +22,10 @@ struct DicomSlice {
 struct DicomFile {
   std::filesystem::path file;
   SeriesIdentity identity;
-  std::string image_type;             // "ORIGINAL\PRIMARY\M"
-  bool readable = false;              // DICOM all through to the pixels
-  bool is_image = false;              // a report, structure set or DICOMDIR is none
-  std::vector<DicomSlice> slices;     // one, or one a frame of an enhanced image
+  std::string image_type;              // "ORIGINAL\PRIMARY\M"
+  bool readable = false;               // DICOM all through to the pixels
+  bool is_image = false;               // a report, structure set or DICOMDIR is none
+  std::vector<DicomSlice> slices;      // one, or one a frame of an enhanced image
   std::optional<ConfigError> refusal;  // why it cannot be part of a volume
 
   bool localiser() const { return image_type.find("LOCALIZER") != std::string::npos; }

@@ -14,8 +14,8 @@
 
 #include "planner/imaging/io/dicom/dicom_fields.hpp"
 #include "planner/imaging/io/grid_rules.hpp"
-#include "robot/common/strict_number.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/strict_number.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -55,7 +55,7 @@ int frames_of(DcmItem& dataset, const std::string& file) {
   const auto frames = strict_integer(text);
   if (!frames || *frames < 1 || *frames > kSizeMax)
     throw ConfigError(fmt::format("NumberOfFrames is \"{:.20}\", not a number from 1 to {}", text, kSizeMax),
-                     file, kCopyAgain);
+                      file, kCopyAgain);
   return static_cast<int>(*frames);
 }
 
@@ -101,7 +101,7 @@ void ready_dicom_library() {
   });
   if (!dcmDataDict.isDictionaryLoaded())
     throw ConfigError("DCMTK's data dictionary is not loaded", "DICOM library",
-                     "install the dictionary (dicom.dic) or point DCMDICTPATH at it");
+                      "install the dictionary (dicom.dic) or point DCMDICTPATH at it");
 }
 
 PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
@@ -109,7 +109,7 @@ PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
   const std::string colours = dicom_text(dataset, DCM_PhotometricInterpretation);
   if (dicom_unsigned_short(dataset, DCM_SamplesPerPixel).value_or(1) != 1)
     throw ConfigError(fmt::format("a colour image ({:.30})", colours), file,
-                     "give the series as measured, in grey values");
+                      "give the series as measured, in grey values");
   // MONOCHROME1 shows low values bright. A dark needle would be stored bright: read as if it were the usual
   // kind, it would mislead the search for the tip.
   if (colours != "MONOCHROME2")
@@ -131,7 +131,7 @@ PixelFormat read_pixel_format(DcmItem& dataset, const std::string& file) {
         kCopyAgain);
   if (format.bits_allocated != 8 && format.bits_allocated != 16 && format.bits_allocated != 32)
     throw ConfigError(fmt::format("{} bits a pixel are not read, only 8, 16 or 32", format.bits_allocated),
-                     file, kUncompressed);
+                      file, kUncompressed);
   if (format.bits_stored < 1 || format.high_bit >= format.bits_allocated ||
       format.high_bit + 1 < format.bits_stored || representation > 1)
     throw ConfigError(
@@ -160,7 +160,7 @@ void DicomPixels::Open::find_pixels(std::uint64_t file_bytes) {
   const DcmXfer syntax(dataset().getOriginalXfer());
   if (!is_decoded(syntax.getXfer()))
     throw ConfigError(fmt::format("compressed as {}, which is not decoded", syntax.getXferName()), file,
-                     kUncompressed);
+                      kUncompressed);
   lossy = is_lossy(syntax.getXfer(), dataset());
   DcmElement* element = nullptr;
   if (dataset().findAndGetElement(DCM_PixelData, element).bad() ||
@@ -176,8 +176,8 @@ void DicomPixels::Open::find_pixels(std::uint64_t file_bytes) {
   const bool on_disk = syntax.getStreamCompression() != ESC_none || file_bytes >= promised;
   if (stored < promised || !on_disk)
     throw ConfigError(fmt::format("truncated: {} bytes of pixels promised, {} there", promised,
-                                 std::min(stored, file_bytes)),
-                     file, kCopyAgain);
+                                  std::min(stored, file_bytes)),
+                      file, kCopyAgain);
 }
 
 DicomPixels::DicomPixels(const std::filesystem::path& path) : open_(std::make_unique<Open>()) {
@@ -188,7 +188,7 @@ DicomPixels::DicomPixels(const std::filesystem::path& path) : open_(std::make_un
   const OFCondition loaded = open_->content.loadFile(path.c_str());
   if (error || loaded.bad())
     throw ConfigError(fmt::format("cannot be read as DICOM, truncated or damaged ({})", loaded.text()),
-                     open_->file, kCopyAgain);
+                      open_->file, kCopyAgain);
   open_->format = read_pixel_format(open_->dataset(), open_->file);
   open_->find_pixels(file_bytes);
 }

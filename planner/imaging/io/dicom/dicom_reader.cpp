@@ -40,7 +40,7 @@ class SliceDecoder {
     if (format.columns != slice.plane.columns || format.rows != slice.plane.rows ||
         slice.frame >= format.frames)
       throw ConfigError("changed while it was read", slice.file.string(),
-                       "read again when the export has finished");
+                        "read again when the export has finished");
     rounded_ |= pixels_->append_frame(slice.frame, slice.slope, slice.intercept, volume.voxels);
     lossy_ |= pixels_->lossy();
   }

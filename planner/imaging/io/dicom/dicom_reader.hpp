@@ -21,8 +21,8 @@ struct DicomFolder {
 
 DicomFolder scan_dicom_files(const std::vector<std::filesystem::path>& files);
 
-// Throws ConfigError when the series is not one volume: a file refused, two patients or frames of reference, a
-// scout among slices, or what stack_slices refuses.
+// Throws ConfigError when the series is not one volume: a file refused, two patients or frames of reference,
+// a scout among slices, or what stack_slices refuses.
 SliceStack stack_series(const DicomSeries& series);
 
 // The volume: right-handed, slices along rising position on the normal; identity from the first slice;

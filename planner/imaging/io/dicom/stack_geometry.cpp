@@ -28,8 +28,8 @@ void refuse_bad_plane(const SlicePlane& slice) {
   const double high = std::max(slice.spacing_i_mm, slice.spacing_j_mm);
   if (!(low > 0.0) || !(high <= kSpacingMax_mm))
     throw ConfigError(fmt::format("PixelSpacing {:g} x {:g} mm is outside (0, {:g}]", slice.spacing_j_mm,
-                                 slice.spacing_i_mm, kSpacingMax_mm),
-                     slice.name, remedy);
+                                  slice.spacing_i_mm, kSpacingMax_mm),
+                      slice.name, remedy);
 }
 
 void refuse_different_planes(const SlicePlane& first, const SlicePlane& slice) {
@@ -44,8 +44,8 @@ void refuse_different_planes(const SlicePlane& first, const SlicePlane& slice) {
         both, "give a series of parallel slices: a localiser (scout) is no volume");
   if (first.columns != slice.columns || first.rows != slice.rows)
     throw ConfigError(fmt::format("two sizes in one series: {} x {} and {} x {}", first.columns, first.rows,
-                                 slice.columns, slice.rows),
-                     both, "separate the series, or leave the scout image out");
+                                  slice.columns, slice.rows),
+                      both, "separate the series, or leave the scout image out");
   if (std::abs(first.spacing_i_mm - slice.spacing_i_mm) > 1e-4 * first.spacing_i_mm ||
       std::abs(first.spacing_j_mm - slice.spacing_j_mm) > 1e-4 * first.spacing_j_mm)
     throw ConfigError(
@@ -78,7 +78,7 @@ void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceS
     gaps.push_back(normal.dot(above.p_SV - below.p_SV));
     if (gaps.back() < 0.01)
       throw ConfigError("not a volume: two slices at the same place", below.name + " and " + above.name,
-                       "keep one time, echo or copy of the series in the folder");
+                        "keep one time, echo or copy of the series in the folder");
   }
   const double usual = usual_gap(gaps);
   for (std::size_t k = 0; k < gaps.size(); ++k)
@@ -110,7 +110,7 @@ void refuse_off_grid(const std::vector<SlicePlane>& slices, const SliceStack& st
     const double creep = (way - stack.grid.X_SI.linear().col(2) * static_cast<double>(k)).norm();
     if (creep > 2 * kStackTolerance_mm)
       throw ConfigError(fmt::format("uneven slices: off a regular stack by {:.3f} mm", creep), slice.name,
-                       "export the whole series again");
+                        "export the whole series again");
   }
 }
 
@@ -134,8 +134,8 @@ SliceStack stack_slices(const std::vector<SlicePlane>& slices) {
   const SlicePlane& any = slices.front();
   if (slices.size() < kSizeMin)
     throw ConfigError(fmt::format("only {} slice{}: a volume needs at least {}", slices.size(),
-                                 slices.size() == 1 ? "" : "s", kSizeMin),
-                     any.name, "give the folder with the whole series");
+                                  slices.size() == 1 ? "" : "s", kSizeMin),
+                      any.name, "give the folder with the whole series");
 
   const Direction normal = normal_of(any);
   SliceStack stack;

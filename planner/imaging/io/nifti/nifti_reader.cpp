@@ -58,7 +58,7 @@ Header read_header(ByteSource& source, const std::string& file) {
   if (header.raw.sizeof_hdr != 348) throw ConfigError("not a NIfTI-1 file", file, kNiftiRemedy);
   if (std::memcmp(header.raw.magic, "ni1", 4) == 0)
     throw ConfigError("header and image in two files are not read", file,
-                     "convert to one .nii or .nii.gz file");
+                      "convert to one .nii or .nii.gz file");
   if (std::memcmp(header.raw.magic, "n+1", 4) != 0)
     throw ConfigError("not a NIfTI-1 file (no n+1; an Analyze file has no geometry)", file, kNiftiRemedy);
   return header;
@@ -110,11 +110,11 @@ VoxelCoding coding_of(const Header& header, const std::string& file) {
     const bool complex = datatype == DT_COMPLEX64 || datatype == DT_COMPLEX128 || datatype == DT_COMPLEX256;
     const bool colour = datatype == DT_RGB24 || datatype == DT_RGBA32;
     throw ConfigError(fmt::format("{} voxels (NIfTI datatype {}) are not read",
-                                 complex  ? "complex"
-                                 : colour ? "RGB colour"
-                                          : "unknown",
-                                 datatype),
-                     file, "give an image with one real number a voxel");
+                                  complex  ? "complex"
+                                  : colour ? "RGB colour"
+                                           : "unknown",
+                                  datatype),
+                      file, "give an image with one real number a voxel");
   }
   if (header.raw.bitpix != static_cast<int>(8 * bytes_of(*type)))
     throw ConfigError(

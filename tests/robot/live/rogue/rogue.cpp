@@ -5,10 +5,10 @@
 #include <optional>
 #include <thread>
 
-#include "robot/security/cyclone_xml.hpp"
 #include "robot/msg/drive_request.hpp"
 #include "robot/msg/live.hpp"
 #include "robot/msg/permit.hpp"
+#include "robot/security/cyclone_xml.hpp"
 #include "robot/transport/bus.hpp"
 
 int main(int count, char** argv) {

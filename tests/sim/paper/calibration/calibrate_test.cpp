@@ -8,9 +8,9 @@
 
 #include "robot/common/config_error.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
-#include "sim/plant/model_text.hpp"
-#include "sim/paper/open_loop.hpp"
 #include "sim/paper/figures/rows.hpp"
+#include "sim/paper/open_loop.hpp"
+#include "sim/plant/model_text.hpp"
 #include "sim/plant/simulate.hpp"
 #include "tests/source_dir.hpp"
 
@@ -106,7 +106,8 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
   EXPECT_NEAR(found.parameters[0].value, kTrueTau, 0.1 * kTrueTau);
   EXPECT_NEAR(found.parameters[1].value, kTrueV0, 0.1 * kTrueV0);
   for (const CalibratedParameter& parameter : found.parameters)
-    EXPECT_LT(parameter.std, 0.5 * parameter.parameter.doubt * parameter.value) << parameter.parameter.name << ": the run says more";
+    EXPECT_LT(parameter.std, 0.5 * parameter.parameter.doubt * parameter.value)
+        << parameter.parameter.name << ": the run says more";
   ASSERT_EQ(found.runs.size(), 1U);
   EXPECT_TRUE(found.runs[0].followed);
   EXPECT_FALSE(found.kept_start);

@@ -53,8 +53,9 @@ TEST(Knobs, OtherFilmsDifferOnlyInTheirOwnBlock) {
 }
 
 TEST(Knobs, BreakawayIsNeverBelowSliding) {
-  const std::vector<Parameter> parameters{{"stribeck_friction.sliding_N", 0.01, 0.2, 0.10, 0.10, 0.5, false, ""},
-                                {"stribeck_friction.breakaway_N", 0.01, 0.2, 0.02, 0.02, 0.5, false, ""}};
+  const std::vector<Parameter> parameters{
+      {"stribeck_friction.sliding_N", 0.01, 0.2, 0.10, 0.10, 0.5, false, ""},
+      {"stribeck_friction.breakaway_N", 0.01, 0.2, 0.02, 0.02, 0.5, false, ""}};
   const auto friction =
       turned(start_model(), parameters, Eigen::VectorXd::Zero(2)).stage.effects.stribeck_friction;
   EXPECT_EQ(friction->breakaway, friction->sliding);

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "robot/common/config_error.hpp"
-#include "sim/plant/model_file.hpp"
 #include "sim/paper/feed_forward.hpp"
+#include "sim/plant/model_file.hpp"
 #include "sim/plant/plant.hpp"
 #include "tests/source_dir.hpp"
 

@@ -1,4 +1,4 @@
-#include "robot/console/anatomical_orientation.hpp"
+#include "robot/procedure/anatomical_orientation.hpp"
 
 #include <fmt/format.h>
 

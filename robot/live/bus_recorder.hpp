@@ -18,7 +18,7 @@ class BusRecorder {
  public:
   // `participants`: of a secured bus; null: everybody may come in.
   BusRecorder(const transport::Participant& bus, recorder::Recorder& recorder, std::uint64_t config_tag,
-            const transport::ParticipantMonitor* participants);
+              const transport::ParticipantMonitor* participants);
 
   // Reads all that came and writes what is due; every 10 ms.
   void turn(std::int64_t now_us);

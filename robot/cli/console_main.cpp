@@ -4,14 +4,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "robot/console/console_loop.hpp"
 #include "robot/cli/live_commands.hpp"
-#include "robot/procedure/procedure.hpp"
-#include "robot/live/live_process.hpp"
-#include "robot/live/monotonic_session_id.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/console/console_loop.hpp"
+#include "robot/live/live_process.hpp"
+#include "robot/live/monotonic_session_id.hpp"
+#include "robot/procedure/procedure.hpp"
 
 namespace {
 
@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 // Of an installation, or of the build tree that this program lies in.
 fs::path page_folder() {
   const fs::path installed = data_folder() / "console/page";
-  return fs::exists(installed) ? installed : fs::read_symlink("/proc/self/exe").parent_path() / "console/page/dist";
+  return fs::exists(installed) ? installed
+                               : fs::read_symlink("/proc/self/exe").parent_path() / "console/page/dist";
 }
 
 struct Options {
@@ -37,13 +38,15 @@ void serve(const Options& options) {
   const bool simulated = settings.device == "sim";
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   const fs::path own = folder / "console" / fmt::format("{:%Y%m%dT%H%M%S}", fmt::gmtime(now));
-  robot::PreparedCase opened = robot::open_case(robot::case_of(options.procedure, robot::Points::PickedLater), own);
+  robot::PreparedCase opened =
+      robot::open_case(robot::case_of(options.procedure, robot::Points::PickedLater), own);
   const transport::Participant bus(live::bus_settings(settings, security::Role::Console));
   robot::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
   // Seconds since 1970 at least: a console that is started again gives out tokens above those it gave out
   // before, for nobody presses a button every second.
   const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
-  robot::ConsoleLoop loop(robot, std::move(opened), {options.page, own, options.port, simulated, first_token});
+  robot::ConsoleLoop loop(robot, std::move(opened),
+                          {options.page, own, options.port, simulated, first_token});
   report::atomic_write(folder / "console.url", loop.url());
   fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);
   fmt::print("{}\n", loop.url());
@@ -56,7 +59,8 @@ void serve(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App command("the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
+  CLI::App command(
+      "the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
   command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
   robot::case_options(command, options.procedure);
   command.add_option("--port", options.port, "of the page (default: any that is free)");

@@ -1,4 +1,4 @@
-#include "robot/recorder/bus_recorder.hpp"
+#include "robot/live/bus_recorder.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 
 #include "planner/plan/open_plan.hpp"
 #include "planner/plan/seal.hpp"
-#include "safety/types/hazards.hpp"
 #include "safety/supervisor.hpp"
+#include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::robot {
@@ -67,7 +67,7 @@ bool refuses(GateVerdict verdict) {
 }  // namespace
 
 BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& recorder,
-                     std::uint64_t config_tag, const transport::ParticipantMonitor* participants)
+                         std::uint64_t config_tag, const transport::ParticipantMonitor* participants)
     : recorder_(recorder),
       participants_(participants),
       decisions_(bus),
@@ -83,7 +83,7 @@ BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& 
 }
 
 void BusRecorder::write(RecordKind kind, const char* source, std::string body, Urgency urgency,
-                      std::int64_t now_us) {
+                        std::int64_t now_us) {
   recorder_.append({wall_ns(), now_us, source, kind, std::move(body)}, urgency, now_us);
 }
 

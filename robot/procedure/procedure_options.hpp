@@ -1,0 +1,20 @@
+// Which case, image, points and model a procedure is given.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace biopsy::robot {
+
+struct ProcedureOptions {
+  std::string case_name;  // empty: the built-in liver case, unless an image is given
+  std::filesystem::path image, labels, fiducials;
+  std::string series, entry, target;  // "R,A,S" in mm
+  std::optional<std::uint64_t> seed;
+  std::filesystem::path model;
+  std::filesystem::path out;
+};
+
+}  // namespace biopsy::robot
