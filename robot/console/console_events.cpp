@@ -11,15 +11,15 @@
 
 namespace biopsy::robot {
 
-namespace tell = console::tell;
+namespace events = console::events;
 
 std::array<double, 3> ras_of(const Point& p_S) {
   const Point ras = ras_from_lps(p_S);
   return {ras.x(), ras.y(), ras.z()};
 }
 
-tell::Series series_of(const Volume& image) {
-  tell::Series series;
+events::Series series_of(const Volume& image) {
+  events::Series series;
   const SeriesIdentity& identity = image.identity;
   series.series_uid = identity.series_uid;
   series.patient = identity.patient_name;
@@ -37,9 +37,9 @@ tell::Series series_of(const Volume& image) {
   return series;
 }
 
-tell::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
+events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
                          const std::optional<Point>& p_ST, bool confirmed) {
-  tell::Planned told;
+  events::Planned told;
   if (p_SE) told.entry.push_back({ras_of(*p_SE)});
   if (p_ST) told.target.push_back({ras_of(*p_ST)});
   if (!p_SE || !p_ST) return told;
@@ -66,8 +66,8 @@ tell::Planned planned_of(const PreparedCase& prepared, const std::optional<Point
   return told;
 }
 
-tell::Checked checked_of(std::size_t stage, const report::StepResult& result) {
-  tell::Checked told;
+events::Checked checked_of(std::size_t stage, const report::StepResult& result) {
+  events::Checked told;
   told.stage = static_cast<std::uint32_t>(stage);
   const DepthCheck& check = *result.check;
   told.verdict = check.verdict == DepthVerdict::Accept   ? "accept"

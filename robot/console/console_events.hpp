@@ -9,13 +9,13 @@
 
 namespace biopsy::robot {
 
-console::tell::Series series_of(const Volume& image);
+console::events::Series series_of(const Volume& image);
 
 // The points that are set, and what the planner made of them; `prepared.plan` counts only where both are.
-console::tell::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
+console::events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
                                   const std::optional<Point>& p_ST, bool confirmed);
 
-console::tell::Checked checked_of(std::size_t stage, const report::StepResult& result);
+console::events::Checked checked_of(std::size_t stage, const report::StepResult& result);
 
 std::array<double, 3> ras_of(const Point& p_S);
 

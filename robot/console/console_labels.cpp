@@ -10,7 +10,7 @@ namespace biopsy::robot {
 namespace {
 
 using console::Severity;
-using console::tell::Alarm;
+using console::events::Alarm;
 using safety::Hazard;
 
 struct Words {
@@ -68,7 +68,7 @@ const char* what_to_do(Hazard hazard) {
 
 }  // namespace
 
-console::tell::Answer refusal(std::uint32_t id, Refused reason, const std::string& why) {
+console::events::Answer refusal(std::uint32_t id, Refused reason, const std::string& why) {
   const auto number = static_cast<std::size_t>(reason);
   const Words& words = kRefusals[number];
   const std::string what = why.empty() ? words.what : fmt::format("{} ({})", words.what, why);

@@ -25,13 +25,13 @@ enum class Refused : std::uint8_t {
 };
 
 // `why` says more where the list cannot; empty: nothing.
-console::tell::Answer refusal(std::uint32_t id, Refused reason, const std::string& why = {});
+console::events::Answer refusal(std::uint32_t id, Refused reason, const std::string& why = {});
 
 // Whether nothing is wrong but that a plan, or its confirmations, are missing.
 bool waits_for_plan(safety::Hazard worst);
 
 // What the supervisor has to say in this tick, worst first; empty: nothing.
-std::vector<console::tell::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person);
-console::tell::Alarm silence_alarm();
+std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person);
+console::events::Alarm silence_alarm();
 
 }  // namespace biopsy::robot

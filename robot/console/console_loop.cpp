@@ -16,7 +16,7 @@ namespace {
 
 using console::Client;
 using console::Worth;
-namespace tell = console::tell;
+namespace events = console::events;
 
 constexpr std::int64_t kLook_us = 20'000, kStates_us = 100'000;
 
@@ -32,7 +32,7 @@ console::Outbox::Text text_of(const Message& message) {
 }
 
 // A State without what changes in every tick: where this differs, the page must hear of it.
-std::string lasting(tell::State state) {
+std::string lasting(events::State state) {
   state.seq = 0;
   state.depth = state.drive = state.hold_left = state.armed_left = state.ticks_left = state.arm_held = 0.0;
   return nlohmann::json(state).dump();
@@ -47,12 +47,12 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& 
                [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                  robot.send_plan(plan, confirmed);
                }) {
-  console::WebEvents events;
-  events.came = [this](Client client) { came(client); };
-  events.said = [this](Client client, const std::string& text) { said(client, text); };
-  events.left = [this](Client client) { left(client); };
-  events.document = [this](const std::string& path) { return document(path); };
-  server_ = std::make_unique<console::HttpServer>(settings.page, settings.port, console::new_token(), events);
+  console::WebEvents web;
+  web.came = [this](Client client) { came(client); };
+  web.said = [this](Client client, const std::string& text) { said(client, text); };
+  web.left = [this](Client client) { left(client); };
+  web.document = [this](const std::string& path) { return document(path); };
+  server_ = std::make_unique<console::HttpServer>(settings.page, settings.port, console::new_token(), web);
 }
 
 void ConsoleLoop::came(Client client) {
@@ -71,9 +71,9 @@ void ConsoleLoop::left(Client client) {
 
 void ConsoleLoop::said(Client client, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  std::optional<tell::Answer> answer;
+  std::optional<events::Answer> answer;
   try {
-    answer = session_.ask(client, console::ask_from_json(text), now_in_us());
+    answer = session_.ask(client, console::command_from_json(text), now_in_us());
   } catch (const console::MessageFault& fault) {
     answer = refusal(0, Refused::NotUnderstood, fault.what());
   }
@@ -116,7 +116,7 @@ void ConsoleLoop::tell_states(std::int64_t now_us) {
   const bool due = now_us - states_us_ >= kStates_us;
   if (due) states_us_ = now_us;
   for (auto& [client, told] : told_) {
-    const tell::State state = session_.state(client, now_us);
+    const events::State state = session_.state(client, now_us);
     std::string now = lasting(state);
     const bool news = now != told;
     if (news || due) server_->send(client, text_of(state), news ? Worth::MustArrive : Worth::MayBeLost);
@@ -132,11 +132,11 @@ void ConsoleLoop::tell_news() {
   const auto tell_all = [this](Client client) {
     if (const auto opened = session_.opened()) server_->send(client, text_of(*opened), Worth::MustArrive);
     server_->send(client, text_of(session_.planned()), Worth::MustArrive);
-    for (const tell::Checked& checked : session_.checked())
+    for (const events::Checked& checked : session_.checked())
       server_->send(client, text_of(checked), Worth::MustArrive);
   };
   for (const Client client : newcomers_) {
-    tell::Welcome welcome;
+    events::Welcome welcome;
     welcome.simulated = settings_.simulated;
     welcome.title = session_.prepared().given.title;
     welcome.sample = session_.prepared().given.phantom;

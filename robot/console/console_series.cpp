@@ -13,14 +13,14 @@
 
 namespace biopsy::robot {
 
-namespace tell = console::tell;
+namespace events = console::events;
 
 namespace {
 
 constexpr std::size_t kListMax = 64, kTextMax = 300;
 
-tell::Series listed(const imaging::SeriesSummary& found) {
-  tell::Series series;
+events::Series listed(const imaging::SeriesSummary& found) {
+  events::Series series;
   series.series_uid = found.series_uid;
   series.description = found.description.empty() ? found.series_uid : found.description;
   series.modality = found.modality;
@@ -69,14 +69,14 @@ std::string ConsoleSeries::file_name() const {
   return fmt::format("/volume-{}.nii", files_);
 }
 
-tell::Series* ConsoleSeries::find(const std::string& series_uid) {
+events::Series* ConsoleSeries::find(const std::string& series_uid) {
   const auto found = std::find_if(
-      all_.begin(), all_.end(), [&](const tell::Series& series) { return series.series_uid == series_uid; });
+      all_.begin(), all_.end(), [&](const events::Series& series) { return series.series_uid == series_uid; });
   return found == all_.end() ? nullptr : &*found;
 }
 
 std::optional<std::string> ConsoleSeries::begin(const std::string& series_uid) {
-  const tell::Series* series = find(series_uid);
+  const events::Series* series = find(series_uid);
   if (series == nullptr) return "there is no such series in this case";
   if (!series->problem.empty()) return series->problem;
   if (!reading_.empty()) return "another series is being read";
@@ -105,7 +105,7 @@ std::optional<Volume> ConsoleSeries::take() {
   using std::chrono::seconds;
   if (!outcome_.valid() || outcome_.wait_for(seconds(0)) != std::future_status::ready) return std::nullopt;
   Outcome outcome = outcome_.get();
-  tell::Series& series = *find(std::exchange(reading_, {}));
+  events::Series& series = *find(std::exchange(reading_, {}));
   ++version_;
   if (const auto* problem = std::get_if<std::string>(&outcome)) {
     series.problem = *problem;

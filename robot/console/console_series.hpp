@@ -20,7 +20,7 @@ class ConsoleSeries {
   explicit ConsoleSeries(const PreparedCase& opened);
 
   // For a person to choose from; the case's own first. One that cannot be opened says why.
-  const std::vector<console::tell::Series>& all() const { return all_; }
+  const std::vector<console::events::Series>& all() const { return all_; }
   // Begins to read. Otherwise why not.
   std::optional<std::string> begin(const std::string& series_uid);
   // What is being read now; empty: nothing.
@@ -43,11 +43,11 @@ class ConsoleSeries {
 
   static Outcome read(const std::filesystem::path& folder, const std::string& series_uid,
                       const SeriesIdentity& of_case);
-  console::tell::Series* find(const std::string& series_uid);
+  console::events::Series* find(const std::string& series_uid);
 
   std::filesystem::path folder_;
   SeriesIdentity of_case_;
-  std::vector<console::tell::Series> all_;
+  std::vector<console::events::Series> all_;
   std::string reading_;
   std::future<Outcome> outcome_;
   std::shared_ptr<const std::string> file_;

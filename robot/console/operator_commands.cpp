@@ -13,28 +13,28 @@
 
 namespace biopsy::robot {
 
-namespace ask = console::ask;
-namespace tell = console::tell;
+namespace commands = console::commands;
+namespace events = console::events;
 
 namespace {
 
-tell::Answer done(std::uint32_t id) {
+events::Answer done(std::uint32_t id) {
   return {id, true, {}, {}, {}, {}};
 }
 
 }  // namespace
 
-std::optional<tell::Answer> OperatorSession::ask(console::Client client, const ask::Any& asked,
+std::optional<events::Answer> OperatorSession::ask(console::Client client, const commands::Any& asked,
                                                  std::int64_t now_us) {
   now_us_ = now_us;
-  if (const auto* stop = std::get_if<ask::Stop>(&asked)) return on(*stop);  // anyone may
-  if (const auto* take = std::get_if<ask::TakeControl>(&asked)) return on(client, *take);
+  if (const auto* stop = std::get_if<commands::Stop>(&asked)) return on(*stop);  // anyone may
+  if (const auto* take = std::get_if<commands::TakeControl>(&asked)) return on(client, *take);
   const bool controls = lease_.is_held_by(client);
-  if (const auto* beat = std::get_if<ask::Beat>(&asked)) {
+  if (const auto* beat = std::get_if<commands::Beat>(&asked)) {
     if (controls) hold_.beat(beat->token, beat->page_ms, now_us);
     return std::nullopt;
   }
-  if (const auto* release = std::get_if<ask::Release>(&asked)) {
+  if (const auto* release = std::get_if<commands::Release>(&asked)) {
     if (controls) hold_.release(release->token);
     return std::nullopt;
   }
@@ -52,11 +52,11 @@ std::optional<tell::Answer> OperatorSession::ask(console::Client client, const a
       asked);
 }
 
-OperatorSession::Answer OperatorSession::on(console::Client client, const ask::TakeControl& asked) {
+OperatorSession::Answer OperatorSession::on(console::Client client, const commands::TakeControl& asked) {
   return lease_.take(client) ? done(asked.id) : refusal(asked.id, Refused::NotController);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::OpenSeries& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::OpenSeries& asked) {
   if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
   if (asked.series_uid != prepared_.image.identity.series_uid) {
     if (run_ && !run_->ended) return refusal(asked.id, Refused::NotNow, "the last run is not over");
@@ -69,7 +69,7 @@ OperatorSession::Answer OperatorSession::on(const ask::OpenSeries& asked) {
   return done(asked.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::SetPoint& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::SetPoint& asked) {
   if (!opened_) return refusal(asked.id, Refused::NoSeries);
   if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
   const auto picked = console::picked_point(prepared_.image, asked);
@@ -89,7 +89,7 @@ OperatorSession::Answer OperatorSession::on(const ask::SetPoint& asked) {
   return done(asked.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::ConfirmPlan& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::ConfirmPlan& asked) {
   if (plan() == nullptr) return refusal(asked.id, Refused::NoPlan);
   if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
   if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
@@ -98,7 +98,7 @@ OperatorSession::Answer OperatorSession::on(const ask::ConfirmPlan& asked) {
   return done(asked.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::SetTick& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::SetTick& asked) {
   if (!confirmed_) return refusal(asked.id, Refused::NoPlan, "confirm the plan first");
   if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
   if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
@@ -108,7 +108,7 @@ OperatorSession::Answer OperatorSession::on(const ask::SetTick& asked) {
   return done(asked.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::Press& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::Press& asked) {
   const bool arm = asked.button == console::Button::Arm;
   if (arm && !simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
   const std::string why = arm ? why_no_arm() : why_no_insert();
@@ -119,7 +119,7 @@ OperatorSession::Answer OperatorSession::on(const ask::Press& asked) {
 }
 
 // Held against whatever else is asked, until high voltage is off.
-OperatorSession::Answer OperatorSession::on(const ask::Stop& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::Stop& asked) {
   hold_.drop();
   stopped_ = true;
   stop_until_us_ = now_us_ + kStopLasts_us;
@@ -135,13 +135,13 @@ void OperatorSession::let_back() {
     retract_until_us_ = now_us_ + kStopLasts_us;
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::Retract& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::Retract& asked) {
   if (!hv_permitted()) return refusal(asked.id, Refused::NotNow, disabled().retract);
   let_back();
   return done(asked.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::Reset& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::Reset& asked) {
   if (!simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
   if (seen_.supervisor.permit.mode != Mode::Trip) return refusal(asked.id, Refused::NotNow, disabled().reset);
   stop_until_us_ = 0;
@@ -149,7 +149,7 @@ OperatorSession::Answer OperatorSession::on(const ask::Reset& asked) {
   return done(asked.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const ask::Judge& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::Judge& asked) {
   const std::string why = why_no_judgement();
   if (!why.empty() || run_->imaged != asked.stage) return refusal(asked.id, Refused::NotNow, why);
   const auto& check = run_->notes.record().stages[asked.stage].check;
@@ -211,9 +211,9 @@ std::string OperatorSession::why_no_judgement() const {
   return run_->ended || !run_->stopped_because.empty() ? "This run is over." : "";
 }
 
-tell::Disabled OperatorSession::disabled() const {
+events::Disabled OperatorSession::disabled() const {
   const Mode mode = seen_.supervisor.permit.mode;
-  tell::Disabled why;
+  events::Disabled why;
   why.arm = why_no_arm();
   why.insert = why_no_insert();
   why.judge = why_no_judgement();

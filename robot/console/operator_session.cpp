@@ -17,7 +17,7 @@
 
 namespace biopsy::robot {
 
-namespace tell = console::tell;
+namespace events = console::events;
 
 namespace {
 
@@ -226,21 +226,21 @@ void OperatorSession::end_run() {
   });
 }
 
-std::optional<tell::Opened> OperatorSession::opened() const {
+std::optional<events::Opened> OperatorSession::opened() const {
   if (!opened_) return std::nullopt;
-  tell::Opened told;
+  events::Opened told;
   told.series = series_of(prepared_.image);
   if (has_points(prepared_.given)) told.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
   told.volume = series_.file_name();
   return told;
 }
 
-tell::Planned OperatorSession::planned() const {
+events::Planned OperatorSession::planned() const {
   return planned_of(prepared_, p_SE_, p_ST_, confirmed_);
 }
 
-std::vector<tell::Checked> OperatorSession::checked() const {
-  std::vector<tell::Checked> all;
+std::vector<events::Checked> OperatorSession::checked() const {
+  std::vector<events::Checked> all;
   if (!run_) return all;
   const auto& stages = run_->notes.record().stages;
   for (std::size_t stage = 0; stage < stages.size(); ++stage)
@@ -248,14 +248,14 @@ std::vector<tell::Checked> OperatorSession::checked() const {
   return all;
 }
 
-tell::State OperatorSession::state(console::Client client, std::int64_t now_us) {
+events::State OperatorSession::state(console::Client client, std::int64_t now_us) {
   using std::chrono::seconds;
   if (reporting_.valid() && reporting_.wait_for(seconds(0)) == std::future_status::ready) {
     reporting_.get();
     report_ = run_->folder / "report.html";
   }
   const safety::SupervisorOutput& said = seen_.supervisor;
-  tell::State told;
+  events::State told;
   told.seq = ++seq_;
   told.mode = static_cast<console::Mode>(said.permit.mode);
   told.step = step();

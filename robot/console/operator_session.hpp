@@ -35,7 +35,7 @@ class OperatorSession {
   void came(console::Client client) { lease_.take(client); }
   void left(console::Client client);
   // The answer; none to beats and releases.
-  std::optional<console::tell::Answer> ask(console::Client client, const console::ask::Any& asked,
+  std::optional<console::events::Answer> ask(console::Client client, const console::commands::Any& asked,
                                            std::int64_t now_us);
 
   // Robot
@@ -44,11 +44,11 @@ class OperatorSession {
   void miss() { silent_ = true; }  // no tick for a second
 
   // What pages are told
-  console::tell::State state(console::Client client, std::int64_t now_us);
-  std::optional<console::tell::Opened> opened() const;
-  console::tell::Planned planned() const;
+  console::events::State state(console::Client client, std::int64_t now_us);
+  std::optional<console::events::Opened> opened() const;
+  console::events::Planned planned() const;
   // Of every stage whose image was checked in this run.
-  std::vector<console::tell::Checked> checked() const;
+  std::vector<console::events::Checked> checked() const;
   // Rises with each change of one of the three above.
   std::uint32_t version() const { return version_; }
   const ConsoleSeries& series() const { return series_; }
@@ -58,19 +58,19 @@ class OperatorSession {
 
  private:
   struct Run;
-  using Answer = std::optional<console::tell::Answer>;
+  using Answer = std::optional<console::events::Answer>;
 
-  // One for each message of module `ask`, in clinician_asks.cpp.
-  Answer on(console::Client client, const console::ask::TakeControl& asked);
-  Answer on(const console::ask::OpenSeries& asked);
-  Answer on(const console::ask::SetPoint& asked);
-  Answer on(const console::ask::ConfirmPlan& asked);
-  Answer on(const console::ask::SetTick& asked);
-  Answer on(const console::ask::Press& asked);
-  Answer on(const console::ask::Stop& asked);
-  Answer on(const console::ask::Retract& asked);
-  Answer on(const console::ask::Reset& asked);
-  Answer on(const console::ask::Judge& asked);
+  // One for each message of module `commands`, in clinician_asks.cpp.
+  Answer on(console::Client client, const console::commands::TakeControl& asked);
+  Answer on(const console::commands::OpenSeries& asked);
+  Answer on(const console::commands::SetPoint& asked);
+  Answer on(const console::commands::ConfirmPlan& asked);
+  Answer on(const console::commands::SetTick& asked);
+  Answer on(const console::commands::Press& asked);
+  Answer on(const console::commands::Stop& asked);
+  Answer on(const console::commands::Retract& asked);
+  Answer on(const console::commands::Reset& asked);
+  Answer on(const console::commands::Judge& asked);
 
   const Plan* plan() const;
   bool is_shown(const std::string& seal) const;
@@ -83,7 +83,7 @@ class OperatorSession {
   void let_back();
   void end_run();
   console::Step step() const;
-  console::tell::Disabled disabled() const;
+  console::events::Disabled disabled() const;
   std::string why_no_arm() const;
   std::string why_no_insert() const;
   std::string why_no_judgement() const;

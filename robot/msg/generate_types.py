@@ -156,11 +156,11 @@ def typescript(found):
         for part in item.fields:
             lines.append(f"  {part.name}: {ts_type(part)}" + (f" // {part.unit}" if part.unit else ""))
         lines += ["}", ""]
-    for module in ("ask", "tell"):
+    for module, union in (("commands", "Command"), ("events", "Event")):
         names = [i.name for i in found if isinstance(i, Struct) and i.module[-1] == module]
         if names:
-            union = "\n".join(f"  | ({{ type: '{name}' }} & {name})" for name in names)
-            lines += [f"export type {module.capitalize()} =", union, ""]
+            members = "\n".join(f"  | ({{ type: '{name}' }} & {name})" for name in names)
+            lines += [f"export type {union} =", members, ""]
     return "\n".join(lines)
 
 
@@ -232,9 +232,9 @@ def cpp(found):
             lines += ["  to = names_of(from)[static_cast<std::size_t>(from)];", "}", ""]
         else:
             lines += cpp_struct(item)
-    asks = ", ".join(i.name for i in found if isinstance(i, Struct) and i.module[-1] == "ask")
-    lines += [f"}}  // namespace {'::'.join(module)}", "", "namespace biopsy::console::ask {", ""]
-    lines += [f"using Any = std::variant<{asks}>;", "", "}  // namespace biopsy::console::ask"]
+    commands = ", ".join(i.name for i in found if isinstance(i, Struct) and i.module[-1] == "commands")
+    lines += [f"}}  // namespace {'::'.join(module)}", "", "namespace biopsy::console::commands {", ""]
+    lines += [f"using Any = std::variant<{commands}>;", "", "}  // namespace biopsy::console::commands"]
     return "\n".join(lines) + "\n"
 
 

@@ -1,4 +1,4 @@
-// A message of the page, read strictly: one object of module `ask`, nothing missing, unknown or out of range.
+// A message of the page, read strictly: one object of module `commands`, nothing missing, unknown or out of range.
 #pragma once
 
 #include <console_messages.hpp>  // generated from idl/console.idl
@@ -7,6 +7,6 @@
 namespace biopsy::console {
 
 // Throws MessageFault, saying what is wrong.
-ask::Any ask_from_json(const std::string& text);
+commands::Any command_from_json(const std::string& text);
 
 }  // namespace biopsy::console

@@ -8,7 +8,7 @@
 
 namespace biopsy::console {
 
-std::variant<Point, std::string> picked_point(const Volume& image, const ask::SetPoint& picked) {
+std::variant<Point, std::string> picked_point(const Volume& image, const commands::SetPoint& picked) {
   if (picked.series_uid != image.identity.series_uid)
     return "the point is of another series than the one shown";
   const Eigen::Vector3d voxel(picked.voxel[0], picked.voxel[1], picked.voxel[2]);

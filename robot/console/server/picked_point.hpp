@@ -13,7 +13,7 @@ namespace biopsy::console {
 inline constexpr double kMismatchMax_mm = 0.1;
 
 // The place in LPS, computed here from the voxel; or why it is not taken.
-std::variant<Point, std::string> picked_point(const Volume& image, const ask::SetPoint& picked);
+std::variant<Point, std::string> picked_point(const Volume& image, const commands::SetPoint& picked);
 
 // Rows of the map from voxel to R, A, S in mm, as the page gets it.
 std::array<double, 16> ras_from_voxel(const Grid& grid);

@@ -15,7 +15,7 @@ class TelemetryBatch {
     double time_ms = 0, depth_mm = 0, setpoint_mm = 0, drive_kV = 0, envelope_kV = 0;
   };
   // The batch, with every kBatch_ticks-th sample.
-  std::optional<tell::Telemetry> add(const Sample& sample) {
+  std::optional<events::Telemetry> add(const Sample& sample) {
     if (count_++ == 0)
       batch_ = {sample.time_ms,  sample.depth_mm, sample.depth_mm,   sample.setpoint_mm,
                 sample.drive_kV, sample.drive_kV, sample.envelope_kV};
@@ -31,7 +31,7 @@ class TelemetryBatch {
   }
 
  private:
-  tell::Telemetry batch_;
+  events::Telemetry batch_;
   int count_ = 0;
 };
 

@@ -20,8 +20,8 @@ constexpr const char* kPoint =
     R"({"type":"SetPoint","id":1,"mark":"Entry","series_uid":"1.2","voxel":[1,2,3],"ras_mm":[4,5,6]})";
 
 TEST(ConsoleMessages, AWholeMessageIsRead) {
-  const ask::Any any = ask_from_json(kPoint);
-  const auto& point = std::get<ask::SetPoint>(any);
+  const commands::Any any = command_from_json(kPoint);
+  const auto& point = std::get<commands::SetPoint>(any);
   EXPECT_EQ(point.mark, Mark::Entry);
   EXPECT_EQ(point.voxel[2], 3.0);
 }
@@ -44,7 +44,7 @@ TEST(ConsoleMessages, WhatTheIdlDoesNotSayIsRefused) {
       R"({"type":"SetPoint","id":1,"mark":"Entry","series_uid":"1","voxel":[1,2,1e9],"ras_mm":[4,5,6]})",
       R"({"type":"SetPoint","id":1,"mark":"Entry","series_uid":"1","voxel":[1,2,null],"ras_mm":[4,5,6]})",
   };
-  for (const char* text : wrong) EXPECT_THROW(ask_from_json(text), MessageFault) << text;
+  for (const char* text : wrong) EXPECT_THROW(command_from_json(text), MessageFault) << text;
 }
 
 TEST(ConsoleMessages, AnyCutOrChangedByteIsReadOrRefusedNeverMore) {
@@ -55,7 +55,7 @@ TEST(ConsoleMessages, AnyCutOrChangedByteIsReadOrRefusedNeverMore) {
       changed[n] = other;
       for (const std::string& text : {whole.substr(0, n), changed}) {
         try {
-          ask_from_json(text);
+          command_from_json(text);
         } catch (const MessageFault&) {
         }
       }
@@ -69,7 +69,7 @@ TEST(PickedPoint, IsComputedFromTheVoxelAndRefusedWhereThePageMeansAnotherPlace)
       Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix() * 0.5;
   image.grid.X_SI.translation() = Point(5, -6, 7);
   image.identity.series_uid = "1.2.3";
-  ask::SetPoint picked;
+  commands::SetPoint picked;
   picked.series_uid = "1.2.3";
   picked.voxel = {4.25, 10.0, 29.4};
   const Point there = image.grid.X_SI * Eigen::Vector3d(4.25, 10.0, 29.4);
@@ -156,7 +156,7 @@ TEST(Outbox, ASlowPageLosesPlotsButNoAnswer) {
 
 TEST(TelemetryBatch, ASpikeOfOneTickSurvives) {
   TelemetryBatch batch;
-  std::optional<tell::Telemetry> told;
+  std::optional<events::Telemetry> told;
   for (int n = 0; n < kBatch_ticks; ++n) {
     EXPECT_FALSE(told);
     told = batch.add({static_cast<double>(n), n == 7 ? 9.0 : 1.0, 1.0, n == 13 ? -8.0 : 2.0, 6.0});

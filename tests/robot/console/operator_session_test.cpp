@@ -16,8 +16,8 @@
 namespace biopsy::robot {
 namespace {
 
-namespace ask = console::ask;
-namespace tell = console::tell;
+namespace commands = console::commands;
+namespace events = console::events;
 using console::Mark;
 
 constexpr console::Client kPage = 1;
@@ -37,7 +37,7 @@ struct Desk {
     session.came(kPage);
   }
 
-  bool asks(const console::ask::Any& asked) {
+  bool asks(const console::commands::Any& asked) {
     const auto answer = session.ask(kPage, asked, now_us);
     return answer && answer->done;
   }
@@ -50,7 +50,7 @@ struct Desk {
     session.see(beat, now_us);
   }
   bool opens(const std::string& series_uid) {
-    if (!asks(ask::OpenSeries{1, series_uid})) return false;
+    if (!asks(commands::OpenSeries{1, series_uid})) return false;
     while (!session.state(kPage, now_us).reading.empty()) {
       std::this_thread::yield();
       robot_is(Mode::Safe, safety::Hazard::PlanUnconfirmed);
@@ -61,17 +61,17 @@ struct Desk {
     const Volume& image = session.prepared().image;
     const Eigen::Vector3d voxel = image.grid.X_SI.inverse() * there;
     const Point ras = ras_from_lps(there);
-    return asks(ask::SetPoint{
+    return asks(commands::SetPoint{
         1, mark, image.identity.series_uid, {voxel.x(), voxel.y(), voxel.z()}, {ras.x(), ras.y(), ras.z()}});
   }
   void plans(const Point& p_SE, const Point& p_ST) {
     ASSERT_TRUE(sets(Mark::Entry, p_SE));
     ASSERT_TRUE(sets(Mark::Target, p_ST));
-    ASSERT_TRUE(asks(ask::ConfirmPlan{1, session.planned().seal})) << session.planned().refusal;
+    ASSERT_TRUE(asks(commands::ConfirmPlan{1, session.planned().seal})) << session.planned().refusal;
   }
   void ticks(bool on) {
     for (const console::Tick tick : {console::Tick::Patient, console::Tick::Place, console::Tick::Risks})
-      ASSERT_TRUE(asks(ask::SetTick{1, tick, on, session.planned().seal}));
+      ASSERT_TRUE(asks(commands::SetTick{1, tick, on, session.planned().seal}));
   }
 };
 

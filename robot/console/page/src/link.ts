@@ -1,10 +1,10 @@
 // The one WebSocket to the server: messages in become signals, asks go out with a number and come back answered.
 import { batch } from '@preact/signals'
 
-import type { Answer, Ask, Tell } from './generated/messages'
+import type { Answer, Command, Event } from './generated/messages'
 import * as robot from './robot'
 
-type WithId = Extract<Ask, { id: number }>
+type WithId = Extract<Command, { id: number }>
 type WithoutId<T> = T extends { id: number } ? Omit<T, 'id'> : never
 
 const token = new URLSearchParams(location.search).get('t') ?? ''
@@ -26,7 +26,7 @@ export function connect(): void {
 function open(): void {
   socket = new WebSocket(`ws://${location.host}/live?t=${token}`)
   socket.onopen = () => void (robot.connected.value = true)
-  socket.onmessage = (event) => hear(JSON.parse(event.data as string) as Tell)
+  socket.onmessage = (event) => hear(JSON.parse(event.data as string) as Event)
   socket.onclose = lose
 }
 
@@ -47,7 +47,7 @@ const unanswered: Answer = {
   to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
 }
 
-function hear(message: Tell): void {
+function hear(message: Event): void {
   batch(() => {
     robot.heard()
     switch (message.type) {
@@ -83,7 +83,7 @@ function hear(message: Tell): void {
 export function ask(message: WithoutId<WithId>): Promise<Answer> {
   const id = ++lastId
   return new Promise((resolve) => {
-    if (!say({ ...message, id } as Ask)) {
+    if (!say({ ...message, id } as Command)) {
       robot.refused.value = unanswered
       return resolve(unanswered)
     }
@@ -91,7 +91,7 @@ export function ask(message: WithoutId<WithId>): Promise<Answer> {
   })
 }
 
-export function say(message: Ask): boolean {
+export function say(message: Command): boolean {
   if (socket?.readyState !== WebSocket.OPEN) return false
   socket.send(JSON.stringify(message))
   return true
