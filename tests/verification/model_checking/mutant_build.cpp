@@ -25,7 +25,7 @@ std::string text_of(const fs::path& file) {
 void copy_with_bug(const fs::path& from, const fs::path& to, const SeededBug* bug) {
   fs::remove_all(to);
   fs::create_directories(to.parent_path());
-  fs::copy(from, to);
+  fs::copy(from, to, fs::copy_options::recursive);
   if (bug == nullptr) return;
   const std::string text = with_bug(*bug, text_of(from / bug->file));
   std::ofstream(to / bug->file) << text;
