@@ -1,11 +1,9 @@
 // A disk that takes no more: records wait in memory, the backlog tells, and all is written once it takes
 // again.
-#include <sys/resource.h>
-
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "robot/common/config_error.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/robot/recorder/log_for_tests.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -13,27 +11,6 @@ namespace biopsy::recorder {
 namespace {
 
 constexpr std::int64_t kMs = 1000;
-
-// While it lives no file of this process grows beyond `bytes`.
-class FullDisk {
- public:
-  explicit FullDisk(std::uintmax_t bytes) : signal_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &free_);
-    rlimit full = free_;
-    full.rlim_cur = bytes;
-    ::setrlimit(RLIMIT_FSIZE, &full);
-  }
-  ~FullDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &free_);
-    std::signal(SIGXFSZ, signal_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  void (*signal_)(int);
-  rlimit free_{};
-};
 
 TEST(FullDisk, RecordsWaitWithAGrowingBacklogAndAreAllWrittenWhenSpaceReturns) {
   verifies("R-28");
