@@ -4,7 +4,9 @@
 
 #include "robot/bench/characterise.hpp"
 #include "robot/cli/commands.hpp"
+#include "robot/cli/library_messages.hpp"
 #include "robot/cli/live_commands.hpp"
+#include "robot/cli/log_options.hpp"
 #include "robot/cli/study_commands.hpp"
 
 namespace biopsy::robot {
@@ -171,6 +173,14 @@ int run_command_line(int argc, const char* const* argv) {
       "Start with:\n  biopsy dry-run --out out/first\n\nEach command explains itself: biopsy COMMAND --help");
   app.set_version_flag("--version", BIOPSY_VERSION);
   app.require_subcommand(1);
+  app.fallthrough();  // log options stand before or behind the command
+  std::string log_level, log_format;
+  log_options(app, log_level, log_format);
+  std::optional<logging::LogSession> log;
+  app.parse_complete_callback([&] {
+    log.emplace(log_settings("biopsy", log_level, log_format));
+    log_library_messages();
+  });
   DryRunOptions rehearsed;
   ProcedureOptions planned;
   CheckOptions checked;

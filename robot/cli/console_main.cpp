@@ -4,10 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "robot/cli/library_messages.hpp"
 #include "robot/cli/live_commands.hpp"
-#include "robot/common/config_error.hpp"
+#include "robot/cli/log_options.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
+#include "robot/common/logging/program.hpp"
 #include "robot/console/console_loop.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/monotonic_session_id.hpp"
@@ -65,14 +67,15 @@ int main(int argc, char** argv) {
   robot::case_options(command, options.procedure);
   command.add_option("--port", options.port, "of the page (default: any that is free)");
   command.add_option("--page", options.page, "folder of the built page");
+  std::string level, format;
+  robot::log_options(command, level, format);
   CLI11_PARSE(command, argc, argv);
-  try {
+  return logging::run_program("biopsy-console", [&] {
+    logging::LogSettings log = robot::log_settings("biopsy-console", level, format);
+    log.file = options.run_folder / "console.log";
+    const logging::LogSession session(log);
+    robot::log_library_messages();
     serve(options);
     return 0;
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "error: {}\nwhere: {}\nto do: {}\n", error.what_is_wrong, error.where, error.remedy);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\nwhere: unexpected\nto do: report this with the command\n", error.what());
-  }
-  return 2;
+  });
 }

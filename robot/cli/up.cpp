@@ -8,11 +8,13 @@
 #include <thread>
 
 #include "drivers/digital_io/io_views.hpp"
+#include "robot/cli/live_options.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/common/logging/log_session.hpp"
+#include "robot/common/logging/logger.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/live/realtime/stop_signals.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
-#include "robot/cli/live_options.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
@@ -24,6 +26,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr logging::Logger kLog{logging::Component::Cli};
+constexpr const char* kLogFile = "biopsy.log";
+
 // Nothing more to be done if the case has no plan; its report says why.
 bool is_refused(const PreparedCase& prepared, const std::filesystem::path& out, Clock::time_point started) {
   if (std::holds_alternative<Plan>(prepared.plan)) return false;
@@ -34,7 +39,7 @@ bool is_refused(const PreparedCase& prepared, const std::filesystem::path& out, 
 }
 
 void print_trouble(const std::vector<std::string>& trouble) {
-  for (const std::string& line : trouble) fmt::print(stderr, "{}\n", line);
+  for (const std::string& line : trouble) kLog.error("{}", line);
 }
 
 // The interlock says nothing on the bus: its relay is a line that anybody may look at.
@@ -73,6 +78,8 @@ int dry_run_live(const ProcedureOptions& options, const LiveOptions& live_option
   const auto started = Clock::now();
   const Case given = case_of(options);
   claim_run_folder(options.out, files_of(given));
+  logging::log_to_file(options.out / kLogFile);
+  kLog.info("dry-run --live: domain {}", live_options.domain);
   ProgressLine line;
   line.show(-1.0, "reading the image and planning");
   const PreparedCase prepared = prepare(given, options.out);
@@ -158,15 +165,14 @@ int up_with_console(const UpOptions& options, const PreparedCase& prepared, real
     }
     if (const auto alone = session.launcher().ended(Process::Person)) {
       if (!told) ended = alone;
-      fmt::print(stderr, "{}\nthe robot holds the needle, then lets it back; Ctrl-C brings it down\n",
-                 *alone);
+      kLog.error("{}; the robot holds the needle, then retracts it; Ctrl-C stops the robot", *alone);
     }
     if (!ended) ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (ended) fmt::print(stderr, "\n{}\n", *ended);
+  if (ended) kLog.error("{}", *ended);
   print_trouble(session.stop());
   fmt::print("\ndown; procedure log: {}\n", session.settings().log.string());
   return ended ? 3 : 0;
@@ -190,6 +196,8 @@ int up(const UpOptions& options) {
   const auto started = Clock::now();
   const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
   claim_run_folder(options.procedure.out, files_of(given));
+  logging::log_to_file(options.procedure.out / kLogFile);
+  kLog.info("up: device {}, domain {}", options.device, options.live.domain);
   const PreparedCase prepared = prepare(given, options.procedure.out);
   if (has_points(given) && is_refused(prepared, options.procedure.out, started)) return 3;
   if (options.prepare) return prepare_only(options, prepared);
@@ -212,7 +220,7 @@ int up(const UpOptions& options) {
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;
   }
-  if (ended) fmt::print(stderr, "\n{}\n", *ended);
+  if (ended) kLog.error("{}", *ended);
   print_trouble(session.stop());
   fmt::print("\ndown; procedure log: {}\n", session.settings().log.string());
   return ended ? 3 : 0;

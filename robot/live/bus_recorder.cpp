@@ -29,7 +29,7 @@ std::int64_t wall_ns() {
 }
 
 // Bytes from elsewhere that are no UTF-8 must not end the recorder.
-std::string text_of(const LogBody& body) {
+std::string json_text(const LogBody& body) {
   return body.dump(-1, ' ', false, LogBody::error_handler_t::replace);
 }
 
@@ -95,7 +95,7 @@ void BusRecorder::note(RecordKind kind, const std::string& body, std::int64_t no
 void BusRecorder::follow_decisions(std::int64_t now_us) {
   Decision next;
   const auto note = [&](RecordKind kind, const LogBody& body, Urgency urgency) {
-    recorder_.append({next.at_ns, next.time_us, "supervisor", kind, text_of(body)}, urgency, now_us);
+    recorder_.append({next.at_ns, next.time_us, "supervisor", kind, json_text(body)}, urgency, now_us);
   };
   while (decisions_.take(next)) {
     const bool new_session = next.session != decision_.session;
@@ -123,13 +123,13 @@ void BusRecorder::follow_acts(std::int64_t now_us) {
   while (acts_.take(next)) {
     if (!asks_the_same(next, act_))
       write(RecordKind::OperatorAct, "person",
-            text_of({{"token", next.token},
-                     {"held", next.held},
-                     {"stop", static_cast<int>(next.stop)},
-                     {"finish", next.finish},
-                     {"acquiring", next.acquiring},
-                     {"asks_arm", next.arm},
-                     {"asks_reset", next.reset}}),
+            json_text({{"token", next.token},
+                       {"held", next.held},
+                       {"stop", static_cast<int>(next.stop)},
+                       {"finish", next.finish},
+                       {"acquiring", next.acquiring},
+                       {"asks_arm", next.arm},
+                       {"asks_reset", next.reset}}),
             Urgency::Grouped, now_us);
     act_ = next;
   }
@@ -148,12 +148,12 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
       body["confirmations"] = (sealed.confirmed_tag[0] == planner::plan_tag(*plan)) +
                               (sealed.confirmed_tag[1] == planner::plan_tag(*plan));
     }
-    write(RecordKind::Plan, "person", text_of(body), Urgency::Urgent, now_us);
+    write(RecordKind::Plan, "person", json_text(body), Urgency::Urgent, now_us);
   }
   DepthVerdictNote verdict;
   while (verdicts_.take(verdict))
     write(RecordKind::DepthCheck, "person",
-          text_of({{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
+          json_text({{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
 }
 
 void BusRecorder::follow_stage(std::int64_t now_us) {
@@ -161,11 +161,11 @@ void BusRecorder::follow_stage(std::int64_t now_us) {
   while (measurements_.take(next)) {
     if (refuses(next.verdict) != refuses(measured_.verdict) || next.hv_enabled != measured_.hv_enabled)
       write(RecordKind::PermitChange, "stage",
-            text_of({{"gate", static_cast<int>(next.verdict)},
-                     {"hv_enabled", next.hv_enabled},
-                     {"command_kV", next.command_mV * 1e-6},
-                     {"depth_mm", next.depth_um * 1e-3},
-                     {"seq", next.seq}}),
+            json_text({{"gate", static_cast<int>(next.verdict)},
+                       {"hv_enabled", next.hv_enabled},
+                       {"command_kV", next.command_mV * 1e-6},
+                       {"depth_mm", next.depth_um * 1e-3},
+                       {"seq", next.seq}}),
             Urgency::Grouped, now_us);
     measured_ = next;
     measured_us_ = now_us;
@@ -175,7 +175,7 @@ void BusRecorder::follow_stage(std::int64_t now_us) {
     if (asked.stage != request_.stage || asked.stage_reached != request_.stage_reached ||
         asked.finished != request_.finished)
       write(RecordKind::Request, "controller",
-            text_of(
+            json_text(
                 {{"stage", asked.stage + 1}, {"reached", asked.stage_reached}, {"finished", asked.finished}}),
             Urgency::Grouped, now_us);
     request_ = asked;
@@ -190,15 +190,15 @@ void BusRecorder::follow_health(std::int64_t now_us) {
     const bool alive = health.seq != 0;
     if (alive != alive_[i])
       write(alive ? RecordKind::ProcessStart : RecordKind::ProcessStop, name_of(static_cast<Process>(i)),
-            text_of({{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}}),
+            json_text({{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}}),
             Urgency::Urgent, now_us);
     alive_[i] = alive;
     if (alive && health.refused != refused_[i])
       write(RecordKind::Alarm, name_of(static_cast<Process>(i)),
-            text_of({{"strangers_refused", health.refused}}), Urgency::Grouped, now_us);
+            json_text({{"strangers_refused", health.refused}}), Urgency::Grouped, now_us);
     if (alive) refused_[i] = health.refused;
     if (alive && health.note != notes_[i])
-      write(RecordKind::Alarm, name_of(static_cast<Process>(i)), text_of({{"note", health.note}}),
+      write(RecordKind::Alarm, name_of(static_cast<Process>(i)), json_text({{"note", health.note}}),
             Urgency::Grouped, now_us);
     if (alive) notes_[i] = health.note;
   }
@@ -208,14 +208,14 @@ void BusRecorder::follow_strangers(std::int64_t now_us) {
   if (participants_ == nullptr) return;
   const int strangers = participants_->unauthenticated_endpoints();
   if (strangers != strangers_)
-    write(RecordKind::Alarm, "recorder", text_of({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
+    write(RecordKind::Alarm, "recorder", json_text({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
           now_us);
   strangers_ = strangers;
   const int outside = participants_->unauthenticated_participants();
   if (outside != outside_) outside_us_ = now_us;
   outside_ = outside;
   if (outside_ == told_outside_ || now_us - outside_us_ < kLetIn_us) return;
-  write(RecordKind::Alarm, "recorder", text_of({{"participants_not_let_in", outside_}}), Urgency::Grouped,
+  write(RecordKind::Alarm, "recorder", json_text({{"participants_not_let_in", outside_}}), Urgency::Grouped,
         now_us);
   told_outside_ = outside_;
 }
@@ -237,9 +237,9 @@ void BusRecorder::follow_liveliness(std::int64_t now_us) {
   for (std::size_t i = 0; i < now.size(); ++i)
     if (now[i].alive != lively_[i].alive || now[i].missed != lively_[i].missed)
       write(RecordKind::Alarm, "recorder",
-            text_of({{"topic", now[i].topic},
-                     {"writers_alive", now[i].alive},
-                     {"deadlines_missed", now[i].missed}}),
+            json_text({{"topic", now[i].topic},
+                       {"writers_alive", now[i].alive},
+                       {"deadlines_missed", now[i].missed}}),
             Urgency::Grouped, now_us);
   lively_ = now;
 }

@@ -23,6 +23,8 @@ class BusRecorder {
   // Reads all that came and writes what is due; every 10 ms.
   void turn(std::int64_t now_us);
 
+  const Health& health() { return heartbeat_.health(); }
+
   // The recorder's own start and end.
   void note(recorder::RecordKind kind, const std::string& body, std::int64_t now_us);
 

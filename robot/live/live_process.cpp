@@ -1,18 +1,27 @@
 #include "robot/live/live_process.hpp"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <exception>
 
-#include "robot/common/config_error.hpp"
+#include "robot/common/logging/logger.hpp"
+#include "robot/common/logging/program.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/security/check_keys.hpp"
 #include "robot/security/cyclone_xml.hpp"
 
 namespace biopsy::live {
 namespace {
+
+constexpr logging::TickEvent kOverrun{logging::Level::Info,
+                                      "periods missed: {0:.0f}, since the start {1:.0f}"};
+constexpr logging::TickEvent kRefused{
+    logging::Level::Warning, "messages of participants without keys: {0:.0f}, since the start {1:.0f}"};
+
+logging::Component component_of(security::Role role) {
+  const auto& names = logging::kComponentNames;
+  const auto* found = std::find(names.begin(), names.end(), security::name_of(role));
+  return static_cast<logging::Component>(found - names.begin());
+}
 
 // Only what is in the loop comes before other programs: the recorder is to wait for it, not it for the
 // recorder.
@@ -45,7 +54,9 @@ transport::BusSettings plain_settings(const LiveSettings& settings) {
 }
 
 LiveProcess::LiveProcess(const std::filesystem::path& run_folder, security::Role role)
-    : settings_(read_settings(run_folder)),
+    : tick_log_(component_of(role)),
+      logger_(component_of(role)),
+      settings_(read_settings(run_folder)),
       config_tag_(live::config_tag(run_folder, settings_)),
       precedence_(precedence_obtained(settings_.fifo_priority, role)),
       bus_(bus_settings(settings_, role)) {}
@@ -53,28 +64,32 @@ LiveProcess::LiveProcess(const std::filesystem::path& run_folder, security::Role
 void LiveProcess::start_ticking() {
   const realtime::RealtimeObtained obtained =
       realtime::become_realtime({.lock_memory = true, .cpu = std::nullopt});
-  fmt::print("started; {}; {}\n", precedence_, realtime::to_text(obtained));
-  std::fflush(stdout);
+  logger_.info("started; {}; {}", precedence_, realtime::to_text(obtained));
   notice_.ready();
 }
 
-void LiveProcess::stroke_watchdog(std::int64_t now_us) {
+void LiveProcess::after_tick(std::int64_t now_us, const Health& health) {
+  const auto log_more = [&](std::uint32_t now, std::uint32_t& logged, const logging::TickEvent& event) {
+    if (now != logged) tick_log_.record(event, now_us, now - logged, now);
+    logged = now;
+  };
+  log_more(health.overruns, overruns_, kOverrun);
+  log_more(health.refused, refused_, kRefused);
   if (!notice_.watchdog_us() || now_us - stroked_us_ < *notice_.watchdog_us() / 2) return;
   notice_.watchdog();
   stroked_us_ = now_us;
 }
 
-int live_main(int argc, char** argv, const char* name, void (*run)(const std::filesystem::path& run_folder)) {
-  try {
-    if (argc != 2) throw ConfigError("wants one argument", name, fmt::format("{} RUN_FOLDER", name));
-    run(argv[1]);
+int live_main(int argc, char** argv, const std::string& name,
+              void (*run)(const std::filesystem::path& run_folder)) {
+  const std::string program = "biopsy-" + name;
+  return logging::run_program(program, [&] {
+    logging::ProgramArguments arguments = logging::parse_arguments(program, argc, argv);
+    if (arguments.log.file.empty()) arguments.log.file = arguments.folder / (name + ".log");
+    const logging::LogSession log(arguments.log);
+    run(arguments.folder);
     return 0;
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "error: {}\nwhere: {}\nto do: {}\n", error.what_is_wrong, error.where, error.remedy);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\nwhere: {}\nto do: report this with what led to it\n", error.what(), name);
-  }
-  return 2;
+  });
 }
 
 }  // namespace biopsy::live

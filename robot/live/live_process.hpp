@@ -5,9 +5,12 @@
 #include <filesystem>
 #include <string>
 
+#include "robot/common/logging/logger.hpp"
+#include "robot/common/logging/tick_log.hpp"
 #include "robot/live/live_settings.hpp"
 #include "robot/live/realtime/service_notice.hpp"
 #include "robot/live/realtime/stop_signals.hpp"
+#include "robot/msg/live.hpp"
 #include "robot/security/roles.hpp"
 #include "robot/transport/bus.hpp"
 
@@ -31,21 +34,28 @@ class LiveProcess {
   // From here on ticks count: memory is locked, if that is permitted.
   void start_ticking();
   bool stop_asked() { return signals_.came(); }
-  void stroke_watchdog(std::int64_t now_us);  // once a tick: systemd's own
+  // Once a tick, with what the loop reports: strokes systemd's watchdog, and logs missed periods and samples
+  // that were refused.
+  void after_tick(std::int64_t now_us, const Health& health);
+  logging::TickLog& tick_log() { return tick_log_; }
 
   ~LiveProcess() { notice_.stopping(); }
 
  private:
   realtime::StopSignals signals_;  // first: threads that are started later inherit it
   realtime::ServiceNotice notice_;
+  logging::TickLog tick_log_;  // its thread gets no precedence
+  logging::Logger logger_;
   LiveSettings settings_;
   std::uint64_t config_tag_;
   std::string precedence_;  // SCHED_FIFO where it is wanted and permitted: before the bus starts its threads
   transport::Participant bus_;
   std::int64_t stroked_us_ = 0;
+  std::uint32_t overruns_ = 0, refused_ = 0;  // as logged
 };
 
-// main() of a process that takes a run folder and nothing else.
-int live_main(int argc, char** argv, const char* name, void (*run)(const std::filesystem::path& run_folder));
+// main() of a process that takes a run folder and log options. It logs to NAME.log in that folder.
+int live_main(int argc, char** argv, const std::string& name,
+              void (*run)(const std::filesystem::path& run_folder));
 
 }  // namespace biopsy::live

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/logging/logger.hpp"
 #include "robot/transport/codec.hpp"
 #include "robot/transport/topics.hpp"
 
@@ -39,6 +40,16 @@ BIOPSY_WIRE(Health, Health)
 
 std::atomic<std::uint32_t> strangers{0};
 
+logging::Level level_of(std::uint32_t category) {
+  if ((category & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0) return logging::Level::Error;
+  if ((category & DDS_LC_WARNING) != 0) return logging::Level::Warning;
+  return (category & DDS_LC_INFO) != 0 ? logging::Level::Info : logging::Level::Debug;
+}
+
+void log_trace(void*, const dds_log_data_t* data) {
+  logging::write(logging::Component::Dds, level_of(data->priority), {data->message, data->size});
+}
+
 // The library says who was not let in only in its log. "Remote secure participant not allowed" is none of
 // them: it is said of friends who called while this participant was still being made.
 void hear_warning(void*, const dds_log_data_t* data) {
@@ -47,7 +58,7 @@ void hear_warning(void*, const dds_log_data_t* data) {
   if (says("Remote secure participant") && says("not allowed")) return;
   const bool stranger = says("Non secure remote participant") || says("fsm") || says("ecurity");
   if (stranger) strangers.fetch_add(1, std::memory_order_relaxed);
-  fmt::print(stderr, "bus: {}", text);
+  logging::write(logging::Component::Dds, level_of(data->priority), text);
 }
 
 struct QosFree {
@@ -105,6 +116,7 @@ std::uint32_t refused_samples() {
 
 Participant::Participant(const BusSettings& settings) : robot_(settings.robot) {
   dds_set_log_sink(hear_warning, nullptr);
+  dds_set_trace_sink(log_trace, nullptr);
   domain_ = Entity(dds_create_domain(settings.domain, settings.configuration.c_str()), "domain");
   participant_ = Entity(dds_create_participant(settings.domain, nullptr, nullptr), "participant");
 }

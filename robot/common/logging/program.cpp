@@ -27,4 +27,27 @@ int run_program(const std::string& name, const std::function<int()>& program) {
   return 2;
 }
 
+ProgramArguments parse_arguments(const std::string& name, int argc, char** argv) {
+  const std::string usage = name + " FOLDER [--log-level LEVEL] [--log-format text|json] [--log-file FILE]";
+  ProgramArguments arguments{{}, settings_from_environment(name)};
+  for (int n = 1; n < argc; ++n) {
+    const std::string word = argv[n];
+    const bool is_option = word.starts_with("--");
+    if (is_option ? n + 1 == argc : !arguments.folder.empty())
+      throw ConfigError(fmt::format("\"{}\" is not understood", word), name, usage);
+    if (word == "--log-level")
+      arguments.log.level = level_of(argv[++n], word);
+    else if (word == "--log-format")
+      arguments.log.format = format_of(argv[++n], word);
+    else if (word == "--log-file")
+      arguments.log.file = argv[++n];
+    else if (is_option)
+      throw ConfigError(fmt::format("there is no option {}", word), name, usage);
+    else
+      arguments.folder = word;
+  }
+  if (arguments.folder.empty()) throw ConfigError("a folder is missing", name, usage);
+  return arguments;
+}
+
 }  // namespace biopsy::logging

@@ -15,12 +15,12 @@ void control_stage(const std::filesystem::path& run_folder) {
   process.start_ticking();
   while (!process.stop_asked()) {
     loop.turn(kPatience);
-    process.stroke_watchdog(realtime::monotonic_ns() / 1000);
+    process.after_tick(realtime::monotonic_ns() / 1000, loop.heartbeat().health());
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return live::live_main(argc, argv, "biopsy-controller", control_stage);
+  return live::live_main(argc, argv, "controller", control_stage);
 }

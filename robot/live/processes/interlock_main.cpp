@@ -1,14 +1,12 @@
 // biopsy-interlock RUN_FOLDER: the independent interlock on simulated lines. In a laboratory it is a relay;
 // here it is a process of its own, which knows nothing but the lines, safety/interlock.hpp and a clock.
-#include <fmt/format.h>
-
 #include <cstdint>
-#include <cstdio>
-#include <exception>
 #include <filesystem>
 
 #include "drivers/digital_io/interlock_relay.hpp"
-#include "robot/common/config_error.hpp"
+#include "robot/common/logging/logger.hpp"
+#include "robot/common/logging/program.hpp"
+#include "robot/common/logging/tick_log.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/latency_histogram.hpp"
 #include "robot/live/realtime/service_notice.hpp"
@@ -19,6 +17,9 @@ namespace {
 
 using namespace biopsy::realtime;
 
+constexpr biopsy::logging::Logger kLog{biopsy::logging::Component::Interlock};
+constexpr biopsy::logging::TickEvent kOverrun{biopsy::logging::Level::Info,
+                                              "periods missed: {0:.0f}; woke {1:.0f} us late"};
 constexpr int kPriority = 80;  // above the loops it guards: it must see them stand still
 
 // Open first, then say so. Killed instead, it says nothing: who reads the lines counts it as open after
@@ -28,9 +29,10 @@ int guard(const std::filesystem::path& run_folder) {
   const ServiceNotice notice;
   biopsy::digital_io::InterlockRelay relay(run_folder, monotonic_ns());
   LatencyHistogram lateness;
+  biopsy::logging::TickLog tick_log(
+      biopsy::logging::Component::Interlock);  // before its thread would get priority
   const RealtimeObtained obtained = become_realtime({.fifo_priority = kPriority});
-  fmt::print("interlock: open; {}\n", to_text(obtained));
-  std::fflush(stdout);
+  kLog.info("open; {}", to_text(obtained));
   TickClock clock(biopsy::digital_io::kRelayPeriod);
   notice.ready();
   std::int64_t told_us = 0;
@@ -38,6 +40,9 @@ int guard(const std::filesystem::path& run_folder) {
     const Wake wake = clock.wait();
     relay.tick(wake.woke_ns);
     lateness.record(wake.late_ns());
+    if (wake.missed > 0)
+      tick_log.record(kOverrun, wake.woke_ns / 1'000, static_cast<double>(wake.missed),
+                      static_cast<double>(wake.late_ns()) * 1e-3);
     const std::int64_t now_us = wake.woke_ns / 1'000;
     if (notice.watchdog_us() && now_us - told_us > *notice.watchdog_us() / 2) {
       notice.watchdog();
@@ -46,23 +51,18 @@ int guard(const std::filesystem::path& run_folder) {
   }
   relay.open(monotonic_ns());
   notice.stopping();
-  fmt::print("interlock: open, ends; {} ticks, {} missed, late p50 {} us, p99 {} us, max {} us\n",
-             lateness.count(), clock.missed(), lateness.p50_us(), lateness.p99_us(), lateness.max_us());
+  kLog.info("open, ends; {} ticks, {} missed, late p50 {} us, p99 {} us, max {} us", lateness.count(),
+            clock.missed(), lateness.p50_us(), lateness.p99_us(), lateness.max_us());
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    if (argc != 2)
-      throw biopsy::ConfigError("wants one argument", "biopsy-interlock", "biopsy-interlock RUN_FOLDER");
-    return guard(argv[1]);
-  } catch (const biopsy::ConfigError& error) {
-    fmt::print(stderr, "error: {}\nwhere: {}\nto do: {}\n", error.what_is_wrong, error.where, error.remedy);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\nwhere: biopsy-interlock\nto do: report this with what led to it\n",
-               error.what());
-  }
-  return 2;
+  constexpr const char* kName = "biopsy-interlock";
+  return biopsy::logging::run_program(kName, [&] {
+    const auto arguments = biopsy::logging::parse_arguments(kName, argc, argv);
+    const biopsy::logging::LogSession log(arguments.log);
+    return guard(arguments.folder);
+  });
 }

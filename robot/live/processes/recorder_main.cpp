@@ -1,7 +1,9 @@
 // biopsy-recorder RUN_FOLDER: writes the procedure log, off the control path.
 #include <chrono>
 #include <optional>
+#include <string>
 
+#include "robot/common/logging/logger.hpp"
 #include "robot/live/bus_recorder.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
@@ -11,6 +13,7 @@ namespace {
 
 using namespace biopsy;
 
+constexpr logging::Logger kLog{logging::Component::Recorder};
 constexpr std::chrono::milliseconds kPeriod{10};
 
 void record(const std::filesystem::path& run_folder) {
@@ -26,9 +29,13 @@ void record(const std::filesystem::path& run_folder) {
   scribe.note(recorder::RecordKind::ProcessStart, "{}", now_us());
   process.start_ticking();
   realtime::TickClock clock(kPeriod);
+  std::string trouble;  // as logged
   while (!process.stop_asked()) {
     scribe.turn(clock.wait().woke_ns / 1000);
-    process.stroke_watchdog(now_us());
+    process.after_tick(now_us(), scribe.health());
+    if (recorder.trouble() != trouble)
+      kLog.warning("procedure log: {}", recorder.trouble().empty() ? "written again" : recorder.trouble());
+    trouble = recorder.trouble();
   }
   scribe.turn(now_us());
   scribe.note(recorder::RecordKind::ProcessStop, "{}", now_us());
@@ -38,5 +45,5 @@ void record(const std::filesystem::path& run_folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return live::live_main(argc, argv, "biopsy-recorder", record);
+  return live::live_main(argc, argv, "recorder", record);
 }

@@ -23,7 +23,7 @@ void run(live::LiveProcess& process, live::StageLoop& loop, const AfterTick& aft
     loop.heartbeat().health().overruns = static_cast<std::uint32_t>(clock.missed());
     loop.tick(now_us);
     after_tick();
-    process.stroke_watchdog(now_us);
+    process.after_tick(now_us, loop.heartbeat().health());
   }
   loop.switch_off(realtime::monotonic_ns() / 1000);
 }
@@ -82,5 +82,5 @@ void drive_stage(const std::filesystem::path& run_folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return live::live_main(argc, argv, "biopsy-stage", drive_stage);
+  return live::live_main(argc, argv, "stage", drive_stage);
 }

@@ -41,12 +41,12 @@ void supervise(const std::filesystem::path& run_folder) {
     loop.turn();
     if (interlock.failed())
       loop.heartbeat().note("the board of the supervisor's pulse failed: the interlock is open");
-    process.stroke_watchdog(realtime::monotonic_ns() / 1000);
+    process.after_tick(realtime::monotonic_ns() / 1000, loop.heartbeat().health());
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return live::live_main(argc, argv, "biopsy-supervisor", supervise);
+  return live::live_main(argc, argv, "supervisor", supervise);
 }

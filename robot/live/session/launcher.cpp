@@ -78,6 +78,8 @@ void Launcher::start(Process process, const std::vector<std::string>& more) {
   // The interlock knows nothing but the lines.
   std::vector<std::string> words{program.string(),
                                  (process == Process::Interlock ? lines_folder_ : run_folder_).string()};
+  if (process == Process::Interlock)
+    words.insert(words.end(), {"--log-file", (run_folder_ / "interlock.log").string()});
   words.insert(words.end(), more.begin(), more.end());
   std::vector<char*> pointers;
   pointers.reserve(words.size() + 1);

@@ -31,6 +31,14 @@ TEST(CommandLine, NoCommandOrAnUnknownOneIsAMistake) {
   EXPECT_EQ(biopsy("dry-run").code, 2);  // no --out
 }
 
+TEST(CommandLine, LogOptionsStandBeforeOrBehindTheCommandAndAreChecked) {
+  for (const char* words :
+       {"--log-level debug effects", "effects --log-level off", "effects --log-format json"})
+    EXPECT_EQ(biopsy(words).code, 0) << words;
+  EXPECT_EQ(biopsy("effects --log-level loud").code, 2);
+  EXPECT_EQ(biopsy("effects --log-format xml").code, 2);
+}
+
 TEST(CommandLine, BadInputIsNamedWithARemedy) {
   const ScratchFolder folder;
   const std::string out = " --out " + (folder / "out").string();
