@@ -18,7 +18,7 @@ struct LoadStep {
 
 // The stage that an experiment is sized for.
 struct BenchSetup {
-  Grams weight;              // on the fixture
+  Grams weight{};            // on the fixture
   double drive_scale = 1.0;  // how many times the nominal stage's voltage it needs for a depth
   double push_scale = 1.0;   // how many times the nominal stage's push it bears without a swing
   bool by_hand = false;      // a push is a small weight, laid on and lifted off by somebody who is told when

@@ -15,9 +15,9 @@
 namespace biopsy::digital_io {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kPeriod = kMillisecond / 2;
-constexpr std::int64_t kLimit = 20 * kMillisecond;
+constexpr std::int64_t kMillisecond_ns = 1'000'000;
+constexpr std::int64_t kTick_ns = kMillisecond_ns / 2;
+constexpr std::int64_t kPulseLimit_ns = 20 * kMillisecond_ns;
 
 // A stage at +6 kV, a supervisor and the relay between them.
 class Relay : public testing::Test {
@@ -29,7 +29,7 @@ class Relay : public testing::Test {
     stage_->write(high_voltage(6'000'000));
   }
 
-  void tick() { relay_->tick(now_ += kPeriod); }
+  void tick() { relay_->tick(now_ += kTick_ns); }
   void feed_both() { stage_->pulse(), supervisor_->pulse(); }
   void close() {
     feed_both();
@@ -43,7 +43,7 @@ class Relay : public testing::Test {
   std::optional<StageIo> stage_;
   std::optional<SupervisorIo> supervisor_;
   std::optional<InterlockRelay> relay_;
-  std::int64_t now_ = 500 * kMillisecond;
+  std::int64_t now_ = 500 * kMillisecond_ns;
 };
 
 TEST_F(Relay, IsOpenUntilBothHaveFedIt) {
@@ -63,7 +63,7 @@ TEST_F(Relay, IsOpenUntilBothHaveFedIt) {
 TEST_F(Relay, OpensWithinTwentyMillisecondsOfTheLastPulseOfEither) {
   verifies("R-43");
   for (const bool stage_stops : {false, true})
-    for (std::int64_t phase_ns = 0; phase_ns < kPeriod; phase_ns += 12'500) {
+    for (std::int64_t phase_ns = 0; phase_ns < kTick_ns; phase_ns += 12'500) {
       close();
       // The last pulse of the one that stops comes `phase_ns` after a tick of the relay.
       const std::int64_t last_pulse = now_ + phase_ns;
@@ -72,8 +72,9 @@ TEST_F(Relay, OpensWithinTwentyMillisecondsOfTheLastPulseOfEither) {
         tick();
         stage_stops ? supervisor_->pulse() : stage_->pulse();
       }
-      EXPECT_LE(now_ + kPeriod - last_pulse, kLimit) << "even if the next tick were the first to show it";
-      EXPECT_GE(now_ + 2 * kPeriod - last_pulse, kLimit) << "no sooner than the relay can know";
+      EXPECT_LE(now_ + kTick_ns - last_pulse, kPulseLimit_ns)
+          << "even if the next tick were the first to show it";
+      EXPECT_GE(now_ + 2 * kTick_ns - last_pulse, kPulseLimit_ns) << "no sooner than the relay can know";
       EXPECT_EQ(load_mV(), 0);
       EXPECT_EQ(reader_.relay().zero_ns, now_);
       EXPECT_EQ(reader_.converter().mV, 6'000'000) << "the converter still holds its value";
@@ -91,7 +92,7 @@ TEST_F(Relay, StaysClosedWhileBothAreWithinTheirTimeAndOnlyThen) {
       supervisor_->pulse(), supervisor_at = now_, next_supervisor = i + 1 + pause(random);
     tick();
     const std::int64_t oldest = now_ - std::min(stage_at, supervisor_at);
-    ASSERT_EQ(relay_->closed(), oldest + kPeriod < kLimit)
+    ASSERT_EQ(relay_->closed(), oldest + kTick_ns < kPulseLimit_ns)
         << "tick " << i << ", last pulse " << oldest << " ns ago";
     closed += relay_->closed() ? 1 : 0;
   }
@@ -132,7 +133,7 @@ TEST_F(Relay, ThatComesBackStartsOpenAndDoesNotCountOldPulses) {
     close();
     relay_.reset();
     feed_both();
-    relay_.emplace(folder_.path(), now_ += kMillisecond);
+    relay_.emplace(folder_.path(), now_ += kMillisecond_ns);
     EXPECT_EQ(load_mV(), 0) << "open before its first tick";
     for (int i = 0; i < 100; ++i) {
       stage_lives ? stage_->pulse() : supervisor_->pulse();
@@ -158,7 +159,7 @@ TEST_F(Relay, ShowsTheLoadNothingWhileHvIsOffWhateverTheConverterHolds) {
 TEST_F(Relay, DoesNotTakeAPulseFoundAfterItsOwnStallForAFreshOne) {
   close();
   feed_both();  // and then both die, and the relay stalls for a second
-  relay_->tick(now_ += 1'000 * kMillisecond);
+  relay_->tick(now_ += 1'000 * kMillisecond_ns);
   EXPECT_FALSE(relay_->closed());
   for (int i = 0; i < 100; ++i) {
     tick();
@@ -169,7 +170,7 @@ TEST_F(Relay, DoesNotTakeAPulseFoundAfterItsOwnStallForAFreshOne) {
 TEST_F(Relay, OpensWhenItsClockGoesBack) {
   close();
   feed_both();
-  relay_->tick(now_ - 10 * kMillisecond);
+  relay_->tick(now_ - 10 * kMillisecond_ns);
   EXPECT_FALSE(relay_->closed());
 }
 
@@ -185,16 +186,16 @@ TEST_F(Relay, OpensAtOnceAndForgetsWhenTold) {
 TEST_F(Relay, ThatNoLongerTicksIsTakenForOpenByWhoReadsTheLoad) {
   close();
   EXPECT_EQ(reader_.load_voltage_seen_mV(now_), 6'000'000);
-  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + kLimit - 1), 6'000'000);
-  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + kLimit), 0);
-  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + 1'000 * kLimit), 0);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + kPulseLimit_ns - 1), 6'000'000);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + kPulseLimit_ns), 0);
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ + 1'000 * kPulseLimit_ns), 0);
   EXPECT_EQ(load_mV(), 6'000'000) << "the relay's last word, which is no longer true";
 }
 
 TEST_F(Relay, MayTickWhileAReaderIsReadingTheClock) {
   close();
   EXPECT_EQ(reader_.load_voltage_seen_mV(now_ - 1'000), 6'000'000);
-  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ - kLimit), 0) << "but not in the far future";
+  EXPECT_EQ(reader_.load_voltage_seen_mV(now_ - kPulseLimit_ns), 0) << "but not in the far future";
 }
 
 TEST_F(Relay, LetsTheReaderSeeTheConverterWithoutWaitingForATick) {

@@ -8,6 +8,10 @@
 
 namespace biopsy::imaging::scene {
 
+// The needle enters the scene here.
+inline const Point kEntry(-18.0, 3.0, -4.0);
+inline const Direction kAxis = Direction(1.0, 0.25, 0.3).normalized();
+
 // A sum of soft bright blobs on a grey ground: something to register on, everywhere above zero.
 inline double tissue(const Point& p) {
   double value = 300.0;

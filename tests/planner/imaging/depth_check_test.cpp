@@ -10,9 +10,6 @@
 namespace biopsy::imaging {
 namespace {
 
-const Point kEntry(-18.0, 3.0, -4.0);
-const Direction kAxis = Direction(1.0, 0.25, 0.3).normalized();
-
 Volume before() {
   return scene::imaged(scene::grid(0.8, 2.4), [](const Point& p) { return scene::tissue(p); });
 }
@@ -21,7 +18,8 @@ Volume before() {
 Volume after(double depth, double loss = 0.95, double noise = 15.0,
              const Eigen::Vector3d& shift = {1.0, -2.0, 1.5}) {
   return scene::imaged(scene::grid(0.8, 2.4), [&](const Point& p) {
-    return std::abs(scene::tissue(p - shift) * scene::left_by_needle(p, kEntry, kAxis, depth, 2.0, loss) +
+    return std::abs(scene::tissue(p - shift) *
+                        scene::left_by_needle(p, scene::kEntry, scene::kAxis, depth, 2.0, loss) +
                     noise * scene::grain(p));
   });
 }
@@ -33,7 +31,7 @@ DepthCheckSettings expecting(double depth) {
 }
 
 TEST(DepthCheck, AcceptsATipWhereItWasPlannedAndTellsHowThePatientMoved) {
-  const DepthCheck check = check_depth(before(), after(20.0), kEntry, kAxis, expecting(20.1));
+  const DepthCheck check = check_depth(before(), after(20.0), scene::kEntry, scene::kAxis, expecting(20.1));
   EXPECT_EQ(check.verdict, DepthVerdict::Accept) << check.reason;
   EXPECT_NEAR(check.depth.value, 20.0, 0.3);
   EXPECT_NEAR(check.shift_mm[0], 1.0, 0.2);
@@ -42,55 +40,57 @@ TEST(DepthCheck, AcceptsATipWhereItWasPlannedAndTellsHowThePatientMoved) {
 }
 
 TEST(DepthCheck, RejectsATipElsewhereAndSaysOnWhichSide) {
-  const DepthCheck deep = check_depth(before(), after(20.0), kEntry, kAxis, expecting(17.0));
+  const DepthCheck deep = check_depth(before(), after(20.0), scene::kEntry, scene::kAxis, expecting(17.0));
   EXPECT_EQ(deep.verdict, DepthVerdict::Reject);
   EXPECT_NE(deep.reason.find("deeper than"), std::string::npos) << deep.reason;
-  const DepthCheck shallow = check_depth(before(), after(20.0), kEntry, kAxis, expecting(23.0));
+  const DepthCheck shallow = check_depth(before(), after(20.0), scene::kEntry, scene::kAxis, expecting(23.0));
   EXPECT_EQ(shallow.verdict, DepthVerdict::Reject);
   EXPECT_NE(shallow.reason.find("short of"), std::string::npos) << shallow.reason;
 }
 
 TEST(DepthCheck, ReadsTheSameDepthWhateverWasPlanned) {
   const Volume first = before(), second = after(20.0);
-  const DepthCheck free = check_depth(first, second, kEntry, kAxis);
+  const DepthCheck free = check_depth(first, second, scene::kEntry, scene::kAxis);
   for (double planned : {5.0, 19.5, 40.0}) {
-    const DepthCheck check = check_depth(first, second, kEntry, kAxis, expecting(planned));
+    const DepthCheck check = check_depth(first, second, scene::kEntry, scene::kAxis, expecting(planned));
     EXPECT_EQ(check.depth.value, free.depth.value);
     EXPECT_EQ(check.sigma.value, free.sigma.value);
   }
 }
 
 TEST(DepthCheck, RejectsWhenNoNeedleIsThereAndIsUnsureWhenNoiseHidesEverything) {
-  EXPECT_EQ(check_depth(before(), after(20.0, 0.0), kEntry, kAxis).verdict, DepthVerdict::Reject);
-  const DepthCheck noisy = check_depth(before(), after(20.0, 0.0, 250.0), kEntry, kAxis);
+  EXPECT_EQ(check_depth(before(), after(20.0, 0.0), scene::kEntry, scene::kAxis).verdict,
+            DepthVerdict::Reject);
+  const DepthCheck noisy = check_depth(before(), after(20.0, 0.0, 250.0), scene::kEntry, scene::kAxis);
   EXPECT_EQ(noisy.verdict, DepthVerdict::Unsure) << noisy.reason;
 }
 
 TEST(DepthCheck, NeverAcceptsImagesOfDifferentTissue) {
   const Volume other = scene::imaged(scene::grid(0.8, 2.4), [](const Point& p) {
     return scene::tissue(Point(-p.y() + 9.0, p.z(), p.x())) *
-           scene::left_by_needle(p, kEntry, kAxis, 20.0, 2.0);
+           scene::left_by_needle(p, scene::kEntry, scene::kAxis, 20.0, 2.0);
   });
-  const DepthCheck check = check_depth(before(), other, kEntry, kAxis);
+  const DepthCheck check = check_depth(before(), other, scene::kEntry, scene::kAxis);
   EXPECT_EQ(check.verdict, DepthVerdict::Unsure) << check.reason;
 }
 
 TEST(DepthCheck, IsUnsureWhenTheTipLeavesTheImage) {
-  const DepthCheck check = check_depth(before(), after(300.0), kEntry, kAxis);
+  const DepthCheck check = check_depth(before(), after(300.0), scene::kEntry, scene::kAxis);
   EXPECT_EQ(check.verdict, DepthVerdict::Unsure) << check.reason;
 }
 
 TEST(DepthCheck, TakesOffTheCalibratedTipOffset) {
   DepthCheckSettings settings;
   const Volume first = before(), second = after(20.0);
-  const double plain = check_depth(first, second, kEntry, kAxis, settings).depth.value;
+  const double plain = check_depth(first, second, scene::kEntry, scene::kAxis, settings).depth.value;
   settings.tip_offset = Millimetres(0.7);
-  EXPECT_NEAR(check_depth(first, second, kEntry, kAxis, settings).depth.value, plain - 0.7, 1e-12);
+  EXPECT_NEAR(check_depth(first, second, scene::kEntry, scene::kAxis, settings).depth.value, plain - 0.7,
+              1e-12);
 }
 
 TEST(DepthCheck, DrawsBothImagesInOnePlaneWithTheTipMarked) {
   DepthCheckPictures pictures;
-  check_depth(before(), after(20.0), kEntry, kAxis, {}, &pictures);
+  check_depth(before(), after(20.0), scene::kEntry, scene::kAxis, {}, &pictures);
   ASSERT_EQ(pictures.before.picture.rgb.size(), pictures.after.picture.rgb.size());
   EXPECT_EQ(pictures.before.mm_per_pixel, pictures.after.mm_per_pixel);
   EXPECT_LT((pictures.tip_px - pictures.after.pixel(20.0, 0.0)).norm() * pictures.after.mm_per_pixel, 0.7);
@@ -110,9 +110,9 @@ TEST(DepthCheck, DrawsBothImagesInOnePlaneWithTheTipMarked) {
 
 TEST(DepthCheck, RefusesAnAxisWithoutLengthAnEmptyImageAndAnEntryOutsideBoth) {
   const Volume image = before();
-  EXPECT_THROW(check_depth(image, image, kEntry, Direction::Zero()), ConfigError);
-  EXPECT_THROW(check_depth(image, Volume{}, kEntry, kAxis), ConfigError);
-  EXPECT_THROW(check_depth(image, image, Point(500.0, 0.0, 0.0), kAxis), ConfigError);
+  EXPECT_THROW(check_depth(image, image, scene::kEntry, Direction::Zero()), ConfigError);
+  EXPECT_THROW(check_depth(image, Volume{}, scene::kEntry, scene::kAxis), ConfigError);
+  EXPECT_THROW(check_depth(image, image, Point(500.0, 0.0, 0.0), scene::kAxis), ConfigError);
 }
 
 TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {

@@ -8,13 +8,10 @@
 namespace biopsy::imaging {
 namespace {
 
-const Point kEntry(-18.0, 3.0, -4.0);
-const Direction kAxis = Direction(1.0, 0.25, 0.3).normalized();
-
 struct Needle {
   double depth = 20.0, radius = 1.5;
-  Point entry = kEntry;
-  Direction axis = kAxis;
+  Point entry = scene::kEntry;
+  Direction axis = scene::kAxis;
 };
 
 TipFinding found_with(
@@ -30,7 +27,7 @@ TipFinding found_with(
     return std::abs(scene::tissue(p) * traces(p) * left / 6.0 + noise * scene::grain(p));
   });
   RegistrationResult still;
-  const NeedleFrame frame = needle_frame(grid, kEntry, kAxis);
+  const NeedleFrame frame = needle_frame(grid, scene::kEntry, scene::kAxis);
   CorridorSettings path;
   path.to_mm = 50.0;
   const Corridor corridor = needle_corridor(before, after, still, frame, path);
@@ -63,20 +60,20 @@ TEST(FindTip, ReadsTheDepthInCoarseVoxels) {
 }
 
 TEST(FindTip, FollowsANeedleThatDeviatesAndTilts) {
-  const NeedleFrame frame = needle_frame(scene::grid(0.8, 2.4), kEntry, kAxis);
-  Needle bent{20.0, 1.5, frame.point(0.0, 1.6, -1.0), kAxis};
-  bent.axis = (kAxis + 0.03 * frame.across).normalized();
+  const NeedleFrame frame = needle_frame(scene::grid(0.8, 2.4), scene::kEntry, scene::kAxis);
+  Needle bent{20.0, 1.5, frame.point(0.0, 1.6, -1.0), scene::kAxis};
+  bent.axis = (scene::kAxis + 0.03 * frame.across).normalized();
   const TipFinding tip = found_with(scene::grid(0.8, 2.4), bent);
-  EXPECT_NEAR(tip.depth_mm, 20.0 * bent.axis.dot(kAxis), 0.3);
+  EXPECT_NEAR(tip.depth_mm, 20.0 * bent.axis.dot(scene::kAxis), 0.3);
   EXPECT_NEAR(tip.across_mm, 1.6 + 20.0 * 0.03, 0.4);
   EXPECT_NEAR(tip.up_mm, -1.0, 0.4);
 }
 
 TEST(FindTip, IgnoresAnOldTrackAndBubblesThatAreInBothImages) {
-  const NeedleFrame frame = needle_frame(scene::grid(0.8, 2.4), kEntry, kAxis);
+  const NeedleFrame frame = needle_frame(scene::grid(0.8, 2.4), scene::kEntry, scene::kAxis);
   const auto traces = [&](const Point& p) {
     const Point bubble = frame.point(27.0, 0.5, 0.0);
-    return scene::left_by_needle(p, frame.point(0.0, 4.5, 0.0), kAxis, 35.0, 1.5, 0.8) *
+    return scene::left_by_needle(p, frame.point(0.0, 4.5, 0.0), scene::kAxis, 35.0, 1.5, 0.8) *
            (1.0 - 0.9 * std::exp(-0.5 * (p - bubble).squaredNorm() / 4.0));
   };
   const TipFinding tip = found_with(scene::grid(0.8, 2.4), {20.0, 1.5}, 0.95, 15.0, traces);

@@ -86,7 +86,7 @@ ByHand played_by_hand(const std::string& experiment, const sim::PlantModel& mode
                                       return BenchKeys{.arm = turned, .estop_closed = true};
                                     },
                                 .ask_for_key = [&] { asked_us = stage.now_us(); },
-                                .stop = [&] { return stage.now_us() > until_s * 1e6; }});
+                                .stop = [&] { return static_cast<double>(stage.now_us()) > until_s * 1e6; }});
   played.began_s = hand.began_s;
   played.first_row_s = hand.now_s() - static_cast<double>(played.result.recorded.time.size()) * 1e-3;
   return played;

@@ -16,10 +16,10 @@ namespace {
 using recorder::LogFolder;
 using recorder::Record;
 
-constexpr std::uint32_t kDomain = 77;  // of this test alone
+constexpr std::uint32_t kRecorderDomain = 77;  // of this test alone
 
 TEST(BusRecorder, WritesDownWhatAProcessSaysWhateverTheBytes) {
-  const transport::Participant bus({kDomain, security::cyclone_xml({}), 1});
+  const transport::Participant bus({kRecorderDomain, security::cyclone_xml({}), 1});
   const LogFolder folder;
   recorder::Recorder log(folder.log, folder.key());
   BusRecorder scribe(bus, log, 1, nullptr);

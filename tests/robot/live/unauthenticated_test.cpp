@@ -21,13 +21,13 @@
 namespace biopsy::live_tests {
 namespace {
 
-constexpr std::uint32_t kDomain = 81;
+constexpr std::uint32_t kSecuredDomain = 81;
 
 // The program rogue, while this lives. `keys`: of a controller; empty: none.
 class Rogue {
  public:
   explicit Rogue(const std::string& keys) {
-    const std::string number = std::to_string(kDomain);
+    const std::string number = std::to_string(kSecuredDomain);
     char* const arguments[] = {const_cast<char*>(ROGUE), const_cast<char*>(number.c_str()),
                                keys.empty() ? nullptr : const_cast<char*>(keys.c_str()), nullptr};
     EXPECT_EQ(posix_spawn(&pid_, ROGUE, nullptr, nullptr, arguments, environ), 0);
@@ -70,7 +70,7 @@ void moves_on_and_logs(bool with_keys, const std::string& words) {
     const ScratchFolder folder;
     const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
     robot::LiveOptions secured;
-    secured.domain = kDomain;
+    secured.domain = kSecuredDomain;
     const auto robot = moving_robot(secured, prepared, folder.path());
     if (!robot) return "the needle never moved";
     const std::filesystem::path keys = folder.path() / "keys of somebody else";

@@ -10,8 +10,6 @@
 namespace biopsy::recorder {
 namespace {
 
-constexpr std::int64_t kMs = 1000;
-
 TEST(FullDisk, RecordsWaitWithAGrowingBacklogAndAreAllWrittenWhenSpaceReturns) {
   verifies("R-28");
   const LogFolder folder;

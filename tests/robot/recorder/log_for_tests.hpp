@@ -18,6 +18,8 @@
 
 namespace biopsy::recorder {
 
+inline constexpr std::int64_t kMs = 1000;  // in us
+
 namespace fs = std::filesystem;
 
 inline void make_key(const fs::path& pem) {

@@ -9,8 +9,6 @@
 namespace biopsy::recorder {
 namespace {
 
-constexpr std::int64_t kMs = 1000;
-
 TEST(Recorder, GroupedRecordsWaitInMemoryAndAreOnDiskWithin100Ms) {
   const LogFolder folder;
   Recorder recorder(folder.log, folder.key());

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/count_of.hpp"
+
 namespace biopsy::report {
 namespace {
 
@@ -31,17 +33,11 @@ BenchRecord two_runs() {
   return record;
 }
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
-  return found;
-}
-
 TEST(BenchReport, ShowsAPictureOfEveryRunAndThePushOnlyWhereThereWasOne) {
   const std::string html = bench_html(two_runs());
-  EXPECT_EQ(count(html, "<figure>"), 2U);
-  EXPECT_EQ(count(html, "Push (N)"), 1U);
-  EXPECT_EQ(count(html, "Displacement (mm)"), 2U);
+  EXPECT_EQ(count_of(html, "<figure>"), 2U);
+  EXPECT_EQ(count_of(html, "Push (N)"), 1U);
+  EXPECT_EQ(count_of(html, "Displacement (mm)"), 2U);
 }
 
 TEST(BenchReport, SaysWhichRunWasStoppedWhenAndWhy) {
@@ -70,7 +66,7 @@ TEST(BenchReport, SurvivesARunThatWasStoppedBeforeItBegan) {
   BenchRecord record = two_runs();
   BenchRunRecord& run = record.runs.back();
   run.time_s = run.drive_kV = run.displacement_mm = run.push_N = {};
-  EXPECT_EQ(count(bench_html(record), "<figure>"), 1U);
+  EXPECT_EQ(count_of(bench_html(record), "<figure>"), 1U);
   EXPECT_NE(bench_console(record).find("impact-50g"), std::string::npos);
 }
 

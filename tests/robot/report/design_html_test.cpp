@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "tests/count_of.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::report {
@@ -28,20 +29,14 @@ DesignStudy example() {
   return study;
 }
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
-  return found;
-}
-
 TEST(DesignHtml, ShowsEveryDesignThePapersFirstAndHowManyAreNoWorseInAnything) {
   const std::string html = design_html(example());
-  EXPECT_EQ(count(html, "<tr class=\"paper\">"), 1U);
+  EXPECT_EQ(count_of(html, "<tr class=\"paper\">"), 1U);
   EXPECT_LT(html.find("<tr class=\"paper\">"), html.find("<td>1</td>"));
   EXPECT_NE(html.find("<td>2</td>"), std::string::npos);
   EXPECT_NE(html.find("2 designs that none beats in everything, of 100 tried; 1 of them"), std::string::npos);
   EXPECT_NE(html.find("Stroke &amp; push"), std::string::npos);
-  EXPECT_EQ(count(html, "class=\"panel\""), 1U);
+  EXPECT_EQ(count_of(html, "class=\"panel\""), 1U);
 }
 
 TEST(DesignHtml, SaysInRedWhatThePapersOwnDesignDoesNotMeet) {
@@ -62,11 +57,11 @@ TEST(DesignHtml, LoadsNothingAndEscapesNames) {
 TEST(DesignJson, HoldsEveryDesignWithItsFiguresAndNoNaN) {
   DesignStudy study = example();
   study.best[1].figures.ripple_mm = std::numeric_limits<double>::quiet_NaN();
-  const auto json = nlohmann::json::parse(design_json(study));
-  ASSERT_EQ(json["best"].size(), 2U);
-  EXPECT_EQ(json["best"][0]["stroke_mm"], 6.0);
-  EXPECT_TRUE(json["best"][1]["ripple_mm"].is_null());
-  EXPECT_EQ(json["paper"]["film_um"], 50.0);
+  const auto parsed = nlohmann::json::parse(design_json(study));
+  ASSERT_EQ(parsed["best"].size(), 2U);
+  EXPECT_EQ(parsed["best"][0]["stroke_mm"], 6.0);
+  EXPECT_TRUE(parsed["best"][1]["ripple_mm"].is_null());
+  EXPECT_EQ(parsed["paper"]["film_um"], 50.0);
 }
 
 TEST(DesignReport, LeavesAPageAndAJsonFile) {

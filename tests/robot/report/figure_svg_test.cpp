@@ -6,6 +6,7 @@
 #include <limits>
 #include <regex>
 
+#include "tests/count_of.hpp"
 #include "tests/robot/report/reproduction_example.hpp"
 
 namespace biopsy::report {
@@ -29,12 +30,6 @@ std::vector<std::vector<Point>> subpaths(const std::string& svg, std::size_t n) 
     parts.back().push_back({std::stod((*v)[2]), std::stod((*v)[3])});
   }
   return parts;
-}
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
-  return found;
 }
 
 FigurePanel panel_of(std::vector<FigureCurve> curves) {
@@ -83,10 +78,10 @@ TEST(FigureSvg, LogarithmicTicksAreNinePerDecadeAndNamedAtRoundOnes) {
 }
 
 TEST(FigureSvg, WhatIsNotFiniteOrHasNoLogarithmIsAGap) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double missing = std::numeric_limits<double>::quiet_NaN();
   const std::string parted =
-      figure_svg(panel_of({{"", {1, 2, 3, 4, 5}, {0.1, 0.2, kNan, 0.2, 0.1}, false, false}}));
-  ASSERT_EQ(count(parted, R"(stroke-linejoin="round")"), 2U);  // one path a piece
+      figure_svg(panel_of({{"", {1, 2, 3, 4, 5}, {0.1, 0.2, missing, 0.2, 0.1}, false, false}}));
+  ASSERT_EQ(count_of(parted, R"(stroke-linejoin="round")"), 2U);  // one path a piece
   EXPECT_EQ(subpaths(parted, 0).front().size(), 2U);
   EXPECT_EQ(subpaths(parted, 1).front().size(), 2U);
   FigurePanel panel = panel_of({{"", {0.0, 1.0, 10.0}, {0.5, 0.5, 0.5}, false, false}});
@@ -94,8 +89,8 @@ TEST(FigureSvg, WhatIsNotFiniteOrHasNoLogarithmIsAGap) {
   panel.logarithmic_x = true;
   const std::string svg = figure_svg(panel);
   EXPECT_EQ(subpaths(svg, 0).front().size(), 2U);
-  EXPECT_EQ(count(svg, "nan"), 0U);
-  EXPECT_EQ(count(svg, "inf"), 0U);
+  EXPECT_EQ(count_of(svg, "nan"), 0U);
+  EXPECT_EQ(count_of(svg, "inf"), 0U);
 }
 
 TEST(FigureSvg, ALongRecordKeepsItsOneSpikeAndFewPoints) {
@@ -116,17 +111,17 @@ TEST(FigureSvg, MarksAreCirclesDashedIsDashedAndNamesStandInTheLegendEscaped) {
   const std::string svg = figure_svg(panel_of({{"measured <1>", {1, 2, 3}, {0.1, 0.2, 0.3}, false, true},
                                                {"target", {1, 3}, {0.5, 0.5}, true, false},
                                                {"", {1, 3}, {0.7, 0.7}, false, false}}));
-  EXPECT_EQ(count(svg, "<circle"), 4U);           // three points and the legend
-  EXPECT_EQ(count(svg, "stroke-dasharray"), 2U);  // the line and the legend
-  EXPECT_EQ(count(svg, "measured &lt;1&gt;"), 1U);
-  EXPECT_EQ(count(svg, "<script"), 0U);
+  EXPECT_EQ(count_of(svg, "<circle"), 4U);           // three points and the legend
+  EXPECT_EQ(count_of(svg, "stroke-dasharray"), 2U);  // the line and the legend
+  EXPECT_EQ(count_of(svg, "measured &lt;1&gt;"), 1U);
+  EXPECT_EQ(count_of(svg, "<script"), 0U);
 }
 
 TEST(FigureSvg, DrawsAnEmptyPanelAndOneWithoutExtentWithoutNaN) {
   for (const FigurePanel& panel :
        {FigurePanel{}, FigurePanel{"t", "x", "y", 1, 1, 2, 2, false, {{"a", {1}, {2}}}}}) {
     const std::string svg = figure_svg(panel);
-    EXPECT_EQ(count(svg, "nan"), 0U);
+    EXPECT_EQ(count_of(svg, "nan"), 0U);
     EXPECT_TRUE(svg.ends_with("</svg>"));
   }
 }

@@ -8,17 +8,11 @@
 
 #include "robot/report/plot/svg_bars.hpp"
 #include "robot/report/plot/svg_chart.hpp"
+#include "tests/count_of.hpp"
 #include "tests/robot/report/gap_example.hpp"
 
 namespace biopsy::report {
 namespace {
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
-    ++found;
-  return found;
-}
 
 // The paths of lines, each with its number of points.
 std::vector<std::size_t> line_points(const std::string& svg) {
@@ -45,16 +39,16 @@ TEST(GapFigures, WhereShowsTheRunWithTheLargestGapAndTheOverlayAHeldOutOne) {
 
 TEST(GapFigures, WhereShadesEveryRegimeOfTheRunAndNamesAxesWithUnits) {
   const std::string svg = where_figure(example_effect());
-  EXPECT_EQ(count(svg, "class=\"shade\""), 3U);  // the fourth regime does not occur in this run
-  EXPECT_EQ(line_points(svg).size(), 2U);        // input and residual
+  EXPECT_EQ(count_of(svg, "class=\"shade\""), 3U);  // the fourth regime does not occur in this run
+  EXPECT_EQ(line_points(svg).size(), 2U);           // input and residual
   for (const char* text :
        {"after a polarity reversal", "while rising", "while falling", "Input (kV)", "Residual (mm)"})
-    EXPECT_EQ(count(svg, std::string(">") + text + "<"), 1U) << text;
-  EXPECT_EQ(count(svg, "#f7cf7a"), 2U);  // the most telling regime alone: its legend and its stretches
+    EXPECT_EQ(count_of(svg, std::string(">") + text + "<"), 1U) << text;
+  EXPECT_EQ(count_of(svg, "#f7cf7a"), 2U);  // the most telling regime alone: its legend and its stretches
   GapFinding force = example_effect();
   force.force_drive = true;
-  EXPECT_EQ(count(where_figure(force), ">Force (N)<"), 1U);
-  EXPECT_EQ(count(where_figure(force), ">after the motion turns around<"), 1U);
+  EXPECT_EQ(count_of(where_figure(force), ">Force (N)<"), 1U);
+  EXPECT_EQ(count_of(where_figure(force), ">after the motion turns around<"), 1U);
 }
 
 // A regime's shading must cover the time the regime holds: 4 periods of 10 s with 2 x 1.2 s each.
@@ -84,8 +78,8 @@ TEST(GapFigures, OverlayHoldsThreeDisplacementsAndTwoResiduals) {
   EXPECT_EQ(line_points(svg).size(), 5U);
   for (const char* name :
        {"measured", "old model", "new model", "measured − old model", "measured − new model"})
-    EXPECT_EQ(count(svg, std::string(">") + name + "<"), 1U) << name;
-  EXPECT_EQ(count(svg, "held out (s)"), 1U);
+    EXPECT_EQ(count_of(svg, std::string(">") + name + "<"), 1U) << name;
+  EXPECT_EQ(count_of(svg, "held out (s)"), 1U);
   for (GapTrace& trace : finding.traces) trace.after.clear();
   EXPECT_EQ(line_points(overlay_figure(finding)).size(), 3U);
   EXPECT_EQ(line_points(overlay_figure(example_unexplained())).size(), 3U);  // the model stayed as it was
@@ -122,9 +116,9 @@ TEST(GapFigures, ARunOfManyTurnsGetsACloserLookAndACalmOneDoesNot) {
 
 TEST(GapFigures, SharesHaveTwoBarsARegimeAndWriteTheTrueValues) {
   const std::string svg = shares_figure(example_parameter());
-  EXPECT_EQ(count(svg, "class=\"bar-of-chart\""), 4U);
+  EXPECT_EQ(count_of(svg, "class=\"bar-of-chart\""), 4U);
   for (const char* value : {">21 %<", ">48 %<", ">40 %<", ">41 %<"})
-    EXPECT_EQ(count(svg, value), 1U) << value;
+    EXPECT_EQ(count_of(svg, value), 1U) << value;
   EXPECT_EQ(shares_figure(GapFinding{}), "");
 }
 
@@ -142,14 +136,14 @@ TEST(Bars, AreAsLongAsTheirValuesAndNeverLeaveThePlot) {
   EXPECT_NEAR(widths[0], widths[1] / 2, 0.1);
   EXPECT_EQ(widths[2], widths[1]);
   EXPECT_EQ(widths[3], 0);
-  EXPECT_EQ(count(svg, ">250 %<"), 1U);
+  EXPECT_EQ(count_of(svg, ">250 %<"), 1U);
 }
 
 TEST(GapFigures, ShapeDrawsMeanAndCountAgainstItsQuantity) {
   const ResidualShape shape = example_unexplained().shapes[0];
   const std::string svg = shape_figure(shape);
   EXPECT_EQ(line_points(svg), (std::vector<std::size_t>{40, 40}));
-  EXPECT_EQ(count(svg, ">position (mm)<"), 1U);
+  EXPECT_EQ(count_of(svg, ">position (mm)<"), 1U);
   EXPECT_EQ(shape_figure({}), "");
 }
 

@@ -5,19 +5,11 @@
 #include <cctype>
 #include <limits>
 
+#include "tests/count_of.hpp"
 #include "tests/robot/report/gap_example.hpp"
 
 namespace biopsy::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
-    ++found;
-  return found;
-}
 
 bool holds(const std::string& text, const std::string& what) {
   return text.find(what) != std::string::npos;
@@ -100,10 +92,10 @@ TEST(GapHtml, ParametersHaveIntervalsInReadableUnits) {
 TEST(GapHtml, CandidatesAreRankedChosenFirstAndTheUnfittedSaySo) {
   const std::string html = gap_html(example_effect());
   const std::string tried = html.substr(html.find("<h2>What was tried</h2>"));
-  EXPECT_EQ(count(tried, "<tr class=\"chosen\">"), 1U);
+  EXPECT_EQ(count_of(tried, "<tr class=\"chosen\">"), 1U);
   EXPECT_LT(tried.find("<code>coulomb_friction"), tried.find("<code>stribeck_friction"));
   EXPECT_LT(tried.find("<code>stribeck_friction"), tried.find("backlash"));
-  EXPECT_EQ(count(tried, ">ruled out by the score test</td>"), 5U);  // of 8; the others in one sentence
+  EXPECT_EQ(count_of(tried, ">ruled out by the score test</td>"), 5U);  // of 8; the others in one sentence
   EXPECT_TRUE(
       holds(tried, "Also ruled out by the score test: pouch creep, charge retention and time constant"));
   EXPECT_TRUE(holds(tried, "Round 2: what to add to the choice so far"));
@@ -133,7 +125,7 @@ TEST(GapHtml, ShowsTheModelChangeLineByLine) {
   const std::string html = gap_html(example_parameter());
   EXPECT_TRUE(holds(html, "<span class=\"removed\">− K = 0.80</span>"));
   EXPECT_TRUE(holds(html, "<span class=\"added\">+ K = { value = 0.864, std = 0.0021 }</span>"));
-  EXPECT_EQ(count(html, "<span class=\"removed\">"), 1U);
+  EXPECT_EQ(count_of(html, "<span class=\"removed\">"), 1U);
   EXPECT_TRUE(holds(gap_html(example_no_gap()), "The model is unchanged."));
 }
 
@@ -226,7 +218,7 @@ TEST(GapHtml, NeverShowsNanOrInfinityAndBearsBrokenTraces) {
 TEST(GapHtml, GivesEveryPictureATextForThoseWhoCannotSeeIt) {
   for (const GapFinding& finding : every_kind()) {
     const std::string html = gap_html(finding);
-    EXPECT_EQ(count(html, "role=\"img\""), count(html, "</title>") - 1);  // one title is the page's
+    EXPECT_EQ(count_of(html, "role=\"img\""), count_of(html, "</title>") - 1);  // one title is the page's
   }
 }
 

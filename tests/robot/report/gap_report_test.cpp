@@ -22,8 +22,6 @@ namespace biopsy::report {
 namespace {
 
 using nlohmann::ordered_json;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 std::vector<std::string> keys(const ordered_json& object) {
   std::vector<std::string> names;
   for (const auto& item : object.items()) names.push_back(item.key());

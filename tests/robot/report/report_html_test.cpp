@@ -6,6 +6,7 @@
 #include <cctype>
 #include <set>
 
+#include "tests/count_of.hpp"
 #include "tests/robot/report/example_run.hpp"
 
 namespace biopsy::report {
@@ -43,13 +44,6 @@ std::vector<std::string> attribute_values(const std::string& html, const std::st
     values.push_back(html.substr(from, html.find('"', from) - from));
   }
   return values;
-}
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
-    ++found;
-  return found;
 }
 
 std::vector<RunRecord> every_kind() {
@@ -109,7 +103,7 @@ TEST(ReportHtml, ShowsMarkupInPatientNamesAndEveryOtherTextAsText) {
         << "text " << number << " is missing";
   RunRecord refused = example_refusal();
   refused.refusal = refused.remedy = "<script>alert(1)</script>";
-  EXPECT_EQ(count(report_html(refused), "&lt;script&gt;"), 2U);
+  EXPECT_EQ(count_of(report_html(refused), "&lt;script&gt;"), 2U);
 }
 
 TEST(ReportHtml, SaysTheVerdictBeforeAnythingElse) {
@@ -146,9 +140,9 @@ TEST(ReportHtml, MarksASimulatedRunInTitleBannerPrintAndEveryPictureAndARealRunN
   const std::string html = report_html(record);
   EXPECT_NE(html.find("<title>SIMULATED"), std::string::npos);
   EXPECT_NE(html.find("class=\"watermark\""), std::string::npos);
-  const std::size_t drawings = count(html, "class=\"needle\"") + count(html, "class=\"chart\"");
+  const std::size_t drawings = count_of(html, "class=\"needle\"") + count_of(html, "class=\"chart\"");
   EXPECT_EQ(drawings, 6U);  // plan, run, two stages before and after
-  EXPECT_EQ(count(html, "font-weight=\"bold\">SIMULATED</text>"), drawings);
+  EXPECT_EQ(count_of(html, "font-weight=\"bold\">SIMULATED</text>"), drawings);
   record.simulated = false;
   EXPECT_EQ(report_html(record).find("SIMULATED"), std::string::npos);
 }
@@ -156,8 +150,8 @@ TEST(ReportHtml, MarksASimulatedRunInTitleBannerPrintAndEveryPictureAndARealRunN
 TEST(ReportHtml, GivesEveryPictureATextForThoseWhoCannotSeeIt) {
   for (const RunRecord& record : every_kind()) {
     const std::string html = report_html(record);
-    EXPECT_EQ(count(html, "<img "), count(html, " alt=\""));
-    EXPECT_EQ(count(html, "role=\"img\""), count(html, "</title>") - 1);  // one title is the page's
+    EXPECT_EQ(count_of(html, "<img "), count_of(html, " alt=\""));
+    EXPECT_EQ(count_of(html, "role=\"img\""), count_of(html, "</title>") - 1);  // one title is the page's
   }
 }
 

@@ -8,18 +8,12 @@
 #include "robot/report/study/reproduction_html.hpp"
 #include "robot/report/study/reproduction_json.hpp"
 #include "robot/report/study/reproduction_report.hpp"
+#include "tests/count_of.hpp"
 #include "tests/robot/report/reproduction_example.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::report {
 namespace {
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
-    ++found;
-  return found;
-}
 
 TEST(PaperScore, CountsNumbersAndTrendsApartAndShownRowsNowhere) {
   const PaperScore score = score_of(example_reproduction());
@@ -51,7 +45,7 @@ TEST(ReproductionHtml, TellsOfEveryMissUnderABarThatIsPassed) {
     r.figures.back().rows.push_back(row);
   }
   const std::string html = reproduction_html(r);
-  EXPECT_EQ(count(html, "✓ Passed: "), 2U);
+  EXPECT_EQ(count_of(html, "✓ Passed: "), 2U);
   EXPECT_NE(html.find("■ 1 of 10 missed"), std::string::npos);
   r.figures.back().rows.front().ok = true;
   EXPECT_EQ(reproduction_html(r).find(" missed; each"), std::string::npos);
@@ -88,10 +82,10 @@ TEST(ReproductionHtml, SaysTheScoreBeforeAnyPictureAndTheFindingsAfterAllTables)
 TEST(ReproductionHtml, EveryRowHasItsLineMissesRedWithTheReasonAndShownOnesGrey) {
   const Reproduction r = example_reproduction();
   const std::string html = reproduction_html(r);
-  EXPECT_EQ(count(html, "<td class=\"quantity\">"), 8U);
-  EXPECT_EQ(count(html, "<tr class=\"missed\"><td class=\"quantity\">"), 3U);
-  EXPECT_EQ(count(html, "<tr class=\"shown\">"), 1U);
-  EXPECT_EQ(count(html, "■ missed"), 3U);
+  EXPECT_EQ(count_of(html, "<td class=\"quantity\">"), 8U);
+  EXPECT_EQ(count_of(html, "<tr class=\"missed\"><td class=\"quantity\">"), 3U);
+  EXPECT_EQ(count_of(html, "<tr class=\"shown\">"), 1U);
+  EXPECT_EQ(count_of(html, "■ missed"), 3U);
   EXPECT_NE(html.find("tr.missed td { color: #b00020; }"), std::string::npos);
   for (const PaperRow* missed : missed_rows(r)) EXPECT_FALSE(missed->note.empty());
   EXPECT_NE(html.find("the film creeps &amp; the model does not"), std::string::npos);
@@ -100,13 +94,13 @@ TEST(ReproductionHtml, EveryRowHasItsLineMissesRedWithTheReasonAndShownOnesGrey)
 
 TEST(ReproductionHtml, DrawsEachPanelOnceBesideItsTable) {
   const std::string html = reproduction_html(example_reproduction());
-  EXPECT_EQ(count(html, "class=\"panel\""), 3U);
-  EXPECT_EQ(count(html, "<section class=\"figure-section\">"), 3U);
+  EXPECT_EQ(count_of(html, "class=\"panel\""), 3U);
+  EXPECT_EQ(count_of(html, "<section class=\"figure-section\">"), 3U);
 }
 
 TEST(ReproductionHtml, GivesTheGapCommandOfEachMissedFigureAsAShellTakesIt) {
   const std::string html = reproduction_html(example_reproduction());
-  EXPECT_EQ(count(html, "biopsy gap "), 1U);  // only Fig. 7a has misses
+  EXPECT_EQ(count_of(html, "biopsy gap "), 1U);  // only Fig. 7a has misses
   EXPECT_NE(
       html.find(
           "biopsy gap measured/figure-7a --model &#39;sim/models/my stage.toml&#39; --out out/gap-figure-7a"),
@@ -140,26 +134,26 @@ TEST(ReproductionHtml, WithoutAMissThereIsNoFinding) {
     for (PaperRow& row : figure.rows) row.ok = true;
   const std::string html = reproduction_html(r);
   EXPECT_EQ(html.find("Findings"), std::string::npos);
-  EXPECT_EQ(count(html, "✓ Passed: "), 2U);
+  EXPECT_EQ(count_of(html, "✓ Passed: "), 2U);
   EXPECT_EQ(html.find(" missed; each"), std::string::npos);
 }
 
 TEST(ReproductionJson, HasEveryRowWithItsFieldsAndTheMissesAsFindings) {
   Reproduction r = example_reproduction();
   r.figures[1].rows[0].ours = std::numeric_limits<double>::quiet_NaN();
-  const auto json = nlohmann::json::parse(reproduction_json(r));
-  ASSERT_EQ(json["rows"].size(), 8U);
-  for (const auto& row : json["rows"])
+  const auto parsed = nlohmann::json::parse(reproduction_json(r));
+  ASSERT_EQ(parsed["rows"].size(), 8U);
+  for (const auto& row : parsed["rows"])
     for (const char* field : {"figure", "quantity", "unit", "kind", "paper", "ours", "band", "ok", "note"})
       EXPECT_TRUE(row.contains(field)) << field;
-  EXPECT_EQ(json["rows"][0]["paper"], 0.077);
-  EXPECT_EQ(json["rows"][0]["ours"], 0.0801);
-  EXPECT_EQ(json["rows"][0]["band"], 0.2);
-  EXPECT_EQ(json["rows"][0]["ok"], true);
-  EXPECT_TRUE(json["rows"][6]["ours"].is_null());
-  EXPECT_EQ(json["findings"].size(), 3U);
-  EXPECT_EQ(json["findings"][0]["note"], "the film creeps & the model does not");
-  EXPECT_EQ(json["seconds"], 12.34);
+  EXPECT_EQ(parsed["rows"][0]["paper"], 0.077);
+  EXPECT_EQ(parsed["rows"][0]["ours"], 0.0801);
+  EXPECT_EQ(parsed["rows"][0]["band"], 0.2);
+  EXPECT_EQ(parsed["rows"][0]["ok"], true);
+  EXPECT_TRUE(parsed["rows"][6]["ours"].is_null());
+  EXPECT_EQ(parsed["findings"].size(), 3U);
+  EXPECT_EQ(parsed["findings"][0]["note"], "the film creeps & the model does not");
+  EXPECT_EQ(parsed["seconds"], 12.34);
 }
 
 TEST(ReproductionConsole, PlainTextHasNoEscapesColouredTextTheSameWords) {

@@ -21,12 +21,6 @@ std::vector<double> readings(const PlantModel& model) {
   return out;
 }
 
-double farthest(const std::vector<double>& a, const std::vector<double>& b) {
-  double worst = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, std::abs(a[k] - b[k]));
-  return worst;
-}
-
 TEST(AbsentEffects, LeaveTheBaselineToTheBit) {
   const auto baseline = readings(PlantModel{});
   EXPECT_EQ(readings(parse_model("[baseline]\n", "empty.toml")), baseline);
@@ -51,10 +45,10 @@ TEST(PowerlessEffects, OnStageAndPouchLeaveTheBaselineToAFractionOfAMicrometre) 
   stribeck.effects.stribeck_friction = StribeckFriction{};
   shaft.effects.shaft_friction = ShaftFriction{};
   play.effects.zipping_hysteresis = ZippingHysteresis{0.0};
-  EXPECT_LT(farthest(readings(coulomb), baseline), 1e-7);
-  EXPECT_LT(farthest(readings(stribeck), baseline), 1e-7);
-  EXPECT_LT(farthest(readings(shaft), baseline), 1e-7);
-  EXPECT_LT(farthest(readings(play), baseline), 1e-6);  // the edge of the play is its whole
+  EXPECT_LT(largest_difference(readings(coulomb), baseline), 1e-7);
+  EXPECT_LT(largest_difference(readings(stribeck), baseline), 1e-7);
+  EXPECT_LT(largest_difference(readings(shaft), baseline), 1e-7);
+  EXPECT_LT(largest_difference(readings(play), baseline), 1e-6);  // the edge of the play is its whole
 }
 
 // All strengths 0, everything else typical; an effect without strength has its level or place out of reach.
@@ -82,7 +76,7 @@ TEST(PowerlessEffects, AreEachTheBaselineToATenthOfAMicrometreUnderEitherDrive) 
       for_each_effect(model.effects, [&](auto& own) {
         if constexpr (std::is_same_v<decltype(own), decltype(slot)>) own = powerless<Effect>();
       });
-      EXPECT_LT(farthest(readings(model), baseline), 1e-7) << Effect::info.name;
+      EXPECT_LT(largest_difference(readings(model), baseline), 1e-7) << Effect::info.name;
     });
   }
 }
@@ -106,7 +100,7 @@ TEST(Effects, GrowFromNothing) {
       }
     });
     if (!has_strength) return;
-    EXPECT_LT(farthest(readings(model), baseline), 50e-6) << Effect::info.name;
+    EXPECT_LT(largest_difference(readings(model), baseline), 50e-6) << Effect::info.name;
   });
 }
 
@@ -122,7 +116,7 @@ TEST(Effects, EachAtItsTypicalStrengthShowsInTheReading) {
     for_each_effect(model.effects, [&](auto& own) {
       if constexpr (std::is_same_v<decltype(own), decltype(slot)>) own = slot;
     });
-    EXPECT_GT(farthest(readings(model), baseline), 5e-6) << Effect::info.name;
+    EXPECT_GT(largest_difference(readings(model), baseline), 5e-6) << Effect::info.name;
   });
 }
 

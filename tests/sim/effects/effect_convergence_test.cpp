@@ -20,12 +20,6 @@ std::vector<double> run(PlantModel model, double internal_step) {
   return out;
 }
 
-double farthest(const std::vector<double>& a, const std::vector<double>& b) {
-  double worst = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, std::abs(a[k] - b[k]));
-  return worst;
-}
-
 TEST(EffectConvergence, HalvingTheStepMovesNoReadingByAMicrometreAtTypicalStrength) {
   PlantModel pushed = bare_mass(0.6, 140.0);
   for (const PlantModel& plain : {PlantModel{}, pushed}) {
@@ -40,7 +34,7 @@ TEST(EffectConvergence, HalvingTheStepMovesNoReadingByAMicrometreAtTypicalStreng
             (*own).*(parameter.member) = parameter.typical * parameter.si_per_unit;
         }
       });
-      const double moved = farthest(run(model, 1e-3), run(model, 0.5e-3));
+      const double moved = largest_difference(run(model, 1e-3), run(model, 0.5e-3));
       EXPECT_LT(moved, 1e-6) << Effect::info.name;
       const std::string drive = plain.baseline.drive == Drive::Stack ? "stack_" : "force_";
       testing::Test::RecordProperty(drive + std::string(Effect::info.name) + "_nm",

@@ -9,11 +9,6 @@
 namespace biopsy::sim {
 namespace {
 
-PlantState held(const PlantModel& model, PlantState state, double voltage, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.voltage = voltage}, Seconds(1e-3));
-  return state;
-}
-
 TEST(VoltageSaturation, IsLinearThenBentThenFlatAndOddInTheVoltage) {
   const VoltageSaturation limit{.level = 4000.0, .knee = 500.0};
   EXPECT_EQ(limit.limited(3500.0), 3500.0);

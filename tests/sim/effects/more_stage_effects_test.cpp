@@ -9,11 +9,6 @@
 namespace biopsy::sim {
 namespace {
 
-PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
-  return state;
-}
-
 TEST(QuadraticDamping, LetsAMassFallToItsTerminalSpeed) {
   PlantModel model = bare_mass();
   model.effects.quadratic_damping = QuadraticDamping{100.0};

@@ -14,11 +14,6 @@ PlantModel lossless() {
   return model;
 }
 
-PlantState held(const PlantModel& model, PlantState state, double voltage, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.voltage = voltage}, Seconds(1e-3));
-  return state;
-}
-
 double deflection(const PlantModel& model, const PlantState& state) {
   return state.motion.H - model.baseline.H_0;
 }

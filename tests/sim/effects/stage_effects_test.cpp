@@ -8,11 +8,6 @@
 namespace biopsy::sim {
 namespace {
 
-PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
-  return state;
-}
-
 PlantModel rubbing(double friction, double damping = 0.0, double spring = 0.0) {
   PlantModel model = bare_mass(damping, spring);
   model.effects.coulomb_friction = CoulombFriction{friction};

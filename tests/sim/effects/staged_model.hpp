@@ -49,4 +49,22 @@ inline double ramps_and_flips(int k) {
   return (k / 250) % 2 == 0 ? amplitude : -amplitude;
 }
 
+// The state after a constant voltage, V.
+inline PlantState held(const PlantModel& model, PlantState state, double voltage, int milliseconds) {
+  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.voltage = voltage}, Seconds(1e-3));
+  return state;
+}
+
+// The state after a constant force, N.
+inline PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
+  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
+  return state;
+}
+
+inline double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, std::abs(a[k] - b[k]));
+  return worst;
+}
+
 }  // namespace biopsy::sim

@@ -13,11 +13,6 @@ namespace {
 constexpr LayerPuncture kSkin{
     .depth = 1e-3, .force = 0.4, .deflection = 1e-3, .collapse = 0.2e-3, .cutting = 0.1};
 
-PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
-  return state;
-}
-
 PlantState needle_at(const PlantModel& model, double depth) {
   PlantState state = at_rest(model);
   state.motion.x = state.x_max = depth;

@@ -16,7 +16,7 @@ constexpr double kRate = 500.0, kSeconds = 6.0;  // Hz, s
 constexpr int kLines = 120;                      // of the multisine, 0.5 to 40 Hz
 constexpr int kSteps = 8;                        // of the integrator between two readings
 constexpr double kMass = 0.5, kDamping = 6.0, kSpring = 2000.0, kCubic = 8e7;  // kg, N s/m, N/m, N/m^3
-constexpr double kNoise = 2e-6;                                                // m
+constexpr double kReadingNoise = 2e-6;                                         // m
 
 std::vector<double> multisine(double rms, std::mt19937& random) {
   std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
@@ -55,8 +55,8 @@ std::vector<double> duffing(const std::vector<double>& force) {
 
 sim::Dataset shaken(std::uint32_t seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, kNoise);
-  sim::Dataset out{.title = "Duffing", .sensor_noise = kNoise, .runs = {}};
+  std::normal_distribution<double> noise(0.0, kReadingNoise);
+  sim::Dataset out{.title = "Duffing", .sensor_noise = kReadingNoise, .runs = {}};
   for (const double rms : {4.0, 6.0, 2.0}) {
     sim::RecordedRun run;
     run.name = "run " + std::to_string(out.runs.size());

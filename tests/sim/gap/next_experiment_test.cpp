@@ -6,7 +6,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kNoise = 10e-6;  // m
+constexpr double kSensorNoise = 10e-6;  // m
 
 PlantModel with_friction(double newtons) {
   PlantModel model;
@@ -28,8 +28,8 @@ bool says(const NextExperiment& next, const std::string& words) {
 }
 
 TEST(NextExperiment, ModelsThatDifferInFrictionOnlyAreToldApart) {
-  const NextExperiment next =
-      next_experiment({with_friction(0.0), with_friction(0.05)}, {"nothing", "coulomb_friction"}, kNoise);
+  const NextExperiment next = next_experiment({with_friction(0.0), with_friction(0.05)},
+                                              {"nothing", "coulomb_friction"}, kSensorNoise);
   EXPECT_FALSE(next.name.empty());
   EXPECT_EQ(next.separates, (std::vector<std::string>{"nothing", "coulomb_friction"}));
   EXPECT_GT(next.difference, 0.010);  // mm
@@ -38,14 +38,14 @@ TEST(NextExperiment, ModelsThatDifferInFrictionOnlyAreToldApart) {
 
 TEST(NextExperiment, MoreFrictionMakesMoreDifference) {
   const auto difference = [](double newtons) {
-    return next_experiment({with_friction(0.0), with_friction(newtons)}, {"a", "b"}, kNoise).difference;
+    return next_experiment({with_friction(0.0), with_friction(newtons)}, {"a", "b"}, kSensorNoise).difference;
   };
   EXPECT_GT(difference(0.06), 1.5 * difference(0.02));
 }
 
 TEST(NextExperiment, IdenticalModelsYieldNoExperiment) {
   const NextExperiment next =
-      next_experiment({with_friction(0.05), with_friction(0.05)}, {"one", "other"}, kNoise);
+      next_experiment({with_friction(0.05), with_friction(0.05)}, {"one", "other"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
   EXPECT_TRUE(next.separates.empty());
   EXPECT_EQ(next.difference, 0.0);
@@ -61,14 +61,16 @@ TEST(NextExperiment, ADifferenceBelowTheNoiseIsNoDifference) {
 
 TEST(NextExperiment, ThePairThatStaysTogetherIsNamed) {
   const NextExperiment next = next_experiment({with_friction(0.0), with_friction(0.05), with_friction(0.05)},
-                                              {"nothing", "coulomb", "its_twin"}, kNoise);
+                                              {"nothing", "coulomb", "its_twin"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
   EXPECT_TRUE(says(next, "coulomb and its_twin")) << next.sentence;
 }
 
 TEST(NextExperiment, TheOrderOfRivalsDoesNotMatter) {
-  const NextExperiment ab = next_experiment({with_friction(0.0), with_friction(0.05)}, {"a", "b"}, kNoise);
-  const NextExperiment ba = next_experiment({with_friction(0.05), with_friction(0.0)}, {"b", "a"}, kNoise);
+  const NextExperiment ab =
+      next_experiment({with_friction(0.0), with_friction(0.05)}, {"a", "b"}, kSensorNoise);
+  const NextExperiment ba =
+      next_experiment({with_friction(0.05), with_friction(0.0)}, {"b", "a"}, kSensorNoise);
   EXPECT_EQ(ab.name, ba.name);
   EXPECT_EQ(ab.difference, ba.difference);
 }
@@ -77,25 +79,26 @@ TEST(NextExperiment, AConstantErrorOfTheReadingIsItsOwnDifference) {
   // An offset of the sensor changes nothing but the reading, by itself, where the loop is open.
   PlantModel offset;
   offset.effects.sensor_offset = SensorOffset{.offset = 0.2e-3};
-  const NextExperiment next = next_experiment({PlantModel{}, offset}, {"nothing", "sensor_offset"}, kNoise);
+  const NextExperiment next =
+      next_experiment({PlantModel{}, offset}, {"nothing", "sensor_offset"}, kSensorNoise);
   EXPECT_NEAR(next.difference, 0.2, 1e-3);
 }
 
 TEST(NextExperiment, NobodyIsAskedToThrowThePlateBeyondItsStroke) {
   // Without friction the paper's loop throws the plate to 25 mm, where rivals differ most.
-  EXPECT_NE(next_experiment({with_friction(0.0), with_friction(0.05)}, {"a", "b"}, kNoise).name,
+  EXPECT_NE(next_experiment({with_friction(0.0), with_friction(0.05)}, {"a", "b"}, kSensorNoise).name,
             "closed_loop_steps");
   PlantModel large = with_friction(0.0), larger = large;  // every program lifts these too far
   large.baseline.V0 *= 4.0;
   larger.baseline.V0 *= 5.0;
-  const NextExperiment next = next_experiment({large, larger}, {"large", "larger"}, kNoise);
+  const NextExperiment next = next_experiment({large, larger}, {"large", "larger"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
   EXPECT_TRUE(says(next, "that the stage allows")) << next.sentence;
 }
 
 TEST(NextExperiment, ForceRigsAreToldApartInProportionToTheForce) {
   const auto next = [](double newtons) {
-    return next_experiment({rig(0.080, 0.6), rig(0.090, 0.6)}, {"light", "heavy"}, kNoise, newtons);
+    return next_experiment({rig(0.080, 0.6), rig(0.090, 0.6)}, {"light", "heavy"}, kSensorNoise, newtons);
   };
   const NextExperiment one = next(0.5), two = next(1.0);
   EXPECT_FALSE(one.name.empty());
@@ -105,7 +108,7 @@ TEST(NextExperiment, ForceRigsAreToldApartInProportionToTheForce) {
 }
 
 TEST(NextExperiment, OneExplanationNeedsNoExperiment) {
-  const NextExperiment next = next_experiment({PlantModel{}}, {"nothing"}, kNoise);
+  const NextExperiment next = next_experiment({PlantModel{}}, {"nothing"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
   EXPECT_FALSE(next.sentence.empty());
 }

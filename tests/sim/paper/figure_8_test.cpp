@@ -15,19 +15,19 @@ double hysteresis(const PaperModel& model) {
   return row_about(figure_8b(model), "largest hysteresis (MHS)")->ours;
 }
 
-PaperModel damped() {
+PaperModel damped_bare_model() {
   PaperModel model = bare_paper_model();
   model.stage.baseline.c_s = 3.0;
   return model;
 }
 
 TEST(Figure8, AStageWithoutMemoryHasNoHysteresis) {
-  EXPECT_LT(hysteresis(damped()), 2.0);
+  EXPECT_LT(hysteresis(damped_bare_model()), 2.0);
 }
 
 // A play of w in each pouch's height opens the loop by 11 w wherever both branches are free.
 TEST(Figure8, APlayOpensTheLoopByItsWidthTimesThePouches) {
-  PaperModel model = damped();
+  PaperModel model = damped_bare_model();
   model.stage.effects.zipping_hysteresis = ZippingHysteresis{0.2e-3, 0.0};
   const double expected = 100.0 * 11.0 * 0.2e-3 / stack_height(11.0);
   EXPECT_NEAR(hysteresis(model), expected, 0.2 * expected);
@@ -38,7 +38,7 @@ TEST(Figure8, StrainIsReferredToAStackMadeOfOilAndFilms) {
 }
 
 TEST(Figure8, ThePrintedStiffnessStandsInARowOfItsOwn) {
-  const PaperFigure figure = figure_8a(damped());
+  const PaperFigure figure = figure_8a(damped_bare_model());
   const PaperRow* row = row_about(figure, std::string(kSpringQuantity));
   ASSERT_NE(row, nullptr);
   EXPECT_FALSE(row->ok);

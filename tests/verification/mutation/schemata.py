@@ -16,7 +16,6 @@ from clang.cindex import CursorKind as K, Index
 
 import operators
 
-LIMITS = "safety/types/limits.hpp"
 FUNCTIONS = (K.FUNCTION_DECL, K.CXX_METHOD, K.CONSTRUCTOR, K.LAMBDA_EXPR)
 VARIABLES = (K.VAR_DECL, K.FIELD_DECL)
 CANARY = ("event_of", "return Event::None;")  # a supervisor that never leaves its mode: if this lives, nothing counts
@@ -275,7 +274,7 @@ class Writer:
 
 
 def main(root, out):
-    names = sorted(str(path.relative_to(root)) for path in (root / "safety").glob("*.?pp")) + [LIMITS]
+    names = sorted(str(path.relative_to(root)) for path in (root / "safety").rglob("*.?pp"))
     sources = {os.path.normpath(root / name): Source(root, name) for name in names}
     headers = "".join(f'#include "{name}"\n' for name in names if name.endswith(".hpp"))
     arguments = ["-std=c++20", f"-I{root}"]

@@ -12,16 +12,11 @@
 #include "sim/paper/open_loop.hpp"
 #include "sim/plant/model_text.hpp"
 #include "sim/plant/simulate.hpp"
+#include "tests/sim/paper/calibration/start_model.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
-
-const std::filesystem::path kModels = source_dir() / "sim/models";
-
-paper::PaperModel start_model() {
-  return paper::read_paper_model(kModels / "rehearsal.toml", kModels / "paper.toml");
-}
 
 std::vector<Parameter> two_knobs() {
   return {{"tau", 1.0, 40.0, 6.9, 6.9, 0.7, false, ""}, {"V0", 4e-8, 4e-7, 1.9e-7, 1.9e-7, 0.5, false, ""}};

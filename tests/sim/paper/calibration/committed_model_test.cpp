@@ -6,12 +6,11 @@
 
 #include "sim/paper/calibration/objective.hpp"
 #include "sim/plant/model_file.hpp"
+#include "tests/sim/paper/calibration/start_model.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
-
-const std::filesystem::path kModels = source_dir() / "sim/models";
 
 double share_reached(const char* model) {
   const Question question{

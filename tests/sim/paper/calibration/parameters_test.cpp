@@ -9,16 +9,11 @@
 #include "robot/common/config_error.hpp"
 #include "sim/paper/calibration/objective.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
+#include "tests/sim/paper/calibration/start_model.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::sim::calibration {
 namespace {
-
-const std::filesystem::path kModels = source_dir() / "sim/models";
-
-paper::PaperModel start_model() {
-  return paper::read_paper_model(kModels / "rehearsal.toml", kModels / "paper.toml");
-}
 
 TEST(Knobs, EveryOneTurnsWhatItsNameSays) {
   for (const Parameter& parameter : standard_parameters()) {
