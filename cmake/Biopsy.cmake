@@ -29,14 +29,15 @@ function(biopsy_add_library NAME)
   endif()
 endfunction()
 
-# biopsy_add_test(NAME SOURCES ... LINKS ... [LABEL label] [SERIAL] [NO_UNITY]
-#                 [TOGETHER suite ...] [FULL pattern ...] [ALONE pattern ...])
+# biopsy_add_test(NAME SOURCES ... LINKS ... [LABEL label] [NO_UNITY]
+#                 [TOGETHER suite ...] [FULL pattern ...] [ALONE pattern ...] [FULL_ALONE pattern ...])
 # One program of tests, build/PRESET/tests/test_NAME, in unity batches; each test is a process and an entry of ctest with
-# the label NAME unless given. TOGETHER: a suite is one process and one entry, for tests that share a costly result.
-# FULL: tests (Suite.* or Suite.Name) of `./dev test --all` only, label NAME-full. ALONE: tests in real time, with nothing
-# beside them; SERIAL: all of them.
+# the label NAME unless given. Patterns are Suite.* or Suite.Name:
+#   TOGETHER    the suite is one process and one entry: its tests share a costly result; FULL with Suite.* there
+#   FULL        of `./dev test --all` only: label NAME-full
+#   ALONE       in real time, nothing runs beside it; FULL_ALONE: both
 function(biopsy_add_test NAME)
-  cmake_parse_arguments(ARG "SERIAL;NO_UNITY" "LABEL" "SOURCES;LINKS;TOGETHER;FULL;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "NO_UNITY" "LABEL" "SOURCES;LINKS;TOGETHER;FULL;ALONE;FULL_ALONE" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL ${NAME})
   endif()
@@ -48,33 +49,31 @@ function(biopsy_add_test NAME)
   target_link_libraries(test_${NAME} PRIVATE ${ARG_LINKS} source_dir GTest::gtest GTest::gtest_main)
   target_compile_options(test_${NAME} PRIVATE ${BIOPSY_TEST_OPTIONS})
   target_precompile_headers(test_${NAME} REUSE_FROM heavy_test_headers)
+  add_dependencies(tests test_${NAME})
 
-  set(SERIAL "")
-  if(ARG_SERIAL)
-    set(SERIAL RUN_SERIAL TRUE)
-  endif()
   list(TRANSFORM ARG_TOGETHER APPEND ".*" OUTPUT_VARIABLE SUITES)
-  string(REPLACE ";" ":" ELSEWHERE "${SUITES};${ARG_FULL};${ARG_ALONE}")
-  gtest_discover_tests(test_${NAME} TEST_FILTER "-${ELSEWHERE}" DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 600 ${SERIAL})
+  string(REPLACE ";" ":" OTHERS "${SUITES};${ARG_FULL};${ARG_ALONE};${ARG_FULL_ALONE}")
+  biopsy_discover_tests(${NAME} PLAIN "*" "-${OTHERS}" ${ARG_LABEL})
   foreach(SUITE ${ARG_TOGETHER})
     set(LABEL ${ARG_LABEL})
     if("${SUITE}.*" IN_LIST ARG_FULL)
       set(LABEL ${ARG_LABEL}-full)
     endif()
     add_test(NAME ${SUITE} COMMAND test_${NAME} --gtest_filter=${SUITE}.*)
-    set_tests_properties(${SUITE} PROPERTIES LABELS ${LABEL} TIMEOUT 600 ${SERIAL}
-      SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    set_tests_properties(${SUITE} PROPERTIES LABELS ${LABEL} TIMEOUT 600)
   endforeach()
   list(REMOVE_ITEM ARG_FULL ${SUITES})
-  if(ARG_FULL)
-    string(REPLACE ";" ":" FULL "${ARG_FULL}")
-    gtest_discover_tests(test_${NAME} TEST_FILTER "${FULL}" TEST_LIST test_${NAME}_FULL DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS ${ARG_LABEL}-full TIMEOUT 600 ${SERIAL})
-  endif()
-  if(ARG_ALONE)
-    string(REPLACE ";" ":" ALONE "${ARG_ALONE}")
-    gtest_discover_tests(test_${NAME} TEST_FILTER "${ALONE}" TEST_LIST test_${NAME}_ALONE DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 600 RUN_SERIAL TRUE)
+  string(REPLACE ";" ":" FULL "${ARG_FULL}")
+  string(REPLACE ";" ":" ALONE "${ARG_ALONE}")
+  string(REPLACE ";" ":" FULL_ALONE "${ARG_FULL_ALONE}")
+  biopsy_discover_tests(${NAME} ALONE "${ALONE}" "" ${ARG_LABEL} RUN_SERIAL TRUE)
+  biopsy_discover_tests(${NAME} FULL "${FULL}" "-${ALONE}:${FULL_ALONE}" ${ARG_LABEL}-full)
+  biopsy_discover_tests(${NAME} FULL_ALONE "${FULL_ALONE}" "-${ALONE}" ${ARG_LABEL}-full RUN_SERIAL TRUE)
+endfunction()
+function(biopsy_discover_tests NAME KIND WITH WITHOUT LABEL)  # an entry of ctest for each test; more properties behind
+  if(WITH)
+    gtest_discover_tests(test_${NAME} TEST_FILTER "${WITH}${WITHOUT}" TEST_LIST test_${NAME}_${KIND} DISCOVERY_TIMEOUT 60
+      PROPERTIES LABELS ${LABEL} TIMEOUT 600 ${ARGN})
   endif()
 endfunction()
+add_custom_target(tests)  # every test program; benches and the proofs of the safety case are built with `all`
