@@ -30,14 +30,14 @@ function(biopsy_add_library NAME)
 endfunction()
 
 # biopsy_add_test(NAME SOURCES ... LINKS ... [LABEL label] [NO_UNITY]
-#                 [TOGETHER suite ...] [FULL pattern ...] [ALONE pattern ...] [FULL_ALONE pattern ...])
+#                 [ONE_PROCESS suite ...] [FULL pattern ...] [REAL_TIME pattern ...] [FULL_REAL_TIME pattern ...])
 # One program of tests, build/PRESET/tests/test_NAME, in unity batches; each test is a process and an entry of ctest with
 # the label NAME unless given. Patterns are Suite.* or Suite.Name:
-#   TOGETHER    the suite is one process and one entry: its tests share a costly result; FULL with Suite.* there
-#   FULL        of `./dev test --all` only: label NAME-full
-#   ALONE       in real time, nothing runs beside it; FULL_ALONE: both
+#   ONE_PROCESS     the suite is one process and one entry, without its FULL tests: its tests share a costly result
+#   FULL            of `./dev test --all` only: label NAME-full
+#   REAL_TIME       nothing runs beside it; FULL_REAL_TIME: both
 function(biopsy_add_test NAME)
-  cmake_parse_arguments(ARG "NO_UNITY" "LABEL" "SOURCES;LINKS;TOGETHER;FULL;ALONE;FULL_ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "NO_UNITY" "LABEL" "SOURCES;LINKS;ONE_PROCESS;FULL;REAL_TIME;FULL_REAL_TIME" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL ${NAME})
   endif()
@@ -51,24 +51,25 @@ function(biopsy_add_test NAME)
   target_precompile_headers(test_${NAME} REUSE_FROM heavy_test_headers)
   add_dependencies(tests test_${NAME})
 
-  list(TRANSFORM ARG_TOGETHER APPEND ".*" OUTPUT_VARIABLE SUITES)
-  string(REPLACE ";" ":" OTHERS "${SUITES};${ARG_FULL};${ARG_ALONE};${ARG_FULL_ALONE}")
+  list(TRANSFORM ARG_ONE_PROCESS APPEND ".*" OUTPUT_VARIABLE SUITES)
+  string(REPLACE ";" ":" OTHERS "${SUITES};${ARG_FULL};${ARG_REAL_TIME};${ARG_FULL_REAL_TIME}")
   biopsy_discover_tests(${NAME} PLAIN "*" "-${OTHERS}" ${ARG_LABEL})
-  foreach(SUITE ${ARG_TOGETHER})
+  set(FULL ${ARG_FULL})
+  list(REMOVE_ITEM FULL ${SUITES})
+  string(REPLACE ";" ":" FULL "${FULL}")
+  foreach(SUITE ${ARG_ONE_PROCESS})
     set(LABEL ${ARG_LABEL})
     if("${SUITE}.*" IN_LIST ARG_FULL)
       set(LABEL ${ARG_LABEL}-full)
     endif()
-    add_test(NAME ${SUITE} COMMAND test_${NAME} --gtest_filter=${SUITE}.*)
+    add_test(NAME ${SUITE} COMMAND test_${NAME} --gtest_filter=${SUITE}.*-${FULL})
     set_tests_properties(${SUITE} PROPERTIES LABELS ${LABEL} TIMEOUT 600)
   endforeach()
-  list(REMOVE_ITEM ARG_FULL ${SUITES})
-  string(REPLACE ";" ":" FULL "${ARG_FULL}")
-  string(REPLACE ";" ":" ALONE "${ARG_ALONE}")
-  string(REPLACE ";" ":" FULL_ALONE "${ARG_FULL_ALONE}")
-  biopsy_discover_tests(${NAME} ALONE "${ALONE}" "" ${ARG_LABEL} RUN_SERIAL TRUE)
-  biopsy_discover_tests(${NAME} FULL "${FULL}" "-${ALONE}:${FULL_ALONE}" ${ARG_LABEL}-full)
-  biopsy_discover_tests(${NAME} FULL_ALONE "${FULL_ALONE}" "-${ALONE}" ${ARG_LABEL}-full RUN_SERIAL TRUE)
+  string(REPLACE ";" ":" REAL_TIME "${ARG_REAL_TIME}")
+  string(REPLACE ";" ":" FULL_REAL_TIME "${ARG_FULL_REAL_TIME}")
+  biopsy_discover_tests(${NAME} REAL_TIME "${REAL_TIME}" "" ${ARG_LABEL} RUN_SERIAL TRUE)
+  biopsy_discover_tests(${NAME} FULL "${FULL}" "-${REAL_TIME}:${FULL_REAL_TIME}" ${ARG_LABEL}-full)
+  biopsy_discover_tests(${NAME} FULL_REAL_TIME "${FULL_REAL_TIME}" "-${REAL_TIME}" ${ARG_LABEL}-full RUN_SERIAL TRUE)
 endfunction()
 function(biopsy_discover_tests NAME KIND WITH WITHOUT LABEL)  # an entry of ctest for each test; more properties behind
   if(WITH)

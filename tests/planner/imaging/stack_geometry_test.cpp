@@ -33,7 +33,7 @@ std::vector<SlicePlane> random_stack(std::mt19937& random, int count, double gap
   return slices;
 }
 
-std::string refusal_of(const std::vector<SlicePlane>& slices) {
+std::string refusal_of_slices(const std::vector<SlicePlane>& slices) {
   try {
     stack_slices(slices);
   } catch (const ConfigError& refusal) {
@@ -65,7 +65,7 @@ TEST(StackGeometry, FindsEveryMissingInnerSlice) {
   for (int missing = 1; missing < 8; ++missing) {
     std::vector<SlicePlane> slices = random_stack(random, 9, 2.7);
     slices.erase(slices.begin() + missing);
-    const std::string said = refusal_of(slices);
+    const std::string said = refusal_of_slices(slices);
     EXPECT_NE(said.find("slice " + std::to_string(missing - 1) + " and slice " + std::to_string(missing + 1)),
               std::string::npos)
         << said;
@@ -79,9 +79,9 @@ TEST(StackGeometry, ToleratesRoundingButNotHalfTheRobotsError) {
   for (const Direction& way : {normal, slices[0].along_row}) {
     std::vector<SlicePlane> moved = slices;
     moved[4].p_SV += 0.01 * way;
-    EXPECT_EQ(refusal_of(moved), "accepted");
+    EXPECT_EQ(refusal_of_slices(moved), "accepted");
     moved[4].p_SV += 0.05 * way;
-    EXPECT_NE(refusal_of(moved), "accepted");
+    EXPECT_NE(refusal_of_slices(moved), "accepted");
   }
 }
 
@@ -92,19 +92,20 @@ TEST(StackGeometry, RefusesSpacingThatCreeps) {
   const Direction normal = slices[0].along_row.cross(slices[0].along_column);
   for (std::size_t k = 0; k < slices.size(); ++k)
     slices[k].p_SV += normal * (0.001 * static_cast<double>(k * k));
-  EXPECT_NE(refusal_of(slices).find("uneven"), std::string::npos) << refusal_of(slices);
+  EXPECT_NE(refusal_of_slices(slices).find("uneven"), std::string::npos) << refusal_of_slices(slices);
 }
 
 TEST(StackGeometry, RefusesPlacesThatAreNoPlaces) {
   std::mt19937 random(5);
   std::vector<SlicePlane> slices = random_stack(random, 5, 2.7);
   slices[2].p_SV.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(refusal_of(slices).find("slice 2: position or orientation is not finite"), std::string::npos);
+  EXPECT_NE(refusal_of_slices(slices).find("slice 2: position or orientation is not finite"),
+            std::string::npos);
   slices = random_stack(random, 5, 2.7);
   for (SlicePlane& slice : slices) slice.p_SV.x() += 20'000.0;
-  EXPECT_NE(refusal_of(slices).find("10 m"), std::string::npos);
-  EXPECT_NE(refusal_of(random_stack(random, 5, 101.0)).find("spacing"), std::string::npos);
-  EXPECT_NE(refusal_of({}), "accepted");
+  EXPECT_NE(refusal_of_slices(slices).find("10 m"), std::string::npos);
+  EXPECT_NE(refusal_of_slices(random_stack(random, 5, 101.0)).find("spacing"), std::string::npos);
+  EXPECT_NE(refusal_of_slices({}), "accepted");
 }
 
 }  // namespace

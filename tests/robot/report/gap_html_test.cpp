@@ -7,6 +7,7 @@
 
 #include "tests/count_of.hpp"
 #include "tests/robot/report/gap_example.hpp"
+#include "tests/robot/report/html_balance.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -15,32 +16,12 @@ bool holds(const std::string& text, const std::string& what) {
   return text.find(what) != std::string::npos;
 }
 
-// Empty where every tag is closed in order, otherwise the tag that is not.
-std::string imbalance(const std::string& html) {
-  std::vector<std::string> open;
-  for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
-    const std::string tag = html.substr(at + 1, html.find('>', at) - at - 1);
-    if (tag.starts_with('!') || tag.ends_with('/')) continue;
-    const std::size_t start = tag.starts_with('/') ? 1 : 0;
-    const std::string name = tag.substr(start, tag.find_first_of(" \n", start) - start);
-    if (name.empty() || !std::isalpha(static_cast<unsigned char>(name[0]))) return "stray < before " + tag;
-    if (start == 0) {
-      open.push_back(name);
-    } else if (open.empty() || open.back() != name) {
-      return "</" + name + ">";
-    } else {
-      open.pop_back();
-    }
-  }
-  return open.empty() ? "" : "<" + open.back() + ">";
-}
-
-std::vector<GapFinding> every_kind() {
+std::vector<GapFinding> every_verdict() {
   return {example_effect(), example_parameter(), example_no_gap(), example_unexplained(), GapFinding{}};
 }
 
 TEST(GapHtml, ClosesEveryTagLoadsNothingAndRunsNoScriptWhateverTheVerdict) {
-  for (const GapFinding& finding : every_kind()) {
+  for (const GapFinding& finding : every_verdict()) {
     const std::string html = gap_html(finding);
     EXPECT_EQ(imbalance(html), "");
     for (const char* outside : {"<script", "<link", "<img", "src=", "href=", "url(", "@import"})
@@ -216,7 +197,7 @@ TEST(GapHtml, NeverShowsNanOrInfinityAndBearsBrokenTraces) {
 }
 
 TEST(GapHtml, GivesEveryPictureATextForThoseWhoCannotSeeIt) {
-  for (const GapFinding& finding : every_kind()) {
+  for (const GapFinding& finding : every_verdict()) {
     const std::string html = gap_html(finding);
     EXPECT_EQ(count_of(html, "role=\"img\""), count_of(html, "</title>") - 1);  // one title is the page's
   }

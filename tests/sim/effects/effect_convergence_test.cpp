@@ -8,7 +8,7 @@
 namespace biopsy::sim {
 namespace {
 
-std::vector<double> run(PlantModel model, double internal_step) {
+std::vector<double> plant_readings(PlantModel model, double internal_step) {
   model.internal_step = internal_step;
   std::vector<double> out;
   PlantState state = at_rest(model);
@@ -34,7 +34,7 @@ TEST(EffectConvergence, HalvingTheStepMovesNoReadingByAMicrometreAtTypicalStreng
             (*own).*(parameter.member) = parameter.typical * parameter.si_per_unit;
         }
       });
-      const double moved = largest_difference(run(model, 1e-3), run(model, 0.5e-3));
+      const double moved = largest_difference(plant_readings(model, 1e-3), plant_readings(model, 0.5e-3));
       EXPECT_LT(moved, 1e-6) << Effect::info.name;
       const std::string drive = plain.baseline.drive == Drive::Stack ? "stack_" : "force_";
       testing::Test::RecordProperty(drive + std::string(Effect::info.name) + "_nm",

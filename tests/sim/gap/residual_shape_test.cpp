@@ -13,7 +13,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kNoise = 10e-6, kPeriod = 4e-3, kSeconds = 20.0;
+constexpr double kSineNoise = 10e-6, kSinePeriod = 4e-3, kSeconds = 20.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // What a residual may be made of, at one row.
@@ -24,21 +24,21 @@ struct Moment {
 
 using Law = std::function<double(const Moment&)>;
 
-struct Case {
+struct SineCase {
   Evidence evidence;
   std::vector<double> residual;
 };
 
 // Three sines to a run, incommensurate and different from run to run, so that no quantity stands for another.
-Case case_of(const Law& law, std::size_t runs = 6, double noise = kNoise, bool still = false) {
-  Case c;
-  c.evidence.noise = kNoise;
+SineCase case_of(const Law& law, std::size_t runs = 6, double noise = kSineNoise, bool still = false) {
+  SineCase c;
+  c.evidence.noise = kSineNoise;
   for (std::size_t r = 0; r < runs; ++r) {
     EvidenceRun run{
         .name = "run", .weight = 0.020 + 0.030 * static_cast<double>(r % 3), .rows = {}, .windows = {}};
     const double w[] = {0.31 + 0.04 * static_cast<double>(r), 0.73 - 0.03 * static_cast<double>(r), 1.37};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(kSeconds / kPeriod); ++i) {
-      const double t = static_cast<double>(i) * kPeriod;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kSeconds / kSinePeriod); ++i) {
+      const double t = static_cast<double>(i) * kSinePeriod;
       double x = 4e-3, v = 0.0;
       for (std::size_t k = 0; k < 3 && !still; ++k) {
         const double phase = kTurn * w[k] * t + 1.7 * static_cast<double>(k * r);
@@ -48,14 +48,14 @@ Case case_of(const Law& law, std::size_t runs = 6, double noise = kNoise, bool s
       const double amplitude = 3000.0 + 1500.0 * std::sin(kTurn * 0.11 * t + static_cast<double>(r));
       const double u = std::fmod(t + 1e-9, 1.0) < 0.5 ? amplitude : -amplitude;
       c.residual.push_back(law({t, u, x, v, run.weight, r, i}) + noise * normals(r + 1, i).first);
-      run.rows.push_back({t, kPeriod, u, 0.0, x + c.residual.back()});
+      run.rows.push_back({t, kSinePeriod, u, 0.0, x + c.residual.back()});
     }
     c.evidence.runs.push_back(run);
   }
   return c;
 }
 
-std::vector<ResidualShape> shapes(const Case& c) {
+std::vector<ResidualShape> shapes(const SineCase& c) {
   return residual_shapes(c.evidence, PlantModel{}, c.residual);
 }
 
@@ -98,7 +98,7 @@ TEST(ResidualShape, NoiseWithAMemoryIsHardlyTakenForACurve) {
   int taken = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     double memory = 0.0;
-    const double keep = std::exp(-kPeriod / 1.0);
+    const double keep = std::exp(-kSinePeriod / 1.0);
     const auto found = shapes(case_of([&, seed](const Moment& m) {
       memory = m.row == 0
                    ? normals(seed * 100 + m.run, 1u << 20).first
@@ -149,8 +149,8 @@ TEST(ResidualShape, DriftAndWeightShowAcrossRunsOnly) {
 
 TEST(ResidualShape, AResidualDoesNotExplainItself) {
   // The table shakes at 7 Hz, the model stands still: measured position is the residual, the model's is not.
-  const auto found =
-      shapes(case_of([](const Moment& m) { return 0.2e-3 * std::sin(kTurn * 7.03 * m.t); }, 6, kNoise, true));
+  const auto found = shapes(
+      case_of([](const Moment& m) { return 0.2e-3 * std::sin(kTurn * 7.03 * m.t); }, 6, kSineNoise, true));
   EXPECT_EQ(share(found, "position"), 0.0);
   EXPECT_EQ(share(found, "acceleration"), 0.0);
 }

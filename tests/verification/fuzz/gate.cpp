@@ -13,8 +13,8 @@ std::int64_t magnitude(std::int32_t mV) {
   return mV < 0 ? -std::int64_t{mV} : mV;
 }
 
-void claim_sound(const safety::GateState& before, const safety::GateResult& result, bool asked,
-                 std::int32_t writers) {
+void claim_gate_sound(const safety::GateState& before, const safety::GateResult& result, bool asked,
+                      std::int32_t writers) {
   const std::int64_t was = magnitude(before.drive_mV), is = magnitude(result.voltage.mV());
   claim(is <= limits::kDriveMax_mV, "never above the hard limit");
   claim(result.voltage.hv_enabled() || is == 0, "no voltage without the enable");
@@ -55,7 +55,7 @@ FUZZ(gate) {
     const bool asked = (what & 64) == 0;
     const safety::GateResult result =
         safety::gate(state, asked ? &request : nullptr, what & 128 ? nullptr : &permit, now_us, writers);
-    claim_sound(state, result, asked, writers);
+    claim_gate_sound(state, result, asked, writers);
     state = result.state;
   }
 }

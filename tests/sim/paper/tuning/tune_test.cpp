@@ -13,7 +13,7 @@
 namespace biopsy::sim::tuning {
 namespace {
 
-NotedModel damped() {
+NotedModel noted_model() {
   NotedModel model = read_noted_model(source_dir() / "sim/models/rehearsal.toml");
   model.model.baseline.tau_h = 0.3;
   model.model.baseline.c_s = 1.7;
@@ -25,7 +25,7 @@ const TuneOptions kQuick{.stages = 2, .seed = 3, .wanted = {}, .grid = 5};
 
 class Tuned : public testing::Test {
  protected:
-  static void SetUpTestSuite() { found_ = tune(damped(), kQuick); }
+  static void SetUpTestSuite() { found_ = tune(noted_model(), kQuick); }
   static const Judged& paper() { return found_.judged.at(0); }
   static const Judged& tuned() { return found_.judged.at(1); }
   static const Judged& fed() { return found_.judged.at(3); }
@@ -65,7 +65,7 @@ TEST_F(Tuned, FeedForwardIsNamedAndFollowsTheSineBetter) {
 }
 
 TEST_F(Tuned, TheSameSeedGivesTheSameGains) {
-  const Tuning again = tune(damped(), kQuick);
+  const Tuning again = tune(noted_model(), kQuick);
   EXPECT_EQ(again.judged.at(1).gains.proportional_V_per_mm, tuned().gains.proportional_V_per_mm);
   EXPECT_EQ(again.judged.at(1).gains.integral_V_per_mm_per_tick, tuned().gains.integral_V_per_mm_per_tick);
   EXPECT_EQ(again.judged.at(1).worst.settled_rmse, tuned().worst.settled_rmse);
@@ -74,11 +74,11 @@ TEST_F(Tuned, TheSameSeedGivesTheSameGains) {
 TEST(Tune, SaysSoWhereNoGainsHaveTheMargin) {
   TuneOptions options = kQuick;
   options.wanted = {60.0, 120.0};
-  EXPECT_FALSE(tune(damped(), options).met);
+  EXPECT_FALSE(tune(noted_model(), options).met);
 }
 
 TEST(Tune, LooksOnlyAtDepthsWithinTheStroke) {
-  NotedModel model = damped();
+  NotedModel model = noted_model();
   model.model.baseline.V0 = 0.6e-7;  // about 7 mm with 8 kV
   TuneOptions options = kQuick;
   options.stages = 0;
@@ -92,7 +92,7 @@ TEST(Tune, RefusesAStageWithoutVolts) {
 }
 
 TEST(Uncertainty, ScattersAsTheFileSaysAndLeavesTheRestAlone) {
-  NotedModel model = damped();
+  NotedModel model = noted_model();
   model.notes.values["k"] = {5.0, "test"};
   model.notes.values["stribeck_friction.speed_mm_s"] = {0.2, "test"};
   const UncertainStages drawn = uncertain_stages(model, 2000, 1);
@@ -113,7 +113,7 @@ TEST(Uncertainty, ScattersAsTheFileSaysAndLeavesTheRestAlone) {
 }
 
 TEST(Uncertainty, DrawsTogetherWhatGoesTogether) {
-  NotedModel model = damped();
+  NotedModel model = noted_model();
   model.notes.values["k"] = {5.0, "test"};
   model.notes.values["tau"] = {0.5, "test"};
   model.notes.values["c_s"] = {0.02, "test"};
@@ -130,7 +130,7 @@ TEST(Uncertainty, DrawsTogetherWhatGoesTogether) {
 }
 
 TEST(Uncertainty, DrawsAgainWhatCannotBeTheStage) {
-  NotedModel model = damped();
+  NotedModel model = noted_model();
   model.notes.values["k"] = {20.0, "test"};
   const auto stiff = [](const PlantModel& stage) { return stage.baseline.k > 140.0; };
   const UncertainStages all = uncertain_stages(model, 50, 1, stiff);
@@ -140,7 +140,7 @@ TEST(Uncertainty, DrawsAgainWhatCannotBeTheStage) {
 }
 
 TEST(Uncertainty, SaysWhereItIsOnlyAssumed) {
-  const UncertainStages drawn = uncertain_stages(damped(), 3, 1);
+  const UncertainStages drawn = uncertain_stages(noted_model(), 3, 1);
   EXPECT_TRUE(drawn.assumed);
   EXPECT_FALSE(drawn.varied.empty());
 }
