@@ -10,7 +10,9 @@ namespace biopsy::drivers {
 
 class GatedStage {
  public:
-  explicit GatedStage(NeedleStage& stage) : stage_(stage) {}
+  // `stage` must outlive this. `config_tag`: of the configuration it was started with; part of every
+  // measurement.
+  GatedStage(NeedleStage& stage, std::uint64_t config_tag) : stage_(stage) { last_.config_tag = config_tag; }
 
   // Beginning of a tick: sensors, and what the gate did in the last one.
   Measurement measure();

@@ -50,20 +50,20 @@ Event event_in_boot(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (t.input.self_test == SelfTest::Failed) return Event::Lockout;
   if (t.ticks >= kBootMax_ticks) return Event::Lockout;
-  if (t.input.self_test == SelfTest::Passed && t.input.evidence.zero_volts) return Event::SelfTestPassed;
+  if (t.input.self_test == SelfTest::Passed && t.evidence.zero_volts) return Event::SelfTestPassed;
   return Event::None;
 }
 
 Event event_in_safe(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
-  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
+  if (!t.evidence.zero_volts) return Event::VoltagePresent;
   if (t.stop == StopCategory::None) return Event::Healthy;
   return Event::None;
 }
 
 Event event_in_ready(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
-  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
+  if (!t.evidence.zero_volts) return Event::VoltagePresent;
   if (t.hazards != 0) return Event::Unhealthy;
   if (t.stop != StopCategory::None) return Event::Stop;
   if (t.arm_edge) return Event::Arm;
@@ -72,7 +72,7 @@ Event event_in_ready(const TransitionInputs& t) {
 
 Event event_in_armed(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
-  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;
+  if (!t.evidence.zero_volts) return Event::VoltagePresent;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.stop == StopCategory::C2Hold) return Event::Stop;
   if (t.ticks >= limits::kArmedMax_ms) return Event::ArmedTooLong;
@@ -101,15 +101,15 @@ Event event_in_hold(const TransitionInputs& t) {
 
 Event event_in_retract(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
-  if (t.input.evidence.zero_volts) return Event::VoltageGone;
+  if (t.evidence.zero_volts) return Event::VoltageGone;
   if (t.ticks >= limits::kRampTime_ms) return Event::RampTooLong;
   return Event::None;
 }
 
 Refusal refusal_to_reset(const TransitionInputs& t) {
   if (t.state.mode != Mode::Trip) return Refusal::NotTripped;
-  if (!t.input.evidence.zero_volts) return Refusal::VoltageLeft;
-  if (!t.input.evidence.needle_home) return Refusal::NeedleOut;
+  if (!t.evidence.zero_volts) return Refusal::VoltageLeft;
+  if (!t.evidence.needle_home) return Refusal::NeedleOut;
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   return Refusal::None;
 }
@@ -137,11 +137,12 @@ Refusal refusal_to_move(const TransitionInputs& t) {
 }  // namespace
 
 TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state,
-                                   const SupervisorInput& input) {
-  const HazardSet hazards = input.evidence.hazards();
+                                   const SupervisorInputs& input, const Evidence& evidence) {
+  const HazardSet hazards = evidence.hazards();
   return {plan,
           state,
           input,
+          evidence,
           hazards,
           std::min(std::max(input.stop, needed_stop(hazards)), StopCategory::C0Off),
           std::min(state.ticks_in_mode, limits::kArmedMax_ms) + 1,

@@ -12,7 +12,8 @@ namespace biopsy::safety {
 struct TransitionInputs {
   const PlanFacts& plan;
   const SupervisorState& state;
-  const SupervisorInput& input;
+  const SupervisorInputs& input;
+  const Evidence& evidence;
   HazardSet hazards;
   StopCategory stop;   // the strongest of what is asked and what is needed
   std::int32_t ticks;  // in this mode, this one included
@@ -21,7 +22,7 @@ struct TransitionInputs {
 };
 
 TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState& state,
-                                   const SupervisorInput& input);
+                                   const SupervisorInputs& input, const Evidence& evidence);
 
 // One guard a line, the worst first; None where nothing changes the mode.
 Event event_of(const TransitionInputs& t);

@@ -29,8 +29,8 @@ StepLimits stage_limits(const PlanFacts& plan, std::uint32_t stage) {
 }
 
 // How far |V| may rise in this tick.
-std::int32_t rising_mV(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
-  return std::clamp(input.evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV);
+std::int32_t rising_mV(const PlanFacts& plan, const SupervisorState& state, const Evidence& evidence) {
+  return std::clamp(evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV);
 }
 
 // |V| when Hold or Retract began: whatever a memory says, not beyond what the robot can do.
@@ -55,9 +55,10 @@ void enter(SupervisorState& next, const TransitionInputs& t, Event event) {
   if (next.mode == Mode::Armed) next.stage = 0, next.stage_done = false;
   if (event == Event::StageReached) next.stage_done = true;
   if (event == Event::Move && t.state.stage_done) ++next.stage, next.stage_done = false;
-  const std::int32_t envelope = from == Mode::Active ? rising_mV(t.plan, t.state, t.input) : held_mV(t.state);
+  const std::int32_t envelope =
+      from == Mode::Active ? rising_mV(t.plan, t.state, t.evidence) : held_mV(t.state);
   if (next.mode == Mode::Hold || next.mode == Mode::Retract)
-    next.held_mV = std::clamp(t.input.evidence.drive_mV, 0, envelope);
+    next.held_mV = std::clamp(t.evidence.drive_mV, 0, envelope);
 }
 
 // A mode that does not exist is a broken memory: nothing is allowed any more.
@@ -86,12 +87,13 @@ std::int32_t ramp_mV(const SupervisorState& state) {
   return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ticks);
 }
 
-Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64_t now_us,
+                 const Evidence& evidence) {
   Permit permit;  // off: no enable, no voltage, no rise
   permit.session = state.session;
   permit.epoch = state.epoch;
   permit.seq = state.seq;
-  permit.issued_us = input.now_us;
+  permit.issued_us = now_us;
   permit.ttl_us = limits::kPermitTtl_us;
   permit.mode = state.mode;
   permit.hv_enable = hv_permitted(state.mode);
@@ -105,7 +107,7 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const Supe
       break;
     case Mode::Active:
       permit.stop = StopCategory::None;
-      permit.v_max_mV = rising_mV(plan, state, input);
+      permit.v_max_mV = rising_mV(plan, state, evidence);
       permit.slew_up_mV_per_tick = stage.slew_up_mV_per_tick;
       permit.depth_max_um = stage.depth_max_um;
       break;
@@ -126,12 +128,12 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const Supe
 }  // namespace
 
 std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const SupervisorState& state,
-                                                  const SupervisorInput& input) {
-  const TransitionInputs tick = transition_inputs(plan, state, input);
+                                                  const SupervisorInputs& inputs, const Evidence& evidence) {
+  const TransitionInputs tick = transition_inputs(plan, state, inputs, evidence);
   const Event event = event_of(tick);
   const SupervisorState next = next_state(tick, event);
   SupervisorOutput output;
-  output.permit = permit_of(plan, next, input);
+  output.permit = permit_of(plan, next, inputs.now_us, evidence);
   output.event = event;
   output.worst = worst_of(tick.hazards);
   output.reason = next.reason;
@@ -139,7 +141,7 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   output.stage = next.stage;
   output.stage_done = next.stage_done;
   output.image_allowed = next.mode != Mode::Active && next.mode != Mode::Retract;
-  output.image_disturbed = input.evidence.image_disturbed;
+  output.image_disturbed = evidence.image_disturbed;
   output.interlock_pulse = hv_permitted(next.mode) || next.mode == Mode::Ready;
   return {next, output};
 }

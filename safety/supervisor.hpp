@@ -10,33 +10,10 @@
 #include "robot/msg/permit.hpp"
 #include "safety/monitors/evidence.hpp"
 #include "safety/types/plan_facts.hpp"
+#include "safety/types/supervisor_inputs.hpp"
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::safety {
-
-enum class SelfTest : std::uint8_t { Failed, Pending, Passed };
-
-// Hold-to-run. While the button is down the console sends {token, held = true} at least every
-// kHeldTimeout_ticks; each press has a token larger than every one before. {token, false} is the release;
-// token 0 = no message this tick.
-struct MotionPress {
-  std::uint32_t token = 0;
-  bool held = false;
-};
-
-struct SupervisorInput {
-  std::int64_t now_us = 0;  // goes into the permit for the log
-  Evidence evidence;
-  SelfTest self_test = SelfTest::Pending;
-  bool local_arm = false,
-       local_reset = false;  // keys on the device: levels, the supervisor takes the rising edge
-  bool remote_arm = false, remote_reset = false;  // asked over the network: always refused, with a reason
-  StopCategory stop = StopCategory::None;         // asked by anyone, anywhere
-  MotionPress motion;
-  DriveRequest request;         // stage, stage_reached and finished of the controller's last request
-  bool depth_accepted = false;  // level: the depth check of `accepted_stage` says Accept
-  std::uint32_t accepted_stage = 0;
-};
 
 // Why a request of this tick was not followed.
 enum class Refusal : std::uint8_t {
@@ -89,8 +66,9 @@ constexpr SupervisorState started(std::uint32_t session) {
   return state;
 }
 
+// `evidence`: what assess() made of the same inputs.
 std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const SupervisorState& state,
-                                                  const SupervisorInput& input);
+                                                  const SupervisorInputs& inputs, const Evidence& evidence);
 
 std::string_view name_of(Refusal refusal);
 

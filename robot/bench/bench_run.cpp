@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "planner/plan/seal.hpp"
-#include "robot/cycle/control_cycle.hpp"
 #include "robot/cycle/plan_facts.hpp"
+#include "robot/cycle/run_cycle.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -28,17 +28,17 @@ class BenchOperator {
 
   // What the person does in this tick, having seen the last one. `holds`: the program asks for a hold; `key`:
   // how the real arm key stands.
-  World act(const CycleRecord& seen, bool played, bool holds, bool key) {
+  OperatorInputs act(const CycleRecord& seen, bool played, bool holds, bool key) {
     watch(seen, played, holds);
     ++waited_;
     rested_ = rested_ || (step_ == Step::WaitReady && waited_ >= rest_ticks_);
     key_was_open_ = key_was_open_ || (asks_for_key() && !key);
-    World world;
-    world.bench_confirmed = true;
-    world.arm = asks_for_key() && (!by_hand_ || (key_was_open_ && key));
-    world.press = {step_ == Step::Run ? 1U : 0U, step_ == Step::Run};
-    world.finish = step_ == Step::Withdraw;
-    return world;
+    OperatorInputs inputs = OperatorInputs::idle();
+    inputs.bench_confirmed = true;
+    inputs.arm = asks_for_key() && (!by_hand_ || (key_was_open_ && key));
+    inputs.press = {step_ == Step::Run ? 1U : 0U, step_ == Step::Run};
+    inputs.finish = step_ == Step::Withdraw;
+    return inputs;
   }
   void stop() {
     if (step_ == Step::Withdraw || step_ == Step::Done) return;
@@ -121,7 +121,7 @@ void record(sim::RecordedRun& rows, const CycleRecord& tick, double push_N) {
 
 BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag,
                          const Bench& bench) {
-  const safety::PlanFacts facts = live::plan_facts(plan, config_tag);
+  const safety::PlanFacts facts = robot::plan_facts(plan, config_tag);
   const std::uint64_t tag = planner::plan_tag(plan);
   ControlCycle stage(plan, facts, bench.stage, {tag, tag});
   const std::uint32_t length = control::length_ticks(run.program);
@@ -137,16 +137,17 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
     if (bench.stop && bench.stop()) person.stop();
     const bool recorded = person.recorded();
     const BenchKeys keys = bench.keys ? bench.keys() : BenchKeys{.arm = false, .estop_closed = true};
-    World world = person.act(seen, played, state.ticks >= run.program.hold_from_tick, keys.arm);
-    world.estop_closed = keys.estop_closed;
+    OperatorInputs inputs = person.act(seen, played, state.ticks >= run.program.hold_from_tick, keys.arm);
+    inputs.estop_closed = keys.estop_closed;
     if (person.asks_for_key() && !std::exchange(asked, true) && bench.ask_for_key) bench.ask_for_key();
     if (person.running()) push_N = push_at(run, state.ticks);
     bench.push(push_N);
-    seen = stage.tick(world, [&](const Measurement&, const safety::SupervisorOutput& decided) {
-      const control::ProgramStep next = control::play(run.program, state, decided.permit, world.finish);
-      state = next.state;
-      return next.request;
-    });
+    seen = stage.run(
+        inputs, Environment::healthy(), [&](const Measurement&, const safety::SupervisorOutput& decided) {
+          const control::ProgramStep next = control::play(run.program, state, decided.permit, inputs.finish);
+          state = next.state;
+          return next.request;
+        });
     if (bench.supervisor_pulse != nullptr && seen.supervisor.interlock_pulse) bench.supervisor_pulse->pulse();
     played = played || control::is_played(run.program, state);
     if (recorded) record(result.recorded, seen, push_N);

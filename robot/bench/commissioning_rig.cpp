@@ -10,8 +10,8 @@
 #include "planner/plan/bench_plan.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/control/voltage_program.hpp"
-#include "robot/cycle/control_cycle.hpp"
 #include "robot/cycle/plan_facts.hpp"
+#include "robot/cycle/run_cycle.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -26,7 +26,7 @@ constexpr std::uint32_t kLevelRamp_ticks = 100;
 constexpr std::uint32_t kThink_ticks = 50;  // in a mode before the next one is asked for
 constexpr std::uint32_t kReady_ticks = 5'000;
 constexpr std::uint32_t kLevelRest_ticks = 300;  // behind the end of the voltage
-constexpr std::int64_t kPause_ns = 100'000'000;  // somebody was asked something: the beat begins anew
+constexpr std::int64_t kPause_ns = 100'000'000;  // somebody was asked something: the rhythm begins anew
 
 Plan small_voltages() {
   auto plan = planner::plan_bench({.what = "commissioning", .weight = kWeight, .highest = kMost});
@@ -55,13 +55,13 @@ Sample sample_of(const Measurement& m) {
 // The operator of one drive, as a script.
 class DriveScript {
  public:
-  World act() {
-    World world;
-    world.bench_confirmed = true;
-    world.arm = phase_ == Phase::Arm;
-    world.press = {phase_ == Phase::Run ? 1U : 0U, phase_ == Phase::Run};
-    world.finish = phase_ == Phase::Withdraw;
-    return world;
+  OperatorInputs act() {
+    OperatorInputs inputs = OperatorInputs::idle();
+    inputs.bench_confirmed = true;
+    inputs.arm = phase_ == Phase::Arm;
+    inputs.press = {phase_ == Phase::Run ? 1U : 0U, phase_ == Phase::Run};
+    inputs.finish = phase_ == Phase::Withdraw;
+    return inputs;
   }
 
   // `done`: the voltage is no longer wanted.
@@ -117,7 +117,7 @@ SupervisedRig::SupervisedRig(drivers::NeedleStage& stage, StageTrimmings trimmin
     : stage_(stage),
       trimmings_(std::move(trimmings)),
       plan_(small_voltages()),
-      facts_(live::plan_facts(plan_, kConfigTag)) {}
+      facts_(robot::plan_facts(plan_, kConfigTag)) {}
 
 Sample SupervisedRig::in_tick(const std::function<Sample()>& act) {
   realtime::Wake wake;
@@ -159,12 +159,12 @@ Drive SupervisedRig::drive(std::int32_t level_mV, std::uint32_t ticks,
   bool wanted = true;
   Sample sample;
   while (!script.over()) {
-    World world = script.act();
-    world.estop_closed = sample.estop_a_closed && sample.estop_b_closed;
+    OperatorInputs inputs = script.act();
+    inputs.estop_closed = sample.estop_a_closed && sample.estop_b_closed;
     sample = in_tick([&] {
-      const CycleRecord seen =
-          supervised.tick(world, [&](const Measurement&, const safety::SupervisorOutput& decided) {
-            const control::ProgramStep next = control::play(program, state, decided.permit, world.finish);
+      const CycleRecord seen = supervised.run(
+          inputs, Environment::healthy(), [&](const Measurement&, const safety::SupervisorOutput& decided) {
+            const control::ProgramStep next = control::play(program, state, decided.permit, inputs.finish);
             state = next.state;
             return next.request;
           });

@@ -54,7 +54,7 @@ void serve(const Options& options) {
   fmt::print("{}\n", loop.url());
   std::fflush(stdout);
   while (!signals.came()) loop.turn();
-  robot.let_back();
+  robot.retract();
 }
 
 }  // namespace

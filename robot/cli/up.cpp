@@ -51,7 +51,7 @@ std::string relay_text(const digital_io::IoReader& lines) {
                                : "interlock open  ";
 }
 
-std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<CycleSample>& beat,
+std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<CycleSample>& cycle,
                        const digital_io::IoReader& lines) {
   std::string text = relay_text(lines);
   for (const Process process :
@@ -62,13 +62,14 @@ std::string board_text(const std::array<Health, kProcesses>& board, const std::o
                                           health.overruns);
     if (!health.note.empty()) text += fmt::format("({})  ", health.note);
   }
-  if (beat)
-    text += fmt::format("| {}{}{} | {:.2f} mm, {:.2f} kV", safety::name_of(beat->tick.supervisor.permit.mode),
-                        beat->tick.supervisor.worst == safety::Hazard::None ? "" : ": ",
-                        beat->tick.supervisor.worst == safety::Hazard::None
-                            ? std::string_view()
-                            : safety::name_of(beat->tick.supervisor.worst),
-                        beat->tick.measurement.depth_um * 1e-3, beat->tick.measurement.monitor_mV * 1e-6);
+  if (cycle)
+    text +=
+        fmt::format("| {}{}{} | {:.2f} mm, {:.2f} kV", safety::name_of(cycle->record.supervisor.permit.mode),
+                    cycle->record.supervisor.worst == safety::Hazard::None ? "" : ": ",
+                    cycle->record.supervisor.worst == safety::Hazard::None
+                        ? std::string_view()
+                        : safety::name_of(cycle->record.supervisor.worst),
+                    cycle->record.measurement.depth_um * 1e-3, cycle->record.measurement.monitor_mV * 1e-6);
   return text;
 }
 
@@ -89,10 +90,10 @@ int dry_run_live(const ProcedureOptions& options, const LiveOptions& live_option
   session.wait_until_healthy();
   session.send_plan(std::get<Plan>(prepared.plan));
   std::optional<std::string> ended;
-  const Robot robot = [&](const World& world) -> std::optional<CycleSample> {
-    std::optional<CycleSample> beat = session.robot().tick(world);
+  const Robot robot = [&](const OperatorInputs& inputs) -> std::optional<CycleSample> {
+    std::optional<CycleSample> cycle = session.robot().tick(inputs);
     if (!ended) ended = session.launcher().ended();
-    return beat;
+    return cycle;
   };
   report::RunRecord record =
       rehearse_on(robot, prepared, options.out,
@@ -209,13 +210,13 @@ int up(const UpOptions& options) {
              session.settings().keys.empty() ? "WITHOUT security" : "secured");
   ProgressLine line;
   std::optional<std::string> ended;
-  std::optional<CycleSample> beat;
+  std::optional<CycleSample> cycle;
   std::int64_t ticks = 0;
   const digital_io::IoReader lines(session.settings().lines);
   while (!signals.came() && !ended) {
-    World nobody;  // the E-stop is released, no key is turned
-    beat = session.robot().tick(nobody);
-    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), beat, lines));
+    OperatorInputs nobody = OperatorInputs::idle();  // the E-stop is released, no key is turned
+    cycle = session.robot().tick(nobody);
+    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), cycle, lines));
     ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;

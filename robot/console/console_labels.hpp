@@ -6,7 +6,7 @@
 #include <console_messages.hpp>  // generated from robot/msg/console.idl
 #include <string>
 
-#include "robot/cycle/control_cycle.hpp"
+#include "robot/cycle/run_cycle.hpp"
 
 namespace biopsy::robot {
 

@@ -89,34 +89,34 @@ void OperatorSession::unconfirm() {
   ++version_;
 }
 
-World OperatorSession::world(std::int64_t now_us) {
+OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   now_us_ = now_us;
   if (button_ == console::Button::Arm && hold_.held_for_us(now_us) >= kArmHold_us) {
     hold_.drop();
     arm_until_us_ = now_us + kKeyTurned_us;
   }
-  World world;
-  world.arm = simulated_ && now_us < arm_until_us_;
-  world.reset = simulated_ && now_us < reset_until_us_;
+  OperatorInputs inputs = OperatorInputs::idle();
+  inputs.arm = simulated_ && now_us < arm_until_us_;
+  inputs.reset = simulated_ && now_us < reset_until_us_;
   const auto held = hold_.held(now_us);
   const bool inserting = held && button_ == console::Button::Insert;
   if (inserting) last_token_ = *held;
-  world.press = {last_token_, inserting};
-  if (now_us < retract_until_us_) world.stop = StopCategory::C1Ramp;
-  if (now_us < stop_until_us_) world.stop = StopCategory::C0Off;
-  world.finish = finish_;
+  inputs.press = {last_token_, inserting};
+  if (now_us < retract_until_us_) inputs.stop = StopCategory::C1Ramp;
+  if (now_us < stop_until_us_) inputs.stop = StopCategory::C0Off;
+  inputs.finish = finish_;
   if (run_) {
-    world.acquiring = run_->acquiring_us.has_value();
-    world.depth_accepted = run_->accepted.has_value();
-    world.accepted_stage = static_cast<std::uint32_t>(run_->accepted.value_or(0));
+    inputs.acquiring = run_->acquiring_us.has_value();
+    inputs.depth_accepted = run_->accepted.has_value();
+    inputs.accepted_stage = static_cast<std::uint32_t>(run_->accepted.value_or(0));
   }
-  world_ = world;
-  return world;
+  inputs_ = inputs;
+  return inputs;
 }
 
-void OperatorSession::see(const CycleSample& beat, std::int64_t now_us) {
+void OperatorSession::see(const CycleSample& cycle, std::int64_t now_us) {
   const Mode before = seen_.supervisor.permit.mode;
-  seen_ = beat.tick;
+  seen_ = cycle.record;
   measured_ = true;
   silent_ = false;
   now_us_ = now_us;
@@ -132,7 +132,7 @@ void OperatorSession::see(const CycleSample& beat, std::int64_t now_us) {
     ticks_ = {};
     confirmations_due_ = true;
   }
-  follow_run(beat, before);
+  follow_run(cycle, before);
   send_confirmations();
   if (!hv_permitted()) show_series();
 }
@@ -150,7 +150,7 @@ void OperatorSession::show_series() {
   ++version_;
 }
 
-void OperatorSession::follow_run(const CycleSample& beat, Mode before) {
+void OperatorSession::follow_run(const CycleSample& cycle, Mode before) {
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode == Mode::Armed && before != Mode::Armed && plan() != nullptr) {
     run_ = std::make_shared<Run>(prepared_, folder_ / fmt::format("run-{}", ++runs_));
@@ -158,7 +158,7 @@ void OperatorSession::follow_run(const CycleSample& beat, Mode before) {
     ++version_;
   }
   if (!run_ || run_->ended) return;
-  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(beat, world_);
+  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(cycle, inputs_);
   run_->moved = run_->moved || mode == Mode::Active;
   follow_image();
   if (hv_permitted()) {

@@ -1,6 +1,6 @@
-// The operator at the console, as the robot's side sees them: what the page asked for becomes the World of
-// the next tick, what the robot answers becomes what the page is told. Decides nothing about motion: that is
-// the supervisor's.
+// The operator at the console, as the robot's side sees them: what the page asked for becomes the
+// OperatorInputs of the next tick, what the robot answers becomes what the page is told. Decides nothing
+// about motion: that is the supervisor's.
 #pragma once
 
 #include <array>
@@ -39,8 +39,8 @@ class OperatorSession {
                                            std::int64_t now_us);
 
   // Robot
-  World world(std::int64_t now_us);
-  void see(const CycleSample& beat, std::int64_t now_us);
+  OperatorInputs inputs(std::int64_t now_us);
+  void see(const CycleSample& cycle, std::int64_t now_us);
   void miss() { silent_ = true; }  // no tick for a second
 
   // What pages are told
@@ -78,7 +78,7 @@ class OperatorSession {
   void send_confirmations();
   bool all_ticked() const { return ticks_ == std::array{true, true, true}; }
   void show_series();
-  void follow_run(const CycleSample& beat, Mode before);
+  void follow_run(const CycleSample& cycle, Mode before);
   void follow_image();
   void let_back();
   void end_run();
@@ -105,7 +105,7 @@ class OperatorSession {
   std::array<bool, 3> ticks_{};
   std::int64_t ticked_us_ = 0;
 
-  World world_;
+  OperatorInputs inputs_ = OperatorInputs::idle();
   CycleRecord seen_;
   bool measured_ = false, silent_ = false;
   std::int64_t now_us_ = 0, mode_since_us_ = 0;

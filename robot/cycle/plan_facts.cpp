@@ -9,7 +9,7 @@
 #include "robot/common/config_error.hpp"
 #include "safety/types/limits.hpp"
 
-namespace biopsy::live {
+namespace biopsy::robot {
 namespace {
 
 // A stage may go this far beyond its depth before the supervisor holds it: the paper's overshoot (13 % of a 2
@@ -47,4 +47,4 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
   return facts;
 }
 
-}  // namespace biopsy::live
+}  // namespace biopsy::robot

@@ -6,10 +6,10 @@
 #include "robot/msg/plan.hpp"
 #include "safety/types/plan_facts.hpp"
 
-namespace biopsy::live {
+namespace biopsy::robot {
 
 // `config_tag`: identifies the configuration in use; never 0. Throws ConfigError for a plan with more stages
 // than the supervisor can hold.
 safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag);
 
-}  // namespace biopsy::live
+}  // namespace biopsy::robot

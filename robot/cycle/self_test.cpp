@@ -2,7 +2,7 @@
 
 #include "safety/types/limits.hpp"
 
-namespace biopsy::live {
+namespace biopsy::robot {
 namespace {
 
 using namespace safety;
@@ -13,7 +13,7 @@ constexpr bool names(const Evidence& evidence, Hazard hazard) {
 
 bool fears_what_it_does_not_know(const Examined& examined) {
   EvidenceMemory memory;
-  const Evidence nothing = examined.assess(PlanFacts{}, memory, Observation{});
+  const Evidence nothing = examined.assess(PlanFacts{}, memory, SupervisorInputs{});
   for (const Hazard hazard : {Hazard::EStop, Hazard::SecondWriter, Hazard::PlanChanged, Hazard::ConfigChanged,
                               Hazard::PlanUnconfirmed, Hazard::LogBacklog, Hazard::WrongAnswer})
     if (!names(nothing, hazard)) return false;
@@ -22,7 +22,7 @@ bool fears_what_it_does_not_know(const Examined& examined) {
 
 bool sees_over_voltage(const Examined& examined) {
   EvidenceMemory memory;
-  Observation seen;
+  SupervisorInputs seen;
   const auto is_named_at = [&](std::int32_t monitor_mV) {
     seen.measurement.monitor_mV = monitor_mV;
     bool named = false;
@@ -38,10 +38,9 @@ bool sees_over_voltage(const Examined& examined) {
 Mode mode_after(const Examined& examined, Mode mode, const Evidence& evidence, bool& enabled) {
   SupervisorState state = started(1);
   state.mode = mode;
-  SupervisorInput input;
-  input.evidence = evidence;
+  SupervisorInputs input;
   input.self_test = SelfTest::Passed;
-  const auto [next, output] = examined.step(PlanFacts{}, state, input);
+  const auto [next, output] = examined.step(PlanFacts{}, state, input, evidence);
   enabled = output.permit.hv_enable;
   return next.mode;
 }
@@ -84,4 +83,4 @@ SelfTest self_test(const Examined& examined) {
   return SelfTest::Passed;
 }
 
-}  // namespace biopsy::live
+}  // namespace biopsy::robot

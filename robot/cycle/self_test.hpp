@@ -7,7 +7,7 @@
 #include "safety/monitors/evidence.hpp"
 #include "safety/supervisor.hpp"
 
-namespace biopsy::live {
+namespace biopsy::robot {
 
 // The functions that are examined: those that ship, unless a test puts in another.
 struct Examined {
@@ -22,4 +22,4 @@ struct Examined {
 // noticed.
 safety::SelfTest self_test(const Examined& examined = {});
 
-}  // namespace biopsy::live
+}  // namespace biopsy::robot

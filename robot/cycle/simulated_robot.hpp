@@ -5,29 +5,39 @@
 #include <array>
 #include <cstdint>
 
-#include "robot/control/step_runner.hpp"
-#include "robot/cycle/control_cycle.hpp"
-#include "robot/msg/plan.hpp"
+#include "robot/cycle/control.hpp"
+#include "robot/cycle/run_cycle.hpp"
 
 namespace biopsy::robot {
 
 class SimulatedRobot {
  public:
-  // `plan`, `facts` and `stage` must outlive this. `confirmed`: the plan tags that two people confirmed.
+  // As ControlCycle; the controller runs `plan`.
   SimulatedRobot(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
                  const std::array<std::uint64_t, 2>& confirmed)
-      : plan_(plan), stage_(plan, facts, stage, confirmed) {}
+      : cycle_(plan, facts, stage, confirmed) {
+    load_plan(plan, controller_);
+  }
 
-  CycleRecord tick(const World& world);
+  CycleRecord run_cycle(const OperatorInputs& operator_inputs,
+                        const Environment& environment = Environment::healthy()) {
+    return cycle_.run(operator_inputs, environment,
+                      [&](const Measurement& measurement, const safety::SupervisorOutput& decided) {
+                        return control({.measurement = measurement,
+                                        .permit = decided.permit,
+                                        .stage = decided.stage,
+                                        .finish = operator_inputs.finish},
+                                       controller_);
+                      });
+  }
 
-  std::int64_t ticks() const { return stage_.ticks(); }
-  Mode mode() const { return stage_.mode(); }
-  const control::RunnerState& controller() const { return controller_; }
+  std::int64_t ticks() const { return cycle_.ticks(); }
+  Mode mode() const { return cycle_.mode(); }
+  const control::RunnerState& controller() const { return controller_.runner; }
 
  private:
-  const Plan& plan_;
-  ControlCycle stage_;
-  control::RunnerState controller_;
+  ControlCycle cycle_;
+  ControllerMemory controller_;
 };
 
 }  // namespace biopsy::robot

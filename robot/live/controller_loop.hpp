@@ -1,13 +1,11 @@
-// The controller process: runs the sealed plan, one control tick for each measurement. It only asks.
+// The controller process: runs the sealed plan, one control tick for each measurement. It only requests.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
 
-#include "robot/control/step_runner.hpp"
+#include "robot/cycle/control.hpp"
 #include "robot/live/heartbeat.hpp"
-#include "robot/msg/plan.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::live {
@@ -16,14 +14,13 @@ class ControllerLoop {
  public:
   ControllerLoop(const transport::Participant& bus, std::uint64_t config_tag);
 
-  // Waits up to `patience` for a measurement and answers it.
-  void turn(std::chrono::nanoseconds patience);
+  // Waits up to `timeout` for a measurement and answers it.
+  void turn(std::chrono::nanoseconds timeout);
 
   Heartbeat& heartbeat() { return heartbeat_; }
 
  private:
   void take_plan();
-  DriveRequest answer(const Measurement& measured);
 
   transport::Reader<Measurement> measurements_;
   transport::Reader<Permit> permits_;
@@ -33,14 +30,10 @@ class ControllerLoop {
   transport::Writer<DriveRequest> requests_;
   transport::Waker waker_;
   Heartbeat heartbeat_;
-  std::uint64_t config_tag_;
-  std::uint64_t plan_tag_ = 0;
-  std::optional<Plan> plan_;
-  control::RunnerState runner_;
-  Permit permit_;
+  robot::ControllerMemory controller_;
+  robot::ControllerInputs inputs_;
   Decision decision_;
   OperatorAct act_;
-  std::uint32_t overruns_ = 0;
 };
 
 }  // namespace biopsy::live

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "drivers/digital_io/io_views.hpp"
-#include "drivers/gated_stage.hpp"
+#include "robot/cycle/actuate.hpp"
 #include "robot/live/heartbeat.hpp"
 #include "robot/transport/bus.hpp"
 
@@ -37,9 +37,7 @@ class StageLoop {
   transport::Reader<Permit> permits_;
   transport::Reader<DriveRequest> requests_;
   Heartbeat heartbeat_;
-  std::uint64_t config_tag_;
-  Permit permit_;
-  DriveRequest request_;
+  robot::GateInputs inputs_;
   Measurement measured_;
 };
 

@@ -8,12 +8,9 @@
 
 #include "drivers/digital_io/io_views.hpp"
 #include "drivers/pulse_output.hpp"
+#include "robot/cycle/supervise.hpp"
 #include "robot/live/heartbeat.hpp"
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/measurement.hpp"
 #include "robot/transport/bus.hpp"
-#include "safety/monitors/tissue_monitor.hpp"
-#include "safety/supervisor.hpp"
 
 namespace biopsy::live {
 
@@ -29,7 +26,7 @@ class SupervisorLoop {
   void turn();
 
   Heartbeat& heartbeat() { return heartbeat_; }
-  Mode mode() const { return state_.mode; }
+  Mode mode() const { return supervisor_.state.mode; }
 
  private:
   // All that came since the last turn, in order: one tick each.
@@ -39,14 +36,10 @@ class SupervisorLoop {
     std::array<DriveRequest, kMost> requested;
     std::size_t measurements = 0, requests = 0;
   };
+  void take_messages(std::int64_t now_us);
   void take_burst();
   void tick(std::int64_t now_us);
-  void listen(std::int64_t now_us);
-  void take_plan();
-  safety::Observation observed(std::int64_t now_us);
-  safety::SupervisorInput input_of(const safety::Observation& seen);
-  void announce(const safety::SupervisorOutput& output, std::int64_t now_us);
-  std::int32_t writers() const;
+  robot::WriterCounts writers() const;
 
   drivers::PulseOutput& interlock_;
   const digital_io::IoReader& panel_;
@@ -61,23 +54,11 @@ class SupervisorLoop {
   transport::Waker waker_;
   Heartbeat heartbeat_;
 
-  std::uint64_t config_tag_;
-  safety::SelfTest self_test_;
-  safety::PlanFacts facts_;
-  std::array<std::uint64_t, 2> confirmed_{};
-  std::uint64_t sealed_tag_ = 0;  // of the plan that was sent last, opened or not
-  safety::EvidenceMemory memory_;
-  safety::TissueMonitor tissue_;
-  safety::SupervisorState state_;
+  robot::SupervisorMemory supervisor_;
+  robot::SupervisorSources sources_;
   Burst burst_;
-  Permit permit_;
-  Measurement measured_;
-  DriveRequest request_;
-  OperatorAct act_;
-  DepthVerdictNote verdict_;
-  LogHealth logged_;
-  std::int64_t act_us_ = 0, logged_us_ = 0, ticked_us_ = 0;
-  bool measurement_late_ = false, act_is_new_ = false;
+  std::int64_t ticked_us_ = 0;
+  bool measurement_late_ = false;
 };
 
 }  // namespace biopsy::live

@@ -14,7 +14,7 @@
 namespace biopsy::robot {
 namespace {
 
-constexpr std::uint64_t kMotionStream = 0x6d6f7665;
+constexpr std::uint64_t kMotionStream = 0x6d6f7665, kRepeatStream = 1'000'003;
 
 // The patient's position at image number `image`: uniform within the case's bounds, drawn from the seed.
 sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_t image) {
@@ -31,15 +31,17 @@ sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_
 
 }  // namespace
 
-void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StepResult& result) const {
-  const std::string name = fmt::format("images/stage-{}", stage + 1);
+void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StepResult& result) {
+  const std::size_t repeat = repeats_[stage]++;
+  const std::string name =
+      fmt::format("images/stage-{}{}", stage + 1, repeat == 0 ? "" : fmt::format("-repeat-{}", repeat));
   sim::ScanSettings settings;
   const Point p_SE = plan_.X_SR.translation();
   const Direction axis_S = plan_.X_SR.linear().col(2);
   settings.needle = sim::NeedleArtefact{.p_SE = p_SE, .axis_S = axis_S, .tip_depth = tip};
-  settings.motion = motion_at(prepared_.given, p_SE, stage);
+  settings.motion = motion_at(prepared_.given, p_SE, stage + kRepeatStream * repeat);
   settings.snr = prepared_.given.rehearsal.snr;
-  settings.seed = prepared_.given.seed + 1000 * (stage + 1);
+  settings.seed = prepared_.given.seed + 1000 * (stage + 1) + kRepeatStream * repeat;
   Volume sent = sim::scan(prepared_.image, settings);
   sent.identity.series_uid.clear();  // a new series; the writer names it by its content
   sent.identity.description = fmt::format("confirmation, stage {} (simulated)", stage + 1);

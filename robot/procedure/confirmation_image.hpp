@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
@@ -15,14 +16,15 @@ class ConfirmationImages {
   ConfirmationImages(const PreparedCase& prepared, const Plan& plan, std::filesystem::path folder)
       : prepared_(prepared), plan_(plan), folder_(std::move(folder)) {}
 
-  // Of the end of `stage`, with the needle at `tip`: fills the check and the pictures of `result`. Takes a
-  // second.
-  void take(std::size_t stage, Millimetres tip, report::StepResult& result) const;
+  // At the end of step `stage`, with the needle at `tip`: fills the check and the pictures of `result`. Each
+  // image of a step, a repeated one too, gets a folder and a noise of its own. Takes about a second.
+  void take(std::size_t stage, Millimetres tip, report::StepResult& result);
 
  private:
   const PreparedCase& prepared_;
   const Plan& plan_;
   std::filesystem::path folder_;
+  std::map<std::size_t, std::size_t> repeats_;  // images of each step so far
 };
 
 }  // namespace biopsy::robot

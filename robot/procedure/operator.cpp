@@ -5,16 +5,19 @@
 namespace biopsy::robot {
 namespace {
 
-constexpr std::int64_t kThink_ticks = 300;        // between two acts of a hand
-constexpr std::int64_t kReadyMax_ticks = 5'000;   // a healthy robot is ready within seconds
-constexpr std::int64_t kStageMax_ticks = 60'000;  // a stage that is not reached in a minute never will be
-constexpr std::int64_t kReturn_ticks = 1'500;     // time for gravity to withdraw the needle
-constexpr int kPressesMax = 5;                    // holds that were not asked for, before a person gives up
+constexpr std::int64_t kThink_ticks = 300;       // between two acts of a hand
+constexpr std::int64_t kReadyMax_ticks = 5'000;  // a healthy robot is ready within seconds
+constexpr std::int64_t kAnswerMax_ticks =
+    200;  // from a press to motion, over a bus; afterwards it was refused
+constexpr std::int64_t kStepMax_ticks = 60'000;  // a step that is not reached in a minute never will be
+constexpr std::int64_t kReturn_ticks = 1'500;    // time for gravity to withdraw the needle
+constexpr int kPressesMax = 5;                   // unexpected holds before an operator gives up
+constexpr int kRepeatedImagesMax = 1;            // of a step: a hold lasts 10 s
 
 }  // namespace
 
-void Operator::go(Step step, std::int64_t tick) {
-  step_ = step;
+void Operator::go(Phase phase, std::int64_t tick) {
+  phase_ = phase;
   since_ = tick;
 }
 
@@ -22,91 +25,101 @@ void Operator::give_up(const std::string& reason) {
   if (stopped_because_.empty()) stopped_because_ = reason;
 }
 
-void Operator::judge(bool accepted, const std::string& reason) {
-  accepted_ = accepted;
-  if (!accepted) give_up(reason);
-  step_ = Step::Pause;
+void Operator::judge(DepthVerdict verdict, const std::string& reason) {
+  judged_ = true;
+  accepted_ = verdict == DepthVerdict::Accept;
+  if (verdict == DepthVerdict::Unsure && repeated_images_ < kRepeatedImagesMax) {
+    ++repeated_images_;
+    phase_ = Phase::Image;
+    return;
+  }
+  repeated_images_ = 0;
+  if (!accepted_) give_up(reason);
+  phase_ = Phase::Pause;
 }
 
-// Moves the script on; World is then read off the step.
-void Operator::watch(const CycleRecord& seen, std::int64_t tick) {
+void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
+  const std::int64_t waited = tick - since_;
+  const bool held = seen.supervisor.permit.mode == Mode::Hold && (moved_ || waited > kAnswerMax_ticks);
+  if (held && moved_ && seen.supervisor.stage_done) {
+    accepted_stage_ = seen.supervisor.stage;
+    accepted_ = !plan_.stages[accepted_stage_].image_confirms;
+    completed_ = accepted_ && accepted_stage_ + 1 == plan_.stages.size();
+    go(accepted_ ? Phase::Pause : Phase::Image, tick);
+  } else if (held && ++repeated_presses_ <= kPressesMax) {
+    go(Phase::Pause, tick);
+  } else if (held) {
+    give_up(fmt::format("held again and again: {}", safety::name_of(seen.supervisor.reason)));
+    go(Phase::Withdraw, tick);
+  } else if (waited > kStepMax_ticks) {
+    give_up(
+        fmt::format("step {} was not reached within {} s", seen.supervisor.stage + 1, kStepMax_ticks / 1000));
+    go(Phase::Withdraw, tick);
+  }
+}
+
+// Advances the script; the inputs are then a function of the phase.
+void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
+  if (judged_) since_ = tick - 1;  // whatever time the check took
+  judged_ = false;
   const std::int64_t waited = tick - since_;
   const Mode mode = seen.supervisor.permit.mode;
   const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
-  if (ended && step_ != Step::Withdraw && step_ != Step::Done) {
+  if (ended && phase_ != Phase::Withdraw && phase_ != Phase::Done) {
     give_up(fmt::format("{}: {}", safety::name_of(mode), safety::name_of(seen.supervisor.reason)));
-    go(Step::Withdraw, tick);
+    go(Phase::Withdraw, tick);
     return;
   }
-  switch (step_) {
-    case Step::WaitReady:
-      if (mode == Mode::Ready && waited > kThink_ticks) go(Step::Arm, tick);
+  switch (phase_) {
+    case Phase::WaitReady:
+      if (mode == Mode::Ready && waited > kThink_ticks) go(Phase::Arm, tick);
       if (waited <= kReadyMax_ticks) break;
       give_up(fmt::format("not ready: {}", safety::name_of(seen.supervisor.worst)));
-      go(Step::Withdraw, tick);
+      go(Phase::Withdraw, tick);
       break;
-    case Step::Arm:
-      if (mode == Mode::Armed && waited > kThink_ticks) go(Step::Press, tick);
+    case Phase::Arm:
+      if (mode == Mode::Armed && waited > kThink_ticks) go(Phase::Press, tick);
       break;
-    case Step::Press:
+    case Phase::Press:
       ++token_;
-      go(Step::Insert, tick);
+      moved_ = false;
+      go(Phase::Insert, tick);
       break;
-    case Step::Insert: {
-      const bool held = mode == Mode::Hold && waited > 1;
-      const bool last = seen.supervisor.stage + 1 == plan_.stages.size();
-      if (held && seen.supervisor.stage_done) {
-        accepted_stage_ = seen.supervisor.stage;
-        accepted_ = false;
-        if (plan_.stages[accepted_stage_].image_confirms) {
-          go(Step::Image, tick);
-        } else {
-          accepted_ = true;
-          completed_ = last;
-          go(Step::Pause, tick);
-        }
-      } else if (held && ++repeated_presses_ <= kPressesMax) {
-        go(Step::Pause, tick);
-      } else if (held || waited > kStageMax_ticks) {
-        give_up(held ? fmt::format("held again and again: {}", safety::name_of(seen.supervisor.reason))
-                     : fmt::format("stage {} was not reached within {} s", seen.supervisor.stage + 1,
-                                   kStageMax_ticks / 1000));
-        go(Step::Withdraw, tick);
-      }
+    case Phase::Insert:
+      follow_insertion(seen, tick);
       break;
-    }
-    case Step::Image:
-      if (waited >= kAcquisition_ticks) go(Step::Judge, tick);
+    case Phase::Image:
+      if (waited >= kAcquisition_ticks) go(Phase::Judge, tick);
       break;
-    case Step::Judge:
+    case Phase::Judge:
       break;
-    case Step::Pause: {
+    case Phase::Pause: {
       if (waited < kThink_ticks) break;
       const bool all = accepted_ && accepted_stage_ + 1 == plan_.stages.size();
       completed_ = completed_ || all;
-      go(all || !stopped_because_.empty() ? Step::Withdraw : Step::Press, tick);
+      go(all || !stopped_because_.empty() ? Phase::Withdraw : Phase::Press, tick);
       break;
     }
-    case Step::Withdraw:
+    case Phase::Withdraw:
       if ((mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock) &&
           waited > kReturn_ticks)
-        go(Step::Done, tick);
+        go(Phase::Done, tick);
       break;
-    case Step::Done:
+    case Phase::Done:
       break;
   }
 }
 
-World Operator::act(const CycleRecord& seen, std::int64_t tick) {
-  watch(seen, tick);
-  World world;
-  world.arm = step_ == Step::Arm;
-  world.press = {step_ == Step::Insert ? token_ : 0, step_ == Step::Insert};
-  world.acquiring = step_ == Step::Image;
-  world.finish = step_ == Step::Withdraw;
-  world.depth_accepted = accepted_;
-  world.accepted_stage = accepted_stage_;
-  return world;
+OperatorInputs Operator::act(const CycleRecord& seen, std::int64_t tick) {
+  follow(seen, tick);
+  OperatorInputs inputs = OperatorInputs::idle();
+  inputs.arm = phase_ == Phase::Arm;
+  inputs.press = {phase_ == Phase::Insert ? token_ : 0, phase_ == Phase::Insert};
+  inputs.acquiring = phase_ == Phase::Image;
+  inputs.finish = phase_ == Phase::Withdraw;
+  inputs.depth_accepted = accepted_;
+  inputs.accepted_stage = accepted_stage_;
+  return inputs;
 }
 
 }  // namespace biopsy::robot

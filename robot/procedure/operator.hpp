@@ -1,46 +1,52 @@
-// The person of a rehearsal, as a script: arms, holds the button while the needle moves, lets go at each
-// stage's end, has an image taken where the plan wants one, goes on when it is accepted, and withdraws at the
-// end.
+// The operator of a rehearsal, as a script: arms, holds the button while the needle moves, releases it at
+// each step's end, has an image taken where the plan wants one (once more where it is unsure), goes on when
+// it is accepted, and withdraws at the end.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include "robot/cycle/simulated_robot.hpp"
+#include "robot/msg/depth_check.hpp"
 
 namespace biopsy::robot {
-
-enum class Step : std::uint8_t { WaitReady, Arm, Press, Insert, Image, Judge, Pause, Withdraw, Done };
 
 class Operator {
  public:
   explicit Operator(const Plan& plan) : plan_(plan) {}
 
-  // What the person does in this tick, having seen the last one.
-  World act(const CycleRecord& seen, std::int64_t tick);
+  // Every tick of the robot, in order.
+  void observe(const CycleRecord& seen) { moved_ = moved_ || seen.supervisor.permit.mode == Mode::Active; }
 
-  // The image of the present stage is complete: it must be judged before the next act().
-  bool wants_verdict() const { return step_ == Step::Judge; }
-  void judge(bool accepted, const std::string& reason);
+  // What the operator does in tick `tick`, having seen the newest one.
+  OperatorInputs act(const CycleRecord& seen, std::int64_t tick);
 
-  bool done() const { return step_ == Step::Done; }
+  // The image of the present step is complete: it must be judged before the next act().
+  bool wants_verdict() const { return phase_ == Phase::Judge; }
+  void judge(DepthVerdict verdict, const std::string& reason);
+
+  bool done() const { return phase_ == Phase::Done; }
   bool completed() const { return completed_; }
   // Why the procedure ended early; empty if it did not.
   const std::string& stopped_because() const { return stopped_because_; }
-  Step step() const { return step_; }
 
  private:
-  void go(Step step, std::int64_t tick);
+  enum class Phase : std::uint8_t { WaitReady, Arm, Press, Insert, Image, Judge, Pause, Withdraw, Done };
+
+  void go(Phase phase, std::int64_t tick);
   void give_up(const std::string& reason);
-  void watch(const CycleRecord& seen, std::int64_t tick);
+  void follow(const CycleRecord& seen, std::int64_t tick);
+  void follow_insertion(const CycleRecord& seen, std::int64_t tick);
 
   const Plan& plan_;
-  Step step_ = Step::WaitReady;
-  std::int64_t since_ = 0;   // tick at which the step began
+  Phase phase_ = Phase::WaitReady;
+  std::int64_t since_ = 0;   // tick at which the phase began
+  bool judged_ = false;      // since the last act()
+  bool moved_ = false;       // the needle was driven since the last press
   std::uint32_t token_ = 0;  // of the present press
   std::uint32_t accepted_stage_ = 0;
   bool accepted_ = false, completed_ = false;
-  int repeated_presses_ = 0;
+  int repeated_presses_ = 0, repeated_images_ = 0;
   std::string stopped_because_;
 };
 

@@ -69,28 +69,32 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   RunNotes notes(prepared);
   report::RunRecord& record = notes.record();
   Operator person(plan);
-  const ConfirmationImages images(prepared, plan, folder);
-  CycleRecord seen;
+  ConfirmationImages images(prepared, plan, folder);
+  OperatorInputs inputs;
+  CycleSample cycle;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
-    const World world = person.act(seen, number);
+    // While an image is checked ticks queue up; the operator acts on the newest only.
+    if (cycle.newest) inputs = person.act(cycle.record, number);
     if (person.wants_verdict()) {
-      report::StepResult& result = record.stages[world.accepted_stage];
+      report::StepResult& result = record.stages[inputs.accepted_stage];
       progress(static_cast<double>(number) * 1e-3,
-               fmt::format("checking the image of stage {}", world.accepted_stage + 1));
-      images.take(world.accepted_stage, notes.take_imaged_tip(), result);
-      person.judge(result.check->verdict == DepthVerdict::Accept, "depth check: " + result.check->reason);
+               fmt::format("checking the image of step {}", inputs.accepted_stage + 1));
+      images.take(inputs.accepted_stage, notes.take_imaged_tip(), result);
+      person.judge(result.check->verdict, "depth check: " + result.check->reason);
     }
-    const std::optional<CycleSample> beat = robot(world);
-    if (!beat) {
-      record.refusal = "the stage fell silent";
+    const std::optional<CycleSample> next = robot(inputs);
+    if (!next) {
+      record.refusal = "no tick from the stage for a second";
       break;
     }
-    seen = beat->tick;
-    notes.add(*beat, world);
+    cycle = *next;
+    person.observe(cycle.record);
+    notes.add(cycle, inputs);
     if (number % kProgressEvery == 0)
-      progress(beat->setpoint / plan.target_depth,
+      progress(cycle.setpoint / plan.target_depth,
                fmt::format("rehearsing: {:.0f} s, {}, {:.2f} mm", static_cast<double>(number) * 1e-3,
-                           safety::name_of(seen.supervisor.permit.mode), seen.measurement.depth_um * 1e-3));
+                           safety::name_of(cycle.record.supervisor.permit.mode),
+                           cycle.record.measurement.depth_um * 1e-3));
   }
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
@@ -102,19 +106,19 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
 report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Case& given = prepared.given;
-  const safety::PlanFacts facts = live::plan_facts(plan, 1 + given.seed);
+  const safety::PlanFacts facts = robot::plan_facts(plan, 1 + given.seed);
   sim::SimulatedStage stage(
       rehearsed_plant(given.rehearsal.model, given.rehearsal.tissues, prepared.layers, given.weight.value),
       given.seed);
   // What both people of the rehearsal were shown and confirm.
   const std::uint64_t shown = planner::plan_tag(plan);
   SimulatedRobot lockstep(plan, facts, stage, {shown, shown});
-  const Robot robot = [&](const World& world) {
-    CycleSample beat;
-    beat.truth = truth_of(stage);
-    beat.tick = lockstep.tick(world);
-    beat.setpoint = lockstep.controller().setpoint;
-    return std::optional<CycleSample>(beat);
+  const Robot robot = [&](const OperatorInputs& inputs) {
+    CycleSample cycle;
+    cycle.truth = truth_of(stage);
+    cycle.record = lockstep.run_cycle(inputs);
+    cycle.setpoint = lockstep.controller().setpoint;
+    return std::optional<CycleSample>(cycle);
   };
   return rehearse_on(robot, prepared, folder, progress);
 }

@@ -6,30 +6,31 @@
 #include <optional>
 #include <string>
 
-#include "robot/cycle/control_cycle.hpp"
+#include "robot/cycle/run_cycle.hpp"
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
 namespace biopsy::robot {
 
-// Told now and then how much of the way is done, in [0, 1], and what is going on.
+// Called now and then with the share that is done, in [0, 1], and what is going on.
 using Progress = std::function<void(double share, const std::string& what)>;
 
-// Where needle and plate truly are; known in simulation only.
+// True position of needle and plate; known in simulation only.
 struct Truth {
   double tip_mm = 0.0, plate_b_mm = 0.0;
   int layers_entered = 0;  // whose surface gave way
 };
 
-// One tick of a robot: the truth is that at its beginning.
+// One tick of a robot; the truth is that at its beginning.
 struct CycleSample {
-  CycleRecord tick;
+  CycleRecord record;
   Truth truth;
   Millimetres setpoint;
+  bool newest = true;  // no later tick is waiting to be read: live, this is what an operator sees
 };
 
-// Lets people do what World says, and answers with the next tick, in order. Nothing: the robot is silent.
-using Robot = std::function<std::optional<CycleSample>(const World&)>;
+// Applies the inputs and returns the next tick, in order. Nothing: the robot is silent.
+using Robot = std::function<std::optional<CycleSample>(const OperatorInputs&)>;
 
 // The record of a plan (or its refusal) before anything moved.
 report::RunRecord planned_record(const PreparedCase& prepared);

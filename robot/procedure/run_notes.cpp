@@ -5,14 +5,14 @@
 namespace biopsy::robot {
 namespace {
 
-report::Sample sample_of(const CycleSample& beat, std::int64_t number) {
-  const CycleRecord& tick = beat.tick;
+report::Sample sample_of(const CycleSample& cycle, std::int64_t number) {
+  const CycleRecord& tick = cycle.record;
   report::Sample sample;
   sample.time_ms = static_cast<std::int32_t>(number);
-  sample.setpoint_mm = static_cast<float>(beat.setpoint.value);
+  sample.setpoint_mm = static_cast<float>(cycle.setpoint.value);
   sample.depth_mm = static_cast<float>(tick.measurement.depth_um * 1e-3);
-  sample.tip_mm = static_cast<float>(beat.truth.tip_mm);
-  sample.plate_b_mm = static_cast<float>(beat.truth.plate_b_mm);
+  sample.tip_mm = static_cast<float>(cycle.truth.tip_mm);
+  sample.plate_b_mm = static_cast<float>(cycle.truth.plate_b_mm);
   sample.drive_kV = static_cast<float>(tick.drive_mV * 1e-6);
   sample.envelope_kV = static_cast<float>(tick.supervisor.permit.v_max_mV * 1e-6);
   sample.monitor_kV = static_cast<float>(tick.measurement.monitor_mV * 1e-6);
@@ -49,21 +49,21 @@ void RunNotes::note_trip(const CycleRecord& tick) {
                            std::string(safety::name_of(tick.supervisor.reason))});
 }
 
-void RunNotes::add(const CycleSample& beat, const World& world) {
-  const CycleRecord& seen = beat.tick;
+void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
+  const CycleRecord& seen = cycle.record;
   const auto number = static_cast<std::int64_t>(record_.samples.size());
-  record_.samples.push_back(sample_of(beat, number));
+  record_.samples.push_back(sample_of(cycle, number));
   note_trip(seen);
   mode_ = seen.supervisor.permit.mode;
   report::StepResult& result = record_.stages[seen.supervisor.stage];
   if (seen.supervisor.stage_done && !result.reached) {
     result.reached = true;
     result.reached_s = static_cast<double>(number) * 1e-3;
-    result.layer_at_tip = layer_at(plan_, beat.truth);
+    result.layer_at_tip = layer_at(plan_, cycle.truth);
   }
-  if (!world.acquiring) return;
+  if (!inputs.acquiring) return;
   if (tip_count_ == 0) result.image_s = static_cast<double>(number) * 1e-3;
-  tip_sum_mm_ += beat.truth.tip_mm;
+  tip_sum_mm_ += cycle.truth.tip_mm;
   ++tip_count_;
   result.hv_switching_during_image = result.hv_switching_during_image || seen.supervisor.image_disturbed;
 }

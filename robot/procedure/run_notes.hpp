@@ -11,7 +11,7 @@ class RunNotes {
   explicit RunNotes(const PreparedCase& prepared);
 
   // The next tick, and what people did in it.
-  void add(const CycleSample& beat, const World& world);
+  void add(const CycleSample& cycle, const OperatorInputs& inputs);
 
   // Mean of where the tip was while the image was taken, for the scanner of a rehearsal; the next image
   // starts anew.

@@ -80,7 +80,8 @@ HazardSet check_return(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, 
   return when(monitor.sunk_ticks >= kSunk_ticks, Hazard::OffsetOrScale);
 }
 
-void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const Observation& seen, bool zero_volts) {
+void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen,
+                 bool zero_volts) {
   const Measurement& m = seen.measurement;
   const std::int32_t depth_um = std::clamp(m.depth_um, -1'000'000, 1'000'000);  // no sensor reaches a metre
   if (monitor.dropout_ticks >= kDropout_ticks) monitor.history.fill(depth_um);
@@ -133,7 +134,7 @@ std::int32_t DriveWindow::highest_mV() const {
   return ticks == 0 ? past_high_mV : std::max(past_high_mV, high_mV[static_cast<std::size_t>(block)]);
 }
 
-DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Observation& seen, bool fresh,
+DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen, bool fresh,
                      bool zero_volts) {
   const Measurement& m = seen.measurement;
   if (fresh) {

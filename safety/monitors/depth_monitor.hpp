@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "safety/types/hazards.hpp"
-#include "safety/types/observation.hpp"
 #include "safety/types/plan_facts.hpp"
+#include "safety/types/supervisor_inputs.hpp"
 #include "safety/types/thresholds.hpp"
 
 namespace biopsy::safety {
@@ -64,7 +64,7 @@ struct DepthFindings {
 };
 
 // `zero_volts`: as the drive monitor found it in this tick.
-DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Observation& seen, bool fresh,
+DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen, bool fresh,
                      bool zero_volts);
 
 }  // namespace biopsy::safety

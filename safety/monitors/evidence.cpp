@@ -2,7 +2,7 @@
 
 namespace biopsy::safety {
 
-Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen) {
+Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorInputs& seen) {
   const LinkFindings link = update(plan, memory.link, seen);
   const bool stale = (link.found & bit(Hazard::SensorStale)) != 0;
   const DriveFindings drive = update(plan, memory.drive, seen, link.fresh, stale);

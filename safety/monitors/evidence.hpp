@@ -18,8 +18,8 @@
 #include "safety/monitors/link_monitor.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
 #include "safety/types/hazards.hpp"
-#include "safety/types/observation.hpp"
 #include "safety/types/plan_facts.hpp"
+#include "safety/types/supervisor_inputs.hpp"
 
 namespace biopsy::safety {
 
@@ -42,6 +42,6 @@ struct EvidenceMemory {
   DepthMonitor depth;
 };
 
-Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen);
+Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorInputs& seen);
 
 }  // namespace biopsy::safety

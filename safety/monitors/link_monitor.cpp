@@ -11,7 +11,7 @@ namespace biopsy::safety {
 namespace {
 
 // Our own clock: every call is one tick.
-HazardSet check_clock(LinkMonitor& monitor, const Observation& seen) {
+HazardSet check_clock(LinkMonitor& monitor, const SupervisorInputs& seen) {
   const bool sound = monitor.clock_read && is_sound_step(monitor.now_us, seen.now_us);
   monitor.clock_read = true;
   monitor.now_us = seen.now_us;
@@ -35,7 +35,7 @@ struct Arrival {
   HazardSet found = 0;
 };
 
-Arrival check_measurement(LinkMonitor& monitor, const Observation& seen) {
+Arrival check_measurement(LinkMonitor& monitor, const SupervisorInputs& seen) {
   const Measurement& m = seen.measurement;
   const bool again = m.seq == monitor.seq;
   const bool backwards = m.seq < monitor.seq;
@@ -52,7 +52,7 @@ Arrival check_measurement(LinkMonitor& monitor, const Observation& seen) {
                      when(monitor.order_score > kScoreTrip, Hazard::MessageOrder)};
 }
 
-bool is_right_answer(const LinkMonitor& monitor, const Observation& seen) {
+bool is_right_answer(const LinkMonitor& monitor, const SupervisorInputs& seen) {
   const Measurement& m = seen.measurement;
   const std::uint32_t age = seen.permit.seq - m.answered_seq;  // wraps to huge for an answer from the future
   if (m.answered_seq == 0 || age > kAnswerWindow || m.answered_seq < monitor.answered_seq) return false;
@@ -61,7 +61,7 @@ bool is_right_answer(const LinkMonitor& monitor, const Observation& seen) {
          answer_to(challenge, m.command_mV, monitor.permit_mode[m.answered_seq % 8], m.answered_seq);
 }
 
-HazardSet check_answer(LinkMonitor& monitor, const Observation& seen, bool fresh) {
+HazardSet check_answer(LinkMonitor& monitor, const SupervisorInputs& seen, bool fresh) {
   if (seen.permit.seq == 0) return bit(Hazard::WrongAnswer);
   monitor.permit_mode[seen.permit.seq % 8] = seen.permit.mode;
   const bool right = is_right_answer(monitor, seen);
@@ -74,7 +74,7 @@ HazardSet check_answer(LinkMonitor& monitor, const Observation& seen, bool fresh
 }
 
 // A controller answers measurements: its silence counts only where there was one to answer.
-HazardSet check_controller(LinkMonitor& monitor, const Observation& seen, bool measured) {
+HazardSet check_controller(LinkMonitor& monitor, const SupervisorInputs& seen, bool measured) {
   const DriveRequest& request = seen.request;
   const bool fresh =
       request.seq > monitor.request_seq ||
@@ -89,7 +89,7 @@ HazardSet check_controller(LinkMonitor& monitor, const Observation& seen, bool m
          when(monitor.silent_ticks > kStale_ticks, Hazard::ControllerSilent);
 }
 
-HazardSet check_estop(LinkMonitor& monitor, const Observation& seen) {
+HazardSet check_estop(LinkMonitor& monitor, const SupervisorInputs& seen) {
   const bool differs = seen.estop_a_closed != seen.estop_b_closed;
   monitor.estop_differs_ticks = debounced(monitor.estop_differs_ticks, differs, kEStopDisagree_ticks + 1);
   if (monitor.estop_differs_ticks > kEStopDisagree_ticks) monitor.estop_latched = true;
@@ -100,7 +100,7 @@ HazardSet check_estop(LinkMonitor& monitor, const Observation& seen) {
          when(latched, Hazard::EStopDisagrees);
 }
 
-HazardSet check_patient(const PlanFacts& plan, LinkMonitor& monitor, const Observation& seen) {
+HazardSet check_patient(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen) {
   const bool unlike = seen.tissue_residual_um < 0 || seen.tissue_residual_um > plan.tissue_residual_max_um;
   const bool moved = seen.patient_motion_um < 0 || seen.patient_motion_um > kPatientMotion_um;
   monitor.residual_ticks = debounced(monitor.residual_ticks, unlike, kWrongModel_ticks);
@@ -110,7 +110,7 @@ HazardSet check_patient(const PlanFacts& plan, LinkMonitor& monitor, const Obser
 }
 
 // The numbers of a plan are judged while nothing moves; in motion the tag stands for them.
-HazardSet check_plan(const PlanFacts& plan, LinkMonitor& monitor, const Observation& seen) {
+HazardSet check_plan(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen) {
   if (!hv_permitted(seen.permit.mode)) monitor.plan_plausible = is_plausible(plan);
   const bool same_plan = plan.plan_tag != 0 && seen.plan_tag == plan.plan_tag;
   const bool same_config = plan.config_tag != 0 && seen.config_tag == plan.config_tag;
@@ -122,7 +122,7 @@ HazardSet check_plan(const PlanFacts& plan, LinkMonitor& monitor, const Observat
          when(!confirmed || plan.plan_tag == 0, Hazard::PlanUnconfirmed);
 }
 
-HazardSet check_writers_and_log(const Observation& seen) {
+HazardSet check_writers_and_log(const SupervisorInputs& seen) {
   const bool second = seen.writers != 1 || seen.measurement.verdict == GateVerdict::SecondWriter;
   const bool behind = seen.log_backlog_ms < 0 || seen.log_backlog_ms > kLogBacklog_ms;
   return when(second, Hazard::SecondWriter) | when(behind, Hazard::LogBacklog);
@@ -130,7 +130,7 @@ HazardSet check_writers_and_log(const Observation& seen) {
 
 }  // namespace
 
-LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const Observation& seen) {
+LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen) {
   HazardSet found = check_clock(monitor, seen);
   const Arrival arrival = check_measurement(monitor, seen);
   found |= arrival.found;

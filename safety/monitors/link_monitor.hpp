@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "safety/types/hazards.hpp"
-#include "safety/types/observation.hpp"
 #include "safety/types/plan_facts.hpp"
+#include "safety/types/supervisor_inputs.hpp"
 #include "safety/types/thresholds.hpp"
 
 namespace biopsy::safety {
@@ -41,6 +41,6 @@ struct LinkFindings {
   bool fresh = false;  // the measurement is new and may be used
 };
 
-LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const Observation& seen);
+LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen);
 
 }  // namespace biopsy::safety

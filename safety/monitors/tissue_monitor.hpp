@@ -1,4 +1,4 @@
-// How far the needle is outside what the plan's tissue explains, for Observation::tissue_residual_um.
+// How far the needle is outside what the plan's tissue explains, for SupervisorInputs::tissue_residual_um.
 #pragma once
 
 #include <algorithm>

@@ -138,7 +138,7 @@ bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
 
 }  // namespace
 
-DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Observation& seen, bool fresh,
+DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const SupervisorInputs& seen, bool fresh,
                      bool stale) {
   const Measurement& m = seen.measurement;
   DriveFindings findings;

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "safety/types/hazards.hpp"
-#include "safety/types/observation.hpp"
 #include "safety/types/plan_facts.hpp"
+#include "safety/types/supervisor_inputs.hpp"
 #include "safety/types/thresholds.hpp"
 
 namespace biopsy::safety {
@@ -40,7 +40,7 @@ struct DriveFindings {
 };
 
 // `fresh`: the measurement is new; `stale`: none for more than 3 ms.
-DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Observation& seen, bool fresh,
+DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const SupervisorInputs& seen, bool fresh,
                      bool stale);
 
 }  // namespace biopsy::safety

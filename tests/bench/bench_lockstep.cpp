@@ -63,7 +63,7 @@ Biopsy liver_biopsy() {
   request.waypoints = {Millimetres(2)};
   Biopsy biopsy;
   biopsy.plan = std::get<Plan>(planner::plan_insertion(request));
-  biopsy.facts = live::plan_facts(biopsy.plan, 7);
+  biopsy.facts = robot::plan_facts(biopsy.plan, 7);
   biopsy.model = sim::read_model(models / "rehearsal.toml");
   biopsy.model.tissue = sim::tissue_along(biopsy.plan.layers, sim::read_tissues(models / "tissues.toml"));
   return biopsy;
@@ -71,7 +71,7 @@ Biopsy liver_biopsy() {
 
 // What the parts of one tick were given, to run them again one by one.
 struct Record {
-  std::vector<robot::World> worlds;
+  std::vector<robot::OperatorInputs> inputs;
   std::vector<robot::CycleRecord> ticks;
 };
 
@@ -84,11 +84,12 @@ std::size_t lockstep_run(const Biopsy& biopsy, std::uint64_t seed, Record* recor
   robot::CycleRecord tick;
   std::int64_t k = 0;
   for (; k < 120'000 && !person.done(); ++k) {
-    const robot::World world = person.act(tick, k);
-    if (person.wants_verdict()) person.judge(true, "");
-    tick = lockstep.tick(world);
+    const robot::OperatorInputs inputs = person.act(tick, k);
+    if (person.wants_verdict()) person.judge(DepthVerdict::Accept, "");
+    tick = lockstep.run_cycle(inputs);
+    person.observe(tick);
     if (record != nullptr) {
-      record->worlds.push_back(world);
+      record->inputs.push_back(inputs);
       record->ticks.push_back(tick);
     }
   }
@@ -96,42 +97,28 @@ std::size_t lockstep_run(const Biopsy& biopsy, std::uint64_t seed, Record* recor
   return static_cast<std::size_t>(k);
 }
 
-// Evidence, supervisor and gate alone, over what a run recorded.
+// Supervisor and gate alone, over what a run recorded.
 void safety_run(const Biopsy& biopsy, const Record& record) {
-  safety::EvidenceMemory memory;
-  safety::SupervisorState supervisor = safety::started(1);
-  safety::GateState gate;
-  Permit permit;
-  DriveRequest request;
   const std::uint64_t tag = planner::plan_tag(biopsy.plan);
+  robot::SupervisorMemory supervisor{.config_tag = biopsy.facts.config_tag,
+                                     .self_test = safety::SelfTest::Passed,
+                                     .plan = biopsy.facts,
+                                     .sealed_tag = tag,
+                                     .confirmed_tag = {tag, tag},
+                                     .state = safety::started(1)};
+  robot::SupervisorSources in;
+  safety::GateState gate;
   for (std::size_t k = 0; k < record.ticks.size(); ++k) {
-    const robot::CycleRecord& tick = record.ticks[k];
-    const robot::World& world = record.worlds[k];
-    safety::Observation seen;
-    seen.now_us = static_cast<std::int64_t>(k + 1) * 1000;
-    seen.measurement = tick.measurement;
-    seen.request = request;
-    seen.permit = permit;
-    seen.writers = world.writers;
-    seen.estop_a_closed = seen.estop_b_closed = world.estop_closed;
-    seen.acquiring = world.acquiring;
-    seen.plan_tag = tag;
-    seen.config_tag = biopsy.facts.config_tag;
-    seen.confirmed_tag = {tag, tag};
-    safety::SupervisorInput input;
-    input.now_us = seen.now_us;
-    input.evidence = safety::assess(biopsy.facts, memory, seen);
-    input.self_test = safety::SelfTest::Passed;
-    input.local_arm = world.arm;
-    input.motion = world.press;
-    input.request = request;
-    input.depth_accepted = world.depth_accepted;
-    input.accepted_stage = world.accepted_stage;
-    const auto decided = safety::step(biopsy.facts, supervisor, input);
-    supervisor = decided.first;
-    permit = decided.second.permit;
-    request = tick.request;
-    const safety::GateResult result = safety::gate(gate, &request, &permit, seen.now_us, world.writers);
+    in.now_us = static_cast<std::int64_t>(k + 1) * 1000;
+    in.measurement = record.ticks[k].measurement;
+    in.writers = 1;
+    in.panel = robot::panel_levels(record.inputs[k]);
+    in.act = {robot::operator_act(record.inputs[k]), in.now_us};
+    in.log.at_us = in.now_us;
+    in.verdict = robot::depth_verdict(record.inputs[k], tag);
+    const Permit permit = robot::supervise(in, supervisor).output.permit;
+    in.request = record.ticks[k].request;
+    const safety::GateResult result = safety::gate(gate, &in.request, &permit, in.now_us, in.writers);
     gate = result.state;
     keep += result.voltage.mV() * 1e-12;
   }

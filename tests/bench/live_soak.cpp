@@ -25,20 +25,20 @@ class Watched {
  public:
   explicit Watched(robot::LiveRobot& robot) : robot_(robot) {}
 
-  std::optional<robot::CycleSample> tick(const robot::World& world) {
-    const std::optional<robot::CycleSample> beat = robot_.tick(world);
-    if (!beat) return beat;
-    if (after_ < kAfter) last_.push_back(beat->tick);
+  std::optional<robot::CycleSample> tick(const robot::OperatorInputs& inputs) {
+    const std::optional<robot::CycleSample> cycle = robot_.tick(inputs);
+    if (!cycle) return cycle;
+    if (after_ < kAfter) last_.push_back(cycle->record);
     if (last_.size() > kKept) last_.pop_front();
-    const safety::SupervisorOutput& decided = beat->tick.supervisor;
+    const safety::SupervisorOutput& decided = cycle->record.supervisor;
     was_driven_ = was_driven_ || decided.permit.hv_enable;
     const bool off = decided.permit.mode == Mode::Trip || decided.permit.mode == Mode::Lock;
     if ((off || (was_driven_ && decided.reason != safety::Hazard::None)) && stopped_us_ == 0) {
-      stopped_us_ = beat->tick.measurement.time_us;
+      stopped_us_ = cycle->record.measurement.time_us;
       heard_us_ = realtime::monotonic_ns() / 1000;
     }
     if (stopped_us_ != 0) ++after_;
-    return beat;
+    return cycle;
   }
   std::int64_t stopped_us() const { return stopped_us_; }
   std::int64_t heard_us() const { return heard_us_; }
@@ -82,7 +82,7 @@ void bench_soak(const robot::LiveOptions& options, const robot::PreparedCase& pr
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
     Watched watched(session.robot());
-    const robot::Robot robot = [&](const robot::World& world) { return watched.tick(world); };
+    const robot::Robot robot = [&](const robot::OperatorInputs& inputs) { return watched.tick(inputs); };
     const report::RunRecord record =
         rehearse_on(robot, prepared, folder.path(), [](double, const std::string&) {});
     ++runs;

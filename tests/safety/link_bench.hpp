@@ -11,7 +11,7 @@ namespace biopsy::safety {
 struct LinkBench {
   PlanFacts plan = three_stage_plan();
   LinkMonitor watch;
-  Observation seen;
+  SupervisorInputs seen;
   HazardSet found = 0;
 
   LinkBench() {

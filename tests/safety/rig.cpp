@@ -47,7 +47,7 @@ void Rig::sense() {
 }
 
 void Rig::supervise() {
-  Observation seen;
+  SupervisorInputs seen;
   seen.now_us = now_us;
   seen.measurement = measurement;
   on_measurement(seen.measurement);
@@ -62,7 +62,7 @@ void Rig::supervise() {
   seen.confirmed_tag = {plan.plan_tag, plan.plan_tag};
   on_observation(seen);
   evidence = assess(plan, memory, seen);
-  SupervisorInput input;
+  Situation input;
   input.now_us = now_us;
   input.evidence = evidence;
   input.self_test = SelfTest::Passed;
@@ -134,11 +134,11 @@ bool Rig::go_active() {
 bool Rig::go_hold() {
   if (!go_active()) return false;
   release();
-  on_input = [this](SupervisorInput& input) {
+  on_input = [this](Situation& input) {
     if (held == 0) input.motion = {state.token, false};
   };
   tick();
-  on_input = [](SupervisorInput&) {};
+  on_input = [](Situation&) {};
   return state.mode == Mode::Hold;
 }
 
@@ -178,9 +178,9 @@ bool Rig::go_to(Mode mode) {
     case Mode::Trip:
       return go_trip();
     case Mode::Lock:
-      on_input = [](SupervisorInput& input) { input.self_test = SelfTest::Failed; };
+      on_input = [](Situation& input) { input.self_test = SelfTest::Failed; };
       tick();
-      on_input = [](SupervisorInput&) {};
+      on_input = [](Situation&) {};
       return state.mode == Mode::Lock;
   }
   return false;

@@ -12,6 +12,7 @@
 #include "safety/monitors/evidence.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/plan_facts.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::safety {
 
@@ -23,8 +24,8 @@ class Rig {
 
   // Spoilers, called in every tick with what would have been seen.
   std::function<void(Measurement&)> on_measurement = [](Measurement&) {};
-  std::function<void(Observation&)> on_observation = [](Observation&) {};
-  std::function<void(SupervisorInput&)> on_input = [](SupervisorInput&) {};
+  std::function<void(SupervisorInputs&)> on_observation = [](SupervisorInputs&) {};
+  std::function<void(Situation&)> on_input = [](Situation&) {};
   std::function<void(DriveRequest&)> on_request = [](DriveRequest&) {};
   std::function<bool(Permit&)> on_permit = [](Permit&) { return true; };  // false: lost on the way
 

@@ -35,7 +35,7 @@ void supervise(const std::filesystem::path& run_folder) {
   Interlock interlock(process.settings());
   const digital_io::IoReader panel(process.settings().lines);
   live::SupervisorLoop loop(process.bus(), interlock, panel, process.config_tag(),
-                            live::monotonic_session_id(run_folder / "session"), live::self_test());
+                            live::monotonic_session_id(run_folder / "session"), robot::self_test());
   process.start_ticking();
   while (!process.stop_asked()) {
     loop.turn();

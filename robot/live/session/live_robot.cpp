@@ -6,24 +6,11 @@
 namespace biopsy::robot {
 namespace {
 
-constexpr std::int64_t kSpeakEvery_us = 20'000;          // a fifth of what hold-to-run forgives
+constexpr std::int64_t kSendEvery_us = 20'000;           // a fifth of what hold-to-run forgives
 constexpr std::int64_t kHeldWithoutAsking_us = 100'000;  // as long as the supervisor itself waits
-constexpr int kLetBack_ticks = 600;                      // twice a C1 ramp
+constexpr int kRetract_ticks = 600;                      // twice a C1 ramp
 constexpr std::chrono::milliseconds kListen{5};
 constexpr std::chrono::seconds kSilence{1};
-
-OperatorAct act_of(const World& world) {
-  OperatorAct act;
-  act.token = world.press.token;
-  act.held = world.press.held;
-  act.stop = world.stop;
-  act.finish = world.finish;
-  act.acquiring = world.acquiring;
-  act.arm = world.remote_arm;
-  act.reset = world.remote_reset;
-  act.patient_motion_um = world.patient_motion_um;
-  return act;
-}
 
 }  // namespace
 
@@ -54,22 +41,23 @@ void LiveRobot::send_plan(const Plan& plan, const std::array<std::uint64_t, 2>& 
   plan_tag_ = planner::plan_tag(plan);
 }
 
-std::optional<CycleSample> LiveRobot::tick(const World& world) {
+std::optional<CycleSample> LiveRobot::tick(const OperatorInputs& inputs) {
   std::unique_lock lock(mutex_);
-  world_ = world;
+  inputs_ = inputs;
   asked_us_ = realtime::monotonic_ns() / 1000;
-  if (!came_.wait_for(lock, kSilence, [this] { return !beats_.empty(); })) return std::nullopt;
-  const CycleSample beat = beats_.front();
-  beats_.pop_front();
-  return beat;
+  if (!came_.wait_for(lock, kSilence, [this] { return !cycles_.empty(); })) return std::nullopt;
+  CycleSample cycle = cycles_.front();
+  cycles_.pop_front();
+  cycle.newest = cycles_.empty();
+  return cycle;
 }
 
-void LiveRobot::let_back() {
-  World back;
-  back.stop = StopCategory::C1Ramp;
-  for (int ticks = 0; ticks < kLetBack_ticks; ++ticks) {
-    const std::optional<CycleSample> beat = tick(back);
-    if (!beat || !beat->tick.supervisor.permit.hv_enable) return;
+void LiveRobot::retract() {
+  OperatorInputs inputs = OperatorInputs::idle();
+  inputs.stop = StopCategory::C1Ramp;
+  for (int ticks = 0; ticks < kRetract_ticks; ++ticks) {
+    const std::optional<CycleSample> cycle = tick(inputs);
+    if (!cycle || !cycle->record.supervisor.permit.hv_enable) return;
   }
 }
 
@@ -83,7 +71,7 @@ void LiveRobot::listen(const std::stop_token& stop) {
     waker_.wait(kListen);
     const std::int64_t now_us = realtime::monotonic_ns() / 1000;
     gather();
-    speak(now_us);
+    send(now_us);
     board_.look(now_us);
     heartbeat_.beat(now_us);
     const std::lock_guard lock(mutex_);
@@ -91,28 +79,16 @@ void LiveRobot::listen(const std::stop_token& stop) {
   }
 }
 
-// The tick of the last measurement, once the next one says what was then put out.
-CycleSample LiveRobot::beat_of(const Measurement& next) const {
-  CycleSample beat;
-  CycleRecord& tick = beat.tick;
-  tick.measurement = measured_;
-  tick.request = request_;
-  tick.drive_mV = next.command_mV;
-  safety::SupervisorOutput& supervisor = tick.supervisor;
-  supervisor.permit = permit_;
-  supervisor.permit.mode = decision_.mode;
-  supervisor.permit.stop = decision_.stop;
-  supervisor.event = static_cast<safety::Event>(decision_.event);
-  supervisor.worst = static_cast<safety::Hazard>(decision_.worst);
-  supervisor.reason = static_cast<safety::Hazard>(decision_.reason);
-  supervisor.refusal = static_cast<safety::Refusal>(decision_.refusal);
-  supervisor.stage = decision_.stage;
-  supervisor.stage_done = decision_.stage_done;
-  supervisor.image_allowed = decision_.image_allowed;
-  supervisor.image_disturbed = decision_.image_disturbed;
-  beat.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered};
-  beat.setpoint = from_um(request_.setpoint_um);
-  return beat;
+// The tick of the last measurement, once the next one shows what was then put out.
+CycleSample LiveRobot::cycle_of(const Measurement& next) const {
+  CycleSample cycle;
+  cycle.record.measurement = measured_;
+  cycle.record.request = request_;
+  cycle.record.drive_mV = next.command_mV;
+  cycle.record.supervisor = supervisor_output(decision_, permit_);
+  cycle.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered};
+  cycle.setpoint = from_um(request_.setpoint_um);
+  return cycle;
 }
 
 void LiveRobot::gather() {
@@ -124,45 +100,43 @@ void LiveRobot::gather() {
   while (measurements_.take(next)) {
     if (measured_.seq != 0) {
       if (next.seq > measured_.seq + 1) lost_ += next.seq - measured_.seq - 1;
-      const CycleSample beat = beat_of(next);
+      const CycleSample cycle = cycle_of(next);
       const std::lock_guard lock(mutex_);
-      beats_.push_back(beat);
+      cycles_.push_back(cycle);
     }
     measured_ = next;
   }
   came_.notify_one();
 }
 
-void LiveRobot::speak(std::int64_t now_us) {
-  World world;
+void LiveRobot::send(std::int64_t now_us) {
+  OperatorInputs inputs;
   std::uint64_t plan_tag = 0;
   std::int64_t asked_us = 0;
   {
     const std::lock_guard lock(mutex_);
-    world = world_;
+    inputs = inputs_;
     asked_us = asked_us_;
     plan_tag = plan_tag_;
   }
-  if (panel_)
-    panel_->set({.arm_key = world.arm,
-                 .reset_key = world.reset,
-                 .estop_a_closed = world.estop_closed,
-                 .estop_b_closed = world.estop_closed,
-                 .bench_key = world.bench_confirmed});
-  OperatorAct act = act_of(world);
-  // A person whose program stands still holds nothing: this thread must not do it for them.
+  if (asked_us == 0) return;  // no operator yet
+  if (panel_) panel_->set(panel_levels(inputs));
+  OperatorAct act = operator_act(inputs);
+  // An operator whose program stands still holds nothing: this thread must not do it for them.
   if (now_us - asked_us > kHeldWithoutAsking_us) act.held = false;
-  if (!asks_the_same(act, said_) || now_us - spoken_us_ >= kSpeakEvery_us) {
-    act.seq = said_.seq + 1;
-    acts_.write(act);
-    said_ = act;
-    spoken_us_ = now_us;
+  DepthVerdictNote verdict = depth_verdict(inputs, plan_tag);
+  const bool news = verdict.accepted != verdict_.accepted || verdict.stage != verdict_.stage ||
+                    verdict.plan_tag != verdict_.plan_tag;
+  if (news) {  // before the act: a press relies on it
+    verdict.seq = verdict_.seq + 1;
+    verdicts_.write(verdict);
+    verdict_ = verdict;
   }
-  const bool news = world.depth_accepted != judged_.accepted || world.accepted_stage != judged_.stage ||
-                    plan_tag != judged_.plan_tag;
-  if (!news) return;
-  judged_ = {judged_.seq + 1, plan_tag, world.accepted_stage, world.depth_accepted};
-  verdicts_.write(judged_);
+  if (asks_the_same(act, act_) && now_us - sent_us_ < kSendEvery_us) return;
+  act.seq = act_.seq + 1;
+  acts_.write(act);
+  act_ = act;
+  sent_us_ = now_us;
 }
 
 }  // namespace biopsy::robot

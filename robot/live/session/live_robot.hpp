@@ -1,4 +1,4 @@
-// The person's side of the live robot: hears every tick, and keeps saying what the person does.
+// The operator's side of the live robot: receives every tick, and keeps sending what the operator does.
 #pragma once
 
 #include <array>
@@ -19,12 +19,11 @@
 
 namespace biopsy::robot {
 
-// A thread of its own talks to the bus, so that a person who looks at an image for seconds misses no tick and
-// lets no message grow old.
+// A thread of its own talks to the bus, so that no tick is missed and no message grows old while a program is
+// busy for seconds, with an image for example.
 class LiveRobot {
  public:
-  // `panel`: the lines whose keys this person turns, on a simulated device; empty: real keys, which are not
-  // ours.
+  // `panel`: the simulated device whose keys are turned here; empty: a real device has its own.
   LiveRobot(const transport::Participant& bus, const std::filesystem::path& panel, std::uint64_t config_tag);
   ~LiveRobot();
   LiveRobot(const LiveRobot&) = delete;
@@ -32,11 +31,11 @@ class LiveRobot {
 
   void send_plan(const Plan& plan, const std::array<std::uint64_t, 2>& confirmed);
 
-  // Does what `world` says from now on, and returns the next tick in order. Nothing: none came for a second.
-  std::optional<CycleSample> tick(const World& world);
+  // Sends `inputs` from now on, and returns the next tick in order; nothing where none came for a second.
+  std::optional<CycleSample> tick(const OperatorInputs& inputs);
 
-  // A needle that is still driven is let back gently: before the processes are brought down.
-  void let_back();
+  // Ramps a needle that is still driven down to 0 V: before the processes are stopped.
+  void retract();
 
   // The health of every process, newest.
   std::array<Health, kProcesses> health() const;
@@ -45,9 +44,9 @@ class LiveRobot {
 
  private:
   void listen(const std::stop_token& stop);
-  void speak(std::int64_t now_us);
+  void send(std::int64_t now_us);
   void gather();
-  CycleSample beat_of(const Measurement& next) const;
+  CycleSample cycle_of(const Measurement& next) const;
 
   std::optional<digital_io::PanelIo> panel_;
   transport::Reader<Measurement> measurements_;
@@ -68,15 +67,15 @@ class LiveRobot {
   Decision decision_;
   DriveRequest request_;
   StageTruth truth_;
-  OperatorAct said_;
-  DepthVerdictNote judged_;
-  std::int64_t spoken_us_ = 0;
+  OperatorAct act_;           // sent last
+  DepthVerdictNote verdict_;  // sent last
+  std::int64_t sent_us_ = 0;
 
   mutable std::mutex mutex_;
   std::condition_variable came_;
-  std::deque<CycleSample> beats_;
-  World world_;
-  std::int64_t asked_us_ = 0;  // when it was last said
+  std::deque<CycleSample> cycles_;
+  OperatorInputs inputs_;
+  std::int64_t asked_us_ = 0;  // when they were last given
   std::uint64_t plan_tag_ = 0;
   std::uint32_t plans_sent_ = 0;
   std::array<Health, kProcesses> health_{};

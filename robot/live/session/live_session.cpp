@@ -140,7 +140,7 @@ void LiveSession::send_plan(const Plan& plan) {
 }
 
 std::vector<std::string> LiveSession::stop() {
-  if (robot_) robot_->let_back();
+  if (robot_) robot_->retract();
   std::vector<std::string> trouble = launcher_.stop();
   robot_.reset();
   std::error_code ignored;

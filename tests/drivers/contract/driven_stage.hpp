@@ -9,7 +9,7 @@ namespace biopsy {
 
 class DrivenStage {
  public:
-  explicit DrivenStage(drivers::NeedleStage& stage) : stage_(stage) { tick(0, false); }
+  explicit DrivenStage(drivers::NeedleStage& stage) : stage_(stage, 0) { tick(0, false); }
 
   // One tick: reads, then puts out what is wanted, as far as the gate lets it.
   Measurement tick(std::int32_t wanted_mV, bool enabled = true) {

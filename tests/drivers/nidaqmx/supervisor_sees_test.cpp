@@ -18,7 +18,7 @@ class WhatTheSupervisorSees : public testing::Test {
   safety::HazardSet see(int ticks) {
     safety::Evidence evidence;
     for (int k = 0; k < ticks; ++k) {
-      safety::Observation seen;
+      safety::SupervisorInputs seen;
       seen.now_us = ++ticks_ * 1'000;
       seen.measurement = driven_.tick(2'000'000);
       evidence = safety::assess({}, memory_, seen);

@@ -43,11 +43,11 @@ struct Desk {
   }
   void robot_is(Mode mode, safety::Hazard worst) {
     now_us += kReads_us;
-    session.world(now_us);
-    CycleSample beat{};
-    beat.tick.supervisor.permit.mode = mode;
-    beat.tick.supervisor.worst = worst;
-    session.see(beat, now_us);
+    session.inputs(now_us);
+    CycleSample cycle{};
+    cycle.record.supervisor.permit.mode = mode;
+    cycle.record.supervisor.worst = worst;
+    session.see(cycle, now_us);
   }
   bool opens(const std::string& series_uid) {
     if (!asks(commands::OpenSeries{1, series_uid})) return false;

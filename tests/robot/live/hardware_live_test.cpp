@@ -19,16 +19,16 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
     robot::LiveSession session(lab.options, "nidaqmx", lab.hardware, prepared, run.path());
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
-    robot::World asking;  // over the network: which arms nothing
+    robot::OperatorInputs asking = robot::OperatorInputs::idle();  // over the network: which arms nothing
     asking.remote_arm = true;
     bool ready = false;
     Measurement seen;
     for (int n = 0; n < 3'000; ++n) {
-      const std::optional<robot::CycleSample> beat = session.robot().tick(asking);
-      if (!beat) continue;
-      ready = ready || beat->tick.supervisor.permit.mode == Mode::Ready;
-      seen = beat->tick.measurement;
-      EXPECT_FALSE(beat->tick.supervisor.permit.hv_enable);
+      const std::optional<robot::CycleSample> cycle = session.robot().tick(asking);
+      if (!cycle) continue;
+      ready = ready || cycle->record.supervisor.permit.mode == Mode::Ready;
+      seen = cycle->record.measurement;
+      EXPECT_FALSE(cycle->record.supervisor.permit.hv_enable);
     }
     EXPECT_TRUE(seen.laser_valid);
     EXPECT_NEAR(seen.depth_um, 0, 100);

@@ -25,7 +25,7 @@ EventOutcome live_event(const LiveEvent& event, const robot::LiveOptions& option
   robot::LiveSession session(options, "sim", {}, prepared, folder);
   session.wait_until_healthy();
   session.send_plan(plan);
-  const std::optional<robot::World> pressing = move(session, plan, event.after_ticks);
+  const std::optional<robot::OperatorInputs> pressing = move(session, plan, event.after_ticks);
   if (!pressing) {
     outcome.trouble = "the needle never moved";
     return outcome;

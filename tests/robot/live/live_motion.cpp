@@ -10,18 +10,18 @@ constexpr std::int64_t kMoving_ticks = 300;
 
 }  // namespace
 
-std::optional<robot::World> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks) {
+std::optional<robot::OperatorInputs> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks) {
   robot::Operator person(plan);
   robot::CycleRecord seen;
   std::int64_t moved = 0;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
-    const robot::World world = person.act(seen, number);
+    const robot::OperatorInputs inputs = person.act(seen, number);
     if (person.wants_verdict()) return std::nullopt;
-    const std::optional<robot::CycleSample> beat = session.robot().tick(world);
-    if (!beat) return std::nullopt;
-    seen = beat->tick;
+    const std::optional<robot::CycleSample> cycle = session.robot().tick(inputs);
+    if (!cycle) return std::nullopt;
+    seen = cycle->record;
     moved = seen.supervisor.permit.mode == Mode::Active ? moved + 1 : 0;
-    if (moved > ticks && seen.drive_mV != 0) return world;
+    if (moved > ticks && seen.drive_mV != 0) return inputs;
   }
   return std::nullopt;
 }

@@ -13,7 +13,7 @@ namespace biopsy::live_tests {
 
 // Arms, presses, and goes on until the needle has moved for so many ticks and high voltage is on. What the
 // person then does: presses. Nothing: it never came to that.
-std::optional<robot::World> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks);
+std::optional<robot::OperatorInputs> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks);
 
 // A secured or plain robot that moves, in `folder`. Empty: it never did.
 std::unique_ptr<robot::LiveSession> moving_robot(const robot::LiveOptions& options,

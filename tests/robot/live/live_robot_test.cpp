@@ -47,11 +47,11 @@ robot::LiveOptions plain() {
   return options;
 }
 
-// Goes on with the same world until the robot is in `mode`.
-bool reaches(robot::LiveSession& session, const robot::World& world, Mode mode, int ticks) {
+// Goes on with the same inputs until the robot is in `mode`.
+bool reaches(robot::LiveSession& session, const robot::OperatorInputs& inputs, Mode mode, int ticks) {
   for (int n = 0; n < ticks; ++n) {
-    const std::optional<robot::CycleSample> beat = session.robot().tick(world);
-    if (beat && beat->tick.supervisor.permit.mode == mode) return true;
+    const std::optional<robot::CycleSample> cycle = session.robot().tick(inputs);
+    if (cycle && cycle->record.supervisor.permit.mode == mode) return true;
   }
   return false;
 }
@@ -71,8 +71,8 @@ TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     const report::RunRecord record =
-        robot::rehearse_on([&](const robot::World& world) { return session.robot().tick(world); }, gap_case(),
-                           folder.path(), [](double, const std::string&) {});
+        robot::rehearse_on([&](const robot::OperatorInputs& inputs) { return session.robot().tick(inputs); },
+                           gap_case(), folder.path(), [](double, const std::string&) {});
     EXPECT_TRUE(session.stop().empty());
     if (record.outcome != report::Outcome::Completed) return "the procedure was stopped: " + record.refusal;
     EXPECT_NEAR(record.final_depth_mm, 2.5, 0.1);
@@ -167,8 +167,8 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
     session.send_plan(gap_plan());
     wire.set(trouble);
     const report::RunRecord record =
-        robot::rehearse_on([&](const robot::World& world) { return session.robot().tick(world); }, gap_case(),
-                           folder.path(), [](double, const std::string&) {});
+        robot::rehearse_on([&](const robot::OperatorInputs& inputs) { return session.robot().tick(inputs); },
+                           gap_case(), folder.path(), [](double, const std::string&) {});
     wire.set({});
     session.stop();
     const PacketTrouble done = wire.done();
@@ -254,7 +254,7 @@ TEST(LiveRobot, TheNetworkCannotArm) {
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     if (!reaches(session, {}, Mode::Ready, 5'000)) return "the robot never got ready";
-    robot::World asking;
+    robot::OperatorInputs asking = robot::OperatorInputs::idle();
     asking.remote_arm = true;
     asking.press = {1, true};
     EXPECT_FALSE(reaches(session, asking, Mode::Armed, 1'000));
@@ -285,7 +285,7 @@ TEST(LiveRobot, AProgramThatStandsStillHoldsNoButton) {
     const auto robot = moving_robot(plain(), gap_case(), folder.path());
     if (!robot) return kNeverMoved;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));  // while its bus goes on
-    robot::World pressing;
+    robot::OperatorInputs pressing = robot::OperatorInputs::idle();
     pressing.press = {1, true};
     if (reaches(*robot, pressing, Mode::Hold, 2'000)) return {};
     EXPECT_TRUE(reaches(*robot, pressing, Mode::Trip, 50)) << "it went on";
@@ -318,10 +318,10 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
     // The planner's identity may not write requests: no writer at all, and no second one is seen.
     EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), ConfigError);
     for (int n = 0; n < 500; ++n) {
-      const std::optional<robot::CycleSample> beat = session.robot().tick({});
-      if (!beat) continue;
-      EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
-      if (beat->tick.supervisor.permit.mode == Mode::Safe) return "the robot did not stay ready";
+      const std::optional<robot::CycleSample> cycle = session.robot().tick({});
+      if (!cycle) continue;
+      EXPECT_NE(cycle->record.supervisor.worst, safety::Hazard::SecondWriter);
+      if (cycle->record.supervisor.permit.mode == Mode::Safe) return "the robot did not stay ready";
     }
     return {};
   });

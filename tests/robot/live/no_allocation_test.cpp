@@ -28,18 +28,26 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
   const ScratchFolder folder;
   const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
   const Plan& plan = std::get<Plan>(prepared.plan);
-  const safety::PlanFacts facts = live::plan_facts(plan, 1);
+  const safety::PlanFacts facts = robot::plan_facts(plan, 1);
   const robot::Rehearsal& given = prepared.given.rehearsal;
   sim::SimulatedStage stage(robot::rehearsed_plant(given.model, given.tissues, prepared.layers, 50.0), 1);
-  drivers::GatedStage gated(stage);
-  safety::EvidenceMemory memory;
-  safety::TissueMonitor tissue;
-  safety::SupervisorState supervisor = safety::started(1);
-  control::RunnerState runner;
+  drivers::GatedStage gated(stage, 1);
+  const std::uint64_t tag = planner::plan_tag(plan);
+  robot::SupervisorMemory supervisor{.config_tag = 1,
+                                     .self_test = safety::SelfTest::Passed,
+                                     .plan = facts,
+                                     .sealed_tag = tag,
+                                     .confirmed_tag = {tag, tag},
+                                     .state = safety::started(1)};
+  robot::ControllerMemory controller{.config_tag = 1};
+  robot::load_plan(plan, controller);
+  robot::SupervisorSources in;
+  in.writers = 1;
+  in.panel.estop_a_closed = in.panel.estop_b_closed = true;
+  in.act.message.stop = StopCategory::None;
+  in.act.message.acquiring = false;
   realtime::LatencyHistogram lateness;
   Permit permit;
-  DriveRequest request;
-  const std::uint64_t tag = planner::plan_tag(plan);
   bool moved = false;
   const realtime::AllocationCount allocations;
   for (std::int64_t tick = 1; tick <= 3'000; ++tick) {
@@ -48,35 +56,15 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
     transport::encode(measured, wire);
     Measurement received;
     transport::decode(wire, received);
-    safety::Observation seen;
-    seen.now_us = tick * 1'000;
-    seen.measurement = received;
-    seen.request = request;
-    seen.permit = permit;
-    seen.writers = 1;
-    seen.estop_a_closed = seen.estop_b_closed = true;
-    seen.acquiring = false;
-    seen.log_backlog_ms = 0;
-    seen.patient_motion_um = 0;
-    seen.tissue_residual_um = safety::tissue_residual_um(facts, tissue, received);
-    seen.plan_tag = tag;
-    seen.config_tag = 1;
-    seen.confirmed_tag = {tag, tag};
-    safety::SupervisorInput input;
-    input.now_us = seen.now_us;
-    input.evidence = safety::assess(facts, memory, seen);
-    input.self_test = safety::SelfTest::Passed;
-    input.local_arm = tick > 100;
-    if (tick > 200) input.motion = {1, true};
-    input.request = request;
-    const auto [next, output] = safety::step(facts, supervisor, input);
-    supervisor = next;
-    permit = output.permit;
-    const control::RunnerStep asked =
-        control::run_stage(plan, {}, runner, received, permit, output.stage, false);
-    runner = asked.state;
-    request = asked.request;
-    gated.drive(&request, &permit, seen.now_us, 1);
+    in.now_us = tick * 1'000;
+    in.measurement = received;
+    in.panel.arm_key = tick > 100;
+    if (tick > 200) in.act.message.token = 1, in.act.message.held = true;
+    in.act.at_us = in.log.at_us = in.now_us;
+    permit = robot::supervise(in, supervisor).output.permit;
+    in.request = robot::control({.measurement = received, .permit = permit, .stage = supervisor.state.stage},
+                                controller);
+    robot::actuate({in.request, permit, in.now_us, 1}, gated);
     lateness.record(tick);
     moved = moved || permit.mode == Mode::Active;
   }

@@ -15,6 +15,7 @@ namespace biopsy::live {
 namespace {
 
 using namespace safety;
+using robot::self_test;
 
 TEST(SelfTest, IsPassedByWhatShips) {
   EXPECT_EQ(self_test(), SelfTest::Passed);
@@ -22,13 +23,13 @@ TEST(SelfTest, IsPassedByWhatShips) {
 
 TEST(SelfTest, IsFailedByEvidenceThatTrusts) {
   EXPECT_EQ(self_test({.assess = [](const PlanFacts&, EvidenceMemory&,
-                                    const Observation&) { return Evidence{.clear = kAllHazards}; }}),
+                                    const SupervisorInputs&) { return Evidence{.clear = kAllHazards}; }}),
             SelfTest::Failed);
 }
 
 TEST(SelfTest, IsFailedByEvidenceThatMissesTooMuchVoltage) {
   EXPECT_EQ(self_test({.assess =
-                           [](const PlanFacts& plan, EvidenceMemory& memory, const Observation& seen) {
+                           [](const PlanFacts& plan, EvidenceMemory& memory, const SupervisorInputs& seen) {
                              Evidence found = assess(plan, memory, seen);
                              found.clear |= bit(Hazard::OverVoltage);
                              return found;
@@ -38,14 +39,14 @@ TEST(SelfTest, IsFailedByEvidenceThatMissesTooMuchVoltage) {
 
 TEST(SelfTest, IsFailedByASupervisorThatGoesOnOrNeverStarts) {
   using Result = std::pair<SupervisorState, SupervisorOutput>;
-  EXPECT_EQ(self_test({.step = [](const PlanFacts&, const SupervisorState& state,
-                                  const SupervisorInput&) -> Result {
+  EXPECT_EQ(self_test({.step = [](const PlanFacts&, const SupervisorState& state, const SupervisorInputs&,
+                                  const Evidence&) -> Result {
               return {state, {}};
             }}),
             SelfTest::Failed);
   EXPECT_EQ(self_test({.step = [](const PlanFacts& plan, const SupervisorState& state,
-                                  const SupervisorInput& input) -> Result {
-              Result result = step(plan, state, input);
+                                  const SupervisorInputs& inputs, const Evidence& evidence) -> Result {
+              Result result = step(plan, state, inputs, evidence);
               result.second.permit.hv_enable = true;
               return result;
             }}),

@@ -51,15 +51,15 @@ struct Moved {
 };
 
 Moved two_seconds(robot::LiveSession& session) {
-  robot::World pressing;
+  robot::OperatorInputs pressing = robot::OperatorInputs::idle();
   pressing.press = {1, true};
   Moved moved;
   for (int n = 0; n < 2'000; ++n) {
-    const std::optional<robot::CycleSample> beat = session.robot().tick(pressing);
-    if (!beat) return moved;
-    moved.active += beat->tick.supervisor.permit.mode == Mode::Active;
-    if (moved.reason == safety::Hazard::None) moved.reason = beat->tick.supervisor.reason;
-    EXPECT_NE(beat->tick.supervisor.worst, safety::Hazard::SecondWriter);
+    const std::optional<robot::CycleSample> cycle = session.robot().tick(pressing);
+    if (!cycle) return moved;
+    moved.active += cycle->record.supervisor.permit.mode == Mode::Active;
+    if (moved.reason == safety::Hazard::None) moved.reason = cycle->record.supervisor.reason;
+    EXPECT_NE(cycle->record.supervisor.worst, safety::Hazard::SecondWriter);
   }
   return moved;
 }

@@ -16,7 +16,7 @@ namespace {
 struct Bench {
   PlanFacts plan = three_stage_plan();
   DepthMonitor watch;
-  Observation seen;
+  SupervisorInputs seen;
   bool zero_volts = false;
 
   explicit Bench(Mode mode = Mode::Active) {

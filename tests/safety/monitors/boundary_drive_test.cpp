@@ -13,7 +13,7 @@ namespace {
 struct Bench {
   PlanFacts plan = three_stage_plan();
   VoltageMonitor watch;
-  Observation seen;
+  SupervisorInputs seen;
 
   explicit Bench(Mode mode = Mode::Active, bool enabled = true) {
     seen.permit.mode = mode;

@@ -37,7 +37,7 @@ TEST(LogBacklog, ThatIsNegativeIsNoGoodNews) {
   verifies("R-28");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  rig.on_observation = [](Observation& seen) { seen.log_backlog_ms = -1; };
+  rig.on_observation = [](SupervisorInputs& seen) { seen.log_backlog_ms = -1; };
   rig.tick();
   EXPECT_EQ(rig.state.reason, Hazard::LogBacklog);
 }
@@ -100,11 +100,11 @@ TEST(Controller, ThatWasRestartedIsTakenUpOnceItWasSilentAndTheDriveIsOff) {
   verifies("R-25");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
-  rig.on_observation = [old = rig.request](Observation& seen) { seen.request = old; };
+  rig.on_observation = [old = rig.request](SupervisorInputs& seen) { seen.request = old; };
   rig.run(10);
   ASSERT_TRUE(names(rig, Hazard::ControllerSilent));
   rig.request.seq = 0;
-  rig.on_observation = [](Observation&) {};
+  rig.on_observation = [](SupervisorInputs&) {};
   rig.run(2);
   EXPECT_FALSE(names(rig, Hazard::ControllerSilent));
 }
@@ -121,8 +121,8 @@ TEST(Controller, ThatIsRestartedUnderVoltageIsNotTakenUp) {
   verifies("R-25");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  Observation seen;
-  rig.on_observation = [&](Observation& s) { seen = s; };
+  SupervisorInputs seen;
+  rig.on_observation = [&](SupervisorInputs& s) { seen = s; };
   rig.tick();
   LinkMonitor watch = rig.memory.link;
   watch.silent_ticks = 100;
@@ -139,10 +139,10 @@ TEST(Controller, DoesNotMissPeriodsByBeingRestarted) {
   Rig rig;
   rig.request.overruns = 1'000;
   ASSERT_TRUE(rig.go_ready());
-  rig.on_observation = [old = rig.request](Observation& seen) { seen.request = old; };
+  rig.on_observation = [old = rig.request](SupervisorInputs& seen) { seen.request = old; };
   rig.run(10);
   rig.request.seq = rig.request.overruns = 0;
-  rig.on_observation = [](Observation&) {};
+  rig.on_observation = [](SupervisorInputs&) {};
   rig.run(5);
   EXPECT_FALSE(names(rig, Hazard::ControllerSilent));
   EXPECT_FALSE(names(rig, Hazard::LoopOverrun));

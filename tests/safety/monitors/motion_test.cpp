@@ -130,11 +130,11 @@ TEST(Stages, WaitForTheDepthCheckOfThatVeryStage) {
   rig.depth_accepted = true;
   rig.run(5);
   EXPECT_EQ(rig.state.mode, Mode::Hold) << "a refused press is spent";
-  rig.on_input = [](SupervisorInput& input) { input.accepted_stage = 0; };
+  rig.on_input = [](Situation& input) { input.accepted_stage = 0; };
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.output.refusal, Refusal::DepthNotAccepted) << "accepted for another stage";
-  rig.on_input = [](SupervisorInput&) {};
+  rig.on_input = [](Situation&) {};
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Active);
@@ -205,7 +205,7 @@ TEST(Stages, NeverAllowMoreThanTheRobotsOwnLimits) {
   rig.plan.stages[0].depth_max_um = 20'000;
   SupervisorState state = rig.state;
   state.mode = Mode::Active;
-  SupervisorInput input;
+  Situation input;
   input.evidence.clear = kAllHazards;
   input.evidence.ceiling_mV = 20'000'000;
   const Permit permit = step(rig.plan, state, input).second.permit;
@@ -220,7 +220,7 @@ TEST(Images, AreFlaggedWhenTheDriveSwitchesWhileTheyAreTaken) {
   verifies("R-49");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  rig.on_observation = [](Observation& seen) { seen.acquiring = true; };
+  rig.on_observation = [](SupervisorInputs& seen) { seen.acquiring = true; };
   int disturbed = 0;
   for (int i = 0; i < 500; ++i) rig.tick(), disturbed += rig.output.image_disturbed;
   EXPECT_EQ(disturbed, 2) << "one for each change of polarity";

@@ -15,7 +15,7 @@ namespace {
 struct Drive {
   PlanFacts plan = three_stage_plan();
   VoltageMonitor watch;
-  Observation seen;
+  SupervisorInputs seen;
 
   explicit Drive(Mode mode = Mode::Active) {
     seen.permit.mode = mode;
@@ -117,7 +117,7 @@ TEST(Ceiling, HoldsAControllerThatAsksForEverythingNearToWhatItHad) {
 struct Needle {
   PlanFacts plan = three_stage_plan();
   DepthMonitor watch;
-  Observation seen;
+  SupervisorInputs seen;
 
   explicit Needle(Mode mode = Mode::Active) {
     seen.permit.mode = mode;

@@ -13,7 +13,7 @@ Rig bench_rig(std::int32_t declared, std::int32_t real) {
   Rig rig;
   rig.plan.bench_half_period_ticks = declared;
   rig.flip_ticks = real;
-  rig.on_observation = [](Observation& seen) { seen.bench_confirmed = true; };
+  rig.on_observation = [](SupervisorInputs& seen) { seen.bench_confirmed = true; };
   return rig;
 }
 
@@ -62,16 +62,16 @@ TEST(BenchPlan, ThatIsFasterThanTheBenchAllowsStillEndsAStuckPolarityAsSoonAsAny
 TEST(BenchPlan, IsNeverReadyUnlessSomebodySaysNoPatientNoNeedle) {
   verifies("R-30");
   Rig rig = bench_rig(100, 100);
-  rig.on_observation = [](Observation&) {};
+  rig.on_observation = [](SupervisorInputs&) {};
   EXPECT_FALSE(rig.go_ready());
   EXPECT_EQ(rig.output.worst, Hazard::PlanUnconfirmed);
-  EXPECT_FALSE(Observation{}.bench_confirmed) << "absence means no";
+  EXPECT_FALSE(SupervisorInputs{}.bench_confirmed) << "absence means no";
 }
 
 TEST(BenchPlan, EndsWhenTheConfirmationIsTakenBack) {
   Rig rig = bench_rig(100, 100);
   ASSERT_TRUE(rig.go_active());
-  rig.on_observation = [](Observation&) {};
+  rig.on_observation = [](SupervisorInputs&) {};
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Retract);
   EXPECT_EQ(rig.state.reason, Hazard::PlanUnconfirmed);

@@ -8,6 +8,7 @@
 #include "safety/monitors/evidence.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 #include "safety/supervisor.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max();
 
 TEST(Absence, AnObservationSawNothing) {
-  const Observation seen;
+  const SupervisorInputs seen;
   EXPECT_EQ(seen.now_us, 0);
   EXPECT_EQ(seen.writers, 0);
   EXPECT_FALSE(seen.estop_a_closed);
@@ -39,7 +40,7 @@ TEST(Absence, EvidenceProvesNothing) {
 }
 
 TEST(Absence, AnInputAsksForNothingAndHasPassedNoTest) {
-  const SupervisorInput input;
+  const Situation input;
   EXPECT_EQ(input.now_us, 0);
   EXPECT_EQ(input.self_test, SelfTest::Pending);
   EXPECT_FALSE(input.local_arm || input.local_reset || input.remote_arm || input.remote_reset);

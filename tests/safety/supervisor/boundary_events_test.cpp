@@ -13,7 +13,7 @@ namespace {
 struct Moment {
   PlanFacts plan = three_stage_plan();
   SupervisorState state = started(3);
-  SupervisorInput input;
+  Situation input;
 
   explicit Moment(Mode mode) {
     state.mode = mode;

@@ -11,8 +11,8 @@
 namespace biopsy::safety {
 namespace {
 
-SupervisorInput healthy() {
-  SupervisorInput input;
+Situation healthy() {
+  Situation input;
   input.now_us = 123'456;
   input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
@@ -30,8 +30,8 @@ SupervisorState in(Mode mode) {
 }
 
 // An input that leaves the mode as it is.
-SupervisorInput steady(Mode mode) {
-  SupervisorInput input = healthy();
+Situation steady(Mode mode) {
+  Situation input = healthy();
   if (mode == Mode::Safe) input.stop = StopCategory::C2Hold;
   if (mode == Mode::Boot || mode == Mode::Retract) input.evidence.zero_volts = false;
   return input;
@@ -98,7 +98,7 @@ TEST(Outputs, FeedTheInterlockAndAllowImagesInTheirModesOnly) {
 }
 
 TEST(Outputs, NameTheEventAndPassOnThatAnImageWasDisturbed) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.image_disturbed = true;
   input.stop = StopCategory::C1Ramp;
   const SupervisorOutput output = step(three_stage_plan(), in(Mode::Active), input).second;
@@ -129,7 +129,7 @@ TEST(Stages, WithANegativeEnvelopeOrSlewAllowNone) {
 TEST(Stages, StartOverFromTheFirstAtEveryArming) {
   SupervisorState state = in(Mode::Ready);
   state.stage = 2, state.stage_done = true;
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.local_arm = true;
   const SupervisorState next = step(three_stage_plan(), state, input).first;
   ASSERT_EQ(next.mode, Mode::Armed);
@@ -143,7 +143,7 @@ TEST(Reasons, OutliveTheEndOfARampButNotAReset) {
   EXPECT_EQ(step(three_stage_plan(), state, healthy()).first.reason, Hazard::PopThrough);
   state = in(Mode::Trip);
   state.reason = Hazard::Arc;
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.local_reset = true;
   const SupervisorState next = step(three_stage_plan(), state, input).first;
   ASSERT_EQ(next.mode, Mode::Safe);
@@ -151,7 +151,7 @@ TEST(Reasons, OutliveTheEndOfARampButNotAReset) {
 }
 
 TEST(Epochs, BeginWithATripOrALockAndWithNothingElse) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.clear &= ~bit(Hazard::ResidualCharge);
   EXPECT_EQ(step(three_stage_plan(), in(Mode::Ready), input).first.epoch, 5U) << "ready to lock";
   EXPECT_EQ(step(three_stage_plan(), in(Mode::Active), input).first.epoch, 5U) << "active to trip";
@@ -162,7 +162,7 @@ TEST(Epochs, BeginWithATripOrALockAndWithNothingElse) {
 TEST(Envelopes, OfAHoldNeverBeginBelowZeroOrAboveTheStage) {
   std::int32_t ceiling_mV = 8'000'000;
   const auto held = [&](std::int32_t drive_mV) {
-    SupervisorInput input = healthy();
+    Situation input = healthy();
     input.stop = StopCategory::C2Hold;
     input.evidence.drive_mV = drive_mV;
     input.evidence.ceiling_mV = ceiling_mV;
@@ -179,7 +179,7 @@ TEST(Envelopes, OfAHoldNeverBeginBelowZeroOrAboveTheStage) {
 }
 
 TEST(Envelopes, OfARampThatIsOverStayAtZero) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.zero_volts = false;
   for (const std::int32_t ticks : {kRamp_ticks - 1, kRamp_ticks, kRamp_ticks + 40}) {
     SupervisorState state = in(Mode::Retract);
@@ -191,7 +191,7 @@ TEST(Envelopes, OfARampThatIsOverStayAtZero) {
 TEST(HoldToRun, AMessageWithoutATokenKeepsNothingAlive) {
   SupervisorState state = in(Mode::Active);
   state.token = 0, state.ticks_since_held = 7;
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.motion = {0, true};
   EXPECT_EQ(step(three_stage_plan(), state, input).first.ticks_since_held, 8);
   state.token = 0xFFFF'FFFF;
@@ -200,15 +200,15 @@ TEST(HoldToRun, AMessageWithoutATokenKeepsNothingAlive) {
 }
 
 TEST(Refusals, OfALockAreTheSameForEveryRequest) {
-  const auto refusal = [](const SupervisorInput& input) {
+  const auto refusal = [](const Situation& input) {
     return step(three_stage_plan(), in(Mode::Lock), input).second.refusal;
   };
-  SupervisorInput press = healthy(), remote = healthy(), reset = healthy(), arm = healthy();
+  Situation press = healthy(), remote = healthy(), reset = healthy(), arm = healthy();
   press.motion = {11, true};
   remote.remote_arm = true;
   reset.local_reset = true;
   arm.local_arm = true;
-  for (const SupervisorInput& input : {press, remote, reset, arm}) EXPECT_EQ(refusal(input), Refusal::Locked);
+  for (const Situation& input : {press, remote, reset, arm}) EXPECT_EQ(refusal(input), Refusal::Locked);
 }
 
 TEST(Refusals, AreToldInWords) {

@@ -12,8 +12,8 @@
 namespace biopsy::safety {
 namespace {
 
-SupervisorInput healthy() {
-  SupervisorInput input;
+Situation healthy() {
+  Situation input;
   input.evidence = {kAllHazards, true, true, false, 0, 8'000'000};
   return input;
 }
@@ -54,7 +54,7 @@ TEST(BrokenMemory, APlanWithoutStagesHasNoFurtherOne) {
   SupervisorState state = started(1);
   state.mode = Mode::Hold;
   state.stage_done = true;
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.motion = {5, true};
   const auto [next, output] = step(plan, state, input);
   EXPECT_EQ(next.mode, Mode::Hold);
@@ -145,7 +145,7 @@ TEST(BrokenMemory, AStopThatDoesNotExistIsTheStrongest) {
   for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
     SupervisorState state = started(1);
     state.mode = mode;
-    SupervisorInput input = healthy();
+    Situation input = healthy();
     input.stop = static_cast<StopCategory>(200);
     EXPECT_EQ(step(three_stage_plan(), state, input).first.mode, Mode::Trip) << name_of(mode);
   }
@@ -162,7 +162,7 @@ TEST(BrokenMemory, TicksAndVoltagesOfAnotherWorldStillEndInAPermitOfThisOne) {
         state.mode = mode;
         state.ticks_in_mode = state.ticks_since_held = ticks;
         state.held_mV = held_mV;
-        SupervisorInput input = healthy();
+        Situation input = healthy();
         input.evidence.zero_volts = false;
         const Permit permit = step(three_stage_plan(), state, input).second.permit;
         EXPECT_GE(permit.v_max_mV, 0);

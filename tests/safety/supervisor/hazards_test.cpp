@@ -31,10 +31,10 @@ const Fault kFaults[] = {
      [](Rig& r) { r.on_measurement = [](Measurement& m) { m.monitor_mV = 150'000; }; }, Mode::Trip},
     {Hazard::NeedleNotBack, [](Rig& r) { r.on_measurement = [](Measurement& m) { m.depth_um = 1'100; }; },
      Mode::Trip},
-    {Hazard::EStop, [](Rig& r) { r.on_observation = [](Observation& s) { s.estop_b_closed = false; }; }},
+    {Hazard::EStop, [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.estop_b_closed = false; }; }},
     {Hazard::EStopDisagrees,
-     [](Rig& r) { r.on_observation = [](Observation& s) { s.estop_a_closed = false; }; }},
-    {Hazard::ClockJump, [](Rig& r) { r.on_observation = [](Observation& s) { s.now_us += 4'001; }; }},
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.estop_a_closed = false; }; }},
+    {Hazard::ClockJump, [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.now_us += 4'001; }; }},
     {Hazard::OverVoltage,
      [](Rig& r) { r.on_measurement = [](Measurement& m) { m.monitor_mV = -8'200'001; }; }},
     {Hazard::Arc, [](Rig& r) { r.on_measurement = [](Measurement& m) { m.current_nA = 5'000'000; }; }},
@@ -42,9 +42,10 @@ const Fault kFaults[] = {
      [](Rig& r) { r.on_measurement = [](Measurement& m) { m.monitor_mV = m.monitor_mV / 100 * 95; }; }},
     {Hazard::DriverDisobeys, [](Rig& r) { r.on_measurement = [](Measurement& m) { m.hv_enabled = false; }; }},
     {Hazard::WrongAnswer, [](Rig& r) { r.on_measurement = [](Measurement& m) { m.answer ^= 1; }; }},
-    {Hazard::SecondWriter, [](Rig& r) { r.on_observation = [](Observation& s) { s.writers = 2; }; }},
-    {Hazard::PlanChanged, [](Rig& r) { r.on_observation = [](Observation& s) { s.plan_tag ^= 1; }; }},
-    {Hazard::ConfigChanged, [](Rig& r) { r.on_observation = [](Observation& s) { s.config_tag ^= 1; }; }},
+    {Hazard::SecondWriter, [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.writers = 2; }; }},
+    {Hazard::PlanChanged, [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.plan_tag ^= 1; }; }},
+    {Hazard::ConfigChanged,
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.config_tag ^= 1; }; }},
     {Hazard::HardOverDepth, [](Rig& r) { move_depth(r, 2'100, 2'100); }},
     {Hazard::FastDrop, [](Rig& r) { move_depth(r, -60, -2'000); }},
     {Hazard::OverDepth, [](Rig& r) { move_depth(r, 1'100, 1'100); }},
@@ -73,18 +74,21 @@ const Fault kFaults[] = {
     {Hazard::WrongFrequency, [](Rig& r) { r.flip_ticks = 190; }},
     {Hazard::LoopOverrun, [](Rig& r) { r.on_request = [](DriveRequest& q) { ++q.overruns; }; }},
     {Hazard::ControllerSilent,
-     [](Rig& r) { r.on_observation = [old = r.request](Observation& s) { s.request = old; }, r.tick(); }},
+     [](Rig& r) {
+       r.on_observation = [old = r.request](SupervisorInputs& s) { s.request = old; }, r.tick();
+     }},
     {Hazard::MessageOrder, [](Rig& r) { r.on_measurement = [](Measurement& m) { m.seq *= 2; }; }},
     {Hazard::WrongTissueModel,
-     [](Rig& r) { r.on_observation = [](Observation& s) { s.tissue_residual_um = 501; }; }},
-    {Hazard::LogBacklog, [](Rig& r) { r.on_observation = [](Observation& s) { s.log_backlog_ms = 1'001; }; }},
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.tissue_residual_um = 501; }; }},
+    {Hazard::LogBacklog,
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.log_backlog_ms = 1'001; }; }},
     {Hazard::PlanUnconfirmed,
-     [](Rig& r) { r.on_observation = [](Observation& s) { s.confirmed_tag[1] = 0; }; }},
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.confirmed_tag[1] = 0; }; }},
     {Hazard::StageDepth, [](Rig& r) { move_depth(r, 700, 700); }},
     {Hazard::SuspectTissueModel,
-     [](Rig& r) { r.on_observation = [](Observation& s) { s.tissue_residual_um = 501; }; }},
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.tissue_residual_um = 501; }; }},
     {Hazard::PatientMotion,
-     [](Rig& r) { r.on_observation = [](Observation& s) { s.patient_motion_um = 2'001; }; }},
+     [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.patient_motion_um = 2'001; }; }},
 };
 
 const HazardFacts& facts_of(Hazard hazard) {
@@ -131,7 +135,7 @@ TEST_P(EveryHazard, AloneLeadsFromActiveExactlyToItsStop) {
   const HazardFacts& facts = facts_of(GetParam().hazard);
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  rig.on_input = [&](SupervisorInput& input) { input.evidence.clear = kAllHazards & ~bit(facts.hazard); };
+  rig.on_input = [&](Situation& input) { input.evidence.clear = kAllHazards & ~bit(facts.hazard); };
   rig.tick();
   EXPECT_EQ(rig.output.permit.stop, facts.stop) << facts.name;
   EXPECT_EQ(rig.state.reason, facts.hazard);
@@ -144,7 +148,7 @@ TEST_P(EveryHazard, RefusesReadyAndArming) {
   const HazardFacts& facts = facts_of(GetParam().hazard);
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
-  rig.on_input = [&](SupervisorInput& input) { input.evidence.clear = kAllHazards & ~bit(facts.hazard); };
+  rig.on_input = [&](Situation& input) { input.evidence.clear = kAllHazards & ~bit(facts.hazard); };
   rig.arm = true;
   rig.tick();
   EXPECT_NE(rig.state.mode, Mode::Armed);
@@ -168,7 +172,7 @@ TEST(HazardTable, HasAFaultForEveryHazardButTheOneTestedOnPlans) {
 TEST(Evidence, ProvesNothingFromNothing) {
   verifies("R-47");
   EvidenceMemory memory;
-  const Evidence evidence = assess(PlanFacts{}, memory, Observation{});
+  const Evidence evidence = assess(PlanFacts{}, memory, SupervisorInputs{});
   EXPECT_FALSE(evidence.zero_volts);
   EXPECT_FALSE(evidence.needle_home);
   EXPECT_TRUE(evidence.image_disturbed);

@@ -22,8 +22,8 @@ class Dice {
 };
 
 // Mostly healthy, so that the walk gets everywhere; every bit is bad now and then.
-SupervisorInput random_input(Dice& dice, const SupervisorState& state) {
-  SupervisorInput input;
+Situation random_input(Dice& dice, const SupervisorState& state) {
+  Situation input;
   input.evidence.clear = kAllHazards;
   if (dice.one_in(40)) input.evidence.clear &= ~bit(static_cast<Hazard>(dice.below(kHazards)));
   input.evidence.zero_volts =
@@ -47,7 +47,7 @@ SupervisorInput random_input(Dice& dice, const SupervisorState& state) {
 
 // The partial order of badness: one input made worse in exactly one respect.
 constexpr unsigned kWays = 14;
-SupervisorInput made_worse(SupervisorInput input, unsigned way, Dice& dice) {
+Situation made_worse(Situation input, unsigned way, Dice& dice) {
   switch (way) {
     case 0:
       input.evidence.clear &= ~bit(static_cast<Hazard>(dice.below(kHazards)));
@@ -113,7 +113,7 @@ TEST(Invariants, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
     if (dice.one_in(50))
       state.ticks_in_mode += static_cast<std::int32_t>(dice.below(10'000));  // timers elapse as well
     ++visits[static_cast<std::size_t>(state.mode)];
-    const SupervisorInput input = random_input(dice, state);
+    const Situation input = random_input(dice, state);
     const auto [next, output] = step(plan, state, input);
     unsigned way = dice.below(kWays);
     // Saying nothing is worse than holding the button, but a release or a second press is worse than saying
@@ -149,7 +149,7 @@ TEST(Invariants, HoldInEveryStepOfARandomWalk) {
   std::uint32_t seq = 0;
   for (int i = 0; i < 400'000; ++i) {
     if (dice.one_in(500)) state = started(5), seq = 0;
-    const SupervisorInput input = random_input(dice, state);
+    const Situation input = random_input(dice, state);
     const auto [next, output] = step(plan, state, input);
     const Permit& permit = output.permit;
     const bool c0 = (input.evidence.hazards() & hazards_with(StopCategory::C0Off)) != 0;
@@ -213,11 +213,11 @@ TEST(Invariants, WorseObservationsNeverClearAHazard) {
   Dice dice(5);
   ASSERT_TRUE(rig.go_active());
   for (int i = 0; i < 4'000; ++i) {
-    rig.on_observation = [&](Observation& seen) {
+    rig.on_observation = [&](SupervisorInputs& seen) {
       if (dice.one_in(3)) seen.estop_a_closed = false;
       if (dice.one_in(3)) seen.estop_b_closed = false;
       if (dice.one_in(9)) seen.measurement.answer ^= 1;
-      Observation worse = seen;
+      SupervisorInputs worse = seen;
       switch (dice.below(11)) {
         case 0:
           worse.estop_a_closed = false;

@@ -209,7 +209,7 @@ TEST(Challenge, NothingIsProvenBeforeTheFirstPermit) {
   verifies("R-10");
   LinkMonitor watch;
   watch.answer_score = 0;
-  EXPECT_NE(update(three_stage_plan(), watch, Observation{}).found & bit(Hazard::WrongAnswer), 0U);
+  EXPECT_NE(update(three_stage_plan(), watch, SupervisorInputs{}).found & bit(Hazard::WrongAnswer), 0U);
 }
 
 TEST(Challenge, LostPermitsAreForgivenAslongAsTheAnswersAreRight) {
@@ -246,7 +246,7 @@ TEST(Clock, MustAdvanceByOneToFiveMillisecondsOnBothSides) {
   for (const std::int64_t step_us : {std::int64_t{-1'000}, std::int64_t{0}, std::int64_t{5'001}}) {
     Rig supervisor, stage;
     ASSERT_TRUE(supervisor.go_active() && stage.go_active());
-    supervisor.on_observation = [&](Observation& seen) { seen.now_us += step_us - 1'000; };
+    supervisor.on_observation = [&](SupervisorInputs& seen) { seen.now_us += step_us - 1'000; };
     stage.on_measurement = [&](Measurement& m) { m.time_us += step_us - 1'000; };
     supervisor.tick();
     stage.tick();
@@ -255,7 +255,7 @@ TEST(Clock, MustAdvanceByOneToFiveMillisecondsOnBothSides) {
   }
   Rig slow;
   ASSERT_TRUE(slow.go_active());
-  slow.on_observation = [](Observation& seen) { seen.now_us += 4'000; };
+  slow.on_observation = [](SupervisorInputs& seen) { seen.now_us += 4'000; };
   slow.tick();
   EXPECT_EQ(slow.state.mode, Mode::Active);
 }
@@ -264,14 +264,14 @@ TEST(EStop, LatchesADisagreementUntilBothContactsWereSeenOpen) {
   verifies("R-04");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
-  rig.on_observation = [](Observation& seen) { seen.estop_a_closed = false; };
+  rig.on_observation = [](SupervisorInputs& seen) { seen.estop_a_closed = false; };
   rig.run(30);
-  rig.on_observation = [](Observation&) {};
+  rig.on_observation = [](SupervisorInputs&) {};
   rig.run(100);
   EXPECT_EQ(rig.output.worst, Hazard::EStopDisagrees);
-  rig.on_observation = [](Observation& seen) { seen.estop_a_closed = seen.estop_b_closed = false; };
+  rig.on_observation = [](SupervisorInputs& seen) { seen.estop_a_closed = seen.estop_b_closed = false; };
   rig.tick();
-  rig.on_observation = [](Observation&) {};
+  rig.on_observation = [](SupervisorInputs&) {};
   rig.run(2);
   EXPECT_EQ(rig.output.worst, Hazard::None);
 }

@@ -14,8 +14,8 @@ namespace {
 constexpr Mode kAllModes[] = {Mode::Boot, Mode::Safe,    Mode::Ready, Mode::Armed, Mode::Active,
                               Mode::Hold, Mode::Retract, Mode::Trip,  Mode::Lock};
 
-SupervisorInput healthy() {
-  SupervisorInput input;
+Situation healthy() {
+  Situation input;
   input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
   return input;
@@ -30,7 +30,7 @@ SupervisorState in(Mode mode) {
   return state;
 }
 
-Mode after(const SupervisorState& state, const SupervisorInput& input) {
+Mode after(const SupervisorState& state, const Situation& input) {
   return step(three_stage_plan(), state, input).first.mode;
 }
 
@@ -44,7 +44,7 @@ TEST(Supervisor, ReachesEveryMode) {
 TEST(Supervisor, RefusesEverythingFromADefaultInput) {
   verifies("R-47");
   for (const Mode mode : kAllModes) {
-    const auto [next, output] = step(PlanFacts{}, in(mode), SupervisorInput{});
+    const auto [next, output] = step(PlanFacts{}, in(mode), Situation{});
     EXPECT_FALSE(output.permit.hv_enable) << name_of(mode);
     EXPECT_EQ(output.permit.v_max_mV, 0);
     EXPECT_EQ(output.permit.slew_up_mV_per_tick, 0);
@@ -56,7 +56,7 @@ TEST(Supervisor, RefusesEverythingFromADefaultInput) {
 TEST(Supervisor, C0DisablesInTheSameTickFromEveryHotModeAndStartsANewEpoch) {
   verifies("R-36");
   for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
-    SupervisorInput input = healthy();
+    Situation input = healthy();
     input.evidence.clear &= ~bit(Hazard::Arc);
     const auto [next, output] = step(three_stage_plan(), in(mode), input);
     EXPECT_EQ(next.mode, Mode::Trip) << name_of(mode);
@@ -69,7 +69,7 @@ TEST(Supervisor, C0DisablesInTheSameTickFromEveryHotModeAndStartsANewEpoch) {
 
 TEST(Supervisor, LeavesBootOnlyWithSelfTestAndZeroVolts) {
   verifies("R-51");
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   EXPECT_EQ(after(in(Mode::Boot), input), Mode::Safe);
   input.evidence.zero_volts = false;
   EXPECT_EQ(after(in(Mode::Boot), input), Mode::Boot);
@@ -83,7 +83,7 @@ TEST(Supervisor, LeavesBootOnlyWithSelfTestAndZeroVolts) {
 TEST(Supervisor, LocksABootThatTakesTooLong) {
   verifies("R-51");
   SupervisorState state = in(Mode::Boot);
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.zero_volts = false;
   state.ticks_in_mode = kBootMax_ticks - 2;
   EXPECT_EQ(after(state, input), Mode::Boot);
@@ -92,7 +92,7 @@ TEST(Supervisor, LocksABootThatTakesTooLong) {
 }
 
 TEST(Supervisor, TripsOnVoltageWhereThereMustBeNone) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.zero_volts = false;
   for (const Mode mode : {Mode::Safe, Mode::Ready, Mode::Armed})
     EXPECT_EQ(after(in(mode), input), Mode::Trip);
@@ -102,7 +102,7 @@ TEST(Supervisor, LocksOnResidualChargeOrANeedleThatStaysOutFromEveryColdMode) {
   verifies("R-01", "R-02", "R-51");
   for (const Hazard hazard : {Hazard::ResidualCharge, Hazard::NeedleNotBack})
     for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Trip}) {
-      SupervisorInput input = healthy();
+      Situation input = healthy();
       input.evidence.clear &= ~bit(hazard);
       EXPECT_EQ(after(in(mode), input), Mode::Lock) << name_of(mode);
     }
@@ -110,7 +110,7 @@ TEST(Supervisor, LocksOnResidualChargeOrANeedleThatStaysOutFromEveryColdMode) {
 
 TEST(Supervisor, ArmsOnAnEdgeOfTheLocalKeyOnly) {
   verifies("R-40");
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.remote_arm = true;
   auto [next, output] = step(three_stage_plan(), in(Mode::Ready), input);
   EXPECT_EQ(next.mode, Mode::Ready);
@@ -124,7 +124,7 @@ TEST(Supervisor, ArmsOnAnEdgeOfTheLocalKeyOnly) {
 }
 
 TEST(Supervisor, SaysWhyArmingIsRefused) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.local_arm = true;
   EXPECT_EQ(step(three_stage_plan(), in(Mode::Hold), input).second.refusal, Refusal::NotReady);
   input.evidence.clear = 0;
@@ -133,7 +133,7 @@ TEST(Supervisor, SaysWhyArmingIsRefused) {
 }
 
 TEST(Supervisor, StopsOfEachCategoryLeaveArmedAndReady) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.stop = StopCategory::C2Hold;
   EXPECT_EQ(after(in(Mode::Ready), input), Mode::Safe);
   EXPECT_EQ(after(in(Mode::Armed), input), Mode::Ready);
@@ -179,7 +179,7 @@ TEST(Supervisor, RetractReachesZeroVoltsWithinThreeHundredMilliseconds) {
 TEST(Supervisor, ARetractWhoseVoltageStaysTrips) {
   verifies("R-37");
   SupervisorState state = in(Mode::Retract);
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.zero_volts = false;
   state.ticks_in_mode = limits::kRampTime_ms - 2;
   EXPECT_EQ(after(state, input), Mode::Retract);
@@ -189,19 +189,19 @@ TEST(Supervisor, ARetractWhoseVoltageStaysTrips) {
 
 TEST(Supervisor, LeavesTripOnlyOnALocalResetEdgeWithEverythingBackToNormal) {
   verifies("R-39");
-  SupervisorInput good = healthy();
+  Situation good = healthy();
   good.local_reset = true;
   EXPECT_EQ(after(in(Mode::Trip), good), Mode::Safe);
   SupervisorState held_down = in(Mode::Trip);
   held_down.reset_was_down = true;
   EXPECT_EQ(after(held_down, good), Mode::Trip);
 
-  const auto refusal = [](const SupervisorInput& input) {
+  const auto refusal = [](const Situation& input) {
     const auto [next, output] = step(three_stage_plan(), in(Mode::Trip), input);
     EXPECT_EQ(next.mode, Mode::Trip);
     return output.refusal;
   };
-  SupervisorInput input = good;
+  Situation input = good;
   input.evidence.zero_volts = false;
   EXPECT_EQ(refusal(input), Refusal::VoltageLeft);
   input = good;
@@ -252,7 +252,7 @@ TEST(Supervisor, TheReasonOfATripStaysUntilItIsReset) {
 
 // Without a plan that is always a hazard, but it has nothing to do with a voltage.
 TEST(Supervisor, AVoltageThatNobodyMeasuresIsBlamedOnTheMissingMeasurement) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.zero_volts = false;
   input.evidence.clear &= ~(bit(Hazard::PlanChanged) | bit(Hazard::SensorStale));
   for (const Mode mode : {Mode::Safe, Mode::Ready}) {
@@ -265,7 +265,7 @@ TEST(Supervisor, AVoltageThatNobodyMeasuresIsBlamedOnTheMissingMeasurement) {
 }
 
 TEST(Supervisor, AStopIsBlamedOnTheWorstThatIsFound) {
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.evidence.clear &= ~(bit(Hazard::PlanChanged) | bit(Hazard::SensorStale));
   const SupervisorState next = step(three_stage_plan(), in(Mode::Active), input).first;
   EXPECT_EQ(next.last_event, Event::Fault);
@@ -274,7 +274,7 @@ TEST(Supervisor, AStopIsBlamedOnTheWorstThatIsFound) {
 
 TEST(Supervisor, LockAbsorbsEveryHealthyInput) {
   verifies("R-51");
-  SupervisorInput input = healthy();
+  Situation input = healthy();
   input.local_reset = input.local_arm = true;
   input.motion = {99, true};
   EXPECT_EQ(after(in(Mode::Lock), input), Mode::Lock);
@@ -284,14 +284,14 @@ TEST(Supervisor, AKeyOrAPressInTheTickThatEndsTheModeIsAnswered) {
   verifies("R-47");
   Rig ready;
   ASSERT_TRUE(ready.go_ready());
-  ready.on_input = [](SupervisorInput& input) { input.evidence.zero_volts = false; };
+  ready.on_input = [](Situation& input) { input.evidence.zero_volts = false; };
   ready.arm = true;
   ready.tick();
   EXPECT_EQ(ready.state.mode, Mode::Trip);
   EXPECT_EQ(ready.output.refusal, Refusal::VoltageLeft);
   Rig holding;
   ASSERT_TRUE(holding.go_hold());
-  holding.on_input = [](SupervisorInput& input) { input.request.finished = true; };
+  holding.on_input = [](Situation& input) { input.request.finished = true; };
   holding.press();
   holding.tick();
   EXPECT_EQ(holding.state.mode, Mode::Retract);

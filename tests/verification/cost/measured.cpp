@@ -2,10 +2,12 @@
 
 #include <tuple>
 
+#include "tests/safety/situation.hpp"
+
 namespace biopsy::proof {
 
 void measured_step(const safety::PlanFacts& facts, Carried& carried, const Beat& beat) {
-  safety::SupervisorInput input = beat.asked;
+  safety::Situation input = beat.asked;
   input.evidence = safety::assess(facts, carried.memory, beat.seen);
   safety::SupervisorOutput output;
   std::tie(carried.state, output) = safety::step(facts, carried.state, input);

@@ -7,6 +7,7 @@
 
 #include "robot/common/in_parallel.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::proof {
 namespace {
@@ -73,16 +74,16 @@ std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t class
   std::vector<Stream> streams(faults.size());
   sim::in_parallel(faults.size(), [&](std::size_t i) {
     Campaign campaign{workshop};
-    campaign.tap = [&stream = streams[i]](const safety::PlanFacts& facts, const safety::Observation& seen,
-                                          const safety::SupervisorInput& asked,
-                                          const robot::Delivery& given) {
+    campaign.tap = [&stream = streams[i]](const safety::PlanFacts& facts,
+                                          const safety::SupervisorInputs& seen,
+                                          const safety::Situation& asked, const robot::GateInputs& given) {
       stream.facts = facts;
       Beat beat;
       beat.seen = seen;
       beat.asked = asked;
-      beat.permit_arrives = given.permit != nullptr;
-      if (given.permit != nullptr) beat.permit = *given.permit;
-      if (given.request != nullptr) beat.request = *given.request;
+      beat.permit_arrives = given.permit.seq != 0;
+      if (given.permit.seq != 0) beat.permit = given.permit;
+      if (given.request.seq != 0) beat.request = given.request;
       beat.gate_us = given.now_us;
       beat.writers = given.writers;
       stream.beats.push_back(beat);

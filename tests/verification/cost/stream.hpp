@@ -6,15 +6,16 @@
 #include <filesystem>
 #include <vector>
 
-#include "robot/cycle/control_cycle.hpp"
+#include "robot/cycle/run_cycle.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/verification/fault_injection/campaign.hpp"
 
 namespace biopsy::proof {
 
 struct Beat {
-  safety::Observation seen;
-  safety::SupervisorInput asked;  // without the evidence
-  Permit permit;                  // as it arrives at the gate
+  safety::SupervisorInputs seen;
+  safety::Situation asked;  // without the evidence
+  Permit permit;            // as it arrives at the gate
   DriveRequest request;
   bool permit_arrives = true;
   std::int64_t gate_us = 0;

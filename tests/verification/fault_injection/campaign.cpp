@@ -9,6 +9,7 @@
 
 #include "robot/common/in_parallel.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::proof {
 namespace {
@@ -56,7 +57,7 @@ std::uint64_t number_of(const std::string& text) {  // FNV-1a
 
 void deafen(Corruptors& corrupt, safety::HazardSet deaf_to) {
   if (deaf_to == 0) return;
-  corrupt.input = [deaf_to, before = std::move(corrupt.input)](safety::SupervisorInput& input) {
+  corrupt.input = [deaf_to, before = std::move(corrupt.input)](safety::Situation& input) {
     if (before) before(input);
     input.evidence.clear |= deaf_to;
   };

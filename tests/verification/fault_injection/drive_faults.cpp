@@ -27,7 +27,7 @@ Corruptors keep_charge(Draw& draw, Procedure&, const Line& now) {
   const double kept_V = draw.within(105.0, std::min(most_V, 1'000.0));
   const double sign = now.command_mV < 0 ? -1.0 : 1.0;
   const std::int32_t way = draw.whole(0, 2);
-  corrupt.world = [way](robot::World& world) {
+  corrupt.world = [way](robot::OperatorInputs& world) {
     if (way == 0) world.stop = StopCategory::C0Off;
     if (way == 1) world.stop = StopCategory::C1Ramp;
     if (way == 2) world.finish = true;
@@ -101,7 +101,7 @@ Corruptors disobey(Draw& draw, Procedure& procedure, const Line& now) {
   const double above_mV = procedure.last().supervisor.permit.v_max_mV + 1e3 * draw.within(210.0, 800.0);
   const double own_mV = now.mode == Mode::Retract ? now.command_mV : (draw.coin() ? 1 : -1) * above_mV;
   corrupt.amplifier = [=](double, bool, bool closed) { return closed ? 1e-3 * own_mV : 0.0; };
-  corrupt.observation = [own_mV, first = true](safety::Observation& seen) mutable {
+  corrupt.observation = [own_mV, first = true](safety::SupervisorInputs& seen) mutable {
     if (std::exchange(first, false)) return;  // reports what was put out before it broke
     Measurement& m = seen.measurement;
     m.command_mV = static_cast<std::int32_t>(own_mV);

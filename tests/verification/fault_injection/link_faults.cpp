@@ -17,7 +17,7 @@ const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode
 Corruptors press_estop(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const std::int32_t contacts = draw.whole(1, 3);  // one works, or the other, or both
-  corrupt.observation = [=](safety::Observation& seen) {
+  corrupt.observation = [=](safety::SupervisorInputs& seen) {
     if ((contacts & 1) != 0) seen.estop_a_closed = false;
     if ((contacts & 2) != 0) seen.estop_b_closed = false;
   };
@@ -29,7 +29,7 @@ Corruptors split_estop(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const bool first = draw.coin();
   const std::int32_t heals = draw.coin() ? draw.whole(21, 60) : std::numeric_limits<std::int32_t>::max();
-  corrupt.observation = [=, tick = 0](safety::Observation& seen) mutable {
+  corrupt.observation = [=, tick = 0](safety::SupervisorInputs& seen) mutable {
     const bool open = tick < heals;
     tick += open;
     (first ? seen.estop_a_closed : seen.estop_b_closed) = !open;
@@ -44,13 +44,13 @@ Corruptors jump_clock(Draw& draw, Procedure&, const Line&) {
   const std::int64_t by_us = draw.coin() ? draw.whole(4'001, 5'000'000) : -draw.whole(1'000, 5'000'000);
   switch (draw.whole(0, 2)) {
     case 0:
-      corrupt.observation = [=](safety::Observation& seen) { seen.now_us += by_us; };
+      corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.now_us += by_us; };
       break;
     case 1:
       corrupt.reading = [=](drivers::SensorReading& r) { r.time_us += by_us; };
       break;
     default:
-      corrupt.delivery = [=](robot::Delivery& d) { d.now_us += by_us; };
+      corrupt.delivery = [=](robot::GateInputs& d) { d.now_us += by_us; };
       corrupt.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::ClockJump; };
   }
   return corrupt;
@@ -61,7 +61,7 @@ Corruptors answer_wrong(Draw& draw, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   const std::int32_t way = draw.whole(0, 3);
   const auto flaw = static_cast<std::uint32_t>(draw.whole(1, std::numeric_limits<std::int32_t>::max() - 1));
-  corrupt.observation = [way, flaw, old = procedure.last().measurement](safety::Observation& seen) {
+  corrupt.observation = [way, flaw, old = procedure.last().measurement](safety::SupervisorInputs& seen) {
     Measurement& m = seen.measurement;
     if (way == 0) m.answer ^= flaw;
     if (way == 1) m.answer = m.answered_seq = 0;
@@ -79,8 +79,8 @@ Corruptors add_writer(Draw& draw, Procedure&, const Line&) {
   const std::array kCounts{0, 2, 3, 7};
   const std::int32_t count = kCounts[static_cast<std::size_t>(draw.whole(0, 3))];
   const std::int32_t who = draw.whole(1, 3);  // supervisor, gate, or both see it
-  if ((who & 1) != 0) corrupt.observation = [=](safety::Observation& seen) { seen.writers = count; };
-  if ((who & 2) != 0) corrupt.delivery = [=](robot::Delivery& d) { d.writers = count; };
+  if ((who & 1) != 0) corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.writers = count; };
+  if ((who & 2) != 0) corrupt.delivery = [=](robot::GateInputs& d) { d.writers = count; };
   if (who == 2)
     corrupt.shows = [](const Sight& s) { return s.seen.measurement.verdict == GateVerdict::SecondWriter; };
   return corrupt;
@@ -127,7 +127,7 @@ Corruptors silence_controller(Draw& draw, Procedure& procedure, const Line&) {
 Corruptors stall_log(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const std::int32_t backlog_ms = draw.within(0.0, 1.0) < 0.1 ? -1 : draw.whole(1'001, 60'000);
-  corrupt.world = [=](robot::World& world) { world.log_backlog_ms = backlog_ms; };
+  corrupt.environment = [=](robot::Environment& environment) { environment.log_backlog_ms = backlog_ms; };
   return corrupt;
 }
 

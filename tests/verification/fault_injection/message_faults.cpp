@@ -3,6 +3,7 @@
 #include <deque>
 #include <memory>
 
+#include "tests/safety/situation.hpp"
 #include "tests/verification/fault_injection/fault_class.hpp"
 
 namespace biopsy::proof {
@@ -29,7 +30,7 @@ auto out_of_order(const Procedure& procedure) {
 Corruptors lose(Draw& draw, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   corrupt.observation = [draw, old = procedure.last().measurement,
-                         lost = draw.whole(1, 3)](safety::Observation& seen) mutable {
+                         lost = draw.whole(1, 3)](safety::SupervisorInputs& seen) mutable {
     if (lost-- > 0) {
       seen.measurement = old;
     } else {
@@ -44,7 +45,7 @@ Corruptors lose(Draw& draw, Procedure& procedure, const Line&) {
 // Messages that came before, two to twenty back, come again in place of the newest.
 Corruptors repeat(Draw& draw, Procedure& procedure, const Line&) {
   Corruptors corrupt;
-  corrupt.observation = [draw, past = std::deque<Measurement>{}](safety::Observation& seen) mutable {
+  corrupt.observation = [draw, past = std::deque<Measurement>{}](safety::SupervisorInputs& seen) mutable {
     past.push_front(seen.measurement);
     if (past.size() > 21) past.pop_back();
     if (past.size() > 3)
@@ -59,7 +60,7 @@ Corruptors repeat(Draw& draw, Procedure& procedure, const Line&) {
 Corruptors swap(Draw&, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   const Measurement last = procedure.last().measurement;
-  corrupt.observation = [late = last, now = last, second = false](safety::Observation& seen) mutable {
+  corrupt.observation = [late = last, now = last, second = false](safety::SupervisorInputs& seen) mutable {
     late = now;
     now = seen.measurement;
     if (!second) seen.measurement = late.seq > 0 ? late : now;
@@ -73,7 +74,7 @@ Corruptors swap(Draw&, Procedure& procedure, const Line&) {
 Corruptors replay(Draw& draw, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   corrupt.observation = [length = static_cast<std::size_t>(draw.whole(10, 200)), next = std::size_t{0},
-                         record = std::vector<Measurement>{}](safety::Observation& seen) mutable {
+                         record = std::vector<Measurement>{}](safety::SupervisorInputs& seen) mutable {
     if (record.size() < length)
       record.push_back(seen.measurement);
     else
@@ -100,16 +101,16 @@ Corruptors replay_to_gate(Draw& draw, Procedure&, const Line&) {
   tape->length = static_cast<std::size_t>(draw.whole(10, 200));
   const StopCategory stop = draw.coin() ? StopCategory::C0Off : StopCategory::C1Ramp;
   Corruptors corrupt;
-  corrupt.world = [=](robot::World& world) {
+  corrupt.world = [=](robot::OperatorInputs& world) {
     if (tape->is_full()) world.stop = stop;
   };
-  corrupt.delivery = [=](robot::Delivery& d) {
+  corrupt.delivery = [=](robot::GateInputs& d) {
     if (tape->is_full()) {
-      d.permit = &tape->permits[tape->next % tape->length];
-      d.request = &tape->requests[tape->next++ % tape->length];
+      d.permit = tape->permits[tape->next % tape->length];
+      d.request = tape->requests[tape->next++ % tape->length];
     } else {
-      tape->permits.push_back(*d.permit);
-      tape->requests.push_back(*d.request);
+      tape->permits.push_back(d.permit);
+      tape->requests.push_back(d.request);
     }
   };
   corrupt.shows = [=](const Sight&) { return tape->is_full(); };
@@ -118,7 +119,7 @@ Corruptors replay_to_gate(Draw& draw, Procedure&, const Line&) {
 
 Corruptors stop_supervisor(Draw&, Procedure&, const Line&) {
   Corruptors corrupt;
-  corrupt.delivery = [](robot::Delivery& d) { d.permit = nullptr; };
+  corrupt.delivery = [](robot::GateInputs& d) { d.permit = {}; };
   return corrupt;
 }
 
@@ -126,7 +127,7 @@ Corruptors stop_supervisor(Draw&, Procedure&, const Line&) {
 Corruptors stop_driver(Draw&, Procedure& procedure, const Line&) {
   Corruptors corrupt;
   corrupt.driver_stopped = true;
-  corrupt.observation = [old = procedure.last().measurement](safety::Observation& seen) {
+  corrupt.observation = [old = procedure.last().measurement](safety::SupervisorInputs& seen) {
     seen.measurement = old;
   };
   return corrupt;
@@ -134,7 +135,7 @@ Corruptors stop_driver(Draw&, Procedure& procedure, const Line&) {
 
 Corruptors silence_console(Draw&, Procedure&, const Line&) {
   Corruptors corrupt;
-  corrupt.input = [](safety::SupervisorInput& input) { input.motion = {}; };
+  corrupt.input = [](safety::Situation& input) { input.motion = {}; };
   return corrupt;
 }
 
@@ -142,7 +143,7 @@ Corruptors silence_console(Draw&, Procedure&, const Line&) {
 Corruptors press_late(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const auto back = static_cast<std::uint32_t>(draw.whole(0, 3));
-  corrupt.input = [back, newest = 0U](safety::SupervisorInput& input) mutable {
+  corrupt.input = [back, newest = 0U](safety::Situation& input) mutable {
     const bool lets_go = newest == 0;
     newest = std::max(newest, input.motion.token);
     const std::uint32_t late = newest > back ? newest - back : newest;
@@ -153,7 +154,7 @@ Corruptors press_late(Draw& draw, Procedure&, const Line&) {
 
 Corruptors scan_meanwhile(Draw&, Procedure&, const Line&) {
   Corruptors corrupt;
-  corrupt.world = [](robot::World& world) { world.acquiring = true; };
+  corrupt.world = [](robot::OperatorInputs& world) { world.acquiring = true; };
   corrupt.shows = [](const Sight& s) { return s.seen.acquiring && s.disturbing; };
   return corrupt;
 }

@@ -29,7 +29,7 @@ Corruptors hold_needle(Draw& draw, Procedure&, const Line& now) {
   const double at = draw.within(1.5e-3, std::max(1.6e-3, 1e-3 * now.depth_mm));
   corrupt.push_N = hand(1e-3 * now.depth_mm, at, 5e-3);
   const std::int32_t way = draw.whole(0, 2);
-  corrupt.world = [way](robot::World& world) {
+  corrupt.world = [way](robot::OperatorInputs& world) {
     if (way == 0) world.estop_closed = false;
     if (way == 1) world.stop = StopCategory::C1Ramp;
     if (way == 2) world.finish = true;
@@ -109,7 +109,7 @@ Corruptors stiffen(Draw& draw, Procedure&, const Line&) {
     };
   } else {
     const std::int32_t residual_um = draw.coin() ? draw.whole(501, 5'000) : -1;
-    corrupt.observation = [=](safety::Observation& seen) { seen.tissue_residual_um = residual_um; };
+    corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.tissue_residual_um = residual_um; };
   }
   corrupt.shows = [](const Sight& s) {
     return s.seen.tissue_residual_um > 500 || s.seen.tissue_residual_um < 0;
@@ -121,7 +121,7 @@ Corruptors move_patient(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const std::int32_t moved_um = draw.coin() ? draw.whole(2'001, 2'500) : draw.whole(2'500, 40'000);
   const std::int32_t seen_um = draw.within(0.0, 1.0) < 0.1 ? -1 : moved_um;  // negative: unknown
-  corrupt.world = [=](robot::World& world) { world.patient_motion_um = seen_um; };
+  corrupt.world = [=](robot::OperatorInputs& world) { world.patient_motion_um = seen_um; };
   return corrupt;
 }
 

@@ -17,7 +17,9 @@ Corruptors change_plan(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  corrupt.observation = [=](safety::Observation& seen) { seen.plan_tag = gone ? 0 : seen.plan_tag ^ flaw; };
+  corrupt.observation = [=](safety::SupervisorInputs& seen) {
+    seen.plan_tag = gone ? 0 : seen.plan_tag ^ flaw;
+  };
   return corrupt;
 }
 
@@ -43,7 +45,7 @@ Corruptors take_another(Draw& draw, Procedure& procedure, const Line&) {
   planner::seal(other);
   const std::uint64_t tag = planner::plan_tag(other);
   Corruptors corrupt;
-  corrupt.observation = [=](safety::Observation& seen) { seen.plan_tag = tag; };
+  corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.plan_tag = tag; };
   return corrupt;
 }
 
@@ -51,7 +53,7 @@ Corruptors tamper(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  corrupt.observation = [=](safety::Observation& seen) {
+  corrupt.observation = [=](safety::SupervisorInputs& seen) {
     seen.config_tag = gone ? 0 : seen.config_tag ^ flaw;
   };
   return corrupt;
@@ -61,7 +63,7 @@ Corruptors unconfirm(Draw& draw, Procedure&, const Line&) {
   Corruptors corrupt;
   const auto who = static_cast<std::size_t>(draw.whole(0, 1));
   const std::uint64_t shown = draw.coin() ? 0 : draw.bits();
-  corrupt.observation = [=](safety::Observation& seen) { seen.confirmed_tag[who] = shown; };
+  corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.confirmed_tag[who] = shown; };
   return corrupt;
 }
 

@@ -6,6 +6,7 @@
 
 #include "planner/plan/seal.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::proof {
 namespace {
@@ -23,21 +24,21 @@ safety::GatedVoltage forged(double volts) {
 
 drivers::SensorReading BreakableStage::read() {
   drivers::SensorReading reading = sound_.read();
-  if (spoilers_.reading) spoilers_.reading(reading);
+  if (corruptors_.reading) corruptors_.reading(reading);
   return reading;
 }
 
 void BreakableStage::write(const safety::GatedVoltage& voltage) {
   const std::int64_t now_us = sound_.now_us();
-  if (!spoilers_.driver_stopped) {
+  if (!corruptors_.driver_stopped) {
     asked_ = voltage;
     relay_ = safety::feed_from_driver(relay_, now_us);
   }
   const bool closed = safety::is_closed(relay_, now_us);
   const double asked_V = asked_.mV() * 1e-3;
   const double volts =
-      spoilers_.amplifier ? spoilers_.amplifier(asked_V, asked_.hv_enabled(), closed) : asked_V * closed;
-  sound_.push(spoilers_.push_N ? spoilers_.push_N(truth().motion) : 0.0);
+      corruptors_.amplifier ? corruptors_.amplifier(asked_V, asked_.hv_enabled(), closed) : asked_V * closed;
+  sound_.push(corruptors_.push_N ? corruptors_.push_N(truth().motion) : 0.0);
   sound_.write(forged(volts));
 }
 
@@ -47,27 +48,32 @@ void BreakableStage::pulse_from_supervisor() {
 
 Procedure::Procedure(const Scene& scene)
     : scene_(scene),
-      facts_(scene.facts),
-      stage_(scene, spoilers_),
-      supervised_(scene.plan, facts_, stage_, {scene.facts.plan_tag, scene.facts.plan_tag}),
+      stage_(scene, corruptors_),
+      supervised_(scene.plan, scene.facts, stage_, {scene.facts.plan_tag, scene.facts.plan_tag}),
       person_(scene.plan) {
-  supervised_.connect(*this);
+  supervised_.wrap(*this);
+  robot::load_plan(scene.plan, controller_);
 }
 
 Line Procedure::tick() {
   line_ = {};
   line_.tick = supervised_.ticks();
-  robot::World world = person_.act(last_, line_.tick);
-  if (person_.wants_verdict()) person_.judge(true, "");
-  if (spoilers_.world) spoilers_.world(world);
-  last_ = supervised_.tick(world, [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
-    const control::RunnerStep wanted = control::run_stage(scene_.plan, {}, controller_, measured,
-                                                          decided.permit, decided.stage, world.finish);
-    controller_ = wanted.state;
-    DriveRequest request = wanted.request;
-    if (spoilers_.request) spoilers_.request(request);
-    return request;
-  });
+  robot::OperatorInputs world = person_.act(last_, line_.tick);
+  robot::Environment environment = robot::Environment::healthy();
+  if (person_.wants_verdict()) person_.judge(DepthVerdict::Accept, "");
+  if (corruptors_.world) corruptors_.world(world);
+  if (corruptors_.environment) corruptors_.environment(environment);
+  last_ = supervised_.run(world, environment,
+                          [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
+                            DriveRequest request = robot::control({.measurement = measured,
+                                                                   .permit = decided.permit,
+                                                                   .stage = decided.stage,
+                                                                   .finish = world.finish},
+                                                                  controller_);
+                            if (corruptors_.request) corruptors_.request(request);
+                            return request;
+                          });
+  person_.observe(last_);
   if (last_.supervisor.interlock_pulse) stage_.pulse_from_supervisor();
   line_.mode = last_.supervisor.permit.mode;
   line_.hazards = last_.evidence.hazards();
@@ -81,26 +87,29 @@ Line Procedure::tick() {
   return line_;
 }
 
-void Procedure::carry(safety::Observation& seen) {
-  if (spoilers_.observation) spoilers_.observation(seen);
+void Procedure::before_monitors(safety::SupervisorInputs& seen) {
+  if (corruptors_.observation) corruptors_.observation(seen);
   const Measurement& m = seen.measurement;
   const bool switched = std::abs(m.command_mV - switched_from_mV_) > limits::kZeroVolt_mV;
   switched_from_mV_ = m.command_mV;
-  line_.shown = !spoilers_.shows || spoilers_.shows({seen, stage_.truth().motion, switched});
+  line_.shown = !corruptors_.shows || corruptors_.shows({seen, stage_.truth().motion, switched});
   seen_ = seen;
   line_.seen_um = m.depth_um;
   line_.monitor_mV = m.monitor_mV;
   line_.current_nA = m.current_nA;
 }
 
-void Procedure::carry(safety::SupervisorInput& input) {
-  if (spoilers_.input) spoilers_.input(input);
-  asked_ = input;
+void Procedure::before_decision(safety::SupervisorInputs& inputs, safety::Evidence& evidence) {
+  static_cast<safety::SupervisorInputs&>(decided_on_) = inputs;
+  decided_on_.evidence = evidence;
+  if (corruptors_.input) corruptors_.input(decided_on_);
+  inputs = decided_on_;
+  evidence = decided_on_.evidence;
 }
 
-void Procedure::carry(robot::Delivery& delivery) {
-  if (spoilers_.delivery) spoilers_.delivery(delivery);
-  if (tap_) tap_(facts_, seen_, asked_, delivery);
+void Procedure::before_gate(robot::GateInputs& inputs) {
+  if (corruptors_.delivery) corruptors_.delivery(inputs);
+  if (tap_) tap_(facts(), seen_, decided_on_, inputs);
 }
 
 }  // namespace biopsy::proof

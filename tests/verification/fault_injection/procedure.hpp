@@ -4,10 +4,11 @@
 
 #include <cstdint>
 
-#include "robot/control/step_runner.hpp"
+#include "robot/cycle/control.hpp"
 #include "robot/procedure/operator.hpp"
 #include "safety/interlock.hpp"
 #include "sim/simulated_stage.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/verification/fault_injection/corruptors.hpp"
 #include "tests/verification/fault_injection/scene.hpp"
 
@@ -32,7 +33,7 @@ struct Line {
 class BreakableStage final : public drivers::NeedleStage {
  public:
   BreakableStage(const Scene& scene, const Corruptors& corruptors)
-      : sound_(scene.plant, scene.noise_seed), spoilers_(corruptors) {}
+      : sound_(scene.plant, scene.noise_seed), corruptors_(corruptors) {}
 
   drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
@@ -43,14 +44,14 @@ class BreakableStage final : public drivers::NeedleStage {
 
  private:
   sim::SimulatedStage sound_;
-  const Corruptors& spoilers_;
+  const Corruptors& corruptors_;
   safety::Interlock relay_;
   safety::GatedVoltage asked_ = safety::GatedVoltage::off();
 };
 
 // Hears what the supervisor and the gate are given in a tick.
-using Tap = std::function<void(const safety::PlanFacts&, const safety::Observation&,
-                               const safety::SupervisorInput&, const robot::Delivery&)>;
+using Tap = std::function<void(const safety::PlanFacts&, const safety::SupervisorInputs&,
+                               const safety::Situation&, const robot::GateInputs&)>;
 
 class Procedure final : private robot::FaultHooks {
  public:
@@ -60,7 +61,7 @@ class Procedure final : private robot::FaultHooks {
   Procedure& operator=(const Procedure&) = delete;
 
   // From the next tick on.
-  void corrupt(Corruptors corruptors) { spoilers_ = std::move(corruptors); }
+  void corrupt(Corruptors corruptors) { corruptors_ = std::move(corruptors); }
   void listen(Tap tap) { tap_ = std::move(tap); }
   Line tick();
 
@@ -68,25 +69,24 @@ class Procedure final : private robot::FaultHooks {
   const robot::Operator& person() const { return person_; }
   const robot::CycleRecord& last() const { return last_; }
   const Scene& scene() const { return scene_; }
-  safety::PlanFacts& facts() { return facts_; }  // the supervisor's memory of the plan
+  safety::PlanFacts& facts() { return supervised_.plan_facts(); }  // the supervisor's memory of the plan
 
  private:
-  void carry(safety::Observation& seen) override;
-  void carry(safety::SupervisorInput& input) override;
-  void carry(robot::Delivery& delivery) override;
+  void before_monitors(safety::SupervisorInputs& inputs) override;
+  void before_decision(safety::SupervisorInputs& inputs, safety::Evidence& evidence) override;
+  void before_gate(robot::GateInputs& inputs) override;
 
   const Scene& scene_;
-  safety::PlanFacts facts_;
-  Corruptors spoilers_;
+  Corruptors corruptors_;
   BreakableStage stage_;
   robot::ControlCycle supervised_;
-  control::RunnerState controller_;
+  robot::ControllerMemory controller_;
   robot::Operator person_;
   robot::CycleRecord last_;
   std::int32_t switched_from_mV_ = 0;
   Tap tap_;
-  safety::Observation seen_;  // of this tick, for the tap
-  safety::SupervisorInput asked_;
+  safety::SupervisorInputs seen_;  // of this tick, for the tap
+  safety::Situation decided_on_;
   Line line_;
 };
 

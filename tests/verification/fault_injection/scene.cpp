@@ -91,7 +91,7 @@ Scene draw_scene(const Workshop& workshop, std::uint64_t seed) {
     if (!std::holds_alternative<Plan>(planned)) continue;  // refused with a reason: nothing to rehearse
     Scene scene;
     scene.plan = std::get<Plan>(std::move(planned));
-    scene.facts = live::plan_facts(scene.plan, 1 + draw.bits() % 1'000'000);
+    scene.facts = robot::plan_facts(scene.plan, 1 + draw.bits() % 1'000'000);
     scene.plant = workshop.stage;
     scene.plant.weight = request.weight.value * 1e-3;
     vary_stage(draw, scene.plant);

@@ -18,7 +18,7 @@ const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode
 
 Corruptors stop_measuring(Draw&, Procedure& procedure, const Line&) {
   Corruptors corrupt;
-  corrupt.observation = [old = procedure.last().measurement](safety::Observation& seen) {
+  corrupt.observation = [old = procedure.last().measurement](safety::SupervisorInputs& seen) {
     seen.measurement = old;
   };
   return corrupt;

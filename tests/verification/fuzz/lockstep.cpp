@@ -22,7 +22,7 @@ const std::vector<Rig>& rigs() {
   return made;
 }
 
-void corrupt(Feed& feed, safety::Observation& s) {
+void corrupt(Feed& feed, safety::SupervisorInputs& s) {
   switch (feed.any<std::uint8_t>() % 8) {
     case 0:
       return fill(feed, s.measurement);
@@ -90,9 +90,9 @@ FUZZ(lockstep) {
   int ticks = 0;
   while (!feed.empty() && ticks < 2'000) {
     const auto what = feed.any<std::uint8_t>();
-    rig.on_observation = [](safety::Observation&) {};
+    rig.on_observation = [](safety::SupervisorInputs&) {};
     if (what & 1) {
-      rig.on_observation = [&](safety::Observation& seen) { corrupt(feed, seen); };
+      rig.on_observation = [&](safety::SupervisorInputs& seen) { corrupt(feed, seen); };
     }
     if (what & 2) rig.press();
     if (what & 4) rig.release();

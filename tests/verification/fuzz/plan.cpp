@@ -16,7 +16,7 @@ FUZZ(plan) {
   if (!plan) return;
   claim(std::ranges::equal(planner::canonical_bytes(*plan), bytes), "one plan, one form");
   reads_or_refuses([&] {
-    const safety::PlanFacts facts = live::plan_facts(*plan, 1);
+    const safety::PlanFacts facts = robot::plan_facts(*plan, 1);
     safety::plausible_depth(facts, 0, 8'000'000);
     claim(!safety::is_plausible(facts) || plan->limits.depth_max.value < 100.0,
           "kilometres do not become millimetres");

@@ -4,6 +4,7 @@
 #include "safety/gate.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/verification/fuzz/target.hpp"
 
 namespace biopsy::fuzz {
@@ -34,7 +35,7 @@ inline void fill(Feed& feed, safety::SupervisorState& s) {
             s.epoch, s.seq, s.token, s.stage, s.ticks_in_mode, s.ticks_since_held, s.held_mV);
 }
 
-inline void fill(Feed& feed, safety::SupervisorInput& i) {
+inline void fill(Feed& feed, safety::Situation& i) {
   feed.fill(i.now_us, i.evidence.clear, i.evidence.zero_volts, i.evidence.needle_home,
             i.evidence.image_disturbed, i.evidence.drive_mV, i.evidence.ceiling_mV, i.self_test, i.local_arm,
             i.local_reset, i.remote_arm, i.remote_reset, i.stop, i.motion.token, i.motion.held,

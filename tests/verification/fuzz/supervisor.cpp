@@ -2,6 +2,7 @@
 // no permit may allow.
 #include "safety/supervisor.hpp"
 
+#include "tests/safety/situation.hpp"
 #include "tests/verification/fuzz/safety_values.hpp"
 
 FUZZ(supervisor) {
@@ -12,7 +13,7 @@ FUZZ(supervisor) {
   fill(feed, plan);
   safety::SupervisorState state = safety::started(1);
   if (feed.any<bool>()) fill(feed, state);
-  safety::SupervisorInput input;
+  safety::Situation input;
   do {
     const auto what = feed.any<std::uint8_t>();
     if (what & 1) fill(feed, input);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/safety/situation.hpp"
 #include "twin.hpp"
 
 namespace biopsy::explore {
@@ -29,7 +30,7 @@ std::string hazard_words(safety::HazardSet hazards) {
 }
 
 // Only what is not as in a quiet healthy tick of this mode.
-std::string words_of(const SupervisorState& state, const SupervisorInput& input) {
+std::string words_of(const SupervisorState& state, const Situation& input) {
   std::string words;
   const auto say = [&words](const std::string& word) {
     if (!word.empty()) words += (words.empty() ? "" : ", ") + word;
@@ -99,7 +100,7 @@ std::string story_of(const Subject& subject, const PlanFacts& plan, const Explor
   SupervisorState state = safety::started(kSession), next;
   SupervisorOutput output;
   Teller teller;
-  const auto step = [&](const SupervisorInput& input) {
+  const auto step = [&](const Situation& input) {
     subject.step(&plan, &state, &input, &next, &output);
     return fmt::format("{} | {} -> {}", safety::name_of(state.mode), words_of(state, input),
                        permit_words(next, output));
@@ -110,7 +111,7 @@ std::string story_of(const Subject& subject, const PlanFacts& plan, const Explor
   }
   const bool is_of_a_state = claim == kInvariants + static_cast<std::size_t>(GraphClaim::WayHome) ||
                              claim == kInvariants + static_cast<std::size_t>(GraphClaim::EveryModeReached);
-  const SupervisorInput last = explorer.inputs_of(state.mode).at(found.input, state);
+  const Situation last = explorer.inputs_of(state.mode).at(found.input, state);
   if (!is_of_a_state) teller.tell(step(last));
   std::string text = teller.end();
   if (found.worse)

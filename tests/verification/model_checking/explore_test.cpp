@@ -11,6 +11,7 @@
 #include "parts.hpp"
 #include "plans.hpp"
 #include "robot/common/config_error.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/source_dir.hpp"
 #include "twin.hpp"
 
@@ -66,9 +67,9 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
     SupervisorState state = state_of(0);
     state.token = kToken, state.stage = 1;
     std::uint32_t visited = 0;
-    space.for_each(state, [&](std::uint32_t index, const SupervisorInput& input) {
+    space.for_each(state, [&](std::uint32_t index, const Situation& input) {
       ASSERT_EQ(index, visited++);
-      const SupervisorInput same = space.at(index, state);
+      const Situation same = space.at(index, state);
       ASSERT_EQ(input.evidence.clear, same.evidence.clear);
       ASSERT_EQ(input.stop, same.stop);
       ASSERT_EQ(input.motion.token, same.motion.token);
@@ -97,7 +98,7 @@ TEST(Twins, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
   safety::HazardSet seen = 0;
   bool before = false, after = false;
   for (std::uint32_t i = 0; i < space.size(); ++i) {
-    const SupervisorInput input = space.at(i, state);
+    const Situation input = space.at(i, state);
     const Twin twin = twin_of(state, input, i);
     seen |= twin.input.evidence.hazards();
     before = before || twin.input.accepted_stage < twin.state.stage;

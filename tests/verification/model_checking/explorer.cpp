@@ -7,6 +7,7 @@
 #include "backward_reachability.hpp"
 #include "permissiveness.hpp"
 #include "states.hpp"
+#include "tests/safety/situation.hpp"
 #include "twin.hpp"
 
 namespace biopsy::explore {
@@ -16,7 +17,7 @@ namespace {
 constexpr std::uint32_t kOthers = 8;
 constexpr std::uint64_t kScatter = 2'654'435'761;
 
-bool is_healthy(const SupervisorInput& input) {
+bool is_healthy(const Situation& input) {
   return input.evidence.hazards() == 0 && input.stop == StopCategory::None && input.evidence.zero_volts &&
          input.evidence.needle_home && input.self_test == safety::SelfTest::Passed;
 }
@@ -87,7 +88,7 @@ void Explorer::sweep(std::uint32_t from) {
   std::set<std::pair<std::uint64_t, std::uint64_t>> known;
   std::pair<std::uint64_t, std::uint64_t> last{~0ULL, ~0ULL};
   std::vector<Kind> kinds;
-  space.for_each(before, [&](std::uint32_t index, const SupervisorInput& input) {
+  space.for_each(before, [&](std::uint32_t index, const Situation& input) {
     take(from, before, input, index);
     outcomes_[index] = outcome_of(after_, output_);
     const std::pair kind{key_of(after_) << 1U | (is_healthy(input) ? 1U : 0U), outcomes_[index]};
@@ -122,7 +123,7 @@ void Explorer::walk(std::uint32_t from, const SupervisorState& before, const Kin
     break_claim(GraphClaim::TimeBetweenIsAlike, from, kind.index, {});
 }
 
-void Explorer::take(std::uint32_t from, const SupervisorState& before, const SupervisorInput& input,
+void Explorer::take(std::uint32_t from, const SupervisorState& before, const Situation& input,
                     std::uint32_t index) {
   subject_.step(&plan_, &before, &input, &after_, &output_);
   ++result_.transitions;
@@ -130,7 +131,7 @@ void Explorer::take(std::uint32_t from, const SupervisorState& before, const Sup
   try_twin(before, input, from, index);
 }
 
-void Explorer::try_twin(const SupervisorState& before, const SupervisorInput& input, std::uint32_t from,
+void Explorer::try_twin(const SupervisorState& before, const Situation& input, std::uint32_t from,
                         std::uint32_t index) {
   const Twin twin = twin_of(before, input, (std::uint64_t{from} << 32U) + index);
   SupervisorState after;
@@ -159,7 +160,7 @@ void Explorer::compare_with_worse(std::uint32_t from, const SupervisorState& bef
   }
 }
 
-void Explorer::go(std::uint32_t from, const SupervisorInput& input, std::uint32_t index) {
+void Explorer::go(std::uint32_t from, const Situation& input, std::uint32_t index) {
   const std::uint64_t key = key_of(after_);
   const auto [to, is_new] = index_.number_of(key, static_cast<std::uint32_t>(keys_.size()));
   if (is_healthy(input)) healthy_.emplace_back(from, to);

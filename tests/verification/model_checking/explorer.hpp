@@ -19,6 +19,7 @@
 #include "state_index.hpp"
 #include "states.hpp"
 #include "subject.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 
@@ -81,17 +82,16 @@ class Explorer {
  private:
   struct Kind {
     std::uint32_t index;
-    SupervisorInput input;
+    Situation input;
   };
   void sweep(std::uint32_t from);
   void walk(std::uint32_t from, const std::vector<Kind>& kinds);
   void walk(std::uint32_t from, const SupervisorState& before, const Kind& kind);
-  void take(std::uint32_t from, const SupervisorState& before, const SupervisorInput& input,
-            std::uint32_t index);
-  void try_twin(const SupervisorState& before, const SupervisorInput& input, std::uint32_t from,
+  void take(std::uint32_t from, const SupervisorState& before, const Situation& input, std::uint32_t index);
+  void try_twin(const SupervisorState& before, const Situation& input, std::uint32_t from,
                 std::uint32_t index);
   void compare_with_worse(std::uint32_t from, const SupervisorState& before);
-  void go(std::uint32_t from, const SupervisorInput& input, std::uint32_t index);
+  void go(std::uint32_t from, const Situation& input, std::uint32_t index);
   void note(Findings findings, std::uint32_t from, std::uint32_t input);
   void break_claim(std::size_t claim, std::uint32_t from, std::uint32_t input,
                    std::optional<std::uint32_t> worse);

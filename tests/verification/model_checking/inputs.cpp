@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "states.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 namespace {
@@ -129,16 +130,15 @@ Digits InputSpace::digits(std::uint32_t index) const {
   return digit;
 }
 
-SupervisorInput InputSpace::at(std::uint32_t index, const SupervisorState& state) const {
-  SupervisorInput input;
+Situation InputSpace::at(std::uint32_t index, const SupervisorState& state) const {
+  Situation input;
   input.self_test = safety::SelfTest::Passed;
   const Digits digit = digits(index);
   for (std::size_t d = 0; d < kDimensions; ++d) put(input, static_cast<Dimension>(d), digit[d], state);
   return input;
 }
 
-void InputSpace::put(SupervisorInput& input, Dimension d, std::uint8_t value,
-                     const SupervisorState& state) const {
+void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const SupervisorState& state) const {
   const bool forgotten = size_of(d) == 1;
   switch (d) {
     case Dimension::Hazards:

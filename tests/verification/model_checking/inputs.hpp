@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "safety/supervisor.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 
-using safety::SupervisorInput;
+using safety::Situation;
 using safety::SupervisorState;
 
 // One digit each. A dimension that decides nothing in a mode has one value there; twins check that it does
@@ -48,9 +49,9 @@ class InputSpace {
   std::uint32_t size_of(Dimension d) const { return sizes_[static_cast<std::size_t>(d)]; }
   std::uint32_t stride_of(Dimension d) const { return strides_[static_cast<std::size_t>(d)]; }
   Digits digits(std::uint32_t index) const;
-  SupervisorInput at(std::uint32_t index, const SupervisorState& state) const;
+  Situation at(std::uint32_t index, const SupervisorState& state) const;
   // Writes one dimension's value into an input.
-  void put(SupervisorInput& input, Dimension d, std::uint8_t value, const SupervisorState& state) const;
+  void put(Situation& input, Dimension d, std::uint8_t value, const SupervisorState& state) const;
   // The covering pairs of "worse", which generate the whole order.
   const std::vector<Worsening>& worse(Dimension d) const { return worse_[static_cast<std::size_t>(d)]; }
 
@@ -58,7 +59,7 @@ class InputSpace {
   template <class Visit>
   void for_each(const SupervisorState& state, Visit&& visit) const {
     Digits digit{};
-    SupervisorInput input = at(0, state);
+    Situation input = at(0, state);
     for (std::uint32_t index = 0;;) {
       visit(index, input);
       if (++index == size_) return;

@@ -7,6 +7,7 @@
 
 #include "safety/types/hazards.hpp"
 #include "subject.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 
@@ -14,13 +15,13 @@ namespace biopsy::explore {
 struct Step {
   const PlanFacts& plan;
   const SupervisorState& before;
-  const SupervisorInput& input;
+  const Situation& input;
   const SupervisorState& after;
   const SupervisorOutput& output;
   safety::HazardSet hazards = input.evidence.hazards();
   StopCategory stop = strongest_stop(input);
 
-  static StopCategory strongest_stop(const SupervisorInput& input);
+  static StopCategory strongest_stop(const Situation& input);
   bool enters(Mode mode) const { return after.mode == mode && before.mode != mode; }
   bool leaves(Mode mode) const { return before.mode == mode && after.mode != mode; }
   bool stays(Mode mode) const { return before.mode == mode && after.mode == mode; }
@@ -49,6 +50,6 @@ struct Findings {
 Findings check_all(const Step& step);
 
 // |V| that a permit of this state allows: the stage's limit under the ceiling, what is held, or the ramp.
-std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input);
+std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const Situation& input);
 
 }  // namespace biopsy::explore

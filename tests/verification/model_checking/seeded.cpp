@@ -6,12 +6,13 @@
 #include "safety/gate.cpp"
 #include "safety/supervisor.cpp"
 #include "safety/types/transitions.cpp"
+#include "tests/safety/situation.hpp"
 
 using namespace biopsy;
 
 extern "C" __attribute__((visibility("default"))) void seeded_step(const safety::PlanFacts* plan,
                                                                    const safety::SupervisorState* state,
-                                                                   const safety::SupervisorInput* input,
+                                                                   const safety::Situation* input,
                                                                    safety::SupervisorState* next,
                                                                    safety::SupervisorOutput* output) {
   std::tie(*next, *output) = safety::step(*plan, *state, *input);

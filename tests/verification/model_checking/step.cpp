@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "invariants.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 namespace {
@@ -15,7 +16,7 @@ const HazardSet kC1 = safety::hazards_with(StopCategory::C1Ramp);
 
 }  // namespace
 
-StopCategory Step::strongest_stop(const SupervisorInput& input) {
+StopCategory Step::strongest_stop(const Situation& input) {
   const HazardSet hazards = input.evidence.hazards();
   StopCategory needed = hazards != 0 ? StopCategory::C2Hold : StopCategory::None;
   if ((hazards & kC1) != 0) needed = StopCategory::C1Ramp;
@@ -23,7 +24,7 @@ StopCategory Step::strongest_stop(const SupervisorInput& input) {
   return std::max(needed, input.stop);
 }
 
-std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const SupervisorInput& input) {
+std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const Situation& input) {
   switch (state.mode) {
     case Mode::Active:
       return state.stage < plan.stage_count

@@ -2,21 +2,23 @@
 
 #include <tuple>
 
+#include "tests/safety/situation.hpp"
+
 namespace biopsy::explore {
 
 Subject shipped() {
-  return {[](const PlanFacts* plan, const SupervisorState* state, const SupervisorInput* input,
-             SupervisorState* next,
-             SupervisorOutput* output) { std::tie(*next, *output) = safety::step(*plan, *state, *input); },
-          [](const safety::GateState* state, const DriveRequest* request, const Permit* permit,
-             std::int64_t now_us, std::int32_t writer_count, safety::GateState* next, std::int32_t* mV,
-             bool* hv_enabled, GateVerdict* verdict) {
-            const safety::GateResult result = safety::gate(*state, request, permit, now_us, writer_count);
-            *next = result.state;
-            *mV = result.voltage.mV();
-            *hv_enabled = result.voltage.hv_enabled();
-            *verdict = result.verdict;
-          }};
+  return {
+      [](const PlanFacts* plan, const SupervisorState* state, const Situation* input, SupervisorState* next,
+         SupervisorOutput* output) { std::tie(*next, *output) = safety::step(*plan, *state, *input); },
+      [](const safety::GateState* state, const DriveRequest* request, const Permit* permit,
+         std::int64_t now_us, std::int32_t writer_count, safety::GateState* next, std::int32_t* mV,
+         bool* hv_enabled, GateVerdict* verdict) {
+        const safety::GateResult result = safety::gate(*state, request, permit, now_us, writer_count);
+        *next = result.state;
+        *mV = result.voltage.mV();
+        *hv_enabled = result.voltage.hv_enabled();
+        *verdict = result.verdict;
+      }};
 }
 
 }  // namespace biopsy::explore

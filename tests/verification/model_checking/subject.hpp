@@ -3,17 +3,18 @@
 
 #include "safety/gate.hpp"
 #include "safety/supervisor.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 
 using safety::PlanFacts;
-using safety::SupervisorInput;
+using safety::Situation;
 using safety::SupervisorOutput;
 using safety::SupervisorState;
 
 // As C entry points, so that a copy can stand behind dlopen. The gate's voltage travels in its state.
 struct Subject {
-  void (*step)(const PlanFacts*, const SupervisorState*, const SupervisorInput*, SupervisorState*,
+  void (*step)(const PlanFacts*, const SupervisorState*, const Situation*, SupervisorState*,
                SupervisorOutput*);
   void (*gate)(const safety::GateState*, const DriveRequest*, const Permit*, std::int64_t now_us,
                std::int32_t writer_count, safety::GateState*, std::int32_t* mV, bool* hv_enabled,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tests/safety/situation.hpp"
+
 namespace biopsy::explore {
 namespace {
 
@@ -53,7 +55,7 @@ void vary_memory(SupervisorState& state, std::uint64_t choice) {
   if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>((choice >> 12) % 8'000'001);
 }
 
-void vary_motion(SupervisorState& state, SupervisorInput& input, std::uint64_t choice) {
+void vary_motion(SupervisorState& state, Situation& input, std::uint64_t choice) {
   const auto shift = static_cast<std::uint32_t>(choice % 1'000'000);
   if (state.token == 0) {
     if (input.motion.token != 0) input.motion.token += shift;
@@ -71,7 +73,7 @@ std::uint32_t other_by(std::uint64_t choice) {
 }
 
 // Whatever decides nothing in this mode.
-void vary_input(const SupervisorState& state, SupervisorInput& input, std::uint64_t choice) {
+void vary_input(const SupervisorState& state, Situation& input, std::uint64_t choice) {
   const Mode mode = state.mode;
   const bool moving = mode == Mode::Active || mode == Mode::Hold;
   const auto chosen = [choice](unsigned bit) { return ((choice >> bit) & 1U) != 0; };
@@ -98,7 +100,7 @@ void vary_input(const SupervisorState& state, SupervisorInput& input, std::uint6
 
 }  // namespace
 
-Twin twin_of(const SupervisorState& state, const SupervisorInput& input, std::uint64_t number) {
+Twin twin_of(const SupervisorState& state, const Situation& input, std::uint64_t number) {
   Choice choice(number);
   Twin twin{state, input};
   twin.input.evidence.clear = safety::kAllHazards & ~other_members(input.evidence.hazards(), choice.next());

@@ -6,16 +6,17 @@
 #include "inputs.hpp"
 #include "states.hpp"
 #include "subject.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::explore {
 
 struct Twin {
   SupervisorState state;
-  SupervisorInput input;
+  Situation input;
 };
 
 // `number` chooses the differences; another number, another twin.
-Twin twin_of(const SupervisorState& state, const SupervisorInput& input, std::uint64_t number);
+Twin twin_of(const SupervisorState& state, const Situation& input, std::uint64_t number);
 
 // Whether two steps of twins did the same, each seen from where it started.
 bool did_the_same(const SupervisorState& next, const SupervisorOutput& output,

@@ -5,6 +5,7 @@
 
 #include "mutation.hpp"
 #include "relation_hash.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/verification/model_checking/explorer.hpp"
 #include "tests/verification/model_checking/gate_explorer.hpp"
 #include "tests/verification/model_checking/plans.hpp"
@@ -66,7 +67,7 @@ auto take(const Step& step) {
   return original;
 }
 
-void step_and_note(const PlanFacts* plan, const SupervisorState* state, const SupervisorInput* input,
+void step_and_note(const PlanFacts* plan, const SupervisorState* state, const Situation* input,
                    SupervisorState* next, SupervisorOutput* output) {
   const Stepped done = take([&] {
     Stepped stepped;

@@ -28,6 +28,7 @@
 #include "safety/monitors/tissue_monitor.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/situation.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -106,8 +107,8 @@ void hash_gate(Hash& hash) {
   }
 }
 
-SupervisorInput input_of(Dice& dice, const SupervisorState& state) {
-  SupervisorInput input;
+Situation input_of(Dice& dice, const SupervisorState& state) {
+  Situation input;
   input.now_us = dice.below(1'000);
   input.evidence.clear = kAllHazards;
   if (dice.one_in(30)) input.evidence.clear &= ~bit(static_cast<Hazard>(dice.below(kHazards)));
@@ -167,7 +168,7 @@ class Course {
   }
 
   const PlanFacts& plan() const { return plan_; }
-  const Observation& seen() const { return seen_; }
+  const SupervisorInputs& seen() const { return seen_; }
   EvidenceMemory& memory() { return memory_; }
 
  private:
@@ -268,7 +269,7 @@ class Course {
 
   Dice dice_;
   PlanFacts plan_;
-  Observation seen_;
+  SupervisorInputs seen_;
   EvidenceMemory memory_;
   std::int32_t depth_um_ = 0, drift_um_ = 0, drive_mV_ = 0;
   std::uint32_t spoil_ = 99;

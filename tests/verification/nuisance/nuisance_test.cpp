@@ -25,7 +25,7 @@ TEST(Nuisance, AnHourOfHealthyProceduresHasNoTrip) {
 }
 
 TEST(Nuisance, ComplainsAboutASupervisorThatSeesWhatIsNotThere) {
-  const auto nervous = [](safety::Observation& seen) {
+  const auto nervous = [](safety::SupervisorInputs& seen) {
     if (seen.measurement.seq % 5'000 == 0) seen.patient_motion_um = 2'001;
   };
   const Shift day = work(workshop(), 0.01, 1, nervous, [](double) {});
@@ -34,7 +34,7 @@ TEST(Nuisance, ComplainsAboutASupervisorThatSeesWhatIsNotThere) {
 }
 
 TEST(Nuisance, CountsATripAsATrip) {
-  const auto jumpy = [](safety::Observation& seen) {
+  const auto jumpy = [](safety::SupervisorInputs& seen) {
     if (seen.measurement.seq == 4'000) seen.writers = 2;
   };
   const Shift day = work(workshop(), 0.01, 1, jumpy, [](double) {});

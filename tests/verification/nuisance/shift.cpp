@@ -31,12 +31,12 @@ bool is_unasked(const Line& line, Mode before) {
 
 // One procedure, as a shift of one.
 Shift work_once(const Workshop& workshop, std::uint64_t seed, std::uint64_t number,
-                const std::function<void(safety::Observation&)>& seeing) {
+                const std::function<void(safety::SupervisorInputs&)>& seeing) {
   const Scene scene = draw_scene(workshop, seed_of(seed, kDays, number));
   VariedPerson person(scene.plan, seed_of(seed, kPeople, number));
   Procedure procedure(scene);
   Corruptors people;
-  people.world = [&](robot::World& world) { world = person.act(procedure.last()); };
+  people.world = [&](robot::OperatorInputs& world) { world = person.act(procedure.last()); };
   people.observation = seeing;
   procedure.corrupt(std::move(people));
   Shift shift;
@@ -86,7 +86,7 @@ Shift joined(Shift a, const Shift& b) {
 }  // namespace
 
 Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
-           const std::function<void(safety::Observation&)>& seeing,
+           const std::function<void(safety::SupervisorInputs&)>& seeing,
            const std::function<void(double share)>& progress) {
   Shift day;
   while (day.hours < hours) {

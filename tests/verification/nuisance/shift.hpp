@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "safety/types/observation.hpp"
+#include "safety/types/supervisor_inputs.hpp"
 #include "tests/verification/fault_injection/scene.hpp"
 
 namespace biopsy::proof {
@@ -29,7 +29,7 @@ struct Shift {
 // Procedures of different scenes and people until `hours` are full. The same seed, the same day. `seeing`, if
 // given, may corrupt what the supervisor sees: a bench that cannot complain proves nothing.
 Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
-           const std::function<void(safety::Observation&)>& seeing,
+           const std::function<void(safety::SupervisorInputs&)>& seeing,
            const std::function<void(double share)>& progress);
 
 }  // namespace biopsy::proof

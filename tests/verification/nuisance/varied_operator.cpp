@@ -89,9 +89,9 @@ void VariedPerson::watch(const robot::CycleRecord& seen) {
   }
 }
 
-robot::World VariedPerson::act(const robot::CycleRecord& seen) {
+robot::OperatorInputs VariedPerson::act(const robot::CycleRecord& seen) {
   watch(seen);
-  robot::World world;
+  robot::OperatorInputs world = robot::OperatorInputs::idle();
   world.arm = step_ == Step::Arm;
   world.press = {token_, held_};
   world.acquiring = step_ == Step::Image;

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "robot/cycle/control_cycle.hpp"
+#include "robot/cycle/run_cycle.hpp"
 #include "tests/verification/fault_injection/draw.hpp"
 
 namespace biopsy::proof {
@@ -13,7 +13,7 @@ class VariedPerson {
  public:
   VariedPerson(const Plan& plan, std::uint64_t seed);
 
-  robot::World act(const robot::CycleRecord& seen);
+  robot::OperatorInputs act(const robot::CycleRecord& seen);
 
   bool done() const { return step_ == Step::Done; }
   bool completed() const { return completed_; }

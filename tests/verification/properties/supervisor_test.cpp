@@ -25,7 +25,7 @@ RC_GTEST_PROP(Supervisor, AllowsNothingBeyondTheRobotFromAnyMemory, ()) {
   fuzz::Feed feed(bytes);
   safety::PlanFacts plan;
   safety::SupervisorState state;
-  safety::SupervisorInput input;
+  safety::Situation input;
   fuzz::fill(feed, plan), fuzz::fill(feed, state), fuzz::fill(feed, input);
   if (*rc::gen::arbitrary<bool>()) state.mode = static_cast<Mode>(*rc::gen::inRange(0, 9));
   if (*rc::gen::arbitrary<bool>()) input.evidence.clear = kAllHazards;
@@ -43,7 +43,7 @@ RC_GTEST_PROP(Supervisor, OneHazardMoreNeverAllowsMoreFromAnyMemory, ()) {
   const auto bytes = any_bytes();
   fuzz::Feed feed(bytes);
   safety::SupervisorState state;
-  safety::SupervisorInput input;
+  safety::Situation input;
   fuzz::fill(feed, state), fuzz::fill(feed, input);
   state.mode = static_cast<Mode>(*rc::gen::inRange(0, 9));
   input.evidence.clear = kAllHazards;
@@ -59,7 +59,7 @@ RC_GTEST_PROP(Supervisor, AStopThatDoesNotExistStopsAsTheStrongest, ()) {
   verifies("R-36", "R-47");
   safety::SupervisorState state = safety::started(1);
   state.mode = *rc::gen::element(Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract);
-  safety::SupervisorInput input;
+  safety::Situation input;
   input.evidence = {kAllHazards, true, true, false, 0};
   input.stop = static_cast<StopCategory>(*rc::gen::inRange(3, 256));
   const auto [next, output] = safety::step(safety::three_stage_plan(), state, input);
@@ -75,7 +75,7 @@ RC_GTEST_PROP(Evidence, IsWhatTheObservationSaysWhateverWasBefore, ()) {
   const safety::PlanFacts plan = safety::three_stage_plan();
   safety::EvidenceMemory memory;
   for (int tick = 0; tick < 8; ++tick) {
-    safety::Observation seen;
+    safety::SupervisorInputs seen;
     fuzz::fill(feed, seen.measurement), fuzz::fill(feed, seen.request), fuzz::fill(feed, seen.permit);
     feed.fill(seen.now_us, seen.estop_a_closed, seen.estop_b_closed, seen.log_backlog_ms,
               seen.patient_motion_um);

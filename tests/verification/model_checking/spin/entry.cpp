@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "safety/supervisor.hpp"
+#include "tests/safety/situation.hpp"
 
 using namespace biopsy;
 
@@ -80,12 +81,12 @@ SpinState pack(const safety::SupervisorState& state, bool exact) {
   return packed;
 }
 
-safety::SupervisorInput unpack(const SpinInput& packed, const safety::SupervisorState& state) {
+safety::Situation unpack(const SpinInput& packed, const safety::SupervisorState& state) {
   constexpr safety::HazardSet kHazard[] = {0, bit(safety::Hazard::PatientMotion),
                                            bit(safety::Hazard::SensorStale), bit(safety::Hazard::Arc),
                                            bit(safety::Hazard::NeedleNotBack)};
   const std::uint32_t tokens[] = {0, state.token == 0 ? 0 : kPresent - 1, state.token, state.token + 1};
-  safety::SupervisorInput input;
+  safety::Situation input;
   input.evidence.clear = safety::kAllHazards & ~kHazard[packed.hazard];
   input.evidence.zero_volts = packed.zero != 0;
   input.evidence.needle_home = packed.home != 0;

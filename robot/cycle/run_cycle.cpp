@@ -1,0 +1,65 @@
+#include "robot/cycle/run_cycle.hpp"
+
+#include "planner/plan/seal.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+constexpr std::uint32_t kSession = 1;  // a virtual clock starts its first session
+
+// Sealed anew: a plan that was changed after its seal has another tag than the one that was permitted and
+// confirmed.
+std::uint64_t tag_of(Plan plan) {
+  planner::seal(plan);
+  return planner::plan_tag(plan);
+}
+
+}  // namespace
+
+ControlCycle::ControlCycle(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
+                           const std::array<std::uint64_t, 2>& confirmed)
+    : stage_(stage, facts.config_tag) {
+  supervisor_.plan = facts;
+  supervisor_.config_tag = facts.config_tag;
+  supervisor_.self_test = safety::SelfTest::Passed;
+  supervisor_.sealed_tag = tag_of(plan);
+  supervisor_.confirmed_tag = confirmed;
+  supervisor_.state = safety::started(kSession);
+  request_.plan_tag = supervisor_.sealed_tag;
+  request_.config_tag = facts.config_tag;
+}
+
+// Messages arrive in the tick in which they were sent.
+SupervisorSources ControlCycle::sources(const Measurement& measurement, const OperatorInputs& operator_inputs,
+                                        const Environment& environment) const {
+  SupervisorSources in;
+  in.now_us = now_us();
+  in.measurement = measurement;
+  in.request = request_;
+  in.writers = environment.writers;
+  in.panel = panel_levels(operator_inputs);
+  in.act = {operator_act(operator_inputs), in.now_us};
+  in.log = {{.backlog_ms = environment.log_backlog_ms}, in.now_us};
+  in.verdict = depth_verdict(operator_inputs, supervisor_.plan.plan_tag);
+  return in;
+}
+
+CycleRecord ControlCycle::run(const OperatorInputs& operator_inputs, const Environment& environment,
+                              const Controller& controller) {
+  CycleRecord record;
+  record.measurement = stage_.measure();
+  const Supervision supervision =
+      supervise(sources(record.measurement, operator_inputs, environment), supervisor_, faults_);
+  record.evidence = supervision.evidence;
+  record.supervisor = supervision.output;
+  request_ = controller(record.measurement, record.supervisor);
+  request_.plan_tag = supervisor_.sealed_tag;
+  request_.config_tag = supervisor_.config_tag;
+  record.request = request_;
+  actuate({request_, record.supervisor.permit, now_us(), environment.writers}, stage_, faults_);
+  record.drive_mV = stage_.command_mV();
+  ++ticks_;
+  return record;
+}
+
+}  // namespace biopsy::robot

@@ -1,0 +1,148 @@
+#include "robot/cycle/supervise.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "planner/plan/open_plan.hpp"
+#include "planner/plan/seal.hpp"
+#include "robot/cycle/plan_facts.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+constexpr std::int64_t kActMax_us = 500'000;  // an older operator act counts as unknown
+
+bool is_known(const SupervisorSources& in) {
+  return in.act.at_us != 0 && in.now_us - in.act.at_us <= kActMax_us;
+}
+
+std::int32_t log_backlog_ms(const SupervisorSources& in) {
+  if (in.log.at_us == 0) return safety::kUnknown;
+  const std::int64_t age_ms = (in.now_us - in.log.at_us) / 1000;
+  return static_cast<std::int32_t>(
+      std::min<std::int64_t>(in.log.message.backlog_ms + age_ms, safety::kUnknown));
+}
+
+// The plan that the controller runs and the one that was sent last must both be the sealed one. Each process
+// states its tags in the messages that nobody else may write.
+void add_tags(const SupervisorSources& in, const SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
+  const bool same_plan = memory.sealed_tag == in.request.plan_tag;
+  const bool same_config =
+      in.measurement.config_tag == memory.config_tag && in.request.config_tag == memory.config_tag;
+  inputs.plan_tag = same_plan ? memory.sealed_tag : 0;
+  inputs.config_tag = same_config ? memory.config_tag : 0;
+  inputs.confirmed_tag = memory.confirmed_tag;
+}
+
+void add_panel(const digital_io::PanelLevels& panel, safety::SupervisorInputs& inputs) {
+  inputs.estop_a_closed = panel.estop_a_closed;
+  inputs.estop_b_closed = panel.estop_b_closed;
+  inputs.local_arm = panel.arm_key;
+  inputs.local_reset = panel.reset_key;
+  inputs.bench_confirmed = panel.bench_key;
+}
+
+// Without an operator nothing may rise; the needle holds (C2). A press and a remote request count once, when
+// they arrive: nothing that is remembered keeps a button pressed.
+void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
+  const OperatorAct& act = in.act.message;
+  inputs.stop = StopCategory::C2Hold;
+  if (is_known(in)) {
+    inputs.stop = act.stop;
+    inputs.acquiring = act.acquiring;
+    inputs.patient_motion_um = act.patient_motion_um;
+  }
+  if (in.act.at_us != memory.act_us) {
+    inputs.motion = {act.token, act.held};
+    inputs.remote_arm = act.arm;
+    inputs.remote_reset = act.reset;
+    memory.act_us = in.act.at_us;
+  }
+  const std::uint64_t plan_tag = memory.plan.plan_tag;
+  inputs.depth_accepted = in.verdict.accepted && in.verdict.plan_tag == plan_tag && plan_tag != 0;
+  inputs.accepted_stage = in.verdict.stage;
+}
+
+safety::SupervisorInputs supervisor_inputs(const SupervisorSources& in, SupervisorMemory& memory) {
+  safety::SupervisorInputs inputs;
+  inputs.now_us = in.now_us;
+  inputs.self_test = memory.self_test;
+  inputs.measurement = in.measurement;
+  inputs.request = in.request;
+  inputs.permit = memory.permit;
+  inputs.writers = in.writers;
+  inputs.log_backlog_ms = log_backlog_ms(in);
+  inputs.tissue_residual_um = safety::tissue_residual_um(memory.plan, memory.tissue, in.measurement);
+  add_tags(in, memory, inputs);
+  add_panel(in.panel, inputs);
+  add_operator(in, memory, inputs);
+  return inputs;
+}
+
+}  // namespace
+
+std::int32_t writer_count(const WriterCounts& counts) {
+  for (const std::int32_t count : {counts.measurements, counts.requests, counts.acts})
+    if (count != 1) return count;
+  if (counts.measurements_alive != 1 || counts.requests_alive != 1) return 0;
+  return std::max({counts.plans, counts.verdicts, counts.log, 1});
+}
+
+void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory) {
+  const std::optional<Plan> plan = planner::open_plan(sealed.bytes, sealed.seal);
+  memory.sealed_tag = plan ? planner::plan_tag(*plan) : 0;
+  if (safety::hv_permitted(memory.state.mode)) return;
+  const bool fits =
+      plan && plan->stages.size() <= safety::kMaxSteps && plan->limits.plausible.size() <= safety::kMaxBands;
+  memory.plan = fits ? plan_facts(*plan, memory.config_tag) : safety::PlanFacts{};
+  memory.confirmed_tag = sealed.confirmed_tag;
+}
+
+Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks* faults) {
+  safety::SupervisorInputs inputs = supervisor_inputs(in, memory);
+  if (faults != nullptr) faults->before_monitors(inputs);
+  Supervision out;
+  out.evidence = safety::assess(memory.plan, memory.evidence, inputs);
+  if (faults != nullptr) faults->before_decision(inputs, out.evidence);
+  std::tie(memory.state, out.output) = safety::step(memory.plan, memory.state, inputs, out.evidence);
+  memory.permit = out.output.permit;
+  return out;
+}
+
+Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns) {
+  Decision decision;
+  decision.seq = output.permit.seq;
+  decision.time_us = now_us;
+  decision.at_ns = wall_ns;
+  decision.session = output.permit.session;
+  decision.epoch = output.permit.epoch;
+  decision.mode = output.permit.mode;
+  decision.stop = output.permit.stop;
+  decision.event = static_cast<std::uint8_t>(output.event);
+  decision.worst = static_cast<std::uint8_t>(output.worst);
+  decision.reason = static_cast<std::uint8_t>(output.reason);
+  decision.refusal = static_cast<std::uint8_t>(output.refusal);
+  decision.stage = output.stage;
+  decision.stage_done = output.stage_done;
+  decision.image_allowed = output.image_allowed;
+  decision.image_disturbed = output.image_disturbed;
+  return decision;
+}
+
+safety::SupervisorOutput supervisor_output(const Decision& decision, const Permit& permit) {
+  safety::SupervisorOutput output;
+  output.permit = permit;
+  output.permit.mode = decision.mode;
+  output.permit.stop = decision.stop;
+  output.event = static_cast<safety::Event>(decision.event);
+  output.worst = static_cast<safety::Hazard>(decision.worst);
+  output.reason = static_cast<safety::Hazard>(decision.reason);
+  output.refusal = static_cast<safety::Refusal>(decision.refusal);
+  output.stage = decision.stage;
+  output.stage_done = decision.stage_done;
+  output.image_allowed = decision.image_allowed;
+  output.image_disturbed = decision.image_disturbed;
+  return output;
+}
+
+}  // namespace biopsy::robot

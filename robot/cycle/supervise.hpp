@@ -1,0 +1,75 @@
+// Monitor and decide: from what arrived by bus, panel and clock to the permit of this tick. The one place
+// where the supervisor's inputs are put together, live and in lockstep.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "drivers/digital_io/io_block.hpp"
+#include "robot/cycle/fault_hooks.hpp"
+#include "robot/msg/live.hpp"
+#include "safety/monitors/tissue_monitor.hpp"
+#include "safety/supervisor.hpp"
+
+namespace biopsy::robot {
+
+// The newest message of a topic and when it arrived, on the receiver's clock.
+template <class Message>
+struct Received {
+  Message message{};
+  std::int64_t at_us = 0;  // 0: none yet
+};
+
+// What reached the supervisor by the end of a tick.
+struct SupervisorSources {
+  std::int64_t now_us = 0;
+  Measurement measurement;   // seq 0: none yet
+  DriveRequest request;      // likewise
+  std::int32_t writers = 0;  // writer_count() of the topics
+  digital_io::PanelLevels panel;
+  Received<OperatorAct> act;
+  Received<LogHealth> log;
+  DepthVerdictNote verdict;
+};
+
+// How many writers each topic has that must have one. Plans, verdicts and the log's health may have none:
+// nothing is permitted for want of them.
+struct WriterCounts {
+  std::int32_t measurements = 0, requests = 0, acts = 0;
+  std::int32_t measurements_alive = 0,
+               requests_alive = 0;  // by liveliness: one that stands still counts as none
+  std::int32_t plans = 0, verdicts = 0, log = 0;
+};
+// 1 where every topic is right, else a count that is not.
+std::int32_t writer_count(const WriterCounts& counts);
+
+// What the supervisor keeps from tick to tick.
+struct SupervisorMemory {
+  std::uint64_t config_tag = 0;  // of the configuration at start
+  safety::SelfTest self_test = safety::SelfTest::Pending;
+  safety::PlanFacts plan;        // none: plan_tag 0
+  std::uint64_t sealed_tag = 0;  // of the plan that was sent last, accepted or not; 0: seal broken
+  std::array<std::uint64_t, 2> confirmed_tag{};  // that both confirmations were given for
+  safety::EvidenceMemory evidence;
+  safety::TissueMonitor tissue;
+  safety::SupervisorState state;
+  Permit permit;            // issued in the last tick
+  std::int64_t act_us = 0;  // arrival of the last operator act that was used
+};
+
+struct Supervision {
+  safety::Evidence evidence;
+  safety::SupervisorOutput output;
+};
+
+// A plan is accepted while no high voltage is permitted. In motion it is only noticed: its tag is then not
+// the sealed one any more, which stops the robot.
+void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory);
+
+Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks* faults = nullptr);
+
+// The message of a decision, and back.
+Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns);
+safety::SupervisorOutput supervisor_output(const Decision& decision, const Permit& permit);
+
+}  // namespace biopsy::robot

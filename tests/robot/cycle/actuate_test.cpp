@@ -1,0 +1,86 @@
+// What a stage process can get wrong: which request, permit, clock and count reach the gate.
+#include "robot/cycle/actuate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+struct Recorded final : drivers::NeedleStage {
+  std::int32_t mV = -1;
+  bool enabled = true;
+  drivers::SensorReading read() override { return {.time_us = 6, .depth_um = 7, .laser_valid = true}; }
+  void write(const safety::GatedVoltage& voltage) override {
+    mV = voltage.mV();
+    enabled = voltage.hv_enabled();
+  }
+};
+
+GateInputs raising(std::uint32_t seq) {
+  GateInputs in;
+  in.request = {.seq = seq, .wanted_mV = 50'000};
+  in.permit = {.session = 1,
+               .epoch = 1,
+               .seq = seq,
+               .ttl_us = 5'000,
+               .mode = Mode::Active,
+               .stop = StopCategory::None,
+               .hv_enable = true,
+               .v_max_mV = 8'000'000,
+               .slew_up_mV_per_tick = 400'000};
+  in.now_us = 1'000 * static_cast<std::int64_t>(seq);
+  in.writers = 1;
+  return in;
+}
+
+struct Stage : testing::Test {
+  Stage() {
+    GateInputs off = raising(1);
+    off.permit.mode = Mode::Safe, off.permit.stop = StopCategory::C0Off, off.permit.hv_enable = false;
+    actuate(off, gated);  // binds the session
+  }
+  Recorded stage;
+  drivers::GatedStage gated{stage, 9};
+};
+
+using Actuate = Stage;
+
+TEST_F(Actuate, PutsOutWhatIsRequestedAndPermitted) {
+  actuate(raising(2), gated);
+  EXPECT_EQ(stage.mV, 50'000);
+  EXPECT_TRUE(stage.enabled);
+  const Measurement measured = gated.measure();
+  EXPECT_EQ(measured.command_mV, 50'000);
+  EXPECT_EQ(measured.depth_um, 7);
+  EXPECT_EQ(measured.config_tag, 9U);
+  EXPECT_EQ(measured.answered_seq, 2U);
+}
+
+TEST_F(Actuate, RaisesNothingWithoutAPermitARequestOrTheOneWriter) {
+  verifies("R-11", "R-44");
+  GateInputs no_permit = raising(2), no_request = raising(2), two_writers = raising(2);
+  no_permit.permit.seq = 0;
+  no_request.request.seq = 0;
+  two_writers.writers = 2;
+  for (const GateInputs& in : {no_permit, no_request, two_writers}) {
+    Recorded other;
+    drivers::GatedStage fresh(other, 9);
+    actuate(in, fresh);
+    EXPECT_EQ(other.mV, 0);
+  }
+}
+
+TEST_F(Actuate, UsesTheDriversClock) {
+  actuate(raising(2), gated);
+  GateInputs late = raising(3);
+  late.permit.seq = 2;  // none arrived
+  late.now_us = 2'000 + 5'000;
+  actuate(late, gated);
+  EXPECT_EQ(stage.mV, 0) << "a permit lives 5 ms";
+  EXPECT_FALSE(stage.enabled);
+}
+
+}  // namespace
+}  // namespace biopsy::robot

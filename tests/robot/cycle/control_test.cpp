@@ -1,0 +1,97 @@
+// What a controller process can get wrong: which plan it runs, which step, and what it stamps on its
+// requests.
+#include "robot/cycle/control.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planner/plan/seal.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+Plan plan_to(double depth_mm) {
+  Plan plan;
+  plan.target_depth = Millimetres(depth_mm);
+  for (const double share : {0.5, 1.0})
+    plan.stages.push_back({.depth = Millimetres(share * depth_mm),
+                           .speed = MillimetresPerSecond(1000.0),
+                           .v_max = Volts(5000),
+                           .dwell = Seconds(0.001),
+                           .why = ""});
+  planner::seal(plan);
+  return plan;
+}
+
+SealedPlan sealed(const Plan& plan) {
+  return {.seq = 1, .bytes = planner::canonical_bytes(plan), .seal = plan.seal};
+}
+
+ControllerInputs driven(std::uint32_t step) {
+  ControllerInputs in;
+  in.measurement.seq = 41;
+  in.permit.hv_enable = true;
+  in.permit.slew_up_mV_per_tick = 80'000;
+  in.permit.v_max_mV = 5'000'000;
+  in.stage = step;
+  return in;
+}
+
+TEST(Control, DrivesTheStepThatTheSupervisorWants) {
+  for (const std::uint32_t step : {0U, 1U}) {
+    ControllerMemory memory;
+    load_plan(sealed(plan_to(2.0)), memory);
+    ControllerInputs in = driven(step);
+    in.measurement.depth_um = 1'000 * static_cast<std::int32_t>(step + 1);
+    DriveRequest request;
+    for (int tick = 0; tick < 5; ++tick) request = control(in, memory);
+    EXPECT_EQ(request.stage, step);
+    EXPECT_TRUE(request.stage_reached);
+    EXPECT_EQ(request.setpoint_um, in.measurement.depth_um);
+  }
+}
+
+TEST(Control, StampsItsPlanConfigurationOverrunsAndMeasurement) {
+  const Plan plan = plan_to(2.0);
+  ControllerMemory memory{.config_tag = 5};
+  load_plan(sealed(plan), memory);
+  ControllerInputs in = driven(0);
+  in.overruns = 3;
+  in.finish = true;
+  const DriveRequest request = control(in, memory);
+  EXPECT_EQ(request.plan_tag, planner::plan_tag(plan));
+  EXPECT_EQ(request.config_tag, 5U);
+  EXPECT_EQ(request.overruns, 3U);
+  EXPECT_EQ(request.measured_seq, 41U);
+  EXPECT_TRUE(request.finished);
+}
+
+TEST(Control, RequestsNothingWithoutAPlanThatHasTheStep) {
+  ControllerMemory memory;
+  const DriveRequest without = control(driven(0), memory);
+  EXPECT_EQ(without.wanted_mV, 0);
+  EXPECT_EQ(without.seq, 1U) << "alive";
+  EXPECT_EQ(without.plan_tag, 0U);
+  load_plan(sealed(plan_to(2.0)), memory);
+  const DriveRequest beyond = control(driven(2), memory);
+  EXPECT_EQ(beyond.wanted_mV, 0);
+  EXPECT_FALSE(beyond.stage_reached);
+  EXPECT_EQ(beyond.seq, 2U) << "numbers go on with a new plan";
+}
+
+TEST(Control, RunsNoPlanWhoseSealIsBrokenOrThatHasNoStep) {
+  ControllerMemory memory;
+  load_plan(sealed(plan_to(2.0)), memory);
+  SealedPlan broken = sealed(plan_to(3.0));
+  broken.bytes[9] ^= 1;
+  load_plan(broken, memory);
+  EXPECT_FALSE(memory.plan);
+  EXPECT_EQ(memory.plan_tag, 0U);
+  Plan empty = plan_to(2.0);
+  empty.stages.clear();
+  planner::seal(empty);
+  load_plan(sealed(empty), memory);
+  EXPECT_FALSE(memory.plan);
+}
+
+}  // namespace
+}  // namespace biopsy::robot

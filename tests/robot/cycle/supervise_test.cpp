@@ -1,0 +1,275 @@
+// What a supervisor process can get wrong: which message, level or clock becomes which input. Inputs are made
+// by hand, each with a value of its own, so that a field read from its neighbour shows.
+#include "robot/cycle/supervise.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planner/plan/seal.hpp"
+#include "robot/cycle/plan_facts.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+constexpr std::uint64_t kConfig = 77;
+constexpr std::int64_t kNow_us = 10'000'000, kActMax_us = 500'000;
+
+// Keeps what the monitors are given.
+struct Capture final : FaultHooks {
+  safety::SupervisorInputs inputs;
+  void before_monitors(safety::SupervisorInputs& given) override { inputs = given; }
+};
+
+Plan two_steps() {
+  Plan plan;
+  plan.target_depth = Millimetres(3.0);
+  plan.limits = {.depth_max = Millimetres(4.0),
+                 .v_max = Volts(5000),
+                 .plausible = {{Volts(0), Millimetres(-0.5), Millimetres(0.5)},
+                               {Volts(8000), Millimetres(2.0), Millimetres(6.0)}}};
+  for (const double depth : {2.0, 3.0})
+    plan.stages.push_back({.depth = Millimetres(depth),
+                           .speed = MillimetresPerSecond(1.0),
+                           .v_max = Volts(5000),
+                           .dwell = Seconds(0.5),
+                           .image_confirms = true,
+                           .why = ""});
+  planner::seal(plan);
+  return plan;
+}
+
+SealedPlan sealed(const Plan& plan) {
+  const std::uint64_t tag = planner::plan_tag(plan);
+  return {.seq = 1, .bytes = planner::canonical_bytes(plan), .seal = plan.seal, .confirmed_tag = {tag, tag}};
+}
+
+struct Supervisor : testing::Test {
+  Supervisor() {
+    memory.config_tag = kConfig;
+    memory.self_test = safety::SelfTest::Passed;
+    memory.state = safety::started(1);
+    accept_plan(sealed(plan), memory);
+    in.now_us = kNow_us;
+    in.measurement.seq = 5;
+    in.measurement.config_tag = in.request.config_tag = kConfig;
+    in.request.plan_tag = planner::plan_tag(plan);
+    in.writers = 1;
+    in.act.at_us = in.log.at_us = kNow_us;
+  }
+  const safety::SupervisorInputs& inputs() {
+    supervise(in, memory, &seen);
+    return seen.inputs;
+  }
+
+  const Plan plan = two_steps();
+  SupervisorMemory memory;
+  SupervisorSources in;
+  Capture seen;
+};
+
+using Supervise = Supervisor;
+
+TEST_F(Supervise, GivesEachPanelLevelToItsOwnInput) {
+  verifies("R-03", "R-04");
+  bool digital_io::PanelLevels::*const levels[] = {
+      &digital_io::PanelLevels::arm_key, &digital_io::PanelLevels::reset_key,
+      &digital_io::PanelLevels::estop_a_closed, &digital_io::PanelLevels::estop_b_closed,
+      &digital_io::PanelLevels::bench_key};
+  bool safety::SupervisorInputs::*const fields[] = {
+      &safety::SupervisorInputs::local_arm, &safety::SupervisorInputs::local_reset,
+      &safety::SupervisorInputs::estop_a_closed, &safety::SupervisorInputs::estop_b_closed,
+      &safety::SupervisorInputs::bench_confirmed};
+  for (std::size_t set = 0; set < std::size(levels); ++set) {
+    in.panel = {};
+    in.panel.*levels[set] = true;
+    for (std::size_t i = 0; i < std::size(fields); ++i)
+      EXPECT_EQ(inputs().*fields[i], i == set) << "level " << set << " in input " << i;
+  }
+}
+
+TEST_F(Supervise, GivesEachFieldOfAnOperatorActToItsOwnInput) {
+  in.act.message.token = 4;
+  in.act.message.held = true;
+  in.act.message.stop = StopCategory::C1Ramp;
+  in.act.message.acquiring = false;
+  in.act.message.patient_motion_um = 321;
+  const safety::SupervisorInputs given = inputs();
+  EXPECT_EQ(given.motion.token, 4U);
+  EXPECT_TRUE(given.motion.held);
+  EXPECT_EQ(given.stop, StopCategory::C1Ramp);
+  EXPECT_FALSE(given.acquiring);
+  EXPECT_EQ(given.patient_motion_um, 321);
+  EXPECT_FALSE(given.remote_arm || given.remote_reset || given.local_arm || given.local_reset);
+  in.act.at_us += 1;
+  in.act.message.arm = true;
+  EXPECT_TRUE(inputs().remote_arm && !seen.inputs.remote_reset);
+  in.act.at_us += 1;
+  in.act.message.arm = false, in.act.message.reset = true;
+  EXPECT_TRUE(inputs().remote_reset && !seen.inputs.remote_arm);
+}
+
+TEST_F(Supervise, CountsAPressOnceWhenItArrives) {
+  in.act.message = {.seq = 1, .token = 9, .held = true, .stop = StopCategory::None, .arm = true};
+  EXPECT_EQ(inputs().motion.token, 9U);
+  in.now_us += 1'000;
+  EXPECT_EQ(inputs().motion.token, 0U) << "nothing that is remembered holds a button";
+  EXPECT_FALSE(seen.inputs.remote_arm);
+  EXPECT_EQ(seen.inputs.stop, StopCategory::None) << "a level stays";
+}
+
+TEST_F(Supervise, HoldsWithoutAnOperator) {
+  verifies("R-33");
+  in.act.message.stop = StopCategory::None;
+  in.act.message.acquiring = false;
+  in.act.message.patient_motion_um = 0;
+  in.now_us = in.act.at_us + kActMax_us;
+  EXPECT_EQ(inputs().stop, StopCategory::None);
+  in.now_us += 1;
+  EXPECT_EQ(inputs().stop, StopCategory::C2Hold);
+  EXPECT_TRUE(seen.inputs.acquiring);
+  EXPECT_EQ(seen.inputs.patient_motion_um, safety::kUnknown);
+  in.act.at_us = 0;
+  in.now_us = 1'000;
+  EXPECT_EQ(inputs().stop, StopCategory::C2Hold) << "never heard";
+}
+
+TEST_F(Supervise, AgesTheLogsBacklog) {
+  verifies("R-28");
+  in.log.message.backlog_ms = 40;
+  EXPECT_EQ(inputs().log_backlog_ms, 40);
+  in.now_us += 960'000;
+  EXPECT_EQ(inputs().log_backlog_ms, 1'000);
+  in.log.message.backlog_ms = safety::kUnknown;
+  EXPECT_EQ(inputs().log_backlog_ms, safety::kUnknown) << "no overflow";
+  in.log.at_us = 0;
+  EXPECT_EQ(inputs().log_backlog_ms, safety::kUnknown) << "never heard";
+}
+
+TEST_F(Supervise, NeedsTheSealedPlanInTheController) {
+  verifies("R-12");
+  EXPECT_EQ(inputs().plan_tag, planner::plan_tag(plan));
+  in.request.plan_tag ^= 1;
+  EXPECT_EQ(inputs().plan_tag, 0U);
+}
+
+TEST_F(Supervise, NeedsOneConfigurationInAllThreeProcesses) {
+  verifies("R-13");
+  EXPECT_EQ(inputs().config_tag, kConfig);
+  in.measurement.config_tag = kConfig + 1;
+  EXPECT_EQ(inputs().config_tag, 0U);
+  in.measurement.config_tag = kConfig, in.request.config_tag = 0;
+  EXPECT_EQ(inputs().config_tag, 0U);
+}
+
+TEST_F(Supervise, TakesADepthVerdictOfThisPlanOnly) {
+  in.verdict = {.seq = 1, .plan_tag = planner::plan_tag(plan), .stage = 1, .accepted = true};
+  EXPECT_TRUE(inputs().depth_accepted);
+  EXPECT_EQ(seen.inputs.accepted_stage, 1U);
+  in.verdict.plan_tag ^= 1;
+  EXPECT_FALSE(inputs().depth_accepted);
+  in.verdict = {.seq = 2, .plan_tag = 0, .stage = 0, .accepted = true};
+  memory.plan = {};
+  EXPECT_FALSE(inputs().depth_accepted) << "without a plan";
+}
+
+TEST_F(Supervise, PassesOnWhatItIssuedMeasuredAndWasRequested) {
+  in.measurement.depth_um = 1'234;
+  in.request.seq = 17;
+  in.writers = 2;
+  memory.permit.seq = 99;
+  EXPECT_EQ(inputs().permit.seq, 99U);
+  EXPECT_EQ(seen.inputs.measurement.depth_um, 1'234);
+  EXPECT_EQ(seen.inputs.request.seq, 17U);
+  EXPECT_EQ(seen.inputs.writers, 2);
+  EXPECT_EQ(seen.inputs.now_us, kNow_us);
+  EXPECT_EQ(seen.inputs.self_test, safety::SelfTest::Passed);
+  const std::uint32_t issued = memory.permit.seq;
+  EXPECT_EQ(inputs().permit.seq, issued) << "that of the last tick";
+}
+
+TEST_F(Supervise, AcceptsAPlanAtRestAndNoticesOneInMotion) {
+  verifies("R-12");
+  Plan other = plan;
+  other.target_depth = Millimetres(2.5);
+  planner::seal(other);
+  memory.state.mode = Mode::Active;
+  accept_plan(sealed(other), memory);
+  EXPECT_EQ(memory.plan.plan_tag, planner::plan_tag(plan));
+  EXPECT_EQ(inputs().plan_tag, 0U);
+  memory.state.mode = Mode::Safe;
+  accept_plan(sealed(other), memory);
+  EXPECT_EQ(memory.plan.plan_tag, planner::plan_tag(other));
+  EXPECT_EQ(memory.confirmed_tag, sealed(other).confirmed_tag);
+}
+
+TEST_F(Supervise, HasNoPlanWhereTheSealIsBrokenOrStepsDoNotFit) {
+  verifies("R-12");
+  SealedPlan broken = sealed(plan);
+  broken.seal[3] ^= 1;
+  accept_plan(broken, memory);
+  EXPECT_EQ(memory.plan.plan_tag, 0U);
+  EXPECT_EQ(memory.sealed_tag, 0U);
+  Plan many = plan;
+  many.stages.resize(safety::kMaxSteps + 1, plan.stages.front());
+  planner::seal(many);
+  accept_plan(sealed(many), memory);
+  EXPECT_EQ(memory.plan.plan_tag, 0U);
+}
+
+TEST(WriterCount, IsOneOnlyWhereEveryTopicIsRight) {
+  verifies("R-11");
+  const WriterCounts right{.measurements = 1,
+                           .requests = 1,
+                           .acts = 1,
+                           .measurements_alive = 1,
+                           .requests_alive = 1,
+                           .plans = 1,
+                           .verdicts = 1,
+                           .log = 1};
+  EXPECT_EQ(writer_count(right), 1);
+  std::int32_t WriterCounts::*const needed[] = {&WriterCounts::measurements, &WriterCounts::requests,
+                                                &WriterCounts::acts, &WriterCounts::measurements_alive,
+                                                &WriterCounts::requests_alive};
+  for (const auto field : needed)
+    for (const std::int32_t wrong : {0, 2, -1}) {
+      WriterCounts counts = right;
+      counts.*field = wrong;
+      EXPECT_NE(writer_count(counts), 1) << wrong;
+    }
+  std::int32_t WriterCounts::*const optional[] = {&WriterCounts::plans, &WriterCounts::verdicts,
+                                                  &WriterCounts::log};
+  for (const auto field : optional) {
+    WriterCounts counts = right;
+    counts.*field = 0;
+    EXPECT_EQ(writer_count(counts), 1) << "nothing is permitted for want of it";
+    counts.*field = 2;
+    EXPECT_EQ(writer_count(counts), 2);
+  }
+}
+
+TEST(DecisionMessage, CarriesTheSupervisorsOutput) {
+  safety::SupervisorOutput output;
+  output.permit.seq = 3, output.permit.session = 4, output.permit.epoch = 5;
+  output.permit.mode = Mode::Hold, output.permit.stop = StopCategory::C2Hold;
+  output.event = safety::Event::StageReached;
+  output.worst = safety::Hazard::PatientMotion, output.reason = safety::Hazard::StageDepth;
+  output.refusal = safety::Refusal::TokenSpent;
+  output.stage = 6, output.stage_done = true, output.image_allowed = true, output.image_disturbed = false;
+  const Decision message = decision_message(output, 7, 8);
+  EXPECT_EQ(message.time_us, 7);
+  EXPECT_EQ(message.at_ns, 8);
+  EXPECT_EQ(message.session, 4U);
+  EXPECT_EQ(message.epoch, 5U);
+  const safety::SupervisorOutput back = supervisor_output(message, output.permit);
+  EXPECT_EQ(back.permit.mode, Mode::Hold);
+  EXPECT_EQ(back.permit.stop, StopCategory::C2Hold);
+  EXPECT_EQ(back.event, output.event);
+  EXPECT_EQ(back.worst, output.worst);
+  EXPECT_EQ(back.reason, output.reason);
+  EXPECT_EQ(back.refusal, output.refusal);
+  EXPECT_EQ(back.stage, 6U);
+  EXPECT_TRUE(back.stage_done && back.image_allowed && !back.image_disturbed);
+}
+
+}  // namespace
+}  // namespace biopsy::robot

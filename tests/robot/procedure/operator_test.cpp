@@ -1,0 +1,131 @@
+// The scripted operator against robots that answer late: over a bus a tick is read after others were made,
+// and a press takes some milliseconds to be followed. The robots here are made by hand and know nothing of
+// the script.
+#include "robot/procedure/operator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+
+namespace biopsy::robot {
+namespace {
+
+// A robot reduced to its modes. What it is given arrives `delay` ticks later; a step is done after 50 ticks
+// of motion.
+class DelayedRobot {
+ public:
+  DelayedRobot(std::uint32_t steps, std::size_t delay)
+      : steps_(steps), on_the_way_(delay, OperatorInputs::idle()) {}
+
+  CycleRecord tick(const OperatorInputs& inputs) {
+    on_the_way_.push_back(inputs);
+    const OperatorInputs now = on_the_way_.front();
+    on_the_way_.pop_front();
+    const bool pressed = now.press.held && now.press.token > token_;
+    token_ = std::max(token_, now.press.token);
+    if (mode_ == Mode::Boot) mode_ = Mode::Ready;
+    if (mode_ == Mode::Ready && now.arm) mode_ = Mode::Armed;
+    if (mode_ == Mode::Armed && pressed) start();
+    if (mode_ == Mode::Hold && pressed && done_ && now.depth_accepted && now.accepted_stage == step_ &&
+        step_ + 1 < steps_)
+      ++step_, start();
+    if (mode_ == Mode::Active && ++moving_ > 50) mode_ = Mode::Hold, done_ = true;
+    if (now.finish && (mode_ == Mode::Active || mode_ == Mode::Hold)) mode_ = Mode::Ready;
+    CycleRecord record;
+    record.supervisor.permit.mode = mode_;
+    record.supervisor.stage = step_;
+    record.supervisor.stage_done = done_;
+    return record;
+  }
+
+ private:
+  void start() {
+    mode_ = Mode::Active;
+    moving_ = 0;
+    done_ = false;
+  }
+  std::uint32_t steps_;
+  std::deque<OperatorInputs> on_the_way_;
+  Mode mode_ = Mode::Boot;
+  std::uint32_t step_ = 0, token_ = 0;
+  int moving_ = 0;
+  bool done_ = false;
+};
+
+struct Procedure {
+  bool completed = false;
+  std::string stopped_because;
+  std::map<std::uint32_t, int> images;  // of each step
+};
+
+// As rehearse_on() does: a check takes as long as `queued` ticks, which then wait to be read.
+Procedure rehearse(std::uint32_t steps, std::size_t delay, std::size_t queued,
+                   const std::function<DepthVerdict(std::uint32_t step, int image)>& verdict) {
+  Plan plan;
+  plan.stages.resize(steps);
+  for (InsertionStep& step : plan.stages) step.image_confirms = true;
+  Operator script(plan);
+  DelayedRobot robot(steps, delay);
+  std::deque<CycleRecord> waiting;
+  Procedure procedure;
+  OperatorInputs inputs;
+  CycleRecord seen;
+  for (std::int64_t number = 0; number < 200'000 && !script.done(); ++number) {
+    if (waiting.empty()) inputs = script.act(seen, number);
+    if (script.wants_verdict()) {
+      const std::uint32_t step = inputs.accepted_stage;
+      script.judge(verdict(step, ++procedure.images[step]), "a reason");
+      for (std::size_t i = 0; i < queued; ++i) waiting.push_back(robot.tick(inputs));
+    }
+    if (waiting.empty()) waiting.push_back(robot.tick(inputs));  // the queue is read faster than ticks come
+    seen = waiting.front();
+    waiting.pop_front();
+    script.observe(seen);
+  }
+  procedure.completed = script.completed();
+  procedure.stopped_because = script.stopped_because();
+  return procedure;
+}
+
+DepthVerdict always_accept(std::uint32_t, int) {
+  return DepthVerdict::Accept;
+}
+
+TEST(Operator, TakesOneImageOfEachStepHoweverLateTicksAre) {
+  for (const std::uint32_t steps : {1U, 2U, 3U, 5U})
+    for (const std::size_t delay : {0U, 1U, 7U, 40U, 150U})
+      for (const std::size_t queued : {0U, 3U, 900U, 2'500U}) {
+        const Procedure procedure = rehearse(steps, delay, queued, always_accept);
+        EXPECT_TRUE(procedure.completed) << steps << " steps, " << delay << " late, " << queued
+                                         << " queued: " << procedure.stopped_because;
+        ASSERT_EQ(procedure.images.size(), steps);
+        for (const auto& [step, images] : procedure.images) EXPECT_EQ(images, 1) << "step " << step;
+      }
+}
+
+TEST(Operator, RepeatsAnUnsureImageOnce) {
+  for (const std::size_t delay : {0U, 7U}) {
+    const Procedure second_time = rehearse(2, delay, 900, [](std::uint32_t step, int image) {
+      return step == 1 && image == 1 ? DepthVerdict::Unsure : DepthVerdict::Accept;
+    });
+    EXPECT_TRUE(second_time.completed) << second_time.stopped_because;
+    EXPECT_EQ(second_time.images.at(0), 1);
+    EXPECT_EQ(second_time.images.at(1), 2);
+    const Procedure never = rehearse(2, delay, 900, [](std::uint32_t, int) { return DepthVerdict::Unsure; });
+    EXPECT_FALSE(never.completed);
+    EXPECT_EQ(never.stopped_because, "a reason");
+    EXPECT_EQ(never.images.at(0), 2);
+    EXPECT_EQ(never.images.size(), 1U);
+  }
+}
+
+TEST(Operator, WithdrawsAfterARejectedImage) {
+  const Procedure procedure = rehearse(2, 7, 900, [](std::uint32_t, int) { return DepthVerdict::Reject; });
+  EXPECT_FALSE(procedure.completed);
+  EXPECT_EQ(procedure.images.at(0), 1);
+  EXPECT_EQ(procedure.stopped_because, "a reason");
+}
+
+}  // namespace
+}  // namespace biopsy::robot
