@@ -32,10 +32,10 @@ constexpr std::array<Words, 10> kRefusals{{
     {"The message is not one of this console.", "Nothing moved.", "Load the page again."},
 }};
 
-// The requirement's number is for the safety case, not for a person in a hurry.
+// The number of the hazard is for the risk analysis, not for a person in a hurry.
 std::string sentence(Hazard hazard) {
   std::string text(safety::name_of(hazard));
-  if (text.starts_with("R-")) text.erase(0, 5);
+  if (text.starts_with("H-")) text.erase(0, 5);
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text + ".";
 }

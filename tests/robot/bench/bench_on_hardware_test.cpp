@@ -62,7 +62,7 @@ TEST_F(BenchOnHardware, AKeyThatIsLeftOnIsNoConsent) {
 TEST_F(BenchOnHardware, ThePressedEmergencyStopKeepsItFromStarting) {
   board_.contacts = 0;
   const BenchResult result = run(kHandAfter_ticks);
-  EXPECT_NE(result.stopped_because.find("R-03"), std::string::npos) << result.stopped_because;
+  EXPECT_NE(result.stopped_because.find("H-25"), std::string::npos) << result.stopped_because;
   EXPECT_EQ(board_.highest_V, 0.0);
 }
 

@@ -261,19 +261,6 @@ TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
                                                         "it: biopsy effects --markdown > docs/effects.md";
 }
 
-TEST(Documents, TellEveryHazardWithItsStopAndTime) {
-  const std::string safety_page = prose_of("safety.md");
-  for (const safety::HazardFacts& facts : safety::kHazardTable) {
-    const std::string id(facts.name.substr(0, 4)), sentence(facts.name.substr(5));
-    const std::string stop = facts.stop == StopCategory::C0Off    ? "C0"
-                             : facts.stop == StopCategory::C1Ramp ? "C1"
-                                                                  : "C2";
-    const std::string rest = " | " + sentence + " | " + stop + (facts.locks ? ", lock" : "") + " | " +
-                             std::to_string(facts.detect_ms);
-    EXPECT_TRUE(row_of(safety_page, id).starts_with("| " + id + rest + " |")) << id << rest;
-  }
-}
-
 TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
   const std::string page = prose_of("depth-check.md");
   const imaging::DepthCheckSettings check;

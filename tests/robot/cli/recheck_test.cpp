@@ -67,7 +67,7 @@ TEST(Recheck, LendsASensorsNoiseToAModelThatHasNone) {
   ASSERT_FALSE(checked.warnings.empty());
   EXPECT_NE(checked.warnings.back().find("no [effect.sensor_noise]"), std::string::npos);
   for (const std::string& warning : checked.warnings)
-    EXPECT_EQ(warning.find("R-19 d"), std::string::npos) << warning;
+    EXPECT_EQ(warning.find("H-09 d"), std::string::npos) << warning;
   EXPECT_EQ(file_content(folder / "new.toml"), "[baseline]\n" + kWeak) << "the file itself stays";
 }
 

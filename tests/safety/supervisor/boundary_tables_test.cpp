@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
@@ -48,14 +49,38 @@ std::set<std::string> rows(const std::string& title, int cells) {
 }
 
 TEST(DoubleEntry, TheHazardsOfTheBuildAreThoseInTheDocument) {
-  std::set<std::string> built{"id|hazard|stop|detected within, ms|"};
+  std::set<std::string> built{"hazard|what|stop|detected within, ms|monitor|threshold|requirement|"};
   for (const HazardFacts& facts : kHazardTable) {
     constexpr const char* kStops[] = {"none", "C2", "C1", "C0"};
     const std::string stop = kStops[static_cast<int>(facts.stop)];
     built.insert(std::string(facts.name.substr(0, 4)) + '|' + std::string(facts.name.substr(5)) + '|' + stop +
-                 (facts.locks ? ", lock|" : "|") + std::to_string(facts.detect_ms) + '|');
+                 (facts.locks ? ", lock|" : "|") + std::to_string(facts.detect_ms) + '|' +
+                 std::string(name_of(facts.monitor)) + '|' + std::string(facts.threshold) + '|' +
+                 std::string(facts.requirement) + '|');
   }
-  EXPECT_EQ(built, rows("Hazards", 4));
+  EXPECT_EQ(built, rows("Hazards", 7));
+}
+
+// Of the hazards in the risk analysis: id to the list of its requirements, as text.
+std::map<std::string, std::string> analysed_hazards() {
+  std::ifstream file(source_dir() / "safety/case/hazards.toml");
+  std::map<std::string, std::string> found;
+  std::string id;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("id = \"")) id = line.substr(6, 4);
+    if (line.starts_with("requirements = ")) found[id] = line;
+  }
+  return found;
+}
+
+TEST(DoubleEntry, EachMonitoredHazardIsOneOfTheRiskAnalysisWithItsRequirement) {
+  const std::map<std::string, std::string> analysed = analysed_hazards();
+  for (const HazardFacts& facts : kHazardTable) {
+    const auto hazard = analysed.find(std::string(facts.name.substr(0, 4)));
+    ASSERT_NE(hazard, analysed.end()) << facts.name;
+    EXPECT_NE(hazard->second.find(facts.requirement), std::string::npos)
+        << facts.name << ": " << hazard->second;
+  }
 }
 
 TEST(DoubleEntry, TheWaysBetweenStatesAreThoseInTheDocument) {

@@ -113,7 +113,7 @@ Mode mode_after(const HazardFacts& facts) {
 class EveryHazard : public testing::TestWithParam<Fault> {};
 
 TEST_P(EveryHazard, IsNamedInTimeAndStopsTheNeedleAsItsRequirementSays) {
-  verifies(name_of(GetParam().hazard).substr(0, 4));
+  verifies(facts_of(GetParam().hazard).requirement);
   const Fault& fault = GetParam();
   const HazardFacts& facts = facts_of(fault.hazard);
   Rig rig;
@@ -131,7 +131,7 @@ TEST_P(EveryHazard, IsNamedInTimeAndStopsTheNeedleAsItsRequirementSays) {
 }
 
 TEST_P(EveryHazard, AloneLeadsFromActiveExactlyToItsStop) {
-  verifies(name_of(GetParam().hazard).substr(0, 4));
+  verifies(facts_of(GetParam().hazard).requirement);
   const HazardFacts& facts = facts_of(GetParam().hazard);
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -144,7 +144,7 @@ TEST_P(EveryHazard, AloneLeadsFromActiveExactlyToItsStop) {
 }
 
 TEST_P(EveryHazard, RefusesReadyAndArming) {
-  verifies(name_of(GetParam().hazard).substr(0, 4));
+  verifies(facts_of(GetParam().hazard).requirement);
   const HazardFacts& facts = facts_of(GetParam().hazard);
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
@@ -158,7 +158,7 @@ TEST_P(EveryHazard, RefusesReadyAndArming) {
 }
 
 std::string requirement_of(const testing::TestParamInfo<Fault>& fault) {
-  return "R" + std::string(name_of(fault.param.hazard).substr(2, 2));
+  return "R" + std::string(facts_of(fault.param.hazard).requirement.substr(2));
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, EveryHazard, testing::ValuesIn(kFaults), requirement_of);

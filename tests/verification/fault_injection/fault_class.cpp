@@ -15,7 +15,7 @@ constexpr std::int32_t kTick_ms = 1;
 FaultClass class_of(safety::Hazard hazard) {
   const safety::HazardFacts& facts = safety::kHazardTable[static_cast<std::size_t>(hazard)];
   FaultClass fault;
-  fault.id = facts.name.substr(0, 4);
+  fault.id = facts.requirement;
   fault.what = facts.name.substr(5);
   fault.hazard = hazard;
   fault.detect_ms = facts.detect_ms;

@@ -20,9 +20,9 @@ constexpr SeededBug kBugs[] = {
      "input.local_reset && !state.reset_was_down",
      "(input.local_reset || input.remote_reset) && !state.reset_was_down"},
     {"reset-needle-out", "A trip is reset with the needle still out.", Part::Supervisor, "decide.cpp",
-     "  if (!t.input.evidence.needle_home) return Refusal::NeedleOut;\n", ""},
+     "  if (!t.evidence.needle_home) return Refusal::NeedleOut;\n", ""},
     {"reset-with-voltage", "A trip is reset with voltage left.", Part::Supervisor, "decide.cpp",
-     "  if (!t.input.evidence.zero_volts) return Refusal::VoltageLeft;\n", ""},
+     "  if (!t.evidence.zero_volts) return Refusal::VoltageLeft;\n", ""},
     {"reset-ends-lock", "The reset key also ends a lock.", Part::Supervisor, "supervisor.cpp",
      "next.mode = mode_after(t.state.mode, event);",
      "next.mode = t.state.mode == Mode::Lock && t.reset_edge ? Mode::Safe : mode_after(t.state.mode, "
@@ -110,13 +110,13 @@ constexpr SeededBug kBugs[] = {
     {"hold-at-the-stages-limit", "Hold allows what the stage allows, not what is there.", Part::Supervisor,
      "supervisor.cpp", "permit.v_max_mV = held_mV(state);", "permit.v_max_mV = stage.v_max_mV;"},
     {"ceiling-ignored", "The voltage may rise ahead of what the needle answered.", Part::Supervisor,
-     "supervisor.cpp", "std::clamp(input.evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV)",
+     "supervisor.cpp", "std::clamp(evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV)",
      "(void)input, stage_limits(plan, state.stage).v_max_mV"},
     {"hold-follows-the-driver", "A hold begins at whatever a driver without leave put out.", Part::Supervisor,
      "supervisor.cpp", "rising_mV(t.plan, t.state, t.input) : held_mV(t.state)",
      "stage_limits(t.plan, t.state.stage).v_max_mV : held_mV(t.state)"},
     {"voltage-ignored-in-safe", "Safe does not look at the voltage.", Part::Supervisor, "decide.cpp",
-     "  if (!t.input.evidence.zero_volts) return Event::VoltagePresent;\n"
+     "  if (!t.evidence.zero_volts) return Event::VoltagePresent;\n"
      "  if (t.stop == StopCategory::None) return Event::Healthy;",
      "  if (t.stop == StopCategory::None) return Event::Healthy;"},
     {"steepness-not-limited", "A plan may ask for any steepness.", Part::Supervisor, "supervisor.cpp",
