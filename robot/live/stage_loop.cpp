@@ -32,7 +32,9 @@ void StageLoop::tick(std::int64_t now_us) {
 }
 
 void StageLoop::switch_off(std::int64_t now_us) {
-  robot::actuate({.now_us = now_us}, gated_);  // no permit, no writer: the gate puts out 0 V
+  robot::GateInputs nothing;  // no permit, no writer: the gate puts out 0 V
+  nothing.now_us = now_us;
+  robot::actuate(nothing, gated_);
 }
 
 }  // namespace biopsy::live

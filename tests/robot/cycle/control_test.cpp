@@ -22,7 +22,7 @@ Plan plan_to(double depth_mm) {
   return plan;
 }
 
-SealedPlan sealed(const Plan& plan) {
+SealedPlan sealed_for_control(const Plan& plan) {
   return {.seq = 1, .bytes = planner::canonical_bytes(plan), .seal = plan.seal};
 }
 
@@ -39,7 +39,7 @@ ControllerInputs driven(std::uint32_t step) {
 TEST(Control, DrivesTheStepThatTheSupervisorWants) {
   for (const std::uint32_t step : {0U, 1U}) {
     ControllerMemory memory;
-    load_plan(sealed(plan_to(2.0)), memory);
+    load_plan(sealed_for_control(plan_to(2.0)), memory);
     ControllerInputs in = driven(step);
     in.measurement.depth_um = 1'000 * static_cast<std::int32_t>(step + 1);
     DriveRequest request;
@@ -53,7 +53,7 @@ TEST(Control, DrivesTheStepThatTheSupervisorWants) {
 TEST(Control, StampsItsPlanConfigurationOverrunsAndMeasurement) {
   const Plan plan = plan_to(2.0);
   ControllerMemory memory{.config_tag = 5};
-  load_plan(sealed(plan), memory);
+  load_plan(sealed_for_control(plan), memory);
   ControllerInputs in = driven(0);
   in.overruns = 3;
   in.finish = true;
@@ -71,7 +71,7 @@ TEST(Control, RequestsNothingWithoutAPlanThatHasTheStep) {
   EXPECT_EQ(without.wanted_mV, 0);
   EXPECT_EQ(without.seq, 1U) << "alive";
   EXPECT_EQ(without.plan_tag, 0U);
-  load_plan(sealed(plan_to(2.0)), memory);
+  load_plan(sealed_for_control(plan_to(2.0)), memory);
   const DriveRequest beyond = control(driven(2), memory);
   EXPECT_EQ(beyond.wanted_mV, 0);
   EXPECT_FALSE(beyond.stage_reached);
@@ -80,8 +80,8 @@ TEST(Control, RequestsNothingWithoutAPlanThatHasTheStep) {
 
 TEST(Control, RunsNoPlanWhoseSealIsBrokenOrThatHasNoStep) {
   ControllerMemory memory;
-  load_plan(sealed(plan_to(2.0)), memory);
-  SealedPlan broken = sealed(plan_to(3.0));
+  load_plan(sealed_for_control(plan_to(2.0)), memory);
+  SealedPlan broken = sealed_for_control(plan_to(3.0));
   broken.bytes[9] ^= 1;
   load_plan(broken, memory);
   EXPECT_FALSE(memory.plan);
@@ -89,7 +89,7 @@ TEST(Control, RunsNoPlanWhoseSealIsBrokenOrThatHasNoStep) {
   Plan empty = plan_to(2.0);
   empty.stages.clear();
   planner::seal(empty);
-  load_plan(sealed(empty), memory);
+  load_plan(sealed_for_control(empty), memory);
   EXPECT_FALSE(memory.plan);
 }
 
