@@ -23,8 +23,7 @@ bool is_locked_out(const TransitionInputs& t) {
   return (t.hazards & kLocking) != 0;
 }
 
-// Whether the needle may go on from here: inside a stage always, past its end only with what the plan asks
-// for.
+// Whether the needle may advance: within a step always, past its end only with the depth check that the plan requires.
 Refusal refusal_to_go_on(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   if (!t.state.stage_done) return Refusal::None;

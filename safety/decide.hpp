@@ -1,5 +1,4 @@
-// What the supervisor makes of one tick: the one event that counts, worst first, and the answer to a refused
-// request.
+// The decision of one tick: the event that counts, worst first, and the answer to a refused request.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +7,14 @@
 
 namespace biopsy::safety {
 
-// What one tick's guards need, named once.
+// Inputs of the guards of one tick.
 struct TransitionInputs {
   const PlanFacts& plan;
   const SupervisorState& state;
   const SupervisorInputs& input;
   const Evidence& evidence;
   HazardSet hazards;
-  StopCategory stop;   // the strongest of what is asked and what is needed
+  StopCategory stop;   // the strongest of those requested and needed
   std::int32_t ticks;  // in this mode, this one included
   bool pressed;        // a token never seen before, held
   bool arm_edge, reset_edge;

@@ -51,7 +51,7 @@ void switch_off(GateState& state) {
   state.enabled = false;
 }
 
-// A stop of the gate's own: it ends every permission, and stays until a permit says off.
+// Stops by itself: no permit is in force any more, until one disables HV.
 GateVerdict stop_and_latch(GateState& state, GateVerdict why) {
   switch_off(state);
   state.permit.ttl_us = 0;
@@ -59,8 +59,7 @@ GateVerdict stop_and_latch(GateState& state, GateVerdict why) {
   return why;
 }
 
-// The request as far as it counts: one that was seen before asks for no change. A restarted controller counts
-// from 1 again and is taken up while the output is off.
+// A request counts once. A restarted controller numbers from 1 again and is accepted while the output is off.
 bool take_request(GateState& state, const DriveRequest* request) {
   if (request == nullptr || request->seq == state.request_seq) return false;
   if (request->seq < state.request_seq && !is_off(state)) return false;

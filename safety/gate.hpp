@@ -1,11 +1,9 @@
-// The only maker of a drive voltage. Lowering |V| always passes; raising it needs a live permit.
+// The only function that produces a drive voltage. Lowering |V| always passes; raising it needs a live permit.
 //
-// Absence means no: without a live permit, with a clock that jumped or with not exactly one writer the gate
-// puts out 0 V and disables HV in that very tick (a permit lives 5 ms, so a dead supervisor costs <= 5 ms).
-// Without a new request the voltage neither rises nor changes sign but follows the envelope down: so a silent
-// controller ends in a C1 ramp. After a stop of its own it stays off until it has honoured a permit that
-// itself says "off": the voltage cannot come back without the supervisor having gone through a disarmed
-// state.
+// Without a live permit, with a clock that jumped or with not exactly one writer the gate puts out 0 V and disables HV in
+// that tick (a permit lives 5 ms, so a dead supervisor costs <= 5 ms) and latches: it stays off until it has accepted a
+// permit that disables HV, that is, until the supervisor has passed a disarmed state. Without a new request the
+// voltage neither rises nor changes sign but follows the envelope down: a silent controller ends in a C1 ramp.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +17,7 @@ namespace biopsy::safety {
 struct GateState;
 struct GateResult;
 
-// A voltage the actuator port accepts. There is no way to make one but the gate, except off, which needs no
-// leave.
+// The only type that the actuator accepts. Made by the gate alone; off needs no permit.
 class GatedVoltage {
  public:
   static constexpr GatedVoltage off() { return {0, false}; }
@@ -44,7 +41,7 @@ struct GateState {
   std::int32_t drive_mV = 0;  // put out last, signed
   bool enabled = false;
   bool started = false;                        // the clock has been read once
-  GateVerdict latched = GateVerdict::Granted;  // not Granted: off since this, until a permit says off
+  GateVerdict latched = GateVerdict::Granted;  // not Granted: off for this reason until a permit disables HV
 };
 
 struct GateResult {

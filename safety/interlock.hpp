@@ -11,7 +11,7 @@
 
 namespace biopsy::safety {
 
-// Default-constructed: nobody has fed it, so it is open.
+// Default-constructed: never fed, so it is open.
 struct Interlock {
   bool fed_by_supervisor = false, fed_by_driver = false;  // ever
   std::int64_t supervisor_us = 0, driver_us = 0;          // when last

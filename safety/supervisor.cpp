@@ -33,19 +33,19 @@ std::int32_t rising_mV(const PlanFacts& plan, const SupervisorState& state, cons
   return std::clamp(evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV);
 }
 
-// |V| when Hold or Retract began: whatever a memory says, not beyond what the robot can do.
+// |V| when Hold or Retract began, within the limits of the robot whatever the state holds.
 std::int32_t held_mV(const SupervisorState& state) {
   return std::clamp(state.held_mV, 0, limits::kDriveMax_mV);
 }
 
-// What a person is told. Voltage that nobody measures counts as present: then that is why, and not what is
-// missing besides, as a plan is before there is one.
+// The cause to report. Without a measurement voltage counts as present: the cause is then the missing measurement, and not
+// another hazard that is present as well, such as a missing plan.
 Hazard cause_of(const TransitionInputs& t, Event event) {
   const bool unseen = event == Event::VoltagePresent && (t.hazards & bit(Hazard::SensorStale)) != 0;
   return unseen ? Hazard::SensorStale : worst_of(t.hazards);
 }
 
-// What the change of mode does to the plan's progress and to the envelope.
+// Effects of a change of mode on the plan's progress and on the envelope.
 void enter(SupervisorState& next, const TransitionInputs& t, Event event) {
   const Mode from = t.state.mode;
   next.last_event = event;

@@ -1,5 +1,4 @@
-// Time between two readings of one clock. Total: clocks come over wires and out of memories, and may say
-// anything.
+// Time between two readings of one clock. Total: any pair of values may arrive.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@ constexpr bool is_less_than_after(std::int64_t from_us, std::int64_t to_us, std:
              static_cast<std::uint64_t>(most_us);
 }
 
-// A clock that neither stood still nor went back nor jumped.
+// Neither stood still nor went back nor jumped.
 constexpr bool is_sound_step(std::int64_t from_us, std::int64_t to_us) {
   return to_us != from_us && is_less_than_after(from_us, to_us, kClockStepMax_us + 1);
 }

@@ -1,4 +1,4 @@
-// How detectors count: bounded, so that the reachable states are finite.
+// Counters of the monitors, bounded so that the reachable states are finite.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@ constexpr HazardSet when(bool condition, Hazard hazard) {
   return condition ? bit(hazard) : HazardSet{0};
 }
 
-// Ticks in a row that something has been present.
+// Consecutive ticks for which a condition was present.
 constexpr std::int32_t debounced(std::int32_t count, bool present, std::int32_t most) {
   return present ? std::min(count + 1, most) : 0;
 }
 
-// Wrong +2, right -1: an isolated slip is forgiven, a second one soon after is not.
+// Wrong +2, right -1: a single error decays, a second one soon after trips.
 constexpr std::int32_t error_counter(std::int32_t score, bool right) {
   return right ? std::max(score - 1, 0) : std::min(score + kScoreWrong, kScoreMax);
 }

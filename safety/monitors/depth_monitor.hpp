@@ -1,5 +1,4 @@
-// Watches the needle: too deep, too fast, breaking through, falling back, not returning; and whether the
-// sensor that says so can be believed.
+// Monitors the needle (over-depth, pop-through, fast drop, no return) and the plausibility of the depth sensor.
 #pragma once
 
 #include <algorithm>

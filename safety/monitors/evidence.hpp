@@ -1,15 +1,12 @@
-// Turns what is observed in one tick into explicit evidence: which hazards are known to be absent.
+// From the inputs of a tick to evidence: which hazards are known to be absent.
 //
-// One tick of a lockstep loop (T = 1 ms), in this order:
-//   1. stage:       reads sensors                                -> Measurement m[k]   (reports the gate's
-//   doing in k-1)
-//   2. supervisor:  assess(plan, memory, observation)            -> Evidence           (observation.permit =
-//   permit[k-1])
-//                   step(plan, state, input)                     -> permit[k]
-//   3. controller:  its step(m[k], permit[k])                    -> DriveRequest[k]    (observed in tick k+1)
-//   4. gate:        gate(state, &request[k], &permit[k], now, 1) -> GatedVoltage, answer -> actuator
-// So m[k].command_mV is the voltage applied since k-1, m[k].monitor_mV may show it or the one before, and
-// m[k].answer answers permit[k-1]. The checks below are written for that order and tolerate two ticks more.
+// Order within a tick k of 1 ms (robot/cycle):
+//   1. measure     m[k]: sensors, and what the gate did in k-1
+//   2. supervise   assess(plan, memory, inputs) -> evidence;  step(plan, state, inputs, evidence) -> permit[k]
+//   3. control     m[k], permit[k] -> request[k], an input of the supervisor in k+1
+//   4. actuate     gate(request[k], permit[k]) -> voltage, answer
+// m[k].command_mV is the voltage applied since k-1, m[k].monitor_mV may show it or the one before, and m[k].answer answers
+// permit[k-1]. The monitors tolerate two ticks more.
 #pragma once
 
 #include <cstdint>
@@ -30,12 +27,12 @@ struct Evidence {
   bool needle_home = false;     // depth measured and below 1 mm
   bool image_disturbed = true;  // the drive switched while an image was taken: flag the image
   std::int32_t drive_mV = 0;    // |V| the gate put out last
-  std::int32_t ceiling_mV = 0;  // no rise beyond: the pull would run ahead of what the needle answered
+  std::int32_t ceiling_mV = 0;  // no rise beyond: the pull would lead the needle's response
 
   constexpr HazardSet hazards() const { return ~clear & kAllHazards; }
 };
 
-// What the detectors remember from tick to tick. One per supervisor; default-constructed at start.
+// Memory of the monitors. One per supervisor; default-constructed at start.
 struct EvidenceMemory {
   LinkMonitor link;
   VoltageMonitor drive;

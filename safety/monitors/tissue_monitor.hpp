@@ -1,4 +1,4 @@
-// How far the needle is outside what the plan's tissue explains, for SupervisorInputs::tissue_residual_um.
+// Distance of the needle from the depths that the plan's tissue explains: SupervisorInputs::tissue_residual_um.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@ namespace biopsy::safety {
 
 inline constexpr std::int32_t kMean_ticks = 512;  // about one period of the square wave
 
-// |V| over about half a second: what the depth belongs to, not its ripple. Default: no drive yet.
+// Mean |V| over about half a second, to which the depth corresponds without ripple. Default: no drive yet.
 struct TissueMonitor {
   std::int32_t mean_drive_mV = 0;
 };
 
-// um, never negative. Once for every new measurement.
+// um, never negative. To be called once for each new measurement.
 inline std::int32_t tissue_residual_um(const PlanFacts& plan, TissueMonitor& monitor,
                                        const Measurement& measured) {
   const std::int32_t drive_mV = std::clamp(measured.command_mV, -limits::kDriveMax_mV, limits::kDriveMax_mV);

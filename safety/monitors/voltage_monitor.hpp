@@ -1,4 +1,4 @@
-// Watches the high voltage: monitor, current, polarity wave, obedience of the driver, charge that stays.
+// Monitors the high voltage: monitor, current, polarity, compliance of the driver with the permit, residual charge.
 #pragma once
 
 #include <array>

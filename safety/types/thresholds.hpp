@@ -16,8 +16,8 @@ inline constexpr std::int32_t kScoreWrong = 2, kScoreTrip = 2, kScoreMax = 4;
 inline constexpr std::uint32_t kAnswerWindow = 5;  // permits: as long as one lives (5 ms)
 // The third missed period within 100 ms: a miss adds 100, a tick takes 1.
 inline constexpr std::int32_t kMiss = 100, kMissTrip = 200, kMissMax = 400;
-// A step of the stage's clock that is as long has left a period out: its next tick comes a quarter of a
-// period later at the soonest. How long one stall may be is for kStale_ticks to say.
+// A step of the stage's clock of this length has left a period out: its next tick comes a quarter of a period later at
+// the soonest. The longest single stall: see kStale_ticks.
 inline constexpr std::int64_t kStageLate_us = 1'750;
 inline constexpr std::int32_t kEStopDisagree_ticks = 20;  // safety concept: two contacts of one button
 inline constexpr std::int32_t kLogBacklog_ms = 1'000;     // safety concept
@@ -59,7 +59,7 @@ inline constexpr std::int64_t kForgetPerSeen = 2;
 
 // Runaway. The pull of the pouches goes with V^2; friction may hold the needle against it and then let go. So
 // the pull leads its own mean over the last 128 ms by 1.2 kV^2 at most: 1.1 kV from rest, 0.23 kV at 2.5 kV.
-// Healthy procedures ask for 0.8 in the middle and 1.1 in nine of ten cases, and wait a little in the tenth.
+// Requested by healthy procedures: median 0.8, 90th percentile 1.1 kV^2; the rest are briefly limited.
 inline constexpr std::int64_t kPull_ticks = 128, kPullLead_V2 = 1'200'000;
 
 // Depth
