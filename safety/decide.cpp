@@ -23,7 +23,8 @@ bool is_locked_out(const TransitionInputs& t) {
   return (t.hazards & kLocking) != 0;
 }
 
-// Whether the needle may advance: within a step always, past its end only with the depth check that the plan requires.
+// Whether the needle may advance: within a step always, past its end only with the depth check that the plan
+// requires.
 Refusal refusal_to_go_on(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   if (!t.state.stage_done) return Refusal::None;

@@ -1,9 +1,11 @@
-// The only function that produces a drive voltage. Lowering |V| always passes; raising it needs a live permit.
+// The only function that produces a drive voltage. Lowering |V| always passes; raising it needs a live
+// permit.
 //
-// Without a live permit, with a clock that jumped or with not exactly one writer the gate puts out 0 V and disables HV in
-// that tick (a permit lives 5 ms, so a dead supervisor costs <= 5 ms) and latches: it stays off until it has accepted a
-// permit that disables HV, that is, until the supervisor has passed a disarmed state. Without a new request the
-// voltage neither rises nor changes sign but follows the envelope down: a silent controller ends in a C1 ramp.
+// Without a live permit, with a clock that jumped or with not exactly one writer the gate puts out 0 V and
+// disables HV in that tick (a permit lives 5 ms, so a dead supervisor costs <= 5 ms) and latches: it stays
+// off until it has accepted a permit that disables HV, that is, until the supervisor has passed a disarmed
+// state. Without a new request the voltage neither rises nor changes sign but follows the envelope down: a
+// silent controller ends in a C1 ramp.
 #pragma once
 
 #include <cstdint>

@@ -38,8 +38,8 @@ std::int32_t held_mV(const SupervisorState& state) {
   return std::clamp(state.held_mV, 0, limits::kDriveMax_mV);
 }
 
-// The cause to report. Without a measurement voltage counts as present: the cause is then the missing measurement, and not
-// another hazard that is present as well, such as a missing plan.
+// The cause to report. Without a measurement voltage counts as present: the cause is then the missing
+// measurement, and not another hazard that is present as well, such as a missing plan.
 Hazard cause_of(const TransitionInputs& t, Event event) {
   const bool unseen = event == Event::VoltagePresent && (t.hazards & bit(Hazard::SensorStale)) != 0;
   return unseen ? Hazard::SensorStale : worst_of(t.hazards);

@@ -184,7 +184,7 @@ void BusRecorder::follow_stage(std::int64_t now_us) {
 }
 
 void BusRecorder::follow_health(std::int64_t now_us) {
-  board_.look(now_us);
+  board_.update(now_us);
   for (std::size_t i = 0; i < kProcesses; ++i) {
     const Health health = board_.of(static_cast<Process>(i), now_us);
     const bool alive = health.seq != 0;

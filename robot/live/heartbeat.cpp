@@ -3,7 +3,7 @@
 namespace biopsy::live {
 namespace {
 
-constexpr std::int64_t kForgotten_us = 500'000;
+constexpr std::int64_t kHealthMax_us = 500'000;
 constexpr std::size_t kNoteMax = 120;
 
 std::int32_t bounded(std::int64_t us) {
@@ -34,22 +34,22 @@ void Heartbeat::beat(std::int64_t now_us) {
   writer_.write(health_);
 }
 
-void HealthBoard::look(std::int64_t now_us) {
-  Health heard;
-  while (reader_.take(heard)) {
-    const auto process = static_cast<std::size_t>(heard.process);
-    last_[process] = heard;
-    heard_us_[process] = now_us;
+void HealthBoard::update(std::int64_t now_us) {
+  Health received;
+  while (reader_.take(received)) {
+    const auto process = static_cast<std::size_t>(received.process);
+    last_[process] = received;
+    received_us_[process] = now_us;
   }
 }
 
 Health HealthBoard::of(Process process, std::int64_t now_us) const {
   const auto index = static_cast<std::size_t>(process);
-  const bool fresh = heard_us_[index] != 0 && now_us - heard_us_[index] <= kForgotten_us;
+  const bool fresh = received_us_[index] != 0 && now_us - received_us_[index] <= kHealthMax_us;
   if (fresh) return last_[index];
-  Health unheard;
-  unheard.process = process;
-  return unheard;
+  Health unknown;
+  unknown.process = process;
+  return unknown;
 }
 
 }  // namespace biopsy::live

@@ -1,4 +1,4 @@
-// How a process tells the others that it is alive, with what configuration, and how it keeps time.
+// Health of a process: its configuration, readiness and timing, sent ten times a second.
 #pragma once
 
 #include <array>
@@ -17,11 +17,11 @@ class Heartbeat {
  public:
   Heartbeat(const transport::Participant& bus, Process process, std::uint64_t config_tag);
 
-  // Call in every tick: sends now and then.
+  // Call in every tick; sends every kHealthEvery_us.
   void beat(std::int64_t now_us);
 
-  Health& health() { return health_; }  // what is said next
-  void note(std::string_view text);     // for a person: its first 120 characters; does not allocate
+  Health& health() { return health_; }  // sent next
+  void note(std::string_view text);     // the first 120 characters; does not allocate
   realtime::LatencyHistogram& lateness() { return lateness_; }
 
  private:
@@ -31,19 +31,19 @@ class Heartbeat {
   std::int64_t sent_us_ = 0;
 };
 
-// The last word of every process, and how old it is.
+// The newest health of every process.
 class HealthBoard {
  public:
   explicit HealthBoard(const transport::Participant& bus) : reader_(bus) {}
 
-  void look(std::int64_t now_us);
-  // Nothing for more than half a second: as if it had never been heard.
+  void update(std::int64_t now_us);
+  // Older than half a second: as if it had never arrived.
   Health of(Process process, std::int64_t now_us) const;
 
  private:
   transport::Reader<Health> reader_;
   std::array<Health, kProcesses> last_{};
-  std::array<std::int64_t, kProcesses> heard_us_{};
+  std::array<std::int64_t, kProcesses> received_us_{};
 };
 
 }  // namespace biopsy::live

@@ -1,4 +1,5 @@
-// Monitors the needle (over-depth, pop-through, fast drop, no return) and the plausibility of the depth sensor.
+// Monitors the needle (over-depth, pop-through, fast drop, no return) and the plausibility of the depth
+// sensor.
 #pragma once
 
 #include <algorithm>

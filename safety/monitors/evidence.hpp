@@ -2,11 +2,12 @@
 //
 // Order within a tick k of 1 ms (robot/cycle):
 //   1. measure     m[k]: sensors, and what the gate did in k-1
-//   2. supervise   assess(plan, memory, inputs) -> evidence;  step(plan, state, inputs, evidence) -> permit[k]
+//   2. supervise   assess(plan, memory, inputs) -> evidence;  step(plan, state, inputs, evidence) ->
+//   permit[k]
 //   3. control     m[k], permit[k] -> request[k], an input of the supervisor in k+1
 //   4. actuate     gate(request[k], permit[k]) -> voltage, answer
-// m[k].command_mV is the voltage applied since k-1, m[k].monitor_mV may show it or the one before, and m[k].answer answers
-// permit[k-1]. The monitors tolerate two ticks more.
+// m[k].command_mV is the voltage applied since k-1, m[k].monitor_mV may show it or the one before, and
+// m[k].answer answers permit[k-1]. The monitors tolerate two ticks more.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Monitors the links: clocks, sequence numbers, challenge answers, writers, emergency stop, log, the sealed plan and its
-// confirmations.
+// Monitors the links: clocks, sequence numbers, challenge answers, writers, emergency stop, log, the sealed
+// plan and its confirmations.
 #pragma once
 
 #include <array>

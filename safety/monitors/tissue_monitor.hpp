@@ -1,4 +1,5 @@
-// Distance of the needle from the depths that the plan's tissue explains: SupervisorInputs::tissue_residual_um.
+// Distance of the needle from the depths that the plan's tissue explains:
+// SupervisorInputs::tissue_residual_um.
 #pragma once
 
 #include <algorithm>

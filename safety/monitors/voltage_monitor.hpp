@@ -1,4 +1,5 @@
-// Monitors the high voltage: monitor, current, polarity, compliance of the driver with the permit, residual charge.
+// Monitors the high voltage: monitor, current, polarity, compliance of the driver with the permit, residual
+// charge.
 #pragma once
 
 #include <array>

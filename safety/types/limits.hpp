@@ -25,6 +25,6 @@ inline constexpr std::int32_t kReturned_um = 1'000;     // needle counts as with
 // ------------------------------------------------------------------------------------------------------------
 inline constexpr std::int32_t kPermitTtl_us = 5'000;  // five missed permits end the permission
 inline constexpr std::int32_t kHoldMax_ms = 10'000;   // DC drifts: a hold is not a place to stay
-inline constexpr std::int32_t kArmedMax_ms = 30'000;  // nobody pressed: forget the arming
+inline constexpr std::int32_t kArmedMax_ms = 30'000;  // without a press the arming expires
 
 }  // namespace biopsy::limits

@@ -1,5 +1,5 @@
-// Everything the supervisor is given in a tick: one struct, filled in one place (robot/cycle).
-// Default-constructed it proves nothing and asks for nothing: unknown counts as bad.
+// All inputs of the supervisor in a tick: one struct, filled in one place (robot/cycle). Every default is the
+// value that allows least: unknown counts as bad.
 #pragma once
 
 #include <array>

@@ -16,8 +16,8 @@ inline constexpr std::int32_t kScoreWrong = 2, kScoreTrip = 2, kScoreMax = 4;
 inline constexpr std::uint32_t kAnswerWindow = 5;  // permits: as long as one lives (5 ms)
 // The third missed period within 100 ms: a miss adds 100, a tick takes 1.
 inline constexpr std::int32_t kMiss = 100, kMissTrip = 200, kMissMax = 400;
-// A step of the stage's clock of this length has left a period out: its next tick comes a quarter of a period later at
-// the soonest. The longest single stall: see kStale_ticks.
+// A step of the stage's clock of this length has left a period out: its next tick comes a quarter of a period
+// later at the soonest. The longest single stall: see kStale_ticks.
 inline constexpr std::int64_t kStageLate_us = 1'750;
 inline constexpr std::int32_t kEStopDisagree_ticks = 20;  // safety concept: two contacts of one button
 inline constexpr std::int32_t kLogBacklog_ms = 1'000;     // safety concept

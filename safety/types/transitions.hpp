@@ -1,4 +1,4 @@
-// The state machine as a table: {from, event, to}. What is not in the table does not happen.
+// The state machine as a table {from, event, to}; an event that is not in the table changes nothing.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@ enum class Event : std::uint8_t {
   Fault,           // C0
   VoltagePresent,  // V != 0 where it must be 0
   RampTooLong,     // V != 0 after the time of a C1 ramp
-  Ramp,            // C1, asked or needed
+  Ramp,            // C1, requested or needed
   Finished,        // the controller is done with the plan
   HoldTooLong,
-  Stop,  // C2, asked or needed; button released
+  Stop,  // C2, requested or needed; button released
   StageReached,
   Unhealthy,
   ArmedTooLong,

@@ -72,7 +72,7 @@ void LiveRobot::listen(const std::stop_token& stop) {
     const std::int64_t now_us = realtime::monotonic_ns() / 1000;
     gather();
     send(now_us);
-    board_.look(now_us);
+    board_.update(now_us);
     heartbeat_.beat(now_us);
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < kProcesses; ++i) health_[i] = board_.of(static_cast<Process>(i), now_us);
