@@ -1,4 +1,4 @@
-// A needle stage behind its gate: the one place where permits and requests meet a voltage.
+// A needle stage behind its gate: the only way from a request to a voltage.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class GatedStage {
   // End of a tick: the newest request and permit, null where none came; `writers` as safety::gate.
   void drive(const DriveRequest* request, const Permit* permit, std::int64_t now_us, std::int32_t writers);
 
-  // What stands on the converter since the last drive(), signed.
+  // On the converter since the last drive(), signed.
   std::int32_t command_mV() const { return last_.command_mV; }
 
  private:

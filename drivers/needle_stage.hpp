@@ -1,5 +1,5 @@
-// The needle stage as the robot sees it: sensors in, a gated voltage out. Implemented by the simulated stage
-// and by the laboratory hardware; nothing above this line knows which.
+// Interface of the needle stage: sensors in, gated voltage out. Implemented by the simulated stage and by the
+// hardware.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace biopsy::drivers {
 
-// What the sensors say, before the gate's own report is added. Units as in Measurement.
+// Readings of the sensors, without the gate's report. Units as in Measurement.
 struct SensorReading {
   std::int64_t time_us = 0;
   std::int32_t depth_um = 0;

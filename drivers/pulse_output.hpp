@@ -8,8 +8,8 @@ class PulseOutput {
  public:
   virtual ~PulseOutput() = default;
 
-  // Changes the level. Neither throws nor blocks for more than a tick; a line that failed stays as it is, and
-  // the timer runs out.
+  // Toggles the level. Neither throws nor blocks for more than a tick; a line that failed keeps its level,
+  // and the timer expires.
   virtual void pulse() = 0;
 };
 

@@ -1,5 +1,5 @@
-// Runs a sealed plan, one control tick at a time: rate-limited setpoint, PI loop, square wave. It only asks;
-// what reaches the stack is the gate's doing.
+// Runs a sealed plan, one control tick at a time: rate-limited setpoint, PI loop, square wave. The result is
+// a request; the gate decides what reaches the stack.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace biopsy::control {
 
-// Depth error below which a stage counts as settled, and the share of the 0.1 mm that a biopsy may be off
-// which the loop takes for itself. The paper's own figure is 0.051 mm rms (IV.F).
+// Depth error below which a step counts as settled: the loop's share of the allowed 0.1 mm. Paper IV.F: 0.051
+// mm rms.
 inline constexpr Millimetres kSettled{0.05};
 
 struct RunnerState {
@@ -22,9 +22,9 @@ struct RunnerState {
   std::uint32_t seq = 0;
   std::uint32_t drive_ticks = 0;  // since enabled: phase of the square wave
   std::uint32_t stage = 0;
-  std::uint32_t settled_ticks = 0;  // within kSettled of the stage's depth, without a break
-  bool raising = false;             // the last permit allowed a rise
-  bool reached = false;             // latched until the stage changes
+  std::uint32_t settled_ticks = 0;  // consecutive, within kSettled of the step's depth
+  bool raising = false;             // the last permit allowed |V| to rise
+  bool reached = false;             // latched until the step changes
 };
 
 struct RunnerStep {
@@ -32,7 +32,7 @@ struct RunnerStep {
   DriveRequest request;
 };
 
-// `stage`: the stage the supervisor wants driven. `finish`: the operator is done; asks for the retraction.
+// `stage`: index of the step that the supervisor selected. `finish`: requests the retraction.
 RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
                      const Measurement& measurement, const Permit& permit, std::uint32_t stage, bool finish);
 

@@ -1,6 +1,5 @@
-// A voltage played open loop: amplitude in straight pieces, polarity as a square wave or of one sign. The
-// stage does what it does; nothing is regulated. Played one control tick at a time, it only asks: what
-// reaches the stack is the gate's doing.
+// Open-loop voltage: piecewise linear amplitude, polarity as a square wave or constant (DC). Played one
+// control tick at a time; the result is a request, the gate decides what reaches the stack.
 #pragma once
 
 #include <cstdint>
@@ -24,22 +23,22 @@ struct VoltageProgram {
   std::vector<VoltageSegment> segments;
   std::uint32_t half_period_ticks = kHalfPeriod_ticks;  // between changes of polarity; 0: of one sign (DC)
   int sign = 1;                                         // +1 or -1: of the first half period
-  // From here on the amplitude never rises, and a hold is asked for: there, and only there, the supervisor
-  // lets one polarity stand (10 s at most).
+  // From here on the amplitude never rises and a hold is requested: only there the supervisor accepts a
+  // constant polarity (10 s at most).
   std::uint32_t hold_from_tick = std::numeric_limits<std::uint32_t>::max();
 };
 
 std::uint32_t length_ticks(const VoltageProgram& program);
 Volts highest(const VoltageProgram& program);
-Volts amplitude_at(const VoltageProgram& program, std::uint32_t tick);  // 0 V behind the end
+Volts amplitude_at(const VoltageProgram& program, std::uint32_t tick);  // 0 V after the end
 
-// Starts with the first tick in which the permit lets the voltage rise. Where that ends before the program
-// does, it stops there: the amplitude stays, as far as the permit goes, until it begins anew at 0 V.
+// Starts with the first tick in which the permit allows a rise. Where that ends before the program does, the
+// program stops and the amplitude stays within the permit until HV is disabled.
 struct ProgramState {
   std::uint32_t seq = 0;
   std::uint32_t ticks = 0;  // of the program played so far
-  std::uint32_t wave = 0;   // phase of the polarity; goes on where the program stops
-  Volts amplitude;          // asked for last
+  std::uint32_t wave = 0;   // phase of the polarity; continues where the program stops
+  Volts amplitude;          // requested last
 };
 
 struct ProgramStep {
@@ -49,7 +48,7 @@ struct ProgramStep {
 
 bool is_played(const VoltageProgram& program, const ProgramState& state);
 
-// `finish`: the operator is done; asks for the way back to 0 V.
+// `finish`: requests the ramp to 0 V.
 ProgramStep play(const VoltageProgram& program, ProgramState state, const Permit& permit, bool finish);
 
 }  // namespace biopsy::control

@@ -1,4 +1,4 @@
-// Turns what goes over the bus into records of the procedure log: what changed, never every tick.
+// Records the traffic of the bus in the procedure log: changes only, never every tick.
 #pragma once
 
 #include <array>
@@ -16,11 +16,11 @@ namespace biopsy::robot {
 
 class BusRecorder {
  public:
-  // `participants`: of a secured bus; null: everybody may come in.
+  // `participants`: monitor of a secured bus; null on a bus without security.
   BusRecorder(const transport::Participant& bus, recorder::Recorder& recorder, std::uint64_t config_tag,
               const transport::ParticipantMonitor* participants);
 
-  // Reads all that came and writes what is due; every 10 ms.
+  // Takes all messages and writes the records that are due; every 10 ms.
   void turn(std::int64_t now_us);
 
   const Health& health() { return heartbeat_.health(); }
@@ -39,7 +39,7 @@ class BusRecorder {
   void follow_strangers(std::int64_t now_us);
   void follow_liveliness(std::int64_t now_us);
   void report_itself(std::int64_t now_us);
-  std::int64_t unheard_ms(std::int64_t now_us) const;  // the quietest of those it must hear
+  std::int64_t unheard_ms(std::int64_t now_us) const;  // longest silence of the required topics
 
   recorder::Recorder& recorder_;
   const transport::ParticipantMonitor* participants_;
@@ -63,7 +63,7 @@ class BusRecorder {
   OperatorAct act_;
   Measurement measured_;
   DriveRequest request_;
-  std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // when one was heard last
+  std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // of the newest
   std::array<bool, kProcesses> alive_{};
   std::array<std::uint32_t, kProcesses> refused_{};
   std::array<std::string, kProcesses> notes_;

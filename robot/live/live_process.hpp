@@ -1,4 +1,4 @@
-// How every process of the live robot begins and ends.
+// Start and end of every process of the live robot.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@
 
 namespace biopsy::live {
 
-// The bus as the settings want it. Keys are looked through first. Throws ConfigError, naming the file.
+// Bus configuration from the settings. The keys are verified first. Throws ConfigError naming the file.
 transport::BusSettings bus_settings(const LiveSettings& settings, security::Role role);
 
-// The same wire without security, under an id that the bus does not use.
+// The same network without security, under a domain id that the bus does not use.
 transport::BusSettings plain_settings(const LiveSettings& settings);
 
 class LiveProcess {
@@ -31,7 +31,7 @@ class LiveProcess {
   std::uint64_t config_tag() const { return config_tag_; }
   const transport::Participant& bus() const { return bus_; }
 
-  // From here on ticks count: memory is locked, if that is permitted.
+  // From here on ticks are timed: memory is locked where permitted.
   void start_ticking();
   bool stop_asked() { return signals_.came(); }
   // Once a tick, with what the loop reports: strokes systemd's watchdog, and logs missed periods and samples
@@ -42,13 +42,13 @@ class LiveProcess {
   ~LiveProcess() { notice_.stopping(); }
 
  private:
-  realtime::StopSignals signals_;  // first: threads that are started later inherit it
+  realtime::StopSignals signals_;  // first: later threads inherit the mask
   realtime::ServiceNotice notice_;
-  logging::TickLog tick_log_;  // its thread gets no precedence
+  logging::TickLog tick_log_;  // its thread runs at ordinary priority
   logging::Logger logger_;
   LiveSettings settings_;
   std::uint64_t config_tag_;
-  std::string precedence_;  // SCHED_FIFO where it is wanted and permitted: before the bus starts its threads
+  std::string precedence_;  // SCHED_FIFO where requested and permitted: before the bus starts its threads
   transport::Participant bus_;
   std::int64_t stroked_us_ = 0;
   std::uint32_t overruns_ = 0, refused_ = 0;  // as logged

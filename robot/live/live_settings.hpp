@@ -1,4 +1,4 @@
-// What every process of the live robot reads at its start, once, from its run folder.
+// Settings of the live robot; every process reads them once, at its start, from the run folder.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace biopsy::live {
 
 struct LiveSettings {
   std::uint32_t domain = 0;                 // of DDS, 0 to 230
-  std::uint32_t robot = 1;                  // whose messages
+  std::uint32_t robot = 1;                  // key of its messages
   std::filesystem::path keys;               // folder of `biopsy keys init`; empty: without security
   std::string network;                      // interface; empty: loopback
   std::string device = "sim";               // or "nidaqmx"
@@ -21,7 +21,7 @@ struct LiveSettings {
   std::filesystem::path commissioning_key;  // and the public key that this is signed with
   std::filesystem::path log;                // the procedure log
   std::filesystem::path log_key;            // private key that signs it (PEM)
-  std::filesystem::path lines;              // folder of the electrical lines, in memory
+  std::filesystem::path lines;              // folder of the simulated digital I/O, in memory
   int fifo_priority = 0;  // SCHED_FIFO of the control processes, 0 to 90; 0: ordinary scheduling
   // of the simulated stage
   std::filesystem::path model, tissues;
@@ -30,7 +30,7 @@ struct LiveSettings {
   std::vector<Layer> layers;  // along the needle's path
 };
 
-// In a run folder: the file, and what is written beside it.
+// live.json in the run folder.
 std::filesystem::path settings_file(const std::filesystem::path& run_folder);
 
 std::string to_json(const LiveSettings& settings);
@@ -38,9 +38,9 @@ std::string to_json(const LiveSettings& settings);
 LiveSettings read_settings(const std::filesystem::path& run_folder);
 LiveSettings parse_settings(const std::string& text, const std::string& name);
 
-// First 8 bytes of the SHA-256 over the settings and every file they name but keys, log and lines: what
-// stands for "the configuration". Recomputed by each process from the files themselves; never 0. Throws
-// ConfigError where a file cannot be read.
+// Identifies the configuration: first 8 bytes of the SHA-256 over the settings and every file they name,
+// except keys, log and lines. Each process computes it from the files; never 0. Throws ConfigError where a
+// file cannot be read.
 std::uint64_t config_tag(const std::filesystem::path& run_folder, const LiveSettings& settings);
 
 }  // namespace biopsy::live

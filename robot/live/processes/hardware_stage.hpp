@@ -1,4 +1,4 @@
-// The laboratory's stage, ready to be driven: its driver, and the record that it was taken into service.
+// The hardware stage, ready to be driven: its driver, verified against its commissioning record.
 #pragma once
 
 #include <filesystem>

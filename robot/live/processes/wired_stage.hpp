@@ -1,5 +1,5 @@
-// A stage behind the electrical lines: what the gate gives goes on the converter's line, and the simulated
-// stack gets it only through the interlock's relay.
+// A stage behind the digital I/O: the gated voltage goes to the converter, and to the simulated stack only
+// through the interlock's relay.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace biopsy::robot {
 
-// Real time: one write() is as many milliseconds of the plant as went by since the last.
+// In real time: a write() advances the plant by the milliseconds since the last.
 class SimulatedNeedleStage final : public drivers::NeedleStage {
  public:
   SimulatedNeedleStage(sim::SimulatedStage& stage, digital_io::StageIo& lines,
@@ -27,7 +27,7 @@ class SimulatedNeedleStage final : public drivers::NeedleStage {
   std::int64_t written_ns_ = 0;
 };
 
-// A real stage: its converter drives the amplifier itself, the line only shows what was written.
+// A hardware stage drives the amplifier itself; the digital I/O only mirrors what was written.
 class HardwareNeedleStage final : public drivers::NeedleStage {
  public:
   HardwareNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& lines)

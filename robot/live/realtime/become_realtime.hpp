@@ -1,5 +1,5 @@
-// Asks the kernel for what a control loop needs: memory that stays, a stack that is there, precedence, a
-// processor of its own. What is not permitted is not an error, it is said.
+// Requests from the kernel what a control loop needs: locked memory, a pre-faulted stack, SCHED_FIFO, a
+// processor of its own. A refusal is not an error; it is reported.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace biopsy::realtime {
 struct RealtimeSettings {
   bool lock_memory = true;
   int fifo_priority = 0;         // SCHED_FIFO 1..99, not handed on to new threads; 0 = ordinary scheduling
-  bool threads_inherit = false;  // so do threads and programs started from here afterwards
+  bool threads_inherit = false;  // threads and programs started afterwards inherit it
   std::optional<int> cpu{};      // bind the calling thread to this one
 };
 
@@ -18,7 +18,7 @@ enum class Grant { NotAsked, Given, Refused };
 
 struct RealtimeObtained {
   Grant memory = Grant::NotAsked, fifo = Grant::NotAsked, cpu = Grant::NotAsked;
-  std::string why_not;  // the kernel's reasons for what was refused, empty if nothing was
+  std::string why_not;  // the kernel's reasons for refusals; empty: none
 };
 
 // For the calling thread and, as to memory, the process. Before the first tick: it allocates and faults.

@@ -1,4 +1,4 @@
-// How late, how often: whole microseconds, counted.
+// Histogram of latencies in whole microseconds.
 #pragma once
 
 #include <atomic>
@@ -7,9 +7,8 @@
 
 namespace biopsy::realtime {
 
-// One thread records, any may read meanwhile; no lock, no allocation after construction. A latency is counted
-// in the microsecond it lies in; below zero counts as 0; from kBuckets us on only the maximum tells them
-// apart.
+// One thread records while others read; no lock, no allocation after construction. Below zero counts as 0;
+// from kBuckets us on only the maximum is exact.
 class LatencyHistogram {
  public:
   static constexpr std::int64_t kBuckets = 32'768;  // us; beyond the 20 ms that anything here may take

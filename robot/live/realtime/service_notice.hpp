@@ -1,4 +1,4 @@
-// What a service tells systemd about itself (the protocol of sd_notify, without its library).
+// Notifications of a service to systemd (protocol of sd_notify(3), without its library).
 #pragma once
 
 #include <sys/socket.h>
@@ -10,8 +10,8 @@
 
 namespace biopsy::realtime {
 
-// Started by nobody who listens ($NOTIFY_SOCKET unset), every call does nothing. No call waits, allocates or
-// throws; each says whether the notice was handed over.
+// Without $NOTIFY_SOCKET every call does nothing. No call waits, allocates or throws; each returns whether
+// the notice was sent.
 class ServiceNotice {
  public:
   // Reads $NOTIFY_SOCKET and $WATCHDOG_USEC. Throws ConfigError if one of them is set and makes no sense.
@@ -26,7 +26,7 @@ class ServiceNotice {
   bool status(std::string_view text) const;  // one line, cut at 200 characters or its first line break
 
   bool anybody_listens() const { return socket_ >= 0; }
-  // How long systemd waits for a watchdog() before it kills; tell it twice as often. Empty: it does not wait.
+  // Watchdog timeout of systemd; notify twice as often. Empty: no watchdog.
   std::optional<std::int64_t> watchdog_us() const { return watchdog_us_; }
 
  private:

@@ -1,4 +1,4 @@
-// SIGTERM and SIGINT as a question that a loop asks, not as an interruption.
+// SIGTERM and SIGINT, polled by a loop instead of interrupting it.
 #pragma once
 
 #include <csignal>
@@ -14,9 +14,9 @@ class StopSignals {
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
 
-  // Whether one came since construction. One system call, no waiting, no allocation.
+  // Whether one arrived since construction. One system call, no waiting, no allocation.
   bool came();
-  // The first that came (SIGTERM or SIGINT), 0 if none has.
+  // The first that arrived (SIGTERM or SIGINT); 0: none.
   int which() const { return first_; }
 
  private:

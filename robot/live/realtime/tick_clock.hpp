@@ -1,4 +1,4 @@
-// The beat of a real-time process: absolute ticks on CLOCK_MONOTONIC.
+// Periodic ticks of a real-time process, absolute on CLOCK_MONOTONIC.
 #pragma once
 
 #include <chrono>
@@ -11,12 +11,12 @@ std::int64_t monotonic_ns();  // CLOCK_MONOTONIC
 // One wake of the clock.
 struct Wake {
   std::int64_t due_ns = 0, woke_ns = 0;
-  std::int64_t missed = 0;  // periods after this one that get no tick of their own: they went by in the stall
+  std::int64_t missed = 0;  // later periods without a tick of their own, lost in the stall
 
   std::int64_t late_ns() const { return woke_ns - due_ns; }
 };
 
-// When ticks are due. Arithmetic only, so that a test can stall it as it likes.
+// When ticks are due. Arithmetic only, so that a test can stall it.
 //
 // Ticks lie on a grid of whole periods. A late tick is done at once; the next is the first grid point at
 // least a quarter of a period after it. So a stall is followed by one late tick and no burst, and two ticks

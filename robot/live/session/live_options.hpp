@@ -1,4 +1,4 @@
-// How a live robot is brought up: its bus, its keys, its hardware.
+// Options of a live robot: bus, keys, hardware.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace biopsy::robot {
 
-// SCHED_FIFO of what is in the loop, where permitted: below the interlock's 80.
+// SCHED_FIFO priority of the processes in the loop, where permitted: below the interlock's 80.
 inline constexpr int kLoopPriority = 60;
 
-// How the processes of a live robot find and trust each other.
+// Discovery and authentication of the processes.
 struct LiveOptions {
   std::uint32_t domain = 0;
   std::filesystem::path keys;     // empty: the default set, or in a rehearsal one made for it
@@ -19,7 +19,7 @@ struct LiveOptions {
   int fifo_priority = kLoopPriority;
 };
 
-// What a real stage needs besides.
+// Additional inputs of a hardware stage.
 struct HardwareOptions {
   std::filesystem::path config;         // channels and scales (TOML)
   std::filesystem::path commissioning;  // folder of its commissioning record

@@ -39,7 +39,7 @@ class LiveRobot {
 
   // The health of every process, newest.
   std::array<Health, kProcesses> health() const;
-  // Ticks that did not reach us.
+  // Ticks that were not received.
   std::uint64_t lost() const { return lost_.load(); }
 
  private:
@@ -61,7 +61,7 @@ class LiveRobot {
   live::Heartbeat heartbeat_;
   live::HealthBoard board_;
 
-  // Of the thread alone
+  // Used by the thread alone
   Measurement measured_;
   Permit permit_;
   Decision decision_;
@@ -80,7 +80,7 @@ class LiveRobot {
   std::uint32_t plans_sent_ = 0;
   std::array<Health, kProcesses> health_{};
   std::atomic<std::uint64_t> lost_{0};
-  std::jthread thread_;  // last: everything it uses is there
+  std::jthread thread_;  // last: it uses all of the above
 };
 
 }  // namespace biopsy::robot

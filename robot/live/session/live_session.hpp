@@ -1,4 +1,4 @@
-// A live robot from its run folder to the last process: what `up` and `dry-run --live` share.
+// A live robot, from its run folder to the last process: shared by `up` and `dry-run --live`.
 #pragma once
 
 #include <filesystem>
@@ -16,13 +16,13 @@
 
 namespace biopsy::robot {
 
-// Writes `folder`/live.json, lays the electrical lines, makes keys for a rehearsal that brings none. Throws
+// Writes `folder`/live.json, creates the simulated digital I/O, and keys for a rehearsal without any. Throws
 // ConfigError.
 live::LiveSettings write_run_folder(const LiveOptions& options, const std::string& device,
                                     const HardwareOptions& hardware, const PreparedCase& prepared,
                                     const std::filesystem::path& folder);
 
-// Where the person sits who asks for motion: only one side of the bus may.
+// Where the operator is: only one participant may send operator acts.
 enum class Person { Here, AtTheConsole };
 
 class LiveSession {
@@ -33,18 +33,17 @@ class LiveSession {
               Person person = Person::Here);
   ~LiveSession();
 
-  // Waits until every process is heard with the same configuration. Throws ConfigError naming who is not, and
-  // why.
+  // Waits until every process reports the same configuration. Throws ConfigError naming those that do not.
   void wait_until_healthy();
-  // `shown`: what both confirmations were given for.
+  // Confirmed twice, as displayed.
   void send_plan(const Plan& plan);
 
-  LiveRobot& robot() { return *robot_; }  // of a person here
+  LiveRobot& robot() { return *robot_; }  // of an operator here
   Launcher& launcher() { return launcher_; }
   const live::LiveSettings& settings() const { return settings_; }
   const transport::Participant& bus() const { return *bus_; }
 
-  // Brings all down in order; what did not end well, a line each.
+  // Stops all in order; a line for each process that did not end with code 0.
   std::vector<std::string> stop();
 
  private:
