@@ -9,7 +9,7 @@
 namespace biopsy::control {
 namespace {
 
-constexpr Millimetres kLetBack{0.09};  // kSettled and four standard deviations of the laser
+constexpr Millimetres kReturnBand{0.09};  // kSettled and four standard deviations of the laser
 
 // Depth of the needle while nothing drives it: where the setpoint starts from.
 RunnerState at_rest(RunnerState state, Millimetres depth) {
@@ -28,7 +28,7 @@ RunnerState enter_stage(RunnerState state, std::uint32_t stage) {
   return state;
 }
 
-// The setpoint walks to the stage's depth at the stage's speed, never further.
+// The setpoint moves to the step's depth at the step's speed, never beyond.
 Millimetres walked(Millimetres from, const InsertionStep& stage) {
   const Millimetres stride = stage.speed * Seconds(kTick);
   return from + std::clamp(stage.depth - from, -stride, stride);
@@ -41,12 +41,12 @@ RunnerState judge(RunnerState state, const InsertionStep& stage, Millimetres dep
   return state;
 }
 
-// Held: the amplitude stays, because a regulated hold could only lower it, each sample's noise a little
-// further. But a needle that jumped beyond its stage is let back.
+// In a hold the amplitude is constant: regulation could only lower it, by each sample's noise a little further. A needle that
+// jumped beyond its step is regulated back.
 RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& stage, Millimetres depth,
                  Volts envelope) {
   const Volts ceiling = std::min(state.loop.amplitude, envelope);
-  if (depth > stage.depth + kLetBack)
+  if (depth > stage.depth + kReturnBand)
     state.loop = pi_step(gains, state.loop, stage.depth - depth, ceiling);
   else
     state.loop.amplitude = ceiling;

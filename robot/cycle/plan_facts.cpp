@@ -12,11 +12,10 @@
 namespace biopsy::robot {
 namespace {
 
-// A stage may go this far beyond its depth before the supervisor holds it: the paper's overshoot (13 % of a 2
-// mm step) and half the jump of a puncture; half of the plan's own margin.
+// Allowed beyond a step's depth before the supervisor holds: the paper's overshoot (13 % of 2 mm) and half
+// the jump of a puncture; half of the plan's own margin.
 constexpr Millimetres kStageOvershoot{0.5};
-// The plausible band already holds tissue, friction and hysteresis; half a millimetre outside it is another
-// tissue.
+// The plausible band includes tissue, friction and hysteresis; 0.5 mm outside it is another tissue.
 constexpr std::int32_t kTissueResidual_um = 500;
 // P action answers each sample: 10 um of laser noise and a 1 mm puncture (0.8 kV) within 10 ms.
 constexpr std::int32_t kSlewUp_mV_per_tick = 80'000;

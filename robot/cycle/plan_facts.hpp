@@ -1,4 +1,4 @@
-// What the supervisor is told of a plan: its integers.
+// A plan as the supervisor uses it: integers.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What the supervisor asks of itself at its start. A program file or a machine that decides wrongly must not
-// get as far as deciding.
+// Self-test of the supervisor at its start: known inputs must give the known outputs. A corrupt program or a
+// faulty processor must not decide.
 #pragma once
 
 #include "planner/plan/seal.hpp"
@@ -9,17 +9,16 @@
 
 namespace biopsy::robot {
 
-// The functions that are examined: those that ship, unless a test puts in another.
-struct Examined {
+// The functions under test: those that ship, unless a unit test replaces one.
+struct TestedFunctions {
   decltype(&safety::assess) assess = safety::assess;
   decltype(&safety::step) step = safety::step;
   decltype(&safety::answer_to) answer_to = safety::answer_to;
   decltype(&planner::seal_holds) seal_holds = planner::seal_holds;
 };
 
-// Passed where each gives the known answers: what nobody looked at is a hazard, too much voltage is seen, a
-// hazard ends motion, health lets the robot leave Boot, the challenge has its answer, a changed plan is
-// noticed.
-safety::SelfTest self_test(const Examined& examined = {});
+// Passed if: unknown inputs are hazards, over-voltage is found, a hazard stops motion, health allows leaving
+// Boot, the challenge has its answer, a changed plan breaks the seal.
+safety::SelfTest self_test(const TestedFunctions& tested = {});
 
 }  // namespace biopsy::robot

@@ -22,13 +22,13 @@ using recorder::Urgency;
 constexpr std::int64_t kReportEvery_us = 50'000;
 constexpr std::int64_t kNever_ms = INT32_MAX;
 constexpr std::int64_t kLivelyEvery_us = 200'000;
-constexpr std::int64_t kLetIn_us = 1'500'000;  // a friend is let in within a second
+constexpr std::int64_t kAuthentication_us = 1'500'000;  // authentication takes about a second
 
 std::int64_t wall_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// Bytes from elsewhere that are no UTF-8 must not end the recorder.
+// Invalid UTF-8 in a message must not end the recorder.
 std::string json_text(const LogBody& body) {
   return body.dump(-1, ' ', false, LogBody::error_handler_t::replace);
 }
@@ -58,7 +58,7 @@ LogBody json_of(const Decision& decision) {
           {"seq", decision.seq}};
 }
 
-// A gate that limits, or goes on without a new request for a tick, does its daily work.
+// Limiting, and a tick without a new request, are normal operation of the gate.
 bool refuses(GateVerdict verdict) {
   return verdict != GateVerdict::Granted && verdict != GateVerdict::Limited &&
          verdict != GateVerdict::NoRequest;
@@ -214,19 +214,19 @@ void BusRecorder::follow_strangers(std::int64_t now_us) {
   const int outside = participants_->unauthenticated_participants();
   if (outside != outside_) outside_us_ = now_us;
   outside_ = outside;
-  if (outside_ == told_outside_ || now_us - outside_us_ < kLetIn_us) return;
+  if (outside_ == told_outside_ || now_us - outside_us_ < kAuthentication_us) return;
   write(RecordKind::Alarm, "recorder", json_text({{"participants_not_let_in", outside_}}), Urgency::Grouped,
         now_us);
   told_outside_ = outside_;
 }
 
-// A log that hears nothing is not up to date, however little waits to be written.
+// A log that receives nothing is not up to date, however little waits to be written.
 std::int64_t BusRecorder::unheard_ms(std::int64_t now_us) const {
   const std::int64_t since_us = std::min({decision_us_, measured_us_, requested_us_});
   return since_us == 0 ? kNever_ms : (now_us - since_us) / 1000;
 }
 
-// Who ceased to write within its lease, and deadlines that went by: as the bus itself saw it.
+// Lost liveliness and missed deadlines, as reported by the bus.
 void BusRecorder::follow_liveliness(std::int64_t now_us) {
   if (now_us - lively_us_ < kLivelyEvery_us) return;
   lively_us_ = now_us;

@@ -23,8 +23,7 @@ logging::Component component_of(security::Role role) {
   return static_cast<logging::Component>(found - names.begin());
 }
 
-// Only what is in the loop comes before other programs: the recorder is to wait for it, not it for the
-// recorder.
+// Real-time priority for the loop only: the recorder waits for the loop, never the reverse.
 std::string precedence_obtained(int fifo_priority, security::Role role) {
   if (role == security::Role::Recorder) fifo_priority = 0;
   const auto asked = realtime::RealtimeSettings{

@@ -29,7 +29,7 @@ std::string read_all(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Reads entries of one object and knows which were asked for.
+// Reads entries of one object and refuses those that were not requested.
 class Entries {
  public:
   Entries(const Json& object, std::string where) : object_(object), where_(std::move(where)) {

@@ -12,7 +12,7 @@ namespace biopsy::live {
 
 namespace {
 
-// As a whole: a start that is cut off leaves the old number or the new one.
+// Atomic: an interrupted start leaves the old number or the new one.
 void keep(const std::filesystem::path& file, std::uint32_t number) {
   const std::filesystem::path beside = file.string() + ".next";
   std::ofstream out(beside);

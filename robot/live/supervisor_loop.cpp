@@ -58,7 +58,7 @@ void SupervisorLoop::turn() {
     const std::size_t after = burst_.measurements - 1 - i;
     if (burst_.requests > after) sources_.request = burst_.requested[burst_.requests - 1 - after];
     std::int64_t now_us = monotonic_us();
-    while (now_us == ticked_us_) now_us = monotonic_us();  // two ticks are never at the same time
+    while (now_us == ticked_us_) now_us = monotonic_us();  // times of ticks are strictly increasing
     tick(now_us);
   }
   measurement_late_ = burst_.measurements == 0;

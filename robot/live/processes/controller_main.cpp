@@ -1,4 +1,4 @@
-// biopsy-controller RUN_FOLDER: runs the plan and asks for voltages.
+// biopsy-controller RUN_FOLDER: runs the plan and requests voltages.
 #include "robot/live/controller_loop.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
@@ -7,14 +7,14 @@ namespace {
 
 using namespace biopsy;
 
-constexpr std::chrono::milliseconds kPatience{10};  // without measurements: now and then a look around
+constexpr std::chrono::milliseconds kTimeout{10};
 
 void control_stage(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Controller);
   live::ControllerLoop loop(process.bus(), process.config_tag());
   process.start_ticking();
   while (!process.stop_asked()) {
-    loop.turn(kPatience);
+    loop.turn(kTimeout);
     process.after_tick(realtime::monotonic_ns() / 1000, loop.heartbeat().health());
   }
 }

@@ -1,5 +1,5 @@
-// biopsy-interlock RUN_FOLDER: the independent interlock on simulated lines. In a laboratory it is a relay;
-// here it is a process of its own, which knows nothing but the lines, safety/interlock.hpp and a clock.
+// biopsy-interlock RUN_FOLDER: the independent interlock on the simulated digital I/O. In a laboratory it is
+// a relay; here a process of its own.
 #include <cstdint>
 #include <filesystem>
 
@@ -20,10 +20,9 @@ using namespace biopsy::realtime;
 constexpr biopsy::logging::Logger kLog{biopsy::logging::Component::Interlock};
 constexpr biopsy::logging::TickEvent kOverrun{biopsy::logging::Level::Info,
                                               "periods missed: {0:.0f}; woke {1:.0f} us late"};
-constexpr int kPriority = 80;  // above the loops it guards: it must see them stand still
+constexpr int kPriority = 80;  // above the loops it guards
 
-// Open first, then say so. Killed instead, it says nothing: who reads the lines counts it as open after
-// 20 ms.
+// Opens first, then reports. If killed, readers of the digital I/O count it as open after 20 ms.
 int guard(const std::filesystem::path& run_folder) {
   StopSignals stop;
   const ServiceNotice notice;

@@ -51,7 +51,7 @@ void run_simulated(live::LiveProcess& process, digital_io::StageIo& lines) {
   });
 }
 
-// Refuses to start without the record that this very stage was taken into service.
+// Refuses to start without a valid commissioning record of this stage.
 void run_hardware(live::LiveProcess& process, digital_io::StageIo& lines) {
   const live::LiveSettings& settings = process.settings();
   const auto hardware =

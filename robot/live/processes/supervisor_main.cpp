@@ -12,8 +12,7 @@ namespace {
 
 using namespace biopsy;
 
-// This side's half of the interlock: the simulated lines, which everybody here reads, and copper where there
-// is some.
+// The supervisor's half of the interlock: the simulated digital I/O, and a hardware line where there is one.
 class Interlock final : public drivers::PulseOutput {
  public:
   explicit Interlock(const live::LiveSettings& settings) : lines_(settings.lines) {

@@ -10,7 +10,7 @@ namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kTick_ns = std::chrono::nanoseconds(kTick).count();
-constexpr std::int64_t kCatchUp_ticks = 50;  // a stage that stood longer is no stage any more
+constexpr std::int64_t kCatchUp_ticks = 50;  // a longer stall is not made up for
 
 }  // namespace
 

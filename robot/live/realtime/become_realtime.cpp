@@ -19,8 +19,8 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
-// With a limit, a lock would make every later allocation and thread fail when it is reached: then rather no
-// lock. Root is above the limit.
+// Under a limit (RLIMIT_MEMLOCK) a lock would make later allocations and threads fail: no lock then. Root has
+// no limit.
 int lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -37,8 +37,7 @@ int lock_memory() {
 
 int schedule_fifo(int priority, bool threads_inherit) {
   const sched_param wanted{.sched_priority = priority};
-  // Unless asked for, threads and programs started from here are ordinary again: none takes a processor for
-  // itself.
+  // By default threads and programs started from here run at ordinary priority.
   const int policy = threads_inherit ? SCHED_FIFO : SCHED_FIFO | SCHED_RESET_ON_FORK;
   return ::sched_setscheduler(0, policy, &wanted) == 0 ? 0 : errno;
 }

@@ -29,7 +29,7 @@ std::string ending(int status) {
   return fmt::format("ended with code {}", WEXITSTATUS(status));
 }
 
-// Where this program is; tests and benches lie in folders below.
+// Folder of this program, or above it for tests and benches.
 fs::path programs_folder() {
   fs::path own = fs::read_symlink("/proc/self/exe").parent_path();
   for (const fs::path& folder : {own, own.parent_path(), own.parent_path().parent_path()})
@@ -37,13 +37,13 @@ fs::path programs_folder() {
   return own;
 }
 
-// In the child, between fork and exec: only what is allowed there.
+// In the child between fork and exec: async-signal-safe calls only.
 [[noreturn]] void become(char* const* words, const char* output) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);  // nobody is left to bring it down
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // ends with its parent
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  setpgid(0, 0);  // Ctrl-C at the terminal is for the one who brings it down in order
+  setpgid(0, 0);  // Ctrl-C goes to the launcher only, which stops it in order
   const int file = open(output, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (file >= 0) {
     dup2(file, STDOUT_FILENO);
@@ -75,7 +75,7 @@ void Launcher::start(Process process, const std::vector<std::string>& more) {
   if (!fs::exists(program))
     throw ConfigError(fmt::format("{} is missing", program_of(process)), programs_.string(),
                       "build or install all programs into one folder");
-  // The interlock knows nothing but the lines.
+  // The interlock uses the digital I/O only.
   std::vector<std::string> words{program.string(),
                                  (process == Process::Interlock ? lines_folder_ : run_folder_).string()};
   if (process == Process::Interlock)

@@ -6,8 +6,8 @@
 namespace biopsy::robot {
 namespace {
 
-constexpr std::int64_t kSendEvery_us = 20'000;           // a fifth of what hold-to-run forgives
-constexpr std::int64_t kHeldWithoutAsking_us = 100'000;  // as long as the supervisor itself waits
+constexpr std::int64_t kSendEvery_us = 20'000;           // a fifth of the hold-to-run timeout
+constexpr std::int64_t kHeldWithoutAsking_us = 100'000;  // the supervisor's own timeout
 constexpr int kRetract_ticks = 600;                      // twice a C1 ramp
 constexpr std::chrono::milliseconds kListen{5};
 constexpr std::chrono::seconds kSilence{1};

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds kHealthy{15};  // a secured bus needs a second or two to let everybody in
+constexpr std::chrono::seconds kHealthy{15};  // authentication on a secured bus takes a second or two
 constexpr int kRehearsalDays = 365;
 constexpr std::array kStarted{security::Role::Stage, security::Role::Controller, security::Role::Supervisor,
                               security::Role::Recorder, security::Role::Planner};
@@ -39,7 +39,7 @@ fs::path make_lines_folder(const LiveOptions& options) {
   return folder;
 }
 
-// A rehearsal that brings no keys gets its own, once: a later one in the same folder goes on with its log.
+// A rehearsal without keys creates a set once: a later one in the same folder continues its log.
 fs::path keys_for(const LiveOptions& options, const fs::path& folder, bool rehearsal) {
   if (!options.keys.empty()) return options.keys;
   if (!rehearsal) return security::default_folder();
