@@ -52,7 +52,8 @@ TEST(Control, DrivesTheStepThatTheSupervisorWants) {
 
 TEST(Control, StampsItsPlanConfigurationOverrunsAndMeasurement) {
   const Plan plan = plan_to(2.0);
-  ControllerMemory memory{.config_tag = 5};
+  ControllerMemory memory;
+  memory.config_tag = 5;
   load_plan(sealed_for_control(plan), memory);
   ControllerInputs in = driven(0);
   in.overruns = 3;
