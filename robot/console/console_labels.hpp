@@ -3,10 +3,10 @@
 // by their number.
 #pragma once
 
-#include <console_messages.hpp>  // generated from robot/msg/console.idl
 #include <string>
 
 #include "robot/cycle/control_cycle.hpp"
+#include "robot/msg/console_messages.hpp"
 
 namespace biopsy::robot {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "robot/security/roles.hpp"
+#include "robot/msg/topics.hpp"
 
 namespace biopsy::security {
 

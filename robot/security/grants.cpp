@@ -9,7 +9,7 @@ namespace {
 // The parser of Cyclone DDS refuses a larger id than 230 (there are no ports for it either).
 constexpr const char* kEveryDomain = "<domains><id_range><min>0</min><max>230</max></id_range></domains>";
 
-std::string topics(const std::string& names) {
+std::string topic_list(const std::string& names) {
   return "<topics>" + names + "</topics>";
 }
 
@@ -42,8 +42,8 @@ std::string protected_topic(std::string_view expression, std::string_view sample
 // with five processes: see docs/keys.md.
 std::string governance_xml() {
   std::string rules;
-  for (const TopicRule& rule : kTopicRules)
-    if (rule.sample == Protection::Signed) rules += protected_topic(rule.topic, "NONE");
+  for (const Topic& topic : kTopics)
+    if (topic.protection == Protection::Signed) rules += protected_topic(topic.name, "NONE");
   rules += protected_topic("*", "ENCRYPT");
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
@@ -64,11 +64,11 @@ std::string governance_xml() {
 
 std::string permissions_xml(Role role, const Validity& validity) {
   std::string written, read;
-  for (const TopicRule& rule : kTopicRules) {
-    if (rule.writers.contains(role)) written += named(rule.topic);
-    read += named(rule.topic);
+  for (const Topic& topic : kTopics) {
+    if (topic.writers.contains(role)) written += named(topic.name);
+    read += named(topic.name);
   }
-  const std::string publish = written.empty() ? "" : "<publish>" + topics(written) + "</publish>\n";
+  const std::string publish = written.empty() ? "" : "<publish>" + topic_list(written) + "</publish>\n";
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds>
@@ -84,7 +84,7 @@ std::string permissions_xml(Role role, const Validity& validity) {
 </dds>
 )",
       name_of(role), subject_of(role), utc_text(validity.from), utc_text(validity.until), kEveryDomain,
-      publish, topics(read));
+      publish, topic_list(read));
 }
 
 std::string subject_of(Role role) {

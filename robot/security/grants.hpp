@@ -5,7 +5,7 @@
 #include <chrono>
 #include <string>
 
-#include "robot/security/roles.hpp"
+#include "robot/msg/topics.hpp"
 
 namespace biopsy::security {
 

@@ -5,9 +5,11 @@
 #include <array>
 #include <filesystem>
 
-#include "robot/security/roles.hpp"
+#include "robot/msg/topics.hpp"
 
 namespace biopsy::security {
+
+inline constexpr std::array kRoles = all_values<Role>();
 
 struct RoleFiles {
   std::filesystem::path identity_ca;     // certificate that signed every identity

@@ -11,32 +11,11 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/logging/logger.hpp"
+#include "robot/msg/topics.hpp"
 #include "robot/transport/codec.hpp"
-#include "robot/transport/topics.hpp"
 
 namespace biopsy::transport {
 namespace {
-
-// What of a message type the C library needs.
-template <class Message>
-struct Wire;
-#define BIOPSY_WIRE(Message, Name)                                                          \
-  template <>                                                                               \
-  struct Wire<Message> {                                                                    \
-    using Type = biopsy_wire_##Name;                                                        \
-    static const dds_topic_descriptor_t& descriptor() { return biopsy_wire_##Name##_desc; } \
-  };
-BIOPSY_WIRE(Measurement, Measurement)
-BIOPSY_WIRE(DriveRequest, DriveRequest)
-BIOPSY_WIRE(Permit, Permit)
-BIOPSY_WIRE(Decision, Decision)
-BIOPSY_WIRE(OperatorAct, OperatorAct)
-BIOPSY_WIRE(SealedPlan, SealedPlan)
-BIOPSY_WIRE(DepthVerdictNote, DepthVerdict)
-BIOPSY_WIRE(LogHealth, LogHealth)
-BIOPSY_WIRE(StageTruth, StageTruth)
-BIOPSY_WIRE(Health, Health)
-#undef BIOPSY_WIRE
 
 std::atomic<std::uint32_t> strangers{0};
 
@@ -72,26 +51,25 @@ dds_duration_t or_never(std::chrono::milliseconds time) {
   return time.count() > 0 ? std::chrono::nanoseconds(time).count() : kNever;
 }
 
-Qos qos_of(const Delivery& delivery) {
+Qos qos_of(const Topic& topic) {
   Qos qos(dds_create_qos());
   // Nobody waits for a slow reader: a writer that cannot send at once goes on.
-  dds_qset_reliability(qos.get(), delivery.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       0);
-  dds_qset_durability(
-      qos.get(), delivery.kept_for_late_joiners ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, delivery.depth);
-  dds_qset_deadline(qos.get(), or_never(delivery.every));
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, or_never(delivery.alive));
+  dds_qset_reliability(qos.get(), topic.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_durability(qos.get(),
+                      topic.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.depth);
+  dds_qset_deadline(qos.get(), or_never(topic.deadline));
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, or_never(topic.lease));
   dds_qset_writer_data_lifecycle(qos.get(), false);  // a writer that ends does not take its plan back
   return qos;
 }
 
 template <class Message>
 Entity topic_on(const Participant& participant) {
-  const std::string name(kDelivery<Message>.topic);
-  return {
-      dds_create_topic(participant.handle(), &Wire<Message>::descriptor(), name.c_str(), nullptr, nullptr),
-      name.c_str()};
+  const std::string name(kTopic<Message>.name);
+  return {dds_create_topic(participant.handle(), &WireType<Message>::descriptor(), name.c_str(), nullptr,
+                           nullptr),
+          name.c_str()};
 }
 
 }  // namespace
@@ -129,7 +107,7 @@ struct Writer<Message>::Parts {
 
 template <class Message>
 Writer<Message>::Writer(const Participant& participant) {
-  const Qos qos = qos_of(kDelivery<Message>);
+  const Qos qos = qos_of(kTopic<Message>);
   Entity topic = topic_on<Message>(participant);
   const std::int32_t writer = dds_create_writer(participant.handle(), topic.handle(), qos.get(), nullptr);
   parts_.reset(new Parts{std::move(topic), Entity(writer, "writer"), participant.robot()});
@@ -141,7 +119,7 @@ Writer<Message>::Writer(Writer&&) noexcept = default;
 
 template <class Message>
 bool Writer<Message>::write(const Message& message) {
-  typename Wire<Message>::Type wire{};
+  typename WireType<Message>::Type wire{};
   wire.robot = parts_->robot;
   encode(message, wire);
   return dds_write(parts_->writer.handle(), &wire) == DDS_RETCODE_OK;
@@ -158,14 +136,14 @@ template <class Message>
 struct Reader<Message>::Parts {
   Entity topic, reader;
   std::uint32_t robot;
-  typename Wire<Message>::Type wire{};  // the library fills it and keeps what it allocated for lists
+  typename WireType<Message>::Type wire{};  // the library fills it and keeps what it allocated for lists
 
-  ~Parts() { dds_sample_free(&wire, &Wire<Message>::descriptor(), DDS_FREE_CONTENTS); }
+  ~Parts() { dds_sample_free(&wire, &WireType<Message>::descriptor(), DDS_FREE_CONTENTS); }
 };
 
 template <class Message>
 Reader<Message>::Reader(const Participant& participant) {
-  const Qos qos = qos_of(kDelivery<Message>);
+  const Qos qos = qos_of(kTopic<Message>);
   Entity topic = topic_on<Message>(participant);
   const std::int32_t reader = dds_create_reader(participant.handle(), topic.handle(), qos.get(), nullptr);
   parts_.reset(new Parts{std::move(topic), Entity(reader, "reader"), participant.robot()});
@@ -233,19 +211,10 @@ bool Waker::wait(std::chrono::nanoseconds timeout) {
   return dds_waitset_wait(set_.handle(), nullptr, 0, timeout.count()) > 0;
 }
 
-#define BIOPSY_TOPIC(Message)     \
-  template class Writer<Message>; \
+#define BIOPSY_INSTANTIATE(Message) \
+  template class Writer<Message>;   \
   template class Reader<Message>;
-BIOPSY_TOPIC(Measurement)
-BIOPSY_TOPIC(DriveRequest)
-BIOPSY_TOPIC(Permit)
-BIOPSY_TOPIC(Decision)
-BIOPSY_TOPIC(OperatorAct)
-BIOPSY_TOPIC(SealedPlan)
-BIOPSY_TOPIC(DepthVerdictNote)
-BIOPSY_TOPIC(LogHealth)
-BIOPSY_TOPIC(StageTruth)
-BIOPSY_TOPIC(Health)
-#undef BIOPSY_TOPIC
+BIOPSY_FOR_EACH_MESSAGE(BIOPSY_INSTANTIATE)
+#undef BIOPSY_INSTANTIATE
 
 }  // namespace biopsy::transport

@@ -1,11 +1,11 @@
 #include "tests/bench/live_loop.hpp"
 
-#include <bus.h>
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <wire.h>
 
 #include <algorithm>
 #include <chrono>

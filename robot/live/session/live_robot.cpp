@@ -73,7 +73,7 @@ void LiveRobot::let_back() {
   }
 }
 
-std::array<Health, kProcesses> LiveRobot::health() const {
+std::array<Health, kCount<Process>> LiveRobot::health() const {
   const std::lock_guard lock(mutex_);
   return health_;
 }
@@ -87,7 +87,7 @@ void LiveRobot::listen(const std::stop_token& stop) {
     board_.look(now_us);
     heartbeat_.beat(now_us);
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < kProcesses; ++i) health_[i] = board_.of(static_cast<Process>(i), now_us);
+    for (std::size_t i = 0; i < kCount<Process>; ++i) health_[i] = board_.of(static_cast<Process>(i), now_us);
   }
 }
 
@@ -152,8 +152,9 @@ void LiveRobot::speak(std::int64_t now_us) {
   OperatorAct act = act_of(world);
   // A person whose program stands still holds nothing: this thread must not do it for them.
   if (now_us - asked_us > kHeldWithoutAsking_us) act.held = false;
-  if (!asks_the_same(act, said_) || now_us - spoken_us_ >= kSpeakEvery_us) {
-    act.seq = said_.seq + 1;
+  act.seq = said_.seq;
+  if (act != said_ || now_us - spoken_us_ >= kSpeakEvery_us) {
+    ++act.seq;
     acts_.write(act);
     said_ = act;
     spoken_us_ = now_us;

@@ -39,7 +39,7 @@ class LiveRobot {
   void let_back();
 
   // The health of every process, newest.
-  std::array<Health, kProcesses> health() const;
+  std::array<Health, kCount<Process>> health() const;
   // Ticks that did not reach us.
   std::uint64_t lost() const { return lost_.load(); }
 
@@ -79,7 +79,7 @@ class LiveRobot {
   std::int64_t asked_us_ = 0;  // when it was last said
   std::uint64_t plan_tag_ = 0;
   std::uint32_t plans_sent_ = 0;
-  std::array<Health, kProcesses> health_{};
+  std::array<Health, kCount<Process>> health_{};
   std::atomic<std::uint64_t> lost_{0};
   std::jthread thread_;  // last: everything it uses is there
 };

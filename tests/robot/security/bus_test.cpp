@@ -22,8 +22,8 @@ TEST(Bus, TheControllerSpeaksAndTheStageHears) {
   BusProbe controller(211, Security{set.folder(), Role::Controller});
   ASSERT_TRUE(stage.is_up()) << dds_strretcode(stage.participant_error());
   ASSERT_TRUE(controller.is_up()) << dds_strretcode(controller.participant_error());
-  ASSERT_GT(stage.open_reader(topic::kDriveRequest), 0);
-  ASSERT_GT(controller.open_writer(topic::kDriveRequest), 0);
+  ASSERT_GT(stage.open_reader(kTopic<DriveRequest>.name), 0);
+  ASSERT_GT(controller.open_writer(kTopic<DriveRequest>.name), 0);
   ASSERT_TRUE(controller.meets_a_reader());
   EXPECT_TRUE(controller.write(42));
   EXPECT_EQ(stage.next(), 42);
@@ -35,10 +35,10 @@ TEST(Bus, EachRoleMayOpenExactlyTheWritersOfTheTableAndEveryReader) {
   for (const Role role : kRoles) {
     BusProbe probe(212, Security{set.folder(), role});
     ASSERT_TRUE(probe.is_up());
-    for (const TopicRule& rule : kTopicRules) {
-      EXPECT_EQ(probe.open_writer(rule.topic) > 0, rule.writers.contains(role))
-          << name_of(role) << " writes " << rule.topic;
-      EXPECT_GT(probe.open_reader(rule.topic), 0) << name_of(role) << " reads " << rule.topic;
+    for (const Topic& topic : kTopics) {
+      EXPECT_EQ(probe.open_writer(topic.name) > 0, topic.writers.contains(role))
+          << name_of(role) << " writes " << topic.name;
+      EXPECT_GT(probe.open_reader(topic.name), 0) << name_of(role) << " reads " << topic.name;
     }
     EXPECT_LT(probe.open_writer("Invented"), 0);
     EXPECT_LT(probe.open_reader("Invented"), 0);
@@ -51,14 +51,14 @@ TEST(Bus, APlainParticipantNeitherHearsNorIsHeard) {
   verifies("R-46");
   const MadeSet set;
   BusProbe plain_writer(213, std::nullopt), plain_reader(213, std::nullopt);
-  ASSERT_GT(plain_writer.open_writer(topic::kDriveRequest), 0);
-  ASSERT_GT(plain_reader.open_reader(topic::kDriveRequest), 0);
+  ASSERT_GT(plain_writer.open_writer(kTopic<DriveRequest>.name), 0);
+  ASSERT_GT(plain_reader.open_reader(kTopic<DriveRequest>.name), 0);
   ASSERT_TRUE(plain_writer.meets_a_reader());
   plain_writer.write(666);
   BusProbe stage(213, Security{set.folder(), Role::Stage});
-  ASSERT_GT(stage.open_reader(topic::kDriveRequest), 0);
+  ASSERT_GT(stage.open_reader(kTopic<DriveRequest>.name), 0);
   BusProbe controller(213, Security{set.folder(), Role::Controller});
-  ASSERT_GT(controller.open_writer(topic::kDriveRequest), 0);
+  ASSERT_GT(controller.open_writer(kTopic<DriveRequest>.name), 0);
   ASSERT_TRUE(controller.meets_a_reader());
   plain_writer.write(667);
   ASSERT_TRUE(controller.write(1));
@@ -75,15 +75,15 @@ TEST(Bus, APlainParticipantNeitherHearsNorIsHeard) {
 // What an intruder says before the true controller is met must not be there when the latter has been heard.
 void expect_only_the_true_controller(int domain, const Security& intruder_keys, const fs::path& folder) {
   BusProbe stage(domain, Security{folder, Role::Stage});
-  ASSERT_GT(stage.open_reader(topic::kDriveRequest), 0);
+  ASSERT_GT(stage.open_reader(kTopic<DriveRequest>.name), 0);
   BusProbe intruder(domain, intruder_keys);
   ASSERT_TRUE(intruder.is_up()) << "its own files agree with each other";
-  ASSERT_GT(intruder.open_writer(topic::kDriveRequest), 0);
+  ASSERT_GT(intruder.open_writer(kTopic<DriveRequest>.name), 0);
   intruder.write(666);
   for (std::int32_t round = 0; round < 3;
        ++round) {  // each a whole handshake, which the intruder had as well
     BusProbe controller(domain, Security{folder, Role::Controller});
-    ASSERT_GT(controller.open_writer(topic::kDriveRequest), 0);
+    ASSERT_GT(controller.open_writer(kTopic<DriveRequest>.name), 0);
     ASSERT_TRUE(controller.meets_a_reader());
     intruder.write(667);
     ASSERT_TRUE(controller.write(round));
@@ -141,7 +141,7 @@ TEST(Bus, ALackingEnvironmentCannotTurnSecurityOff) {
   BusProbe stage(218, Security{set.folder(), Role::Stage});
   unsetenv("CYCLONEDDS_URI");
   ASSERT_TRUE(stage.is_up());
-  EXPECT_LT(stage.open_writer(topic::kDriveRequest), 0);
+  EXPECT_LT(stage.open_writer(kTopic<DriveRequest>.name), 0);
 }
 
 TEST(Bus, TwoSecureParticipantsMeetInTime) {
@@ -149,8 +149,8 @@ TEST(Bus, TwoSecureParticipantsMeetInTime) {
   const auto started = std::chrono::steady_clock::now();
   BusProbe stage(219, Security{set.folder(), Role::Stage});
   BusProbe controller(219, Security{set.folder(), Role::Controller});
-  stage.open_reader(topic::kDriveRequest);
-  controller.open_writer(topic::kDriveRequest);
+  stage.open_reader(kTopic<DriveRequest>.name);
+  controller.open_writer(kTopic<DriveRequest>.name);
   ASSERT_TRUE(controller.meets_a_reader());
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   RecordProperty("discovery_ms", std::to_string(1e3 * took));

@@ -48,8 +48,8 @@ std::optional<std::int32_t> heard_after_forging(int domain,
                                                 const std::optional<std::filesystem::path>& keys) {
   const auto of = [&keys](Role role) { return keys ? std::optional(Security{*keys, role}) : std::nullopt; };
   BusProbe stage(domain, of(Role::Stage)), controller(domain, of(Role::Controller));
-  stage.open_reader(topic::kDriveRequest);
-  controller.open_writer(topic::kDriveRequest);
+  stage.open_reader(kTopic<DriveRequest>.name);
+  controller.open_writer(kTopic<DriveRequest>.name);
   if (!controller.meets_a_reader() || !controller.write(1) || stage.next() != 1) return std::nullopt;
   send_to_all(sample_of(controller.writer_guid(), 2, 66), domain);
   controller.write(2);
