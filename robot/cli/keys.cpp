@@ -11,7 +11,7 @@
 #include "robot/common/sanitize_text.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
-#include "robot/security/whole_set.hpp"
+#include "robot/security/key_set.hpp"
 
 namespace biopsy::robot {
 namespace {

@@ -205,13 +205,13 @@ void BusRecorder::follow_health(std::int64_t now_us) {
   }
 }
 
-void BusRecorder::follow_strangers(std::int64_t now_us) {
+void BusRecorder::follow_participants(std::int64_t now_us) {
   if (participants_ == nullptr) return;
-  const int strangers = participants_->unauthenticated_endpoints();
-  if (strangers != strangers_)
-    write(RecordKind::Alarm, "recorder", json_text({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
+  const int endpoints = participants_->unauthenticated_endpoints();
+  if (endpoints != endpoints_)
+    write(RecordKind::Alarm, "recorder", json_text({{"endpoints_without_keys", endpoints}}), Urgency::Grouped,
           now_us);
-  strangers_ = strangers;
+  endpoints_ = endpoints;
   const int outside = participants_->unauthenticated_participants();
   if (outside != outside_) outside_us_ = now_us;
   outside_ = outside;
@@ -262,7 +262,7 @@ void BusRecorder::turn(std::int64_t now_us) {
   follow_plan_and_checks(now_us);
   follow_stage(now_us);
   follow_health(now_us);
-  follow_strangers(now_us);
+  follow_participants(now_us);
   follow_liveliness(now_us);
   recorder_.poll(now_us);
   report_itself(now_us);

@@ -35,7 +35,7 @@ class BusRecorder {
   void follow_plan_and_checks(std::int64_t now_us);
   void follow_stage(std::int64_t now_us);
   void follow_health(std::int64_t now_us);
-  void follow_strangers(std::int64_t now_us);
+  void follow_participants(std::int64_t now_us);
   void follow_liveliness(std::int64_t now_us);
   void report_itself(std::int64_t now_us);
   std::int64_t unheard_ms(std::int64_t now_us) const;  // the quietest of those it must hear
@@ -66,7 +66,7 @@ class BusRecorder {
   std::array<bool, kCount<Process>> alive_{};
   std::array<std::uint32_t, kCount<Process>> refused_{};
   std::array<std::string, kCount<Process>> notes_;
-  int strangers_ = 0;
+  int endpoints_ = 0;
   int outside_ = 0, told_outside_ = 0;
   std::int64_t outside_us_ = 0;
   std::uint32_t health_seq_ = 0;

@@ -19,10 +19,10 @@ ControllerLoop::ControllerLoop(const transport::Participant& bus, std::uint64_t 
       acts_(bus),
       plans_(bus),
       requests_(bus),
-      waker_(bus),
+      wait_set_(bus),
       heartbeat_(bus, Process::Controller, config_tag),
       config_tag_(config_tag) {
-  waker_.add(measurements_);
+  wait_set_.add(measurements_);
 }
 
 // A plan is taken up at rest only. One that comes later is left where it is: the supervisor stops for it.
@@ -60,7 +60,7 @@ DriveRequest ControllerLoop::answer(const Measurement& measured) {
 }
 
 void ControllerLoop::turn(std::chrono::nanoseconds patience) {
-  waker_.wait(patience);
+  wait_set_.wait(patience);
   const std::int64_t woke_ns = realtime::monotonic_ns();
   permits_.take_newest(permit_);
   decisions_.take_newest(decision_);

@@ -31,7 +31,7 @@ class ControllerLoop {
   transport::Reader<OperatorAct> acts_;
   transport::Reader<SealedPlan> plans_;
   transport::Writer<DriveRequest> requests_;
-  transport::Waker waker_;
+  transport::WaitSet wait_set_;
   Heartbeat heartbeat_;
   std::uint64_t config_tag_;
   std::uint64_t plan_tag_ = 0;

@@ -49,19 +49,19 @@ SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::Pulse
       log_(bus),
       permits_(bus),
       decisions_(bus),
-      waker_(bus),
+      wait_set_(bus),
       heartbeat_(bus, Process::Supervisor, config_tag),
       config_tag_(config_tag),
       self_test_(self_test),
       state_(safety::started(session)) {
-  waker_.add(measurements_);
+  wait_set_.add(measurements_);
   heartbeat_.health().ready = true;
 }
 
 void SupervisorLoop::turn() {
   const std::int64_t patience = measurement_late_ ? kTick_us : kPatience_us;
   const std::int64_t left = ticked_us_ + patience - now_in_us();
-  waker_.wait(microseconds(std::max<std::int64_t>(left, 0)));
+  wait_set_.wait(microseconds(std::max<std::int64_t>(left, 0)));
   const std::int64_t woke_us = now_in_us();
   listen(woke_us);
   take_burst();

@@ -57,7 +57,7 @@ class SupervisorLoop {
   transport::Reader<LogHealth> log_;
   transport::Writer<Permit> permits_;
   transport::Writer<Decision> decisions_;
-  transport::Waker waker_;
+  transport::WaitSet wait_set_;
   Heartbeat heartbeat_;
 
   std::uint64_t config_tag_;

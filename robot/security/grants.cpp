@@ -17,7 +17,7 @@ std::string named(std::string_view name) {
   return fmt::format("<topic>{}</topic>", name);
 }
 
-// The first rule whose expression fits a topic is the one that holds.
+// The first rule whose expression matches a topic applies.
 std::string protected_topic(std::string_view expression, std::string_view sample) {
   return fmt::format(
       R"(<topic_rule>
@@ -35,11 +35,10 @@ std::string protected_topic(std::string_view expression, std::string_view sample
 
 }  // namespace
 
-// Every message is signed: samples, header, heartbeats and acknowledgements cannot be forged. What is not in
-// the tick is encrypted as well: discovery, and the sample of a topic that may name a person; to encrypt the
-// whole message would hide no more. Codes for each single reader (WITH_ORIGIN_AUTHENTICATION) would keep a
-// reader with altered software from speaking as the writer it listens to, but double the way there and back
-// with five processes: see docs/keys.md.
+// Every RTPS message is signed: samples, headers, heartbeats and acknowledgements cannot be forged. Discovery
+// and topics outside the tick, which may name a person, are encrypted as well. Codes per reader
+// (WITH_ORIGIN_AUTHENTICATION) would keep a compromised reader from impersonating the writer it reads, but
+// double the round trip with five processes: see docs/keys.md.
 std::string governance_xml() {
   std::string rules;
   for (const Topic& topic : kTopics)

@@ -17,7 +17,7 @@
 namespace biopsy::transport {
 namespace {
 
-std::atomic<std::uint32_t> strangers{0};
+std::atomic<std::uint32_t> unauthenticated{0};
 
 logging::Level level_of(std::uint32_t category) {
   if ((category & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0) return logging::Level::Error;
@@ -29,14 +29,14 @@ void log_trace(void*, const dds_log_data_t* data) {
   logging::write(logging::Component::Dds, level_of(data->priority), {data->message, data->size});
 }
 
-// The library says who was not let in only in its log. "Remote secure participant not allowed" is none of
-// them: it is said of friends who called while this participant was still being made.
-void hear_warning(void*, const dds_log_data_t* data) {
+// The library reports a failed authentication only in its log. "Remote secure participant not allowed" is
+// none: it is logged of authenticated participants that called while this one was still being made.
+void on_log_message(void*, const dds_log_data_t* data) {
   const std::string_view text(data->message, data->size);
-  const auto says = [text](std::string_view words) { return text.find(words) != std::string_view::npos; };
-  if (says("Remote secure participant") && says("not allowed")) return;
-  const bool stranger = says("Non secure remote participant") || says("fsm") || says("ecurity");
-  if (stranger) strangers.fetch_add(1, std::memory_order_relaxed);
+  const auto contains = [text](std::string_view part) { return text.find(part) != std::string_view::npos; };
+  if (contains("Remote secure participant") && contains("not allowed")) return;
+  if (contains("Non secure remote participant") || contains("fsm") || contains("ecurity"))
+    unauthenticated.fetch_add(1, std::memory_order_relaxed);
   logging::write(logging::Component::Dds, level_of(data->priority), text);
 }
 
@@ -45,22 +45,20 @@ struct QosFree {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosFree>;
 
-constexpr dds_duration_t kNever = DDS_INFINITY;
-
-dds_duration_t or_never(std::chrono::milliseconds time) {
-  return time.count() > 0 ? std::chrono::nanoseconds(time).count() : kNever;
+dds_duration_t or_infinite(std::chrono::milliseconds time) {
+  return time.count() > 0 ? std::chrono::nanoseconds(time).count() : DDS_INFINITY;
 }
 
 Qos qos_of(const Topic& topic) {
   Qos qos(dds_create_qos());
-  // Nobody waits for a slow reader: a writer that cannot send at once goes on.
+  // Blocking time 0: a writer never waits for a slow reader.
   dds_qset_reliability(qos.get(), topic.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_durability(qos.get(),
                       topic.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.depth);
-  dds_qset_deadline(qos.get(), or_never(topic.deadline));
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, or_never(topic.lease));
-  dds_qset_writer_data_lifecycle(qos.get(), false);  // a writer that ends does not take its plan back
+  dds_qset_deadline(qos.get(), or_infinite(topic.deadline));
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, or_infinite(topic.lease));
+  dds_qset_writer_data_lifecycle(qos.get(), false);  // instances outlive their writer
   return qos;
 }
 
@@ -88,12 +86,12 @@ Entity::~Entity() {
   if (handle_ > 0) dds_delete(handle_);
 }
 
-std::uint32_t refused_samples() {
-  return strangers.load(std::memory_order_relaxed);
+std::uint32_t unauthenticated_messages() {
+  return unauthenticated.load(std::memory_order_relaxed);
 }
 
 Participant::Participant(const BusSettings& settings) : robot_(settings.robot) {
-  dds_set_log_sink(hear_warning, nullptr);
+  dds_set_log_sink(on_log_message, nullptr);
   dds_set_trace_sink(log_trace, nullptr);
   domain_ = Entity(dds_create_domain(settings.domain, settings.configuration.c_str()), "domain");
   participant_ = Entity(dds_create_participant(settings.domain, nullptr, nullptr), "participant");
@@ -198,16 +196,17 @@ std::int32_t Reader<Message>::handle() const {
   return parts_->reader.handle();
 }
 
-Waker::Waker(const Participant& participant) : set_(dds_create_waitset(participant.handle()), "waitset") {}
+WaitSet::WaitSet(const Participant& participant)
+    : set_(dds_create_waitset(participant.handle()), "waitset") {}
 
-void Waker::add(std::int32_t reader) {
+void WaitSet::add(std::int32_t reader) {
   assert(count_ < conditions_.size());
   Entity& condition = conditions_[count_++];
   condition = Entity(dds_create_readcondition(reader, DDS_ANY_STATE), "read condition");
   dds_waitset_attach(set_.handle(), condition.handle(), 0);
 }
 
-bool Waker::wait(std::chrono::nanoseconds timeout) {
+bool WaitSet::wait(std::chrono::nanoseconds timeout) {
   return dds_waitset_wait(set_.handle(), nullptr, 0, timeout.count()) > 0;
 }
 

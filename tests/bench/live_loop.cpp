@@ -145,7 +145,7 @@ void measure_ours(std::uint32_t domain, const std::string& xml, realtime::Latenc
   const transport::Participant bus({domain, xml, 1});
   transport::Writer<Measurement> measurements(bus);
   transport::Reader<DriveRequest> requests(bus);
-  transport::Waker waker(bus);
+  transport::WaitSet waker(bus);
   waker.add(requests);
   while (measurements.readers() == 0 || requests.writers() == 0) usleep(1000);
   Measurement m;

@@ -37,11 +37,11 @@ LiveRobot::LiveRobot(const transport::Participant& bus, const std::filesystem::p
       acts_(bus),
       plans_(bus),
       verdicts_(bus),
-      waker_(bus),
+      wait_set_(bus),
       heartbeat_(bus, Process::Person, config_tag),
       board_(bus) {
   if (!panel.empty()) panel_.emplace(panel);
-  waker_.add(measurements_);
+  wait_set_.add(measurements_);
   heartbeat_.health().ready = true;
   thread_ = std::jthread([this](const std::stop_token& stop) { listen(stop); });
 }
@@ -80,7 +80,7 @@ std::array<Health, kCount<Process>> LiveRobot::health() const {
 
 void LiveRobot::listen(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    waker_.wait(kListen);
+    wait_set_.wait(kListen);
     const std::int64_t now_us = realtime::monotonic_ns() / 1000;
     gather();
     speak(now_us);

@@ -58,7 +58,7 @@ class LiveRobot {
   transport::Writer<OperatorAct> acts_;
   transport::Writer<SealedPlan> plans_;
   transport::Writer<DepthVerdictNote> verdicts_;
-  transport::Waker waker_;
+  transport::WaitSet wait_set_;
   live::Heartbeat heartbeat_;
   live::HealthBoard board_;
 

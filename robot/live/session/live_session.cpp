@@ -13,8 +13,8 @@
 #include "robot/common/files/whole_file.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/security/key_files.hpp"
+#include "robot/security/key_set.hpp"
 #include "robot/security/make_keys.hpp"
-#include "robot/security/whole_set.hpp"
 
 namespace biopsy::robot {
 namespace {

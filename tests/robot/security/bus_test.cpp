@@ -8,7 +8,7 @@
 #include "robot/security/key_files.hpp"
 #include "robot/security/signed_text.hpp"
 #include "tests/robot/security/bus_probe.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::security {
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(Bus, TheControllerSpeaksAndTheStageHears) {
-  const MadeSet set;
+  const TestKeySet set;
   BusProbe stage(211, Security{set.folder(), Role::Stage});
   BusProbe controller(211, Security{set.folder(), Role::Controller});
   ASSERT_TRUE(stage.is_up()) << dds_strretcode(stage.participant_error());
@@ -31,7 +31,7 @@ TEST(Bus, TheControllerSpeaksAndTheStageHears) {
 
 TEST(Bus, EachRoleMayOpenExactlyTheWritersOfTheTableAndEveryReader) {
   verifies("R-46");
-  const MadeSet set;
+  const TestKeySet set;
   for (const Role role : kRoles) {
     BusProbe probe(212, Security{set.folder(), role});
     ASSERT_TRUE(probe.is_up());
@@ -49,7 +49,7 @@ TEST(Bus, EachRoleMayOpenExactlyTheWritersOfTheTableAndEveryReader) {
 // has not heard when its own message arrives, it does not hear.
 TEST(Bus, APlainParticipantNeitherHearsNorIsHeard) {
   verifies("R-46");
-  const MadeSet set;
+  const TestKeySet set;
   BusProbe plain_writer(213, std::nullopt), plain_reader(213, std::nullopt);
   ASSERT_GT(plain_writer.open_writer(kTopic<DriveRequest>.name), 0);
   ASSERT_GT(plain_reader.open_reader(kTopic<DriveRequest>.name), 0);
@@ -95,13 +95,13 @@ void expect_only_the_true_controller(int domain, const Security& intruder_keys, 
 
 TEST(Bus, AnIdentityOfAnotherCaIsRefused) {
   verifies("R-46");
-  const MadeSet ours, theirs;
+  const TestKeySet ours, theirs;
   expect_only_the_true_controller(214, {theirs.folder(), Role::Controller}, ours.folder());
 }
 
 // It opens the writer, since its own copy of the plugin believes it; the others do not.
 TEST(Bus, AnObserverWithPermissionsOfItsOwnMakingIsRefused) {
-  const MadeSet set;
+  const TestKeySet set;
   const RoleFiles files = role_files(set.folder(), Role::Observer);
   const Validity times = *validity(read_certificate(file_content(files.identity)).get());
   const Key key = new_p256_key();
@@ -110,13 +110,13 @@ TEST(Bus, AnObserverWithPermissionsOfItsOwnMakingIsRefused) {
   for (const std::string& name : {std::string("CN=controller"), std::string("\"controller\"")})
     granted.replace(granted.find(name), name.size(), name[0] == 'C' ? "CN=observer" : "\"observer\"");
   write_content(files.permissions_ca, pem(ca.get()));
-  write_content(files.governance, signed_text(governance_xml(), ca.get(), key.get()));
-  write_content(files.permissions, signed_text(granted, ca.get(), key.get()));
+  write_content(files.governance, sign_text(governance_xml(), ca.get(), key.get()));
+  write_content(files.permissions, sign_text(granted, ca.get(), key.get()));
   expect_only_the_true_controller(215, {set.folder(), Role::Observer}, set.folder());
 }
 
 TEST(Bus, ParticipantsWithoutGoodFilesDoNotComeUp) {
-  const MadeSet set;
+  const TestKeySet set;
   const RoleFiles files = role_files(set.folder(), Role::Stage);
   fs::copy_file(role_files(set.folder(), Role::Controller).permissions, files.permissions,
                 fs::copy_options::overwrite_existing);
@@ -124,7 +124,7 @@ TEST(Bus, ParticipantsWithoutGoodFilesDoNotComeUp) {
   fs::remove(files.permissions);
   EXPECT_FALSE(BusProbe(216, Security{set.folder(), Role::Stage}).is_up()) << "no permissions";
   EXPECT_FALSE(BusProbe(216, Security{set.folder() / "nowhere", Role::Stage}).is_up()) << "no folder";
-  const MadeSet old(now() - std::chrono::days(10), 5);
+  const TestKeySet old(now() - std::chrono::days(10), 5);
   EXPECT_FALSE(BusProbe(216, Security{old.folder(), Role::Stage}).is_up()) << "expired";
 }
 
@@ -136,7 +136,7 @@ TEST(Bus, KeysAreFoundInAFolderWithAnAwkwardName) {
 }
 
 TEST(Bus, ALackingEnvironmentCannotTurnSecurityOff) {
-  const MadeSet set;
+  const TestKeySet set;
   setenv("CYCLONEDDS_URI", "<CycloneDDS><Domain><Security/></Domain></CycloneDDS>", 1);
   BusProbe stage(218, Security{set.folder(), Role::Stage});
   unsetenv("CYCLONEDDS_URI");
@@ -145,7 +145,7 @@ TEST(Bus, ALackingEnvironmentCannotTurnSecurityOff) {
 }
 
 TEST(Bus, TwoSecureParticipantsMeetInTime) {
-  const MadeSet set;
+  const TestKeySet set;
   const auto started = std::chrono::steady_clock::now();
   BusProbe stage(219, Security{set.folder(), Role::Stage});
   BusProbe controller(219, Security{set.folder(), Role::Controller});

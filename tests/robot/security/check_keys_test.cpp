@@ -9,9 +9,9 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/security/certificates.hpp"
+#include "robot/security/key_set.hpp"
 #include "robot/security/signed_text.hpp"
-#include "robot/security/whole_set.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -44,11 +44,11 @@ class CheckKeys : public testing::Test {
   std::string truly_signed(const std::string& text) const {
     const Key key = read_private_key(file_content(ca_folder(set_.folder()) / "permissions_ca_key.pem"));
     const Certificate ca = read_certificate(file_content(files_.permissions_ca));
-    return signed_text(text, ca.get(), key.get());
+    return sign_text(text, ca.get(), key.get());
   }
   Validity times() const { return *validity(read_certificate(file_content(files_.identity)).get()); }
 
-  const MadeSet set_;
+  const TestKeySet set_;
   const RoleFiles files_ = role_files(set_.folder(), Role::Stage);
 };
 
@@ -80,7 +80,7 @@ TEST_F(CheckKeys, AFileThatCannotBeReadIsNamed) {
   if (geteuid() == 0) {  // who may read everything meets a folder in its place
     fs::remove(files_.identity);
     fs::create_directory(files_.identity);
-    EXPECT_EQ(stage_problem(), "identity.pem: is no file of keys");
+    EXPECT_EQ(stage_problem(), "identity.pem: is not a key file");
     return;
   }
   fs::permissions(files_.identity, fs::perms::none);
@@ -88,11 +88,11 @@ TEST_F(CheckKeys, AFileThatCannotBeReadIsNamed) {
 }
 
 TEST_F(CheckKeys, AnIdentityOfAnotherCaIsRefused) {
-  const MadeSet other;
+  const TestKeySet other;
   const RoleFiles theirs = role_files(other.folder(), Role::Stage);
   take(theirs.identity, files_.identity);
   take(theirs.private_key, files_.private_key);
-  EXPECT_EQ(stage_problem(), "identity.pem: is not signed by identity_ca.pem, or was changed");
+  EXPECT_EQ(stage_problem(), "identity.pem: is not signed by identity_ca.pem, or was altered");
 }
 
 TEST_F(CheckKeys, TheIdentityOfAnotherRoleIsRefused) {
@@ -112,16 +112,16 @@ TEST_F(CheckKeys, AnIdentityThatARoleIssuedIsRefused) {
     return pem(new_identity(role, to, issuer.get(), issuer_key.get(), times()).get());
   };
   write_content(files_.identity, issued(Role::Stage, key.get()));
-  EXPECT_EQ(stage_problem(), "identity.pem: is not signed by identity_ca.pem, or was changed");
+  EXPECT_EQ(stage_problem(), "identity.pem: is not signed by identity_ca.pem, or was altered");
   write_content(files_.identity_ca, pem(issuer.get()));
-  EXPECT_EQ(stage_problem(), "identity_ca.pem: is not the certificate of a CA");
+  EXPECT_EQ(stage_problem(), "identity_ca.pem: is not a CA certificate");
   write_content(files_.identity_ca, issued(Role::Controller, issuer_key.get()));  // signed by itself
-  EXPECT_EQ(stage_problem(), "identity_ca.pem: is not the certificate of a CA");
+  EXPECT_EQ(stage_problem(), "identity_ca.pem: is not a CA certificate");
 }
 
 TEST_F(CheckKeys, AnotherPrivateKeyIsRefused) {
   take(role_files(set_.folder(), Role::Controller).private_key, files_.private_key);
-  EXPECT_EQ(stage_problem(), "identity_key.pem: does not belong to identity.pem, or was changed");
+  EXPECT_EQ(stage_problem(), "identity_key.pem: does not belong to identity.pem, or was altered");
 }
 
 TEST_F(CheckKeys, ALockedPrivateKeyIsRefusedWithoutAQuestion) {
@@ -131,16 +131,16 @@ TEST_F(CheckKeys, ALockedPrivateKeyIsRefusedWithoutAQuestion) {
       PEM_write_bio_PKCS8PrivateKey(out.get(), key.get(), EVP_aes_256_cbc(), "secret", 6, nullptr, nullptr),
       1);
   write_content(files_.private_key, written(out));
-  EXPECT_EQ(stage_problem(), "identity_key.pem: is no private key, or was changed");
+  EXPECT_EQ(stage_problem(), "identity_key.pem: is not a private key, or was altered");
 }
 
 TEST_F(CheckKeys, DocumentsOfAnotherCaAreRefused) {
-  const MadeSet other;
+  const TestKeySet other;
   const RoleFiles theirs = role_files(other.folder(), Role::Stage);
   take(theirs.permissions, files_.permissions);
-  EXPECT_EQ(stage_problem(), "permissions.p7s: is not signed by permissions_ca.pem, or was changed");
+  EXPECT_EQ(stage_problem(), "permissions.p7s: is not signed by permissions_ca.pem, or was altered");
   take(theirs.governance, files_.governance);
-  EXPECT_EQ(stage_problem(), "governance.p7s: is not signed by permissions_ca.pem, or was changed");
+  EXPECT_EQ(stage_problem(), "governance.p7s: is not signed by permissions_ca.pem, or was altered");
 }
 
 TEST_F(CheckKeys, PermissionsOfAnotherRoleAreRefused) {
@@ -154,8 +154,8 @@ TEST_F(CheckKeys, PermissionsSignedByAnythingButTheCaItselfAreRefused) {
   const Key key = new_p256_key();
   const Certificate issued = new_identity(Role::Planner, key.get(), ca.get(), ca_key.get(), times());
   write_content(files_.permissions,
-                signed_text(permissions_xml(Role::Stage, times()), issued.get(), key.get()));
-  EXPECT_EQ(stage_problem(), "permissions.p7s: is not signed by permissions_ca.pem, or was changed");
+                sign_text(permissions_xml(Role::Stage, times()), issued.get(), key.get()));
+  EXPECT_EQ(stage_problem(), "permissions.p7s: is not signed by permissions_ca.pem, or was altered");
 }
 
 TEST_F(CheckKeys, EvenTrulySignedPermissionsMustGrantExactlyWhatThisBuildGrants) {
@@ -177,7 +177,8 @@ TEST_F(CheckKeys, EvenTrulySignedPermissionsMustGrantExactlyWhatThisBuildGrants)
       right + " "};
   for (const std::string& text : wrong) {
     write_content(files_.permissions, truly_signed(text));
-    EXPECT_EQ(stage_problem(), "permissions.p7s: does not grant exactly what this build grants the stage")
+    EXPECT_EQ(stage_problem(),
+              "permissions.p7s: differs from the permissions that this build grants the stage")
         << text;
   }
 }
@@ -186,7 +187,7 @@ TEST_F(CheckKeys, EvenTrulySignedGovernanceMustProtectExactlyWhatThisBuildProtec
   std::string open = governance_xml();
   open.replace(open.find("ENCRYPT</data"), 7, "NONE");
   write_content(files_.governance, truly_signed(open));
-  EXPECT_EQ(stage_problem(), "governance.p7s: does not protect exactly what this build protects");
+  EXPECT_EQ(stage_problem(), "governance.p7s: differs from the governance of this build");
 }
 
 TEST_F(CheckKeys, AForeignSigningKeyIsRefused) {
@@ -199,7 +200,7 @@ TEST_F(CheckKeys, AForeignSigningKeyIsRefused) {
 
 TEST_F(CheckKeys, AFolderMixedOfTwoSetsIsRefused) {
   EXPECT_NO_THROW(check_set(set_.folder(), kRoles, now()));
-  const MadeSet other;
+  const TestKeySet other;
   fs::remove_all(set_.folder() / "controller");
   fs::copy(other.folder() / "controller", set_.folder() / "controller", fs::copy_options::recursive);
   fs::permissions(set_.folder() / "controller", fs::perms::owner_all);
@@ -209,7 +210,7 @@ TEST_F(CheckKeys, AFolderMixedOfTwoSetsIsRefused) {
     FAIL();
   } catch (const ConfigError& error) {
     EXPECT_TRUE(error.where.ends_with("controller/identity_ca.pem"));
-    EXPECT_EQ(error.what_is_wrong, "is of another set than stage/identity_ca.pem");
+    EXPECT_EQ(error.what_is_wrong, "belongs to another set than stage/identity_ca.pem");
   }
 }
 

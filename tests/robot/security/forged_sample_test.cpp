@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "tests/robot/security/bus_probe.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::security {
@@ -63,7 +63,7 @@ TEST(ForgedSample, IsBelievedWhereNothingIsSigned) {
 
 TEST(ForgedSample, IsNotHeardOnATopicThatIsSignedAndNotEncrypted) {
   verifies("R-46");
-  const MadeSet set;
+  const TestKeySet set;
   EXPECT_EQ(heard_after_forging(206, set.folder()), 2);
 }
 

@@ -11,8 +11,8 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/atomic_directory.hpp"
 #include "robot/security/check_keys.hpp"
-#include "robot/security/whole_set.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "robot/security/key_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -32,7 +32,7 @@ std::size_t entries(const fs::path& folder) {
 }
 
 TEST(MakeKeys, AFreshSetIsGoodForEveryRoleUntilItsEnd) {
-  const MadeSet set(now(), 30);
+  const TestKeySet set(now(), 30);
   for (const Role role : kRoles) {
     EXPECT_NEAR(static_cast<double>((check_keys(set.folder(), role, now()) - now()).count()), 30 * 86400.0,
                 60.0);
@@ -47,7 +47,7 @@ TEST(MakeKeys, AFreshSetIsGoodForEveryRoleUntilItsEnd) {
 
 TEST(MakeKeys, NobodyElseMayReadAnyOfIt) {
   const mode_t usual = umask(0);
-  const MadeSet set;
+  const TestKeySet set;
   umask(usual);
   struct stat facts {};
   ASSERT_EQ(stat(set.folder().c_str(), &facts), 0);
@@ -59,7 +59,7 @@ TEST(MakeKeys, NobodyElseMayReadAnyOfIt) {
 }
 
 TEST(MakeKeys, ARoleRunsOnItsOwnFolderAlone) {
-  const MadeSet set;
+  const TestKeySet set;
   const ScratchFolder elsewhere;
   const fs::path machine = elsewhere / "keys";
   fs::create_directory(machine);
@@ -71,7 +71,7 @@ TEST(MakeKeys, ARoleRunsOnItsOwnFolderAlone) {
 }
 
 TEST(MakeKeys, AnExistingSetIsNotTouchedUnlessToldTo) {
-  const MadeSet set;
+  const TestKeySet set;
   const auto before = contents(set.folder());
   EXPECT_THROW(make_keys(set.folder(), 30, now(), false), ConfigError);
   EXPECT_EQ(contents(set.folder()), before);
@@ -79,7 +79,7 @@ TEST(MakeKeys, AnExistingSetIsNotTouchedUnlessToldTo) {
 }
 
 TEST(MakeKeys, ReplacingKeepsTheOldSetAside) {
-  const MadeSet set;
+  const TestKeySet set;
   const auto before = contents(set.folder());
   const auto later = now() + days(1);
   const MadeKeys made = make_keys(set.folder().string() + "/", 60, later, true);
@@ -97,7 +97,7 @@ TEST(MakeKeys, WhoeverIsInterruptedLeavesAWholeSetOrNone) {
   std::mt19937 random(3);
   int whole = 0;
   for (int round = 0; round < 12; ++round) {
-    const MadeSet set;
+    const TestKeySet set;
     const pid_t child = fork();
     if (child == 0) {
       for (int i = 1;; ++i) make_keys(set.folder(), 30, now() + std::chrono::seconds(i), true);
@@ -173,7 +173,7 @@ TEST(MakeKeys, TheUsualFolderFollowsTheXdgSpecification) {
 }
 
 TEST(MakeKeys, TwoSetsHaveNothingInCommon) {
-  const MadeSet one, two;
+  const TestKeySet one, two;
   const auto first = contents(one.folder()), second = contents(two.folder());
   ASSERT_EQ(first.size(), second.size());
   for (const auto& [name, content] : first)

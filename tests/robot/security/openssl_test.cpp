@@ -7,7 +7,7 @@
 #include "robot/security/certificates.hpp"
 #include "robot/security/check_keys.hpp"
 #include "robot/security/signed_text.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -26,7 +26,7 @@ class OpenSsl : public testing::Test {
   std::string said() const { return file_content(scratch_ / "said"); }
 
   const ScratchFolder scratch_;
-  const MadeSet set_;
+  const TestKeySet set_;
 };
 
 std::string quoted(const fs::path& path) {
@@ -62,7 +62,7 @@ TEST_F(OpenSsl, ReadsTheVeryTextThatWasGranted) {
 }
 
 TEST_F(OpenSsl, RefusesDocumentsAndIdentitiesOfAnotherSet) {
-  const MadeSet other;
+  const TestKeySet other;
   const RoleFiles ours = role_files(set_.folder(), Role::Stage),
                   theirs = role_files(other.folder(), Role::Stage);
   EXPECT_FALSE(runs("verify -CAfile " + quoted(ours.identity_ca) + " " + quoted(theirs.identity)));
@@ -79,7 +79,7 @@ TEST_F(OpenSsl, DocumentsItSignsAreReadByUs) {
                      quoted(scratch_ / "signed") + " -signer " + quoted(files.permissions_ca) + " -inkey " +
                      quoted(ca_folder(set_.folder()) / "permissions_ca_key.pem")))
         << said();
-    EXPECT_EQ(opened_text(file_content(scratch_ / "signed"), ca.get()), governance_xml());
+    EXPECT_EQ(verify_text(file_content(scratch_ / "signed"), ca.get()), governance_xml());
   }
 }
 
