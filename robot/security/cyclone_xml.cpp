@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "robot/common/config_error.hpp"
 #include "robot/security/key_files.hpp"
@@ -39,24 +41,12 @@ std::string escaped(const std::string& value) {
   if (unusable || value.find("${") != std::string::npos)
     throw ConfigError("cannot stand in a configuration of Cyclone DDS", value,
                       "choose a name without ${, quotation marks, backslashes and control characters");
+  constexpr std::array<std::pair<char, const char*>, 4> kEntities{
+      {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'\'', "&apos;"}}};
   std::string text;
   for (const char c : value) {
-    switch (c) {
-      case '&':
-        text += "&amp;";
-        break;
-      case '<':
-        text += "&lt;";
-        break;
-      case '>':
-        text += "&gt;";
-        break;
-      case '\'':
-        text += "&apos;";
-        break;
-      default:
-        text += c;
-    }
+    const auto entity = std::ranges::find(kEntities, c, &std::pair<char, const char*>::first);
+    text += entity != kEntities.end() ? std::string(entity->second) : std::string(1, c);
   }
   return text;
 }

@@ -98,35 +98,25 @@ Participant::Participant(const BusSettings& settings) : robot_(settings.robot) {
 }
 
 template <class Message>
-struct Writer<Message>::Parts {
-  Entity topic, writer;
-  std::uint32_t robot;
-};
-
-template <class Message>
-Writer<Message>::Writer(const Participant& participant) {
-  const Qos qos = qos_of(kTopic<Message>);
-  Entity topic = topic_on<Message>(participant);
-  const std::int32_t writer = dds_create_writer(participant.handle(), topic.handle(), qos.get(), nullptr);
-  parts_.reset(new Parts{std::move(topic), Entity(writer, "writer"), participant.robot()});
-}
-template <class Message>
-Writer<Message>::~Writer() = default;
-template <class Message>
-Writer<Message>::Writer(Writer&&) noexcept = default;
+Writer<Message>::Writer(const Participant& participant)
+    : topic_(topic_on<Message>(participant)),
+      writer_(
+          dds_create_writer(participant.handle(), topic_.handle(), qos_of(kTopic<Message>).get(), nullptr),
+          "writer"),
+      robot_(participant.robot()) {}
 
 template <class Message>
 bool Writer<Message>::write(const Message& message) {
   typename WireType<Message>::Type wire{};
-  wire.robot = parts_->robot;
+  wire.robot = robot_;
   encode(message, wire);
-  return dds_write(parts_->writer.handle(), &wire) == DDS_RETCODE_OK;
+  return dds_write(writer_.handle(), &wire) == DDS_RETCODE_OK;
 }
 
 template <class Message>
 int Writer<Message>::readers() const {
   dds_publication_matched_status_t status{};
-  dds_get_publication_matched_status(parts_->writer.handle(), &status);
+  dds_get_publication_matched_status(writer_.handle(), &status);
   return static_cast<int>(status.current_count);
 }
 

@@ -50,16 +50,14 @@ template <class Message>
 class Writer {
  public:
   explicit Writer(const Participant& participant);
-  ~Writer();
-  Writer(Writer&&) noexcept;
 
   // False: not sent. True says nothing about its arrival.
   bool write(const Message& message);
   int readers() const;  // matched now
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  Entity topic_, writer_;
+  std::uint32_t robot_;
 };
 
 template <class Message>
