@@ -49,7 +49,8 @@ class Topic:
         if not self.writers or len(set(self.writers)) != len(self.writers):
             self.fail("@writers names no role, or one twice")
         given = notes[delivery]
-        self.depth, self.lease_ms, self.deadline_ms = (self.whole(given, part) for part in ("depth", "lease_ms", "deadline_ms"))
+        self.depth, self.lease_ms, self.deadline_ms = (
+            self.whole(given, part) for part in ("depth", "lease_ms", "deadline_ms"))
         if self.depth < 1:
             self.fail(f"{delivery} needs a depth of 1 or more")
         self.transient_local = {"TRUE": True, "FALSE": False}.get(given.get("transient_local", "FALSE"))
@@ -88,8 +89,8 @@ def check_bus(structs):
                 raise IdlError(where + "the robot's number is in every message already")
 
 
-def comments(lines, indent=""):
-    return [f"{indent}// {line}".rstrip() for line in lines]
+def comments(lines):
+    return [f"// {line}".rstrip() for line in lines]
 
 
 def with_comment(code, comment):
@@ -136,12 +137,13 @@ def cpp_struct(item):
     lines = comments(item.above) + [f"struct {item.name} {{"]
     for part in item.fields:
         name, value = cpp_value(part)
-        lines += comments(part.above, "  ") + [with_comment(f"  {name} {part.name}{value};", part.beside)]
+        lines.append(with_comment(f"  {name} {part.name}{value};", part.beside))
     return lines + ["", f"  bool operator==(const {item.name}&) const = default;", "};", ""]
 
 
 def cpp_header(includes, body):
-    return "\n".join([DO_NOT_EDIT, "#pragma once", "", *(f"#include {name}" if name else "" for name in includes), "", *body]) + "\n"
+    lines = [f"#include {name}" if name else "" for name in includes]
+    return "\n".join([DO_NOT_EDIT, "#pragma once", "", *lines, "", *body]) + "\n"
 
 
 def in_namespace(module, lines):
@@ -193,7 +195,8 @@ def wire_field(part):
     kind = "octet" if isinstance(part.of, Enum) else part.type
     kind = f"string<{part.bound}>" if part.bound else kind
     kind = f"sequence<{kind}, {part.most}>" if part.most else kind
-    return f"      {'@key ' if '@key' in part.notes else ''}{kind} {part.name}{f'[{part.count}]' if part.count else ''};"
+    count = f"[{part.count}]" if part.count else ""
+    return f"      {'@key ' if '@key' in part.notes else ''}{kind} {part.name}{count};"
 
 
 def wire_idl(given):
@@ -302,7 +305,8 @@ def typescript(items, borrowed):
 def check_console(structs):
     for struct in structs:
         if struct.notes:
-            raise IdlError(f"{struct.file}:{struct.line}: {struct.name}: {next(iter(struct.notes))} is for the bus only")
+            note = next(iter(struct.notes))
+            raise IdlError(f"{struct.file}:{struct.line}: {struct.name}: {note} is for the bus only")
 
 
 def outputs(found):

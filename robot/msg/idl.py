@@ -1,6 +1,6 @@
 """Reads the part of OMG IDL 4.2 that this project's messages use, and refuses everything else with file and line.
 
-Modules, enums, structs of numbers, texts, octet sequences and arrays, and annotations; a comment beside a field or above a
+Modules, enums, structs of numbers, texts, sequences and arrays, and annotations; a comment beside a field or above a
 declaration belongs to it.
 """
 
@@ -24,8 +24,8 @@ ANNOTATIONS = {  # where: {name: its parameters; "": one value without a name}
     "enumerator": {"@default_literal": set()},
     "field": {"@key": set(), "@default": {""}, "@unit": {""}, "@range": {"min", "max"}},
 }
-TOKEN = re.compile(r'(?P<space>[ \t\r\n]+)|//(?P<comment>[^\n]*)|(?P<text>"[^"\n]*")|(?P<number>-?\d[\w.+]*)|(?P<word>@?[A-Za-z_]\w*)'
-                   r"|(?P<sign>::|[{}()<>\[\],;=])")
+TOKEN = re.compile(r'(?P<space>[ \t\r\n]+)|//(?P<comment>[^\n]*)|(?P<text>"[^"\n]*")|(?P<number>-?\d[\w.+]*)'
+                   r"|(?P<word>@?[A-Za-z_]\w*)|(?P<sign>[{}()<>\[\],;=])")
 
 
 class IdlError(Exception):
@@ -50,7 +50,6 @@ class Field:
     bound: int = 0  # of a text, 0: none
     most: int = 0  # of a sequence, 0: not one
     count: int = 0  # of an array, 0: not one
-    above: list = field(default_factory=list)
     beside: str = ""
     of: object = None  # the Enum or Struct that `type` names
 
@@ -214,8 +213,7 @@ class Reader:
         self.declare(made)
 
     def field(self):
-        above, line = self.peek().above, self.peek().line
-        made = Field("", "", line, self.annotations("field"), above=above)
+        made = Field("", "", self.peek().line, self.annotations("field"))
         if self.accept("sequence"):
             self.next("<")
             self.type(made)

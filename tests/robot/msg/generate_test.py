@@ -89,7 +89,8 @@ class Refusals(unittest.TestCase):
 
 class Outputs(unittest.TestCase):
     def test_a_field_is_one_line_of_idl(self):
-        before, after = outputs_of(GOOD), outputs_of(GOOD.replace("    Mode mode;", "    long depth_um;\n    Mode mode;"))
+        before = outputs_of(GOOD)
+        after = outputs_of(GOOD.replace("    Mode mode;", "    long depth_um;\n    Mode mode;"))
         for name, expected in {"messages.hpp": "  std::int32_t depth_um = 0;", "wire.idl": "      long depth_um;",
                                "wire_types.hpp": "FieldPair{&Sample::depth_um, &biopsy_wire_Sample::depth_um}"}.items():
             added = set(after["robot/msg/" + name].splitlines()) - set(before["robot/msg/" + name].splitlines())
