@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // False as well without the right to look.
-bool exists(const fs::path& path) {
+bool is_present(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -38,7 +38,7 @@ void check_same_ca(FileVerdict& verdict, const RoleFiles& first) {
 std::vector<Role> roles_present(const fs::path& folder) {
   std::vector<Role> present;
   for (const Role role : kRoles)
-    if (exists(folder / name_of(role))) present.push_back(role);
+    if (is_present(folder / name_of(role))) present.push_back(role);
   return present;
 }
 
@@ -52,7 +52,7 @@ std::vector<FileVerdict> inspect_set(const fs::path& folder, std::span<const Rol
     }
   }
   for (const Signer signer : kSigners) {
-    if (!exists(signing_files(folder, signer).private_key.parent_path())) continue;
+    if (!is_present(signing_files(folder, signer).private_key.parent_path())) continue;
     for (FileVerdict& verdict : inspect_signing_keys(folder, signer)) all.push_back(std::move(verdict));
   }
   return all;
