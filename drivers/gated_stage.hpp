@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "drivers/needle_stage.hpp"
-#include "robot/msg/measurement.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::drivers {
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::safety {
 

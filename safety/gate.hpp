@@ -10,9 +10,7 @@
 
 #include <cstdint>
 
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/measurement.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::safety {
 
@@ -55,10 +53,10 @@ struct GateResult {
 
 // `request` and `permit`: newest received, null if none; one seen before counts as none (and as OldSequence
 // where it is the permit's number that went back). `now_us`: driver's monotonic clock, called every tick.
-// `writer_count`: writers of the permit and request topics, must be 1. Permit::slew_down is not used: nothing
-// slows a lowering. A permit is honoured if its session is bound, its epoch not older, its seq rising. A
-// session is bound by the first "off" permit while the output is off and no permit is live; after that only a
-// larger session, by the same rule.
+// `writer_count`: writers of the permit and request topics, must be 1. A
+// lower voltage is always granted at once. A permit is honoured if its session is bound, its epoch not older,
+// its seq rising. A session is bound by the first "off" permit while the output is off and no permit is live;
+// after that only a larger session, by the same rule.
 GateResult gate(const GateState& state, const DriveRequest* request, const Permit* permit,
                 std::int64_t now_us, std::int32_t writer_count);
 

@@ -6,8 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 #include "safety/monitors/evidence.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "safety/types/supervisor_inputs.hpp"

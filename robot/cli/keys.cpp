@@ -11,7 +11,7 @@
 #include "robot/common/sanitize_text.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
-#include "robot/security/whole_set.hpp"
+#include "robot/security/key_set.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -58,7 +58,7 @@ int keys_init(const KeysOptions& options) {
   const fs::path folder = folder_of(options);
   const security::MadeKeys made = security::make_keys(folder, options.days, now(), options.replace);
   fmt::print("made:  {}\nfor:  ", folder.string());
-  for (const security::Role role : security::kRoles) fmt::print(" {}", security::name_of(role));
+  for (const security::Role role : security::kRoles) fmt::print(" {}", name_of(role));
   fmt::print("\n       and keys that sign the procedure log and the commissioning record\nuntil: {}\n",
              security::utc_text(made.validity.until));
   if (made.old_set) fmt::print("old:   {}\n", made.old_set->string());

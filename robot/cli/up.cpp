@@ -51,7 +51,7 @@ std::string relay_text(const digital_io::IoReader& lines) {
                                : "interlock open  ";
 }
 
-std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<CycleSample>& cycle,
+std::string board_text(const std::array<Health, kCount<Process>>& board, const std::optional<CycleSample>& cycle,
                        const digital_io::IoReader& lines) {
   std::string text = relay_text(lines);
   for (const Process process :

@@ -3,7 +3,6 @@
 // by their number.
 #pragma once
 
-#include <console_messages.hpp>  // generated from robot/msg/console.idl
 #include <string>
 
 #include "robot/cycle/run_cycle.hpp"

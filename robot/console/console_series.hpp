@@ -2,7 +2,6 @@
 // Another one takes seconds to read, so that it is read beside the loop.
 #pragma once
 
-#include <console_messages.hpp>  // generated from robot/msg/console.idl
 #include <future>
 #include <memory>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "robot/msg/console_messages.hpp"
 #include "robot/procedure/prepared_case.hpp"
 
 namespace biopsy::robot {

@@ -257,7 +257,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   const safety::SupervisorOutput& said = seen_.supervisor;
   events::State told;
   told.seq = ++seq_;
-  told.mode = static_cast<console::Mode>(said.permit.mode);
+  told.mode = said.permit.mode;
   told.step = step();
   told.controller = lease_.is_held_by(client);
   told.controlled = lease_.is_held();

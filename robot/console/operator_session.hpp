@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <console_messages.hpp>  // generated from robot/msg/console.idl
 #include <filesystem>
 #include <functional>
 #include <future>
@@ -16,6 +15,7 @@
 #include "robot/console/console_series.hpp"
 #include "robot/console/server/hold_to_run.hpp"
 #include "robot/console/server/lease.hpp"
+#include "robot/msg/console_messages.hpp"
 #include "robot/procedure/confirmation_image.hpp"
 #include "robot/procedure/run_notes.hpp"
 
@@ -36,7 +36,7 @@ class OperatorSession {
   void left(console::Client client);
   // The answer; none to beats and releases.
   std::optional<console::events::Answer> ask(console::Client client, const console::commands::Any& asked,
-                                           std::int64_t now_us);
+                                             std::int64_t now_us);
 
   // Robot
   OperatorInputs inputs(std::int64_t now_us);

@@ -5,9 +5,7 @@
 #include <cstdint>
 
 #include "robot/control/pi_loop.hpp"
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/measurement.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 #include "robot/msg/plan.hpp"
 
 namespace biopsy::control {

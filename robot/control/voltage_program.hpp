@@ -8,8 +8,7 @@
 
 #include "robot/common/units.hpp"
 #include "robot/control/square_wave.hpp"
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::control {
 

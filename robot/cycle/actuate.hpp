@@ -6,8 +6,7 @@
 
 #include "drivers/gated_stage.hpp"
 #include "robot/cycle/fault_hooks.hpp"
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::robot {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "robot/control/step_runner.hpp"
-#include "robot/msg/live.hpp"
+#include "robot/msg/messages.hpp"
 
 namespace biopsy::robot {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "drivers/digital_io/io_block.hpp"
-#include "robot/msg/live.hpp"
+#include "robot/msg/messages.hpp"
 #include "safety/types/supervisor_inputs.hpp"
 
 namespace biopsy::robot {

@@ -7,7 +7,7 @@
 
 #include "drivers/digital_io/io_block.hpp"
 #include "robot/cycle/fault_hooks.hpp"
-#include "robot/msg/live.hpp"
+#include "robot/msg/messages.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 #include "safety/supervisor.hpp"
 

@@ -82,9 +82,9 @@ BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& 
   heartbeat_.health().ready = true;
 }
 
-void BusRecorder::write(RecordKind kind, const char* source, std::string body, Urgency urgency,
+void BusRecorder::write(RecordKind kind, std::string_view source, std::string body, Urgency urgency,
                         std::int64_t now_us) {
-  recorder_.append({wall_ns(), now_us, source, kind, std::move(body)}, urgency, now_us);
+  recorder_.append({wall_ns(), now_us, std::string(source), kind, std::move(body)}, urgency, now_us);
 }
 
 void BusRecorder::note(RecordKind kind, const std::string& body, std::int64_t now_us) {
@@ -121,7 +121,8 @@ void BusRecorder::follow_decisions(std::int64_t now_us) {
 void BusRecorder::follow_acts(std::int64_t now_us) {
   OperatorAct next;
   while (acts_.take(next)) {
-    if (!asks_the_same(next, act_))
+    act_.seq = next.seq;
+    if (next != act_)
       write(RecordKind::OperatorAct, "person",
             json_text({{"token", next.token},
                        {"held", next.held},
@@ -185,7 +186,7 @@ void BusRecorder::follow_stage(std::int64_t now_us) {
 
 void BusRecorder::follow_health(std::int64_t now_us) {
   board_.update(now_us);
-  for (std::size_t i = 0; i < kProcesses; ++i) {
+  for (std::size_t i = 0; i < kCount<Process>; ++i) {
     const Health health = board_.of(static_cast<Process>(i), now_us);
     const bool alive = health.seq != 0;
     if (alive != alive_[i])
@@ -204,13 +205,13 @@ void BusRecorder::follow_health(std::int64_t now_us) {
   }
 }
 
-void BusRecorder::follow_strangers(std::int64_t now_us) {
+void BusRecorder::follow_participants(std::int64_t now_us) {
   if (participants_ == nullptr) return;
-  const int strangers = participants_->unauthenticated_endpoints();
-  if (strangers != strangers_)
-    write(RecordKind::Alarm, "recorder", json_text({{"endpoints_without_keys", strangers}}), Urgency::Grouped,
+  const int endpoints = participants_->unauthenticated_endpoints();
+  if (endpoints != endpoints_)
+    write(RecordKind::Alarm, "recorder", json_text({{"endpoints_without_keys", endpoints}}), Urgency::Grouped,
           now_us);
-  strangers_ = strangers;
+  endpoints_ = endpoints;
   const int outside = participants_->unauthenticated_participants();
   if (outside != outside_) outside_us_ = now_us;
   outside_ = outside;
@@ -261,7 +262,7 @@ void BusRecorder::turn(std::int64_t now_us) {
   follow_plan_and_checks(now_us);
   follow_stage(now_us);
   follow_health(now_us);
-  follow_strangers(now_us);
+  follow_participants(now_us);
   follow_liveliness(now_us);
   recorder_.poll(now_us);
   report_itself(now_us);

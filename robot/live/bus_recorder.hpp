@@ -6,8 +6,7 @@
 #include <string>
 
 #include "robot/live/heartbeat.hpp"
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/measurement.hpp"
+#include "robot/msg/fixed_messages.hpp"
 #include "robot/recorder/recorder.hpp"
 #include "robot/transport/bus.hpp"
 #include "robot/transport/participant_monitor.hpp"
@@ -29,14 +28,14 @@ class BusRecorder {
   void note(recorder::RecordKind kind, const std::string& body, std::int64_t now_us);
 
  private:
-  void write(recorder::RecordKind kind, const char* source, std::string body, recorder::Urgency urgency,
+  void write(recorder::RecordKind kind, std::string_view source, std::string body, recorder::Urgency urgency,
              std::int64_t now_us);
   void follow_decisions(std::int64_t now_us);
   void follow_acts(std::int64_t now_us);
   void follow_plan_and_checks(std::int64_t now_us);
   void follow_stage(std::int64_t now_us);
   void follow_health(std::int64_t now_us);
-  void follow_strangers(std::int64_t now_us);
+  void follow_participants(std::int64_t now_us);
   void follow_liveliness(std::int64_t now_us);
   void report_itself(std::int64_t now_us);
   std::int64_t unheard_ms(std::int64_t now_us) const;  // longest silence of the required topics
@@ -64,10 +63,10 @@ class BusRecorder {
   Measurement measured_;
   DriveRequest request_;
   std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // of the newest
-  std::array<bool, kProcesses> alive_{};
-  std::array<std::uint32_t, kProcesses> refused_{};
-  std::array<std::string, kProcesses> notes_;
-  int strangers_ = 0;
+  std::array<bool, kCount<Process>> alive_{};
+  std::array<std::uint32_t, kCount<Process>> refused_{};
+  std::array<std::string, kCount<Process>> notes_;
+  int endpoints_ = 0;
   int outside_ = 0, told_outside_ = 0;
   std::int64_t outside_us_ = 0;
   std::uint32_t health_seq_ = 0;

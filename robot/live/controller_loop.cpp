@@ -16,10 +16,10 @@ ControllerLoop::ControllerLoop(const transport::Participant& bus, std::uint64_t 
       acts_(bus),
       plans_(bus),
       requests_(bus),
-      waker_(bus),
+      wait_set_(bus),
       heartbeat_(bus, Process::Controller, config_tag) {
   controller_.config_tag = config_tag;
-  waker_.add(measurements_);
+  wait_set_.add(measurements_);
 }
 
 // At rest only: the supervisor stops for a plan that comes in motion.
@@ -34,7 +34,7 @@ void ControllerLoop::take_plan() {
 }
 
 void ControllerLoop::turn(std::chrono::nanoseconds timeout) {
-  waker_.wait(timeout);
+  wait_set_.wait(timeout);
   const std::int64_t woke_ns = realtime::monotonic_ns();
   permits_.take_newest(inputs_.permit);
   if (decisions_.take_newest(decision_) > 0) inputs_.stage = decision_.stage;

@@ -28,7 +28,7 @@ class ControllerLoop {
   transport::Reader<OperatorAct> acts_;
   transport::Reader<SealedPlan> plans_;
   transport::Writer<DriveRequest> requests_;
-  transport::Waker waker_;
+  transport::WaitSet wait_set_;
   Heartbeat heartbeat_;
   robot::ControllerMemory controller_;
   robot::ControllerInputs inputs_;

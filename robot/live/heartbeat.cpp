@@ -30,7 +30,7 @@ void Heartbeat::beat(std::int64_t now_us) {
   health_.late_p50_us = bounded(lateness_.p50_us());
   health_.late_p99_us = bounded(lateness_.p99_us());
   health_.late_max_us = bounded(lateness_.max_us());
-  health_.refused = transport::refused_samples();
+  health_.refused = transport::unauthenticated_messages();
   writer_.write(health_);
 }
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "robot/live/realtime/latency_histogram.hpp"
-#include "robot/msg/live.hpp"
+#include "robot/msg/messages.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::live {
@@ -42,8 +42,8 @@ class HealthBoard {
 
  private:
   transport::Reader<Health> reader_;
-  std::array<Health, kProcesses> last_{};
-  std::array<std::int64_t, kProcesses> received_us_{};
+  std::array<Health, kCount<Process>> last_{};
+  std::array<std::int64_t, kCount<Process>> received_us_{};
 };
 
 }  // namespace biopsy::live

@@ -19,7 +19,7 @@ constexpr logging::TickEvent kRefused{
 
 logging::Component component_of(security::Role role) {
   const auto& names = logging::kComponentNames;
-  const auto* found = std::find(names.begin(), names.end(), security::name_of(role));
+  const auto* found = std::find(names.begin(), names.end(), name_of(role));
   return static_cast<logging::Component>(found - names.begin());
 }
 

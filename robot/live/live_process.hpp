@@ -10,8 +10,7 @@
 #include "robot/live/live_settings.hpp"
 #include "robot/live/realtime/service_notice.hpp"
 #include "robot/live/realtime/stop_signals.hpp"
-#include "robot/msg/live.hpp"
-#include "robot/security/roles.hpp"
+#include "robot/msg/topics.hpp"
 #include "robot/transport/bus.hpp"
 
 namespace biopsy::live {

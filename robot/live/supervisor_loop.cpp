@@ -36,19 +36,19 @@ SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::Pulse
       log_(bus),
       permits_(bus),
       decisions_(bus),
-      waker_(bus),
+      wait_set_(bus),
       heartbeat_(bus, Process::Supervisor, config_tag) {
   supervisor_.config_tag = config_tag;
   supervisor_.self_test = self_test;
   supervisor_.state = safety::started(session);
-  waker_.add(measurements_);
+  wait_set_.add(measurements_);
   heartbeat_.health().ready = true;
 }
 
 void SupervisorLoop::turn() {
   const std::int64_t patience = measurement_late_ ? kTick_us : kPatience_us;
   const std::int64_t left = ticked_us_ + patience - monotonic_us();
-  waker_.wait(microseconds(std::max<std::int64_t>(left, 0)));
+  wait_set_.wait(microseconds(std::max<std::int64_t>(left, 0)));
   const std::int64_t woke_us = monotonic_us();
   take_messages(woke_us);
   take_burst();

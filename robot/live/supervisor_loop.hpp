@@ -51,7 +51,7 @@ class SupervisorLoop {
   transport::Reader<LogHealth> log_;
   transport::Writer<Permit> permits_;
   transport::Writer<Decision> decisions_;
-  transport::Waker waker_;
+  transport::WaitSet wait_set_;
   Heartbeat heartbeat_;
 
   robot::SupervisorMemory supervisor_;

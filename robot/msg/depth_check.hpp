@@ -1,4 +1,4 @@
-// What the image says about the needle's depth; it never saw the laser.
+// The needle's depth as measured in an image, independently of the laser.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 namespace biopsy {
 
 enum class DepthVerdict : std::uint8_t {
-  Unsure,  // the default: the image does not settle it
-  Accept,  // tip found, where it was expected (or, with no expectation, found with confidence)
-  Reject,  // the image shows that it is not so: no needle, or tip elsewhere
+  Unsure,  // the image is not conclusive
+  Accept,  // tip found where it was expected (or, without an expectation, found with confidence)
+  Reject,  // no needle, or tip elsewhere
 };
 
 struct DepthCheck {
   DepthVerdict verdict = DepthVerdict::Unsure;
-  std::string reason;  // a sentence for a person
+  std::string reason;  // for display
   bool tip_found = false;
-  Millimetres depth;  // tip along the needle axis from the entry
+  Millimetres depth;  // tip from the entry along the needle axis
   Millimetres sigma;  // one standard deviation
   // Patient motion from before to after: p_after = rotation * (p_before - entry) + entry + shift (LPS mm).
   double shift_mm[3] = {0, 0, 0};

@@ -1,5 +1,5 @@
-// A sealed plan: staged depth setpoints along the needle's one degree of freedom. Depth is the displacement
-// of the needle from where it waits, positive into the patient.
+// A sealed plan: depth setpoints in steps along the needle's one degree of freedom. Depth is the displacement
+// of the needle tip from the entry, positive into the patient.
 #pragma once
 
 #include <array>
@@ -31,15 +31,15 @@ enum class StepKind : std::uint8_t {
 
 struct InsertionStep {
   StepKind kind = StepKind::Approach;
-  Millimetres depth;            // where the stage ends
-  MillimetresPerSecond speed;   // limit on the setpoint's rate
-  Volts v_max;                  // limit on the drive: what it can store ahead of a boundary, model-based
-  Seconds dwell{0};             // time within tolerance before the stage counts as reached
-  bool image_confirms = false;  // must a depth check on a new image pass before the next stage
-  std::string why;              // for a person: "stop short of muscle | gap at 2.00 mm"
+  Millimetres depth;           // at the end of the step
+  MillimetresPerSecond speed;  // limit of the setpoint's rate
+  Volts v_max;       // limit of the drive: bounds the energy stored ahead of a boundary (from the model)
+  Seconds dwell{0};  // time within tolerance before the step counts as reached
+  bool image_confirms = false;  // a depth check on a new image must pass before the next step
+  std::string why;              // reason, for display: "stop short of muscle | gap at 2.00 mm"
 };
 
-// Band of depths that are plausible at a steady drive amplitude, for the offset and scale check.
+// Depths that are plausible at a steady drive amplitude, for the check of sensor offset and scale.
 struct DepthBand {
   Volts drive;
   Millimetres low, high;
@@ -47,13 +47,13 @@ struct DepthBand {
 
 struct PlanLimits {
   Millimetres depth_max;             // the target plus the allowed overshoot; never beyond the stroke
-  Volts v_max;                       // highest drive of any stage
-  std::vector<DepthBand> plausible;  // rising drive
+  Volts v_max;                       // highest drive of any step
+  std::vector<DepthBand> plausible;  // in order of rising drive
 };
 
-// What only a plan for the bench may ask for: the stage alone, no patient and no needle on it.
+// For a plan on the bench only: the stage alone, without patient and needle.
 struct BenchDrive {
-  Seconds half_period{0.25};  // between two changes of polarity; every plan with a patient has 0.25 s (2 Hz)
+  Seconds half_period{0.25};  // between two changes of polarity; 0.25 s (2 Hz) in every plan with a patient
 };
 
 struct Plan {
@@ -65,7 +65,7 @@ struct Plan {
   std::vector<Layer> layers;
   std::vector<InsertionStep> stages;
   PlanLimits limits;
-  std::optional<BenchDrive> bench = std::nullopt;  // not for a patient
+  std::optional<BenchDrive> bench = std::nullopt;  // absent: a plan for a patient
   Sha256 seal{};                                   // SHA-256 over all of the above
 
   std::string layer_at(Millimetres depth) const {
@@ -75,7 +75,7 @@ struct Plan {
   }
 };
 
-// Why there is no plan, and what a person can do about it.
+// Why there is no plan, and the remedy.
 struct PlanRefusal {
   std::string what;
   std::string remedy;

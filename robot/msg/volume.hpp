@@ -1,4 +1,4 @@
-// A volume of scalar voxels with its geometry in the scanner frame and where it came from.
+// A volume of scalar voxels with its geometry in the scanner frame and its origin.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace biopsy {
 
-// Size in voxels and the map from voxel index (i, j, k) to scanner LPS mm. Axes are perpendicular (readers
-// refuse anything else); a left-handed index order is allowed.
+// Size in voxels and the map from voxel index (i, j, k) to scanner LPS mm. Axes are perpendicular (checked by
+// the readers); a left-handed index order is allowed.
 struct Grid {
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
   AffineTransform X_SI = AffineTransform::Identity();
@@ -31,7 +31,7 @@ struct Grid {
   }
 };
 
-// Whose image and which one; empty where the format cannot say (NIfTI, NRRD).
+// Patient and series; empty where the format has no such fields (NIfTI, NRRD).
 struct SeriesIdentity {
   std::string patient_name, patient_id;
   std::string study_uid, series_uid, frame_of_reference_uid;
@@ -45,7 +45,7 @@ struct Volume {
   SeriesIdentity identity;
   std::string format;                 // "DICOM", "NIfTI", "NRRD", "phantom"
   std::vector<std::string> files;     // in slice order
-  std::vector<std::string> warnings;  // what was odd but could be read with certainty
+  std::vector<std::string> warnings;  // unusual, but read without ambiguity
 
   float at(int i, int j, int k) const { return voxels[grid.index(i, j, k)]; }
 };

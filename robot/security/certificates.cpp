@@ -21,7 +21,7 @@ void set_times(X509* certificate, const Validity& validity) {
 void set_random_serial(X509* certificate) {
   std::array<unsigned char, 16> bytes{};
   must(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1, "make random bytes");
-  bytes[0] = (bytes[0] & 0x3fU) | 0x40U;  // positive, and always as long
+  bytes[0] = (bytes[0] & 0x3fU) | 0x40U;  // positive, of constant length
   const std::unique_ptr<BIGNUM, Freed<BN_free>> number(
       BN_bin2bn(bytes.data(), static_cast<int>(bytes.size()), nullptr));
   must(number != nullptr && BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(certificate)) != nullptr,
@@ -64,7 +64,7 @@ void issue(X509* certificate, X509* issuer, EVP_PKEY* issuer_key) {
   must(X509_sign(certificate, issuer_key, EVP_sha256()) > 0, "sign a certificate");
 }
 
-// In the place of a question on the terminal.
+// Callback in place of OpenSSL's prompt on the terminal.
 int no_pass_phrase(char*, int, int, void*) {
   return -1;
 }

@@ -21,7 +21,7 @@ std::string private_pem(EVP_PKEY* key);
 std::string public_pem(EVP_PKEY* key);
 std::string pem(X509* certificate);
 
-// Null where the text holds none. A key that is locked with a pass phrase counts as none: nobody is asked.
+// Null where the text holds none. A key with a pass phrase counts as none: there is no prompt.
 Key read_private_key(std::string_view pem);
 Key read_public_key(std::string_view pem);
 Certificate read_certificate(std::string_view pem);
@@ -30,7 +30,7 @@ Certificate read_certificate(std::string_view pem);
 std::string subject(X509* certificate);
 std::optional<Validity> validity(X509* certificate);
 bool is_signed_by(X509* certificate, X509* ca);
-// By signing and verifying: a private key file may carry a public key that does not belong to it.
+// Checked by signing and verifying: a private key file may carry a public key of another pair.
 bool is_pair(EVP_PKEY* private_key, EVP_PKEY* public_key);
 
 }  // namespace biopsy::security

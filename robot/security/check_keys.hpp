@@ -1,5 +1,5 @@
-// Looks through the keys before a process starts: whatever the bus would refuse without a word, or would
-// accept although nobody should, is said here, with the file's name.
+// Checks the keys before a process starts: what the bus would refuse without a message, or accept although it
+// is unsafe, is reported with the file's name.
 #pragma once
 
 #include <chrono>
@@ -21,13 +21,14 @@ struct FileVerdict {
   std::string remedy;
 };
 
-// Every file of a role: there, readable, closed to others, inside its time, signed by its CA, unchanged, for
-// this role, and granting exactly what this build grants. A file that hangs on a bad one is bad as well.
+// Every file of a role: present, readable, private to its owner, within its validity, signed by its CA,
+// unaltered, for this role, and granting exactly what this build grants. A file that depends on a bad one is
+// bad as well.
 std::vector<FileVerdict> inspect_keys(const std::filesystem::path& folder, Role role,
                                       std::chrono::sys_seconds now);
 std::vector<FileVerdict> inspect_signing_keys(const std::filesystem::path& folder, Signer signer);
 
-void refuse_the_first_problem(const std::vector<FileVerdict>& verdicts);
+void throw_first_problem(const std::vector<FileVerdict>& verdicts);
 
 // Throws ConfigError with the first problem; returns the time until which the keys are good.
 std::chrono::sys_seconds check_keys(const std::filesystem::path& folder, Role role,

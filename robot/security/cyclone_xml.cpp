@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "robot/common/config_error.hpp"
 #include "robot/security/key_files.hpp"
@@ -12,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Debian keeps the plugins in a folder that its loader does not search. An empty answer leaves the search to
-// the loader, as an installation from source wants it.
+// Debian installs the plugins in a folder that the loader does not search. Empty: the loader searches, as for
+// an installation from source.
 fs::path plugin_folder() {
 #if defined(__aarch64__)
   const fs::path debian = "/usr/lib/aarch64-linux-gnu/libddsc0debian";
@@ -30,8 +32,8 @@ std::string plugin(const std::string& name) {
   return folder.empty() ? name : (folder / ("lib" + name + ".so")).string();
 }
 
-// Cyclone DDS puts variables of the environment into every value that holds "${", drops " from paths and
-// turns \ into /; it knows no escape for any of them.
+// Cyclone DDS expands "${" in every value from the environment, drops " from paths and turns \ into /, and
+// has no escape for them.
 std::string escaped(const std::string& value) {
   const bool unusable = std::any_of(value.begin(), value.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\\';
@@ -39,34 +41,22 @@ std::string escaped(const std::string& value) {
   if (unusable || value.find("${") != std::string::npos)
     throw ConfigError("cannot stand in a configuration of Cyclone DDS", value,
                       "choose a name without ${, quotation marks, backslashes and control characters");
+  constexpr std::array<std::pair<char, const char*>, 4> kEntities{
+      {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'\'', "&apos;"}}};
   std::string text;
   for (const char c : value) {
-    switch (c) {
-      case '&':
-        text += "&amp;";
-        break;
-      case '<':
-        text += "&lt;";
-        break;
-      case '>':
-        text += "&gt;";
-        break;
-      case '\'':
-        text += "&apos;";
-        break;
-      default:
-        text += c;
-    }
+    const auto entity = std::ranges::find(kEntities, c, &std::pair<char, const char*>::first);
+    text += entity != kEntities.end() ? std::string(entity->second) : std::string(1, c);
   }
   return text;
 }
 
-// With nothing but the loopback interface up; multicast is neither needed nor tried.
+// Loopback only, without multicast.
 constexpr const char* kThisMachine =
     R"(<General><Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>)"
     R"(<AllowMulticast>false</AllowMulticast><MaxMessageSize>65500B</MaxMessageSize></General>)";
 
-// Multicast finds the others; the data goes to who reads it, and to nobody else.
+// Multicast for discovery only; data is sent to its readers.
 std::string on_network(const std::string& interface) {
   return fmt::format(
       R"(<General><Interfaces><NetworkInterface name="{}"/></Interfaces>)"
@@ -74,7 +64,7 @@ std::string on_network(const std::string& interface) {
       escaped(interface));
 }
 
-// By itself Cyclone DDS finds nine participants on one host.
+// The default finds nine participants on one host.
 std::string discovery(const CycloneOptions& options) {
   std::string text =
       "<Discovery><ParticipantIndex>auto</ParticipantIndex>"

@@ -1,12 +1,12 @@
-// The whole configuration of Cyclone DDS 0.10 for one domain, to be given to dds_create_domain(id, xml):
-// then no variable of the environment is read, so none that is missing can turn security off.
+// The whole configuration of Cyclone DDS 0.10 for one domain, for dds_create_domain(id, xml). With it no
+// environment variable is read, so that none can turn security off.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string>
 
-#include "robot/security/roles.hpp"
+#include "robot/msg/topics.hpp"
 
 namespace biopsy::security {
 
@@ -18,12 +18,11 @@ struct Security {
 struct CycloneOptions {
   std::string interface;              // name of a network interface; empty: this machine only (loopback)
   std::optional<Security> security;   // nothing: no authentication, no encryption
-  std::optional<int> domain_on_wire;  // where the id given to dds_create_domain is not the one to speak in:
-                                      // two roles in one process (0 to 230)
+  std::optional<int> domain_on_wire;  // 0 to 230, where it differs from the id given to dds_create_domain:
+                                      // two roles in one process
 };
 
-// Reads no file: see check_keys. Throws ConfigError for a name that cannot stand in a configuration, or where
-// the security plugins of Cyclone DDS are not installed.
+// Reads no file: see check_keys. Throws ConfigError for a name that cannot stand in a configuration.
 std::string cyclone_xml(const CycloneOptions& options);
 
 }  // namespace biopsy::security

@@ -9,7 +9,7 @@ namespace {
 // The parser of Cyclone DDS refuses a larger id than 230 (there are no ports for it either).
 constexpr const char* kEveryDomain = "<domains><id_range><min>0</min><max>230</max></id_range></domains>";
 
-std::string topics(const std::string& names) {
+std::string topic_list(const std::string& names) {
   return "<topics>" + names + "</topics>";
 }
 
@@ -17,7 +17,7 @@ std::string named(std::string_view name) {
   return fmt::format("<topic>{}</topic>", name);
 }
 
-// The first rule whose expression fits a topic is the one that holds.
+// The first rule whose expression matches a topic applies.
 std::string protected_topic(std::string_view expression, std::string_view sample) {
   return fmt::format(
       R"(<topic_rule>
@@ -35,15 +35,14 @@ std::string protected_topic(std::string_view expression, std::string_view sample
 
 }  // namespace
 
-// Every message is signed: samples, header, heartbeats and acknowledgements cannot be forged. What is not in
-// the tick is encrypted as well: discovery, and the sample of a topic that may name a person; to encrypt the
-// whole message would hide no more. Codes for each single reader (WITH_ORIGIN_AUTHENTICATION) would keep a
-// reader with altered software from speaking as the writer it listens to, but double the way there and back
-// with five processes: see docs/keys.md.
+// Every RTPS message is signed: samples, headers, heartbeats and acknowledgements cannot be forged. Discovery
+// and topics outside the tick, which may name a person, are encrypted as well. Codes per reader
+// (WITH_ORIGIN_AUTHENTICATION) would keep a compromised reader from impersonating the writer it reads, but
+// double the round trip with five processes: see docs/keys.md.
 std::string governance_xml() {
   std::string rules;
-  for (const TopicRule& rule : kTopicRules)
-    if (rule.sample == Protection::Signed) rules += protected_topic(rule.topic, "NONE");
+  for (const Topic& topic : kTopics)
+    if (topic.protection == Protection::Signed) rules += protected_topic(topic.name, "NONE");
   rules += protected_topic("*", "ENCRYPT");
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
@@ -64,11 +63,11 @@ std::string governance_xml() {
 
 std::string permissions_xml(Role role, const Validity& validity) {
   std::string written, read;
-  for (const TopicRule& rule : kTopicRules) {
-    if (rule.writers.contains(role)) written += named(rule.topic);
-    read += named(rule.topic);
+  for (const Topic& topic : kTopics) {
+    if (topic.writers.contains(role)) written += named(topic.name);
+    read += named(topic.name);
   }
-  const std::string publish = written.empty() ? "" : "<publish>" + topics(written) + "</publish>\n";
+  const std::string publish = written.empty() ? "" : "<publish>" + topic_list(written) + "</publish>\n";
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds>
@@ -84,7 +83,7 @@ std::string permissions_xml(Role role, const Validity& validity) {
 </dds>
 )",
       name_of(role), subject_of(role), utc_text(validity.from), utc_text(validity.until), kEveryDomain,
-      publish, topics(read));
+      publish, topic_list(read));
 }
 
 std::string subject_of(Role role) {

@@ -1,11 +1,11 @@
-// The two documents that the permissions CA signs (OMG DDS Security 1.1, 9.4). The same build always writes
-// the same text, so a check compares whole texts and has nothing to interpret.
+// The two documents that the permissions CA signs (OMG DDS Security 1.1, 9.4). A build always writes the same
+// text, so a check compares whole texts.
 #pragma once
 
 #include <chrono>
 #include <string>
 
-#include "robot/security/roles.hpp"
+#include "robot/msg/topics.hpp"
 
 namespace biopsy::security {
 
@@ -14,13 +14,14 @@ struct Validity {
   bool operator==(const Validity&) const = default;
 };
 
-// For every domain and topic: nobody unauthenticated, every message authenticated, every sample encrypted.
+// For every domain and topic: authenticated participants only, every message signed, samples protected as
+// bus.idl declares.
 std::string governance_xml();
 
-// Write: as roles.hpp says. Read: all of its topics. Everything else is denied.
+// Write: the topics whose @writers in bus.idl name the role. Read: every topic. Everything else is denied.
 std::string permissions_xml(Role role, const Validity& validity);
 
-// What the certificate of a role names, as RFC 2253 writes it.
+// The subject of a role's certificate (RFC 2253).
 std::string subject_of(Role role);
 
 // "2026-11-21T18:10:23Z"

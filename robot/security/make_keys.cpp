@@ -10,8 +10,8 @@
 #include "robot/common/files/atomic_directory.hpp"
 #include "robot/security/certificates.hpp"
 #include "robot/security/key_files.hpp"
+#include "robot/security/key_set.hpp"
 #include "robot/security/signed_text.hpp"
-#include "robot/security/whole_set.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -29,7 +29,7 @@ Authority new_authority(const std::string& name, CaPurpose purpose, const Validi
   return {std::move(key), std::move(certificate)};
 }
 
-// Two sets are told apart by the names of their CAs.
+// Distinguishes two sets by the names of their CAs.
 std::string name_of_set() {
   std::uint32_t number = 0;
   must(RAND_bytes(reinterpret_cast<unsigned char*>(&number), sizeof number) == 1, "make random bytes");
@@ -43,7 +43,7 @@ void write_role(AtomicDirectory& to, Role role, const Authority& identities, con
   const Certificate identity =
       new_identity(role, key.get(), identities.certificate.get(), identities.key.get(), validity);
   const auto signed_by_ca = [&permissions](const std::string& text) {
-    return signed_text(text, permissions.certificate.get(), permissions.key.get());
+    return sign_text(text, permissions.certificate.get(), permissions.key.get());
   };
   to.write(files.identity_ca, pem(identities.certificate.get()));
   to.write(files.permissions_ca, pem(permissions.certificate.get()));
@@ -68,13 +68,13 @@ void write_set(AtomicDirectory& to, const Validity& validity) {
   to.write(ca_folder(to.path()) / "permissions_ca_key.pem", private_pem(permissions.key.get()));
 }
 
-bool is_ours(const fs::path& name) {
+bool is_part_of_set(const fs::path& name) {
   for (const Role role : kRoles)
     if (name == name_of(role)) return true;
   return name == "ca" || name == "commissioning";
 }
 
-// Whether something must be moved aside. Throws where that may not be done.
+// Whether a set must be moved aside. Throws where that is not allowed.
 bool is_occupied(const fs::path& folder, bool replace) {
   std::error_code trouble;
   if (!fs::exists(fs::symlink_status(folder, trouble))) return false;
@@ -84,7 +84,7 @@ bool is_occupied(const fs::path& folder, bool replace) {
   if (trouble) throw ConfigError("cannot be read", folder.string(), "check the rights of the folder");
   if (entries == fs::directory_iterator()) return false;
   for (const fs::directory_entry& entry : entries)
-    if (!is_ours(entry.path().filename()))
+    if (!is_part_of_set(entry.path().filename()))
       throw ConfigError(
           "holds \"" + entry.path().filename().string() + "\", which is not part of a set of keys",
           folder.string(), "name an empty or new folder; nothing was touched");
@@ -94,7 +94,7 @@ bool is_occupied(const fs::path& folder, bool replace) {
   return true;
 }
 
-fs::path place_aside(const fs::path& folder, std::chrono::sys_seconds now) {
+fs::path backup_path(const fs::path& folder, std::chrono::sys_seconds now) {
   const fs::path named = folder.has_filename() ? folder : folder.parent_path();
   const std::time_t time = std::chrono::system_clock::to_time_t(now);
   fs::path aside = fmt::format("{}.{:%Y%m%dT%H%M%SZ}", named.string(), fmt::gmtime(time));
@@ -108,10 +108,10 @@ fs::path place_aside(const fs::path& folder, std::chrono::sys_seconds now) {
 
 MadeKeys make_keys(const fs::path& folder, int days, std::chrono::sys_seconds now, bool replace) {
   if (days < kLeastDays || days > kMostDays)
-    throw ConfigError(fmt::format("keys cannot be good for {} days", days), "--days",
+    throw ConfigError(fmt::format("keys cannot be valid for {} days", days), "--days",
                       fmt::format("give {} to {} days", kLeastDays, kMostDays));
   MadeKeys made{.validity = {now - std::chrono::hours(1), now + std::chrono::days(days)}, .old_set = {}};
-  if (is_occupied(folder, replace)) made.old_set = place_aside(folder, now);
+  if (is_occupied(folder, replace)) made.old_set = backup_path(folder, now);
   AtomicDirectory fresh(folder);
   write_set(fresh, made.validity);
   check_set(fresh.path(), kRoles, now);

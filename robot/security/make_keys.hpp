@@ -1,4 +1,4 @@
-// Makes a whole set of keys: CAs, an identity and permissions for each role, the pairs that sign logs.
+// Makes a complete key set: CAs, an identity and permissions for each role, the pairs that sign logs.
 #pragma once
 
 #include <chrono>
@@ -13,12 +13,12 @@ inline constexpr int kLeastDays = 1, kMostDays = 3650;
 
 struct MadeKeys {
   Validity validity;
-  std::optional<std::filesystem::path> old_set;  // where it is now
+  std::optional<std::filesystem::path> old_set;  // where the replaced set is now
 };
 
-// Valid from an hour before `now` (clocks of two machines differ) for `days`. Either the whole set is there
-// afterwards, or everything is as it was and ConfigError is thrown. An existing set is refused, or with
-// `replace` moved aside to FOLDER.<time>; a folder that holds anything else is always refused.
+// Valid from an hour before `now` (clocks of two machines differ) for `days`. Afterwards the set is complete,
+// or everything is as it was and ConfigError is thrown. An existing set is refused, or with `replace` moved
+// to FOLDER.<time>; a folder that holds anything else is always refused.
 MadeKeys make_keys(const std::filesystem::path& folder, int days, std::chrono::sys_seconds now, bool replace);
 
 }  // namespace biopsy::security

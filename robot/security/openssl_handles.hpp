@@ -1,4 +1,4 @@
-// Owners of what OpenSSL allocates, and its last complaint as text.
+// Owners of what OpenSSL allocates.
 #pragma once
 
 #include <openssl/bio.h>
@@ -33,7 +33,7 @@ Bio reader(std::string_view bytes);
 Bio writer();
 std::string written(const Bio& bio);
 
-// What cannot fail but for want of memory or a broken OpenSSL ends the program with OpenSSL's reason.
+// For calls that fail only without memory or with a broken OpenSSL: ends the program with OpenSSL's reason.
 void must(bool succeeded, const char* doing);
 
 }  // namespace biopsy::security

@@ -11,7 +11,7 @@ void free_stack(STACK_OF(X509) * stack) {
   sk_X509_free(stack);
 }
 
-// A document may bring certificates along: one that the signer once issued would do for PKCS7_verify.
+// A document may carry certificates: PKCS7_verify would accept one that the signer issued.
 bool is_the_only_signer(PKCS7* document, X509* signer) {
   const std::unique_ptr<STACK_OF(X509), Freed<free_stack>> signers(PKCS7_get0_signers(document, nullptr, 0));
   return signers != nullptr && sk_X509_num(signers.get()) == 1 &&
@@ -20,7 +20,7 @@ bool is_the_only_signer(PKCS7* document, X509* signer) {
 
 }  // namespace
 
-std::string signed_text(std::string_view text, X509* signer, EVP_PKEY* signer_key) {
+std::string sign_text(std::string_view text, X509* signer, EVP_PKEY* signer_key) {
   constexpr int kFlags = PKCS7_TEXT | PKCS7_DETACHED;
   const Bio content = reader(text);
   const SignedDocument document(PKCS7_sign(signer, signer_key, nullptr, content.get(), kFlags));
@@ -30,7 +30,7 @@ std::string signed_text(std::string_view text, X509* signer, EVP_PKEY* signer_ke
   return written(out);
 }
 
-std::optional<std::string> opened_text(std::string_view document, X509* signer) {
+std::optional<std::string> verify_text(std::string_view document, X509* signer) {
   BIO* detached = nullptr;
   const SignedDocument parsed(SMIME_read_PKCS7(reader(document).get(), &detached));
   const Bio content(detached);

@@ -1,4 +1,4 @@
-// Texts signed as S/MIME (multipart, clear text), as DDS Security wants its documents.
+// Texts signed as S/MIME (multipart, clear text), the format of the documents of DDS Security 1.1.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,10 @@
 
 namespace biopsy::security {
 
-std::string signed_text(std::string_view text, X509* signer, EVP_PKEY* signer_key);
+std::string sign_text(std::string_view text, X509* signer, EVP_PKEY* signer_key);
 
-// The text, where this very certificate signed it; nothing otherwise. At least as strict as the access
-// control plugin of Cyclone DDS 0.10, which reads with the same calls. The time of the certificate is not
-// looked at.
-std::optional<std::string> opened_text(std::string_view document, X509* signer);
+// The text, if this certificate signed it. At least as strict as the access control plugin of Cyclone DDS
+// 0.10, which uses the same calls. The validity of the certificate is not checked.
+std::optional<std::string> verify_text(std::string_view document, X509* signer);
 
 }  // namespace biopsy::security

@@ -11,34 +11,13 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/logging/logger.hpp"
+#include "robot/msg/topics.hpp"
 #include "robot/transport/codec.hpp"
-#include "robot/transport/topics.hpp"
 
 namespace biopsy::transport {
 namespace {
 
-// What of a message type the C library needs.
-template <class Message>
-struct Wire;
-#define BIOPSY_WIRE(Message, Name)                                                          \
-  template <>                                                                               \
-  struct Wire<Message> {                                                                    \
-    using Type = biopsy_wire_##Name;                                                        \
-    static const dds_topic_descriptor_t& descriptor() { return biopsy_wire_##Name##_desc; } \
-  };
-BIOPSY_WIRE(Measurement, Measurement)
-BIOPSY_WIRE(DriveRequest, DriveRequest)
-BIOPSY_WIRE(Permit, Permit)
-BIOPSY_WIRE(Decision, Decision)
-BIOPSY_WIRE(OperatorAct, OperatorAct)
-BIOPSY_WIRE(SealedPlan, SealedPlan)
-BIOPSY_WIRE(DepthVerdictNote, DepthVerdict)
-BIOPSY_WIRE(LogHealth, LogHealth)
-BIOPSY_WIRE(StageTruth, StageTruth)
-BIOPSY_WIRE(Health, Health)
-#undef BIOPSY_WIRE
-
-std::atomic<std::uint32_t> strangers{0};
+std::atomic<std::uint32_t> unauthenticated{0};
 
 logging::Level level_of(std::uint32_t category) {
   if ((category & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0) return logging::Level::Error;
@@ -50,14 +29,14 @@ void log_trace(void*, const dds_log_data_t* data) {
   logging::write(logging::Component::Dds, level_of(data->priority), {data->message, data->size});
 }
 
-// The library says who was not let in only in its log. "Remote secure participant not allowed" is none of
-// them: it is said of friends who called while this participant was still being made.
-void hear_warning(void*, const dds_log_data_t* data) {
+// The library reports a failed authentication only in its log. "Remote secure participant not allowed" is
+// none: it is logged of authenticated participants that called while this one was still being made.
+void on_log_message(void*, const dds_log_data_t* data) {
   const std::string_view text(data->message, data->size);
-  const auto says = [text](std::string_view words) { return text.find(words) != std::string_view::npos; };
-  if (says("Remote secure participant") && says("not allowed")) return;
-  const bool stranger = says("Non secure remote participant") || says("fsm") || says("ecurity");
-  if (stranger) strangers.fetch_add(1, std::memory_order_relaxed);
+  const auto contains = [text](std::string_view part) { return text.find(part) != std::string_view::npos; };
+  if (contains("Remote secure participant") && contains("not allowed")) return;
+  if (contains("Non secure remote participant") || contains("fsm") || contains("ecurity"))
+    unauthenticated.fetch_add(1, std::memory_order_relaxed);
   logging::write(logging::Component::Dds, level_of(data->priority), text);
 }
 
@@ -66,32 +45,29 @@ struct QosFree {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosFree>;
 
-constexpr dds_duration_t kNever = DDS_INFINITY;
-
-dds_duration_t or_never(std::chrono::milliseconds time) {
-  return time.count() > 0 ? std::chrono::nanoseconds(time).count() : kNever;
+dds_duration_t or_infinite(std::chrono::milliseconds time) {
+  return time.count() > 0 ? std::chrono::nanoseconds(time).count() : DDS_INFINITY;
 }
 
-Qos qos_of(const Delivery& delivery) {
+Qos qos_of(const Topic& topic) {
   Qos qos(dds_create_qos());
-  // Nobody waits for a slow reader: a writer that cannot send at once goes on.
-  dds_qset_reliability(qos.get(), delivery.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       0);
-  dds_qset_durability(
-      qos.get(), delivery.kept_for_late_joiners ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, delivery.depth);
-  dds_qset_deadline(qos.get(), or_never(delivery.every));
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, or_never(delivery.alive));
-  dds_qset_writer_data_lifecycle(qos.get(), false);  // a writer that ends does not take its plan back
+  // Blocking time 0: a writer never waits for a slow reader.
+  dds_qset_reliability(qos.get(), topic.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_durability(qos.get(),
+                      topic.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.depth);
+  dds_qset_deadline(qos.get(), or_infinite(topic.deadline));
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, or_infinite(topic.lease));
+  dds_qset_writer_data_lifecycle(qos.get(), false);  // instances outlive their writer
   return qos;
 }
 
 template <class Message>
 Entity topic_on(const Participant& participant) {
-  const std::string name(kDelivery<Message>.topic);
-  return {
-      dds_create_topic(participant.handle(), &Wire<Message>::descriptor(), name.c_str(), nullptr, nullptr),
-      name.c_str()};
+  const std::string name(kTopic<Message>.name);
+  return {dds_create_topic(participant.handle(), &WireType<Message>::descriptor(), name.c_str(), nullptr,
+                           nullptr),
+          name.c_str()};
 }
 
 }  // namespace
@@ -110,47 +86,37 @@ Entity::~Entity() {
   if (handle_ > 0) dds_delete(handle_);
 }
 
-std::uint32_t refused_samples() {
-  return strangers.load(std::memory_order_relaxed);
+std::uint32_t unauthenticated_messages() {
+  return unauthenticated.load(std::memory_order_relaxed);
 }
 
 Participant::Participant(const BusSettings& settings) : robot_(settings.robot) {
-  dds_set_log_sink(hear_warning, nullptr);
+  dds_set_log_sink(on_log_message, nullptr);
   dds_set_trace_sink(log_trace, nullptr);
   domain_ = Entity(dds_create_domain(settings.domain, settings.configuration.c_str()), "domain");
   participant_ = Entity(dds_create_participant(settings.domain, nullptr, nullptr), "participant");
 }
 
 template <class Message>
-struct Writer<Message>::Parts {
-  Entity topic, writer;
-  std::uint32_t robot;
-};
-
-template <class Message>
-Writer<Message>::Writer(const Participant& participant) {
-  const Qos qos = qos_of(kDelivery<Message>);
-  Entity topic = topic_on<Message>(participant);
-  const std::int32_t writer = dds_create_writer(participant.handle(), topic.handle(), qos.get(), nullptr);
-  parts_.reset(new Parts{std::move(topic), Entity(writer, "writer"), participant.robot()});
-}
-template <class Message>
-Writer<Message>::~Writer() = default;
-template <class Message>
-Writer<Message>::Writer(Writer&&) noexcept = default;
+Writer<Message>::Writer(const Participant& participant)
+    : topic_(topic_on<Message>(participant)),
+      writer_(
+          dds_create_writer(participant.handle(), topic_.handle(), qos_of(kTopic<Message>).get(), nullptr),
+          "writer"),
+      robot_(participant.robot()) {}
 
 template <class Message>
 bool Writer<Message>::write(const Message& message) {
-  typename Wire<Message>::Type wire{};
-  wire.robot = parts_->robot;
+  typename WireType<Message>::Type wire{};
+  wire.robot = robot_;
   encode(message, wire);
-  return dds_write(parts_->writer.handle(), &wire) == DDS_RETCODE_OK;
+  return dds_write(writer_.handle(), &wire) == DDS_RETCODE_OK;
 }
 
 template <class Message>
 int Writer<Message>::readers() const {
   dds_publication_matched_status_t status{};
-  dds_get_publication_matched_status(parts_->writer.handle(), &status);
+  dds_get_publication_matched_status(writer_.handle(), &status);
   return static_cast<int>(status.current_count);
 }
 
@@ -158,14 +124,14 @@ template <class Message>
 struct Reader<Message>::Parts {
   Entity topic, reader;
   std::uint32_t robot;
-  typename Wire<Message>::Type wire{};  // the library fills it and keeps what it allocated for lists
+  typename WireType<Message>::Type wire{};  // the library fills it and keeps what it allocated for lists
 
-  ~Parts() { dds_sample_free(&wire, &Wire<Message>::descriptor(), DDS_FREE_CONTENTS); }
+  ~Parts() { dds_sample_free(&wire, &WireType<Message>::descriptor(), DDS_FREE_CONTENTS); }
 };
 
 template <class Message>
 Reader<Message>::Reader(const Participant& participant) {
-  const Qos qos = qos_of(kDelivery<Message>);
+  const Qos qos = qos_of(kTopic<Message>);
   Entity topic = topic_on<Message>(participant);
   const std::int32_t reader = dds_create_reader(participant.handle(), topic.handle(), qos.get(), nullptr);
   parts_.reset(new Parts{std::move(topic), Entity(reader, "reader"), participant.robot()});
@@ -220,32 +186,24 @@ std::int32_t Reader<Message>::handle() const {
   return parts_->reader.handle();
 }
 
-Waker::Waker(const Participant& participant) : set_(dds_create_waitset(participant.handle()), "waitset") {}
+WaitSet::WaitSet(const Participant& participant)
+    : set_(dds_create_waitset(participant.handle()), "waitset") {}
 
-void Waker::add(std::int32_t reader) {
+void WaitSet::add(std::int32_t reader) {
   assert(count_ < conditions_.size());
   Entity& condition = conditions_[count_++];
   condition = Entity(dds_create_readcondition(reader, DDS_ANY_STATE), "read condition");
   dds_waitset_attach(set_.handle(), condition.handle(), 0);
 }
 
-bool Waker::wait(std::chrono::nanoseconds timeout) {
+bool WaitSet::wait(std::chrono::nanoseconds timeout) {
   return dds_waitset_wait(set_.handle(), nullptr, 0, timeout.count()) > 0;
 }
 
-#define BIOPSY_TOPIC(Message)     \
-  template class Writer<Message>; \
+#define BIOPSY_INSTANTIATE(Message) \
+  template class Writer<Message>;   \
   template class Reader<Message>;
-BIOPSY_TOPIC(Measurement)
-BIOPSY_TOPIC(DriveRequest)
-BIOPSY_TOPIC(Permit)
-BIOPSY_TOPIC(Decision)
-BIOPSY_TOPIC(OperatorAct)
-BIOPSY_TOPIC(SealedPlan)
-BIOPSY_TOPIC(DepthVerdictNote)
-BIOPSY_TOPIC(LogHealth)
-BIOPSY_TOPIC(StageTruth)
-BIOPSY_TOPIC(Health)
-#undef BIOPSY_TOPIC
+BIOPSY_FOR_EACH_MESSAGE(BIOPSY_INSTANTIATE)
+#undef BIOPSY_INSTANTIATE
 
 }  // namespace biopsy::transport

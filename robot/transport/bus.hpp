@@ -1,6 +1,5 @@
-// The robot's bus: a participant, and one writer or reader a topic. The only door to DDS.
-//
-// Nothing here decides about safety: a message that arrives proves nothing but that it arrived.
+// The robot's bus over DDS (Cyclone DDS 0.10): a participant, and one writer or reader a topic. A message
+// that arrives proves nothing but that it arrived: safety/ judges its age, order and contents.
 #pragma once
 
 #include <array>
@@ -14,14 +13,14 @@ namespace biopsy::transport {
 struct BusSettings {
   std::uint32_t domain = 0;
   std::string configuration;  // Cyclone's XML, security included; the environment is not read
-  std::uint32_t robot = 1;    // whose messages; others on the same bus are not seen
+  std::uint32_t robot = 1;    // messages with another robot's number are ignored
 };
 
-// A handle of the C library, closed with its owner.
+// Owns a handle of the C library.
 class Entity {
  public:
   Entity() = default;
-  // `handle` < 0 is an error of the library: throws ConfigError saying that `what` could not be made.
+  // Throws ConfigError that names `what` where `handle` is an error code (< 0).
   Entity(std::int32_t handle, const char* what);
   Entity(Entity&& other) noexcept;
   Entity& operator=(Entity&& other) noexcept;
@@ -32,12 +31,12 @@ class Entity {
   std::int32_t handle_ = 0;
 };
 
-// Messages of participants that were not let in, since this process started.
-std::uint32_t refused_samples();
+// Messages of participants that failed authentication, since this process started.
+std::uint32_t unauthenticated_messages();
 
 class Participant {
  public:
-  // Throws ConfigError where the configuration is not accepted, keys included. One per domain and process.
+  // Throws ConfigError where the configuration or the keys are not accepted. One per domain and process.
   explicit Participant(const BusSettings& settings);
   std::int32_t handle() const { return participant_.handle(); }
   std::uint32_t robot() const { return robot_; }
@@ -51,16 +50,14 @@ template <class Message>
 class Writer {
  public:
   explicit Writer(const Participant& participant);
-  ~Writer();
-  Writer(Writer&&) noexcept;
 
-  // False: not sent. True proves nothing about its arrival.
+  // False: not sent. True says nothing about its arrival.
   bool write(const Message& message);
   int readers() const;  // matched now
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  Entity topic_, writer_;
+  std::uint32_t robot_;
 };
 
 template <class Message>
@@ -72,7 +69,7 @@ class Reader {
 
   // The oldest message not yet taken. Allocates nothing for messages of fixed size.
   bool take(Message& message);
-  // The newest; those before it are dropped. How many there were.
+  // The newest; older ones are dropped. Returns how many there were.
   int take_newest(Message& message);
   int writers() const;                     // matched now
   int alive_writers() const;               // that wrote within their lease
@@ -84,15 +81,15 @@ class Reader {
   std::unique_ptr<Parts> parts_;
 };
 
-// Sleeps until one of its readers has something.
-class Waker {
+// Blocks until one of its readers has a message.
+class WaitSet {
  public:
-  explicit Waker(const Participant& participant);
+  explicit WaitSet(const Participant& participant);
   template <class Message>
   void add(const Reader<Message>& reader) {
     add(reader.handle());
   }
-  // False: nothing came in time.
+  // False: timeout.
   bool wait(std::chrono::nanoseconds timeout);
 
  private:

@@ -10,7 +10,7 @@
 namespace biopsy::transport {
 namespace {
 
-constexpr std::size_t kMost = 256;  // more are not counted one by one
+constexpr std::size_t kMost = 256;  // samples of one read
 
 using Guid = std::array<std::uint8_t, 16>;
 
@@ -27,7 +27,7 @@ Guid guid_of(const Entity& entity) {
   return guid_of(key);
 }
 
-// What `key` says of each alive sample of a built-in topic.
+// Member `key` of each alive sample of a built-in topic.
 template <class Sample>
 std::vector<Guid> alive(const Entity& reader, dds_guid_t Sample::*key) {
   std::array<void*, kMost> samples{};  // lent by the library
@@ -60,24 +60,24 @@ ParticipantMonitor::ParticipantMonitor(const BusSettings& plain, const Participa
 
 int ParticipantMonitor::unauthenticated_endpoints() const {
   const Guid own = guid_of(participant_);
-  int strange = 0;
+  int count = 0;
   for (const Entity* reader : {&writers_, &readers_})
     for (const Guid& owner : alive(*reader, &dds_builtintopic_endpoint_t::participant_key))
-      strange += owner != own;
-  return strange;
+      count += owner != own;
+  return count;
 }
 
-// Every friend writes or reads something, and the secured bus tells of that only once it was let in; of
-// participants it tells before.
+// An authenticated participant has endpoints, which the secured bus announces only after the handshake;
+// participants it announces before.
 int ParticipantMonitor::unauthenticated_participants() const {
-  std::vector<Guid> friends{guid_of(participant_)};
+  std::vector<Guid> authenticated{guid_of(participant_)};
   for (const Entity* reader : {&secured_writers_, &secured_readers_})
     for (const Guid& owner : alive(*reader, &dds_builtintopic_endpoint_t::participant_key))
-      friends.push_back(owner);
-  int strange = 0;
+      authenticated.push_back(owner);
+  int count = 0;
   for (const Guid& seen : alive(present_, &dds_builtintopic_participant_t::key))
-    strange += std::ranges::find(friends, seen) == friends.end();
-  return strange;
+    count += std::ranges::find(authenticated, seen) == authenticated.end();
+  return count;
 }
 
 }  // namespace biopsy::transport

@@ -1,7 +1,6 @@
-// Sees who is on the wire of a secured bus and does not belong there. The secured participants neither hear
-// nor notice a stranger, so somebody has to look: a plain participant that reads and writes nothing. It sees
-// every participant, since those are announced openly, and the endpoints of plain ones; those of the secured
-// ones are announced under their protection.
+// Detects unauthenticated participants on the network of a secured bus. Secured participants are not notified
+// of them, so this one joins without security and reads discovery only: participants are announced in clear,
+// endpoints of secured ones are not.
 #pragma once
 
 #include "robot/transport/bus.hpp"
@@ -10,14 +9,14 @@ namespace biopsy::transport {
 
 class ParticipantMonitor {
  public:
-  // `plain`: the wire without security, under a domain id of its own in this process. `secured`: of the bus;
-  // must outlive this. Throws ConfigError.
+  // `plain`: the network without security, under a domain id of its own in this process. `secured`: a
+  // participant of the bus; must outlive this. Throws ConfigError.
   ParticipantMonitor(const BusSettings& plain, const Participant& secured);
 
-  // Writers and readers that belong to nobody with a key, now.
+  // Writers and readers announced in clear now, other than this one's.
   int unauthenticated_endpoints() const;
-  // Participants that the bus did not let in, now: with no keys, or with keys that are not believed. A friend
-  // is one of them until it has been let in, which takes a second or two.
+  // Participants present now that are not authenticated: no keys, or keys that were rejected. An authorised
+  // one counts until its handshake is done, which takes a second or two.
   int unauthenticated_participants() const;
 
  private:

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "robot/msg/measurement.hpp"
+#include "robot/msg/fixed_messages.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/plan_facts.hpp"
 

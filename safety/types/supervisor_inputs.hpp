@@ -6,9 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/measurement.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::safety {
 

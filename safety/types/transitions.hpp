@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 
 namespace biopsy::safety {
 

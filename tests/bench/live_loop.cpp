@@ -1,11 +1,11 @@
 #include "tests/bench/live_loop.hpp"
 
-#include <bus.h>
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <wire.h>
 
 #include <algorithm>
 #include <chrono>
@@ -145,8 +145,8 @@ void measure_ours(std::uint32_t domain, const std::string& xml, realtime::Latenc
   const transport::Participant bus({domain, xml, 1});
   transport::Writer<Measurement> measurements(bus);
   transport::Reader<DriveRequest> requests(bus);
-  transport::Waker waker(bus);
-  waker.add(requests);
+  transport::WaitSet wait_set(bus);
+  wait_set.add(requests);
   while (measurements.readers() == 0 || requests.writers() == 0) usleep(1000);
   Measurement m;
   const auto send = [&](std::uint32_t seq) {
@@ -155,7 +155,7 @@ void measure_ours(std::uint32_t domain, const std::string& xml, realtime::Latenc
   };
   const auto await = [&](std::uint32_t seq) {
     DriveRequest request;
-    while (waker.wait(20ms))
+    while (wait_set.wait(20ms))
       while (requests.take(request))
         if (request.measured_seq == seq) return true;
     return false;

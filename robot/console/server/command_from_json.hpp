@@ -1,8 +1,10 @@
-// A message of the page, read strictly: one object of module `commands`, nothing missing, unknown or out of range.
+// A message of the page, read strictly: one object of module `commands`, nothing missing, unknown or out of
+// range.
 #pragma once
 
-#include <console_messages.hpp>  // generated from idl/console.idl
 #include <string>
+
+#include "robot/msg/console_messages.hpp"
 
 namespace biopsy::console {
 

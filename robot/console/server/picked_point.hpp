@@ -2,10 +2,10 @@
 // millimetres; both must be the same place of the very series that is planned on.
 #pragma once
 
-#include <console_messages.hpp>  // generated from idl/console.idl
 #include <string>
 #include <variant>
 
+#include "robot/msg/console_messages.hpp"
 #include "robot/msg/volume.hpp"
 
 namespace biopsy::console {

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <console_messages.hpp>  // generated from idl/console.idl
 #include <optional>
+
+#include "robot/msg/console_messages.hpp"
 
 namespace biopsy::console {
 

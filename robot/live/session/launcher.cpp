@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 constexpr std::chrono::milliseconds kPatience{2000}, kPoll{5};
 
 std::string program_of(Process process) {
-  return fmt::format("biopsy-{}", process == Process::Person ? "console" : name_of(process));
+  return fmt::format("biopsy-{}",
+                     process == Process::Person ? std::string_view("console") : name_of(process));
 }
 
 std::string ending(int status) {

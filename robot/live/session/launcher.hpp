@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/msg/live.hpp"
+#include "robot/msg/messages.hpp"
 
 namespace biopsy::robot {
 
@@ -50,7 +50,7 @@ class Launcher {
   bool wait_for(Process process, std::chrono::milliseconds patience, int& status);
 
   std::filesystem::path run_folder_, lines_folder_, programs_;
-  std::array<pid_t, kProcesses> pids_;
+  std::array<pid_t, kCount<Process>> pids_;
 };
 
 }  // namespace biopsy::robot

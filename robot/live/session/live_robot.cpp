@@ -24,11 +24,11 @@ LiveRobot::LiveRobot(const transport::Participant& bus, const std::filesystem::p
       acts_(bus),
       plans_(bus),
       verdicts_(bus),
-      waker_(bus),
+      wait_set_(bus),
       heartbeat_(bus, Process::Person, config_tag),
       board_(bus) {
   if (!panel.empty()) panel_.emplace(panel);
-  waker_.add(measurements_);
+  wait_set_.add(measurements_);
   heartbeat_.health().ready = true;
   thread_ = std::jthread([this](const std::stop_token& stop) { listen(stop); });
 }
@@ -61,21 +61,21 @@ void LiveRobot::retract() {
   }
 }
 
-std::array<Health, kProcesses> LiveRobot::health() const {
+std::array<Health, kCount<Process>> LiveRobot::health() const {
   const std::lock_guard lock(mutex_);
   return health_;
 }
 
 void LiveRobot::listen(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    waker_.wait(kListen);
+    wait_set_.wait(kListen);
     const std::int64_t now_us = realtime::monotonic_ns() / 1000;
     gather();
     send(now_us);
     board_.update(now_us);
     heartbeat_.beat(now_us);
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < kProcesses; ++i) health_[i] = board_.of(static_cast<Process>(i), now_us);
+    for (std::size_t i = 0; i < kCount<Process>; ++i) health_[i] = board_.of(static_cast<Process>(i), now_us);
   }
 }
 
@@ -132,8 +132,9 @@ void LiveRobot::send(std::int64_t now_us) {
     verdicts_.write(verdict);
     verdict_ = verdict;
   }
-  if (asks_the_same(act, act_) && now_us - sent_us_ < kSendEvery_us) return;
-  act.seq = act_.seq + 1;
+  act.seq = act_.seq;
+  if (act == act_ && now_us - sent_us_ < kSendEvery_us) return;
+  ++act.seq;
   acts_.write(act);
   act_ = act;
   sent_us_ = now_us;

@@ -38,7 +38,7 @@ class LiveRobot {
   void retract();
 
   // The health of every process, newest.
-  std::array<Health, kProcesses> health() const;
+  std::array<Health, kCount<Process>> health() const;
   // Ticks that were not received.
   std::uint64_t lost() const { return lost_.load(); }
 
@@ -57,7 +57,7 @@ class LiveRobot {
   transport::Writer<OperatorAct> acts_;
   transport::Writer<SealedPlan> plans_;
   transport::Writer<DepthVerdictNote> verdicts_;
-  transport::Waker waker_;
+  transport::WaitSet wait_set_;
   live::Heartbeat heartbeat_;
   live::HealthBoard board_;
 
@@ -78,7 +78,7 @@ class LiveRobot {
   std::int64_t asked_us_ = 0;  // when they were last given
   std::uint64_t plan_tag_ = 0;
   std::uint32_t plans_sent_ = 0;
-  std::array<Health, kProcesses> health_{};
+  std::array<Health, kCount<Process>> health_{};
   std::atomic<std::uint64_t> lost_{0};
   std::jthread thread_;  // last: it uses all of the above
 };

@@ -13,8 +13,8 @@
 #include "robot/common/files/whole_file.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/security/key_files.hpp"
+#include "robot/security/key_set.hpp"
 #include "robot/security/make_keys.hpp"
-#include "robot/security/whole_set.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -120,7 +120,7 @@ void LiveSession::wait_until_healthy() {
       throw ConfigError(*ended, (folder_ / "*.txt").string(),
                         "see what it printed; correct it and start again");
     missing.clear();
-    const std::array<Health, kProcesses> board = robot_->health();
+    const std::array<Health, kCount<Process>> board = robot_->health();
     for (const Process process :
          {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
       const Health& health = board[static_cast<std::size_t>(process)];

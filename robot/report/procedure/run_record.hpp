@@ -11,8 +11,7 @@
 
 #include "robot/common/picture.hpp"
 #include "robot/msg/depth_check.hpp"
-#include "robot/msg/measurement.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 #include "robot/msg/plan.hpp"
 #include "robot/msg/volume.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "planner/imaging/depth_check/depth_verdict.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/fixed_messages.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
 #include "tests/robot/cli/command.hpp"

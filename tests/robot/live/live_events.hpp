@@ -7,7 +7,7 @@
 #include <string>
 
 #include "robot/live/session/live_options.hpp"
-#include "robot/msg/live.hpp"
+#include "robot/msg/messages.hpp"
 #include "robot/procedure/prepared_case.hpp"
 #include "tests/robot/live/bad_wire.hpp"
 

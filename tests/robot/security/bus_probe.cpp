@@ -77,12 +77,12 @@ bool BusProbe::wait_for(dds_entity_t entity, std::uint32_t status, dds_duration_
   return happened;
 }
 
-bool BusProbe::meets_a_reader() {
-  return readers_met() > 0 || wait_for(writer_, DDS_PUBLICATION_MATCHED_STATUS, DDS_SECS(10));
+bool BusProbe::matches_a_reader() {
+  return matched_readers() > 0 || wait_for(writer_, DDS_PUBLICATION_MATCHED_STATUS, DDS_SECS(10));
 }
 
-bool BusProbe::meets_a_writer() {
-  return writers_met() > 0 || wait_for(reader_, DDS_SUBSCRIPTION_MATCHED_STATUS, DDS_SECS(10));
+bool BusProbe::matches_a_writer() {
+  return matched_writers() > 0 || wait_for(reader_, DDS_SUBSCRIPTION_MATCHED_STATUS, DDS_SECS(10));
 }
 
 bool BusProbe::write(std::int32_t value) {
@@ -107,13 +107,13 @@ std::optional<std::int32_t> BusProbe::next(dds_duration_t patience) {
   return std::nullopt;
 }
 
-int BusProbe::readers_met() const {
+int BusProbe::matched_readers() const {
   dds_publication_matched_status_t status{};
   dds_get_publication_matched_status(writer_, &status);
   return static_cast<int>(status.current_count);
 }
 
-int BusProbe::writers_met() const {
+int BusProbe::matched_writers() const {
   dds_subscription_matched_status_t status{};
   dds_get_subscription_matched_status(reader_, &status);
   return static_cast<int>(status.current_count);

@@ -1,4 +1,4 @@
-// One participant with one reader or writer, on the real Cyclone DDS, and bounded waits for what it sees.
+// One participant with one reader or writer, on the real Cyclone DDS, and bounded waits.
 #pragma once
 
 #include <dds/dds.h>
@@ -14,7 +14,7 @@ namespace biopsy::security {
 
 class BusProbe {
  public:
-  // Every probe has a domain of its own in this process; probes with the same number hear each other.
+  // Every probe has a domain of its own in this process; probes with the same number communicate.
   BusProbe(int domain_on_wire, std::optional<Security> security);
   ~BusProbe();
   BusProbe(const BusProbe&) = delete;
@@ -26,16 +26,16 @@ class BusProbe {
   dds_return_t open_writer(std::string_view topic);
   dds_return_t open_reader(std::string_view topic);
 
-  // Whether the counterpart was found within ten seconds.
-  bool meets_a_reader();
-  bool meets_a_writer();
+  // Whether a counterpart was matched within ten seconds.
+  bool matches_a_reader();
+  bool matches_a_writer();
   bool write(std::int32_t value);
-  // Who the writer is on the wire: 12 bytes of its participant, 4 of its own.
+  // GUID of the writer: 12 bytes of its participant, 4 of its own.
   dds_guid_t writer_guid() const;
   // The next value, within `patience`.
   std::optional<std::int32_t> next(dds_duration_t patience = DDS_SECS(10));
-  int readers_met() const;
-  int writers_met() const;
+  int matched_readers() const;
+  int matched_writers() const;
 
  private:
   dds_entity_t make_topic(std::string_view name);

@@ -1,4 +1,4 @@
-// Somebody without keys on the same wire, who makes up the next sample of the true controller by hand.
+// An attacker without keys on the same network forges the next sample of the controller.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "tests/robot/security/bus_probe.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::security {
@@ -43,28 +43,28 @@ void send_to_all(const Message& message, int domain) {
   close(wire);
 }
 
-// What the stage hears after 1 from the controller, when 66 was made up in between and 2 comes after it.
-std::optional<std::int32_t> heard_after_forging(int domain,
-                                                const std::optional<std::filesystem::path>& keys) {
+// What the stage receives after 1 from the controller, when 66 is forged and 2 follows from the controller.
+std::optional<std::int32_t> received_after_forging(int domain,
+                                                   const std::optional<std::filesystem::path>& keys) {
   const auto of = [&keys](Role role) { return keys ? std::optional(Security{*keys, role}) : std::nullopt; };
   BusProbe stage(domain, of(Role::Stage)), controller(domain, of(Role::Controller));
-  stage.open_reader(topic::kDriveRequest);
-  controller.open_writer(topic::kDriveRequest);
-  if (!controller.meets_a_reader() || !controller.write(1) || stage.next() != 1) return std::nullopt;
+  stage.open_reader(kTopic<DriveRequest>.name);
+  controller.open_writer(kTopic<DriveRequest>.name);
+  if (!controller.matches_a_reader() || !controller.write(1) || stage.next() != 1) return std::nullopt;
   send_to_all(sample_of(controller.writer_guid(), 2, 66), domain);
   controller.write(2);
   return stage.next();
 }
 
-// Without keys it is believed: the message is a good one, and the claim below is one about keys.
-TEST(ForgedSample, IsBelievedWhereNothingIsSigned) {
-  EXPECT_EQ(heard_after_forging(205, std::nullopt), 66);
+// Shows that the forged message is well formed, so that the test below is about the signature.
+TEST(ForgedSample, IsAcceptedOnABusWithoutSecurity) {
+  EXPECT_EQ(received_after_forging(205, std::nullopt), 66);
 }
 
-TEST(ForgedSample, IsNotHeardOnATopicThatIsSignedAndNotEncrypted) {
+TEST(ForgedSample, IsRejectedOnATopicThatIsSignedAndNotEncrypted) {
   verifies("R-46");
-  const MadeSet set;
-  EXPECT_EQ(heard_after_forging(206, set.folder()), 2);
+  const TestKeySet set;
+  EXPECT_EQ(received_after_forging(206, set.folder()), 2);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/atomic_directory.hpp"
 #include "robot/security/check_keys.hpp"
-#include "robot/security/whole_set.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "robot/security/key_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -32,22 +32,22 @@ std::size_t entries(const fs::path& folder) {
 }
 
 TEST(MakeKeys, AFreshSetIsGoodForEveryRoleUntilItsEnd) {
-  const MadeSet set(now(), 30);
+  const TestKeySet set(now(), 30);
   for (const Role role : kRoles) {
     EXPECT_NEAR(static_cast<double>((check_keys(set.folder(), role, now()) - now()).count()), 30 * 86400.0,
                 60.0);
     EXPECT_NO_THROW(check_keys(set.folder(), role, now() + days(30) - std::chrono::minutes(2)));
     EXPECT_THROW(check_keys(set.folder(), role, now() + days(30) + std::chrono::minutes(2)), ConfigError);
     EXPECT_NO_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(50)))
-        << "a clock behind ours";
+        << "a clock that is behind";
     EXPECT_THROW(check_keys(set.folder(), role, now() - std::chrono::minutes(70)), ConfigError);
   }
   for (const Signer signer : kSigners) EXPECT_NO_THROW(check_signing_keys(set.folder(), signer));
 }
 
-TEST(MakeKeys, NobodyElseMayReadAnyOfIt) {
+TEST(MakeKeys, FilesArePrivateToTheOwner) {
   const mode_t usual = umask(0);
-  const MadeSet set;
+  const TestKeySet set;
   umask(usual);
   struct stat facts {};
   ASSERT_EQ(stat(set.folder().c_str(), &facts), 0);
@@ -58,28 +58,16 @@ TEST(MakeKeys, NobodyElseMayReadAnyOfIt) {
   }
 }
 
-TEST(MakeKeys, ARoleRunsOnItsOwnFolderAlone) {
-  const MadeSet set;
-  const ScratchFolder elsewhere;
-  const fs::path machine = elsewhere / "keys";
-  fs::create_directory(machine);
-  fs::permissions(machine, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec);
-  fs::copy(set.folder() / "stage", machine / "stage", fs::copy_options::recursive);
-  fs::permissions(machine / "stage", fs::perms::owner_all);
-  EXPECT_NO_THROW(check_keys(machine, Role::Stage, now()));
-  EXPECT_THROW(check_keys(machine, Role::Controller, now()), ConfigError);
-}
-
-TEST(MakeKeys, AnExistingSetIsNotTouchedUnlessToldTo) {
-  const MadeSet set;
+TEST(MakeKeys, KeepsAnExistingSet) {
+  const TestKeySet set;
   const auto before = contents(set.folder());
   EXPECT_THROW(make_keys(set.folder(), 30, now(), false), ConfigError);
   EXPECT_EQ(contents(set.folder()), before);
-  EXPECT_EQ(entries(set.folder().parent_path()), 1U) << "nothing half made is left behind";
+  EXPECT_EQ(entries(set.folder().parent_path()), 1U) << "no partial set is left behind";
 }
 
 TEST(MakeKeys, ReplacingKeepsTheOldSetAside) {
-  const MadeSet set;
+  const TestKeySet set;
   const auto before = contents(set.folder());
   const auto later = now() + days(1);
   const MadeKeys made = make_keys(set.folder().string() + "/", 60, later, true);
@@ -93,11 +81,11 @@ TEST(MakeKeys, ReplacingKeepsTheOldSetAside) {
 }
 
 // A real process, ended at a random moment of replacing.
-TEST(MakeKeys, WhoeverIsInterruptedLeavesAWholeSetOrNone) {
+TEST(MakeKeys, AnInterruptedReplacementLeavesACompleteSetOrNone) {
   std::mt19937 random(3);
   int whole = 0;
   for (int round = 0; round < 12; ++round) {
-    const MadeSet set;
+    const TestKeySet set;
     const pid_t child = fork();
     if (child == 0) {
       for (int i = 1;; ++i) make_keys(set.folder(), 30, now() + std::chrono::seconds(i), true);
@@ -112,7 +100,7 @@ TEST(MakeKeys, WhoeverIsInterruptedLeavesAWholeSetOrNone) {
   EXPECT_GT(whole, 0);
 }
 
-TEST(MakeKeys, AFolderWithAnythingElseInItIsNeverMovedAside) {
+TEST(MakeKeys, AFolderWithOtherFilesIsNeverMovedAside) {
   const ScratchFolder scratch;
   scratch.write("thesis.tex", "years of work");
   EXPECT_THROW(make_keys(scratch.path(), 30, now(), true), ConfigError);
@@ -122,7 +110,7 @@ TEST(MakeKeys, AFolderWithAnythingElseInItIsNeverMovedAside) {
   EXPECT_NO_THROW(make_keys(scratch / "empty", 30, now(), false));
 }
 
-TEST(MakeKeys, AFolderThatCannotBePutInPlaceLeavesNothingBehind) {
+TEST(MakeKeys, ADirectoryThatCannotBePutInPlaceLeavesNoTrace) {
   const ScratchFolder scratch;
   {
     AtomicDirectory fresh(scratch / "keys");
@@ -146,7 +134,7 @@ TEST(MakeKeys, DaysAreCheckedForTheirRange) {
     EXPECT_NO_THROW(make_keys(scratch / std::to_string(right), right, now(), false));
 }
 
-TEST(MakeKeys, APlaceThatCannotBeWrittenIsNamed) {
+TEST(MakeKeys, AFolderThatCannotBeWrittenIsNamed) {
   const ScratchFolder scratch;
   scratch.write("file", "");
   try {
@@ -157,7 +145,7 @@ TEST(MakeKeys, APlaceThatCannotBeWrittenIsNamed) {
   }
 }
 
-TEST(MakeKeys, TheUsualFolderFollowsTheXdgSpecification) {
+TEST(MakeKeys, TheDefaultFolderFollowsTheXdgSpecification) {
   const std::string home = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
   setenv("HOME", "/home/ada", 1);
   unsetenv("XDG_CONFIG_HOME");
@@ -173,7 +161,7 @@ TEST(MakeKeys, TheUsualFolderFollowsTheXdgSpecification) {
 }
 
 TEST(MakeKeys, TwoSetsHaveNothingInCommon) {
-  const MadeSet one, two;
+  const TestKeySet one, two;
   const auto first = contents(one.folder()), second = contents(two.folder());
   ASSERT_EQ(first.size(), second.size());
   for (const auto& [name, content] : first)

@@ -1,4 +1,5 @@
-// The openssl command as an independent reader of what is made, and maker of what is checked.
+// The openssl command as an independent reader of the keys that are made, and as a maker of those that are
+// checked.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -7,7 +8,7 @@
 #include "robot/security/certificates.hpp"
 #include "robot/security/check_keys.hpp"
 #include "robot/security/signed_text.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -20,13 +21,13 @@ class OpenSsl : public testing::Test {
     if (std::system("openssl version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no openssl command";
   }
   bool runs(const std::string& arguments) const {
-    const std::string command = "openssl " + arguments + " > '" + (scratch_ / "said").string() + "' 2>&1";
+    const std::string command = "openssl " + arguments + " > '" + (scratch_ / "output").string() + "' 2>&1";
     return std::system(command.c_str()) == 0;
   }
-  std::string said() const { return file_content(scratch_ / "said"); }
+  std::string output() const { return file_content(scratch_ / "output"); }
 
   const ScratchFolder scratch_;
-  const MadeSet set_;
+  const TestKeySet set_;
 };
 
 std::string quoted(const fs::path& path) {
@@ -38,31 +39,24 @@ TEST_F(OpenSsl, AcceptsEveryIdentityAndDocument) {
     const RoleFiles files = role_files(set_.folder(), role);
     EXPECT_TRUE(
         runs("verify -x509_strict -CAfile " + quoted(files.identity_ca) + " " + quoted(files.identity)))
-        << said();
+        << output();
     EXPECT_TRUE(runs("verify -x509_strict -CAfile " + quoted(files.permissions_ca) + " " +
                      quoted(files.permissions_ca)))
-        << said();
-    EXPECT_TRUE(runs("pkey -check -noout -in " + quoted(files.private_key))) << said();
+        << output();
+    EXPECT_TRUE(runs("pkey -check -noout -in " + quoted(files.private_key))) << output();
     for (const char* tool : {"cms", "smime"})
       for (const fs::path& document : {files.governance, files.permissions})
         EXPECT_TRUE(runs(std::string(tool) + " -verify -text -in " + quoted(document) + " -CAfile " +
-                         quoted(files.permissions_ca)))
-            << said();
+                         quoted(files.permissions_ca) + " -out " + quoted(scratch_ / "text")))
+            << output();
+    std::string text = file_content(scratch_ / "text");
+    std::erase(text, '\r');
+    EXPECT_EQ(text, permissions_xml(role, *validity(read_certificate(file_content(files.identity)).get())));
   }
 }
 
-TEST_F(OpenSsl, ReadsTheVeryTextThatWasGranted) {
-  const RoleFiles files = role_files(set_.folder(), Role::Controller);
-  ASSERT_TRUE(runs("cms -verify -text -in " + quoted(files.permissions) + " -CAfile " +
-                   quoted(files.permissions_ca) + " -out " + quoted(scratch_ / "text")));
-  std::string text = file_content(scratch_ / "text");
-  std::erase(text, '\r');
-  EXPECT_EQ(text, permissions_xml(Role::Controller,
-                                  *validity(read_certificate(file_content(files.identity)).get())));
-}
-
 TEST_F(OpenSsl, RefusesDocumentsAndIdentitiesOfAnotherSet) {
-  const MadeSet other;
+  const TestKeySet other;
   const RoleFiles ours = role_files(set_.folder(), Role::Stage),
                   theirs = role_files(other.folder(), Role::Stage);
   EXPECT_FALSE(runs("verify -CAfile " + quoted(ours.identity_ca) + " " + quoted(theirs.identity)));
@@ -70,7 +64,7 @@ TEST_F(OpenSsl, RefusesDocumentsAndIdentitiesOfAnotherSet) {
                     quoted(ours.permissions_ca)));
 }
 
-TEST_F(OpenSsl, DocumentsItSignsAreReadByUs) {
+TEST_F(OpenSsl, DocumentsItSignsAreAccepted) {
   const RoleFiles files = role_files(set_.folder(), Role::Stage);
   const Certificate ca = read_certificate(file_content(files.permissions_ca));
   scratch_.write("text", governance_xml());
@@ -78,8 +72,8 @@ TEST_F(OpenSsl, DocumentsItSignsAreReadByUs) {
     ASSERT_TRUE(runs(std::string(tool) + " -sign -text -in " + quoted(scratch_ / "text") + " -out " +
                      quoted(scratch_ / "signed") + " -signer " + quoted(files.permissions_ca) + " -inkey " +
                      quoted(ca_folder(set_.folder()) / "permissions_ca_key.pem")))
-        << said();
-    EXPECT_EQ(opened_text(file_content(scratch_ / "signed"), ca.get()), governance_xml());
+        << output();
+    EXPECT_EQ(verify_text(file_content(scratch_ / "signed"), ca.get()), governance_xml());
   }
 }
 
@@ -89,10 +83,10 @@ TEST_F(OpenSsl, VerifiesWhatASigningKeySigned) {
     scratch_.write("message", "depth 3.5 mm");
     ASSERT_TRUE(runs("pkeyutl -sign -rawin -inkey " + quoted(files.private_key) + " -in " +
                      quoted(scratch_ / "message") + " -out " + quoted(scratch_ / "signature")))
-        << said();
+        << output();
     EXPECT_TRUE(runs("pkeyutl -verify -rawin -pubin -inkey " + quoted(files.public_key) + " -in " +
                      quoted(scratch_ / "message") + " -sigfile " + quoted(scratch_ / "signature")))
-        << said();
+        << output();
   }
 }
 

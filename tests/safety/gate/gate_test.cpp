@@ -215,7 +215,6 @@ TEST(Gate, LowersAtOnceWithoutAnyLeave) {
   verifies("R-34");
   Bench bench;
   bench.raise_to(8'000'000);
-  bench.permit.slew_down_mV_per_tick = 1;
   ++bench.request.seq, bench.request.wanted_mV = 10;
   EXPECT_EQ(bench.call(&bench.request, nullptr).voltage.mV(), 10);
 }

@@ -3,13 +3,13 @@
 
 #include "robot/security/check_keys.hpp"
 #include "robot/security/key_files.hpp"
-#include "tests/robot/security/made_set.hpp"
+#include "tests/robot/security/test_key_set.hpp"
 #include "tests/verification/fuzz/target.hpp"
 
 FUZZ(keys) {
   using namespace biopsy;
   using namespace biopsy::fuzz;
-  static const security::MadeSet set;
+  static const security::TestKeySet set;
   if (bytes.empty()) return;
   const security::RoleFiles files = security::role_files(set.folder(), security::Role::Stage);
   const std::filesystem::path all[] = {files.identity_ca, files.permissions_ca, files.identity,

@@ -11,8 +11,7 @@ namespace biopsy::fuzz {
 
 inline void fill(Feed& feed, Permit& p) {
   feed.fill(p.session, p.epoch, p.seq, p.issued_us, p.ttl_us, p.mode, p.stop, p.hv_enable, p.v_max_mV,
-            p.slew_up_mV_per_tick, p.slew_down_mV_per_tick, p.depth_max_um, p.plan_tag, p.config_tag,
-            p.challenge);
+            p.slew_up_mV_per_tick, p.depth_max_um, p.plan_tag, p.config_tag, p.challenge);
 }
 
 inline void fill(Feed& feed, DriveRequest& r) {

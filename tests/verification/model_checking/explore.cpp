@@ -15,7 +15,7 @@ using namespace biopsy;
 
 struct Options {
   std::filesystem::path json;
-  explore::MutantBuild mutant_build{source_dir().string(), BIOPSY_CXX, BIOPSY_BENCH};
+  explore::MutantBuild mutant_build{source_dir(), binary_dir() / "generated", BIOPSY_CXX, BIOPSY_BENCH};
   bool quick = false, bugs = false, spin = false;
 };
 

@@ -18,7 +18,7 @@
 namespace biopsy::explore {
 namespace {
 
-const MutantBuild kWorkshop{source_dir().string(), BIOPSY_CXX, BIOPSY_BENCH};
+const MutantBuild kWorkshop{source_dir(), binary_dir() / "generated", BIOPSY_CXX, BIOPSY_BENCH};
 
 const SeededBug& bug_named(std::string_view id) {
   return *std::ranges::find(seeded_bugs(), id, &SeededBug::id);

@@ -39,8 +39,9 @@ SeededSubject::SeededSubject(const MutantBuild& mutant_build, const SeededBug* b
                  errors = bench / "errors.txt";
   copy_with_bug(mutant_build.source / "safety", bench / "safety", bug);
   const std::string command = fmt::format(
-      "'{}' -std=c++20 -O2 -w -shared -fPIC -fvisibility=hidden -I'{}' -I'{}' '{}' -o '{}' 2> '{}'",
+      "'{}' -std=c++20 -O2 -w -shared -fPIC -fvisibility=hidden -I'{}' -I'{}' -I'{}' '{}' -o '{}' 2> '{}'",
       mutant_build.compiler.string(), bench.string(), mutant_build.source.string(),
+      mutant_build.generated.string(),
       (mutant_build.source / "tests/verification/model_checking/seeded.cpp").string(), object.string(),
       errors.string());
   if (std::system(command.c_str()) != 0)

@@ -10,9 +10,9 @@
 
 namespace biopsy::explore {
 
-// Where sources and compiler are, and where copies go.
+// Where sources, generated headers and compiler are, and where copies go.
 struct MutantBuild {
-  std::filesystem::path source, compiler, bench;
+  std::filesystem::path source, generated, compiler, bench;
 };
 
 class SeededSubject {

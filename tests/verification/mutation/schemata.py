@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes a copy of the safety core that holds every mutant at once, and the list of them.
 
-usage: schemata.py SOURCE_FOLDER OUT_FOLDER
+usage: schemata.py SOURCE_FOLDER OUT_FOLDER GENERATED_FOLDER
 OUT_FOLDER/mutated/... has the sources, OUT_FOLDER/mutants.json the list. In the copy an expression that has
 mutants reads (mutation::on(17) ? (changed) : (original)); what was constexpr is filled in before main(), so
 that constants and tables have mutants too.
@@ -273,11 +273,11 @@ class Writer:
         path.write_text('#include "mutation.hpp"\n' + self.render(0, len(self.source.text), self.sites))
 
 
-def main(root, out):
+def main(root, out, generated):
     names = sorted(str(path.relative_to(root)) for path in (root / "safety").rglob("*.?pp"))
     sources = {os.path.normpath(root / name): Source(root, name) for name in names}
     headers = "".join(f'#include "{name}"\n' for name in names if name.endswith(".hpp"))
-    arguments = ["-std=c++20", f"-I{root}"]
+    arguments = ["-std=c++20", f"-I{root}", f"-I{generated}"]
     trees = [Index.create().parse("headers.cpp", arguments, [("headers.cpp", headers)])]
     trees += [Index.create().parse(str(root / name), arguments) for name in names if name.endswith(".cpp")]
     for tree in trees:
@@ -293,4 +293,4 @@ def main(root, out):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]).resolve(), Path(sys.argv[2]))
+    main(Path(sys.argv[1]).resolve(), *map(Path, sys.argv[2:]))

@@ -5,9 +5,7 @@
 #include <optional>
 #include <thread>
 
-#include "robot/msg/drive_request.hpp"
-#include "robot/msg/live.hpp"
-#include "robot/msg/permit.hpp"
+#include "robot/msg/messages.hpp"
 #include "robot/security/cyclone_xml.hpp"
 #include "robot/transport/bus.hpp"
 

@@ -1,4 +1,4 @@
-// The keys of several roles together: each good, and all of one set.
+// The keys of several roles together: each valid, and all of one set.
 #pragma once
 
 #include <chrono>
@@ -13,8 +13,8 @@ namespace biopsy::security {
 // A machine may hold the folders of some roles only.
 std::vector<Role> roles_present(const std::filesystem::path& folder);
 
-// inspect_keys of every role given, and of the signing keys that are there. A CA that is not the one of the
-// first role is a problem: these two would never find each other, without a word.
+// inspect_keys of every role given, and of the signing keys that are present. A CA that differs from that of
+// the first role is a problem: participants of the two would not authenticate each other.
 std::vector<FileVerdict> inspect_set(const std::filesystem::path& folder, std::span<const Role> roles,
                                      std::chrono::sys_seconds now);
 

@@ -13,9 +13,9 @@ inline std::chrono::sys_seconds now() {
   return std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-class MadeSet {
+class TestKeySet {
  public:
-  explicit MadeSet(std::chrono::sys_seconds made = now(), int days = 30) {
+  explicit TestKeySet(std::chrono::sys_seconds made = now(), int days = 30) {
     make_keys(folder(), days, made, false);
   }
   std::filesystem::path folder() const { return scratch_ / "keys"; }

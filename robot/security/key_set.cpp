@@ -1,4 +1,4 @@
-#include "robot/security/whole_set.hpp"
+#include "robot/security/key_set.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// False as well where one may not look.
-bool is_there(const fs::path& path) {
+// False as well without the right to look.
+bool is_present(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -22,12 +22,12 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-void refuse_another_ca(FileVerdict& verdict, const RoleFiles& first) {
+void check_same_ca(FileVerdict& verdict, const RoleFiles& first) {
   for (const fs::path& ca : {first.identity_ca, first.permissions_ca}) {
     if (!verdict.problem.empty() || verdict.file.filename() != ca.filename()) continue;
     if (content(verdict.file) == content(ca)) continue;
     verdict.problem =
-        fmt::format("is of another set than {}", (ca.parent_path().filename() / ca.filename()).string());
+        fmt::format("belongs to another set than {}", (ca.parent_path().filename() / ca.filename()).string());
     verdict.remedy =
         "copy the folders of all roles from one set, or make new keys: biopsy keys init --replace";
   }
@@ -38,7 +38,7 @@ void refuse_another_ca(FileVerdict& verdict, const RoleFiles& first) {
 std::vector<Role> roles_present(const fs::path& folder) {
   std::vector<Role> present;
   for (const Role role : kRoles)
-    if (is_there(folder / name_of(role))) present.push_back(role);
+    if (is_present(folder / name_of(role))) present.push_back(role);
   return present;
 }
 
@@ -47,19 +47,19 @@ std::vector<FileVerdict> inspect_set(const fs::path& folder, std::span<const Rol
   std::vector<FileVerdict> all;
   for (const Role role : roles) {
     for (FileVerdict& verdict : inspect_keys(folder, role, now)) {
-      refuse_another_ca(verdict, role_files(folder, roles.front()));
+      check_same_ca(verdict, role_files(folder, roles.front()));
       all.push_back(std::move(verdict));
     }
   }
   for (const Signer signer : kSigners) {
-    if (!is_there(signing_files(folder, signer).private_key.parent_path())) continue;
+    if (!is_present(signing_files(folder, signer).private_key.parent_path())) continue;
     for (FileVerdict& verdict : inspect_signing_keys(folder, signer)) all.push_back(std::move(verdict));
   }
   return all;
 }
 
 void check_set(const fs::path& folder, std::span<const Role> roles, std::chrono::sys_seconds now) {
-  refuse_the_first_problem(inspect_set(folder, roles, now));
+  throw_first_problem(inspect_set(folder, roles, now));
 }
 
 }  // namespace biopsy::security
