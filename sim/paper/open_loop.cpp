@@ -17,7 +17,7 @@ void start_settled(const PlantModel& model, const OpenLoopDrive& drive, PlantSta
   const Baseline& b = model.baseline;
   const double a = 0.5 / drive.frequency, left = std::exp(-a / b.tau);
   const double upper = 2.0 * b.K / (1.0 + left) * drive.amplitude;  // eq. (16)
-  state.u_i = state.memory.asked = -drive.amplitude;
+  state.u_i = state.u_command = -drive.amplitude;
   state.u_o = -upper * left;
   const auto& charge = model.effects.charge_retention;
   if (!charge) return;
@@ -25,7 +25,7 @@ void start_settled(const PlantModel& model, const OpenLoopDrive& drive, PlantSta
   const double time = std::abs(apart) < 1e-6 ? (1.0 + 1e-6) * b.tau : charge->time;  // else it divides by 0
   const double kept = std::exp(-a / time);
   const double driven = (left - kept) / (1.0 - time / b.tau);
-  state.memory.screened = -charge->share * upper * driven / (1.0 + kept);
+  state.screened = -charge->share * upper * driven / (1.0 + kept);
 }
 
 }  // namespace

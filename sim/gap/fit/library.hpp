@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 #include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim::gap {

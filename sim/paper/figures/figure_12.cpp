@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/effects/coulomb_friction.hpp"
+#include "sim/effects/effect_list.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/loop_panels.hpp"
 #include "sim/paper/figures/loop_scores.hpp"

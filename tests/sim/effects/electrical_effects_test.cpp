@@ -83,7 +83,7 @@ TEST(AmplifierLagWithChargeRetention, FollowTheirEquationsThroughSlopeApproachAn
     slow.advance(model, asked, 1e-3);
     ASSERT_NEAR(state.u_i, slow.u_i, 0.5) << k;
     ASSERT_NEAR(state.u_o, slow.u_o, 0.5) << k;
-    ASSERT_NEAR(state.memory.screened, slow.s, 0.5) << k;
+    ASSERT_NEAR(state.screened, slow.s, 0.5) << k;
   }
 }
 
@@ -111,8 +111,8 @@ TEST(AmplifierLag, WithTheStacksOwnTimeConstantStaysFinite) {
   model.effects.amplifier_lag = AmplifierLag{.time = 0.01, .slew = 0.0};
   model.effects.charge_retention = ChargeRetention{.share = 0.5, .time = 0.01};
   const PlantState state = held(model, at_rest(model), 1000.0, 10);
-  EXPECT_NEAR(state.u_o, 0.8 * 1000.0 * 1.0 * std::exp(-1.0), 1e-2);                    // K U (t/T) exp(-t/T)
-  EXPECT_NEAR(state.memory.screened, 0.5 * 0.8 * 1000.0 * 0.5 * std::exp(-1.0), 1e-2);  // (t/T)^2/2
+  EXPECT_NEAR(state.u_o, 0.8 * 1000.0 * 1.0 * std::exp(-1.0), 1e-2);             // K U (t/T) exp(-t/T)
+  EXPECT_NEAR(state.screened, 0.5 * 0.8 * 1000.0 * 0.5 * std::exp(-1.0), 1e-2);  // (t/T)^2/2
 }
 
 TEST(ChargeRetention, ScreensItsShareOfAHeldVoltageInTheEnd) {
@@ -120,14 +120,14 @@ TEST(ChargeRetention, ScreensItsShareOfAHeldVoltageInTheEnd) {
   model.baseline.tau = 1e6;
   model.effects.charge_retention = ChargeRetention{.share = 0.3, .time = 2.0};
   PlantState state = held(model, at_rest(model), 2500.0, 1000);
-  EXPECT_NEAR(state.memory.screened, 0.3 * 2000.0 * -std::expm1(-0.5), 0.01);
+  EXPECT_NEAR(state.screened, 0.3 * 2000.0 * -std::expm1(-0.5), 0.01);
   state = held(model, state, 2500.0, 40000);
-  EXPECT_NEAR(state.memory.screened / state.u_o, 0.3, 1e-6);
+  EXPECT_NEAR(state.screened / state.u_o, 0.3, 1e-6);
   PlantModel weaker;  // in the end as if only 70 % were there
   weaker.baseline.tau = 1e6;
   EXPECT_NEAR(state.motion.x, held(weaker, at_rest(weaker), 0.7 * 2500.0, 5000).motion.x, 2e-6);
   const PlantState turned = step(model, state, {.voltage = -2500.0}, Seconds(1e-3));
-  EXPECT_NEAR(turned.u_o - turned.memory.screened, -1.3 * 2000.0, 5.0);  // and a reversal pulls more
+  EXPECT_NEAR(turned.u_o - turned.screened, -1.3 * 2000.0, 5.0);  // and a reversal pulls more
 }
 
 TEST(PolarityAsymmetry, ScalesEitherPolarityTheOtherWay) {

@@ -99,11 +99,11 @@ TEST(TissueRelaxation, ForceAtRestFadesExponentiallyWithItsTime) {
   model.effects.tissue_relaxation = TissueRelaxation{.from = 1e-3, .stiffness = 50.0, .time = 2.0};
   const TissueRelaxation& tissue = *model.effects.tissue_relaxation;
   PlantState state = needle_at(model, 4e-3);
-  EXPECT_DOUBLE_EQ(tissue.push_back(state.motion.x, state.motion.crept_lone), 50.0 * 3e-3);
+  EXPECT_DOUBLE_EQ(tissue.push_back(state.motion.x, state_of<TissueRelaxation>(state)), 50.0 * 3e-3);
   for (int k = 1; k <= 6000; ++k) {
     state = step(model, state, {}, Seconds(1e-3));
     const double expected = 50.0 * 3e-3 * std::exp(-k * 1e-3 / 2.0);
-    ASSERT_NEAR(tissue.push_back(state.motion.x, state.motion.crept_lone), expected, 1e-10);
+    ASSERT_NEAR(tissue.push_back(state.motion.x, state_of<TissueRelaxation>(state)), expected, 1e-10);
   }
   EXPECT_EQ(state.motion.x, 4e-3);
 }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "sim/effects/effect_labels.hpp"
 #include "sim/plant/baseline_entries.hpp"
-#include "sim/plant/effect_labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sim/effects/staged_model.hpp"
 #include "tests/sim/plant/refusal.hpp"

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -10,6 +10,9 @@ namespace biopsy::sim {
 struct SensorOffset {
   double offset = 0.0;  // m, added to every reading
 
+  double read(double reading, const ReadingMoment&) const { return reading + offset; }
+
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{"sensor_offset",
                                    Attachment::Sensor,
                                    "The sensor's zero is wrong: every reading is off by the same amount.",

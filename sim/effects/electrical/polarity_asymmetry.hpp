@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -12,6 +12,7 @@ struct PolarityAsymmetry {
 
   double acting(double u) const { return u > 0.0 ? u * (1.0 + share) : u * (1.0 - share); }
 
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{
       "polarity_asymmetry",
       Attachment::Electrical,

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -10,6 +10,9 @@ namespace biopsy::sim {
 struct SensorScale {
   double share = 0.0;
 
+  double read(double reading, const ReadingMoment&) const { return reading * (1.0 + share); }
+
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{
       "sensor_scale",
       Attachment::Sensor,

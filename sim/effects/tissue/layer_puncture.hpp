@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -32,8 +33,15 @@ struct LayerPuncture {
     return virgin(q_max) * std::clamp(1.0 - (q_max - q) / elastic, 0.0, 1.0);
   }
 
+  double load(const PlateMotion& a) const { return push_back(a.x, a.x_max); }
   bool punctured(double x_max) const { return x_max - depth > deflection; }
+  Steepness steepest(const Reach&) const {
+    const double highest = std::max(force, cutting);
+    return {.stiffness = std::max({2.0 * force / deflection, std::abs(force - cutting) / collapse,
+                                   2.0 * highest / deflection})};
+  }
 
+  static constexpr bool acts_by_position = true;
   static constexpr EffectInfo info{
       "layer_puncture",
       Attachment::Tissue,

@@ -2,13 +2,15 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
-// A constant push on plate A that nobody wrote down.
+// A constant push on plate A that the run does not describe.
 struct ExternalForce {
   double force = 0.0;  // N, down positive, as F_ext
+
+  double load(const PlateMotion&) const { return force; }
 
   static constexpr EffectInfo info{
       "external_force", Attachment::Stage, "Something pushes plate A with a constant force.",

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -15,7 +15,11 @@ struct ShaftFriction {
   double viscous = 0.0;  // N s/m per m inserted
 
   double inserted(double x) const { return std::clamp(x, from, to) - from; }
+  double load(const PlateMotion& a) const { return viscous * inserted(a.x) * a.v; }
+  double dry_friction(double x, double) const { return coulomb * inserted(x); }
+  Steepness steepest(const Reach& reach) const { return {.damping = viscous * inserted(reach.x)}; }
 
+  static constexpr bool acts_by_position = true;
   static constexpr EffectInfo info{
       "shaft_friction",
       Attachment::Tissue,

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -14,12 +14,19 @@ struct PouchCreep {
   double time = 10.0;      // s
   double log_share = 0.0;  // 0 exponential, 1 logarithmic
 
+  using State = double;  // m, c
+
   double rate(double deflection, double crept) const {
     const double aim = share * deflection;
     const double fading = (1.0 - log_share) * (aim - crept);
     const double lasting = aim > 0.0 ? log_share * aim * std::exp(-crept / aim) : 0.0;
     return (fading + lasting) / time;
   }
+  double state_rate(const Flow& f, double crept) const { return rate(f.deflection, crept); }
+  PouchOffset pouch_offset(const PouchMotion& p, double crept) const {
+    return {.height = crept, .rate = rate(p.deflection, crept)};
+  }
+  Steepness steepest(const Reach&) const { return {.rate = 1.0 / time}; }
 
   static constexpr EffectInfo info{
       "pouch_creep",

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -21,6 +21,7 @@ struct VoltageSaturation {
     return std::copysign(level - missing * missing / (4.0 * half), u);
   }
 
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{
       "voltage_saturation",
       Attachment::Electrical,

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -11,7 +12,17 @@ namespace biopsy::sim {
 struct Backlash {
   double gap = 0.0;  // m, total width
 
-  double carried(double x, double before) const { return std::clamp(before, x - 0.5 * gap, x + 0.5 * gap); }
+  struct State {
+    double carried = 0.0;  // m, position of what is measured
+  };
+  double transmitted(const State& own) const { return own.carried; }
+  void remember(const Moved& now, State& own) const {
+    own.carried = std::clamp(own.carried, now.x - 0.5 * gap, now.x + 0.5 * gap);
+  }
+  void settle(const SteadyMotion& now, State& own) const {
+    own.carried = now.v == 0.0 ? now.x : now.x - std::copysign(0.5 * gap, now.v);
+  }
+  void shift(double dx, State& own) const { own.carried += dx; }
 
   static constexpr EffectInfo info{
       "backlash",

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -10,6 +10,9 @@ namespace biopsy::sim {
 struct AddedMass {
   double mass = 0.0;  // kg; negative: less than described
 
+  double added_mass() const { return mass; }
+
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{"added_mass",
                                    Attachment::Stage,
                                    "Plate A carries more (or less) than the run's description says.",

@@ -1,4 +1,4 @@
-#include "sim/plant/effect_labels.hpp"
+#include "sim/effects/effect_labels.hpp"
 
 #include <array>
 #include <utility>

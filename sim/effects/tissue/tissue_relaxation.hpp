@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -13,13 +13,19 @@ struct TissueRelaxation {
   double stiffness = 0.0;  // N/m
   double time = 1.0;       // s
 
+  using State = double;  // m, how far the tissue has crept
+
   double inserted(double x) const { return std::max(0.0, x - from); }
   // Force against the needle, the tissue having crept to `crept` (m); and the rate of that creep. Written
   // with the crept length as the state, not the spring's stretch, so that entering the tissue is a kink and
   // not a jump.
   double push_back(double x, double crept) const { return stiffness * (inserted(x) - crept); }
   double rate(double x, double crept) const { return (inserted(x) - crept) / time; }
+  double load(const PlateMotion& a, double crept) const { return push_back(a.x, crept); }
+  double state_rate(const Flow& f, double crept) const { return rate(f.x, crept); }
+  Steepness steepest(const Reach&) const { return {.stiffness = stiffness, .rate = 1.0 / time}; }
 
+  static constexpr bool acts_by_position = true;
   static constexpr EffectInfo info{
       "tissue_relaxation",
       Attachment::Tissue,

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -11,8 +11,10 @@ namespace biopsy::sim {
 struct QuadraticDamping {
   double coefficient = 0.0;  // N s^2/m^2
 
-  double drag(double v) const { return coefficient * v * std::abs(v); }
+  double load(const PlateMotion& a) const { return coefficient * a.v * std::abs(a.v); }
+  Steepness steepest(const Reach& reach) const { return {.damping = 2.0 * coefficient * reach.v}; }
 
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{"quadratic_damping",
                                    Attachment::Stage,
                                    "Fast motion of plate A is braked more than in proportion to its speed.",

@@ -2,13 +2,15 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
 // Constant force against the motion of plate A; at rest it holds anything smaller than itself.
 struct CoulombFriction {
   double force = 0.0;  // N
+
+  double dry_friction(double, double) const { return force; }
 
   static constexpr EffectInfo info{
       "coulomb_friction",

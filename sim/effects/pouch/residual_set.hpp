@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -16,10 +16,27 @@ struct ResidualSet {
   double added_share = 0.0;  // of M - (H - H_0) that is added to the pouch
   double time = 30.0;        // s, in which M fades
 
+  struct State {
+    double largest = 0.0;  // m, M
+  };
   double faded(double memory, double h) const { return memory * std::exp(-h / time); }
   double remembered(double memory, double deflection) const { return std::max(memory, deflection); }
   double added(double memory, double deflection) const {
     return added_share * std::max(0.0, memory - deflection);
+  }
+  PouchOffset pouch_offset(const PouchMotion& p, const State& own) const {
+    const double largest = faded(own.largest, p.since);
+    const bool recovering = largest > p.deflection;
+    return {.height = added(largest, p.deflection),
+            .rate = recovering ? -added_share * largest / time : 0.0,
+            .per_H = recovering ? -added_share : 0.0,
+            .floor = p.H_0 + floor_share * remembered(largest, p.deflection)};
+  }
+  void remember(const Moved& now, State& own) const {
+    own.largest = remembered(faded(own.largest, now.h), now.deflection);
+  }
+  void settle(const SteadyMotion& now, State& own) const {
+    own.largest = remembered(own.largest, now.deflection);
   }
 
   static constexpr EffectInfo info{

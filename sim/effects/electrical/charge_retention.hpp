@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -10,6 +10,8 @@ namespace biopsy::sim {
 struct ChargeRetention {
   double share = 0.0;  // of u_o that is screened in the end
   double time = 5.0;   // s
+
+  Screening screening() const { return {share, time}; }
 
   static constexpr EffectInfo info{
       "charge_retention",

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -18,8 +18,14 @@ struct HystereticSpring {
   double beta = 0.5;       // share of the reversible part: 0.5 unloads with the full stiffness
   double across = 0.0;     // 0: against the frame, 1: across the series spring
 
-  double pull(double z) const { return stiffness * z; }
+  using State = double;  // m, inner displacement z
+
+  double pull(double z) const { return stiffness * std::clamp(z, -yield, yield); }
+  double load(const PlateMotion& a, double z) const { return (a.on_stack ? 1.0 - across : 1.0) * pull(z); }
+  double spring_push(const SpringMotion& s, double z) const { return s.on_stack ? -across * pull(z) : 0.0; }
   double bounded(double z) const { return std::clamp(z, -yield, yield); }
+  double state_rate(const Flow& f, double z) const { return rate(f.v - across * f.n * f.dH, bounded(z)); }
+  Steepness steepest(const Reach&) const { return {.stiffness = stiffness}; }
   double rate(double v, double z) const {
     const double turn = v * z > 0.0 ? beta : v * z < 0.0 ? -beta : 0.0;
     const double share = std::abs(z) / yield;

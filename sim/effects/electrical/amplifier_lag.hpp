@@ -1,18 +1,28 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
-// The amplifier follows what it is asked for as a first-order lag whose slope is limited.
+// The amplifier follows its command as a first-order lag whose slope is limited.
 struct AmplifierLag {
   double time = 0.0;  // s
   double slew = 0.0;  // s/V, the least time a volt takes; 0 is unlimited
 
-  bool instant() const { return time <= 0.0 && slew <= 0.0; }
+  AmplifierDynamics amplifier() const { return {time, slew}; }
 
+  // Until the output has come within a thousandth of the command.
+  double cut_rate(const Outlook& now) const {
+    const double missing = std::abs(now.u_command - now.u_i);
+    const bool arrived = missing <= 1e-3 * std::max(std::abs(now.u_command), std::abs(now.u_i));
+    return amplifier().instant() || arrived ? 0.0 : 16.0 / (time + missing * slew);
+  }
+
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{
       "amplifier_lag",
       Attachment::Electrical,

@@ -2,13 +2,18 @@
 
 #include <array>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
+#include "sim/plant/seeded_noise.hpp"
 
 namespace biopsy::sim {
 
 // White Gaussian noise on every reading, drawn from a seed and the reading's number alone (seeded_noise.hpp).
 struct SensorNoise {
   double std = 0.0;  // m
+
+  double read(double reading, const ReadingMoment& at) const {
+    return reading + std * normals(at.seed, at.reading).first;
+  }
 
   static constexpr EffectInfo info{"sensor_noise",
                                    Attachment::Sensor,

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -11,8 +12,11 @@ struct SpringHardening {
   double cubic = 0.0;  // N/m^3; negative softens
 
   double force(double stretch) const { return cubic * stretch * stretch * stretch; }
-  double stiffness(double stretch) const { return 3.0 * cubic * stretch * stretch; }
+  double spring_push(const SpringMotion& s) const { return force(s.stretch); }
+  Steepness steepest(const Reach& r) const { return {.stiffness = std::abs(3.0 * cubic * r.x * r.x)}; }
 
+  static constexpr bool acts_by_position = true;
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{"spring_hardening",
                                    Attachment::Stage,
                                    "The spring gets stiffer (or softer) the further it is deformed.",

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -13,10 +14,21 @@ struct EndStop {
   double stiffness = 0.0;  // N/m
   double damping = 0.0;    // N s/m, while in contact
 
-  double push_back(double x, double v) const {
-    return x > position ? std::max(0.0, stiffness * (x - position) + damping * v) : 0.0;
+  double load(const PlateMotion& a) const {
+    return a.x > position ? std::max(0.0, stiffness * (a.x - position) + damping * a.v) : 0.0;
+  }
+  Steepness steepest(const Reach&) const { return {.stiffness = stiffness, .damping = damping}; }
+
+  // Five steps in the time in which the contact rings by one radian, one once the ringing is below 0.5 um.
+  double cut_rate(const Outlook& now) const {
+    if (now.x + 2.0 * std::abs(now.v) * now.h <= position) return 0.0;
+    const double ringing = std::sqrt(stiffness / now.mass) + damping / now.mass;  // rad/s
+    const bool at_rest_in_it = now.x > position && std::abs(now.v) < 0.5e-6 * ringing;
+    return std::max((at_rest_in_it ? 1.0 : 4.0) / now.h, (at_rest_in_it ? 1.0 : 5.0) * ringing);
   }
 
+  static constexpr bool acts_by_position = true;
+  static constexpr bool linearises = true;
   static constexpr EffectInfo info{"end_stop",
                                    Attachment::Stage,
                                    "Beyond some position plate A runs against something stiff.",

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -13,6 +13,7 @@ struct SensorDrift {
   double settles = 100.0;  // s
 
   double walked(double t) const { return rate * settles * -std::expm1(-t / settles); }
+  double read(double reading, const ReadingMoment& at) const { return reading + walked(at.time); }
 
   static constexpr EffectInfo info{
       "sensor_drift",

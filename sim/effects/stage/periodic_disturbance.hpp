@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -16,6 +16,9 @@ struct PeriodicDisturbance {
   double phase = 0.0;       // rad
 
   double wave(double t) const { return std::sin(2.0 * std::numbers::pi * frequency * t + phase); }
+  double load(const PlateMotion& a) const { return -force * wave(a.time); }
+  double target_motion(double time) const { return motion * wave(time); }
+  Steepness steepest(const Reach&) const { return {.rate = 2.0 * std::numbers::pi * frequency}; }
 
   static constexpr EffectInfo info{
       "periodic_disturbance",

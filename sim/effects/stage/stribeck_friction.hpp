@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace biopsy::sim {
 
@@ -18,6 +18,7 @@ struct StribeckFriction {
     const double ratio = v / speed;
     return sliding + (breakaway - sliding) * std::exp(-ratio * ratio);
   }
+  double dry_friction(double, double v) const { return magnitude(v); }
 
   static constexpr EffectInfo info{
       "stribeck_friction",
