@@ -1,4 +1,4 @@
-// How the library of effects is spoken of: words for its kinds, units as people write them.
+// Names of attachments and roles, and units of parameters as text.
 #pragma once
 
 #include <string>

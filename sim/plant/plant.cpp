@@ -55,8 +55,7 @@ CircuitState circuit_state(const PlantState& state) {
   return {state.u_i, state.u_o, state.screened};
 }
 
-// Positive while plate A keeps doing what it does: force in reserve while stuck (N), speed while sliding
-// (m/s).
+// Positive while the regime lasts: friction in reserve while stuck (N), speed while sliding (m/s).
 double regime_margin(const StepContext& s, const Motion& m, Instant at, int direction) {
   if (direction != 0) return m.v * direction;
   return friction_bound(s.model, m.x, 0.0) - std::abs(net_force(s, m, at));
@@ -86,8 +85,7 @@ void hold_pouches(const PlantModel& model, PlantState& state) {
                    });
 }
 
-// A substep of time in which plate A does one thing: its length, what the volts did, and the motion at its
-// end.
+// A substep of one regime, stuck or sliding: its length, the voltage over it, and the motion at its end.
 struct Substep {
   double h;
   VoltageProfile volts;
@@ -122,7 +120,7 @@ Substep substep_of(const StepContext& s, Circuit& circuit, double h, int directi
   return substep;
 }
 
-// The step, cut where the regime ends: found by false position (Illinois variant).
+// The step, cut where the regime ends; located by false position (Illinois variant).
 Substep until_event(const StepContext& s, Circuit& circuit, double h, int direction) {
   Substep substep = substep_of(s, circuit, h, direction);
   double at_high = regime_margin(s, substep.after, {substep.volts.end, h}, direction);
@@ -147,8 +145,8 @@ std::size_t layers_within_reach(const PlantModel& model, const PlantState& state
   return layers;
 }
 
-// One internal step of length h. With dry friction the step is cut where plate A stops or breaks away; the
-// pieces keep the method's order, which a cut at the step's end would not.
+// One internal step of length h. With dry friction the step is cut where plate A stops or breaks away, which
+// keeps the order of the method.
 void internal_step(const PlantModel& model, const ActiveTerms& has, PlantState& state, double h,
                    Circuit& circuit, const PlantInputs& inputs) {
   bool breaks_away = false;

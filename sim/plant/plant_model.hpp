@@ -15,7 +15,7 @@ inline constexpr double kVacuumPermittivity = 8.8541878128e-12;  // F/m, CODATA 
 
 enum class Drive : std::uint8_t {
   Stack,  // voltage on the pouches
-  Force,  // a measured force on plate A: mechanical data that never saw a HASEL
+  Force,  // a measured force on plate A: mechanical data without a HASEL stack
 };
 
 // Defaults are the reference values; sim/models/baseline.toml holds the same and a test compares them.
@@ -57,7 +57,7 @@ struct PlantModel {
   double internal_step = 1e-3;      // s, largest step of the integrator
   std::uint64_t noise_seed = 1;
 
-  // What moves with plate A. An added mass, however negative, leaves a tenth of what is described. kg
+  // Mass that moves with plate A; at least a tenth of the described one, however negative an added mass. kg
   double mass_A() const {
     const double described = baseline.drive == Drive::Force ? baseline.m : baseline.fixture_mass + weight;
     double mass = described;

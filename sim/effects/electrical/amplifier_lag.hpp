@@ -23,15 +23,14 @@ struct AmplifierLag {
   }
 
   static constexpr bool linearises = true;
-  static constexpr EffectInfo info{
-      "amplifier_lag",
-      Attachment::Electrical,
-      "The amplifier's output lags behind what it is asked for and cannot change "
-      "faster than its current allows.",
-      "d u_i/dt = (u - u_i)/time, and |d u_i/dt| <= 1/slew",
-      "frequency_sweep",
-      "Horowitz, Hill 2015, The Art of Electronics, 3rd ed., ch. 4: slew rate "
-      "into a capacitive load"};
+  static constexpr EffectInfo info{"amplifier_lag",
+                                   Attachment::Electrical,
+                                   "The amplifier's output lags behind its command and cannot change faster "
+                                   "than its current limit allows.",
+                                   "d u_i/dt = (u - u_i)/time, and |d u_i/dt| <= 1/slew",
+                                   "frequency_sweep",
+                                   "Horowitz, Hill 2015, The Art of Electronics, 3rd ed., ch. 4: slew rate "
+                                   "into a capacitive load"};
   static constexpr auto parameters() {
     using E = AmplifierLag;
     return std::array{

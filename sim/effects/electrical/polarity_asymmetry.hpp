@@ -6,7 +6,7 @@
 
 namespace biopsy::sim {
 
-// One polarity acts more strongly than the other.
+// Different gains for the two polarities.
 struct PolarityAsymmetry {
   double share = 0.0;  // signed: positive voltage acts as (1 + share) times itself, negative as (1 - share)
 
@@ -16,7 +16,7 @@ struct PolarityAsymmetry {
   static constexpr EffectInfo info{
       "polarity_asymmetry",
       Attachment::Electrical,
-      "One polarity pulls more than the other, so the stage ripples at the frequency of the reversals.",
+      "One polarity pulls more than the other, so that plate A ripples at the frequency of the reversals.",
       "u_eff = u (1 + share sign(u))",
       "closed_loop_steps",
       "Rothemund, Kirkman, Keplinger 2020, PNAS 117(28): polarity reversal against charge in the films"};

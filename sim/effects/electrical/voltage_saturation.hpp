@@ -8,7 +8,7 @@
 
 namespace biopsy::sim {
 
-// The amplifier's output stops rising: linear up to level - knee, a parabola up to level + knee, then flat.
+// The amplifier's output saturates: linear up to level - knee, a parabola up to level + knee, then constant.
 struct VoltageSaturation {
   double level = 1e9;  // V, never exceeded; beyond any voltage the effect is absent
   double knee = 0.0;   // V, half width of the bend; 0 is a hard limit
@@ -25,7 +25,7 @@ struct VoltageSaturation {
   static constexpr EffectInfo info{
       "voltage_saturation",
       Attachment::Electrical,
-      "Above some voltage the amplifier gives no more, so asking for more moves nothing.",
+      "Above some voltage the amplifier saturates: a higher command changes nothing.",
       "|u_i| = |u| up to level - knee, level - (level + knee - |u|)^2/(4 knee) within the knee, level beyond",
       "voltage_staircase_up_and_down",
       "Horowitz, Hill 2015, The Art of Electronics, 3rd ed., ch. 4: output swing"};

@@ -7,8 +7,8 @@
 
 namespace biopsy::sim {
 
-// Slow extra height c of a pouch under load: with exponential approach to share (H - H_0), or for ever with
-// the logarithm of time (then c = share (H - H_0) ln(1 + t/time) after a step), or a mixture.
+// Slow extra height c of a pouch under load: exponential approach to share (H - H_0), or growth with the
+// logarithm of time (c = share (H - H_0) ln(1 + t/time) after a step), or a mixture.
 struct PouchCreep {
   double share = 0.0;      // of the pouch's deflection
   double time = 10.0;      // s

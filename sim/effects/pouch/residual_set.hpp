@@ -8,13 +8,13 @@
 
 namespace biopsy::sim {
 
-// The films keep part of the largest deformation seen. Its memory M is the largest H - H_0, fading with time.
-// Two ways to keep it: the pouch cannot fall below a floor, and a height is added that is nothing during the
-// first loading (M = H - H_0) and stays as added_share M after unloading (H = H_0).
+// The films keep part of the largest deformation M, which decays with time: the pouch cannot fall below a
+// floor, and a height is added that is 0 during the first loading (M = H - H_0) and added_share M after
+// unloading (H = H_0).
 struct ResidualSet {
-  double floor_share = 0.0;  // of M below which the pouch does not fall
+  double floor_share = 0.0;  // of M, the floor of H - H_0
   double added_share = 0.0;  // of M - (H - H_0) that is added to the pouch
-  double time = 30.0;        // s, in which M fades
+  double time = 30.0;        // s, of the decay of M
 
   struct State {
     double largest = 0.0;  // m, M
@@ -42,7 +42,7 @@ struct ResidualSet {
   static constexpr EffectInfo info{
       "residual_set",
       Attachment::Pouch,
-      "After a large lift the films stay a little deformed, and forget it over tens of seconds.",
+      "After a large lift the films keep a small deformation, which recovers over tens of seconds.",
       "M >= H - H_0, dM/dt = -M/time; H >= H_0 + floor_share M; x_B = n (H - H_0 + added_share (M - H + "
       "H_0))",
       "voltage_staircase_up_and_down",
@@ -53,8 +53,8 @@ struct ResidualSet {
         Parameter<E>{"floor_share", &E::floor_share, 1.0, 0.0, 0.95, 0.2,
                      "of the largest deformation, below which a pouch does not fall", Role::Strength},
         Parameter<E>{"added_share", &E::added_share, 1.0, 0.0, 0.95, 0.1,
-                     "of the largest deformation that stays on top after unloading", Role::Strength},
-        Parameter<E>{"time_s", &E::time, 1.0, 0.1, 1e5, 30.0, "time in which it is forgotten", Role::Shape}};
+                     "of the largest deformation, added to the height after unloading", Role::Strength},
+        Parameter<E>{"time_s", &E::time, 1.0, 0.1, 1e5, 30.0, "time constant of the recovery", Role::Shape}};
   }
 };
 

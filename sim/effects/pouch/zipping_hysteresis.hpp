@@ -39,7 +39,7 @@ struct ZippingHysteresis {
   static constexpr EffectInfo info{
       "zipping_hysteresis",
       Attachment::Pouch,
-      "A pouch rises later than the voltage and falls later than it, because zipped films hold on to each "
+      "A pouch rises later than the voltage and falls later than it, because zipped films adhere to each "
       "other.",
       "H = free H_eq + (1 - free) H_zip, H_zip = clamp(H_zip, H_eq - width/2, H_eq + width/2), never below "
       "H_0",

@@ -7,7 +7,7 @@
 
 namespace biopsy::sim {
 
-// The reading walks away from the moment the run begins, ever slower: a sensor that warms up.
+// Drift of the reading from the beginning of the run, ever slower: warm-up of the sensor.
 struct SensorDrift {
   double rate = 0.0;       // m/s at the beginning
   double settles = 100.0;  // s
@@ -18,7 +18,7 @@ struct SensorDrift {
   static constexpr EffectInfo info{
       "sensor_drift",
       Attachment::Sensor,
-      "The reading walks with time although nothing moves.",
+      "The reading drifts although nothing moves.",
       "reading += rate settles (1 - exp(-t/settles))",
       "dc_hold",
       "warm-up of a laser triangulation sensor; Dorsch, Haeusler, Herrmann 1994, "
@@ -27,7 +27,7 @@ struct SensorDrift {
     using E = SensorDrift;
     return std::array{
         Parameter<E>{"rate_um_per_s", &E::rate, 1e-6, -1e4, 1e4, 1.0, "at the beginning", Role::Strength},
-        Parameter<E>{"settles_s", &E::settles, 1.0, 0.1, 1e6, 100.0, "time in which it settles",
+        Parameter<E>{"settles_s", &E::settles, 1.0, 0.1, 1e6, 100.0, "time constant with which it settles",
                      Role::Shape}};
   }
 };

@@ -8,9 +8,8 @@
 
 namespace biopsy::sim {
 
-// The reading follows as a first-order lag, then is late by a pure delay. The delay is Pade's all-pass of
-// second order: right for what changes little within the delay, and it needs two numbers instead of a
-// history.
+// First-order lag, then a pure delay as Pade's all-pass of second order: accurate for what changes little
+// within the delay, with two states instead of a history.
 struct SensorLag {
   double time = 0.0;   // s, first order
   double delay = 0.0;  // s, pure

@@ -7,7 +7,8 @@
 
 namespace biopsy::sim {
 
-// White Gaussian noise on every reading, drawn from a seed and the reading's number alone (seeded_noise.hpp).
+// White Gaussian noise on every reading, a function of the seed and the number of the reading
+// (seeded_noise.hpp).
 struct SensorNoise {
   double std = 0.0;  // m
 
@@ -17,7 +18,7 @@ struct SensorNoise {
 
   static constexpr EffectInfo info{"sensor_noise",
                                    Attachment::Sensor,
-                                   "Every laser reading is off by a little, at random.",
+                                   "Every reading of the laser has random noise.",
                                    "reading = x + std N(0, 1)",
                                    "dc_hold",
                                    "white noise; BL-100NMZ class sensor: 10 um"};

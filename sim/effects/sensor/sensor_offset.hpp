@@ -6,7 +6,7 @@
 
 namespace biopsy::sim {
 
-// The laser's zero is wrong.
+// Zero error of the laser.
 struct SensorOffset {
   double offset = 0.0;  // m, added to every reading
 

@@ -6,7 +6,7 @@
 
 namespace biopsy::sim {
 
-// The laser's gain is wrong.
+// Gain error of the laser.
 struct SensorScale {
   double share = 0.0;
 
@@ -16,7 +16,7 @@ struct SensorScale {
   static constexpr EffectInfo info{
       "sensor_scale",
       Attachment::Sensor,
-      "The sensor's gain is wrong: every distance is read a little too long or short.",
+      "The sensor's gain is wrong: every distance is read too long or too short by the same share.",
       "reading *= 1 + share",
       "closed_loop_steps",
       "calibration error; JCGM 100:2008, F.2.4"};

@@ -6,7 +6,7 @@
 
 namespace biopsy::sim {
 
-// Mass that the run's description does not mention: it weighs on plate A and moves with it.
+// Mass that the run does not describe: its weight and inertia act on plate A.
 struct AddedMass {
   double mass = 0.0;  // kg; negative: less than described
 

@@ -8,7 +8,7 @@
 
 namespace biopsy::sim {
 
-// Free play between plate A and what is measured: at the start plate A stands in its middle.
+// Play between plate A and what is measured; plate A starts in its middle.
 struct Backlash {
   double gap = 0.0;  // m, total width
 

@@ -8,7 +8,7 @@
 
 namespace biopsy::sim {
 
-// An upper stop: beyond its position a stiff contact pushes plate A back; it never pulls.
+// Upper stop: beyond its position a stiff contact pushes plate A back and never pulls.
 struct EndStop {
   double position = 1e3;   // m
   double stiffness = 0.0;  // N/m
@@ -31,7 +31,7 @@ struct EndStop {
   static constexpr bool linearises = true;
   static constexpr EffectInfo info{"end_stop",
                                    Attachment::Stage,
-                                   "Beyond some position plate A runs against something stiff.",
+                                   "Beyond some position plate A meets a stiff stop.",
                                    "F = -max(0, stiffness (x - position) + damping v) for x > position",
                                    "voltage_staircase_up_and_down",
                                    "Johnson 1985, Contact Mechanics, ch. 11: Kelvin-Voigt contact"};

@@ -13,7 +13,7 @@ struct ExternalForce {
   double load(const PlateMotion&) const { return force; }
 
   static constexpr EffectInfo info{
-      "external_force", Attachment::Stage, "Something pushes plate A with a constant force.",
+      "external_force", Attachment::Stage, "A constant force that the run does not describe acts on plate A.",
       "F_ext += force", "weight_drop",     "paper eq. (14), F_ext; a taut cable or a tilted guide"};
   static constexpr auto parameters() {
     using E = ExternalForce;

@@ -8,9 +8,9 @@
 
 namespace biopsy::sim {
 
-// Bouc-Wen spring, normalised: it starts with `stiffness`, yields at a displacement `yield` after the last
-// reversal, and its inner displacement z never leaves +-yield. It stands between plate A and the frame, or
-// across the series spring, where it feels plate A move against plate B.
+// Bouc-Wen spring, normalised: it starts with `stiffness` and yields at a displacement `yield` after the last
+// reversal; its inner displacement z stays within +-yield. It is between plate A and the frame, or across the
+// series spring, driven by the motion of plate A against plate B.
 struct HystereticSpring {
   double stiffness = 0.0;  // N/m
   double yield = 0.5e-3;   // m
@@ -36,7 +36,8 @@ struct HystereticSpring {
   static constexpr EffectInfo info{
       "hysteretic_spring",
       Attachment::Stage,
-      "A restoring force that depends on the way plate A came: stiff after each reversal, then yielding.",
+      "A restoring force that depends on the history of the motion: stiff after each reversal, then "
+      "yielding.",
       "F = -stiffness z, dz/dt = v (1 - |z/yield|^n (beta sign(v z) + 1 - beta)), v = v_A - across v_B",
       "slow_triangle",
       "Bouc 1967; Wen 1976, ASCE J. Eng. Mech. 102(2); Ikhouane, Rodellar 2007, normalised form"};

@@ -8,7 +8,8 @@
 
 namespace biopsy::sim {
 
-// Force or motion at one frequency: breathing, a pump, the table. Its clock starts with the run.
+// Force or motion at one frequency: breathing, a pump, the table. Its phase is that at the beginning of the
+// run.
 struct PeriodicDisturbance {
   double force = 0.0;       // N, up on plate A
   double motion = 0.0;      // m, of what is measured against the sensor
@@ -23,7 +24,7 @@ struct PeriodicDisturbance {
   static constexpr EffectInfo info{
       "periodic_disturbance",
       Attachment::Stage,
-      "Something shakes the stage at one frequency: breathing, a pump, the table.",
+      "A disturbance at one frequency acts on the stage: breathing, a pump, the table.",
       "F = force sin(2 pi f t + phase), reading += motion sin(2 pi f t + phase)",
       "dc_hold",
       "Seppenwoolde et al. 2002, Int. J. Radiat. Oncol. 53(4): breathing at "

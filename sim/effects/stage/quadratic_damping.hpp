@@ -17,7 +17,7 @@ struct QuadraticDamping {
   static constexpr bool linearises = true;
   static constexpr EffectInfo info{"quadratic_damping",
                                    Attachment::Stage,
-                                   "Fast motion of plate A is braked more than in proportion to its speed.",
+                                   "Fast motion of plate A is damped more than in proportion to its speed.",
                                    "F = -coefficient v |v|",
                                    "weight_drop",
                                    "Batchelor 1967, An Introduction to Fluid Dynamics, ch. 5: drag at high "

@@ -19,7 +19,7 @@ struct SpringHardening {
   static constexpr bool linearises = true;
   static constexpr EffectInfo info{"spring_hardening",
                                    Attachment::Stage,
-                                   "The spring gets stiffer (or softer) the further it is deformed.",
+                                   "The spring stiffens (or softens) with its deformation.",
                                    "F_s += cubic (x_B - x_A)^3; with drive = force: F = -cubic x^3",
                                    "weight_drop",
                                    "Duffing 1918, Erzwungene Schwingungen bei veraenderlicher Eigenfrequenz"};

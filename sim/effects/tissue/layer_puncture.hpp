@@ -8,8 +8,8 @@
 
 namespace biopsy::sim {
 
-// A tissue surface bulges ahead of the needle, gives way at the puncture force and then only resists cutting.
-// The deepest deflection seen is its memory: what is cut stays cut.
+// A tissue surface bulges ahead of the needle, ruptures at the puncture force and then only resists cutting.
+// Its state is the deepest position of the tip: cut tissue stays cut.
 struct LayerPuncture {
   double depth = 0.0;        // m, where the undeflected surface lies
   double force = 0.0;        // N at puncture
@@ -45,7 +45,7 @@ struct LayerPuncture {
   static constexpr EffectInfo info{
       "layer_puncture",
       Attachment::Tissue,
-      "The needle meets a tissue surface that bulges, then gives way at once and lets the needle jump "
+      "The needle meets a tissue surface that bulges, then ruptures at once and lets the needle jump "
       "forward.",
       "F = force (q/deflection)^2 up to the puncture, then a straight fall to `cutting` over `collapse`",
       "slow_triangle",
@@ -55,7 +55,7 @@ struct LayerPuncture {
     return std::array{
         Parameter<E>{"depth_mm", &E::depth, 1e-3, -1e4, 1e4, 2.0,
                      "position of the surface before it is touched", Role::Place},
-        Parameter<E>{"force_N", &E::force, 1.0, 0.0, 1e4, 0.2, "force at which it gives way", Role::Strength},
+        Parameter<E>{"force_N", &E::force, 1.0, 0.0, 1e4, 0.2, "puncture force", Role::Strength},
         Parameter<E>{"deflection_mm", &E::deflection, 1e-3, 0.001, 1e3, 0.3, "bulge at that force",
                      Role::Shape},
         Parameter<E>{"collapse_mm", &E::collapse, 1e-3, 0.001, 1e3, 0.2,

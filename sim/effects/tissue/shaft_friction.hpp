@@ -7,7 +7,7 @@
 
 namespace biopsy::sim {
 
-// Drag along the shaft that grows with the length inside the tissue.
+// Friction and drag along the shaft, in proportion to the length inside the tissue.
 struct ShaftFriction {
   double from = 0.0;     // m, where this tissue begins
   double to = 1e9;       // m, where it ends
@@ -23,7 +23,7 @@ struct ShaftFriction {
   static constexpr EffectInfo info{
       "shaft_friction",
       Attachment::Tissue,
-      "Tissue grips the needle's shaft: the deeper it is, the more force it takes to move it either way.",
+      "Tissue rubs on the needle's shaft: friction and drag grow with the inserted length.",
       "F = -(coulomb sign(v) + viscous v) length inserted",
       "slow_triangle",
       "Okamura, Simone, O'Leary 2004, IEEE TBME 51(10), modified Karnopp model"};

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 
+#include "sim/gap/residual/smoothed_motion.hpp"
 #include "sim/gap/residual/trace.hpp"
 #include "sim/plant/seeded_noise.hpp"
 
