@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;  // LabVIEW's cycle, IV.D
 
-// Something acts on plate A that depends on where it is.
+// Whether a force on plate A depends on its position.
 bool acts_by_position(const PlantModel& model) {
   bool acts = !model.tissue.empty();
   for_each_present(model.effects, [&]<class E>(const E&) {
@@ -24,7 +24,7 @@ bool acts_by_position(const PlantModel& model) {
   return acts;
 }
 
-// The plant with whatever weight lies on it just now, read in the coordinates of the unloaded one.
+// The plant under its present weight, in the coordinates of the unloaded one.
 class Stage {
  public:
   explicit Stage(const PlantModel& model) : model_(model), state_(at_rest(model)) {}

@@ -8,11 +8,11 @@ namespace biopsy::sim::paper {
 namespace {
 
 constexpr double kRigid = 20e3;     // N/m: three hundred times the stack's own stiffness
-constexpr double kRigidStep = 0.8;  // of the time of what moves fastest: a third of where the integrator ends
-constexpr double kShortest = 12.0;  // s in which the pouches and the plate come to rest, shaken as it is
+constexpr double kRigidStep = 0.8;  // times 1/fastest rate: a third of the integrator's stability limit
+constexpr double kShortest = 12.0;  // s in which pouches and plate settle under the square wave
 
-// What is left of the last half period when the next begins with +amplitude: eq. (17), and of the retained
-// charge s what its own equation leaves when s changes sign every half period a: s(a) = -s(0).
+// Periodic state at the beginning of a half period with +amplitude: eq. (17) for the stack, and for the
+// retained charge the solution of its equation with s(a) = -s(0), a half a period.
 void start_settled(const PlantModel& model, const OpenLoopDrive& drive, PlantState& state) {
   const Baseline& b = model.baseline;
   const double a = 0.5 / drive.frequency, left = std::exp(-a / b.tau);

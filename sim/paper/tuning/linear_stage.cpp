@@ -15,7 +15,7 @@ namespace {
 constexpr double kHighest = 8000.0;  // V
 constexpr double kNoLeak = 1e12;     // s
 
-// One number of the plant's state, and a small change of it.
+// One coordinate of the plant's state, and the step for its derivative.
 struct Coordinate {
   double& (*of)(PlantState&);
   double small;
@@ -43,7 +43,7 @@ Eigen::VectorXd values(const std::vector<Coordinate>& all, PlantState state) {
   return out;
 }
 
-// A tick later. Without leakage the stack has K times what the amplifier has, always.
+// One tick later. Without leakage u_o = K u_i.
 PlantState later(const PlantModel& model, PlantState state, double amplitude) {
   state.u_o = model.baseline.K * state.u_i;
   return step(model, state, {.voltage = amplitude}, Seconds(kTick_s));
