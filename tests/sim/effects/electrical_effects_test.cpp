@@ -27,10 +27,11 @@ TEST(VoltageSaturation, IsLinearThenBentThenFlatAndOddInTheVoltage) {
 TEST(VoltageSaturation, MakesEveryVoltageAboveItTheSameVoltage) {
   PlantModel model;
   model.effects.voltage_saturation = VoltageSaturation{.level = 3000.0, .knee = 200.0};
-  const PlantState a = held(model, at_rest(model), 3300.0, 500), b = held(model, at_rest(model), 6000.0, 500);
+  const PlantState a = charged(model, at_rest(model), 3300.0, 500),
+                   b = charged(model, at_rest(model), 6000.0, 500);
   EXPECT_EQ(a.motion.x, b.motion.x);
   EXPECT_EQ(b.u_i, 3000.0);
-  EXPECT_EQ(a.motion.x, held(PlantModel{}, at_rest(PlantModel{}), 3000.0, 500).motion.x);
+  EXPECT_EQ(a.motion.x, charged(PlantModel{}, at_rest(PlantModel{}), 3000.0, 500).motion.x);
 }
 
 TEST(AmplifierLag, ApproachesExponentially) {
@@ -110,7 +111,7 @@ TEST(AmplifierLag, WithTheStacksOwnTimeConstantStaysFinite) {
   model.baseline.tau = 0.01;
   model.effects.amplifier_lag = AmplifierLag{.time = 0.01, .slew = 0.0};
   model.effects.charge_retention = ChargeRetention{.share = 0.5, .time = 0.01};
-  const PlantState state = held(model, at_rest(model), 1000.0, 10);
+  const PlantState state = charged(model, at_rest(model), 1000.0, 10);
   EXPECT_NEAR(state.u_o, 0.8 * 1000.0 * 1.0 * std::exp(-1.0), 1e-2);             // K U (t/T) exp(-t/T)
   EXPECT_NEAR(state.screened, 0.5 * 0.8 * 1000.0 * 0.5 * std::exp(-1.0), 1e-2);  // (t/T)^2/2
 }
@@ -119,13 +120,13 @@ TEST(ChargeRetention, ScreensItsShareOfAHeldVoltageInTheEnd) {
   PlantModel model;
   model.baseline.tau = 1e6;
   model.effects.charge_retention = ChargeRetention{.share = 0.3, .time = 2.0};
-  PlantState state = held(model, at_rest(model), 2500.0, 1000);
+  PlantState state = charged(model, at_rest(model), 2500.0, 1000);
   EXPECT_NEAR(state.screened, 0.3 * 2000.0 * -std::expm1(-0.5), 0.01);
-  state = held(model, state, 2500.0, 40000);
+  state = charged(model, state, 2500.0, 40000);
   EXPECT_NEAR(state.screened / state.u_o, 0.3, 1e-6);
   PlantModel weaker;  // in the end as if only 70 % were there
   weaker.baseline.tau = 1e6;
-  EXPECT_NEAR(state.motion.x, held(weaker, at_rest(weaker), 0.7 * 2500.0, 5000).motion.x, 2e-6);
+  EXPECT_NEAR(state.motion.x, charged(weaker, at_rest(weaker), 0.7 * 2500.0, 5000).motion.x, 2e-6);
   const PlantState turned = step(model, state, {.voltage = -2500.0}, Seconds(1e-3));
   EXPECT_NEAR(turned.u_o - turned.screened, -1.3 * 2000.0, 5.0);  // and a reversal pulls more
 }
@@ -135,8 +136,8 @@ TEST(PolarityAsymmetry, ScalesEitherPolarityTheOtherWay) {
   model.baseline.tau = plain.baseline.tau = 1e6;
   model.effects.polarity_asymmetry = PolarityAsymmetry{0.1};
   for (const double sign : {1.0, -1.0})
-    EXPECT_NEAR(held(model, at_rest(model), sign * 2000.0, 3000).motion.x,
-                held(plain, at_rest(plain), (1.0 + 0.1 * sign) * 2000.0, 3000).motion.x, 1e-9);
+    EXPECT_NEAR(charged(model, at_rest(model), sign * 2000.0, 3000).motion.x,
+                charged(plain, at_rest(plain), (1.0 + 0.1 * sign) * 2000.0, 3000).motion.x, 1e-9);
 }
 
 TEST(PolarityAsymmetry, RipplesAtTheFrequencyOfTheReversals) {

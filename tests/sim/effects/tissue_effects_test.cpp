@@ -40,13 +40,6 @@ TEST(LayerPuncture, WhatIsCutStaysCut) {
   for (double x = 0.0; x < 4e-3; x += 1e-4) EXPECT_LE(kSkin.push_back(x, 4e-3), 0.1) << x;
 }
 
-TEST(LayerPuncture, AForceBelowThePunctureRestsAtTheDeflectionThatCarriesIt) {
-  PlantModel model = bare_mass(3.0);
-  model.effects.layer_puncture = kSkin;
-  const PlantState state = pushed(model, needle_at(model, 1e-3), 0.1, 20000);
-  EXPECT_NEAR(state.motion.x, 1e-3 + 1e-3 * std::sqrt(0.1 / 0.4), 1e-8);
-}
-
 TEST(LayerPuncture, AForceAboveThePunctureGoesThrough) {
   PlantModel model = bare_mass(3.0);
   model.effects.layer_puncture = kSkin;
@@ -84,13 +77,6 @@ TEST(ShaftFriction, CountsOnlyTheLengthInsideItsOwnLayer) {
   EXPECT_EQ(layer.inserted(0.5e-3), 0.0);
   EXPECT_DOUBLE_EQ(layer.inserted(2e-3), 1e-3);
   EXPECT_DOUBLE_EQ(layer.inserted(9e-3), 2e-3);
-}
-
-TEST(ShaftFriction, ViscousDragSlowsInProportionToTheLengthInside) {
-  PlantModel model = bare_mass();
-  model.effects.shaft_friction =
-      ShaftFriction{.from = 0.0, .to = 1e-3, .viscous = 2000.0};  // 2 N s/m at 1 mm
-  EXPECT_NEAR(pushed(model, needle_at(model, 1e-3), 0.1, 2000).motion.v, 0.1 / 2.0, 1e-9);
 }
 
 TEST(TissueRelaxation, ForceAtRestFadesExponentiallyWithItsTime) {
