@@ -1,5 +1,4 @@
-// Whatever is done to a file: it is read, or it is refused as a mistake of set-up. Nothing else, and no
-// crash.
+// A mutated file is read or refused with a ConfigError; nothing else, and no crash.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -125,7 +124,7 @@ TEST(FileFuzz, AMutatedModelIsReadOrRefused) {
 }
 
 TEST(FileFuzz, ATableHeaderThatBeginsWrongIsRefusedAndDoesNotAbort) {
-  expect_says(refusal([] { parse_model("[baseline]\n[.x]\n", "m.toml"); }), "m.toml:2", "");
+  expect_refusal(refusal([] { parse_model("[baseline]\n[.x]\n", "m.toml"); }), "m.toml:2", "");
 }
 
 TEST(FileFuzz, AMutatedRunIsReadOrRefused) {

@@ -1,4 +1,4 @@
-// step() is a function: nothing but its arguments counts.
+// step() is a function of its arguments alone.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ TEST(Step, SameArgumentsGiveTheSameStateToTheBit) {
   EXPECT_EQ(displacement_reading(model, once), displacement_reading(model, again));
 }
 
-TEST(Step, ARunThatIsPutAsideAndResumedIsTheSameRun) {
+TEST(Step, AResumedRunIsTheSameRun) {
   const PlantModel model = rehearsal_with_tissue();
   const PlantState whole = advanced(model, at_rest(model), 0, 6000);
   const PlantState half = advanced(model, at_rest(model), 0, 3017);
@@ -71,7 +71,7 @@ TEST(Step, ChargeOfEveryCutOfAStepAddsUp) {
   EXPECT_NEAR(sum, whole, 1e-9 * std::abs(whole));
 }
 
-TEST(Step, NoiseOfTheReadingNeverReachesTheMotion) {
+TEST(Step, NoiseOfTheReadingDoesNotAffectTheMotion) {
   PlantModel loud = rehearsal_with_tissue(), quiet = loud;
   loud.effects.sensor_noise->std = 1e-3;
   quiet.effects.sensor_noise.reset();
