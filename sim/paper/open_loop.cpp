@@ -37,12 +37,12 @@ double polarity_at(double time, double frequency) {
 }
 
 OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, bool skip_settling) {
-  PlantModel quiet = model;
-  quiet.effects.sensor_noise.reset();
-  PlantState state = at_rest(quiet);
+  PlantModel noiseless = model;
+  noiseless.effects.sensor_noise.reset();
+  PlantState state = at_rest(noiseless);
   double settle = drive.settle;
   if (skip_settling && drive.frequency > 0.0) {
-    start_settled(quiet, drive, state);
+    start_settled(noiseless, drive, state);
     settle = std::min(settle, std::ceil(2.0 * kShortest * drive.frequency) / (2.0 * drive.frequency));
   }
   const auto waits = static_cast<std::size_t>(std::lround(settle / drive.period));
@@ -51,11 +51,11 @@ OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, b
   for (std::size_t i = 0; i < waits + rows; ++i) {
     const double now = static_cast<double>(i) * drive.period;
     const double voltage = drive.amplitude * polarity_at(now, drive.frequency);
-    state = step(quiet, state, {.voltage = voltage}, Seconds(drive.period));
+    state = step(noiseless, state, {.voltage = voltage}, Seconds(drive.period));
     if (i < waits) continue;
     run.time.push_back(now + drive.period + (drive.settle - settle));
-    run.displacement.push_back(1e3 * displacement_reading(quiet, state));
-    run.plate_b.push_back(1e3 * plate_b(quiet, state));
+    run.displacement.push_back(1e3 * displacement_reading(noiseless, state));
+    run.plate_b.push_back(1e3 * plate_b(noiseless, state));
   }
   return run;
 }

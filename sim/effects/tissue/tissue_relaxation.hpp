@@ -36,7 +36,7 @@ struct TissueRelaxation {
     using E = TissueRelaxation;
     return std::array{
         Parameter<E>{"from_mm", &E::from, 1e-3, -1e4, 1e4, 0.0, "where the tissue begins", Role::Place},
-        Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 0.0, 1e6, 0.05, "stiffness felt at once",
+        Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 0.0, 1e6, 0.05, "instantaneous stiffness",
                      Role::Strength},
         Parameter<E>{"time_s", &E::time, 1.0, 0.01, 1e4, 2.0, "time in which the force falls to 1/e",
                      Role::Shape}};

@@ -69,9 +69,9 @@ double span_of(const RecordedRun& run) {
 
 // Error of the model at each sample of a measured run, in bands of the run.
 std::vector<double> run_misses(const PlantModel& stage, const RecordedRun& run) {
-  PlantModel quiet = stage;
-  quiet.effects.sensor_noise.reset();
-  std::vector<double> misses = simulate(quiet, run).displacement;
+  PlantModel noiseless = stage;
+  noiseless.effects.sensor_noise.reset();
+  std::vector<double> misses = simulate(noiseless, run).displacement;
   const double band = kRunBand * span_of(run);
   for (std::size_t i = 0; i < misses.size(); ++i) {
     misses[i] = (misses[i] - run.displacement[i]) / band;

@@ -18,11 +18,11 @@ constexpr double kLeap = 0.5;      // s: "leaped up rapidly"
 struct Decay {
   OpenLoopRun run;
   double peak_time = 0.0;  // s
-  double loss = 0.0;       // %, of the peak, at the time asked for
+  double loss = 0.0;       // %, of the peak, at the given time
   double early = 0.0;      // share of the peak reached after kLeap
 };
 
-Decay decay(const PlantModel& stage, double seconds, double asked) {
+Decay decay(const PlantModel& stage, double seconds, double at_time) {
   Decay out;
   out.run = run_open_loop(plate_on_stack(stage, kPouches, kWeight),
                           {.amplitude = kVoltage, .watch = seconds, .period = 10e-3}, false);
@@ -30,7 +30,7 @@ Decay decay(const PlantModel& stage, double seconds, double asked) {
   const auto peak = std::max_element(mm.begin(), mm.end());
   const auto at = [&](double t) { return mm[static_cast<std::size_t>(t / 10e-3) - 1]; };
   out.peak_time = out.run.time[static_cast<std::size_t>(peak - mm.begin())];
-  out.loss = 100.0 * (1.0 - at(asked) / *peak);
+  out.loss = 100.0 * (1.0 - at(at_time) / *peak);
   const double highest_soon = *std::max_element(mm.begin(), mm.begin() + static_cast<long>(kLeap / 10e-3));
   out.early = highest_soon / *peak;
   return out;

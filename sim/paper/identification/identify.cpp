@@ -15,10 +15,10 @@ using identification::ChargeFit;
 using identification::ChargeRecord;
 
 constexpr double kTwoSided95 = 1.96;
-constexpr double kLeastInrush = 1e-3;    // of the decay's charge: less was missed by the monitor
-constexpr double kLeastVoltage = 100.0;  // V; below, a stack shows no current
-constexpr double kUnexplained = 1.5;     // of the noise
-constexpr double kVaguestDecay = 0.5;    // std of ln tau: beyond it, tau is not identifiable
+constexpr double kLeastInrush = 1e-3;      // of the decay's charge: less was missed by the monitor
+constexpr double kLeastVoltage = 100.0;    // V; below, a stack shows no current
+constexpr double kUnexplained = 1.5;       // of the noise
+constexpr double kLargestDeviation = 0.5;  // std of ln tau: beyond it, tau is not identifiable
 
 std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::string& place,
                                          std::vector<std::string>& warnings) {
@@ -69,8 +69,8 @@ void require_decay(const ChargeFit& fit, double seconds, const std::string& plac
         fmt::format("no decay of the current stands out of its noise of {:.2g} uA", 1e6 * fit.noise), place,
         "step to a higher voltage, hold longer, repeat the step, or average more in the monitor; check the "
         "monitor's sign");
-  const double tau = std::exp(fit.log_tau), vague = std::sqrt(fit.covariance(2, 2));
-  if (seconds < tau || vague > kVaguestDecay)
+  const double tau = std::exp(fit.log_tau), deviation = std::sqrt(fit.covariance(2, 2));
+  if (seconds < tau || deviation > kLargestDeviation)
     throw ConfigError(
         fmt::format(
             "the longest run lasts {:.3g} s after its step, the current decays with a time constant of "

@@ -57,12 +57,12 @@ TEST(AmplifierLag, LimitedSlopeGoesStraightAndArrives) {
 // Euler at 0.1 us of every electrical equation at once.
 struct Slow {
   double u_i = 0.0, u_o = 0.0, s = 0.0;
-  void advance(const PlantModel& m, double asked, double t) {
+  void advance(const PlantModel& m, double command, double t) {
     constexpr double h = 1e-7;
     const AmplifierLag& lag = *m.effects.amplifier_lag;
     const ChargeRetention& charge = *m.effects.charge_retention;
     for (int i = 0; i < static_cast<int>(std::lround(t / h)); ++i) {
-      const double slope = std::clamp((asked - u_i) / lag.time, -1.0 / lag.slew, 1.0 / lag.slew);
+      const double slope = std::clamp((command - u_i) / lag.time, -1.0 / lag.slew, 1.0 / lag.slew);
       const double du = slope * h, old = u_o;
       u_i += du;
       u_o += m.baseline.K * du - u_o / m.baseline.tau * h;
@@ -79,9 +79,9 @@ TEST(AmplifierLagWithChargeRetention, FollowTheirEquationsThroughSlopeApproachAn
   PlantState state = at_rest(model);
   Slow slow;
   for (int k = 0; k < 60; ++k) {
-    const double asked = k < 30 ? 3000.0 : -3000.0;
-    state = step(model, state, {.voltage = asked}, Seconds(1e-3));
-    slow.advance(model, asked, 1e-3);
+    const double command = k < 30 ? 3000.0 : -3000.0;
+    state = step(model, state, {.voltage = command}, Seconds(1e-3));
+    slow.advance(model, command, 1e-3);
     ASSERT_NEAR(state.u_i, slow.u_i, 0.5) << k;
     ASSERT_NEAR(state.u_o, slow.u_o, 0.5) << k;
     ASSERT_NEAR(state.screened, slow.s, 0.5) << k;

@@ -22,7 +22,7 @@ double noise_at(std::uint64_t seed, std::size_t row) {
   return kNoise * normals(seed, row).first;
 }
 
-// The model says `model`; the measurement is that, the residual and noise.
+// A run with the prediction `model`, the given residual, and noise.
 struct Case {
   Evidence evidence;
   std::vector<double> before, after;
@@ -209,7 +209,7 @@ TEST(LocalizeResidual, ADropThroughSplitsARunAndAModelledStepDoesNot) {
   step.add(
       "step", 20.0, steady, [&](double t) { return ramp(t) + jump(t); }, none);
   smooth.add("smooth", 20.0, steady, ramp, [](double t) { return 0.1e-3 * std::sin(t); });
-  Case missed;  // an even climb that the model does not know is no drop-through, however far it goes
+  Case missed;  // an even climb that the model lacks is no puncture
   missed.add("missed", 1.0, steady, none, [](double t) { return 6e-3 * t; });
   EXPECT_EQ(find(missed.regimes(), "after_puncture"), nullptr);
   ASSERT_NE(find(puncture.regimes(), "after_puncture"), nullptr);

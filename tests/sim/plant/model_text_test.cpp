@@ -190,22 +190,22 @@ TEST(ModelText, AChangeLeavesTheSourcesOfEverythingElse) {
 
 TEST(ModelText, RefusesAModelThatCouldNotBeReadBack) {
   PlantModel model;
-  const auto said = [&](const ModelNotes& notes = {}) { return refusal([&] { model_toml(model, notes); }); };
+  const auto refused = [&](const ModelNotes& notes = {}) { return refusal([&] { model_toml(model, notes); }); };
   model.baseline.k = -3.0;
-  expect_refusal(said(), "the model to be written", "`k` = -3 is outside");
+  expect_refusal(refused(), "the model to be written", "`k` = -3 is outside");
   model.baseline.k = std::nan("");
-  expect_refusal(said(), "the model to be written", "`k` is not a finite number");
+  expect_refusal(refused(), "the model to be written", "`k` is not a finite number");
   model = {};
   model.effects.sensor_noise.emplace().std = 1.0;  // m
-  expect_refusal(said(), "the model to be written", "`std_mm` = 1000 is outside");
+  expect_refusal(refused(), "the model to be written", "`std_mm` = 1000 is outside");
   model = {};
   ModelNotes notes;
   notes.values["kk"] = {0.1, ""};
-  expect_refusal(said(notes), "the model to be written", "`kk`");
+  expect_refusal(refused(notes), "the model to be written", "`kk`");
   notes.values = {{"coulomb_friction.force_N", {0.1, ""}}};  // absent
-  expect_refusal(said(notes), "the model to be written", "coulomb_friction.force_N");
+  expect_refusal(refused(notes), "the model to be written", "coulomb_friction.force_N");
   notes.values = {{"k", {-0.1, ""}}};
-  expect_refusal(said(notes), "the model to be written", "`std`");
+  expect_refusal(refused(notes), "the model to be written", "`std`");
 }
 
 TEST(ModelFile, RefusesAnUnknownNameBesideAValue) {
