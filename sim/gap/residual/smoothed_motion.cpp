@@ -8,12 +8,12 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSmoothTurn = 0.3;                        // s, longer is a rest
-constexpr double kSpeedNoise = 0.05;                       // of the usual top speed
-constexpr double kWidest = 0.25, kWidestShare = 1.0 / 20;  // s, of the run
-constexpr std::size_t kFewestRows = 2;                     // to either side
-constexpr double kMovingStds = 3.0, kMovingShare = 0.05;   // of the speed's noise, of the usual top speed
+constexpr double kNever = std::numeric_limits<double>::infinity();  // s
+constexpr double kSmoothTurn = 0.3;                                 // s, longer is a rest
+constexpr double kSpeedNoise = 0.05;                                // of the usual top speed
+constexpr double kWidest = 0.25, kWidestShare = 1.0 / 20;           // s, of the run
+constexpr std::size_t kFewestRows = 2;                              // to either side
+constexpr double kMovingStds = 3.0, kMovingShare = 0.05;  // of the speed's noise, of the usual top speed
 
 // Running sums for straight lines. Extended precision: differences of them over ten rows out of a million.
 struct Sums {
@@ -107,9 +107,9 @@ std::vector<double> since_reversal(const EvidenceRun& run, const SmoothedMotion&
   const double threshold = force ? moving_threshold(measured) : 0.0;
   const std::size_t rows = run.rows.size();
   const auto signal = [&](std::size_t i) { return force ? measured.v[i] : run.rows[i].input; };
-  std::vector<double> out(rows, kInfinity);
+  std::vector<double> out(rows, kNever);
   std::size_t moved = rows;  // the last row of a clear sign
-  double turned = kInfinity;
+  double turned = kNever;
   for (std::size_t i = 0; i < rows; ++i) {
     if (std::abs(signal(i)) > threshold) {
       if (moved < rows && signal(moved) * signal(i) < 0.0) {
