@@ -36,37 +36,13 @@ bool is_product(std::string_view first) {  // N_s is N s; mm_s and kV_ms are rat
 }  // namespace
 
 std::string_view name_of(Attachment attachment) {
-  switch (attachment) {
-    case Attachment::Electrical:
-      return "electrical";
-    case Attachment::Pouch:
-      return "pouch";
-    case Attachment::Stage:
-      return "stage";
-    case Attachment::Tissue:
-      return "tissue";
-    case Attachment::Sensor:
-      return "sensor";
-  }
-  return "";
+  constexpr std::array kNames{"electrical", "pouch", "stage", "tissue", "sensor"};
+  return kNames[static_cast<std::size_t>(attachment)];
 }
 
 std::string_view name_of(Role role) {
-  switch (role) {
-    case Role::Strength:
-      return "strength";
-    case Role::Shape:
-      return "shape";
-    case Role::Place:
-      return "place";
-    case Role::Level:
-      return "level";
-    case Role::Frequency:
-      return "frequency";
-    case Role::Phase:
-      return "phase";
-  }
-  return "";
+  constexpr std::array kNames{"strength", "shape", "place", "level", "frequency", "phase"};
+  return kNames[static_cast<std::size_t>(role)];
 }
 
 std::string unit_of(std::string_view parameter) {

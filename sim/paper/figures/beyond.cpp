@@ -170,12 +170,13 @@ PaperFigure beyond(const PaperModel& model) {
   const Outcome off = drive(stage, wrong, {.feed = true});
   const Outcome limited = drive(stage, stage, {.feed = true, .speed = kSpeed});
   const Outcome biased = drive(stage, stage, {.feed = true, .bias = kBias});
-  PaperFigure figure;
-  figure.number = "beyond";
-  figure.title = "Other controllers for low targets, falling edges and the return to zero";
-  figure.sentence =
+  PaperFigure figure{
+      "beyond",
+      "Other controllers for low targets, falling edges and the return to zero",
       "Other controllers of the same stage, beside the paper's PI loop, all within this robot's 8 kV (Fig. 9 "
-      "uses the amplifier's 10 kV); the notes give the voltage that each needs.";
+      "uses the amplifier's 10 kV); the notes give the voltage that each needs.",
+      {},
+      {}};
   figure.panels = {beside("sine", paper.sine, "PI and feed-forward", fed.sine, kSeconds),
                    beside("square wave", paper.square, "target limited", limited.square, kSeconds),
                    beside("return to zero", paper.back, "above a bias", biased.back, kEnd)};

@@ -40,10 +40,11 @@ PaperFigure figure_10(const PaperModel& model) {
   const double b = span(course, course.plate_b, kFrom, kUntil).width();
   const double drive_a = synchronous_motion(course, course.plate_a),
                drive_b = synchronous_motion(course, course.plate_b);
-  PaperFigure figure;
-  figure.number = "10";
-  figure.title = "Plates A and B while 5 mm is held";
-  figure.sentence = "Plate B moves to keep plate A in place; the spring filters most of that motion.";
+  PaperFigure figure{"10",
+                     "Plates A and B while 5 mm is held",
+                     "Plate B moves to keep plate A in place; the spring filters most of that motion.",
+                     {},
+                     {}};
   FigurePanel panel = displacement_panel("settled", course, {kFrom, kUntil});
   panel.curves.push_back(drawn("plate B", course, course.plate_b, {kFrom, kUntil}));
   fit_closely(panel);

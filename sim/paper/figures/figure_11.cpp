@@ -67,10 +67,11 @@ PaperFigure figure_11(const PaperModel& model) {
                                 .seconds = kEnd,
                                 .loads = {{.from = kOn, .to = kOff, .mass = kImpact}}},
                                paper_loop());
-  PaperFigure figure;
-  figure.number = "11";
-  figure.title = "Impact: 50 g put on plate A at 5 mm, and taken off";
-  figure.sentence = "The spring yields at once, then the loop returns plate A to its target.";
+  PaperFigure figure{"11",
+                     "Impact: 50 g put on plate A at 5 mm, and taken off",
+                     "The spring yields at once, then the loop returns plate A to its target.",
+                     {},
+                     {}};
   figure.panels = {displacement_panel("displacement", course, {2.0, kEnd}),
                    voltage_panel("applied voltage", course, {2.0, kEnd})};
   add_rows(figure, stage, course);

@@ -95,10 +95,11 @@ void add_rows(PaperFigure& figure, const PlantModel& stage, const Joint& joint, 
 PaperFigure figure_12(const PaperModel& model) {
   const Course course =
       follow(jointed(model), {.target = manual_steps(), .seconds = kEnd, .loads = {}}, paper_loop());
-  PaperFigure figure;
-  figure.number = "12";
-  figure.title = "Rotary joint: 0 to 8 mm and back in steps of 2 mm";
-  figure.sentence = "Eight steps by hand, up and down again, and ten seconds at 0.";
+  PaperFigure figure{"12",
+                     "Rotary joint: 0 to 8 mm and back in steps of 2 mm",
+                     "Eight steps by hand, up and down again, and ten seconds at 0.",
+                     {},
+                     {}};
   const TimeSpan all{0.0, kEnd};
   FigurePanel turned = displacement_panel("rotation", course, all);
   turned.y_title = "rotation (degrees)";

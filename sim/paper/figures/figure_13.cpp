@@ -78,10 +78,11 @@ PaperFigure figure_13(const PaperModel& model) {
                                .seconds = 2.0 * kHold,
                                .loads = {}},
                               paper_loop());
-  PaperFigure figure;
-  figure.number = "13";
-  figure.title = "Needle: the gap at 2.5 mm, the liver at 2 and then 3.5 mm";
-  figure.sentence = "The needle's depth beside its targets: muscle, gap and liver lie below one another.";
+  PaperFigure figure{"13",
+                     "Needle: the gap at 2.5 mm, the liver at 2 and then 3.5 mm",
+                     "The needle's depth beside its targets: muscle, gap and liver lie below one another.",
+                     {},
+                     {}};
   figure.panels = {displacement_panel("gap", gap, {0.0, kHold}),
                    displacement_panel("liver", liver, {0.0, 2.0 * kHold})};
   add_rows(figure, model.needle, gap, liver);

@@ -114,10 +114,11 @@ PaperFigure figure_2(const PaperModel& paper) {
   const Voltages ac = simulated(model, kFrequency, settled + 2.0 * kHalf);
   const double left = std::exp(-kHalf / b.tau);
   const Limits limits = last_limits(b, ac);
-  PaperFigure out;
-  out.number = "2";
-  out.title = "Leakage: the stack's voltage under a constant voltage and under a square wave of 0.1 Hz";
-  out.sentence = "Under DC the voltage on the stack leaks away; reversals bring it back, twice a period.";
+  PaperFigure out{"2",
+                  "Leakage: the stack's voltage under a constant voltage and under a square wave of 0.1 Hz",
+                  "Under DC the voltage on the stack leaks away; reversals bring it back, twice a period.",
+                  {},
+                  {}};
   out.panels = {panel("DC", dc, 50.0), panel("square wave", ac, 50.0)};
   out.rows = {
       exact_row("eq. (6): DC, closed form against simulation", largest_error(b, dc, 0.0, direct)),

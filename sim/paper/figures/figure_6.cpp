@@ -51,10 +51,11 @@ PaperFigure figure_6(const PaperModel& paper) {
   const Decay pi25 = decay(with_film(paper.stage, paper.pi25), long_run, 80.0);
   const Decay bopp = decay(with_film(paper.stage, paper.bopp25), short_run, 10.0);
   const Decay pi50 = decay(paper.stage, short_run, 10.0);
-  PaperFigure out;
-  out.number = "6";
-  out.title = "Displacement under 6 kV DC: three stacked pouches of three materials";
-  out.sentence = "Every material lets the displacement fall under DC; which one decides how fast.";
+  PaperFigure out{"6",
+                  "Displacement under 6 kV DC: three stacked pouches of three materials",
+                  "Every material lets the displacement fall under DC; which one decides how fast.",
+                  {},
+                  {}};
   out.panels = {{"6 kV DC", "time (s)", "displacement (mm)", 0.0, 80.0, 0.0, 4.0, false, {}}};
   out.panels[0].curves = {{"25 um PI", pi25.run.time, pi25.run.displacement, false, false},
                           {"25 um pre-coated BOPP", bopp.run.time, bopp.run.displacement, false, false},

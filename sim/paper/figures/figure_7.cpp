@@ -149,10 +149,11 @@ PaperFigure figure_7a(const PaperModel& paper) {
                     fast = settled(paper, kLoad7a, 10.0);
   const double low = mean(slow.displacement), level = mean(middle.displacement),
                high = mean(fast.displacement);
-  PaperFigure out;
-  out.number = "7a";
-  out.title = "Displacement under 6 kV: DC and square waves of 0.2, 2 and 10 Hz";
-  out.sentence = "A square wave keeps the displacement that DC loses, with a ripple at twice its frequency.";
+  PaperFigure out{"7a",
+                  "Displacement under 6 kV: DC and square waves of 0.2, 2 and 10 Hz",
+                  "A square wave keeps the displacement that DC loses, with a ripple at twice its frequency.",
+                  {},
+                  {}};
   out.panels = {courses(paper)};
   out.rows = {
       twice_row(paper, slow, 0.2), twice_row(paper, middle, 2.0), twice_row(paper, fast, 10.0),
@@ -166,10 +167,11 @@ PaperFigure figure_7a(const PaperModel& paper) {
 
 PaperFigure figure_7b(const PaperModel& paper) {
   Amplitudes amplitudes{};
-  PaperFigure out;
-  out.number = "7b";
-  out.title = "Oscillation under 6 kV against frequency and load, 60 s after the voltage was put on";
-  out.sentence = "Faster reversals leave less time to leak; past 1 Hz little is gained.";
+  PaperFigure out{"7b",
+                  "Oscillation under 6 kV against frequency and load, 60 s after the voltage was put on",
+                  "Faster reversals leave less time to leak; past 1 Hz little is gained.",
+                  {},
+                  {}};
   FigurePanel panel{"6 kV", "frequency (Hz)", "peak to peak (mm)", 0.1, 10.0, 0.0, 1.0, true, {}};
   for (std::size_t load = 0; load < kWeights.size(); ++load) {
     FigureCurve curve{fmt::format("{} g", kLoads_g[load]), {}, {}, false, true};

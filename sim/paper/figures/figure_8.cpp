@@ -161,11 +161,12 @@ void add_loop_rows(const PlantModel& stage, const std::array<Loop, 3>& loops, Pa
 }  // namespace
 
 PaperFigure figure_8a(const PaperModel& paper) {
-  PaperFigure out;
-  out.number = "8a";
-  out.title = "Series spring against rigid pole: 2 Hz, 6 kV, 20 and 100 g";
-  out.sentence =
-      "The share of the reversals' impulses that reaches the load through a spring and through a rigid pole.";
+  PaperFigure out{
+      "8a",
+      "Series spring against rigid pole: 2 Hz, 6 kV, 20 and 100 g",
+      "The share of the reversals' impulses that reaches the load through a spring and through a rigid pole.",
+      {},
+      {}};
   add_load(paper, 0.020, out);
   add_load(paper, 0.100, out);
   const Baseline& b = paper.stage.baseline;
@@ -183,10 +184,11 @@ PaperFigure figure_8a(const PaperModel& paper) {
 
 PaperFigure figure_8b(const PaperModel& paper) {
   std::array<Loop, 3> loops;
-  PaperFigure out;
-  out.number = "8b";
-  out.title = "Hysteresis: strain against the amplitude of a 2 Hz square wave, 0 to 8 kV and back";
-  out.sentence = "Up and down again in steps of half a kilovolt, with three loads.";
+  PaperFigure out{"8b",
+                  "Hysteresis: strain against the amplitude of a 2 Hz square wave, 0 to 8 kV and back",
+                  "Up and down again in steps of half a kilovolt, with three loads.",
+                  {},
+                  {}};
   FigurePanel panel{"60, 160 and 260 g", "voltage (kV)", "strain (%)", 0.0, 8.0, 0.0, 60.0, false, {}};
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const double plates = paper.stage.baseline.fixture_mass + paper.stage.baseline.m_B;

@@ -99,10 +99,7 @@ PaperRow first_period_row(const PaperModel& model) {
 }
 
 PaperFigure slow_figure(std::string number, std::string title, std::string sentence, const Course& course) {
-  PaperFigure figure;
-  figure.number = std::move(number);
-  figure.title = std::move(title);
-  figure.sentence = std::move(sentence);
+  PaperFigure figure{std::move(number), std::move(title), std::move(sentence), {}, {}};
   const TimeSpan all{0.0, kPeriods / kSlowest};
   figure.panels = {displacement_panel("displacement", course, all),
                    voltage_panel("applied voltage", course, all)};

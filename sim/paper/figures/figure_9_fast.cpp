@@ -77,10 +77,7 @@ std::string reach_note(const PlantModel& stage, double reached) {
 
 PaperFigure fast_figure(std::string number, std::string title, std::string sentence,
                         const std::vector<Followed>& all) {
-  PaperFigure figure;
-  figure.number = std::move(number);
-  figure.title = std::move(title);
-  figure.sentence = std::move(sentence);
+  PaperFigure figure{std::move(number), std::move(title), std::move(sentence), {}, {}};
   for (const Followed& one : all)
     figure.panels.push_back(
         displacement_panel(fmt::format("{} Hz", one.frequency), one.course, {0.0, kPeriods / one.frequency}));

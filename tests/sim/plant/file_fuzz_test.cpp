@@ -27,34 +27,17 @@ class Mutator {
   std::size_t below(std::size_t n) { return random_() % n; }
 
   void mutate(std::string& text) {
-    static const std::vector<std::string> kPieces = {"nan",
-                                                     "inf",
-                                                     "-1",
-                                                     "1e308",
-                                                     "1e-320",
-                                                     "9999999999999999999",
-                                                     ",",
-                                                     ",,",
-                                                     "\n",
-                                                     "\r\n",
-                                                     "\"",
-                                                     "[",
-                                                     "]",
-                                                     "[[",
-                                                     "=",
-                                                     "{",
-                                                     "}",
-                                                     "#",
-                                                     "'",
-                                                     "\\u0000",
-                                                     "time_s",
-                                                     ".",
-                                                     "-",
-                                                     "e",
-                                                     "\t",
-                                                     std::string(1, '\0'),
-                                                     "\xEF\xBB\xBF",
-                                                     "\xff\xfe"};
+    using namespace std::string_literals;
+    static const std::vector<std::string> kPieces{"nan",     "inf",     "-1",
+                                                  "1e308",   "1e-320",  "9999999999999999999",
+                                                  ",",       ",,",      "\n",
+                                                  "\r\n",    "\"",      "[",
+                                                  "]",       "[[",      "=",
+                                                  "{",       "}",       "#",
+                                                  "'",       "\\u0000", "time_s",
+                                                  ".",       "-",       "e",
+                                                  "\t",      "\0"s,     "\xEF\xBB\xBF",
+                                                  "\xff\xfe"};
     const std::size_t at = below(text.size()), length = std::min(text.size() - at, 1 + below(12));
     switch (below(6)) {
       case 0:
