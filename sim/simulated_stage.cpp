@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::uint64_t kMonitorStream = 0x6d6f6e69;  // must not repeat the laser's noise
 
-// Two independent numbers of unit variance, uniform: what monitors add needs no tails, and this costs a
-// tenth.
+// Two independent uniform numbers of unit variance: noise of the monitors needs no tails, at a tenth of the
+// cost.
 NormalPair uniform_pair(std::uint64_t seed, std::uint64_t counter) {
   constexpr double kScale = 2.0 * std::numbers::sqrt3 * 0x1.0p-32;
   const std::uint64_t bits = hashed(seed, counter);

@@ -1,5 +1,5 @@
-// The simulated needle stage: the plant behind the same port as the hardware. Writing a voltage lets one tick
-// pass.
+// The simulated needle stage: the plant behind the same port as the hardware. Writing a voltage advances it
+// by one tick.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,10 @@ class SimulatedStage final : public drivers::NeedleStage {
   drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
 
-  // What pushes plate A down from the next write() on, N: a hand or a weight on the bench, without its
-  // inertia.
+  // Force down on plate A from the next write() on, N: a hand or a weight on the bench, without its inertia.
   void push(double force_N) { push_N_ = force_N; }
 
-  // The truth, for reports and the simulated scanner; a real stage has no such thing.
+  // True state, for reports and the simulated scanner.
   const PlantState& truth() const { return state_; }
   const PlantModel& model() const { return model_; }
   std::int64_t now_us() const { return now_us_; }

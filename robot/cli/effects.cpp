@@ -7,7 +7,7 @@
 
 #include "robot/cli/commands.hpp"
 #include "robot/common/config_error.hpp"
-#include "sim/plant/effect_labels.hpp"
+#include "sim/effects/effect_labels.hpp"
 #include "sim/plant/plant_model.hpp"
 
 namespace biopsy::robot {

@@ -43,7 +43,7 @@ void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, 
                       *options.window, run.name, run.period),
           "--window", "give a longer window");
   }
-  sim::gap::prepare(dataset, model, options.window, sim::gap::Grain::Coarse);
+  sim::gap::prepare(dataset, model, options.window, sim::gap::Sampling::Coarse);
 }
 
 // For one line of a terminal.

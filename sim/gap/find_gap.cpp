@@ -17,37 +17,37 @@ namespace {
 
 constexpr int kIterations = 25;
 constexpr double kNotWorse = 1.05;       // held-out mean square
-constexpr double kPiece = 0.5;           // s: some times of the stage's own ringing, a few jerks at most
-constexpr double kShortPiece = 2.0;      // of the mechanism's own time: a third of its period
-constexpr double kFewestReadings = 8.0;  // of a piece
+constexpr double kWindow = 0.5;          // s: a few periods of the stage's ringing, a few stick-slip jumps
+constexpr double kShortWindow = 2.0;     // times 1/fastest rate: a third of the mechanism's period
+constexpr double kFewestReadings = 8.0;  // in a window
 
-// The model as it was given, but for the numbers that were said to be unknown.
-Hypothesis as_written(const Hypothesis& start, const Evidence& evidence) {
+// The given model, fitted in the parameters that were declared free.
+Hypothesis fit_free_parameters(const Hypothesis& start, const Evidence& evidence) {
   Hypothesis out = start;
   std::erase_if(out.unknowns, [](const Unknown& u) { return std::isfinite(u.prior_std); });
   fit(out, evidence, kIterations);
   return out;
 }
 
-// The unknowns of `fitted` carried over to the hypothesis that has more of them.
-void carry_over(Hypothesis& to, const Hypothesis& fitted) {
+// Values of `fitted` copied to a hypothesis with more unknowns.
+void copy_fitted(Hypothesis& to, const Hypothesis& fitted) {
   std::vector<double> thetas;
   for (Unknown& u : to.unknowns) {
     for (const Unknown& known : fitted.unknowns)
       if (known.effect == u.effect && known.parameter == u.parameter) u.theta = known.theta;
     thetas.push_back(u.theta);
   }
-  to.settle(thetas);
+  to.set(thetas);
 }
 
-// The numbers as the readings alone have them, where that closes the gap: while something is still missing,
-// they would only bend to make up for it. And unless other runs are predicted worse so.
-ScoredModel polished(const ScoredModel& best, double before, const Evidence& evidence) {
+// Refit with the readings outweighing the priors. Kept only where the gap is then closed (otherwise the
+// parameters compensate for what is missing) and the held-out runs are not predicted worse.
+ScoredModel refined(const ScoredModel& best, double before, const Evidence& evidence) {
   Hypothesis fitted = best.hypothesis;
-  fit(fitted, evidence, kIterations, kNothingMissing);
-  ScoredModel judged = judge(std::move(fitted), evidence);
-  const bool closes = well_explained(before, judged.square, evidence);
-  return closes && judged.square < kNotWorse * best.square ? judged : best;
+  fit(fitted, evidence, kIterations, kTrustReadings);
+  ScoredModel scored = score_model(std::move(fitted), evidence);
+  const bool closes = well_explained(before, scored.square, evidence);
+  return closes && scored.square < kNotWorse * best.square ? scored : best;
 }
 
 struct Search {
@@ -56,7 +56,7 @@ struct Search {
   Selection selection;
 
   GapVerdict verdict() const { return gap::verdict(as_given, selection, evidence); }
-  bool leaves_open() const {
+  bool gap_remains() const {
     return !well_explained(as_given.square, selection.best.square, evidence) &&
            verdict() != GapVerdict::NoGap;
   }
@@ -65,29 +65,29 @@ struct Search {
 Search search(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
               const Progress& progress, std::size_t most_effects = kMostEffects) {
   Search out{
-      .evidence = prepare(dataset, model, options.window, Grain::Fine), .as_given = {}, .selection = {}};
+      .evidence = prepare(dataset, model, options.window, Sampling::Fine), .as_given = {}, .selection = {}};
   Hypothesis start = baseline_hypothesis(model, options.free);
-  progress("simulating every run with the model as it is");
-  const Hypothesis before = as_written(start, out.evidence);
-  out.as_given = judge(before, out.evidence);
+  progress("simulating every run with the given model");
+  const Hypothesis before = fit_free_parameters(start, out.evidence);
+  out.as_given = score_model(before, out.evidence);
   out.selection = {.start = out.as_given, .best = out.as_given, .fits = {}, .selected = {}};
   if (is_only_noise(mean_square(residual(before.model, out.evidence, Part::All)), out.evidence)) return out;
-  progress("fitting the baseline's numbers within their calibration errors");
-  carry_over(start, before);
+  progress("fitting the baseline parameters within their calibration errors");
+  copy_fitted(start, before);
   fit(start, out.evidence, kIterations);
-  out.selection = select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse),
+  out.selection = select(std::move(start), prepare(dataset, model, options.window, Sampling::Coarse),
                          out.evidence, progress, most_effects);
-  progress("the last fit, and standard deviations");
-  out.selection.best = polished(out.selection.best, out.as_given.square, out.evidence);
+  progress("final fit and standard deviations");
+  out.selection.best = refined(out.selection.best, out.as_given.square, out.evidence);
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
   return out;
 }
 
-// Dry friction is what explains most, by itself or as well as what entered.
+// Dry friction explains most of the gap, or as much as the selected effect.
 bool friction_dominated(const Selection& selection) {
   if (selection.selected.empty()) return false;
   const SelectedTerm& first = selection.selected.front();
-  return std::any_of(first.contest.begin(), first.contest.end(), [&](const CandidateFit& t) {
+  return std::any_of(first.comparison.begin(), first.comparison.end(), [&](const CandidateFit& t) {
     return is_dry_friction(t.candidate) && (t.candidate == first.candidate || t.indistinguishable);
   });
 }
@@ -95,32 +95,31 @@ bool friction_dominated(const Selection& selection) {
 bool is_stribeck(const Selection& selection) {
   if (selection.selected.empty()) return false;
   const Candidate& first = selection.selected.front().candidate;
-  return first.effect != kBaseline &&
-         library()[static_cast<std::size_t>(first.effect)].info.name == StribeckFriction::info.name;
+  return first.effect != kBaseline && library_effect(first.effect).info.name == StribeckFriction::info.name;
 }
 
-// Short enough for what is missing not to bring the mechanism's ringing out of step with the model's.
-double short_piece(const Dataset& dataset, const PlantModel& model) {
+// Short enough for the mechanism's ringing to stay in phase with the model's.
+double short_window(const Dataset& dataset, const PlantModel& model) {
   double period = 0.0;
   for (const RecordedRun& run : dataset.runs) period = std::max(period, run.period);
-  return std::min(kPiece, std::max(kShortPiece / fastest_rate(model), kFewestReadings * period));
+  return std::min(kWindow, std::max(kShortWindow / fastest_rate(model), kFewestReadings * period));
 }
 
-Search in_pieces(const Dataset& dataset, const PlantModel& model, const SearchOptions& options, double piece,
-                 const Progress& progress) {
-  progress(fmt::format("whole runs leave the gap open: again in pieces of {:.2g} s", piece));
-  return search(dataset, model, {.free = options.free, .window = piece}, progress, 1);
+Search search_in_windows(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
+                         double window, const Progress& progress) {
+  progress(fmt::format("whole runs leave the gap open: repeating with windows of {:.2g} s", window));
+  return search(dataset, model, {.free = options.free, .window = window}, progress, 1);
 }
 
-// The name that pieces gave, with its numbers fitted to whole runs, if it explains those as well.
-std::optional<Search> confirmed(const Search& whole, const Search& pieces) {
-  if (pieces.verdict() != GapVerdict::Effect) return std::nullopt;
+// The effect found in windows with its parameters fitted to whole runs, if it explains those as well.
+std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search& windows) {
+  if (windows.verdict() != GapVerdict::Effect) return std::nullopt;
   Search out = whole;
-  out.selection = pieces.selection;
+  out.selection = windows.selection;
   out.selection.start = whole.selection.start;
   Hypothesis& best = out.selection.best.hypothesis;
   fit(best, whole.evidence, kIterations);
-  out.selection.best = polished(judge(best, whole.evidence), whole.as_given.square, whole.evidence);
+  out.selection.best = refined(score_model(best, whole.evidence), whole.as_given.square, whole.evidence);
   if (!well_explained(whole.as_given.square, out.selection.best.square, whole.evidence)) return std::nullopt;
   estimate_uncertainty(out.selection.best.hypothesis, whole.evidence);
   return out;
@@ -128,35 +127,36 @@ std::optional<Search> confirmed(const Search& whole, const Search& pieces) {
 
 }  // namespace
 
-// Where whole runs do not tell, pieces that start from the measured motion are asked as well.
+// Where whole runs leave the gap open, windows that start from the measured motion are tried.
 //
-// When a plate that sticks and slips breaks away decides all that follows, so no model follows a whole run of
-// it, not even the true one: where friction leads and leaves the gap open, pieces are believed if they say
-// stick-slip. And what shifts a mechanism's resonance by much puts model and measurement out of step, so that
-// no small change of anything helps: there pieces find the name, and whole runs judge it.
+// With stick-slip the instant of breakaway decides all that follows, so that even the true model does not
+// follow a whole run: where dry friction explains most and the gap stays open, the windows' result is taken
+// if it is Stribeck friction. An effect that shifts a mechanism's resonance puts model and measurement out of
+// phase, so that the cost has no useful gradient: windows then find the effect and whole runs confirm it.
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                   const Progress& progress) {
   Search found = search(dataset, model, options, progress);
   std::string warning;
-  if (!options.window && found.leaves_open() && friction_dominated(found.selection)) {
-    Search again = in_pieces(dataset, model, options, kPiece, progress);
+  if (!options.window && found.gap_remains() && friction_dominated(found.selection)) {
+    Search again = search_in_windows(dataset, model, options, kWindow, progress);
     if (is_stribeck(again.selection)) {
       found = std::move(again);
       warning = fmt::format(
-          "All figures are of pieces of {} s that each start from the measured motion: plate A sticks and "
-          "slips, and when it breaks away decides all that follows.",
-          kPiece);
+          "All figures are of windows of {} s that start from the measured motion: plate A sticks and slips, "
+          "and the instant of breakaway decides all that follows.",
+          kWindow);
     }
   } else if (!options.window && found.verdict() == GapVerdict::Unexplained &&
              model.baseline.drive == Drive::Force) {
-    const double piece = short_piece(dataset, found.as_given.hypothesis.model);
-    std::optional<Search> named = confirmed(found, in_pieces(dataset, model, options, piece, progress));
+    const double window = short_window(dataset, found.as_given.hypothesis.model);
+    std::optional<Search> named =
+        confirmed_on_whole_runs(found, search_in_windows(dataset, model, options, window, progress));
     if (named) {
       found = std::move(*named);
       warning = fmt::format(
-          "The candidates were compared in pieces of {:.2g} s that each start from the measured motion; the "
-          "numbers, and the RMSE before and after, are of whole runs.",
-          piece);
+          "The candidates were compared in windows of {:.2g} s that start from the measured motion; the "
+          "parameters and the RMSE before and after are of whole runs.",
+          window);
     }
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);

@@ -1,5 +1,5 @@
-// The whole workflow as a function from a data set and a model to a finding: residual, where, candidates,
-// select, confuse, add, show. Deterministic: the same data and model give the same finding.
+// The gap workflow: from a data set and a model to a finding. Residual, its location, candidates, forward
+// selection, new model. Deterministic: the same data and model give the same finding.
 #pragma once
 
 #include <optional>
@@ -13,12 +13,12 @@
 namespace biopsy::sim::gap {
 
 struct SearchOptions {
-  std::vector<std::string> free;  // names of baseline numbers that are not known
-  std::optional<double> window;   // s
+  std::vector<std::string> free;  // baseline parameters fitted without a prior
+  std::optional<double> window;   // s, cuts runs into windows that start from the measured motion
 };
 
-// What was found, and the model that comes of it; standard deviations of its new numbers by name, as in
-// model files ("K", "coulomb_friction.force_N").
+// The finding and the new model; standard deviations of its fitted parameters by name, as in model files
+// ("K", "coulomb_friction.force_N").
 struct FoundGap {
   GapFinding finding;
   PlantModel model;
@@ -29,7 +29,7 @@ struct FoundGap {
   std::vector<Source> changed;
 };
 
-// Throws ConfigError for data that cannot be used and names that cannot be freed.
+// Throws ConfigError for unusable data and for names in `free` that are no parameter of this drive.
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                   const Progress& progress);
 

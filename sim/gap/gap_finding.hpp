@@ -1,5 +1,5 @@
-// What a comparison of a model with measurements found: where they disagree, what is missing, and how much of
-// the gap it closes. Values only; sim/gap makes it, robot/report prints it. Lengths in mm, times in s.
+// Result of comparing a model with measurements: where they disagree, what is missing, and how much of the
+// gap it closes. Values only; made by sim/gap, printed by robot/report. Lengths in mm, times in s.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct GapProbability {
 
 struct FoundEffect {
   std::string name;
-  std::string sentence;  // the effect's own, for a person
+  std::string sentence;  // of the effect's description
   double probability = 0.0;
   double share_explained = 0.0;  // of the held-out excess squared error, when it entered
   std::vector<GapEstimate> parameters;
@@ -45,7 +45,7 @@ struct GapRegime {
 
 enum class CandidateKind : std::uint8_t { Effect, Parameter };
 
-// One thing that was tried. Numbers that were not computed are NaN.
+// One candidate. Numbers that were not computed are NaN.
 struct GapCandidate {
   std::string name;
   CandidateKind kind = CandidateKind::Effect;
@@ -65,7 +65,7 @@ struct GapTrace {
   std::vector<std::uint8_t> regime;  // index into regime_names of GapFinding, the main one at each point
 };
 
-// Mean residual as a function of one quantity, for what stayed unexplained.
+// Mean of an unexplained residual as a function of one quantity.
 struct ResidualShape {
   std::string quantity, unit;
   double share_explained = 0.0;  // of the residual's variance by this curve
@@ -88,7 +88,7 @@ struct MarginChange {
 
 struct GapFinding {
   GapVerdict verdict = GapVerdict::NoGap;
-  std::string sentence;  // the verdict, for a person
+  std::string sentence;  // the verdict in words
   std::string dataset;   // its title
   bool force_drive = false;
   std::vector<FoundEffect> effects;  // in the order found, the strongest first
@@ -96,7 +96,7 @@ struct GapFinding {
   double rmse_before = 0.0, rmse_after = 0.0, noise_floor = 0.0;  // held-out runs
   bool noise_given = false;                                       // by the data set; otherwise estimated
   double gap_closed = 0.0;
-  std::vector<GapRegime> where;  // the most telling first
+  std::vector<GapRegime> where;  // highest concentration of the error first
   std::vector<std::string> regime_names;
   std::vector<GapCandidate> candidates;
   std::vector<GapTrace> traces;

@@ -1,4 +1,4 @@
-// Answers of the gap workflow are in mm; inside it is metres.
+// The gap workflow computes in metres; its findings are in mm.
 #pragma once
 
 namespace biopsy::sim::gap {

@@ -15,21 +15,23 @@ namespace {
 
 constexpr double kTick_s = 1e-3;  // LabVIEW's cycle, IV.D
 
-// Something acts on plate A that depends on where it is.
-bool knows_its_place(const PlantModel& model) {
-  const Effects& e = model.effects;
-  return !model.tissue.empty() || e.spring_hardening || e.end_stop || e.layer_puncture || e.shaft_friction ||
-         e.tissue_relaxation;
+// Whether a force on plate A depends on its position.
+bool acts_by_position(const PlantModel& model) {
+  bool acts = !model.tissue.empty();
+  for_each_present(model.effects, [&]<class E>(const E&) {
+    if constexpr (requires { E::acts_by_position; }) acts = true;
+  });
+  return acts;
 }
 
-// The plant with whatever weight lies on it just now, read in the coordinates of the unloaded one.
+// The plant under its present weight, in the coordinates of the unloaded one.
 class Stage {
  public:
   explicit Stage(const PlantModel& model) : model_(model), state_(at_rest(model)) {}
 
   void load(double mass) {
     if (mass == loaded_) return;
-    if (knows_its_place(model_)) {
+    if (acts_by_position(model_)) {
       push_ = mass * model_.baseline.g;
       return;
     }
@@ -37,11 +39,7 @@ class Stage {
     model_.weight += mass - loaded_;
     loaded_ = mass;
     zero_ += sunk;
-    state_.motion.x += sunk;
-    state_.x_max += sunk;
-    state_.memory.carried += sunk;
-    state_.reading += sunk;
-    state_.memory.delay.w += sunk;
+    shift(model_, state_, sunk);
   }
   void advance(double voltage) {
     state_ = step(model_, state_, {.voltage = voltage, .external_force = push_}, Seconds(kTick_s));

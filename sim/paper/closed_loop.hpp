@@ -1,4 +1,4 @@
-// A stage under the paper's loop (III.C, IV.D): PI on what the laser reads, 1 ms tick, 2 Hz square wave.
+// A stage under the paper's loop (III.C, IV.D): PI on the laser's reading, 1 ms tick, 2 Hz square wave.
 #pragma once
 
 #include <functional>
@@ -9,9 +9,9 @@
 
 namespace biopsy::sim::paper {
 
-using OfTime = std::function<double(double)>;  // of s since the loop was closed, the stage being at rest
+using OfTime = std::function<double(double)>;  // of s since the loop was closed at rest
 
-// A weight that is put on plate A and taken off again.
+// A weight on plate A during a time.
 struct LoadStep {
   double from = 0.0, to = 0.0;  // s
   double mass = 0.0;            // kg
@@ -23,18 +23,17 @@ struct LoopTask {
   std::vector<LoadStep> loads;  // one at a time
 };
 
-// The paper's gains on this robot's own range, unless told otherwise.
+// Defaults: the paper's gains within this robot's voltage range.
 struct LoopSettings {
   control::PiGains gains;
-  double highest = 8000.0;  // V, as far as the paper sweeps its stack (Fig. 8b) and the gate lets it go
-  OfTime feed;              // V added to the PI loop's, of time; empty: none, as in the paper
+  double highest = 8000.0;  // V, as far as Fig. 8b sweeps the stack, and the gate's limit
+  OfTime feed;              // V, feed-forward; empty: none, as in the paper
 };
 
-// The paper's own loop. It names no limit but its amplifier's: Trek 10/40, 10 V from the DAQ times 1000
-// (III.D).
+// The paper's loop, limited only by its amplifier: Trek 10/40, 10 V from the DAQ times 1000 (III.D).
 LoopSettings paper_loop();
 
-// One entry a tick. What was read, and what the tick then asked for.
+// One entry per tick: the reading, and the amplitude commanded after it.
 struct Course {
   std::vector<double> time;       // s
   std::vector<double> target;     // mm
@@ -45,12 +44,12 @@ struct Course {
   int layers = 0;                 // of tissue whose surface was punctured
 };
 
-// Runs the task. Under a weight plate A moves as if its zero had sunk by m g/k, which is how the added
-// inertia gets into a plant that rests where its weight balances; where a spring that is not straight, a stop
-// or tissue knows where plate A is, the weight only pushes.
+// Runs the task. A weight on plate A adds mass and shifts the plate's zero by m g/k, because the plant's zero
+// is its equilibrium under weight. Where a force depends on plate A's position (nonlinear spring, stop,
+// tissue) that shift is not possible and the weight acts as a force without inertia.
 Course follow(const PlantModel& stage, const LoopTask& task, const LoopSettings& settings = {});
 
-// Targets. From low to high at once, low first; and the same without jumps, starting at the bottom. mm, Hz
+// Targets in mm, Hz: a square wave that begins at `low`, and a sine that begins at its minimum.
 OfTime square_target(double low, double high, double frequency);
 OfTime sine_target(double low, double high, double frequency);
 // levels[i] from starts[i] on; 0 before the first.

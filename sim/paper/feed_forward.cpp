@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-// One number a tick, as a function of time that holds the last one for ever.
+// A table with one value per tick as a function of time; constant after its end.
 OfTime tabled(std::vector<double> values) {
   return [values = std::move(values)](double time) {
     const auto tick = static_cast<std::size_t>(std::max(0.0, std::round(time / kTick_s)));

@@ -8,16 +8,16 @@ namespace biopsy::sim::paper {
 namespace {
 
 constexpr double kRigid = 20e3;     // N/m: three hundred times the stack's own stiffness
-constexpr double kRigidStep = 0.8;  // of the time of what moves fastest: a third of where the integrator ends
-constexpr double kShortest = 12.0;  // s in which the pouches and the plate come to rest, shaken as it is
+constexpr double kRigidStep = 0.8;  // times 1/fastest rate: a third of the integrator's stability limit
+constexpr double kShortest = 12.0;  // s in which pouches and plate settle under the square wave
 
-// What is left of the last half period when the next begins with +amplitude: eq. (17), and of the retained
-// charge s what its own equation leaves when s changes sign every half period a: s(a) = -s(0).
+// Periodic state at the beginning of a half period with +amplitude: eq. (17) for the stack, and for the
+// retained charge the solution of its equation with s(a) = -s(0), a half a period.
 void start_settled(const PlantModel& model, const OpenLoopDrive& drive, PlantState& state) {
   const Baseline& b = model.baseline;
   const double a = 0.5 / drive.frequency, left = std::exp(-a / b.tau);
   const double upper = 2.0 * b.K / (1.0 + left) * drive.amplitude;  // eq. (16)
-  state.u_i = state.memory.asked = -drive.amplitude;
+  state.u_i = state.u_command = -drive.amplitude;
   state.u_o = -upper * left;
   const auto& charge = model.effects.charge_retention;
   if (!charge) return;
@@ -25,7 +25,7 @@ void start_settled(const PlantModel& model, const OpenLoopDrive& drive, PlantSta
   const double time = std::abs(apart) < 1e-6 ? (1.0 + 1e-6) * b.tau : charge->time;  // else it divides by 0
   const double kept = std::exp(-a / time);
   const double driven = (left - kept) / (1.0 - time / b.tau);
-  state.memory.screened = -charge->share * upper * driven / (1.0 + kept);
+  state.screened = -charge->share * upper * driven / (1.0 + kept);
 }
 
 }  // namespace
@@ -37,12 +37,12 @@ double polarity_at(double time, double frequency) {
 }
 
 OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, bool skip_settling) {
-  PlantModel quiet = model;
-  quiet.effects.sensor_noise.reset();
-  PlantState state = at_rest(quiet);
+  PlantModel noiseless = model;
+  noiseless.effects.sensor_noise.reset();
+  PlantState state = at_rest(noiseless);
   double settle = drive.settle;
   if (skip_settling && drive.frequency > 0.0) {
-    start_settled(quiet, drive, state);
+    start_settled(noiseless, drive, state);
     settle = std::min(settle, std::ceil(2.0 * kShortest * drive.frequency) / (2.0 * drive.frequency));
   }
   const auto waits = static_cast<std::size_t>(std::lround(settle / drive.period));
@@ -51,11 +51,11 @@ OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, b
   for (std::size_t i = 0; i < waits + rows; ++i) {
     const double now = static_cast<double>(i) * drive.period;
     const double voltage = drive.amplitude * polarity_at(now, drive.frequency);
-    state = step(quiet, state, {.voltage = voltage}, Seconds(drive.period));
+    state = step(noiseless, state, {.voltage = voltage}, Seconds(drive.period));
     if (i < waits) continue;
     run.time.push_back(now + drive.period + (drive.settle - settle));
-    run.displacement.push_back(1e3 * displacement_reading(quiet, state));
-    run.plate_b.push_back(1e3 * plate_b(quiet, state));
+    run.displacement.push_back(1e3 * displacement_reading(noiseless, state));
+    run.plate_b.push_back(1e3 * plate_b(noiseless, state));
   }
   return run;
 }

@@ -1,4 +1,4 @@
-// Experiments without feedback: a square wave or a constant voltage on the stack, and what the laser sees.
+// Experiments without feedback: a square wave or a constant voltage on the stack, and the laser's readings.
 #pragma once
 
 #include <vector>
@@ -39,7 +39,7 @@ PlantModel plate_on_stack(PlantModel stage, double pouches, double weight);
 // any motion but the first leap.
 PlantModel with_rigid_pole(PlantModel stage);
 
-// Most that the guide's friction holds, whichever effect stands for it. N
+// Largest static friction of the guide, by whichever effect models it. N
 double guide_friction(const PlantModel& stage);
 
 // Largest less smallest; mean.

@@ -1,5 +1,5 @@
-// A figure of the paper as our model draws it, with the paper's numbers beside ours. Values only: sim/paper
-// makes it, robot/report prints it. Units are people's (mm, s, kV, Hz, per cent), named in the titles.
+// A figure of the paper reproduced by the model, with the paper's numbers beside the model's. Values only;
+// made by sim/paper, printed by robot/report. Units (mm, s, kV, Hz, %) are named in the titles.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace biopsy {
 struct FigureCurve {
   std::string name;  // in the legend; empty: none
   std::vector<double> x, y;
-  bool dashed = false;  // targets, and what is only there to compare with
-  bool marks = false;   // measured points rather than a course
+  bool dashed = false;  // targets and references
+  bool marks = false;   // points instead of a line
 };
 
 struct FigurePanel {
@@ -27,34 +27,34 @@ enum class RowKind : std::uint8_t {
   Number,  // |ours / paper - 1| <= band
   AtMost,  // ours <= paper
   Trend,   // a statement of the paper: paper is 1, ours is 1 where it holds and 0 where it does not
-  Shown,   // nothing in the paper to compare with: what lies beyond it. Counts in no score
+  Shown,   // without a number in the paper to compare with; not scored
 };
 
-// One number or statement of the paper against ours. Shown rows leave paper and ours as they are told.
+// One number or statement of the paper beside the model's. In Shown rows `paper` is a reference value.
 struct PaperRow {
   std::string figure;    // "6", "7a", "beyond"
-  std::string quantity;  // for a person, complete in itself
+  std::string quantity;  // understandable without context
   std::string unit;      // "mm", "%", "1" for trends and ratios
   RowKind kind = RowKind::Number;
   double paper = 0.0, ours = 0.0;
-  double band = 0.2;  // share of the paper's number that ours may be off; 0 unless kind is Number
+  double band = 0.2;  // tolerance, as a share of the paper's number; 0 unless kind is Number
   bool ok = false;
-  double margin = 0.0;  // of a Trend: how far from turning, as a share; positive where it holds
-  std::string note;     // why it is missed, or how it was read; never empty where ok is false
+  double margin = 0.0;  // of a Trend: relative distance from its limit; positive where it holds
+  std::string note;     // how it was evaluated, or why it is missed; never empty where ok is false
 };
 
 struct PaperFigure {
   std::string number;    // as in the paper: "2", "6", "7a"; "beyond" for what goes beyond it
   std::string title;     // what was done
-  std::string sentence;  // what there is to see, whatever the model
+  std::string sentence;  // what the figure shows, for any model
   std::vector<FigurePanel> panels;
   std::vector<PaperRow> rows;
 };
 
 struct Reproduction {
-  std::string model;  // which was asked, for the page
+  std::string model;  // its name
   std::vector<PaperFigure> figures;
-  double seconds = 0.0;  // it took
+  double seconds = 0.0;  // wall time
 };
 
 }  // namespace biopsy

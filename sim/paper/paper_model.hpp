@@ -1,5 +1,5 @@
-// What all the paper's experiments run on: one needle stage, the films of the other two materials, and what
-// is hung on the stage in Fig. 12 and 13. Only these differ from figure to figure. SI units.
+// Model of all the paper's experiments: one needle stage, the films of the other two materials, and the
+// mechanisms on the stage in Fig. 12 and 13. SI units.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,7 @@
 
 namespace biopsy::sim::paper {
 
-// All of a pouch that its material decides; what the stage's own film retains of charge goes with that film.
-// Electrical only: same size and same oil, paper IV.A.
+// Electrical properties of a pouch by its material; size and oil are the same (paper IV.A).
 struct Film {
   double K = 0.80;         // C1/(C1+C2)
   double tau = 6.9;        // s, R (C1+C2)
@@ -35,21 +34,21 @@ struct Needle {
 };
 
 struct PaperModel {
-  std::string name;   // for the page: where it came from
+  std::string name;   // of the stage's file
   PlantModel stage;   // 50 um PI, 11 pouches: the needle stage
   Film pi25, bopp25;  // 25 um PI, 25 um pre-coated BOPP: Fig. 6 alone
   Joint joint;
   Needle needle;
-  // For calibration: no waiting for what a row does not see. Rows differ by less than 1 %.
+  // For calibration: shorter runs. Rows differ by less than 1 %.
   bool brief = false;
 };
 
-// `stage` is a model file. `paper` holds the other films and what is hung on (sim/models/paper.toml: tables
+// `stage` is a model file. `paper` holds the other films and the mechanisms (sim/models/paper.toml: tables
 // [film.pi25], [film.bopp25], [joint], [needle]); tissues.toml beside it holds the needle's tissues. Every
-// value may be a number or { value, std, source }, as in model files. Throw ConfigError.
+// value may be a number or { value, std, source }, as in model files. Throws ConfigError.
 PaperModel read_paper_model(const std::filesystem::path& stage, const std::filesystem::path& paper);
 
-// A stage of another film; what is known only of its own film (retained charge) goes with that.
+// The stage with another film, without retained charge, which is known only of the stage's own film.
 PlantModel with_film(PlantModel stage, const Film& film);
 
 }  // namespace biopsy::sim::paper

@@ -1,7 +1,6 @@
-// What the paper's stage was asked to follow in Fig. 9, where its text is silent: the text gives the
-// frequencies, the weight and "a constant offset", the axes are on a picture. Chosen so that the text's other
-// statements have room: Fig. 11 regulates at 5 mm, Fig. 12 reaches 8 mm, and a sine that is poor "at low
-// target values" must come near 0.
+// Targets of Fig. 9. The text gives the frequencies, the weight and "a constant offset" but not the levels.
+// Chosen to agree with the other statements: Fig. 11 regulates at 5 mm, Fig. 12 reaches 8 mm, and a sine that
+// is poor "at low target values" comes near 0.
 #pragma once
 
 namespace biopsy::sim::paper {

@@ -21,8 +21,8 @@ struct FigureEntry {
 // In the paper's order; "beyond" last.
 const std::vector<FigureEntry>& all_figures();
 
-// Those that `wanted` means: all where it is empty, one ("7a"), or a figure with all its parts ("7"). Throws
-// ConfigError for any other word.
+// The figures named by `wanted`: all where it is empty, one ("7a"), or all parts of one ("7"). Throws
+// ConfigError for any other name.
 std::vector<FigureEntry> figures_named(std::string_view wanted);
 
 // Called from any thread, one call at a time: how many figures are done, of how many, and which was last.

@@ -1,5 +1,5 @@
-// What [baseline] of a model file may hold, under the names of docs/model.md: the table that reading, writing
-// and fitting share. SI units. `T` is not here: it is accepted in files and nothing that runs depends on it.
+// Values of [baseline] in a model file, under the names of docs/model.md: the table that reading, writing and
+// fitting share. SI units. `T` is accepted in files and not used.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct BaselineEntry {
   bool acts_in(Drive drive) const { return drive == Drive::Force ? force : stack; }
 };
 
-// m, c_s and k reach as far as benchmarks of plain mechanics do: from a loudspeaker's cone to a wing.
+// The ranges of m, c_s and k cover benchmarks of plain mechanics, from a loudspeaker's cone to a wing.
 inline constexpr std::array kBaselineEntries{
     BaselineEntry{"K", &Baseline::K, 0.01, 2.0, "", "C1/(C1+C2)", true, false},
     BaselineEntry{"tau", &Baseline::tau, 1e-3, 1e6, "s", "R (C1+C2)", true, false},

@@ -1,77 +1,88 @@
 #include "sim/plant/circuit.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace biopsy::sim {
 namespace {
 
-// Integral over t' from 0 to t of exp(-a (t - t')) exp(-b t'): what is left at t of an input that fades with
-// b when what it adds fades with a. Finite also where a = b.
-double faded_sum(double a, double b, double t) {
+// Integral over t' from 0 to t of exp(-a (t - t')) exp(-b t'): response of a first-order lag of rate a to an
+// input that decays with rate b. Finite also where a = b.
+double decay_response(double a, double b, double t) {
   const double slow = std::min(a, b), apart = std::abs(a - b) * t;
   return std::exp(-slow * t) * t * (apart > 1e-12 ? -std::expm1(-apart) / apart : 1.0);
 }
 
-// The amplifier on its way: u_i' = slope + missing/lag exp(-t/lag).
-struct Glide {
-  double slope = 0.0;    // V/s
-  double missing = 0.0;  // V
-  double lag = 1.0;      // s
-};
-
-Potentials glided(const PlantModel& model, const Potentials& p, const Glide& g, double t) {
-  const Baseline& b = model.baseline;
-  const double out = 1.0 / b.tau;
-  double in = 1.0 / g.lag;
-  if (std::abs(out - in) < 1e-5 * out) in = (1.0 - 1e-5) * out;  // below it divides by their difference
-  const double push = b.K * g.missing * in;
-  Potentials end;
-  end.u_i = p.u_i + g.slope * t - g.missing * std::expm1(-in * t);
-  end.u_o = p.u_o * std::exp(-out * t) + b.K * g.slope * faded_sum(out, 0.0, t);
-  if (g.missing != 0.0) end.u_o += push * faded_sum(out, in, t);
-  const auto& charge = model.effects.charge_retention;
-  if (!charge) return end;
-  // u_o is a sum of exponentials, decaying, constant and approaching; the screening is driven by each.
-  const double level = b.K * g.slope * b.tau, approach = push / (out - in), follow = 1.0 / charge->time;
-  const double driven = (p.u_o - level - approach) * faded_sum(follow, out, t) +
-                        level * faded_sum(follow, 0.0, t) + approach * faded_sum(follow, in, t);
-  end.screened = p.screened * std::exp(-follow * t) + charge->share * follow * driven;
-  return end;
+std::optional<Screening> screening_of(const Effects& effects) {
+  std::optional<Screening> screening;
+  for_each_present(effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::screening; }) screening = effect.screening();
+  });
+  return screening;
 }
 
 }  // namespace
 
-double amplifier_slope(const PlantModel& model, double u_i, double asked) {
-  const auto& lag = model.effects.amplifier_lag;
-  if (!lag || lag->instant() || u_i == asked) return 0.0;
-  const double missing = std::abs(asked - u_i);
-  const double free = lag->time > 0.0 ? missing / lag->time : HUGE_VAL;
-  return std::copysign(lag->slew > 0.0 ? std::min(free, 1.0 / lag->slew) : free, asked - u_i);
+double amplifier_slope(const AmplifierDynamics& amplifier, double u_i, double u_command) {
+  if (amplifier.instant() || u_i == u_command) return 0.0;
+  const double missing = std::abs(u_command - u_i);
+  const double free = amplifier.time > 0.0 ? missing / amplifier.time : HUGE_VAL;
+  return std::copysign(amplifier.slew > 0.0 ? std::min(free, 1.0 / amplifier.slew) : free, u_command - u_i);
 }
 
-Fading fading(const PlantModel& model, double t) {
-  const double tau = model.baseline.tau;
-  Fading f{.u_o = std::exp(-t / tau)};
-  if (const auto& charge = model.effects.charge_retention) {
-    f.screened = std::exp(-t / charge->time);
-    f.driven = charge->share / charge->time * faded_sum(1.0 / charge->time, 1.0 / tau, t);
+Circuit::Circuit(const PlantModel& model, double u_command, double h)
+    : model_(model),
+      amplifier_(amplifier_dynamics(model.effects)),
+      screening_(screening_of(model.effects)),
+      instant_(amplifier_.instant()),
+      u_command_(u_command),
+      h_(h),
+      half_(instant_ ? decay(0.5 * h) : Decay{}) {}
+
+Circuit::Decay Circuit::decay(double t) const {
+  const double tau = model_.baseline.tau;
+  Decay out{.u_o = std::exp(-t / tau)};
+  if (screening_) {
+    out.screened = std::exp(-t / screening_->time);
+    out.charging =
+        screening_->share / screening_->time * decay_response(1.0 / screening_->time, 1.0 / tau, t);
   }
-  return f;
+  return out;
 }
 
-Potentials after(const PlantModel& model, const Potentials& from, double asked, double t) {
-  const auto& lag = model.effects.amplifier_lag;
-  Potentials p = from;
+CircuitState Circuit::ramped(const CircuitState& c, const Ramp& ramp, double t) const {
+  const Baseline& b = model_.baseline;
+  const double out = 1.0 / b.tau;
+  double in = 1.0 / ramp.lag;
+  if (std::abs(out - in) < 1e-5 * out) in = (1.0 - 1e-5) * out;  // below it divides by their difference
+  const double push = b.K * ramp.missing * in;
+  CircuitState end;
+  end.u_i = c.u_i + ramp.slope * t - ramp.missing * std::expm1(-in * t);
+  end.u_o = c.u_o * std::exp(-out * t) + b.K * ramp.slope * decay_response(out, 0.0, t);
+  if (ramp.missing != 0.0) end.u_o += push * decay_response(out, in, t);
+  if (!screening_) return end;
+  // u_o is a sum of exponentials, decaying, constant and approaching; the screening is driven by each.
+  const double level = b.K * ramp.slope * b.tau, approach = push / (out - in),
+               follow = 1.0 / screening_->time;
+  const double driven = (c.u_o - level - approach) * decay_response(follow, out, t) +
+                        level * decay_response(follow, 0.0, t) + approach * decay_response(follow, in, t);
+  end.screened = c.screened * std::exp(-follow * t) + screening_->share * follow * driven;
+  return end;
+}
+
+CircuitState Circuit::after(const CircuitState& from, double t) const {
+  const auto& [time, slew] = amplifier_;
+  CircuitState c = from;
   double left = t;
-  if (lag->slew > 0.0) {  // limited until what is missing is a lag's worth of the slope
-    const double limited = std::abs(asked - p.u_i) * lag->slew - lag->time;
+  if (slew > 0.0) {  // the slope is limited until what is missing is a lag's worth of it
+    const double limited = std::abs(u_command_ - c.u_i) * slew - time;
     const double ramp = std::clamp(limited, 0.0, t);
-    if (ramp > 0.0) p = glided(model, p, {std::copysign(1.0 / lag->slew, asked - p.u_i), 0.0, 1.0}, ramp);
+    if (ramp > 0.0) c = ramped(c, {std::copysign(1.0 / slew, u_command_ - c.u_i), 0.0, 1.0}, ramp);
     left -= ramp;
-    if (left > 0.0 && lag->time <= 0.0) p.u_i = asked;  // arrived, but for rounding
+    if (left > 0.0 && time <= 0.0) c.u_i = u_command_;  // arrived, but for rounding
   }
-  if (left <= 0.0) return p;
-  return glided(model, p, lag->time > 0.0 ? Glide{0.0, asked - p.u_i, lag->time} : Glide{}, left);
+  if (left <= 0.0) return c;
+  return ramped(c, time > 0.0 ? Ramp{0.0, u_command_ - c.u_i, time} : Ramp{}, left);
 }
 
 }  // namespace biopsy::sim

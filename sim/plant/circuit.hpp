@@ -1,78 +1,100 @@
-// Volts: eq. (2) and the effects on voltage, solved exactly for any length of time while one voltage is asked
-// for. Independent of the mechanics.
+// Voltages: eq. (2) and the effects on voltage, solved exactly over any length of time at a constant command.
+// Independent of the mechanics.
 #pragma once
 
-#include <cmath>
+#include <optional>
 
 #include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim {
 
-// Amplifier, stack, and what retained charge screens of the stack's. V
-struct Potentials {
+// Amplifier's output, stack, and what retained charge screens of the stack's. V
+struct CircuitState {
   double u_i = 0.0, u_o = 0.0, screened = 0.0;
 };
 
-// The voltage that pulls, at the beginning, middle and end of a substep; V. And what stands at its
-// end.
+// The voltage that pulls at the start, the middle and the end of a substep, V; and the circuit at its end.
 struct VoltageProfile {
   double start, half, end;
-  Potentials after;
+  CircuitState after;
 };
 
-inline double acting_voltage(const PlantModel& model, const Potentials& p) {
-  const double u = p.u_o - p.screened;
-  return model.effects.polarity_asymmetry ? model.effects.polarity_asymmetry->acting(u) : u;
+// Voltage commanded of the amplifier for a requested one. V
+inline double commanded_voltage(const PlantModel& model, double requested) {
+  double u = requested;
+  for_each_present(model.effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::limited; }) u = effect.limited(u);
+  });
+  return u;
 }
 
-// dV/s of the amplifier's output on its way to `asked`.
-double amplifier_slope(const PlantModel& model, double u_i, double asked);
+inline double acting_voltage(const PlantModel& model, const CircuitState& c) {
+  double u = c.u_o - c.screened;
+  for_each_present(model.effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::acting; }) u = effect.acting(u);
+  });
+  return u;
+}
 
-// After t, where the amplifier lags, by the effects' equations.
-Potentials after(const PlantModel& model, const Potentials& from, double asked, double t);
+// Of the effect that has one; instant without.
+inline AmplifierDynamics amplifier_dynamics(const Effects& effects) {
+  AmplifierDynamics dynamics;
+  for_each_present(effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::amplifier; }) dynamics = effect.amplifier();
+  });
+  return dynamics;
+}
 
-// What a length of time does to a stack whose amplifier stands still: shares of what was there before it.
-struct Fading {
-  double u_o = 1.0;       // left of the stack's voltage,
-  double screened = 1.0;  // of what is screened,
-  double driven = 0.0;    // and what of u_o is screened anew
-};
-Fading fading(const PlantModel& model, double t);
+// dV/s of the amplifier's output on its way to u_command.
+double amplifier_slope(const AmplifierDynamics& amplifier, double u_i, double u_command);
 
-// Remembers the fading over half of h, the last length asked for: a step's pieces are mostly equally long.
+// The circuit over the substeps of one step with one command. While the amplifier stands still, the decay
+// over half of the last length is kept: substeps are mostly equally long.
 class Circuit {
  public:
-  Circuit(const PlantModel& model, double asked, double h)
-      : model_(model),
-        asked_(asked),
-        h_(h),
-        still_(!model.effects.amplifier_lag || model.effects.amplifier_lag->instant()),
-        half_(still_ ? fading(model, 0.5 * h) : Fading{}) {}
+  Circuit(const PlantModel& model, double u_command, double h);
 
-  VoltageProfile over(const Potentials& from, double h) {
-    if (!still_) return lagging(from, h);
-    if (h != h_) h_ = h, half_ = fading(model_, 0.5 * h);
-    const Potentials half = faded(from);
-    return profile(from, half, faded(half));
+  VoltageProfile over(const CircuitState& from, double h) {
+    if (!instant_) return lagging(from, h);
+    if (h != h_) h_ = h, half_ = decay(0.5 * h);
+    const CircuitState half = decayed(from);
+    return profile(from, half, decayed(half));
   }
 
  private:
-  Potentials faded(const Potentials& p) const {
-    return {p.u_i, p.u_o * half_.u_o, p.screened * half_.screened + p.u_o * half_.driven};
+  // Factors on what was there at the beginning of a time, the amplifier standing still.
+  struct Decay {
+    double u_o = 1.0, screened = 1.0;
+    double charging = 0.0;  // of u_o, onto the screened voltage
+  };
+  // The amplifier's output changes by u_i' = slope + missing/lag exp(-t/lag).
+  struct Ramp {
+    double slope = 0.0;    // V/s
+    double missing = 0.0;  // V
+    double lag = 1.0;      // s
+  };
+
+  Decay decay(double t) const;
+  CircuitState decayed(const CircuitState& c) const {
+    return {c.u_i, c.u_o * half_.u_o, c.screened * half_.screened + c.u_o * half_.charging};
   }
-  VoltageProfile lagging(const Potentials& from, double h) const {
-    const Potentials half = after(model_, from, asked_, 0.5 * h);
-    return profile(from, half, after(model_, half, asked_, 0.5 * h));
+  CircuitState ramped(const CircuitState& c, const Ramp& ramp, double t) const;
+  CircuitState after(const CircuitState& from, double t) const;  // where the amplifier lags
+  VoltageProfile lagging(const CircuitState& from, double h) const {
+    const CircuitState half = after(from, 0.5 * h);
+    return profile(from, half, after(half, 0.5 * h));
   }
-  VoltageProfile profile(const Potentials& from, const Potentials& half, const Potentials& end) const {
+  VoltageProfile profile(const CircuitState& from, const CircuitState& half, const CircuitState& end) const {
     return {acting_voltage(model_, from), acting_voltage(model_, half), acting_voltage(model_, end), end};
   }
 
   const PlantModel& model_;
-  double asked_;
+  AmplifierDynamics amplifier_;
+  std::optional<Screening> screening_;
+  bool instant_;
+  double u_command_;
   double h_;
-  bool still_;
-  Fading half_;
+  Decay half_;
 };
 
 }  // namespace biopsy::sim

@@ -26,7 +26,7 @@ constexpr std::array kColumns{ColumnRule{"time_s", "time", -1e9, 1e9},
                               ColumnRule{"current_uA", "current", -1e7, 1e7},
                               ColumnRule{"external_force_N", "external_force", -1e5, 1e5}};
 
-// `name` is the quantity `stem` in another unit than that of `right`: it would be silently lost otherwise.
+// `name` is the quantity `stem` in another unit than that of `right`: refused, or it would be ignored.
 bool in_wrong_unit(std::string_view name, std::string_view right, std::string_view stem) {
   return name != right && name.starts_with(std::string(stem) + "_") &&
          name.find('_', stem.size() + 1) == std::string_view::npos;
@@ -44,7 +44,7 @@ void refuse_wrong_units(const CsvTable& table) {
                           fmt::format("convert it and name it `{}`", rule.name));
 }
 
-// The same for dataset.toml: weight_kg = 0.05 must not become a run without a weight.
+// The same for dataset.toml: weight_kg = 0.05 must not be ignored.
 void refuse_wrong_units(const TomlTable& table, std::string_view right, std::string_view stem) {
   for (const std::string& name : table.names())
     if (in_wrong_unit(name, right, stem))

@@ -1,4 +1,4 @@
-// Forces and rates of the plant at one instant: what the integrator in plant.cpp asks for.
+// Forces and rates of the plant at one instant, for the integrator in plant.cpp.
 #pragma once
 
 #include <array>
@@ -7,23 +7,28 @@
 
 namespace biopsy::sim {
 
-// Which groups of effects a model has: an absent group costs one branch.
-struct Presence {
-  bool dry;    // friction that can hold plate A
-  bool pouch;  // set or creep on top of the pouches
-  bool stage;  // further forces on plate A
-  bool inner;  // motion behind the plates: creep, a yielding spring
+// Groups of terms that a model has: an absent group costs one branch.
+struct ActiveTerms {
+  bool dry_friction;      // can hold plate A
+  bool pouch_offset;      // on top of the pouches
+  bool load;              // of effects on plate A, besides the tissue's
+  bool integrated_state;  // of effects
+  bool sensor_filter;
+  bool cut_rate;  // something may move faster than a step resolves
 };
-Presence presence(const PlantModel& model);
+ActiveTerms active_terms(const PlantModel& model);
 
-// What an evaluation needs besides the motion itself: all of it as it was when the substep of time began.
+// What an evaluation needs besides the motion: as it was at the beginning of the substep.
 struct StepContext {
   const PlantModel& model;
   const PlantInputs& inputs;
   const PlantState& state;
-  const Presence has;
+  const ActiveTerms has;
   const std::size_t layers;  // of tissue that the needle can touch within this substep
   const double mass;         // kg, of plate A
+
+  // States besides H, x and v change within this substep.
+  bool evolves() const { return has.integrated_state || layers > 0; }
 };
 
 // A moment within the substep: the voltage that pulls (V), and the time since the substep began (s).
@@ -33,7 +38,7 @@ struct Instant {
 
 struct Derivative {
   double dH = 0.0, dx = 0.0, dv = 0.0;
-  double dpouch, dyielded, dcrept_lone;   // only where the model has inner motion
+  IntegratedStates integrated;            // only where the model has any
   std::array<double, kMaxLayers> dcrept;  // only for the layers within reach
 };
 
@@ -46,18 +51,22 @@ double net_force(const StepContext& s, const Motion& m, Instant at);
 // Dry friction available at this position and speed. N
 double friction_bound(const PlantModel& model, double x, double v);
 
-// What set and creep put on top of one pouch, `largest` being the set's memory. m
-double on_top(const PlantModel& model, const Motion& m, double largest);
+// What the effects add to one pouch, `since` (s) after their states were remembered.
+PouchOffset pouch_offset(const PlantModel& model, const Motion& m, const RememberedStates& remembered,
+                         double since);
 
-// The spring's push on a plate A of that mass (kg), without the part of its damper that depends on plate B's
-// speed. N
-inline double undamped_spring(const PlantModel& model, const Motion& m, double mass, double on_top) {
+// The series spring's push on a plate A of that mass (kg), without the part of its damper that depends on
+// plate B's speed; `offset` (m) is on top of each pouch. N, up
+inline double undamped_spring(const PlantModel& model, const Motion& m, const RememberedStates& remembered,
+                              double mass, double offset) {
   const Baseline& b = model.baseline;
-  const double stretch = b.n * (m.H - b.H_0 + on_top) - m.x;
+  const double stretch = b.n * (m.H - b.H_0 + offset) - m.x;
   double push = mass * b.g + b.k * stretch - b.c_k * m.v;
-  if (const auto& cubic = model.effects.spring_hardening) push += cubic->force(stretch);
-  if (const auto& bouc = model.effects.hysteretic_spring)
-    push -= bouc->across * bouc->pull(bouc->bounded(m.yielded));
+  for_each_present(model.effects, m.integrated, remembered,
+                   [&]<class E>(const E& effect, const auto&... own) {
+                     if constexpr (requires { &E::spring_push; })
+                       push += effect.spring_push({stretch, true}, own...);
+                   });
   return push;
 }
 

@@ -12,7 +12,7 @@
 namespace biopsy::sim {
 namespace {
 
-// A value, and what stands beside it under `key` in the notes.
+// A value; its std and source go to the notes under `key`.
 double read_value(TomlTable& table, std::string_view name, double low, double high, const std::string& key,
                   ModelNotes& notes) {
   const double value = table.number(name, low, high);
@@ -36,7 +36,7 @@ void read_drive(TomlTable& table, Baseline& baseline) {
   baseline.drive = word == "force" ? Drive::Force : Drive::Stack;
 }
 
-// What a file leaves out keeps the reference value.
+// Values that the file leaves out keep the reference.
 void read_baseline(TomlTable table, NotedModel& out) {
   Baseline& baseline = out.model.baseline;
   if (table.has("drive")) read_drive(table, baseline);
@@ -47,13 +47,12 @@ void read_baseline(TomlTable table, NotedModel& out) {
           read_value(table, entry.name, entry.low, entry.high, std::string(entry.name), out.notes);
   }
   table.ignore("T");
-  if (baseline.drive == Drive::Force) out.notes.T.reset();  // rows of the data set say it
+  if (baseline.drive == Drive::Force) out.notes.T.reset();  // given by the data set's rows
   if (table.has("T")) out.notes.T = read_value(table, "T", 1e-5, 0.05, "T", out.notes);
   table.refuse_rest();
 }
 
-// An effect that is present gives all its parameters, half an effect being a mistake, except those that say
-// they may be left out.
+// An effect that is present must give all its parameters but the optional ones.
 template <class Effect>
 Effect read_effect(TomlTable table, ModelNotes& notes) {
   Effect effect;

@@ -16,7 +16,7 @@ namespace biopsy::sim {
 
 inline constexpr double kReferencePeriod = 1e-3;  // s, T of docs/model.md, section 1
 
-// What stands beside a value: how well it is known and from where.
+// Uncertainty and source of a value.
 struct ValueNote {
   std::optional<double> std;  // in the unit of the file
   std::string source;
@@ -24,7 +24,7 @@ struct ValueNote {
   bool operator==(const ValueNote&) const = default;
 };
 
-// How the deviations of values go together: between -1 and 1, for each value with those before it.
+// Correlation coefficients of the values' errors, for each value with those before it.
 struct Correlations {
   std::vector<std::string> values;  // as in ModelNotes::values; each has a std
   std::vector<double> lower;        // below the diagonal, row by row: (2,1), (3,1), (3,2), ...
@@ -36,12 +36,12 @@ struct Correlations {
   bool operator==(const Correlations&) const = default;
 };
 
-// What a model file holds besides the model.
+// Contents of a model file besides the model.
 struct ModelNotes {
   std::string title;
-  std::optional<double> T = kReferencePeriod;  // s, control period: without effect on a run, kept in rewrites
-  std::map<std::string, ValueNote> values;   // by "K" or "coulomb_friction.force_N"; plain numbers have none
-  std::optional<Correlations> correlations;  // none: nobody found them out
+  std::optional<double> T = kReferencePeriod;  // s, control period; no run depends on it
+  std::map<std::string, ValueNote> values;     // by "K" or "coulomb_friction.force_N"
+  std::optional<Correlations> correlations;    // none: not determined
 
   bool operator==(const ModelNotes&) const = default;
 };

@@ -22,7 +22,7 @@ double rounded_to_digits(double value, int digits) {
   return out;
 }
 
-// The lines of one file; remembers which notes found their value.
+// The lines of one file, and which notes were written.
 class ModelText {
  public:
   explicit ModelText(const ModelNotes& notes) : notes_(notes) {
@@ -81,7 +81,7 @@ void write_effect(const Effect& effect, const ModelNotes& notes, ModelText& text
   }
 }
 
-// Correlations of values whose deviation is gone say nothing any more.
+// Left out where a value has no deviation any more.
 void write_correlations(const ModelNotes& notes, ModelText& text) {
   if (!notes.correlations) return;
   const Correlations& all = *notes.correlations;
@@ -111,7 +111,7 @@ std::string number_in_unit(double si, double si_per_unit, double low, double hig
       return fmt::format("{}", number);
   for (const double beside : {std::nextafter(nearest, -HUGE_VAL), std::nextafter(nearest, HUGE_VAL)})
     if (reads_back(beside)) return fmt::format("{}", beside);
-  // A value on the edge of its range stays inside; one that is truly outside shows.
+  // A value at the edge of its range stays inside in spite of rounding.
   for (const double edge : {low, high})
     if (std::abs(nearest - edge) <= 4e-16 * std::abs(edge)) return fmt::format("{}", edge);
   return fmt::format("{}", nearest);

@@ -4,36 +4,10 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "sim/effects/added_mass.hpp"
-#include "sim/effects/amplifier_lag.hpp"
-#include "sim/effects/backlash.hpp"
-#include "sim/effects/charge_retention.hpp"
-#include "sim/effects/coulomb_friction.hpp"
-#include "sim/effects/end_stop.hpp"
-#include "sim/effects/external_force.hpp"
-#include "sim/effects/hysteretic_spring.hpp"
-#include "sim/effects/layer_puncture.hpp"
-#include "sim/effects/periodic_disturbance.hpp"
-#include "sim/effects/polarity_asymmetry.hpp"
-#include "sim/effects/pouch_creep.hpp"
-#include "sim/effects/quadratic_damping.hpp"
-#include "sim/effects/residual_set.hpp"
-#include "sim/effects/sensor_drift.hpp"
-#include "sim/effects/sensor_lag.hpp"
-#include "sim/effects/sensor_noise.hpp"
-#include "sim/effects/sensor_offset.hpp"
-#include "sim/effects/sensor_scale.hpp"
-#include "sim/effects/shaft_friction.hpp"
-#include "sim/effects/spring_hardening.hpp"
-#include "sim/effects/stribeck_friction.hpp"
-#include "sim/effects/tissue_relaxation.hpp"
-#include "sim/effects/voltage_saturation.hpp"
-#include "sim/effects/zipping_hysteresis.hpp"
+#include "sim/effects/effect_list.hpp"
 
 namespace biopsy::sim {
 
@@ -41,7 +15,7 @@ inline constexpr double kVacuumPermittivity = 8.8541878128e-12;  // F/m, CODATA 
 
 enum class Drive : std::uint8_t {
   Stack,  // voltage on the pouches
-  Force,  // a measured force on plate A: mechanical data that never saw a HASEL
+  Force,  // a measured force on plate A: mechanical data without a HASEL stack
 };
 
 // Defaults are the reference values; sim/models/baseline.toml holds the same and a test compares them.
@@ -66,71 +40,7 @@ struct Baseline {
   double g = 9.81;              // m/s^2
 };
 
-struct Effects {
-  std::optional<VoltageSaturation> voltage_saturation;
-  std::optional<AmplifierLag> amplifier_lag;
-  std::optional<ChargeRetention> charge_retention;
-  std::optional<PolarityAsymmetry> polarity_asymmetry;
-  std::optional<ZippingHysteresis> zipping_hysteresis;
-  std::optional<ResidualSet> residual_set;
-  std::optional<PouchCreep> pouch_creep;
-  std::optional<AddedMass> added_mass;
-  std::optional<SpringHardening> spring_hardening;
-  std::optional<HystereticSpring> hysteretic_spring;
-  std::optional<QuadraticDamping> quadratic_damping;
-  std::optional<ExternalForce> external_force;
-  std::optional<PeriodicDisturbance> periodic_disturbance;
-  std::optional<EndStop> end_stop;
-  std::optional<CoulombFriction> coulomb_friction;
-  std::optional<StribeckFriction> stribeck_friction;
-  std::optional<LayerPuncture> layer_puncture;
-  std::optional<ShaftFriction> shaft_friction;
-  std::optional<TissueRelaxation> tissue_relaxation;
-  std::optional<Backlash> backlash;
-  std::optional<SensorLag> sensor_lag;
-  std::optional<SensorScale> sensor_scale;
-  std::optional<SensorDrift> sensor_drift;
-  std::optional<SensorOffset> sensor_offset;
-  std::optional<SensorNoise> sensor_noise;
-};
-
-// Calls visit(optional effect) for each effect of the library, in the order in which they act:
-//   volts    saturation limits what is asked for; the amplifier follows with its lag; the stack gets u_o of
-//            that by eq. (2); retained charge s screens it; polarity scales u_o - s, which is what pulls.
-//   pouch    the play asks for a height, the set's floor is the least, oil flows there; what remains of the
-//            set, and creep, come on top: x_B = n (H - H_0 + set + creep).
-//   plate A  one sum of forces over one mass; dry friction last, because it opposes that sum.
-//   reading  plate A through the play, plus the disturbance's motion; that late; scale, drift, offset, noise.
-template <class AnyEffects, class Visitor>
-void for_each_effect(AnyEffects& effects, Visitor&& visit) {
-  visit(effects.voltage_saturation);
-  visit(effects.amplifier_lag);
-  visit(effects.charge_retention);
-  visit(effects.polarity_asymmetry);
-  visit(effects.zipping_hysteresis);
-  visit(effects.residual_set);
-  visit(effects.pouch_creep);
-  visit(effects.added_mass);
-  visit(effects.spring_hardening);
-  visit(effects.hysteretic_spring);
-  visit(effects.quadratic_damping);
-  visit(effects.external_force);
-  visit(effects.periodic_disturbance);
-  visit(effects.end_stop);
-  visit(effects.coulomb_friction);
-  visit(effects.stribeck_friction);
-  visit(effects.layer_puncture);
-  visit(effects.shaft_friction);
-  visit(effects.tissue_relaxation);
-  visit(effects.backlash);
-  visit(effects.sensor_lag);
-  visit(effects.sensor_scale);
-  visit(effects.sensor_drift);
-  visit(effects.sensor_offset);
-  visit(effects.sensor_noise);
-}
-
-// One tissue that the needle meets: the same three laws as the effects, one set a layer.
+// One tissue that the needle meets: the laws of the tissue effects, one set a layer.
 struct TissueLayer {
   LayerPuncture surface;
   ShaftFriction shaft;
@@ -147,11 +57,14 @@ struct PlantModel {
   double internal_step = 1e-3;      // s, largest step of the integrator
   std::uint64_t noise_seed = 1;
 
-  // What moves with plate A. An added mass, however negative, leaves a tenth of what is described. kg
+  // Mass that moves with plate A; at least a tenth of the described one, however negative an added mass. kg
   double mass_A() const {
     const double described = baseline.drive == Drive::Force ? baseline.m : baseline.fixture_mass + weight;
-    if (!effects.added_mass) return described;
-    return std::max(0.1 * described, described + effects.added_mass->mass);
+    double mass = described;
+    for_each_present(effects, [&]<class E>(const E& effect) {
+      if constexpr (requires { &E::added_mass; }) mass += effect.added_mass();
+    });
+    return std::max(0.1 * described, mass);
   }
 };
 

@@ -13,11 +13,6 @@ inline double pressure(const Baseline& b, double u_o) {
   return b.eps_film * kVacuumPermittivity * u_o * u_o / (2.0 * b.d_film * b.d_film);
 }
 
-struct Equilibrium {
-  double H = 0.0;      // m
-  double slope = 0.0;  // m/N, dH/dF
-};
-
 // Height at which pressure P carries load F: S = F/(L0 P) and eq. (18) solved for H. Written as a/(sqrt(S^2 +
 // a) + S) because the difference sqrt(S^2 + a) - S cancels to nothing at low voltage, and multiplied through
 // by L0 P.

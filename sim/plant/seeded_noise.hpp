@@ -1,5 +1,5 @@
-// Random numbers that depend on the seed and on where they are used, and on nothing else: not on the order of
-// calls, nor on a library's idea of a normal distribution.
+// Random numbers as a function of seed and counter: independent of the order of calls and of the standard
+// library's distributions.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr std::uint64_t hashed(std::uint64_t seed, std::uint64_t counter) {
   return z ^ (z >> 31);
 }
 
-// In (0, 1): never 0, so its logarithm exists.
+// In (0, 1), never 0.
 constexpr double uniform(std::uint64_t seed, std::uint64_t counter) {
   return (static_cast<double>(hashed(seed, counter) >> 11) + 0.5) * 0x1.0p-53;
 }

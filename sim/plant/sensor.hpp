@@ -5,31 +5,27 @@
 
 namespace biopsy::sim {
 
-// Where the sensor's target stands now: plate A through the play, plus the disturbance's motion. m
-inline double sensed(const PlantModel& model, const PlantState& state) {
-  const Effects& e = model.effects;
-  double seen = e.backlash ? state.memory.carried : state.motion.x;
-  if (e.periodic_disturbance)
-    seen += e.periodic_disturbance->motion * e.periodic_disturbance->wave(state.time);
-  return seen;
+// Position of the sensor's target: plate A's or what transmits it, plus the target's own motion. m
+inline double target_position(const PlantModel& model, const PlantState& state) {
+  double position = state.motion.x;
+  for_each_present(model.effects, state.motion.integrated, state.remembered,
+                   [&]<class E>(const E& effect, const auto&... own) {
+                     if constexpr (requires { &E::transmitted; }) position = effect.transmitted(own...);
+                   });
+  for_each_present(model.effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::target_motion; }) position += effect.target_motion(state.time);
+  });
+  return position;
 }
 
-// The sensor's filters after h, its target having gone straight from `from` to where it stands now.
-inline void remember_reading(const PlantModel& model, PlantState& state, double from, double h) {
-  const auto& lag = model.effects.sensor_lag;
-  if (!lag || h <= 0.0) return;  // plate A broke away in the very instant in which it stopped
-  const double before = state.reading;
-  state.reading = lag->lagged(from, sensed(model, state), before, h);
-  state.memory.delay = lag->delayed(before, state.reading, state.memory.delay, h);
-}
-
-// The filters as a target that moves with v for long already leaves them.
-inline void settle_reading(const PlantModel& model, PlantState& state, double v) {
-  state.reading = sensed(model, state);
-  const auto& lag = model.effects.sensor_lag;
-  if (!lag) return;
-  state.reading -= v * lag->time;
-  state.memory.delay = {state.reading - 0.5 * v * lag->delay, v * lag->delay};
+// The sensor's filters after h, the target having gone straight from `from` to where it is now.
+inline void follow_target(const PlantModel& model, PlantState& state, double from, double h) {
+  if (h <= 0.0) return;  // plate A broke away in the very instant in which it stopped
+  const double to = target_position(model, state);
+  for_each_present(model.effects, state.motion.integrated, state.remembered,
+                   [&]<class E>(const E& effect, auto&... own) {
+                     if constexpr (requires { &E::follow; }) effect.follow(from, to, h, own...);
+                   });
 }
 
 }  // namespace biopsy::sim

@@ -12,7 +12,7 @@ RecordedRun simulate(PlantModel model, const RecordedRun& recorded) {
   run.plate_b.assign(stack ? rows : 0, 0.0);
   run.current.assign(stack ? rows : 0, 0.0);
   PlantState state = at_rest(model);
-  double mean_current = 0.0;  // over the row before: the charge of a jump is over before any instant sees it
+  double mean_current = 0.0;  // over the row before: a jump of the voltage is a charge without duration
   for (std::size_t i = 0; i < rows; ++i) {
     run.displacement[i] = displacement_reading(model, state);
     if (stack) {

@@ -1,4 +1,4 @@
-// Recorded inputs through the plant, open loop: what would have been measured if the model were the truth.
+// Recorded inputs through the plant, open loop.
 #pragma once
 
 #include "sim/plant/dataset.hpp"

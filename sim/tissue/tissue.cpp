@@ -33,7 +33,7 @@ TissueTable read_tissues(const std::filesystem::path& file) {
     table.refuse_rest();
   }
   if (!tissues.contains("unknown"))
-    throw ConfigError("no [tissue.unknown]", file.string(), "say what tissue without a name behaves like");
+    throw ConfigError("no [tissue.unknown]", file.string(), "add the tissue that stands for unknown names");
   return tissues;
 }
 

@@ -63,9 +63,9 @@ std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidenc
     one.candidate = scores[i].candidate;
     one.hypothesis = current;
     if (one.candidate.effect == sim::gap::kBaseline)
-      release(one.hypothesis, one.candidate.baseline_number);
+      free_parameter(one.hypothesis, one.candidate.baseline_parameter);
     else
-      include(one.hypothesis, one.candidate.effect, scores[i].probes.front().start, evidence);
+      add_effect(one.hypothesis, one.candidate.effect, scores[i].probes.front().start, evidence);
     fit(one.hypothesis, evidence, kIterations);
     one.bic = textbook_bic(one.hypothesis, evidence, readings);
   });
@@ -74,7 +74,7 @@ std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidenc
 }
 
 hidden::AnsweredEffect answered(const Hypothesis& hypothesis, int effect, double probability) {
-  const auto& entry = sim::gap::library()[static_cast<std::size_t>(effect)];
+  const auto& entry = sim::gap::library_effect(effect);
   hidden::AnsweredEffect out{std::string(entry.info.name), probability, {}, {}};
   for (const auto& unknown : hypothesis.unknowns)
     if (unknown.effect == effect) {
@@ -107,7 +107,7 @@ void mark(hidden::Answer& answer, const sim::PlantModel& before, const sim::Plan
 }
 
 hidden::Answer fit_all_parameters(const sim::Dataset& data, const sim::PlantModel& model) {
-  const Evidence evidence = sim::gap::prepare(data, model, {}, sim::gap::Grain::Fine);
+  const Evidence evidence = sim::gap::prepare(data, model, {}, sim::gap::Sampling::Fine);
   Hypothesis all = sim::gap::baseline_hypothesis(model, baseline_numbers(model));
   fit(all, evidence, kIterations);
   estimate_uncertainty(all, evidence);
@@ -124,7 +124,7 @@ hidden::Answer fit_all_parameters(const sim::Dataset& data, const sim::PlantMode
 }
 
 hidden::Answer select_naively(const sim::Dataset& data, const sim::PlantModel& model) {
-  const Evidence evidence = sim::gap::prepare(data, model, {}, sim::gap::Grain::Coarse);
+  const Evidence evidence = sim::gap::prepare(data, model, {}, sim::gap::Sampling::Coarse);
   const double readings = training_readings(data, evidence);
   Hypothesis best = sim::gap::baseline_hypothesis(model, {});
   fit(best, evidence, kIterations);

@@ -1,4 +1,4 @@
-// Other ways to answer what a model lacks, on the same data and judged by the same table. Each is built as
+// Other ways to answer what a model lacks, on the same data and scored by the same table. Each is built as
 // its own school would build it; none knows what was hidden.
 #pragma once
 

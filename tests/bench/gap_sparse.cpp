@@ -149,7 +149,7 @@ void name(hidden::Answer& answer, const std::vector<Survivor>& found) {
 }  // namespace
 
 hidden::Answer regress_sparsely(const sim::Dataset& data, const sim::PlantModel& model) {
-  const auto evidence = sim::gap::prepare(data, model, {}, sim::gap::Grain::Fine);
+  const auto evidence = sim::gap::prepare(data, model, {}, sim::gap::Sampling::Fine);
   std::vector<SampledRun> training, held_out;
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     (evidence.runs[i].training_rows > 0 ? training : held_out).push_back(sampled(data.runs[i], model));

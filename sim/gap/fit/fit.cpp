@@ -15,20 +15,20 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kLookSeconds = 2.0;  // what a model misses comes back with every cycle and ramp of the drive
-constexpr double kFewestLooks = 30.0;
+constexpr double kSampleSeconds = 2.0;  // a model's errors repeat with every cycle and ramp of the drive
+constexpr double kFewestSamples = 30.0;
 constexpr double kBlockSeconds = 1.0;
 constexpr double kToleranceOfNoise = 0.1;
 constexpr double kConverged = 1e-4;   // of the cost: a tenth of a unit of log evidence
 constexpr double kWidestRange = 1e6;  // of theta
-constexpr int kLooksAlongAStep = 4;   // then the trust region shrinks instead
-constexpr int kRefresh = 4;  // the calibration's columns hardly change: computed anew every so many times
+constexpr int kLineSearchSteps = 4;   // then the trust region shrinks instead
+constexpr int kRefresh = 4;  // iterations between updates of the calibration's columns, which hardly change
 
 double difference_step(const Unknown& u) {
   double h = 2e-3;  // logarithms: 0.2 % of the value
   if (!u.logarithmic) h = 5e-3 * std::max(std::abs(u.theta), 0.2);
   if (u.effect != kBaseline) {
-    const Role role = library()[static_cast<std::size_t>(u.effect)].parameters[u.parameter].role;
+    const Role role = library_effect(u.effect).parameters[u.parameter].role;
     if (role == Role::Frequency) h = 0.02;
     if (role == Role::Place || role == Role::Level) h = 2e-3;
   }
@@ -39,8 +39,8 @@ bool is_calibration(const Unknown& u) {
   return std::isfinite(u.prior_std);
 }
 
-// What was known of a number before any reading: at the least, that it lies in its range. Standard deviation.
-double known_before(const Unknown& u) {
+// Standard deviation before any reading; without a prior that of its range.
+double prior_deviation(const Unknown& u) {
   const double range = std::min(u.high - u.low, kWidestRange) / std::sqrt(12.0);
   return is_calibration(u) ? u.prior_std : range;
 }
@@ -63,7 +63,7 @@ Eigen::VectorXd sensitivity(const Hypothesis& hypothesis, std::size_t unknown, c
          h;
 }
 
-// The training residuals, then one row for each unknown that something is known of.
+// The training residuals, then one row for each unknown with a prior.
 class Misfit : public ceres::CostFunction {
  public:
   Misfit(const Hypothesis& hypothesis, const Evidence& evidence, double weight, std::size_t rows)
@@ -77,7 +77,7 @@ class Misfit : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Hypothesis here = hypothesis_;
     const std::vector<double> at(parameters[0], parameters[0] + here.unknowns.size());
-    here.settle(at);
+    here.set(at);
     if (at != last_at_) last_at_ = at, last_ = residual(here.model, evidence_, Part::Training);
     const std::vector<double>& now = last_;
     for (std::size_t i = 0; i < rows_; ++i) residuals[i] = root_ * now[i];
@@ -116,7 +116,7 @@ class Misfit : public ceres::CostFunction {
   const Evidence& evidence_;
   mutable Eigen::MatrixXd columns_;
   mutable int age_ = 0;
-  mutable std::vector<double> last_at_, last_;  // a derivative is asked for where the value was
+  mutable std::vector<double> last_at_, last_;  // Ceres evaluates the derivative where it had the value
   double root_;
   std::size_t rows_;
   std::vector<std::size_t> known_;
@@ -141,15 +141,15 @@ std::vector<std::pair<std::size_t, std::size_t>> blocks(const Evidence& evidence
 
 }  // namespace
 
-double independent_looks(double seconds) {
-  return std::max(kFewestLooks, seconds / kLookSeconds);
+double independent_samples(double seconds) {
+  return std::max(kFewestSamples, seconds / kSampleSeconds);
 }
 
 double residual_weight(const Evidence& evidence, double square_now) {
   double rows = 0.0;
   for (const EvidenceRun& run : evidence.runs) rows += static_cast<double>(run.training_rows);
   const double tolerated = kToleranceOfNoise * evidence.noise;
-  return independent_looks(evidence.training_seconds) / (rows * (square_now + tolerated * tolerated));
+  return independent_samples(evidence.training_seconds) / (rows * (square_now + tolerated * tolerated));
 }
 
 Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evidence,
@@ -180,15 +180,15 @@ void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, doubl
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
   options.function_tolerance = kConverged;
-  // Where a step leaves the bounds Ceres effective_sample_size along it; by values alone, since a derivative
-  // costs as many simulations as there are unknowns.
+  // Where a step leaves the bounds Ceres searches along it; by values alone, since a derivative costs as many
+  // simulations as there are unknowns.
   options.line_search_interpolation_type = ceres::QUADRATIC;
-  options.max_num_line_search_step_size_iterations = kLooksAlongAStep;
+  options.max_num_line_search_step_size_iterations = kLineSearchSteps;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  hypothesis.settle(thetas);
+  hypothesis.set(thetas);
 }
 
 void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
@@ -199,7 +199,7 @@ void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
   const double w = 1.0 / std::max(mean_square(r), evidence.noise * evidence.noise);
   Eigen::MatrixXd information = w * J.transpose() * J;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double known = known_before(hypothesis.unknowns[static_cast<std::size_t>(i)]);
+    const double known = prior_deviation(hypothesis.unknowns[static_cast<std::size_t>(i)]);
     information(i, i) += 1.0 / (known * known);
   }
   const Eigen::MatrixXd inverse = information.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
@@ -214,10 +214,10 @@ void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {
   }
   const double few = static_cast<double>(all.size());
   const Eigen::MatrixXd robust = inverse * scatter * inverse * (few / std::max(1.0, few - 1.0));
-  // What is left above the noise is the model's error, which comes back with every cycle: few
-  // effective_sample_size, not rows.
+  // The residual above the noise is the model's error, which repeats every cycle: few independent samples.
   const double square = mean_square(r), above = std::max(0.0, 1.0 - std::pow(evidence.noise, 2) / square);
-  const double repeats = above * static_cast<double>(r.size()) / independent_looks(evidence.training_seconds);
+  const double repeats =
+      above * static_cast<double>(r.size()) / independent_samples(evidence.training_seconds);
   const Eigen::MatrixXd coherent = inverse * (1.0 + repeats);
   for (Eigen::Index i = 0; i < n; ++i) {
     hypothesis.unknowns[static_cast<std::size_t>(i)].std =

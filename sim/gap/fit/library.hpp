@@ -1,11 +1,11 @@
-// The effects of the library behind one face: what a search needs to add one to a model and to set its
-// numbers by index. Parameters are in SI here; `si_per_unit` leads back to a file's units.
+// The effects of the library behind one type: a search adds one to a model and sets its parameters by index.
+// Parameters are in SI here; value / si_per_unit is in a file's unit.
 #pragma once
 
 #include <string_view>
 #include <vector>
 
-#include "sim/plant/effect.hpp"
+#include "sim/effects/effect.hpp"
 #include "sim/plant/plant_model.hpp"
 
 namespace biopsy::sim::gap {
@@ -29,7 +29,12 @@ struct LibraryEffect {
   void (*set)(PlantModel&, std::size_t parameter, double si);
 };
 
-// Every effect that a gap can be made of; sensor noise is not one: it is the floor.
+// Every effect that can explain a gap: all but sensor noise.
 const std::vector<LibraryEffect>& library();
+
+// By its index; effects are numbered as int because -1 stands for the baseline.
+inline const LibraryEffect& library_effect(int index) {
+  return library()[static_cast<std::size_t>(index)];
+}
 
 }  // namespace biopsy::sim::gap

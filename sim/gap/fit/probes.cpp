@@ -138,7 +138,7 @@ bool acts_on(const LibraryEffect& effect, Drive drive) {
 
 std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence,
                                               const Spectrum& spectrum) {
-  const LibraryEffect& probed = library()[static_cast<std::size_t>(effect)];
+  const LibraryEffect& probed = library_effect(effect);
   const bool placed = std::any_of(probed.parameters.begin(), probed.parameters.end(),
                                   [](const LibraryParameter& p) { return p.role == Role::Place; });
   Starts starts = strength_sets(probed, !placed);

@@ -1,5 +1,5 @@
-// Where to begin looking for an effect: a handful of shapes, places, levels and frequencies, from the
-// library's typical values and the extent of the data.
+// Start values of a search for an effect: a few shapes, places, levels and frequencies, from the library's
+// typical values and the range of the data.
 #pragma once
 
 #include <vector>
@@ -15,10 +15,10 @@ struct Spectrum {
 // Peaks of the training residual's periodogram, the runs' powers added (their phases need not agree).
 Spectrum residual_spectrum(const std::vector<double>& training_residual, const Evidence& evidence);
 
-// Whether the effect has anything to act on in this drive.
+// Whether the effect acts with this drive.
 bool acts_on(const LibraryEffect& effect, Drive drive);
 
-// Parameter vectors (SI) to try.
+// Parameter vectors to try. SI
 std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence, const Spectrum& spectrum);
 
 }  // namespace biopsy::sim::gap

@@ -11,32 +11,28 @@
 namespace biopsy::sim::gap {
 namespace {
 
-// What a careful calibration leaves of doubt about a number of the baseline.
-constexpr double kCalibrationError = 0.02;
-// Effects are harder to measure than springs.
-constexpr double kEffectError = 0.3;
-// A number that was let go may be anything within a factor of about e^2 of what is written.
-constexpr double kFreeRange = 2.0;
-// Named on the command line as not known: any order of magnitude.
-constexpr double kUnknownRange = 14.0;
-constexpr double kShapeRange = 4.6;  // a factor of 100 either way, within the library's range
+constexpr double kCalibrationError = 0.02;  // relative standard deviation of a careful calibration
+constexpr double kEffectError = 0.3;        // and of an effect's parameter, which is harder to measure
+constexpr double kFreeRange = 2.0;          // ln: a candidate may differ by a factor of e^2
+constexpr double kUnknownRange = 14.0;      // ln: a parameter named by --free may have any order of magnitude
+constexpr double kShapeRange = 4.6;         // ln: a factor of 100, within the library's range
 
-// Films and gain act through K^2 eps_film/d_film^2 alone: K stands for the three.
-const std::vector<UncertainNumber> kStack{{"K", &Baseline::K, true, true},
-                                          {"tau", &Baseline::tau, true, true},
-                                          {"V0", &Baseline::V0, true, true},
-                                          {"H_0", &Baseline::H_0, true, true},
-                                          {"tau_h", &Baseline::tau_h, true, true},
-                                          {"k", &Baseline::k, true, true},
-                                          {"c_k", &Baseline::c_k, true, true},
-                                          {"c_s", &Baseline::c_s, true, true},
-                                          {"L0", &Baseline::L0, false, true},
-                                          {"d_film", &Baseline::d_film, false, false},
-                                          {"eps_film", &Baseline::eps_film, false, false}};
-const std::vector<UncertainNumber> kForce{
+// Films and gain act only through K^2 eps_film/d_film^2: K represents the three.
+const std::vector<UncertainParameter> kStack{{"K", &Baseline::K, true, true},
+                                             {"tau", &Baseline::tau, true, true},
+                                             {"V0", &Baseline::V0, true, true},
+                                             {"H_0", &Baseline::H_0, true, true},
+                                             {"tau_h", &Baseline::tau_h, true, true},
+                                             {"k", &Baseline::k, true, true},
+                                             {"c_k", &Baseline::c_k, true, true},
+                                             {"c_s", &Baseline::c_s, true, true},
+                                             {"L0", &Baseline::L0, false, true},
+                                             {"d_film", &Baseline::d_film, false, false},
+                                             {"eps_film", &Baseline::eps_film, false, false}};
+const std::vector<UncertainParameter> kForce{
     {"m", &Baseline::m, true, true}, {"c_s", &Baseline::c_s, true, true}, {"k", &Baseline::k, true, true}};
 
-Unknown number(const PlantModel& model, std::size_t index, double prior_std, double range) {
+Unknown baseline_unknown(const PlantModel& model, std::size_t index, double prior_std, double range) {
   const double now = model.baseline.*(uncertain_baseline(model.baseline.drive)[index].member);
   return {.parameter = index,
           .logarithmic = true,
@@ -51,7 +47,7 @@ void write(PlantModel& model, const Unknown& unknown, double theta) {
   if (unknown.effect == kBaseline)
     model.baseline.*(uncertain_baseline(model.baseline.drive)[unknown.parameter].member) = value;
   else
-    library()[static_cast<std::size_t>(unknown.effect)].set(model, unknown.parameter, value);
+    library_effect(unknown.effect).set(model, unknown.parameter, value);
 }
 
 void bound_by_range(Unknown& u, const LibraryParameter& p) {
@@ -66,7 +62,7 @@ void bound_by_range(Unknown& u, const LibraryParameter& p) {
 }
 
 Unknown effect_unknown(int effect, std::size_t index, double start, const Evidence& evidence) {
-  const LibraryParameter& p = library()[static_cast<std::size_t>(effect)].parameters[index];
+  const LibraryParameter& p = library_effect(effect).parameters[index];
   Unknown u{.effect = effect, .parameter = index};
   switch (p.role) {
     case Role::Strength:
@@ -93,7 +89,7 @@ Unknown effect_unknown(int effect, std::size_t index, double start, const Eviden
   return u;
 }
 
-// The numbers of an effect that the model has already; what is zero is not there.
+// Parameters of an effect that the model has already; zero means absent.
 void add_given_effect(Hypothesis& out, std::size_t effect) {
   const LibraryEffect& given = library()[effect];
   for (std::size_t i = 0; i < given.parameters.size(); ++i) {
@@ -128,7 +124,7 @@ PlantModel Hypothesis::at(const std::vector<double>& thetas) const {
   return out;
 }
 
-void Hypothesis::settle(const std::vector<double>& thetas) {
+void Hypothesis::set(const std::vector<double>& thetas) {
   for (std::size_t i = 0; i < unknowns.size(); ++i) unknowns[i].theta = thetas[i];
   model = at(thetas);
 }
@@ -140,7 +136,7 @@ double Hypothesis::prior_cost() const {
   return cost;
 }
 
-const std::vector<UncertainNumber>& uncertain_baseline(Drive drive) {
+const std::vector<UncertainParameter>& uncertain_baseline(Drive drive) {
   return drive == Drive::Force ? kForce : kStack;
 }
 
@@ -155,11 +151,12 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
     if (is_free && is_zero)
       throw ConfigError(fmt::format("`{}` is to be fitted and is 0 in the model", numbers[i].name), "--free",
                         "give it a value of the right order of magnitude, or leave it out of --free");
-    if (is_zero) continue;  // a part that is not there
+    if (is_zero) continue;  // the stage has no such part
     if (is_free)
-      out.unknowns.push_back(number(model, i, std::numeric_limits<double>::infinity(), kUnknownRange));
+      out.unknowns.push_back(
+          baseline_unknown(model, i, std::numeric_limits<double>::infinity(), kUnknownRange));
     else if (numbers[i].calibrated)
-      out.unknowns.push_back(number(model, i, kCalibrationError, kFreeRange));
+      out.unknowns.push_back(baseline_unknown(model, i, kCalibrationError, kFreeRange));
   }
   for (std::size_t i = 0; i < library().size(); ++i)
     if (library()[i].present(model)) add_given_effect(out, i);
@@ -170,21 +167,22 @@ Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::s
   return out;
 }
 
-void release(Hypothesis& hypothesis, std::size_t baseline_number) {
+void free_parameter(Hypothesis& hypothesis, std::size_t baseline_parameter) {
   for (Unknown& u : hypothesis.unknowns)
-    if (u.effect == kBaseline && u.parameter == baseline_number) {
+    if (u.effect == kBaseline && u.parameter == baseline_parameter) {
       u.prior_std = std::numeric_limits<double>::infinity();
       return;
     }
-  hypothesis.unknowns.push_back(
-      number(hypothesis.model, baseline_number, std::numeric_limits<double>::infinity(), kFreeRange));
+  hypothesis.unknowns.push_back(baseline_unknown(hypothesis.model, baseline_parameter,
+                                                 std::numeric_limits<double>::infinity(), kFreeRange));
 }
 
-void include(Hypothesis& hypothesis, int effect, const std::vector<double>& start, const Evidence& evidence) {
-  const LibraryEffect& added = library()[static_cast<std::size_t>(effect)];
+void add_effect(Hypothesis& hypothesis, int effect, const std::vector<double>& start,
+                const Evidence& evidence) {
+  const LibraryEffect& added = library_effect(effect);
   added.add(hypothesis.model);
   for (std::size_t i = 0; i < added.parameters.size(); ++i) {
-    if (added.parameters[i].role == Role::Phase) continue;  // each run's own: predict.hpp, in_step
+    if (added.parameters[i].role == Role::Phase) continue;  // fitted for each run: predict.hpp, in_step
     hypothesis.unknowns.push_back(effect_unknown(effect, i, start[i], evidence));
     write(hypothesis.model, hypothesis.unknowns.back(), hypothesis.unknowns.back().theta);
   }

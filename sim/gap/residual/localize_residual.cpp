@@ -7,65 +7,28 @@
 #include <map>
 
 #include "sim/gap/millimetres.hpp"
+#include "sim/gap/residual/smoothed_motion.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAfterReversal = 0.1;                       // s, the stage's response
-constexpr double kSmoothTurn = 0.3;                          // s, longer is a rest
-constexpr double kSpeedNoise = 0.05;                         // of the usual top speed
-constexpr double kWidest = 0.25, kWidestShare = 1.0 / 20;    // s, of the run
-constexpr std::size_t kFewestRows = 2;                       // to either side
-constexpr double kMovingStds = 3.0, kMovingShare = 0.05;     // of the speed's noise, of the usual top speed
-constexpr double kRestingStds = 2.0, kRestingShare = 0.01;   // what counts as not moving
-constexpr double kStuckShortest = 0.02;                      // s, longer than a mere turning point
+constexpr double kRestingStds = 2.0, kRestingShare = 0.01;   // of the speed's noise, of the usual top speed
+constexpr double kStuckShortest = 0.02;                      // s, longer than a turning point
 constexpr double kConstantFor = 0.1, kConstantShare = 0.01;  // s, of the largest input
-constexpr double kSudden = 5.0;                              // times the usual speed of deepening
-constexpr double kFall = 0.1, kFallTime = 0.1;  // of the range, more than the model's; s around it
+constexpr double kSudden = 5.0;                              // times the median speed of deepening
+constexpr double kFall = 0.1, kFallTime = 0.1;  // of the range, beyond the model's; s to either side
 constexpr double kShortTime = 0.02, kSlightError = 0.05;
-constexpr double kLikeTheRest = 0.1;  // lift this near to 1
+constexpr double kUnremarkable = 0.1;  // lift this near to 1
 
 using Mask = std::vector<bool>;
 
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-double duration(const EvidenceRun& run) {
-  return run.rows.back().time + run.rows.back().span - run.rows.front().time;
-}
-
-// Running sums for straight lines. Extended precision: differences of them over ten rows out of a million.
-struct Sums {
-  long double n = 0, t = 0, y = 0, tt = 0, ty = 0;
-  void add(long double time, long double value) {
-    n += 1, t += time, y += value, tt += time * time, ty += time * value;
-  }
-  Sums since(const Sums& earlier) const {
-    return {n - earlier.n, t - earlier.t, y - earlier.y, tt - earlier.tt, ty - earlier.ty};
-  }
-};
-
-std::vector<Sums> running_sums(const EvidenceRun& run, const std::vector<double>& readings) {
-  std::vector<Sums> sums(1);
-  sums.reserve(run.rows.size() + 1);
-  const double middle = run.rows[run.rows.size() / 2].time;
-  for (std::size_t i = 0; i < run.rows.size(); ++i) {
-    sums.push_back(sums.back());
-    sums.back().add(run.rows[i].time - middle, readings[i]);
-  }
-  return sums;
-}
-
-// One run as its measurement and its model tell it. Masks of rows answer "is it so here?".
-class Situation {
+// Measured and modelled motion of one run, and the masks of rows that belong to a regime.
+class RunRegimes {
  public:
-  Situation(const EvidenceRun& run, const std::vector<double>& residual_before, const Evidence& evidence,
-            Drive drive)
+  RunRegimes(const EvidenceRun& run, const std::vector<double>& residual_before, const Evidence& evidence,
+             Drive drive)
       : run_(run), evidence_(evidence) {
     for (const Row& row : run.rows) readings_.push_back(row.measured);
     model_ = readings_;
@@ -76,51 +39,49 @@ class Situation {
   }
 
   Mask after_reversal() const {
-    return where_so([&](std::size_t i) { return since_reversal_[i] <= kAfterReversal; });
+    return mask_where([&](std::size_t i) { return since_reversal_[i] <= kAfterReversal; });
   }
   Mask rising() const {
-    return where_so([&](std::size_t i) { return measured_motion_.v[i] > moving(); });
+    return mask_where([&](std::size_t i) { return measured_motion_.v[i] > moving(); });
   }
   Mask falling() const {
-    return where_so([&](std::size_t i) { return measured_motion_.v[i] < -moving(); });
+    return mask_where([&](std::size_t i) { return measured_motion_.v[i] < -moving(); });
   }
   Mask holding() const {
     const Mask steady = drive_constant();
-    return where_so([&](std::size_t i) { return steady[i] && std::abs(measured_motion_.v[i]) <= moving(); });
+    return mask_where(
+        [&](std::size_t i) { return steady[i] && std::abs(measured_motion_.v[i]) <= moving(); });
   }
   Mask stuck() const;
   Mask drive_between(double low, double high) const {
-    return where_so([&](std::size_t i) {
+    return mask_where([&](std::size_t i) {
       return std::abs(run_.rows[i].input) >= low && std::abs(run_.rows[i].input) <= high;
     });
   }
   Mask measured_between(double low, double high) const {
-    return where_so([&](std::size_t i) { return readings_[i] >= low && readings_[i] <= high; });
+    return mask_where([&](std::size_t i) { return readings_[i] >= low && readings_[i] <= high; });
   }
   Mask between_times(double from, double to) const {  // shares of the run
     const double start = run_.rows.front().time, all = duration(run_);
-    return where_so([&](std::size_t i) {
+    return mask_where([&](std::size_t i) {
       const double share = (run_.rows[i].time - start) / all;
       return share >= from && share < to;
     });
   }
-  // Row of the fastest deepening, where it is a drop-through; otherwise the number of rows.
+  // Row of the fastest deepening where it is a puncture, otherwise the number of rows.
   std::size_t puncture() const;
   Mask from_row_to(std::size_t from, std::size_t to) const {
-    return where_so([&](std::size_t i) { return i >= from && i < to; });
+    return mask_where([&](std::size_t i) { return i >= from && i < to; });
   }
 
  private:
-  template <class Question>
-  Mask where_so(Question&& question) const {
+  template <class Predicate>
+  Mask mask_where(Predicate&& question) const {
     Mask mask(run_.rows.size());
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = question(i);
     return mask;
   }
-  double moving() const {
-    return std::max(kMovingStds * measured_motion_.speed_noise,
-                    kMovingShare * measured_motion_.usual_top_speed);
-  }
+  double moving() const { return moving_threshold(measured_motion_); }
   Mask drive_constant() const;
   std::size_t row_at(double time) const {
     const auto found = std::lower_bound(run_.rows.begin(), run_.rows.end(), time,
@@ -134,20 +95,20 @@ class Situation {
   SmoothedMotion measured_motion_, model_motion_;
 };
 
-// |input| unchanged for a while: a stack is pulled by its square, and a square wave does not change that.
-Mask Situation::drive_constant() const {
+// |input| unchanged for a while: a stack responds to its square, which reversals do not change.
+Mask RunRegimes::drive_constant() const {
   double level = kInfinity, since = 0.0;
-  return where_so([&](std::size_t i) {
+  return mask_where([&](std::size_t i) {
     const double u = std::abs(run_.rows[i].input);
     if (std::abs(u - level) > kConstantShare * evidence_.u_max) level = u, since = run_.rows[i].time;
     return run_.rows[i].time - since >= kConstantFor;
   });
 }
 
-Mask Situation::stuck() const {
+Mask RunRegimes::stuck() const {
   const double rest =
       std::max(kRestingStds * measured_motion_.speed_noise, kRestingShare * measured_motion_.usual_top_speed);
-  Mask mask = where_so([&](std::size_t i) {
+  Mask mask = mask_where([&](std::size_t i) {
     return std::abs(measured_motion_.v[i]) <= rest && std::abs(model_motion_.v[i]) > 2.0 * rest;
   });
   const double shortest = std::max(kStuckShortest, 2.0 * measured_motion_.half_width);
@@ -160,7 +121,7 @@ Mask Situation::stuck() const {
   return mask;
 }
 
-std::size_t Situation::puncture() const {
+std::size_t RunRegimes::puncture() const {
   std::vector<double> deepening;
   for (const double v : measured_motion_.v)
     if (v > moving()) deepening.push_back(v);
@@ -181,18 +142,18 @@ std::size_t Situation::puncture() const {
   return fastest;
 }
 
-// What the rows of one regime add up to.
-struct Tally {
+// Sums over the rows of one regime, weighted by time.
+struct RegimeSum {
   double time = 0.0, excess = 0.0, before = 0.0, after = 0.0;
 };
 
-class Tallies {
+class RegimeSums {
  public:
   void add(const std::string& name, const EvidenceRun& run, const Mask& mask, const double* before,
            const double* after, double noise) {
     auto [place, fresh] = order_.try_emplace(name, tallies_.size());
     if (fresh) tallies_.push_back({name, {}});
-    Tally& tally = tallies_[place->second].second;
+    RegimeSum& tally = tallies_[place->second].second;
     for (std::size_t i = 0; i < mask.size(); ++i) {
       if (!mask[i]) continue;
       const double span = run.rows[i].span, square = before[i] * before[i];
@@ -219,7 +180,7 @@ class Tallies {
 
  private:
   std::map<std::string, std::size_t> order_;
-  std::vector<std::pair<std::string, Tally>> tallies_;
+  std::vector<std::pair<std::string, RegimeSum>> tallies_;
 };
 
 struct Named {
@@ -227,8 +188,8 @@ struct Named {
   Mask mask;
 };
 
-// Thirds of |input| and of the measured range; none where nothing varies.
-void add_thirds(std::vector<Named>& out, const Situation& s, const Evidence& evidence, double u_low,
+// Thirds of |input| and of the measured range; none where they are constant.
+void add_thirds(std::vector<Named>& out, const RunRegimes& s, const Evidence& evidence, double u_low,
                 Drive drive) {
   const std::string quantity = drive == Drive::Force ? "force" : "voltage";
   const double u_third = (evidence.u_max - u_low) / 3.0, x_third = (evidence.x_high - evidence.x_low) / 3.0;
@@ -242,7 +203,7 @@ void add_thirds(std::vector<Named>& out, const Situation& s, const Evidence& evi
   }
 }
 
-std::vector<Named> regimes_of(const EvidenceRun& run, const Situation& s, const Evidence& evidence,
+std::vector<Named> regimes_of(const EvidenceRun& run, const RunRegimes& s, const Evidence& evidence,
                               double u_low, Drive drive) {
   const std::size_t rows = run.rows.size();
   std::vector<Named> out{{"after_reversal", s.after_reversal()},
@@ -273,7 +234,7 @@ double lift(const GapRegime& regime) {
 }
 
 int rank(const GapRegime& regime) {
-  if (std::abs(lift(regime) - 1.0) < kLikeTheRest) return 2;
+  if (std::abs(lift(regime) - 1.0) < kUnremarkable) return 2;
   return regime.share_of_time < kShortTime || regime.share_of_excess_error < kSlightError ? 1 : 0;
 }
 
@@ -283,88 +244,17 @@ std::vector<double> part_of(const std::vector<double>& all, std::size_t from, st
   return {begin, begin + static_cast<std::ptrdiff_t>(count)};
 }
 
-// When the motion turned between two rows of clearly opposite speed: halfway of a smooth turn, because noise
-// crosses zero many times there; after a longer rest when it set off again.
-double turning_time(const EvidenceRun& run, const std::vector<double>& v, std::size_t moved,
-                    std::size_t moves) {
-  const double from = run.rows[moved].time, to = run.rows[moves].time;
-  if (to - from <= kSmoothTurn) return 0.5 * (from + to);
-  std::size_t set_off = moves;
-  while (set_off > moved && v[set_off - 1] * v[moves] > 0.0) --set_off;
-  return run.rows[set_off].time;
-}
-
 }  // namespace
-
-SmoothedMotion smoothed_motion_within(const EvidenceRun& run, const std::vector<double>& readings,
-                                      double noise, double half_width) {
-  assert(readings.size() == run.rows.size() && !readings.empty());
-  const std::size_t rows = readings.size();
-  const std::vector<Sums> sums = running_sums(run, readings);
-  const double middle = run.rows[rows / 2].time;
-  SmoothedMotion out{.x = readings, .v = std::vector<double>(rows, 0.0), .half_width = half_width};
-  std::vector<double> speeds, noises;
-  for (std::size_t i = 0, from = 0, to = 0; i < rows; ++i) {
-    const double now = run.rows[i].time;
-    while (run.rows[from].time < now - half_width) ++from;
-    while (to < rows && run.rows[to].time <= now + half_width) ++to;
-    const std::size_t first = std::min(from, i > kFewestRows ? i - kFewestRows : 0);
-    const Sums s = sums[std::max(to, std::min(rows, i + kFewestRows + 1))].since(sums[first]);
-    const long double spread = s.tt - s.t * s.t / s.n;
-    if (s.n < 2 || spread <= 0.0L) continue;
-    const long double slope = (s.ty - s.t * s.y / s.n) / spread;
-    out.v[i] = static_cast<double>(slope);
-    out.x[i] = static_cast<double>(s.y / s.n + slope * (now - middle - s.t / s.n));
-    noises.push_back(noise / std::sqrt(static_cast<double>(spread)));
-    speeds.push_back(std::abs(out.v[i]));
-  }
-  if (speeds.empty()) return out;
-  out.speed_noise = quantile(std::move(noises), 0.5);
-  out.usual_top_speed = quantile(std::move(speeds), 0.95);
-  return out;
-}
-
-SmoothedMotion smoothed_motion(const EvidenceRun& run, const std::vector<double>& readings, double noise) {
-  const double widest = std::min(kWidest, kWidestShare * duration(run));
-  double half_width = duration(run) / static_cast<double>(run.rows.size()) * static_cast<double>(kFewestRows);
-  for (;; half_width *= 1.5) {
-    SmoothedMotion motion = smoothed_motion_within(run, readings, noise, std::min(half_width, widest));
-    if (half_width >= widest || motion.speed_noise <= kSpeedNoise * motion.usual_top_speed) return motion;
-  }
-}
-
-std::vector<double> since_reversal(const EvidenceRun& run, const SmoothedMotion& measured, Drive drive) {
-  const bool force = drive == Drive::Force;
-  const double threshold =
-      force ? std::max(kMovingStds * measured.speed_noise, kMovingShare * measured.usual_top_speed) : 0.0;
-  const std::size_t rows = run.rows.size();
-  const auto signal = [&](std::size_t i) { return force ? measured.v[i] : run.rows[i].input; };
-  std::vector<double> out(rows, kInfinity);
-  std::size_t moved = rows;  // the last row of a clear sign
-  double turned = kInfinity;
-  for (std::size_t i = 0; i < rows; ++i) {
-    if (std::abs(signal(i)) > threshold) {
-      if (moved < rows && signal(moved) * signal(i) < 0.0) {
-        turned = force ? turning_time(run, measured.v, moved, i) : run.rows[i].time;
-        for (std::size_t k = moved; k < i; ++k)
-          if (run.rows[k].time >= turned) out[k] = run.rows[k].time - turned;
-      }
-      moved = i;
-    }
-    if (std::isfinite(turned)) out[i] = run.rows[i].time - turned;
-  }
-  return out;
-}
 
 std::vector<GapRegime> localize_residual(const Evidence& evidence, const std::vector<double>& before,
                                          const std::vector<double>& after, Drive drive) {
   assert(before.size() == after.size());
-  Tallies tallies;
+  RegimeSums tallies;
   double time = 0.0, excess = 0.0;
   const double u_low = least_input(evidence), noise = evidence.noise;
   std::size_t from = 0;
   for (const EvidenceRun& run : evidence.runs) {
-    const Situation situation(run, part_of(before, from, run.rows.size()), evidence, drive);
+    const RunRegimes situation(run, part_of(before, from, run.rows.size()), evidence, drive);
     for (const Named& regime : regimes_of(run, situation, evidence, u_low, drive))
       tallies.add(regime.name, run, regime.mask, &before[from], &after[from], noise);
     for (std::size_t i = 0; i < run.rows.size(); ++i) {
@@ -385,7 +275,7 @@ MainRegimes main_regime(const Evidence& evidence, const std::vector<double>& bef
   MainRegimes out{.names = {"after_reversal", "stuck", "rising", "falling", "holding"}, .of_row = {}};
   std::size_t from = 0;
   for (const EvidenceRun& run : evidence.runs) {
-    const Situation s(run, part_of(before, from, run.rows.size()), evidence, drive);
+    const RunRegimes s(run, part_of(before, from, run.rows.size()), evidence, drive);
     const Mask masks[] = {s.after_reversal(), s.stuck(), s.rising(), s.falling()};
     for (std::size_t i = 0; i < run.rows.size(); ++i) {
       std::uint8_t main = 0;

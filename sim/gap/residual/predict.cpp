@@ -10,35 +10,34 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kLongestStep = 5e-3;  // s
-constexpr double kGrace =
-    1.25;  // rows were joined for the given model; one a little faster still takes them whole
+constexpr double kLongestStep = 5e-3;    // s
+constexpr double kStepTolerance = 1.25;  // a model this much faster than the given one still takes rows whole
 
-// Steps that follow everything but an end stop: step() itself cuts those that meet it, and only those. A
-// mechanism's spring is as stiff as its motion is wide.
-double usual_step(PlantModel model, const Evidence& evidence) {
+// For everything but an end stop, where step() cuts its steps itself. A mechanism's stiffness is that over
+// its measured range.
+double integrator_step(PlantModel model, const Evidence& evidence) {
   model.effects.end_stop.reset();
   const double rate = model.baseline.drive == Drive::Stack
                           ? fastest_rate(model)
                           : fastest_rate(model, std::max(-evidence.x_low, evidence.x_high));
-  return std::clamp(kGrace * evidence.step_share / rate, evidence.shortest_step, kLongestStep);
+  return std::clamp(kStepTolerance * evidence.step_share / rate, evidence.shortest_step, kLongestStep);
 }
 
-constexpr int kPhases = 36, kHalvings = 20;  // of 10 degrees: as smooth as any other number in a fit
+constexpr int kPhases = 36, kHalvings = 20;  // of 10 degrees: down to 1e-5 degrees
 
-// The phase of the disturbance that fits the measured rows best, the rest of the model being nearly linear in
-// a small one: three predictions, 90 degrees apart, span all others.
+// The phase of the disturbance that fits the measured rows best. The model is nearly linear in a small
+// disturbance: three predictions, 90 degrees apart, span all phases.
 double best_phase(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows) {
   PeriodicDisturbance& wave = *model.effects.periodic_disturbance;
-  std::array<std::vector<double>, 3> says;
-  for (std::size_t k = 0; k < says.size(); ++k) {
+  std::array<std::vector<double>, 3> predictions;
+  for (std::size_t k = 0; k < predictions.size(); ++k) {
     wave.phase = 0.5 * std::numbers::pi * static_cast<double>(k);
-    says[k] = predict(model, evidence, run, rows);
+    predictions[k] = predict(model, evidence, run, rows);
   }
   double aa = 0.0, ab = 0.0, bb = 0.0, ra = 0.0, rb = 0.0;
   for (std::size_t i = 0; i < rows; ++i) {
-    const double calm = 0.5 * (says[0][i] + says[2][i]);
-    const double a = says[0][i] - calm, b = says[1][i] - calm, r = run.rows[i].measured - calm;
+    const double mean = 0.5 * (predictions[0][i] + predictions[2][i]);
+    const double a = predictions[0][i] - mean, b = predictions[1][i] - mean, r = run.rows[i].measured - mean;
     aa += a * a, ab += a * b, bb += b * b, ra += r * a, rb += r * b;
   }
   const auto misfit = [&](double phase) {
@@ -68,7 +67,7 @@ std::vector<double> predict(PlantModel model, const Evidence& evidence, const Ev
                             std::size_t rows) {
   model.weight = run.weight;
   model.effects.sensor_noise.reset();
-  model.internal_step = usual_step(model, evidence);
+  model.internal_step = integrator_step(model, evidence);
   const bool stack = model.baseline.drive == Drive::Stack;
   std::vector<double> out;
   out.reserve(rows);
@@ -96,8 +95,8 @@ std::vector<double> residual(const PlantModel& model, const Evidence& evidence, 
     const std::size_t from = part == Part::HeldOut ? run.training_rows : 0;
     const std::size_t to = part == Part::Training ? run.training_rows : run.rows.size();
     if (from >= to) continue;
-    const std::vector<double> model_says = predict(in_step(model, evidence, run, to), evidence, run, to);
-    for (std::size_t i = from; i < to; ++i) out.push_back(run.rows[i].measured - model_says[i]);
+    const std::vector<double> predicted = predict(in_step(model, evidence, run, to), evidence, run, to);
+    for (std::size_t i = from; i < to; ++i) out.push_back(run.rows[i].measured - predicted[i]);
   }
   return out;
 }

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "sim/gap/millimetres.hpp"
-#include "sim/gap/residual/localize_residual.hpp"
+#include "sim/gap/residual/smoothed_motion.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -22,18 +22,18 @@ struct Quantity {
   std::vector<double> values;
 };
 
-// What the rows know of themselves.
-struct RowFacts {
+// Quantities at every row.
+struct RowQuantities {
   std::vector<double> input, speed, position, acceleration, reversal, time, weight;
-  std::vector<std::size_t> fold;  // rows of one fold are judged by curves of the others
+  std::vector<std::size_t> fold;  // rows of one fold are predicted from the others
 };
 
 void append(std::vector<double>& to, const std::vector<double>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-RowFacts facts_of(const Evidence& evidence, Drive drive, const std::vector<double>& residual) {
-  RowFacts facts;
+RowQuantities row_quantities(const Evidence& evidence, Drive drive, const std::vector<double>& residual) {
+  RowQuantities facts;
   std::size_t row_of_all = 0;
   const bool alone = evidence.runs.size() == 1;
   for (std::size_t r = 0; r < evidence.runs.size(); ++r) {
@@ -68,7 +68,7 @@ std::vector<double> magnitude(std::vector<double> values) {
   return values;
 }
 
-std::vector<Quantity> quantities_of(const RowFacts& facts, Drive drive, bool alone) {
+std::vector<Quantity> quantities_of(const RowQuantities& facts, Drive drive, bool alone) {
   const bool force = drive == Drive::Force;
   const std::string name = force ? "force" : "voltage", unit = force ? "N" : "kV";
   const std::vector<double> input = scaled(facts.input, force ? 1.0 : 1e-3);
@@ -123,9 +123,9 @@ struct FoldSums {
   }
 };
 
-// Means of the other folds. A bin that none of them visited takes its neighbour's mean.
-std::vector<double> curve_of_others(const std::vector<FoldSums>& folds, std::size_t left_out,
-                                    double others_mean) {
+// Means of the other folds. A bin that is empty in them takes its neighbour's mean.
+std::vector<double> out_of_fold_curve(const std::vector<FoldSums>& folds, std::size_t left_out,
+                                      double others_mean) {
   const std::size_t bins = folds.front().sum.size();
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> curve(bins, nothing);
@@ -145,15 +145,15 @@ std::vector<double> curve_of_others(const std::vector<FoldSums>& folds, std::siz
   return filled;
 }
 
-double mean_of_others(const std::vector<FoldSums>& folds, std::size_t left_out) {
+double out_of_fold_mean(const std::vector<FoldSums>& folds, std::size_t left_out) {
   double sum = 0.0, rows = 0.0;
   for (std::size_t f = 0; f < folds.size(); ++f)
     if (f != left_out) sum += folds[f].all, rows += folds[f].all_rows;
   return rows > 0.0 ? sum / rows : 0.0;
 }
 
-// Squared error that a curve from elsewhere takes away, of what there is; 0 where the folds do not agree that
-// it takes any: less than two standard errors of theirs.
+// Share of the squared error that the out-of-fold curve explains; 0 where that is less than two standard
+// errors over the folds.
 double share_explained(const Bins& bins, const std::vector<std::size_t>& fold,
                        const std::vector<double>& residual) {
   const std::size_t folds = *std::max_element(fold.begin(), fold.end()) + 1;
@@ -162,8 +162,8 @@ double share_explained(const Bins& bins, const std::vector<std::size_t>& fold,
   std::vector<double> means, gains(folds, 0.0);
   std::vector<std::vector<double>> curves;
   for (std::size_t f = 0; f < folds; ++f) {
-    means.push_back(mean_of_others(sums, f));
-    curves.push_back(curve_of_others(sums, f, means[f]));
+    means.push_back(out_of_fold_mean(sums, f));
+    curves.push_back(out_of_fold_curve(sums, f, means[f]));
   }
   double total = 0.0, gained = 0.0, scatter = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
@@ -198,12 +198,12 @@ ResidualShape shape_of(const Quantity& quantity, const Bins& bins, const std::ve
 std::vector<ResidualShape> residual_shapes(const Evidence& evidence, const PlantModel& model,
                                            const std::vector<double>& residual) {
   const Drive drive = model.baseline.drive;
-  const RowFacts facts = facts_of(evidence, drive, residual);
+  const RowQuantities facts = row_quantities(evidence, drive, residual);
   assert(facts.fold.size() == residual.size());
   std::vector<ResidualShape> out;
   for (const Quantity& quantity : quantities_of(facts, drive, evidence.runs.size() == 1)) {
     const std::vector<double> edges = bin_edges(quantity.values);
-    if (edges.size() < 2) continue;  // it never varies
+    if (edges.size() < 2) continue;  // constant
     const Bins bins = sorted_into_bins(quantity.values, edges);
     const double share = share_explained(bins, facts.fold, residual);
     if (share < kWorthShowing) continue;

@@ -1,4 +1,4 @@
-// For what stays unexplained: which one quantity does the residual depend on, and with what curve?
+// Dependence of an unexplained residual on single quantities.
 #pragma once
 
 #include <vector>
@@ -12,13 +12,13 @@ namespace biopsy::sim::gap {
 // position, acceleration, time since reversal, time in run, weight. Best first; quantities that explain less
 // than 1 % are left out, so that noise gives an empty list.
 //
-// share_explained is what a curve drawn from the other runs explains of a run it has not seen (other sixths
-// of a single run). A correlated residual follows any curve by chance where the curve was drawn from it, but
-// not elsewhere; copies shifted in time would not do as a measure of chance, because a periodic drive meets
-// itself again. One run alone cannot tell time in run or weight from anything, so there they are left out.
+// share_explained is cross-validated: the curve of the other runs (other sixths of a single run) applied to a
+// run. A correlated residual follows its own curve by chance, but not another run's; copies shifted in time
+// cannot measure chance, because the drive is periodic. In a single run, time in run and weight cannot be
+// separated from other quantities and are left out.
 //
-// Position, speed and acceleration are the model's: the measured ones contain the residual, which would then
-// be explained by itself. `residual`: measured - model of all rows of all runs, one after the other. m
+// Position, speed and acceleration are the model's: the measured ones contain the residual and would explain
+// it by itself. `residual`: measured - model of all rows of all runs, concatenated. m
 std::vector<ResidualShape> residual_shapes(const Evidence& evidence, const PlantModel& model,
                                            const std::vector<double>& residual);
 

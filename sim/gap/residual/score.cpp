@@ -13,13 +13,13 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr int kStrengthTrials = 2;      // until the response is as large as the gap
-constexpr double kMuchTooStrong = 3.0;  // responses within this factor of the gap will do
-constexpr double kLargestScale = 3.0;   // a response is trusted to scale that far
+constexpr double kMuchTooStrong = 3.0;  // responses within this factor of the gap are used
+constexpr double kLargestScale = 3.0;   // range in which a response is taken as linear
 
-// What the present numbers can explain by moving a little, taken out of every response.
-class Remainder {
+// Projects out of every response what small changes of the present unknowns can explain.
+class UnexplainedResidual {
  public:
-  Remainder(const Hypothesis& current, const Evidence& evidence, std::vector<double> residual_now)
+  UnexplainedResidual(const Hypothesis& current, const Evidence& evidence, std::vector<double> residual_now)
       : now_(std::move(residual_now)) {
     const auto rows = static_cast<Eigen::Index>(now_.size());
     const auto n = static_cast<Eigen::Index>(current.unknowns.size());
@@ -49,7 +49,7 @@ class Remainder {
   Eigen::VectorXd gap_;
 };
 
-// What the model's prediction gains by a change: -(d residual).
+// Change of the prediction: -(d residual).
 Eigen::VectorXd response(const PlantModel& changed, const Evidence& evidence,
                          const std::vector<double>& now) {
   const std::vector<double> after = residual(changed, evidence, Part::Training);
@@ -64,33 +64,34 @@ double root_mean_square(const Eigen::VectorXd& v) {
 
 PlantModel with_effect(const Hypothesis& current, int effect, const std::vector<double>& start) {
   PlantModel model = current.model;
-  const LibraryEffect& added = library()[static_cast<std::size_t>(effect)];
+  const LibraryEffect& added = library_effect(effect);
   added.add(model);
   for (std::size_t i = 0; i < start.size(); ++i) added.set(model, i, start[i]);
   return model;
 }
 
 void scale_strengths(int effect, std::vector<double>& start, double factor) {
-  const auto& parameters = library()[static_cast<std::size_t>(effect)].parameters;
+  const auto& parameters = library_effect(effect).parameters;
   for (std::size_t i = 0; i < start.size(); ++i)
     if (parameters[i].role == Role::Strength)
       start[i] = std::clamp(start[i] * factor, parameters[i].low, parameters[i].high);
 }
 
 bool has_strength(int effect) {
-  const auto& parameters = library()[static_cast<std::size_t>(effect)].parameters;
+  const auto& parameters = library_effect(effect).parameters;
   return std::any_of(parameters.begin(), parameters.end(),
                      [](const LibraryParameter& p) { return p.role == Role::Strength; });
 }
 
 bool may_be_negative(int effect) {
-  for (const LibraryParameter& p : library()[static_cast<std::size_t>(effect)].parameters)
+  for (const LibraryParameter& p : library_effect(effect).parameters)
     if (p.role == Role::Strength && !p.is_signed()) return false;
   return true;
 }
 
-// Share of the gap's square that `scale` times the response takes away, the best scale being given back.
-double explained(const Remainder& remainder, const Eigen::VectorXd& raw, double lowest, double& scale) {
+// Share of the gap's square that the response explains with the best scale, which is returned as well.
+double explained(const UnexplainedResidual& remainder, const Eigen::VectorXd& raw, double lowest,
+                 double& scale) {
   const Eigen::VectorXd s = remainder.of(raw);
   const double size = s.squaredNorm();
   if (size <= 0.0 || !std::isfinite(size)) return scale = 0.0;
@@ -98,9 +99,9 @@ double explained(const Remainder& remainder, const Eigen::VectorXd& raw, double 
   return 1.0 - (remainder.gap() - scale * s).squaredNorm() / remainder.gap().squaredNorm();
 }
 
-// One probe, its strength first made so that the response is about as large as the gap.
-Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Remainder& remainder, int effect,
-                std::vector<double> start) {
+// One probe, its strength first adjusted until the response is about as large as the gap.
+Probe try_probe(const Hypothesis& current, const Evidence& evidence, const UnexplainedResidual& remainder,
+                int effect, std::vector<double> start) {
   const double wanted = root_mean_square(remainder.gap());
   Probe best;
   for (int trial = 0; trial < kStrengthTrials; ++trial) {
@@ -121,13 +122,13 @@ Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Remai
   return best;
 }
 
-Probe try_number(const Hypothesis& current, const Evidence& evidence, const Remainder& remainder,
-                 std::size_t number) {
+Probe try_parameter(const Hypothesis& current, const Evidence& evidence, const UnexplainedResidual& remainder,
+                    std::size_t number) {
   PlantModel changed = current.model;
   changed.baseline.*(uncertain_baseline(changed.baseline.drive)[number].member) *= 1.02;
   double scale = 0.0;
   const Eigen::VectorXd s = response(changed, evidence, remainder.residual_now());
-  // Not projected: a number that is let go competes as the nuisance that it also is.
+  // Not projected: the parameter itself is one of the unknowns.
   const Eigen::Map<const Eigen::VectorXd> now(remainder.residual_now().data(), s.size());
   const double size = s.squaredNorm();
   if (size <= 0.0) return {};
@@ -138,8 +139,8 @@ Probe try_number(const Hypothesis& current, const Evidence& evidence, const Rema
 }  // namespace
 
 std::string Candidate::name(Drive drive) const {
-  return std::string(effect == kBaseline ? uncertain_baseline(drive)[baseline_number].name
-                                         : library()[static_cast<std::size_t>(effect)].info.name);
+  return std::string(effect == kBaseline ? uncertain_baseline(drive)[baseline_parameter].name
+                                         : library_effect(effect).info.name);
 }
 
 std::vector<Candidate> open_candidates(const Hypothesis& current) {
@@ -153,7 +154,7 @@ std::vector<Candidate> open_candidates(const Hypothesis& current) {
       return u.effect == kBaseline && u.parameter == i && !std::isfinite(u.prior_std);
     });
     if (!free && numbers[i].candidate && current.model.baseline.*(numbers[i].member) > 0.0)
-      out.push_back({.baseline_number = i});
+      out.push_back({.baseline_parameter = i});
   }
   return out;
 }
@@ -162,7 +163,7 @@ std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& e
                                     const std::vector<Candidate>& candidates) {
   std::vector<double> now = residual(current.model, evidence, Part::Training);
   const Spectrum spectrum = residual_spectrum(now, evidence);
-  const Remainder remainder(current, evidence, std::move(now));
+  const UnexplainedResidual remainder(current, evidence, std::move(now));
   struct Task {
     std::size_t candidate;
     std::vector<double> start;
@@ -179,7 +180,7 @@ std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& e
   in_parallel(tasks.size(), [&](std::size_t t) {
     const Candidate& c = candidates[tasks[t].candidate];
     tasks[t].result = c.effect == kBaseline
-                          ? try_number(current, evidence, remainder, c.baseline_number)
+                          ? try_parameter(current, evidence, remainder, c.baseline_parameter)
                           : try_probe(current, evidence, remainder, c.effect, tasks[t].start);
   });
   std::vector<Score> scores;

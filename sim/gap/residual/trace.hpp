@@ -1,4 +1,4 @@
-// Runs made small enough to draw, without losing the peaks of what model and measurement differ by.
+// Runs thinned for drawing, with the peaks of the residual kept.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@ namespace biopsy::sim::gap {
 
 inline constexpr std::size_t kMostTracePoints = 2000;
 
-// One trace a run, at most kMostTracePoints points each: least and largest residual, before and after, of
-// each stretch of rows. A run of which a part was held out gives two traces of the same name. Time in s,
+// One trace per run of at most kMostTracePoints points: least and largest residual, before and after, of each
+// bucket of rows. A run of which a part was held out gives two traces of the same name. Time in s,
 // input in kV (Drive::Force: N), measured and the two models' readings in mm; regimes as in main_regime.
 std::vector<GapTrace> traces(const Evidence& evidence, const std::vector<double>& before,
                              const std::vector<double>& after, const MainRegimes& regimes, Drive drive);

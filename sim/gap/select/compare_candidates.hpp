@@ -1,5 +1,6 @@
-// One round: every open candidate against the hypothesis as it stands. Scored, the promising fitted on coarse
-// rows, the best fitted well and judged on the held-out runs.
+// One step of the forward selection: every open candidate is scored against the present hypothesis, the
+// promising ones are fitted on coarse rows, the best to convergence, and all are compared on the held-out
+// runs.
 #pragma once
 
 #include "sim/gap/select/select.hpp"
@@ -7,8 +8,8 @@
 namespace biopsy::sim::gap {
 
 struct Round {
-  std::vector<CandidateFit> fits;  // the best first
-  double nothing = 0.0;            // log evidence of the hypothesis as it stood
+  std::vector<CandidateFit> fits;  // best first
+  double null_evidence = 0.0;      // log evidence of the present hypothesis
 };
 
 struct RoundName {
@@ -19,10 +20,11 @@ struct RoundName {
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
                      const RoundName& name, const Progress& progress);
 
-// Friction between plate A and its guide, in either of its forms: one contains the other.
+// Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);
 
-// How many stretches of the held-out runs err on their own: the windows, where each starts anew.
+// Number of independent errors in the held-out runs: one per window where runs are cut into windows,
+// otherwise by independent_samples().
 double held_out_effective_sample_size(const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

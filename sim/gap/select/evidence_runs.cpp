@@ -14,12 +14,11 @@
 namespace biopsy::sim::gap {
 namespace {
 
-// Step in shares of the fastest rate's time. Third order: a quarter of it loses 2e-3 of a free oscillation's
-// amplitude by the time that has faded, an eighth 1e-4.
+// Step times the fastest rate. Third order: 0.25 loses 2e-3 of a free oscillation's amplitude over its decay,
+// 0.125 loses 1e-4.
 constexpr double kCoarse = 0.25, kFine = 0.125;
-constexpr double kStiffest =
-    8.0;  // times the given model's rate is followed, beyond that steps stay as they are
-constexpr double kLongestSpan = 5e-3;     // s
+constexpr double kStiffest = 8.0;      // times the given model's rate, beyond which steps become no shorter
+constexpr double kLongestSpan = 5e-3;  // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
 constexpr std::size_t kFewestRows = 50;
 constexpr double kMadToSigma = 1.4826;
@@ -42,7 +41,7 @@ double difference_scatter(std::vector<double> values, int order) {
   return kMadToSigma * median(std::move(values)) / std::sqrt(gain);
 }
 
-// The finest step the sensor can tell, as the smallest change that ever happened.
+// Resolution of the sensor: the smallest change between neighbouring readings.
 double resolution(const std::vector<double>& values) {
   double finest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < values.size(); ++i)
@@ -55,7 +54,7 @@ bool joins(const RecordedRun& run, std::size_t first, std::size_t row, double to
          run.external_force[row] == run.external_force[first];
 }
 
-// Rows of `recorded` with those joined that the plant cannot tell apart; a window always begins a row.
+// Rows of `recorded`, joined where input and force hardly change; a window always begins a row.
 std::vector<Row> joined_rows(const RecordedRun& recorded, double longest, double tolerance,
                              const std::vector<std::size_t>& window_rows, std::vector<std::size_t>& begins) {
   std::vector<Row> rows;
@@ -127,7 +126,7 @@ void measure_extent(Evidence& evidence) {
 double estimated_noise(const std::vector<RecordedRun>& runs) {
   std::vector<double> scatters;
   for (const RecordedRun& run : runs) {
-    // Motion only adds to a difference, so the order that is scattered least is nearest to the noise.
+    // Motion only adds to a difference: the order with the least scatter is closest to the noise.
     double least = std::numeric_limits<double>::infinity();
     for (int order = 2; order <= 6; ++order)
       least = std::min(least, difference_scatter(run.displacement, order));
@@ -136,7 +135,8 @@ double estimated_noise(const std::vector<RecordedRun>& runs) {
   return std::max(1e-9, median(scatters));
 }
 
-Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window, Grain grain) {
+Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
+                 Sampling sampling) {
   Evidence evidence;
   if (dataset.runs.empty())
     throw ConfigError("the data set has no run", dataset.title, "add at least one [[run]] with a file");
@@ -144,7 +144,7 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
     if (run.time.size() < kFewestRows)
       throw ConfigError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
                         run.file, fmt::format("record at least {} rows", kFewestRows));
-  evidence.step_share = grain == Grain::Coarse ? kCoarse : kFine;
+  evidence.step_share = sampling == Sampling::Coarse ? kCoarse : kFine;
   evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
   evidence.noise = evidence.noise_given ? *dataset.sensor_noise : estimated_noise(dataset.runs);

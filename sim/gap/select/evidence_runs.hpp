@@ -1,5 +1,6 @@
-// The measured runs, made ready for many simulations: rows joined where the input hardly changes, so that the
-// step follows the plant's rates and not the recorder's. Part of them trains, the rest decides.
+// The measured runs prepared for many simulations: rows are joined where the input hardly changes, so that
+// the step follows the plant's rates and not the recorder's. Part of them is for training, the rest is held
+// out.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ struct Row {
   double time = 0.0, span = 0.0, input = 0.0, external_force = 0.0, measured = 0.0;
 };
 
-// Where a window begins, and the motion there as the measurement tells it.
+// Start of a window, and the measured motion there.
 struct WindowStart {
   std::size_t row = 0;
   double x = 0.0, v = 0.0;
@@ -38,15 +39,16 @@ struct Evidence {
   double training_seconds = 0.0, held_out_seconds = 0.0;
   double x_low = 0.0, x_high = 0.0;  // m, range of what was measured
   double u_max = 0.0;                // largest |input|
-  double step_share = 0.1;           // of the fastest rate's time that a step may take,
-  double shortest_step = 1e-4;       // s, but no less, however stiff an effect makes the model
+  double step_share = 0.1;           // longest step, times the fastest rate
+  double shortest_step = 1e-4;       // s, however stiff an effect makes the model
 };
 
 // Every third run is held out, the second first; of a single run its last third. `window` [s] splits the runs
-// into pieces that start from the measured motion. Throws ConfigError where a run is too short to be of use.
-// Coarse rows are for searching, fine ones for judging.
-enum class Grain : std::uint8_t { Coarse, Fine };
-Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window, Grain grain);
+// into windows that start from the measured motion. Throws ConfigError where a run is too short. Coarse rows
+// are for searching, fine ones for the final fits and comparisons.
+enum class Sampling : std::uint8_t { Coarse, Fine };
+Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
+                 Sampling sampling);
 
 // Standard deviation of the readings' white part, from their own high-frequency scatter. m
 double estimated_noise(const std::vector<RecordedRun>& runs);

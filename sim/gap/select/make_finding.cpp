@@ -19,46 +19,44 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMovedStds = 3.0;      // a calibration error worth telling: surely there,
-constexpr double kMovedShare = 0.005;   // and not a hair
-constexpr double kGrain = 0.1;          // of a standard deviation: the last digit written
-constexpr double kWorthNaming = 0.005;  // probability of a rival
+constexpr double kMovedStds = 3.0;      // a calibration error is reported where it is significant
+constexpr double kMovedShare = 0.005;   // and relevant
+constexpr double kRounding = 0.1;       // of a standard deviation: the last digit written
+constexpr double kWorthNaming = 0.005;  // probability
 
-std::string number_name(const Unknown& u, Drive drive) {
+std::string parameter_name(const Unknown& u, Drive drive) {
   if (u.effect == kBaseline) return std::string(uncertain_baseline(drive)[u.parameter].name);
-  const LibraryEffect& effect = library()[static_cast<std::size_t>(u.effect)];
+  const LibraryEffect& effect = library_effect(u.effect);
   return fmt::format("{}.{}", effect.info.name, effect.parameters[u.parameter].name);
 }
 
 double si_per_unit(const Unknown& u) {
-  return u.effect == kBaseline
-             ? 1.0
-             : library()[static_cast<std::size_t>(u.effect)].parameters[u.parameter].si_per_unit;
+  return u.effect == kBaseline ? 1.0 : library_effect(u.effect).parameters[u.parameter].si_per_unit;
 }
 
 double value_std(const Unknown& u) {  // in the unit of files
   return (u.logarithmic ? u.value() : std::abs(u.scale)) * u.std / si_per_unit(u);
 }
 
-// Digits far below the standard deviation say nothing and read badly.
-double rounded_to(double value, double grain) {
-  if (value == 0.0 || !std::isfinite(grain) || grain <= 0.0) return value;
-  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(grain));
+// Digits far below the standard deviation are not significant.
+double rounded_to(double value, double step) {
+  if (value == 0.0 || !std::isfinite(step) || step <= 0.0) return value;
+  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(step));
   return std::stod(fmt::format("{:.{}e}", value, static_cast<int>(std::clamp(digits, 0.0, 15.0))));
 }
 
 Hypothesis rounded(Hypothesis hypothesis) {
   std::vector<double> thetas;
   for (const Unknown& u : hypothesis.unknowns) {
-    const double value = rounded_to(u.value() / si_per_unit(u), kGrain * value_std(u)) * si_per_unit(u);
+    const double value = rounded_to(u.value() / si_per_unit(u), kRounding * value_std(u)) * si_per_unit(u);
     const double theta = u.theta_of(value);
     thetas.push_back(std::isfinite(theta) && theta >= u.low && theta <= u.high ? theta : u.theta);
   }
-  hypothesis.settle(thetas);
+  hypothesis.set(thetas);
   return hypothesis;
 }
 
-// The phases that the runs began with: their circular mean and scatter, deg. A model file has one.
+// Circular mean and standard deviation of the runs' phases, deg: a model file holds a single phase.
 GapEstimate common_phase(const PlantModel& model, const Evidence& evidence) {
   std::complex<double> sum = 0.0;
   for (const EvidenceRun& run : evidence.runs)
@@ -70,7 +68,7 @@ GapEstimate common_phase(const PlantModel& model, const Evidence& evidence) {
 }
 
 FoundEffect describe(const SelectedTerm& term, const Hypothesis& best) {
-  const LibraryEffect& effect = library()[static_cast<std::size_t>(term.candidate.effect)];
+  const LibraryEffect& effect = library_effect(term.candidate.effect);
   FoundEffect out;
   out.name = effect.info.name;
   out.sentence = effect.info.sentence;
@@ -79,7 +77,7 @@ FoundEffect describe(const SelectedTerm& term, const Hypothesis& best) {
     if (u.effect == term.candidate.effect)
       out.parameters.push_back(
           {std::string(effect.parameters[u.parameter].name), u.value() / si_per_unit(u), value_std(u)});
-  for (const CandidateFit& t : term.contest) {
+  for (const CandidateFit& t : term.comparison) {
     if (t.candidate == term.candidate)
       out.probability = t.probability;
     else if (t.fitted && t.probability >= kWorthNaming)
@@ -89,22 +87,21 @@ FoundEffect describe(const SelectedTerm& term, const Hypothesis& best) {
 }
 
 double given_value(const PlantModel& given, const Unknown& u) {  // SI
-  if (u.effect != kBaseline) return library()[static_cast<std::size_t>(u.effect)].get(given, u.parameter);
+  if (u.effect != kBaseline) return library_effect(u.effect).get(given, u.parameter);
   return given.baseline.*(uncertain_baseline(given.baseline.drive)[u.parameter].member);
 }
 
-void tell_changes(FoundGap& found, const PlantModel& given, const Hypothesis& best) {
+void add_changed_parameters(FoundGap& found, const PlantModel& given, const Hypothesis& best) {
   const Drive drive = given.baseline.drive;
   for (const Unknown& u : best.unknowns) {
-    found.changed.push_back({number_name(u, drive), value_std(u)});
-    const bool new_effect =
-        u.effect != kBaseline && !library()[static_cast<std::size_t>(u.effect)].present(given);
+    found.changed.push_back({parameter_name(u, drive), value_std(u)});
+    const bool new_effect = u.effect != kBaseline && !library_effect(u.effect).present(given);
     if (new_effect) continue;
-    const double was = given_value(given, u) / si_per_unit(u), is = u.value() / si_per_unit(u);
-    const double moved = std::abs(is - was);
+    const double before = given_value(given, u) / si_per_unit(u), after = u.value() / si_per_unit(u);
+    const double moved = std::abs(after - before);
     const bool free = !std::isfinite(u.prior_std);
-    if (free || (moved > kMovedStds * value_std(u) && moved > kMovedShare * std::abs(was)))
-      found.finding.parameters_changed.push_back({number_name(u, drive), was, is, value_std(u)});
+    if (free || (moved > kMovedStds * value_std(u) && moved > kMovedShare * std::abs(before)))
+      found.finding.parameters_changed.push_back({parameter_name(u, drive), before, after, value_std(u)});
   }
   std::stable_sort(found.finding.parameters_changed.begin(), found.finding.parameters_changed.end(),
                    [](const ChangedParameter& a, const ChangedParameter& b) {
@@ -121,7 +118,7 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
     c.round = t.round;
     c.score = t.share;
     c.fitted = t.fitted;
-    if (t.fitted) c.held_out_rmse = std::sqrt(t.judged.square) * kMm;
+    if (t.fitted) c.held_out_rmse = std::sqrt(t.scored.square) * kMm;
     c.probability = t.probability;
     c.chosen = t.chosen;
     out.push_back(c);
@@ -129,24 +126,24 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
   return out;
 }
 
-// The winner and the next best that were fitted, for the experiment that would tell them apart.
+// The experiment that best separates the winner from the next best effect.
 NextExperiment experiment_between(const Selection& selection, const Evidence& evidence) {
   if (selection.selected.empty()) return {};
   const SelectedTerm& first = selection.selected.front();
   std::vector<PlantModel> models;
   std::vector<std::string> names;
-  for (const CandidateFit& t : first.contest) {
-    if (!t.fitted || !std::isfinite(t.judged.square) || models.size() == 2) continue;
+  for (const CandidateFit& t : first.comparison) {
+    if (!t.fitted || !std::isfinite(t.scored.square) || models.size() == 2) continue;
     if (!models.empty() && t.candidate.effect == kBaseline) continue;
-    models.push_back(t.judged.hypothesis.model);
+    models.push_back(t.scored.hypothesis.model);
     names.push_back(t.candidate.name(models.back().baseline.drive));
   }
   if (models.size() < 2) return {};
   return next_experiment(models, names, evidence.noise, evidence.u_max);
 }
 
-// Without noise a simulated laser would look frozen to the supervisor.
-void lend_noise(FoundGap& found, double noise) {
+// Without noise the supervisor would take a simulated laser for a frozen one.
+void add_sensor_noise(FoundGap& found, double noise) {
   const auto parameter = SensorNoise::parameters()[0];
   const double um = std::max(1e-3, std::round(noise * 1e9) * 1e-3);
   found.model.effects.sensor_noise = SensorNoise{um * 1e-6};
@@ -190,15 +187,15 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
       if (term.is_effect()) f.effects.push_back(describe(term, best));
   for (FoundEffect& effect : f.effects)
     if (phase && effect.name == PeriodicDisturbance::info.name) effect.parameters.push_back(*phase);
-  if (adopted) tell_changes(found, given, best);
-  if (adopted && !found.model.effects.sensor_noise) lend_noise(found, evidence.noise);
+  if (adopted) add_changed_parameters(found, given, best);
+  if (adopted && !found.model.effects.sensor_noise) add_sensor_noise(found, evidence.noise);
   name_runs(f, evidence);
-  const std::vector<double> was = residual(before.hypothesis.model, evidence, Part::All);
-  const std::vector<double> is = adopted ? residual(found.model, evidence, Part::All) : was;
-  f.where = localize_residual(evidence, was, is, drive);
-  const MainRegimes regimes = main_regime(evidence, was, drive);
+  const std::vector<double> r_before = residual(before.hypothesis.model, evidence, Part::All);
+  const std::vector<double> r_after = adopted ? residual(found.model, evidence, Part::All) : r_before;
+  f.where = localize_residual(evidence, r_before, r_after, drive);
+  const MainRegimes regimes = main_regime(evidence, r_before, drive);
   f.regime_names = regimes.names;
-  f.traces = traces(evidence, was, is, regimes, drive);
+  f.traces = traces(evidence, r_before, r_after, regimes, drive);
   if (f.verdict == GapVerdict::Unexplained)
     f.shapes = residual_shapes(evidence, selection.start.hypothesis.model,
                                residual(selection.start.hypothesis.model, evidence, Part::All));

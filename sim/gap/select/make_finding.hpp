@@ -1,12 +1,12 @@
-// From a selection to what is said: verdict, names with probabilities, numbers that changed, the new model,
-// and where the gap was.
+// The finding of a selection: verdict, effects with probabilities, changed parameters, the new model, and
+// where the residual was.
 #pragma once
 
 #include "sim/gap/find_gap.hpp"
 
 namespace biopsy::sim::gap {
 
-// `before`: the model as given, with only the numbers fitted that were said to be unknown.
+// `before`: the given model, fitted in the parameters that were declared free.
 FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
                       const Evidence& evidence);
 

@@ -43,7 +43,7 @@ struct Experiment {
   bool closed_loop = false;
 };
 
-double nothing(double) {
+double no_force(double) {
   return 0.0;
 }
 
@@ -63,7 +63,7 @@ double sweep_turns(double time, double seconds, double low, double high) {
   return low / growth * (std::exp(growth * time) - 1.0);
 }
 
-// 0 -> 1 within the first second: a step at once would throw the plate beyond its stroke.
+// 0 -> 1 within the first second: a step would move the plate beyond its stroke.
 double soft_start(double time) {
   return std::min(1.0, time);
 }
@@ -86,31 +86,27 @@ double setpoint(double time) {
 std::vector<Experiment> stack_menu() {
   return {
       {"dc_hold", "Put 50 g on the plate, ramp DC to 4.5 kV within 1 s, hold it for 9 s, then 0 V for 8 s.",
-       18.0, [](double t) { return t < 10.0 ? kHoldVolts * soft_start(t) : 0.0; }, nothing},
+       18.0, [](double t) { return t < 10.0 ? kHoldVolts * soft_start(t) : 0.0; }, no_force},
       {"voltage_staircase_up_and_down",
        "Put 50 g on the plate and drive a 2 Hz square wave of amplitude 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, "
-       "1.6, "
-       "0.8 kV, 2 s each.",
-       18.0, staircase_volts, nothing},
+       "1.6, 0.8 kV, 2 s each.",
+       18.0, staircase_volts, no_force},
       {"frequency_sweep",
-       "Put 50 g on the plate and drive a square wave, its amplitude ramped to 3.5 kV within 1 s, that "
-       "quickens "
-       "evenly from 0.5 to 10 Hz within 16 s.",
-       16.0, sweep_volts, nothing},
+       "Put 50 g on the plate and drive a square wave, its amplitude ramped to 3.5 kV within 1 s, its "
+       "frequency swept logarithmically from 0.5 to 10 Hz within 16 s.",
+       16.0, sweep_volts, no_force},
       {"weight_drop",
        "Put 50 g on the plate, drive a 2 Hz square wave for 15 s, its amplitude ramped to 3.5 kV within 1 s; "
-       "after "
-       "5 s put another 50 g on at once, after 10 s take it off at once.",
+       "after 5 s put another 50 g on at once, after 10 s take it off at once.",
        15.0, [](double t) { return kSweepVolts * soft_start(t) * polarity(t); },
        [](double t) { return t >= 5.0 && t < 10.0 ? kDropped * kGravity : 0.0; }},
       {"slow_triangle",
        "Put 50 g on the plate and ramp DC from 0 to 5 kV within 5 s and back within 5 s, twice.", 20.0,
-       [](double t) { return kTriangleVolts * triangle(t, 10.0); }, nothing},
+       [](double t) { return kTriangleVolts * triangle(t, 10.0); }, no_force},
       {"closed_loop_steps",
-       "Put 50 g on the plate, close the loop (0.8 kV/mm, 0.005 kV/mm a tick, 2 Hz polarity) and ask for 2, "
-       "4, "
-       "6, 3 mm, 4 s each.",
-       16.0, setpoint, nothing, true},
+       "Put 50 g on the plate, close the loop (K_p = 0.8 kV/mm, K_i = 5 kV/(mm s), 2 Hz polarity) and set 2, "
+       "4, 6, 3 mm, 4 s each.",
+       16.0, setpoint, no_force, true},
   };
 }
 
@@ -132,30 +128,31 @@ std::vector<Experiment> force_menu(const Baseline& baseline, double F) {
            "Step the force to ±{0:.3g} N, ±{1:.3g} N, ±{2:.3g} N, ±{1:.3g} N, ±{0:.3g} N, 1 s each, then "
            "leave it at 0 for 2 s.",
            0.25 * F, 0.5 * F, F),
-       12.0, stair, nothing},
+       12.0, stair, no_force},
       {"force_chirp",
-       fmt::format("Drive a sine of {:.3g} N that quickens evenly from {:.3g} to {:.3g} Hz within 16 s.", F,
-                   low, high),
+       fmt::format("Drive a sine of {:.3g} N, its frequency swept logarithmically from {:.3g} to {:.3g} Hz "
+                   "within 16 s.",
+                   F, low, high),
        16.0, [=](double t) { return F * std::sin(2.0 * std::numbers::pi * sweep_turns(t, 16.0, low, high)); },
-       nothing},
+       no_force},
       {"slow_force_triangle",
        fmt::format("Ramp the force from 0 to {0:.3g} N within 5 s and back within 5 s, then the same with "
                    "-{0:.3g} N.",
                    F),
-       20.0, [F](double t) { return (t < 10.0 ? F : -F) * triangle(t, 10.0); }, nothing},
-      {"free_decay", fmt::format("Push with {:.3g} N for 4 s, let go at once and record 8 s.", F), 12.0,
-       [F](double t) { return t < 4.0 ? F : 0.0; }, nothing},
+       20.0, [F](double t) { return (t < 10.0 ? F : -F) * triangle(t, 10.0); }, no_force},
+      {"free_decay", fmt::format("Push with {:.3g} N for 4 s, release at once and record 8 s.", F), 12.0,
+       [F](double t) { return t < 4.0 ? F : 0.0; }, no_force},
   };
 }
 
-// The paper's loop: amplitude for an error; its integral stands still while the amplitude is at a bound.
+// The paper's loop: amplitude for an error, with conditional integration while the amplitude is at a bound.
 double loop_volts(double error, double& integral) {
   const double amplitude = kProportional * error + integral + kIntegral * error;
   if (amplitude >= 0.0 && amplitude <= kEnvelope) integral += kIntegral * error;
   return std::clamp(amplitude, 0.0, kEnvelope);
 }
 
-// Where plate A is read at each tick. A loop hears readings with noise; what is returned has none.
+// Reading of plate A at each tick, m. A closed loop uses readings with noise; the returned ones have none.
 std::vector<double> simulated(PlantModel model, const Experiment& experiment, double noise,
                               std::uint64_t seed) {
   model.weight = kWeight;
@@ -166,21 +163,21 @@ std::vector<double> simulated(PlantModel model, const Experiment& experiment, do
   std::vector<double> readings;
   const long ticks = std::lround(experiment.seconds / kTick);
   for (long tick = 0; tick < ticks; ++tick) {
-    const double t = static_cast<double>(tick) * kTick, asked = experiment.input(t);
+    const double t = static_cast<double>(tick) * kTick, setpoint_now = experiment.input(t);
     readings.push_back(displacement_reading(model, state));
     const auto closed = [&] {
-      const double heard = readings.back() + noise * normals(seed, static_cast<std::uint64_t>(tick)).first;
-      return polarity(t) * loop_volts(asked - heard, integral);
+      const double measured = readings.back() + noise * normals(seed, static_cast<std::uint64_t>(tick)).first;
+      return polarity(t) * loop_volts(setpoint_now - measured, integral);
     };
-    const double input = experiment.closed_loop ? closed() : asked;
-    // The plant heeds the one that its drive has.
+    const double input = experiment.closed_loop ? closed() : setpoint_now;
+    // The plant uses the input of its drive.
     state = step(model, state, {.voltage = input, .force = input, .external_force = experiment.external(t)},
                  Seconds(kTick));
   }
   return readings;
 }
 
-// RMS; a rival that ran away counts as no difference, because nobody will measure that.
+// RMS; 0 where a candidate diverged, because that will not be measured.
 double difference(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -188,22 +185,23 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
   return std::isfinite(rms) ? rms : 0.0;
 }
 
-// One rival in one experiment.
+// One candidate in one experiment.
 struct Outcome {
   std::vector<double> readings;  // m
-  double scatter = 0.0;          // m, RMS from one go to the next: a loop that hunts does not repeat itself
-  bool allowed = true;           // plate A stays where the robot lets it go
+  double scatter = 0.0;  // m, RMS between two repetitions: a loop in a limit cycle does not repeat itself
+  bool allowed = true;   // plate A stays within the stroke
 };
 
-Outcome outcome_of(const PlantModel& rival, const Experiment& experiment, double noise) {
-  Outcome out{.readings = simulated(rival, experiment, noise, 1)};
-  if (experiment.closed_loop) out.scatter = difference(out.readings, simulated(rival, experiment, noise, 2));
-  if (rival.baseline.drive == Drive::Stack)
+Outcome outcome_of(const PlantModel& candidate, const Experiment& experiment, double noise) {
+  Outcome out{.readings = simulated(candidate, experiment, noise, 1)};
+  if (experiment.closed_loop)
+    out.scatter = difference(out.readings, simulated(candidate, experiment, noise, 2));
+  if (candidate.baseline.drive == Drive::Stack)
     out.allowed = *std::max_element(out.readings.begin(), out.readings.end()) <= kDeepest;
   return out;
 }
 
-// The two rivals that an experiment leaves most alike.
+// The two candidates that an experiment separates least.
 struct Closest {
   std::size_t first = 0, second = 1;
   double apart = std::numeric_limits<double>::infinity();  // m
@@ -222,12 +220,12 @@ Closest closest_pair(const std::vector<Outcome>& outcomes) {
   return closest;
 }
 
-std::vector<Closest> hold_all(const std::vector<Experiment>& menu, const std::vector<PlantModel>& rivals,
-                              double noise) {
-  std::vector<std::vector<Outcome>> outcomes(menu.size(), std::vector<Outcome>(rivals.size()));
-  in_parallel(menu.size() * rivals.size(), [&](std::size_t job) {
-    const std::size_t e = job / rivals.size(), r = job % rivals.size();
-    outcomes[e][r] = outcome_of(rivals[r], menu[e], noise);
+std::vector<Closest> closest_pairs(const std::vector<Experiment>& menu,
+                                   const std::vector<PlantModel>& candidates, double noise) {
+  std::vector<std::vector<Outcome>> outcomes(menu.size(), std::vector<Outcome>(candidates.size()));
+  in_parallel(menu.size() * candidates.size(), [&](std::size_t job) {
+    const std::size_t e = job / candidates.size(), r = job % candidates.size();
+    outcomes[e][r] = outcome_of(candidates[r], menu[e], noise);
   });
   std::vector<Closest> out;
   out.reserve(outcomes.size());
@@ -244,27 +242,26 @@ std::string listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
-NextExperiment next_experiment(const std::vector<PlantModel>& rivals, const std::vector<std::string>& names,
-                               double noise, double largest_force) {
-  assert(rivals.size() == names.size() && noise > 0.0);
+NextExperiment next_experiment(const std::vector<PlantModel>& candidates,
+                               const std::vector<std::string>& names, double noise, double largest_force) {
+  assert(candidates.size() == names.size() && noise > 0.0);
   NextExperiment out;
-  if (rivals.size() < 2) {
-    out.sentence = "There are no two explanations to tell apart.";
+  if (candidates.size() < 2) {
+    out.sentence = "There are not two explanations to separate.";
     return out;
   }
-  const Baseline& baseline = rivals.front().baseline;
+  const Baseline& baseline = candidates.front().baseline;
   const std::vector<Experiment> menu =
       baseline.drive == Drive::Force ? force_menu(baseline, largest_force) : stack_menu();
-  const std::vector<Closest> closest = hold_all(menu, rivals, noise);
+  const std::vector<Closest> closest = closest_pairs(menu, candidates, noise);
   const auto best = std::max_element(closest.begin(), closest.end(),
                                      [](const Closest& a, const Closest& b) { return a.apart < b.apart; });
   out.difference = kMm * best->apart;
   if (best->apart <= noise) {
     out.sentence = fmt::format(
-        "No experiment of the menu that the stage allows tells {} and {} apart: their predictions differ by "
-        "{:.3g} mm at most, and "
-        "a "
-        "reading scatters by {:.3g} mm.",
+        "No experiment of the menu within the stroke separates {} and {}: their predictions differ by at "
+        "most "
+        "{:.3g} mm; a reading scatters by {:.3g} mm.",
         names[best->first], names[best->second], out.difference, kMm * noise);
     return out;
   }

@@ -13,23 +13,23 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr std::size_t kMostRounds = 5;
-constexpr double kNeededEvidence = 10.0;  // odds of 20000 to 1: the whole library gets its say well under 5 %
-constexpr double kWorthTrying = 0.25;     // of the excess square that is left: two equals share it,
-constexpr double kWorthKeeping = 0.5;     // but the last to enter must close most of what was left
+constexpr double kNeededEvidence = 10.0;  // odds of 20000 to 1: family-wise false-positive rate < 5 %
+constexpr double kWorthTrying = 0.25;     // of the remaining excess square: two equal effects share it,
+constexpr double kWorthKeeping = 0.5;     // but the last one must explain most of what was left
 constexpr double kMuchLeft = 0.05;        // of the first excess square
-constexpr double kOnlyNoise = 0.25;       // excess below this share of the noise changes no RMSE by 4 %
-constexpr double kBelowNoise = 1.0;       // what is left of a gap that has a name already, in noises
-constexpr double kAsGood = 1.05;          // mean square: then the evidence decides who has the place
-constexpr double kFarBehind = 9.0;        // mean square: a third of the winner's precision
+constexpr double kOnlyNoise = 0.25;       // an excess below this share of the noise changes no RMSE by 4 %
+constexpr double kBelowNoise = 1.0;       // remainder, in noises, that does not justify a second effect
+constexpr double kAsGood = 1.05;          // ratio of mean squares within which the evidence decides
+constexpr double kFarBehind = 9.0;        // ratio of mean squares: a third of the winner's precision
 constexpr int kRefitIterations = 15;
 
-// `much_left`: the gap is still wide open, so that a second of two equals may be about to follow.
-bool convinces(const Round& round, const ScoredModel& now, bool much_left, const Evidence& evidence) {
+// `much_left`: most of the gap is still open, so that the second of two equal effects may follow.
+bool is_accepted(const Round& round, const ScoredModel& now, bool much_left, const Evidence& evidence) {
   if (round.fits.empty() || !round.fits.front().fitted) return false;
   const CandidateFit& first = round.fits.front();
   const double needed = much_left ? kWorthTrying : kWorthKeeping;
-  return first.log_evidence > round.nothing + kNeededEvidence &&
-         excess(first.judged.square, evidence) < (1.0 - needed) * excess(now.square, evidence);
+  return first.log_evidence > round.null_evidence + kNeededEvidence &&
+         excess(first.scored.square, evidence) < (1.0 - needed) * excess(now.square, evidence);
 }
 
 double reduction(const ScoredModel& from, const ScoredModel& to, const Evidence& evidence) {
@@ -37,7 +37,7 @@ double reduction(const ScoredModel& from, const ScoredModel& to, const Evidence&
   return left > 0.0 ? 1.0 - excess(to.square, evidence) / left : 0.0;
 }
 
-// Nothing left that could be told from the noise, or too little to be asked for a second name.
+// The remainder is noise, or too small for a further effect.
 bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
   if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
   return is_only_noise(now.square, evidence);
@@ -47,39 +47,39 @@ bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
 ScoredModel without(const ScoredModel& best, const Candidate& candidate, const Evidence& fine) {
   Hypothesis reduced = best.hypothesis;
   std::erase_if(reduced.unknowns, [&](const Unknown& u) { return u.effect == candidate.effect; });
-  library()[static_cast<std::size_t>(candidate.effect)].remove(reduced.model);
+  library_effect(candidate.effect).remove(reduced.model);
   fit(reduced, fine, kRefitIterations);
-  return judge(std::move(reduced), fine);
+  return score_model(std::move(reduced), fine);
 }
 
-// Nothing came near it when it entered: what entered later did not decide that.
+// No other candidate came near it when it was selected.
 bool has_clear_margin(const SelectedTerm& term) {
   double own = 0.0, next = std::numeric_limits<double>::infinity();
-  for (const CandidateFit& t : term.contest) {
+  for (const CandidateFit& t : term.comparison) {
     if (t.candidate == term.candidate)
-      own = t.judged.square;
+      own = t.scored.square;
     else if (t.fitted)
-      next = std::min(next, t.judged.square);
+      next = std::min(next, t.scored.square);
   }
   return next > kFarBehind * own;
 }
 
-// Each effect but the last to enter was chosen when the others were not there yet: it must win its place
-// again, unless it had it without a rival.
-void contest_places(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
+// Each effect but the last was selected before the others were in the model: it is compared again with them
+// present, unless it had a clear margin.
+void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
   for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
     SelectedTerm& term = out.selected[i];
     if (!term.is_effect() || has_clear_margin(term)) continue;
     const std::string name = term.candidate.name(out.best.drive());
     Round again = selection_step(
         without(out.best, term.candidate, fine), coarse, fine,
-        {.number = static_cast<int>(i) + 1, .title = fmt::format("again for {}'s place", name)}, progress);
+        {.number = static_cast<int>(i) + 1, .title = fmt::format("again in place of {}", name)}, progress);
     if (again.fits.empty() || !again.fits.front().fitted) continue;
-    if (again.fits.front().judged.square < kAsGood * out.best.square) {
-      out.best = again.fits.front().judged;
+    if (again.fits.front().scored.square < kAsGood * out.best.square) {
+      out.best = again.fits.front().scored;
       term.candidate = again.fits.front().candidate;
     }
-    term.contest = std::move(again.fits);
+    term.comparison = std::move(again.fits);
   }
 }
 
@@ -95,21 +95,21 @@ bool is_only_noise(double square, const Evidence& evidence) {
 
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
                  std::size_t most_effects) {
-  Selection out{.start = judge(std::move(start), fine), .best = {}, .fits = {}, .selected = {}};
-  std::vector<ScoredModel> stands{out.start};
+  Selection out{.start = score_model(std::move(start), fine), .best = {}, .fits = {}, .selected = {}};
+  std::vector<ScoredModel> models{out.start};
   std::size_t effects = 0;
   while (out.selected.size() < kMostRounds && effects < most_effects &&
-         !is_closed(stands.back(), effects > 0, fine)) {
+         !is_closed(models.back(), effects > 0, fine)) {
     const int number = static_cast<int>(out.selected.size()) + 1;
     Round round =
-        selection_step(stands.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
-    const bool much_left = excess(stands.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
-    const bool found = convinces(round, stands.back(), much_left, fine);
+        selection_step(models.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
+    const bool much_left = excess(models.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
+    const bool found = is_accepted(round, models.back(), much_left, fine);
     if (found) {
       round.fits.front().chosen = true;
       out.selected.push_back({round.fits.front().candidate,
-                              reduction(stands.back(), round.fits.front().judged, fine), round.fits});
-      stands.push_back(round.fits.front().judged);
+                              reduction(models.back(), round.fits.front().scored, fine), round.fits});
+      models.push_back(round.fits.front().scored);
       if (out.selected.back().is_effect()) ++effects;
     }
     out.fits.insert(out.fits.end(), round.fits.begin(), round.fits.end());
@@ -117,12 +117,12 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   }
   while (!out.selected.empty() && out.selected.back().reduction < kWorthKeeping) {
     out.selected.pop_back();
-    stands.pop_back();
+    models.pop_back();
   }
-  for (CandidateFit& trial : out.fits)
-    if (static_cast<std::size_t>(trial.round) > out.selected.size()) trial.chosen = false;
-  out.best = stands.back();
-  contest_places(out, coarse, fine, progress);
+  for (CandidateFit& fit : out.fits)
+    if (static_cast<std::size_t>(fit.round) > out.selected.size()) fit.chosen = false;
+  out.best = models.back();
+  reselect_terms(out, coarse, fine, progress);
   return out;
 }
 

@@ -1,10 +1,9 @@
-// Forward selection: which candidate explains the gap, and is it anything at all? Held-out runs decide.
+// Forward selection of the candidates that explain the gap, decided on the held-out runs.
 //
-// Evidence of a hypothesis = -effective_sample_size/2 ln(held-out mean square) - prior cost/2 - free numbers
-// (ln(effective_sample_size)/2 + 1): the Bayesian information criterion with an effective sample size.
-// Residuals of a wrong model are correlated, and counting each reading would take every candidate that comes
-// along; `effective_sample_size` counts stretches that err on their own (independent_looks). A tenth of the
-// noise is tolerated, so that a difference between integrators is nobody's effect.
+// Log evidence of a hypothesis = -N/2 ln(held-out mean square) - prior cost/2 - (free parameters) (ln(N)/2 +
+// 1), N the effective sample size: the Bayesian information criterion. Residuals of a wrong model are
+// correlated; with N = number of readings nearly every candidate would be accepted. A tenth of the noise is
+// tolerated, so that differences between integrators are not attributed to an effect.
 #pragma once
 
 #include <functional>
@@ -15,7 +14,7 @@
 
 namespace biopsy::sim::gap {
 
-// A hypothesis, fitted on the training runs and judged on the others.
+// A hypothesis fitted on the training runs, with its residual on the others.
 struct ScoredModel {
   Hypothesis hypothesis;
   std::vector<double> residual;  // m, held-out rows
@@ -24,24 +23,24 @@ struct ScoredModel {
   Drive drive() const { return hypothesis.model.baseline.drive; }
 };
 
-// One candidate, tried: with its fit where the score test let it through.
+// One candidate; with a fit where it passed the score test.
 struct CandidateFit {
   Candidate candidate;
   int round = 1;
   double share = 0.0;  // of the training gap, by the score test
   bool fitted = false;
-  ScoredModel judged;
+  ScoredModel scored;
   double log_evidence = 0.0;
-  double probability = 0.0;  // in its round, among all candidates and "nothing"
+  double probability = 0.0;  // in its round, among all candidates and the unchanged model
   bool chosen = false;
-  bool indistinguishable = false;  // predicts what the winner, or a special case of it, predicts
+  bool indistinguishable = false;  // predicts the same as the winner or a model nested with it
 };
 
-// What entered, and the last contest for its place: all candidates in the company of the others that entered.
+// A selected candidate, and the last comparison that it won, the other selected terms being in the model.
 struct SelectedTerm {
   Candidate candidate;
   double reduction = 0.0;  // of the excess square that was left
-  std::vector<CandidateFit> contest;
+  std::vector<CandidateFit> comparison;
 
   bool is_effect() const { return candidate.effect != kBaseline; }
 };
@@ -55,14 +54,14 @@ struct Selection {
 
 using Progress = std::function<void(const std::string& doing)>;
 
-ScoredModel judge(Hypothesis hypothesis, const Evidence& evidence);
+ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence);
 
-// What is above the noise of a mean square; m^2, at least 0.
+// Mean square above that of the noise; m^2, at least 0.
 double excess(double square, const Evidence& evidence);
-// Whether that much above the noise is not worth a name.
+// Whether that excess is too small to be attributed to anything.
 bool is_only_noise(double square, const Evidence& evidence);
 
-// Coarse evidence to search on, fine to fit and judge on.
+// Searches on coarse rows, fits and compares on fine ones.
 inline constexpr std::size_t kMostEffects = 3;
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
                  std::size_t most_effects = kMostEffects);

@@ -7,27 +7,27 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kWellClosed = 0.9;      // of the RMSE above the noise
-constexpr double kWellBelowNoise = 0.5;  // what is left, in shares of the noise
-constexpr double kHardlyMore = 0.25;     // excess square, in squares of the noise
-constexpr double kNoticed = 0.05;
-constexpr double kLeastClosed = 0.6;     // enough where one candidate leaves all others behind:
-constexpr double kBent = 3.0;            // standard deviations of a calibration
-constexpr double kFarAhead = 1.4 * 1.4;  // mean square of the next that predicts something else
+constexpr double kWellClosed = 0.9;         // of the RMSE above the noise
+constexpr double kWellBelowNoise = 0.5;     // remainder, in noises
+constexpr double kSlightExcess = 0.25;      // excess square, in squares of the noise
+constexpr double kNoticed = 0.05;           // change of the mean square, in squares of the noise
+constexpr double kLeastClosed = 0.6;        // of the RMSE, enough where one candidate has a clear margin
+constexpr double kCalibrationStds = 3.0;    // a baseline parameter is not that far off by calibration alone
+constexpr double kClearMargin = 1.4 * 1.4;  // ratio of mean squares
 
-// Only noise, or so little more that no number of the baseline makes it less: the noise is not known better.
-bool is_hardly_a_gap(double before, double after, const Evidence& evidence) {
+// Noise, or slightly more that no baseline parameter reduces: the noise is not known more precisely.
+bool is_negligible(double before, double after, const Evidence& evidence) {
   if (is_only_noise(before, evidence)) return true;
   const double noise = evidence.noise * evidence.noise;
-  return excess(before, evidence) < kHardlyMore * noise && before - after < kNoticed * noise;
+  return excess(before, evidence) < kSlightExcess * noise && before - after < kNoticed * noise;
 }
 
-// Whether the explanation holds only if the calibration is wrong as well: then both make up for something
+// The explanation holds only together with a large calibration error: then both compensate for something
 // else.
-bool bends_calibration(const Hypothesis& hypothesis) {
+bool relies_on_calibration_error(const Hypothesis& hypothesis) {
   return std::any_of(hypothesis.unknowns.begin(), hypothesis.unknowns.end(), [](const Unknown& u) {
     return u.effect == kBaseline && std::isfinite(u.prior_std) &&
-           std::abs(u.theta - u.prior_mean) > kBent * u.prior_std;
+           std::abs(u.theta - u.prior_mean) > kCalibrationStds * u.prior_std;
   });
 }
 
@@ -43,30 +43,31 @@ bool well_explained(double before, double after, const Evidence& evidence) {
          gap_closed(before, after, evidence.noise) >= kWellClosed;
 }
 
-double lead(const Selection& selection) {
+double margin_over_next(const Selection& selection) {
   const auto first = std::find_if(selection.selected.begin(), selection.selected.end(),
                                   [](const SelectedTerm& term) { return term.is_effect(); });
   double next = std::numeric_limits<double>::infinity();
   if (first == selection.selected.end()) return next;
   double own = selection.best.square;
-  for (const CandidateFit& t : first->contest) {
+  for (const CandidateFit& t : first->comparison) {
     if (t.candidate == first->candidate)
-      own = t.judged.square;
+      own = t.scored.square;
     else if (t.fitted && !t.indistinguishable)
-      next = std::min(next, t.judged.square);
+      next = std::min(next, t.scored.square);
   }
   return next / own;
 }
 
 GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence) {
-  if (selection.selected.empty() && is_hardly_a_gap(before.square, selection.best.square, evidence))
+  if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence))
     return GapVerdict::NoGap;
   const bool closed = well_explained(before.square, selection.best.square, evidence);
   if (std::none_of(selection.selected.begin(), selection.selected.end(),
                    [](const SelectedTerm& term) { return term.is_effect(); }))
     return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
-                          lead(selection) >= kFarAhead && !bends_calibration(selection.best.hypothesis);
+                          margin_over_next(selection) >= kClearMargin &&
+                          !relies_on_calibration_error(selection.best.hypothesis);
   return closed || stands_out ? GapVerdict::Effect : GapVerdict::Unexplained;
 }
 

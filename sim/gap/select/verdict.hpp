@@ -1,4 +1,4 @@
-// From a selection to one word, as little as the data bear: a wrong name is worse than none.
+// The verdict on a selection. Conservative: a wrong name is worse than none.
 #pragma once
 
 #include "sim/gap/gap_finding.hpp"
@@ -6,17 +6,17 @@
 
 namespace biopsy::sim::gap {
 
-// `before`: the model as given, with only the numbers fitted that were said to be unknown.
+// `before`: the given model, fitted in the parameters that were declared free.
 GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence);
 
 // Share of the held-out RMSE above the noise that is gone.
 double gap_closed(double square_before, double square_after, double noise);
 
-// Whether that leaves nothing to ask for: most of the gap is gone, or what is left is far below the noise.
+// Whether most of the gap is closed or the remainder is far below the noise.
 bool well_explained(double square_before, double square_after, const Evidence& evidence);
 
-// The first effect's contest: the least mean square of any candidate that predicts something else, over the
-// winner's. Infinite where there was none.
-double lead(const Selection& selection);
+// Of the first selected effect: the least held-out mean square of the candidates that predict something else,
+// over the winner's. Infinite where there was none.
+double margin_over_next(const Selection& selection);
 
 }  // namespace biopsy::sim::gap

@@ -13,9 +13,9 @@
 namespace biopsy::sim::calibration {
 namespace {
 
-constexpr double kStride = 0.05;  // of a parameter's doubt, for differences: above the figures' graininess
-constexpr std::uint64_t kOtherDraws = 1000;  // seeds of the second search are others than those of the first
-constexpr double kOnlyPrior = 0.9;           // of the std that was known beforehand, which is 1
+constexpr double kStride = 0.05;  // step of differences, in prior stds: above the figures' discretisation
+constexpr std::uint64_t kOtherDraws = 1000;  // seeds of the second search differ from those of the first
+constexpr double kOnlyPrior = 0.9;           // of the prior std, which is 1
 
 using Vector = Eigen::VectorXd;
 using Residuals = std::function<Vector(const Question&, const Vector&, bool)>;
@@ -24,7 +24,7 @@ Vector robust_residuals(const Question& question, const Vector& z, bool parallel
   return residuals(question, z, parallel, Pull::Robust);
 }
 
-// Held within their ranges, so that a parameter's z says what its value is.
+// Clamped to the parameters' ranges.
 Vector within(const std::vector<Parameter>& parameters, Vector z) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     double& here = z[static_cast<Eigen::Index>(i)];
@@ -37,7 +37,7 @@ Vector within(const std::vector<Parameter>& parameters, Vector z) {
 Eigen::MatrixXd jacobian(const Question& question, const Vector& z, const Residuals& f) {
   std::vector<Vector> ahead(z.size()), behind(z.size());
   Vector apart = Vector::Zero(z.size());
-  const Vector here = within(question.parameters, z);  // Ceres knows no edges
+  const Vector here = within(question.parameters, z);  // Ceres has no bounds here
   const auto moved = [&](Eigen::Index parameter, double by) {
     Vector point = here;
     point[parameter] += by;
@@ -91,8 +91,8 @@ Vector last_steps(const Question& question, Vector z, int steps) {
   return z;
 }
 
-// How well the parameters are known, in units of their doubts: a number of the paper is good to its band, and
-// what was known beforehand counts in full.
+// Covariance of the parameters in units of their prior stds: the std of a number of the paper is its band,
+// and the priors count in full.
 Eigen::MatrixXd covariance(const Question& question, const Vector& z) {
   const Eigen::MatrixXd J =
       jacobian(question, z, readings).topRows(readings(question, z, true).size() - z.size());
@@ -142,7 +142,7 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
          .evaluations = settings.far,
          .seed = settings.seed},
         [&](double share, double best) {
-          say(0.9 * far_share * share, fmt::format("coming near, {:.1f} off now", best));
+          say(0.9 * far_share * share, fmt::format("first search, cost {:.1f}", best));
         });
     from = within(question.parameters, near.best);
     out.evaluations = near.evaluations;
@@ -153,19 +153,19 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
                            .seed = settings.seed + (settings.far > 0 ? kOtherDraws : 0)};
   const CmaResult global = minimise(cost, from, search, [&](double share, double best) {
     say(0.9 * (far_share + (1.0 - far_share) * share),
-        fmt::format("searching, {:.1f} off at first, {:.2f} now", out.before, best));
+        fmt::format("searching, cost {:.1f} at first, {:.2f} now", out.before, best));
   });
-  // The sum of squares counts rows, but only nearly: of what both beginnings lead to, who reaches more of
-  // them.
+  // The sum of squares approximates the number of rows met: of the results from both starts, take the one
+  // that meets more.
   Vector z = within(question.parameters, global.best);
   std::size_t reached = rows_reached(question, z);
   for (const Vector& begin : {z, within(question.parameters, from)}) {
-    say(0.9, fmt::format("last steps, {} rows reached", reached));
+    say(0.9, fmt::format("last steps, {} rows met", reached));
     const Vector end = within(question.parameters, last_steps(question, begin, settings.last_steps));
     const std::size_t rows = rows_reached(question, end);
     if (rows > reached || (rows == reached && cost(end) < cost(z))) z = end, reached = rows;
   }
-  say(0.97, "how well each number is known");
+  say(0.97, "standard deviations");
   const Eigen::MatrixXd C = covariance(question, z);
   const Vector stds = C.diagonal().cwiseSqrt();
   out.correlations = stds.cwiseInverse().asDiagonal() * C * stds.cwiseInverse().asDiagonal();

@@ -1,5 +1,5 @@
-// One parameter set for all of the paper's figures: a global search by CMA-ES, last steps by Ceres, and from
-// the figures' sensitivity how well each number is known.
+// One parameter set for all of the paper's figures: a global search by CMA-ES, last steps by Ceres, and
+// standard deviations from the figures' sensitivities.
 #pragma once
 
 #include <functional>
@@ -11,11 +11,11 @@
 
 namespace biopsy::sim::calibration {
 
-// Work and not time, so that the answer is the same anywhere. Spreads are of the first draws around where a
-// search begins, in doubts.
+// Budgets in evaluations and not in time, so that the result is reproducible. Spreads: std of the first draws
+// around the start of a search, in prior stds.
 struct CalibrationSettings {
-  int far = 0;            // evaluations of a search from far away, all rows pulling evenly; 0: none
-  int evaluations = 600;  // of the search that counts rows
+  int far = 0;            // evaluations of a first search from far away, with Pull::Even; 0: none
+  int evaluations = 600;  // of the search with Pull::Robust
   int last_steps = 3;     // of Ceres
   std::uint64_t seed = 1;
   int population = 16;
@@ -25,26 +25,26 @@ struct CalibrationSettings {
 struct CalibratedParameter {
   Parameter parameter;
   double value = 0.0, std = 0.0;  // file units
-  bool at_bound = false;          // the paper asks for more than is plausible
-  bool only_prior = false;        // nine tenths of the std and more are what was known beforehand
+  bool at_bound = false;          // the optimum is outside the plausible range
+  bool only_prior = false;        // not identifiable from the figures: std at least 0.9 of the prior's
 };
 
 struct Calibration {
   paper::PaperModel model;
   std::vector<CalibratedParameter> parameters;
   Eigen::MatrixXd correlations;      // of the parameters, in their order
-  std::vector<PaperRow> rows;        // at the answer, as the brief experiments give them
+  std::vector<PaperRow> rows;        // at the result, by the shortened experiments
   std::vector<RunFit> runs;          // and the measured runs
-  double before = 0.0, after = 0.0;  // sum of squared residuals where the search began, and at the answer
-  bool kept_start = false;           // nothing better was found than the first guesses
+  double before = 0.0, after = 0.0;  // sum of squared residuals at the start and at the result
+  bool kept_start = false;           // no better point than the start was found
   int evaluations = 0;
 };
 
 // Share done, -1 where that is not known, and what is being done.
 using CalibrationProgress = std::function<void(double share, const std::string& doing)>;
 
-// Begins at the parameters' starts, whatever `question.start` has there. Deterministic, on any number of
-// cores.
+// Starts at the parameters' starts, independent of their values in `question.start`. Deterministic, on any
+// number of cores.
 Calibration calibrate(const Question& question, const CalibrationSettings& settings,
                       const CalibrationProgress& progress = {});
 

@@ -33,7 +33,7 @@ struct Rates {
   }
 };
 
-// What is adapted.
+// The adapted normal distribution.
 class SearchDistribution {
  public:
   SearchDistribution(const Eigen::VectorXd& start, const CmaSettings& settings, int population)

@@ -1,5 +1,6 @@
-// Covariance matrix adaptation: minimises a function of a few dozen numbers that has many valleys and no
-// gradient. Hansen 2016, The CMA Evolution Strategy: A Tutorial (arXiv:1604.00772), defaults of its table 1.
+// Covariance matrix adaptation: minimises a function of a few dozen variables with many local minima and
+// without gradients. Hansen 2016, The CMA Evolution Strategy: A Tutorial (arXiv:1604.00772), defaults of its
+// table 1.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +13,7 @@ struct CmaSettings {
   double spread = 0.3;     // first standard deviation in every direction: scale the variables to about 1
   int population = 0;      // 0: 4 + 3 ln(dimension), the tutorial's
   int evaluations = 1000;  // at most; the last generation is always whole
-  double narrow = 1e-6;    // stops where the spread has become this small
+  double narrow = 1e-6;    // stops where the spread is below
   std::uint64_t seed = 1;
 };
 
@@ -27,7 +28,7 @@ using Cost = std::function<double(const Eigen::VectorXd&)>;
 using CmaProgress = std::function<void(double share, double best)>;
 
 // The best point seen, `start` included. A generation is evaluated in parallel; drawing is seeded and serial,
-// so the answer is the same on any number of cores. Values that are not finite count as the worst.
+// so the result is the same on any number of cores. Values that are not finite count as the worst.
 CmaResult minimise(const Cost& cost, const Eigen::VectorXd& start, const CmaSettings& settings,
                    const CmaProgress& progress = {});
 

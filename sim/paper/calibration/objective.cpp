@@ -14,22 +14,20 @@
 namespace biopsy::sim::calibration {
 namespace {
 
-constexpr double kPrior =
-    0.1;  // a parameter one doubt off its nominal value, against a number a band off its own
-constexpr double kCentre = 0.15;  // pull of a number that is within its band towards its middle
-// Share by which a statement is to hold, and of a band that stays free, so that no row hangs by a thread.
-constexpr double kRoom = 0.03;
+constexpr double kPrior = 0.1;     // weight of a parameter one prior std off, against a number one band off
+constexpr double kCentre = 0.15;   // weight of a number's distance from the middle of its band
+constexpr double kRoom = 0.03;     // margin by which statements shall hold and bands are narrowed
 constexpr double kTip = 0.02;      // bands
 constexpr double kRunBand = 0.05;  // rms error of a measured run, of its span, that weighs as much as a band
-constexpr double kFarthest = 5.0;  // bands, where a number's pull ends
-constexpr double kUnresolved = 20e-6;  // m, rms: a run that stands still is the laser's noise
-constexpr double kRunMost = 20.0;      // and a run's
+constexpr double kFarthest = 5.0;  // bands, where a number's loss saturates
+constexpr double kUnresolved = 20e-6;  // m, rms: a run without motion contains only noise
+constexpr double kRunMost = 20.0;      // bands, the same for a run
 constexpr std::size_t kRunReadings = 200;
 constexpr double kMostVolts = 1e-3 * limits::kDriveMax_mV;
-constexpr double kReachBand = 0.05;  // of the reach: never levels off, unlike a row
+constexpr double kReachBand = 0.05;  // of the reach
 
-// Its square grows with |miss| at first and towards 2 in the end, with a rounded tip: a sum of such is least
-// where most rows are reached and a few are given up, rather than where all are missed a little.
+// Its square grows with |miss| at first and saturates at 2, smooth at 0: the sum is least where most rows are
+// met and a few are missed by far, rather than where all are missed by a little.
 double robust_loss(double miss) {
   const double size = std::abs(miss);
   return std::copysign(std::sqrt(2.0 * (std::hypot(kTip, size) - kTip) / (1.0 + size)), miss);
@@ -69,11 +67,11 @@ double span_of(const RecordedRun& run) {
   return std::max(1e-4, *high - *low);
 }
 
-// What the model is away from each sample of a measured run, in bands of it.
+// Error of the model at each sample of a measured run, in bands of the run.
 std::vector<double> run_misses(const PlantModel& stage, const RecordedRun& run) {
-  PlantModel quiet = stage;
-  quiet.effects.sensor_noise.reset();
-  std::vector<double> misses = simulate(quiet, run).displacement;
+  PlantModel noiseless = stage;
+  noiseless.effects.sensor_noise.reset();
+  std::vector<double> misses = simulate(noiseless, run).displacement;
   const double band = kRunBand * span_of(run);
   for (std::size_t i = 0; i < misses.size(); ++i) {
     misses[i] = (misses[i] - run.displacement[i]) / band;
@@ -92,8 +90,8 @@ double rms_miss(const std::vector<double>& misses) {
   return std::min(rms(misses), kRunMost);
 }
 
-// A run weighs as much as a number, however many samples it has; of these so many speak, each with its sign,
-// so that what the run tells of each parameter shows.
+// A run has the weight of one number: subsampled to 200 signed residuals, which keeps each parameter's
+// sensitivity.
 void add_run_readings(const std::vector<double>& misses, std::vector<double>& out) {
   const std::size_t count = std::min<std::size_t>(kRunReadings, misses.size());
   for (std::size_t i = 0; i < count; ++i)

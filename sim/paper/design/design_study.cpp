@@ -43,7 +43,8 @@ double top_of(const std::vector<FigureCurve>& curves, std::vector<double> Figure
 
 FigurePanel panel(const std::string& title, const DesignStudy& study, const Axis& x, const Axis& y) {
   FigurePanel out{title, x.title, y.title, 0.0, 1.0, 0.0, 1.0, false, {}};
-  out.curves = {points("unbeaten designs", study.best, x, y), points("the paper's", {study.paper}, x, y)};
+  out.curves = {points("Pareto-optimal designs", study.best, x, y),
+                points("the paper's", {study.paper}, x, y)};
   out.x_high = top_of(out.curves, &FigureCurve::x);
   out.y_high = top_of(out.curves, &FigureCurve::y);
   return out;
@@ -58,7 +59,7 @@ double distance(const DesignedStack& a, const DesignedStack& b) {
   return sum;
 }
 
-// One after the other the design that is least like those already taken, the most stroke first.
+// Greedy: the design farthest from those already taken, beginning with the largest stroke.
 std::vector<DesignedStack> spread(std::vector<DesignedStack> all, std::size_t count) {
   const auto by_stroke = [](const DesignedStack& a, const DesignedStack& b) {
     return a.figures.stroke_mm < b.figures.stroke_mm;
@@ -77,7 +78,7 @@ std::vector<DesignedStack> spread(std::vector<DesignedStack> all, std::size_t co
   return taken;
 }
 
-// Those that beat the paper's own first, should there be many.
+// Up to half of them dominate the paper's design.
 std::vector<DesignedStack> chosen(std::vector<DesignedStack> best, const DesignedStack& paper) {
   const auto others = std::stable_partition(best.begin(), best.end(),
                                             [&](const DesignedStack& s) { return beats(s, paper); });
@@ -89,23 +90,22 @@ std::vector<DesignedStack> chosen(std::vector<DesignedStack> best, const Designe
 
 std::vector<std::string> demands_in_words(const Demands& d) {
   return {
-      fmt::format("Stroke of {:.3g} mm or more while tissue pushes back with {:.2g} N: the paper's deepest "
-                  "needle goes "
-                  "3.5 mm (IV.F.2), and a capsule pushes about that hard (sim/models/tissues.toml).",
-                  d.stroke_mm, d.push_N),
+      fmt::format(
+          "Stroke of {:.3g} mm or more against {:.2g} N of tissue: the paper's deepest insertion is 3.5 "
+          "mm (IV.F.2), and a capsule needs about that force (sim/models/tissues.toml).",
+          d.stroke_mm, d.push_N),
       fmt::format(
           "The film's guaranteed AC strength is {:.2g} times the peak field or more. Strength: DuPont Kapton "
-          "HN, "
-          "bulletin GS-96-7, minimum by ASTM D149 (25 um: 236, 50 um: 197, 75 um: 177, 125 um: 118 "
-          "V/um; lines between). The tests are short, in small areas, without edges or folds: hence the "
+          "HN, bulletin GS-96-7, minimum by ASTM D149 (25 um: 236, 50 um: 197, 75 um: 177, 125 um: 118 "
+          "V/um; linear between). The tests are short, on small areas without edges or folds: hence the "
           "factor. Peak field: K (2 - exp(-a/tau)) U over both films, at the first reversal of the "
           "square wave.",
           d.margin),
-      fmt::format("The stack is {:.3g} mm high at rest or less: it stands beside a patient in a bore.",
+      fmt::format("The stack is {:.3g} mm high at rest or less: it is placed beside a patient in a bore.",
                   d.height_mm),
       fmt::format(
-          "Strain of {:.3g} % or less: the paper measured 50 % (IV.C), and far beyond it eq. (18) is only a "
-          "guess.",
+          "Strain of {:.3g} % or less: the paper measured 50 % (IV.C), and far beyond it eq. (18) is not "
+          "validated.",
           100.0 * d.strain),
       std::string("The oil lies flat at rest: S + pi H_0/2 of eq. (18) is not longer than a chamber (half "
                   "the pouch less its seam of 3 mm). More oil thickens the pouch before any voltage.")};
@@ -118,18 +118,18 @@ std::vector<std::string> assumptions() {
           "scale C2, and 1/R with it (a material's R C2 is constant). C1 is the cable's and stays."),
       std::string(
           "Oil flow (tau_h), guide damping and masses stay as they are: larger pouches or thicker "
-          "films may flow slower or faster; the paper does not say. Where the oil is the slowest, as in "
-          "the calibrated stage, it sets the bandwidth of all designs alike, and bandwidth parts none."),
-      std::string("The paper's own film of 25 um leaks far more slowly than this scaling says (Fig. 6; "
-                  "sim/models/paper.toml): such designs would ripple less than shown, and their peak field "
-                  "is a little "
-                  "lower."),
+          "films may flow slower or faster; the paper gives no data. Where the oil is the slowest, as in the "
+          "calibrated stage, all designs have the same bandwidth."),
+      std::string("The paper's own film of 25 um leaks far more slowly than by this scaling (Fig. 6; "
+                  "sim/models/paper.toml): such designs would ripple less than shown, with a slightly lower "
+                  "peak field."),
       std::string("Dry friction of the guide, the play of zipping and errors of the laser are left out: they "
                   "hide ripple."),
       std::string(
-          "Ripple: plate A, peak to peak, under a 2 Hz square wave that has gone on for long, 50 g, against "
-          "the push. Bandwidth: of small changes of amplitude, the equations made linear; a lightly damped "
-          "spring peaks below it, and a controller must live with that (`biopsy tune`)."),
+          "Ripple: plate A, peak to peak, under a 2 Hz square wave in the periodic state, 50 g, against the "
+          "push. Bandwidth: linearised, for small changes of amplitude; a lightly damped spring peaks below "
+          "it, "
+          "which the controller has to allow for (`biopsy tune`)."),
       std::string("The films' stiffness, ageing, partial discharge and the yield of welding thin films are "
                   "not in the model.")};
 }

@@ -1,5 +1,4 @@
-// Which stacks are better than the paper's, and at what price: the design study that the paper leaves to
-// future work.
+// Pareto-optimal stacks and their trade-offs: the design study that the paper leaves to future work.
 #pragma once
 
 #include <functional>
@@ -10,9 +9,9 @@
 
 namespace biopsy::sim::design {
 
-// `known` is the stage that all designs are scaled from; `name` what it is called on the page. Not more than
-// `kShown` of the best are kept, spread over what they reach, up to half of them such as beat the paper's;
-// its own stands beside them whether or not it meets the demands.
+// `known` is the stage that all designs are scaled from, `name` its name on the page. At most `kShown` of the
+// Pareto-optimal designs are kept, spread over the figures of merit, up to half of them dominating the
+// paper's.
 inline constexpr std::size_t kShown = 40;
 DesignStudy study_designs(const PlantModel& known, const std::string& name, const Demands& demands,
                           const SearchSize& size, const Progress& progress = {});

@@ -14,7 +14,7 @@
 namespace biopsy::sim::design {
 namespace {
 
-constexpr double kSettle = 3.0;    // s: twelve time constants of the spring's swing, 2 m/c = 0.25 s
+constexpr double kSettle = 3.0;    // s: twelve time constants of the spring's oscillation, 2 m/c = 0.25 s
 constexpr double kStep = 1e-3;     // s
 constexpr double kWeight = 0.050;  // kg on the needle fixture, IV.F.2
 
@@ -33,7 +33,8 @@ void demand(DesignedStack& stack, double short_by, const std::string& words) {
   stack.shortfall += short_by;
 }
 
-// Oil that the films cannot lay flat at rest makes the pouch thick before any voltage.
+// Length of the oil lens at rest: it must fit into the chamber, otherwise the pouch is thick without voltage.
+// m
 double rest_length(const Baseline& b) {
   const double flat = b.V0 / (b.L0 * b.H_0) - std::numbers::pi * b.H_0 / 4.0;  // S of eq. (18)
   return flat + std::numbers::pi * b.H_0 / 2.0;
@@ -47,7 +48,7 @@ void judge(DesignedStack& stack, const PlantModel& plant, const Demands& demands
          fmt::format("stroke {:.1f} mm against {:.2g} N of tissue: less than {:.3g} mm", f.stroke_mm,
                      demands.push_N, demands.stroke_mm));
   demand(stack, 1.0 - f.breakdown_margin / demands.margin,
-         fmt::format("field {:.0f} V/um: the film's strength is only {:.2f} times that, not {:.2g}",
+         fmt::format("field {:.0f} V/um: the film's strength is {:.2f} times that, required {:.2g}",
                      f.field_V_per_um, f.breakdown_margin, demands.margin));
   demand(stack, f.height_mm / demands.height_mm - 1.0,
          fmt::format("stack {:.1f} mm high: more than {:.3g} mm", f.height_mm, demands.height_mm));
@@ -136,7 +137,7 @@ Swing steady_swing(const PlantModel& plant, double amplitude, double push) {
   const Baseline& b = plant.baseline;
   const double kept = std::exp(-half_period(kDriveFrequency) / b.tau);
   PlantState state = at_rest(plant);
-  state.u_i = -amplitude;  // as if it had always been driven: K_2 of eq. (17)
+  state.u_i = -amplitude;  // periodic state: K_2 of eq. (17)
   state.u_o = -2.0 * b.K * kept / (1.0 + kept) * amplitude;
   const auto half = static_cast<int>(std::lround(half_period(kDriveFrequency) / kStep));
   const int steps = static_cast<int>(std::lround(kSettle / kStep)) / (2 * half) * 2 * half, cycle = 2 * half;

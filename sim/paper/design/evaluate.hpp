@@ -1,5 +1,5 @@
-// One design of the stack: the plant it makes, and what that plant does. Scaled from a stage whose model is
-// known: the paper's, 3.2 mL of oil in a pouch of 60 by 60 mm.
+// One design of the stack: its plant and its figures of merit. Scaled from a stage with a known model: the
+// paper's, 3.2 mL of oil in a pouch of 60 by 60 mm.
 #pragma once
 
 #include "sim/paper/design/stack_design.hpp"
@@ -7,14 +7,13 @@
 
 namespace biopsy::sim::design {
 
-// What is asked of a stage.
+// Requirements on a stage.
 struct Demands {
   double stroke_mm = 5.0;   // twice the depth of the paper's needle (IV.F.2), with reserve
   double push_N = 0.3;      // of tissue on the needle meanwhile: a capsule of sim/models/tissues.toml
   double margin = 2.0;      // guaranteed breakdown over peak field
-  double height_mm = 30.0;  // of the stack at rest: it stands beside a patient in a bore
-  double strain =
-      1.0;  // most of stroke over height: the paper measured 0.5 (IV.C), the lens of eq. (18) no more
+  double height_mm = 30.0;  // of the stack at rest: it is placed beside a patient in a bore
+  double strain = 1.0;      // largest stroke over height: the paper measured 0.5 (IV.C)
 };
 
 inline constexpr double kDriveFrequency = 2.0;                                     // Hz, paper IV.B
@@ -25,25 +24,25 @@ StackDesign design_of(const PlantModel& known);
 
 // Oil scales V0, the side L0; films d_film; electrodes, films and number of pouches C2 and R (material
 // constant R C2). C1 is the cable's and stays; so do oil flow, guide and masses. The guide's dry friction and
-// the laser's errors are left out: they hide ripple, and nobody designs them.
+// the laser's errors are left out: they hide ripple and are not design variables.
 PlantModel plant_of(const PlantModel& known, const StackDesign& design);
 
-// Highest |u_o| of a square wave that starts from rest, the first reversal's: K (2 - exp(-a/tau)) U, a half a
-// period; from eq. (2). V
+// Highest |u_o| under a square wave from rest, at the first reversal: K (2 - exp(-a/tau)) U, a half a period;
+// from eq. (2). V
 double peak_voltage(const Baseline& b, double amplitude, double frequency);
 
-// Least AC strength that the maker guarantees for a polyimide film of this thickness (um): DuPont Kapton HN,
-// bulletin GS-96-7, ASTM D149; straight lines between. V/um
+// Guaranteed AC strength of a polyimide film of this thickness (um): DuPont Kapton HN, bulletin GS-96-7, ASTM
+// D149; linear between the values. V/um
 double guaranteed_strength(double film_um);
 
 // Frequency up to which plate A follows a small change of the pouches' equilibrium height to within 3 dB,
-// from the plant's equations made linear at load and pressure. Hz
+// from the plant's equations linearised at load and pressure. Hz
 double bandwidth(const PlantModel& plant, double pressure, double load);
 
-// Height of the stack at rest, from oil, chambers and films as sim/paper reads the paper. mm
+// Height of the stack at rest, from oil, chambers and films as in sim/paper/stack_height.hpp. mm
 double stack_height_mm(const StackDesign& design);
 
-// Where the swing is periodic: mean height and swing of plate A against a push, drive in square waves. m
+// Mean and peak to peak of plate A in the periodic state under a square wave, against a push. m
 struct Swing {
   double mean = 0.0, peak_to_peak = 0.0;
 };

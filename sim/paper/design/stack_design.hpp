@@ -1,5 +1,5 @@
-// Designs of the stack that none beats in everything, and the paper's own beside them. Values only:
-// sim/paper/design makes it, robot/report prints it. Units are people's, in the names.
+// Pareto-optimal designs of the stack, and the paper's own beside them. Values only; made by
+// sim/paper/design, printed by robot/report. Units are in the names.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace biopsy {
 
-// What a builder chooses.
+// Design variables.
 struct StackDesign {
   double oil_mL = 3.2;            // filled into one pouch
   double side_mm = 60.0;          // of the square pouch and its electrodes
@@ -20,10 +20,10 @@ struct StackDesign {
   double drive_kV = 6.0;          // amplitude of the square wave
 };
 
-// What comes of it.
+// Figures of merit.
 struct StackFigures {
   double stroke_mm = 0.0;         // of the needle against the tissue's push
-  double ripple_mm = 0.0;         // peak to peak of the needle at the drive's rhythm
+  double ripple_mm = 0.0;         // peak to peak of the needle at the drive's frequency
   double bandwidth_Hz = 0.0;      // up to which the needle follows small changes of amplitude
   double field_V_per_um = 0.0;    // highest in the films
   double breakdown_margin = 0.0;  // the film's guaranteed strength over that field
@@ -33,15 +33,15 @@ struct StackFigures {
 struct DesignedStack {
   StackDesign design;
   StackFigures figures;
-  std::vector<std::string> broken;  // what is demanded and not met, in words; empty: meets all
-  double shortfall = 0.0;           // sum of how far, as shares; 0 where all is met
+  std::vector<std::string> broken;  // requirements that are not met, as text; empty: meets all
+  double shortfall = 0.0;           // sum of the relative shortfalls; 0 where all are met
 };
 
 struct DesignStudy {
   std::string model;  // the stage all designs are scaled from
   DesignedStack paper;
-  std::vector<DesignedStack> best;   // none beats another in everything; by rising stroke
-  std::vector<std::string> demands;  // every one in words, with its reason
+  std::vector<DesignedStack> best;   // Pareto-optimal; by rising stroke
+  std::vector<std::string> demands;  // each as text, with its reason
   std::vector<std::string> assumed;  // how a design is scaled, and what is left out
   std::vector<FigurePanel> panels;
   std::size_t evaluated = 0;

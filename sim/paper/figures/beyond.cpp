@@ -1,5 +1,5 @@
-// Beyond the paper: what control can do about low targets, falling edges and the return to zero, and what it
-// costs. Each beside the paper's PI loop, on the same stage, the same task and the same 8 kV.
+// Beyond the paper: other controllers for low targets, falling edges and the return to zero, and their
+// voltage. Each beside the paper's PI loop, on the same stage, the same task and the same 8 kV.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,30 +18,31 @@ namespace {
 constexpr double kSeconds = 2.0 / kSlowest;
 constexpr double kFall = 1.0 / kSlowest;  // s, the square wave's first falling edge
 constexpr double kLow = 2.0;              // mm, below which a target is low, as in Fig. 9b
-constexpr double kBias = 0.8;             // mm of lift that count as depth 0: just above what friction keeps
-constexpr double kLift = 5.0;             // s, that the lift is given before the task
+constexpr double kBias = 0.8;             // mm of lift taken as depth 0: just above what friction holds
+constexpr double kLift = 5.0;             // s, for the lift before the task
 constexpr double kTick = 1e-3;            // s
 constexpr double kSpeed = 4.0;            // mm/s, of a limited target
 constexpr double kUp = 1.0, kDown = 8.0, kEnd = 20.0;  // s: to 8 mm and back to 0
-constexpr double kMisjudged = 1.1;  // of the film's permittivity: feed-forward from a model that is 10 % off
+constexpr double kMisjudged =
+    1.1;  // factor on the permittivity: feed-forward from a model with an error of 10 %
 
-// One way of driving, on its three tasks.
-struct Way {
+// One controller on its three tasks.
+struct Outcome {
   Course sine, square, back;
 };
 
-struct Choice {
+struct Controller {
   bool feed = false;
   double speed = 0.0;  // mm/s; 0: not limited
   double bias = 0.0;   // mm
 };
 
-// Lifted first, then the task.
+// The lift first, then the task.
 OfTime lifted(const OfTime& target, double bias) {
   return [=](double time) { return bias + (time < kLift ? 0.0 : target(time - kLift)); };
 }
 
-// Without its first kLift.
+// Removes the first kLift.
 void begin_after_lift(Course& course) {
   const auto ticks = static_cast<std::ptrdiff_t>(std::lround(kLift / kTick));
   for (std::vector<double>* values :
@@ -50,15 +51,15 @@ void begin_after_lift(Course& course) {
   for (double& time : course.time) time -= kLift;
 }
 
-Course driven(const PlantModel& stage, const PlantModel& thought, OfTime target, double seconds,
-              const Choice& how) {
+Course driven(const PlantModel& stage, const PlantModel& model, OfTime target, double seconds,
+              const Controller& how) {
   if (how.bias > 0.0) {
     target = lifted(target, how.bias);
     seconds += kLift;
   }
   if (how.speed > 0.0) target = rate_limited(target, how.speed, seconds);
   LoopSettings settings;
-  if (how.feed) settings.feed = feed_forward(thought, target, seconds);
+  if (how.feed) settings.feed = feed_forward(model, target, seconds);
   Course course = follow(stage, {.target = target, .seconds = seconds, .loads = {}}, settings);
   if (how.bias > 0.0) begin_after_lift(course);
   for (std::vector<double>* depths : {&course.target, &course.plate_a, &course.plate_b})
@@ -66,19 +67,19 @@ Course driven(const PlantModel& stage, const PlantModel& thought, OfTime target,
   return course;
 }
 
-Way drive(const PlantModel& stage, const PlantModel& thought, const Choice& how) {
-  return {driven(stage, thought, sine_target(kSineLow, kSineHigh, kSlowest), kSeconds, how),
-          driven(stage, thought, square_target(kSquareLow, kSquareHigh, kSlowest), kSeconds, how),
-          driven(stage, thought, stair_target({kUp, kDown}, {kSineHigh, 0.0}), kEnd, how)};
+Outcome drive(const PlantModel& stage, const PlantModel& model, const Controller& how) {
+  return {driven(stage, model, sine_target(kSineLow, kSineHigh, kSlowest), kSeconds, how),
+          driven(stage, model, square_target(kSquareLow, kSquareHigh, kSlowest), kSeconds, how),
+          driven(stage, model, stair_target({kUp, kDown}, {kSineHigh, 0.0}), kEnd, how)};
 }
 
-double low_rmse(const Way& way) {
+double low_rmse(const Outcome& way) {
   return rmse_between(way.sine, kSineLow, kLow);
 }
 
-// What no control can beat: 0 V from the falling edge on.
+// Lower bound for any controller: 0 V from the falling edge on.
 Course free_fall(const PlantModel& stage) {
-  constexpr double nothing = -1e6;  // V, fed forward: whatever the loop wants, it gets 0
+  constexpr double nothing = -1e6;  // V, feed-forward that saturates the loop at 0
   LoopSettings settings;
   settings.feed = [](double time) { return time < kFall ? 0.0 : nothing; };
   return follow(
@@ -86,8 +87,8 @@ Course free_fall(const PlantModel& stage) {
       settings);
 }
 
-// How late plate A comes down: the area between it and its target, over the height of the step. s
-double lateness(const Course& square, const std::vector<double>& target) {
+// Delay of the falling edge: the area between plate A and its target, over the height of the step. s
+double delay(const Course& square, const std::vector<double>& target) {
   const double height = kSquareHigh - kSquareLow;
   double area = 0.0;
   for (std::size_t k = 0; k < square.time.size(); ++k)
@@ -96,20 +97,20 @@ double lateness(const Course& square, const std::vector<double>& target) {
   return area / height;
 }
 
-double lateness(const Course& square) {
-  return lateness(square, square.target);
+double delay(const Course& square) {
+  return delay(square, square.target);
 }
 
-// Behind the step as it was asked for, where a limited target moves more slowly.
-double lateness_behind_step(const Course& square) {
+// Delay against the step, where the limited target moves more slowly.
+double delay_behind_step(const Course& square) {
   const OfTime step = square_target(kSquareLow, kSquareHigh, kSlowest);
   std::vector<double> target;
   target.reserve(square.time.size());
   for (const double time : square.time) target.push_back(step(time));
-  return lateness(square, target);
+  return delay(square, target);
 }
 
-double left(const Way& way) {
+double left(const Outcome& way) {
   return mean(way.back, way.back.plate_a, kEnd - 1.0, kEnd);
 }
 
@@ -118,22 +119,22 @@ struct Cost {
   double sine, square, rest;
 };
 
-Cost cost_of(const Way& way) {
+Cost cost_of(const Outcome& way) {
   return {span(way.sine, way.sine.amplitude, kSettling, kSeconds).high,
           span(way.square, way.square.amplitude, kSettling, kSeconds).high,
           mean(way.back, way.back.amplitude, kEnd - 1.0, kEnd)};
 }
 
-std::string cost(const Way& paper, const Way& way) {
+std::string cost(const Outcome& paper, const Outcome& way) {
   const Cost of_pi = cost_of(paper), of_way = cost_of(way);
   return fmt::format(
-      "costs at most {:.1f} kV on the sine (the PI loop {:.1f}), {:.1f} kV on the square wave ({:.1f}), "
-      "{:.1f} kV "
-      "at rest in 0 ({:.1f}), within 8 kV",
+      "needs at most {:.1f} kV on the sine (the PI loop {:.1f}), {:.1f} kV on the square wave ({:.1f}), "
+      "{:.1f} "
+      "kV at rest in 0 ({:.1f}), within 8 kV",
       of_way.sine, of_pi.sine, of_way.square, of_pi.square, of_way.rest, of_pi.rest);
 }
 
-void add_rows(PaperFigure& figure, const std::string& name, const Way& paper, const Way& way,
+void add_rows(PaperFigure& figure, const std::string& name, const Outcome& paper, const Outcome& way,
               const std::string& note) {
   const std::string all = note + "; " + cost(paper, way);
   figure.rows.push_back(shown_row({"beyond", "sine, RMSE at targets below 2 mm: " + name, "mm"},
@@ -142,8 +143,8 @@ void add_rows(PaperFigure& figure, const std::string& name, const Way& paper, co
                                   rmse(way.sine), all));
   figure.rows.push_back(shown_row({"beyond", "square wave, RMSE over settled windows: " + name, "mm"},
                                   rmse_settled(paper.square), rmse_settled(way.square), all));
-  figure.rows.push_back(shown_row({"beyond", "square wave, lateness of the falling edge: " + name, "s"},
-                                  lateness(paper.square), lateness_behind_step(way.square), all));
+  figure.rows.push_back(shown_row({"beyond", "square wave, delay of the falling edge: " + name, "s"},
+                                  delay(paper.square), delay_behind_step(way.square), all));
   figure.rows.push_back(
       shown_row({"beyond", "left 12 s after the return to 0: " + name, "mm"}, left(paper), left(way), all));
 }
@@ -162,41 +163,41 @@ FigurePanel beside(std::string title, const Course& paper, std::string name, con
 PaperFigure beyond(const PaperModel& model) {
   PlantModel stage = model.stage;
   stage.weight = kWeight;
-  PlantModel misjudged = stage;
-  misjudged.baseline.eps_film *= kMisjudged;
-  const Way paper = drive(stage, stage, {});
-  const Way fed = drive(stage, stage, {.feed = true});
-  const Way off = drive(stage, misjudged, {.feed = true});
-  const Way limited = drive(stage, stage, {.feed = true, .speed = kSpeed});
-  const Way biased = drive(stage, stage, {.feed = true, .bias = kBias});
-  PaperFigure figure;
-  figure.number = "beyond";
-  figure.title = "What control can do about low targets, falling edges and the return to zero";
-  figure.sentence =
-      "Other ways of driving the same stage, beside the paper's PI loop, all within this robot's 8 kV (Fig. "
-      "9 uses "
-      "the amplifier's 10 kV); what each costs stands in the notes.";
+  PlantModel wrong = stage;
+  wrong.baseline.eps_film *= kMisjudged;
+  const Outcome paper = drive(stage, stage, {});
+  const Outcome fed = drive(stage, stage, {.feed = true});
+  const Outcome off = drive(stage, wrong, {.feed = true});
+  const Outcome limited = drive(stage, stage, {.feed = true, .speed = kSpeed});
+  const Outcome biased = drive(stage, stage, {.feed = true, .bias = kBias});
+  PaperFigure figure{
+      "beyond",
+      "Other controllers for low targets, falling edges and the return to zero",
+      "Other controllers of the same stage, beside the paper's PI loop, all within this robot's 8 kV (Fig. 9 "
+      "uses the amplifier's 10 kV); the notes give the voltage that each needs.",
+      {},
+      {}};
   figure.panels = {beside("sine", paper.sine, "PI and feed-forward", fed.sine, kSeconds),
                    beside("square wave", paper.square, "target limited", limited.square, kSeconds),
                    beside("return to zero", paper.back, "above a bias", biased.back, kEnd)};
   add_rows(figure, "feed-forward", paper, fed,
-           "the film's static curve backwards, hysteresis included, beside PI");
-  add_rows(figure, "feed-forward, film misjudged by 10 %", paper, off, "the same from a model that is wrong");
+           "inverse of the film's static curve, with hysteresis, added to PI");
+  add_rows(figure, "feed-forward, permittivity off by 10 %", paper, off, "the same from a model with that error");
   add_rows(figure, fmt::format("target limited to {:.0f} mm/s", kSpeed), paper, limited,
-           fmt::format("feed-forward; RMSE is against the limited target, where 6 mm take {:.1f} s, lateness "
-                       "against the step: a limited target is followed closely and later",
+           fmt::format("feed-forward; RMSE is against the limited target, where 6 mm take {:.1f} s, delay "
+                       "against the step: a limited target is followed closely, with a delay",
                        6.0 / kSpeed));
   figure.rows.push_back(shown_row(
-      {"beyond", fmt::format("square wave, lateness behind a target of {:.0f} mm/s itself", kSpeed), "s"},
-      lateness(paper.square), lateness(limited.square), "how closely the limited target is followed down"));
-  add_rows(figure, fmt::format("above a bias of {:.1f} mm", kBias), paper, biased,
-           fmt::format(
-               "feed-forward; depth 0 is {:.1f} mm of lift, reached before the task and lost to the stroke",
-               kBias));
-  figure.rows.push_back(
-      shown_row({"beyond", "square wave, lateness of the falling edge: free fall", "s"},
-                lateness(paper.square), lateness(free_fall(stage)),
-                "0 V from the edge on: the stack can only push, so that no control is faster"));
+      {"beyond", fmt::format("square wave, delay behind a target of {:.0f} mm/s itself", kSpeed), "s"},
+      delay(paper.square), delay(limited.square), "delay of plate A behind the limited target"));
+  add_rows(
+      figure, fmt::format("above a bias of {:.1f} mm", kBias), paper, biased,
+      fmt::format(
+          "feed-forward; depth 0 is {:.1f} mm of lift, reached before the task and taken from the stroke",
+          kBias));
+  figure.rows.push_back(shown_row(
+      {"beyond", "square wave, delay of the falling edge: free fall", "s"}, delay(paper.square),
+      delay(free_fall(stage)), "0 V from the edge on: the stack can only push, so no controller is faster"));
   return figure;
 }
 

@@ -18,9 +18,9 @@ constexpr double kHeld = 5.0;    // mm, as in Fig. 11; the text does not say
 constexpr double kFrom = 6.0;    // s
 constexpr double kUntil = 10.0;  // s: sixteen reversals of the square wave
 
-// The course averaged over all half periods of the square wave, peak to peak: what goes with the drive,
-// without noise and without what the loop and the guide do in their own time. mm
-double with_the_drive(const Course& course, const std::vector<double>& values) {
+// Peak to peak of the mean over all half periods of the square wave: the part synchronous with the drive,
+// without noise and asynchronous motion. mm
+double synchronous_motion(const Course& course, const std::vector<double>& values) {
   std::array<double, control::kHalfPeriod_ticks> mean{};
   for (std::size_t k = 0; k < values.size(); ++k)
     if (course.time[k] >= kFrom) mean[k % mean.size()] += values[k];
@@ -38,12 +38,13 @@ PaperFigure figure_10(const PaperModel& model) {
       follow(stage, {.target = [](double) { return kHeld; }, .seconds = kUntil, .loads = {}}, paper_loop());
   const double a = span(course, course.plate_a, kFrom, kUntil).width();
   const double b = span(course, course.plate_b, kFrom, kUntil).width();
-  const double drive_a = with_the_drive(course, course.plate_a),
-               drive_b = with_the_drive(course, course.plate_b);
-  PaperFigure figure;
-  figure.number = "10";
-  figure.title = "Plates A and B while 5 mm is held";
-  figure.sentence = "Plate B works to keep plate A where it is; the spring keeps most of that from plate A.";
+  const double drive_a = synchronous_motion(course, course.plate_a),
+               drive_b = synchronous_motion(course, course.plate_b);
+  PaperFigure figure{"10",
+                     "Plates A and B while 5 mm is held",
+                     "Plate B moves to keep plate A in place; the spring filters most of that motion.",
+                     {},
+                     {}};
   FigurePanel panel = displacement_panel("settled", course, {kFrom, kUntil});
   panel.curves.push_back(drawn("plate B", course, course.plate_b, {kFrom, kUntil}));
   fit_closely(panel);

@@ -16,7 +16,7 @@ constexpr double kHeld = 5.0;             // mm
 constexpr double kOn = 5.0, kOff = 10.0;  // s
 constexpr double kEnd = 15.0;             // s
 constexpr double kImpact = 0.050;         // kg
-constexpr double kBack = 0.1;             // of the target: what counts as being back at it
+constexpr double kBack = 0.1;             // of the target: tolerance for having returned
 
 // From `start` until the last time before `end` that plate A is further off than kBack. s
 double recovery(const Course& course, double start, double end) {
@@ -28,13 +28,12 @@ double recovery(const Course& course, double start, double end) {
   return last - start;
 }
 
-// Plain statics of the fall: the spring alone, the stack standing still.
+// Statics of the fall: the spring alone, with the stack at constant height.
 std::string fall_note(const PlantModel& stage, double lowest) {
   const double sag = kImpact * stage.baseline.g / stage.baseline.k * 1e3;
   return fmt::format(
-      "falls by {:.2f} mm. 50 g on {:.0f} N/m sag {:.2f} mm at rest, and up to twice that on the way; the "
-      "paper's 14 "
-      "N/m would give 35 mm, three times the stroke",
+      "falls by {:.2f} mm. 50 g on {:.0f} N/m sag {:.2f} mm at rest, and up to twice that dynamically; the "
+      "paper's 14 N/m would give 35 mm, three times the stroke",
       kHeld - lowest, stage.baseline.k, sag);
 }
 
@@ -68,10 +67,11 @@ PaperFigure figure_11(const PaperModel& model) {
                                 .seconds = kEnd,
                                 .loads = {{.from = kOn, .to = kOff, .mass = kImpact}}},
                                paper_loop());
-  PaperFigure figure;
-  figure.number = "11";
-  figure.title = "Impact: 50 g put on plate A at 5 mm, and taken off";
-  figure.sentence = "The spring gives way at once, then the loop brings plate A back.";
+  PaperFigure figure{"11",
+                     "Impact: 50 g put on plate A at 5 mm, and taken off",
+                     "The spring yields at once, then the loop returns plate A to its target.",
+                     {},
+                     {}};
   figure.panels = {displacement_panel("displacement", course, {2.0, kEnd}),
                    voltage_panel("applied voltage", course, {2.0, kEnd})};
   add_rows(figure, stage, course);

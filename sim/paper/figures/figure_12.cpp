@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/effects/coulomb_friction.hpp"
+#include "sim/effects/effect_list.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/loop_panels.hpp"
 #include "sim/paper/figures/loop_scores.hpp"
@@ -19,7 +19,7 @@ constexpr double kHold = 6.5;       // s on each level: seven of them, and the t
 constexpr double kFirst = 4.5;      // s
 constexpr double kDown = 50.0;      // s, "after the 50s", IV.F.1
 constexpr double kEnd = 60.0;       // s
-constexpr double kAtZero = 0.1;     // mm: what counts as having returned
+constexpr double kAtZero = 0.1;     // mm: tolerance for having returned
 constexpr double kNoVoltage = 0.1;  // kV
 
 PlantModel jointed(const PaperModel& model) {
@@ -45,16 +45,16 @@ double turn_degrees(const Joint& joint, double x) {
   return (std::asin(height) - joint.start) * 180.0 / std::numbers::pi;
 }
 
-// The paper blames slight plastic deformation of the pouches; which of both it is a single run cannot tell.
+// The paper suggests plastic deformation of the pouches; a single run cannot separate that from friction.
 std::string held_note(const PlantModel& stage, double left, double kilovolts) {
   std::string note = fmt::format("{:.3f} kV", kilovolts);
   if (kilovolts >= kNoVoltage || left <= kAtZero) return note;
   const bool set = stage.effects.residual_set && stage.effects.residual_set->floor_share > 0.0;
   if (guide_friction(stage) > 0.0)
     note += fmt::format(
-        ": what keeps plate A up is friction of the guide{}. The paper takes it for slight plastic "
-        "deformation of the pouches",
-        set ? ", and what the pouches keep of their set" : ", none of it a lasting set");
+        ": friction of the guide{} holds plate A up. The paper suggests slight plastic deformation of the "
+        "pouches",
+        set ? " and the pouches' residual set" : ", without residual set,");
   return note;
 }
 
@@ -66,16 +66,18 @@ void add_rows(PaperFigure& figure, const PlantModel& stage, const Joint& joint, 
   figure.rows = {
       number_row(
           {"12", "rotation at the top of the stair", "degrees"}, 48.1, turn_degrees(joint, reached * 1e-3),
-          fmt::format("the crank's length is a definition, so that 8 mm turn it by 48.1 degrees: what is "
-                      "predicted is only that 8 mm are reached ({:.2f} mm)",
-                      reached)),
+          fmt::format(
+              "the crank's length is chosen so that 8 mm turn it by 48.1 degrees: the prediction is only "
+              "that 8 mm are reached ({:.2f} mm)",
+              reached)),
       number_row(
           {"12", "RMSE over everything", "mm"}, 0.386, rmse(course),
           fmt::format(
-              "over everything: the paper speaks of the whole manipulation, and eight steps of 2 mm "
-              "that close with a time constant tau add sqrt(16 mm^2 tau / {:.0f} s). Settled windows "
-              "alone give {:.3f} mm: the {:.2f} mm that are left at the end weigh in both, and the text does "
-              "not decide",
+              "over everything: the paper describes the whole manipulation, and eight steps of 2 mm that "
+              "decay "
+              "with a time constant tau add sqrt(16 mm^2 tau / {:.0f} s). Settled windows alone give {:.3f} "
+              "mm: "
+              "the {:.2f} mm left at the end contribute to both, and the text does not say which one it is",
               kEnd, rmse_settled(course), left)),
       shown_row({"12", "RMSE over settled windows", "mm"}, 0.386, rmse_settled(course),
                 "the other reading of the row above"),
@@ -93,10 +95,11 @@ void add_rows(PaperFigure& figure, const PlantModel& stage, const Joint& joint, 
 PaperFigure figure_12(const PaperModel& model) {
   const Course course =
       follow(jointed(model), {.target = manual_steps(), .seconds = kEnd, .loads = {}}, paper_loop());
-  PaperFigure figure;
-  figure.number = "12";
-  figure.title = "Rotary joint: 0 to 8 mm and back in steps of 2 mm";
-  figure.sentence = "Eight steps by hand, up and down again, and ten seconds at 0.";
+  PaperFigure figure{"12",
+                     "Rotary joint: 0 to 8 mm and back in steps of 2 mm",
+                     "Eight steps by hand, up and down again, and ten seconds at 0.",
+                     {},
+                     {}};
   const TimeSpan all{0.0, kEnd};
   FigurePanel turned = displacement_panel("rotation", course, all);
   turned.y_title = "rotation (degrees)";

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kExact = 1e-6;             // share of the amplitude; binding for this figure
 constexpr double kAmplitude = 1.0;          // V, paper II.B
-constexpr double kFrequency = 0.1;          // Hz: leakage within half a period is plain to see
+constexpr double kFrequency = 0.1;          // Hz: with visible leakage within half a period
 constexpr double kPeriod = 10e-3;           // s between samples
 constexpr double kHalf = 0.5 / kFrequency;  // s, `a` of eq. (11)
 
@@ -46,7 +46,7 @@ double direct(const Baseline& b, double t) {
   return b.K * std::exp(-t / b.tau);
 }
 
-// A sample stands just before the voltage of its instant is put on: at t = n a it still belongs to n - 1.
+// A sample is taken just before the voltage of its instant is applied: at t = n a it belongs to n - 1.
 int half_periods(double t) {
   return static_cast<int>(std::ceil(t / kHalf - 1e-6)) - 1;
 }
@@ -61,7 +61,7 @@ double alternating(const Baseline& b, double t) {
 }
 
 // eq. (15)
-double in_the_end(const Baseline& b, double t) {
+double periodic(const Baseline& b, double t) {
   const double P = -1.0 / b.tau;
   const int n = half_periods(t);
   const double sign = n % 2 == 0 ? 1.0 : -1.0;
@@ -77,7 +77,7 @@ double largest_error(const Baseline& b, const Voltages& volts, double from, Form
   return worst;
 }
 
-// Largest and smallest |u_o| of the last half period; the largest stands at its very beginning.
+// Largest and smallest |u_o| of the last half period; the largest is at its beginning.
 struct Limits {
   double upper, lower;
 };
@@ -114,17 +114,18 @@ PaperFigure figure_2(const PaperModel& paper) {
   const Voltages ac = simulated(model, kFrequency, settled + 2.0 * kHalf);
   const double left = std::exp(-kHalf / b.tau);
   const Limits limits = last_limits(b, ac);
-  PaperFigure out;
-  out.number = "2";
-  out.title = "Leakage: the stack's voltage under a constant voltage and under a square wave of 0.1 Hz";
-  out.sentence = "Under DC the voltage on the stack leaks away; reversals bring it back, twice a period.";
+  PaperFigure out{"2",
+                  "Leakage: the stack's voltage under a constant voltage and under a square wave of 0.1 Hz",
+                  "Under DC the voltage on the stack leaks away; reversals bring it back, twice a period.",
+                  {},
+                  {}};
   out.panels = {panel("DC", dc, 50.0), panel("square wave", ac, 50.0)};
   out.rows = {
       exact_row("eq. (6): DC, closed form against simulation", largest_error(b, dc, 0.0, direct)),
       exact_row("eq. (14): square wave from rest, closed form against simulation",
                 largest_error(b, ac, 0.0, alternating)),
       exact_row("eq. (15): square wave in the end, closed form against simulation",
-                largest_error(b, ac, settled, in_the_end)),
+                largest_error(b, ac, settled, periodic)),
       exact_row("eq. (16): upper limit K1 against simulation",
                 std::abs(limits.upper - 2.0 * b.K / (1.0 + left)) / kAmplitude),
       exact_row("eq. (17): lower limit K2 against simulation",

@@ -18,11 +18,11 @@ constexpr double kLeap = 0.5;      // s: "leaped up rapidly"
 struct Decay {
   OpenLoopRun run;
   double peak_time = 0.0;  // s
-  double loss = 0.0;       // %, of the peak, at the time asked for
+  double loss = 0.0;       // %, of the peak, at the given time
   double early = 0.0;      // share of the peak reached after kLeap
 };
 
-Decay decay(const PlantModel& stage, double seconds, double asked) {
+Decay decay(const PlantModel& stage, double seconds, double at_time) {
   Decay out;
   out.run = run_open_loop(plate_on_stack(stage, kPouches, kWeight),
                           {.amplitude = kVoltage, .watch = seconds, .period = 10e-3}, false);
@@ -30,7 +30,7 @@ Decay decay(const PlantModel& stage, double seconds, double asked) {
   const auto peak = std::max_element(mm.begin(), mm.end());
   const auto at = [&](double t) { return mm[static_cast<std::size_t>(t / 10e-3) - 1]; };
   out.peak_time = out.run.time[static_cast<std::size_t>(peak - mm.begin())];
-  out.loss = 100.0 * (1.0 - at(asked) / *peak);
+  out.loss = 100.0 * (1.0 - at(at_time) / *peak);
   const double highest_soon = *std::max_element(mm.begin(), mm.begin() + static_cast<long>(kLeap / 10e-3));
   out.early = highest_soon / *peak;
   return out;
@@ -51,10 +51,11 @@ PaperFigure figure_6(const PaperModel& paper) {
   const Decay pi25 = decay(with_film(paper.stage, paper.pi25), long_run, 80.0);
   const Decay bopp = decay(with_film(paper.stage, paper.bopp25), short_run, 10.0);
   const Decay pi50 = decay(paper.stage, short_run, 10.0);
-  PaperFigure out;
-  out.number = "6";
-  out.title = "Displacement under 6 kV DC: three stacked pouches of three materials";
-  out.sentence = "Every material lets the displacement fall under DC; which one decides how fast.";
+  PaperFigure out{"6",
+                  "Displacement under 6 kV DC: three stacked pouches of three materials",
+                  "Every material lets the displacement fall under DC; which one decides how fast.",
+                  {},
+                  {}};
   out.panels = {{"6 kV DC", "time (s)", "displacement (mm)", 0.0, 80.0, 0.0, 4.0, false, {}}};
   out.panels[0].curves = {{"25 um PI", pi25.run.time, pi25.run.displacement, false, false},
                           {"25 um pre-coated BOPP", bopp.run.time, bopp.run.displacement, false, false},

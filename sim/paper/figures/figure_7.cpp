@@ -18,12 +18,12 @@ constexpr double kVoltage = 6000.0;  // V
 constexpr double kPouches = 11.0;
 constexpr double kLoad7a = 0.020;    // kg, as in IV.A
 constexpr double kSettle = 60.0;     // s, IV.B: "60 s after applying voltage"
-constexpr double kSeen = 1e-4;       // mm: less than that is no oscillation
-constexpr double kResolved = 0.01;   // mm: less than that no laser sees
-constexpr double kClearly = 0.05;    // share of the level that a reader of the plot sees as a rise
-constexpr double kUnchanged = 0.05;  // and that he takes for none
+constexpr double kSeen = 1e-4;       // mm: less is no oscillation
+constexpr double kResolved = 0.01;   // mm: below the laser's resolution
+constexpr double kClearly = 0.05;    // share of the level that is visible as a rise in the plot
+constexpr double kUnchanged = 0.05;  // share of the level that is not
 
-// Size of the part of `mm` at `frequency`. mm
+// Amplitude of the Fourier component at `frequency`. mm
 double part_at(const OpenLoopRun& run, double frequency) {
   double cosine = 0.0, sine = 0.0;
   const double level = mean(run.displacement);
@@ -50,10 +50,11 @@ OpenLoopRun settled(const PaperModel& paper, double weight, double frequency, do
 
 // An oscillation has twice the drive's frequency whether or not it can be seen.
 std::string seen_note(double twice) {
-  return twice < kResolved ? fmt::format(" (less than {:g} mm, which a laser does not show)", kResolved) : "";
+  return twice < kResolved ? fmt::format(" (less than {:g} mm, below the laser's resolution)", kResolved)
+                           : "";
 }
 
-// What a plate that friction holds would have to be moved by, and what holds it.
+// Force of the leakage ripple against the friction of the guide.
 std::string held_note(const PlantModel& plate, double frequency) {
   const Baseline& b = plate.baseline;
   const double swing = plate.mass_A() * b.g * -std::expm1(-1.0 / (frequency * b.tau));
@@ -106,7 +107,7 @@ PaperRow falls_row(std::size_t load, const std::array<double, kFrequencies.size(
                                a.front(), a.back(), kResolved));
 }
 
-// By the slopes of the plot: a tenth from 1 Hz on of what it was before.
+// Criterion: the slope above 1 Hz is a tenth of the slope below.
 PaperRow levels_row(std::size_t load, const std::array<double, kFrequencies.size()>& a) {
   const double before = (a[0] - a[3]) / (kFrequencies[3] - kFrequencies[0]);
   const double after = (a[3] - a[6]) / (kFrequencies[6] - kFrequencies[3]);
@@ -115,9 +116,9 @@ PaperRow levels_row(std::size_t load, const std::array<double, kFrequencies.size
                    fmt::format("{:.3g} mm/Hz below 1 Hz, {:.3g} mm/Hz above", before, after));
 }
 
-// The load at which a small change of pressure moves the stack most: eq. (18) to (21) have there a contact
-// length of 0.786 sqrt(pi V0/L0). g
-double liveliest_load_g(const Baseline& b) {
+// The load at which the stack is most sensitive to pressure: in eq. (18) to (21) at a contact length of 0.786
+// sqrt(pi V0/L0). g
+double most_sensitive_load_g(const Baseline& b) {
   const double P = pressure(b, b.K * kVoltage);
   return 1e3 / b.g * 0.786 * std::sqrt(std::numbers::pi * b.V0 / b.L0) * b.L0 * P;
 }
@@ -130,10 +131,12 @@ PaperRow largest_row(const Baseline& b, const Amplitudes& a) {
     if (margin >= least) continue;
     least = margin;
     where = fmt::format(
-        "least at {:g} Hz: {:.3g}, {:.3g} and {:.3g} mm. By eq. (18) to (21) a stack is liveliest at one "
-        "load, here {:.0f} g at 6 kV. Fig. 8b asks for that: its hysteresis is widest where the stack is "
-        "liveliest, with 60 g at 3 kV, and 60 g at 3 kV are 240 g at 6 kV",
-        kFrequencies[f], a[0][f], a[1][f], a[2][f], liveliest_load_g(b));
+        "least at {:g} Hz: {:.3g}, {:.3g} and {:.3g} mm. By eq. (18) to (21) a stack is most sensitive at "
+        "one "
+        "load, here {:.0f} g at 6 kV. Fig. 8b requires that: its hysteresis is widest where the stack is "
+        "most "
+        "sensitive, with 60 g at 3 kV, which corresponds to 240 g at 6 kV",
+        kFrequencies[f], a[0][f], a[1][f], a[2][f], most_sensitive_load_g(b));
   }
   return trend_row("7b", "80 g oscillates more than 50 g and 130 g, at every frequency up to 1 Hz", least,
                    where);
@@ -146,10 +149,11 @@ PaperFigure figure_7a(const PaperModel& paper) {
                     fast = settled(paper, kLoad7a, 10.0);
   const double low = mean(slow.displacement), level = mean(middle.displacement),
                high = mean(fast.displacement);
-  PaperFigure out;
-  out.number = "7a";
-  out.title = "Displacement under 6 kV: DC and square waves of 0.2, 2 and 10 Hz";
-  out.sentence = "A square wave holds what DC loses, with a ripple at twice its frequency.";
+  PaperFigure out{"7a",
+                  "Displacement under 6 kV: DC and square waves of 0.2, 2 and 10 Hz",
+                  "A square wave keeps the displacement that DC loses, with a ripple at twice its frequency.",
+                  {},
+                  {}};
   out.panels = {courses(paper)};
   out.rows = {
       twice_row(paper, slow, 0.2), twice_row(paper, middle, 2.0), twice_row(paper, fast, 10.0),
@@ -163,10 +167,11 @@ PaperFigure figure_7a(const PaperModel& paper) {
 
 PaperFigure figure_7b(const PaperModel& paper) {
   Amplitudes amplitudes{};
-  PaperFigure out;
-  out.number = "7b";
-  out.title = "Oscillation under 6 kV against frequency and load, 60 s after the voltage was put on";
-  out.sentence = "Faster reversals leave less time to leak; past 1 Hz little is gained.";
+  PaperFigure out{"7b",
+                  "Oscillation under 6 kV against frequency and load, 60 s after the voltage was put on",
+                  "Faster reversals leave less time to leak; past 1 Hz little is gained.",
+                  {},
+                  {}};
   FigurePanel panel{"6 kV", "frequency (Hz)", "peak to peak (mm)", 0.1, 10.0, 0.0, 1.0, true, {}};
   for (std::size_t load = 0; load < kWeights.size(); ++load) {
     FigureCurve curve{fmt::format("{} g", kLoads_g[load]), {}, {}, false, true};

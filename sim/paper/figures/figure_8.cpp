@@ -1,4 +1,4 @@
-// Fig. 8: what the series spring keeps from the load, and the hysteresis of the whole stage.
+// Fig. 8: how the series spring filters impulses, and the hysteresis of the whole stage.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,19 +14,20 @@ namespace biopsy::sim::paper {
 namespace {
 
 constexpr double kFrequency = 2.0;       // Hz
-constexpr double kVisible = 0.01;        // share of the level: a printed line in a panel of 4 cm
-constexpr double kSettle = 60.0;         // s, as in Fig. 7b: what leakage still levels is no impulse
+constexpr double kVisible = 0.01;        // share of the level: the width of a printed line in a panel of 4 cm
+constexpr double kSettle = 60.0;         // s, as in Fig. 7b: the transient of the leakage is not an impulse
 constexpr double kPrintedSpring = 14.0;  // N/m, IV.C
 
 OpenLoopRun driven(const PaperModel& paper, PlantModel stage, double weight) {
   stage.weight = weight;
-  return run_open_loop(stage,
-                       {.amplitude = 6000.0,
-                        .frequency = kFrequency,
-                        .settle = kSettle,
-                        .watch = paper.brief ? 1.0 : 5.0,
-                        .period = 2.5e-3},
-                       false);  // friction lets the plate creep to its level: the ripple shows only there
+  return run_open_loop(
+      stage,
+      {.amplitude = 6000.0,
+       .frequency = kFrequency,
+       .settle = kSettle,
+       .watch = paper.brief ? 1.0 : 5.0,
+       .period = 2.5e-3},
+      false);  // with friction the plate approaches its level slowly; the ripple is judged there
 }
 
 // Peak to peak in shares of the level.
@@ -57,9 +58,9 @@ void add_load(const PaperModel& paper, double weight, PaperFigure& out) {
                   100.0 * soft, 100.0 * hard);
   if (const double friction = guide_friction(paper.stage); friction > 0.0 && hard < kVisible)
     sizes += fmt::format(
-        ". The guide's friction ({:.3f} N, which Fig. 8b asks for) holds the plate against changes of the "
-        "lift that "
-        "are smaller",
+        ". The guide's friction ({:.3f} N, required by Fig. 8b) holds the plate against smaller changes of "
+        "the "
+        "lift",
         friction);
   out.rows.push_back(
       trend_row("8a", load + ": no visible impulse with the spring", 1.0 - soft / kVisible, sizes));
@@ -160,11 +161,12 @@ void add_loop_rows(const PlantModel& stage, const std::array<Loop, 3>& loops, Pa
 }  // namespace
 
 PaperFigure figure_8a(const PaperModel& paper) {
-  PaperFigure out;
-  out.number = "8a";
-  out.title = "Series spring against rigid pole: 2 Hz, 6 kV, 20 and 100 g";
-  out.sentence =
-      "What of the reversals' impulses comes through to the load, by a spring and by a rigid pole.";
+  PaperFigure out{
+      "8a",
+      "Series spring against rigid pole: 2 Hz, 6 kV, 20 and 100 g",
+      "The share of the reversals' impulses that reaches the load through a spring and through a rigid pole.",
+      {},
+      {}};
   add_load(paper, 0.020, out);
   add_load(paper, 0.100, out);
   const Baseline& b = paper.stage.baseline;
@@ -172,10 +174,8 @@ PaperFigure figure_8a(const PaperModel& paper) {
   out.rows.push_back(
       number_row({"8a", std::string(kSpringQuantity), "N/m"}, kPrintedSpring, b.k,
                  "taken for a slip of units: 0.14 N/mm is 140 N/m. With 14 N/m a weight of 50 g alone "
-                 "would press the spring in by 35 "
-                 "mm, more than twice the height of the stack, and Fig. 11 (50 g put on: 4 mm "
-                 "lost, back within 1 s) could "
-                 "not happen"));
+                 "would compress the spring by 35 mm, more than twice the height of the stack, and Fig. 11 "
+                 "(50 g put on: 4 mm lost, back within 1 s) would not be possible"));
   out.rows.push_back(
       shown_row({"8a", "sag of the spring under 50 g: with the printed 14 N/m, and here", "mm"},
                 1e3 * weight / kPrintedSpring, 1e3 * weight / b.k, ""));
@@ -184,10 +184,11 @@ PaperFigure figure_8a(const PaperModel& paper) {
 
 PaperFigure figure_8b(const PaperModel& paper) {
   std::array<Loop, 3> loops;
-  PaperFigure out;
-  out.number = "8b";
-  out.title = "Hysteresis: strain against the amplitude of a 2 Hz square wave, 0 to 8 kV and back";
-  out.sentence = "Up and down again in steps of half a kilovolt, with three loads.";
+  PaperFigure out{"8b",
+                  "Hysteresis: strain against the amplitude of a 2 Hz square wave, 0 to 8 kV and back",
+                  "Up and down again in steps of half a kilovolt, with three loads.",
+                  {},
+                  {}};
   FigurePanel panel{"60, 160 and 260 g", "voltage (kV)", "strain (%)", 0.0, 8.0, 0.0, 60.0, false, {}};
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const double plates = paper.stage.baseline.fixture_mass + paper.stage.baseline.m_B;

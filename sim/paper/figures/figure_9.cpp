@@ -12,9 +12,9 @@ namespace biopsy::sim::paper {
 namespace {
 
 constexpr double kPeriods = 2.0;
-constexpr double kLowShare = 0.25;  // of the sine's range: what counts as low
+constexpr double kLowShare = 0.25;  // of the sine's range: low targets
 constexpr double kNoVoltage = 0.1;  // kV
-constexpr double kNotZero = 0.4;    // mm: a lowest point that a reader of the figure would hardly tell from 0
+constexpr double kNotZero = 0.4;    // mm: hardly distinguishable from 0 in the figure
 
 Course slow_course(const PaperModel& model, const OfTime& target, double periods = kPeriods) {
   PlantModel stage = model.stage;
@@ -22,15 +22,15 @@ Course slow_course(const PaperModel& model, const OfTime& target, double periods
   return follow(stage, {.target = target, .seconds = periods / kSlowest, .loads = {}}, paper_loop());
 }
 
-// Two readings of one number: which the paper's can be, by arithmetic on this very run.
+// The paper's RMSE can be over everything or over settled windows: which one follows by arithmetic.
 std::string settled_note(const Course& course) {
   const double step = kSquareHigh - kSquareLow, half = 0.5 / kSlowest;
   const double longest = 2.0 * half * (0.077 / step) * (0.077 / step);  // S^2 tau/2 over half a period
   return fmt::format(
       "settled: from {:.0f} s after a jump of the target. The paper's 0.077 mm can only be this one: over "
-      "everything, {:.0f} mm edges every {:.0f} s that close with a time constant tau give {:.0f} "
-      "sqrt(tau/{:.0f} s) mm, "
-      "which is 0.077 mm for tau = {:.1f} ms, faster than the oil (ours over everything: {:.2f} mm); {}",
+      "everything, edges of {:.0f} mm every {:.0f} s that decay with a time constant tau give {:.0f} "
+      "sqrt(tau/{:.0f} s) mm, which is 0.077 mm for tau = {:.1f} ms, faster than the oil (here over "
+      "everything: {:.2f} mm); {}",
       kSettling, step, half, step, 2.0 * half, 1e3 * longest, rmse(course), kTargetsNote);
 }
 
@@ -54,17 +54,17 @@ void add_square_rows(PaperFigure& figure, const Course& course) {
                             1e3 * rise, 1e3 * fall)));
 }
 
-// What keeps plate A from the sine's lowest point, where something does.
+// What keeps plate A above the sine's lowest point.
 std::string floor_note(const PlantModel& stage, const Course& course) {
   const double middle = 1.0 / kSlowest, at_lowest[] = {middle - 0.5, middle + 0.5};
   const double left = mean(course, course.plate_a, at_lowest[0], at_lowest[1]) - kSineLow;
   const double kilovolts = mean(course, course.amplitude, at_lowest[0], at_lowest[1]);
-  std::string note = fmt::format(
-      "at the target's lowest point plate A stands {:.2f} mm above it, at {:.2f} kV", left, kilovolts);
+  std::string note = fmt::format("at the target's lowest point plate A is {:.2f} mm above it, at {:.2f} kV",
+                                 left, kilovolts);
   if (guide_friction(stage) > 0.0 && left > kNotZero && kilovolts < kNoVoltage)
     note +=
-        ": the friction that Fig. 8b's hysteresis asks for keeps it there, no loop can pull it down, and on "
-        "the way up the voltage has to come back from 0 before it lets go";
+        ": the friction required by Fig. 8b's hysteresis holds it there, no controller can pull it down, and "
+        "on the way up the voltage has to rise from 0 before the plate breaks away";
   return note;
 }
 
@@ -84,7 +84,7 @@ void add_sine_rows(PaperFigure& figure, const PlantModel& stage, const Course& c
       fmt::format("RMSE {:.3f} mm where the target is below {:.0f} mm, {:.3f} mm above", low, edge, rest)));
 }
 
-// What the row that is missed hangs on.
+// Sensitivity of the missed row to the assumed lowest point.
 PaperRow raised_row(const PaperModel& model) {
   const Course course = slow_course(model, sine_target(kNotZero, kSineHigh, kSlowest));
   return shown_row(
@@ -99,10 +99,7 @@ PaperRow first_period_row(const PaperModel& model) {
 }
 
 PaperFigure slow_figure(std::string number, std::string title, std::string sentence, const Course& course) {
-  PaperFigure figure;
-  figure.number = std::move(number);
-  figure.title = std::move(title);
-  figure.sentence = std::move(sentence);
+  PaperFigure figure{std::move(number), std::move(title), std::move(sentence), {}, {}};
   const TimeSpan all{0.0, kPeriods / kSlowest};
   figure.panels = {displacement_panel("displacement", course, all),
                    voltage_panel("applied voltage", course, all)};
@@ -124,7 +121,7 @@ PaperFigure figure_9b(const PaperModel& model) {
   const Course course = slow_course(model, sine_target(kSineLow, kSineHigh, kSlowest));
   PaperFigure figure = slow_figure(
       "9b", "Sine of 0.05 Hz under the PI loop, 50 g",
-      "A target without edges, down to a depth of 0, where no voltage is left to take away.", course);
+      "A target without edges, down to a depth of 0, where the voltage is at its lower limit.", course);
   add_sine_rows(figure, model.stage, course);
   if (!model.brief) {
     figure.rows.push_back(raised_row(model));

@@ -15,9 +15,9 @@ namespace biopsy::sim::paper {
 namespace {
 
 constexpr std::array kFrequencies{0.1, 0.2, 0.5};  // Hz
-constexpr double kPeriods = 3.0;    // the first one starts from rest and is not judged for loss
-constexpr double kLossless = 0.95;  // of the target's travel: an eye on the paper's figure sees no loss
-constexpr double kInPhase = 18.0;   // degrees, a twentieth of a period: the same eye sees no lag
+constexpr double kPeriods = 3.0;                   // the first one starts from rest and is left out
+constexpr double kLossless = 0.95;  // of the target's travel: no visible loss in the paper's figure
+constexpr double kInPhase = 18.0;   // degrees, a twentieth of a period: no visible lag
 
 struct Followed {
   double frequency = 0.0;
@@ -40,7 +40,8 @@ std::vector<Followed> follow_all(const PaperModel& model, OfTime (*target)(doubl
   return out;
 }
 
-// Mean over the last fifth of each half period: where the plateau should stand. Share of the target's travel.
+// Difference of the plateaus, by the mean over the last fifth of each half period. Share of the target's
+// travel.
 double plateau_share(const Followed& followed) {
   const Course& c = followed.course;
   const double period = 1.0 / followed.frequency;
@@ -53,7 +54,7 @@ double plateau_share(const Followed& followed) {
   return (high - low) / count / (kSquareHigh - kSquareLow);
 }
 
-// How far up and down plate A gets from the middle, the further of both; 1 is the plateau.
+// Larger of plate A's travels up and down from the middle; 1 is the plateau.
 double reach(const Followed& followed) {
   const Span span_a =
       span(followed.course, followed.course.plate_a, followed.first, followed.course.time.back());
@@ -67,19 +68,16 @@ std::string reach_note(const PlantModel& stage, double reached) {
       100.0 * reached);
   if (reached > 1.0)
     note += fmt::format(
-        ", and beyond it: from an edge on the loop asks for all that the amplifier has, or for nothing, so "
-        "that "
-        "oil with a time constant of {:.2f} s has closed the {:.0f} mm before the half period of 1 s is over",
+        ", and beyond it: after an edge the loop saturates at the amplifier's limit or at 0, so that oil "
+        "with a "
+        "time constant of {:.2f} s closes the {:.0f} mm before the half period of 1 s is over",
         stage.baseline.tau_h, kSquareHigh - kSquareLow);
   return note;
 }
 
 PaperFigure fast_figure(std::string number, std::string title, std::string sentence,
                         const std::vector<Followed>& all) {
-  PaperFigure figure;
-  figure.number = std::move(number);
-  figure.title = std::move(title);
-  figure.sentence = std::move(sentence);
+  PaperFigure figure{std::move(number), std::move(title), std::move(sentence), {}, {}};
   for (const Followed& one : all)
     figure.panels.push_back(
         displacement_panel(fmt::format("{} Hz", one.frequency), one.course, {0.0, kPeriods / one.frequency}));
@@ -90,17 +88,14 @@ void add_sine_rows(PaperFigure& figure, const PlantModel& stage, const Followed&
   const Transfer seen = transfer(one.course, one.frequency, one.first);
   const double travel = span(one.course, one.course.plate_a, one.first, one.course.time.back()).width();
   std::string note = fmt::format(
-      "fundamental: {:.3f} of the target's, {:.1f} degrees ({:.2f} s) late; from lowest to highest {:.1f} % "
-      "of "
-      "the target's, where what is missing at 0 counts (9b). A lag of first order that takes 5 % takes 18 "
-      "degrees "
-      "with it",
+      "fundamental: {:.3f} of the target's, {:.1f} degrees ({:.2f} s) late; peak to peak {:.1f} % of the "
+      "target's, including what is missing at 0 (9b). A first-order lag that attenuates by 5 % delays by 18 "
+      "degrees",
       seen.gain, seen.lag_degrees, seen.lag_degrees / 360.0 / one.frequency,
       100.0 * travel / (kSineHigh - kSineLow));
   if (seen.lag_degrees > kInPhase)
-    note +=
-        fmt::format(": a stage that oil slows down (time constant {:.2f} s) pays for attenuation with phase",
-                    stage.baseline.tau_h);
+    note += fmt::format(": the oil's time constant of {:.2f} s causes more phase lag than attenuation",
+                        stage.baseline.tau_h);
   const std::string hertz = fmt::format("{} Hz: ", one.frequency);
   const double in_phase = kInPhase / std::max(1e-3, std::abs(seen.lag_degrees)) - 1.0;
   if (one.frequency < 0.3)
@@ -122,11 +117,11 @@ PaperFigure figure_9c(const PaperModel& model) {
   for (const Followed& one : all) {
     if (one.frequency > 0.3) continue;
     const double share = plateau_share(one);
-    figure.rows.push_back(trend_row(
-        "9c", fmt::format("{} Hz: followed without loss", one.frequency), share / kLossless - 1.0,
-        fmt::format("{:.1f} % of the target's travel between the plateaus; {:.0f} % is no loss that a "
-                    "figure shows; {}",
-                    100.0 * share, 100.0 * kLossless, kTargetsNote)));
+    figure.rows.push_back(
+        trend_row("9c", fmt::format("{} Hz: followed without loss", one.frequency), share / kLossless - 1.0,
+                  fmt::format("{:.1f} % of the target's travel between the plateaus; {:.0f} % is no visible "
+                              "loss; {}",
+                              100.0 * share, 100.0 * kLossless, kTargetsNote)));
   }
   double most = 0.0;
   for (const Followed& one : all) most = std::max(most, overshoot_percent(one.course));

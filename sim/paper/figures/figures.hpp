@@ -1,5 +1,5 @@
-// The paper's experiments, one function a figure: runs it on the model and puts the paper's numbers beside
-// what came out. Each is a function of the model alone. Paper: Xiong, Zhou, Li, Yeow, sections II to IV.
+// The paper's experiments, one function per figure: runs the experiment on the model and compares with the
+// paper's numbers. Each is a function of the model alone. Paper: Xiong, Zhou, Li, Yeow, sections II to IV.
 #pragma once
 
 #include <string_view>
@@ -9,8 +9,8 @@
 
 namespace biopsy::sim::paper {
 
-// The row about the stiffness that the paper prints (docs/model.md: a slip of units): no model can reach it
-// together with Fig. 11, so calibration leaves it out.
+// Row of the printed stiffness, a slip of units (docs/model.md): no model can reach it together with Fig. 11,
+// so calibration leaves it out.
 inline constexpr std::string_view kSpringQuantity = "stiffness of the series spring as printed";
 
 PaperFigure figure_2(const PaperModel& model);   // leakage: closed form against simulation
@@ -27,6 +27,6 @@ PaperFigure figure_10(const PaperModel& model);  // plates A and B
 PaperFigure figure_11(const PaperModel& model);  // impact
 PaperFigure figure_12(const PaperModel& model);  // rotary joint
 PaperFigure figure_13(const PaperModel& model);  // needle
-PaperFigure beyond(const PaperModel& model);     // what control can do beyond the paper
+PaperFigure beyond(const PaperModel& model);     // other controllers than the paper's
 
 }  // namespace biopsy::sim::paper

@@ -1,4 +1,4 @@
-// Closed-loop courses as pictures, drawn like the paper's: displacement against time, and the voltage below.
+// Panels of closed-loop runs like the paper's: displacement against time, and the voltage.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct TimeSpan {
   double from = 0.0, to = 0.0;
 };
 
-// A course in at most about 1000 points of a curve.
+// Thinned to about 1000 points.
 FigureCurve drawn(std::string name, const Course& course, const std::vector<double>& values, TimeSpan part);
 
 // Target (dashed) and plate A. mm
@@ -21,9 +21,9 @@ FigurePanel displacement_panel(std::string title, const Course& course, TimeSpan
 // Amplitude of the square wave. kV
 FigurePanel voltage_panel(std::string title, const Course& course, TimeSpan part);
 
-// Sets y_low and y_high to what the curves need.
+// Sets y_low and y_high to the range of the curves, 0 included.
 void fit_height(FigurePanel& panel);
-// The same without 0, where the curves stay far from it.
+// The same without 0.
 void fit_closely(FigurePanel& panel);
 
 }  // namespace biopsy::sim::paper

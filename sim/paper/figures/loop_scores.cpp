@@ -111,13 +111,13 @@ double undershoot_percent(const Course& course) {
 Transfer transfer(const Course& course, double frequency, double from) {
   const double periods = std::floor((course.time.back() + 1e-3 - from) * frequency + 1e-6);
   const Ticks within = ticks(course, from, from + periods / frequency);
-  std::complex<double> asked, came;
+  std::complex<double> input, output;
   for (std::size_t k = within.first; k < within.last; ++k) {
     const auto turn = std::polar(1.0, -2.0 * std::numbers::pi * frequency * course.time[k]);
-    asked += course.target[k] * turn;
-    came += course.plate_a[k] * turn;
+    input += course.target[k] * turn;
+    output += course.plate_a[k] * turn;
   }
-  const std::complex<double> ratio = came / asked;
+  const std::complex<double> ratio = output / input;
   return {std::abs(ratio), -std::arg(ratio) * 180.0 / std::numbers::pi};
 }
 

@@ -1,4 +1,4 @@
-// What is read off a closed-loop course. One place says what "settled" means.
+// Figures of merit of a closed-loop run, and the definition of "settled".
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,8 @@
 
 namespace biopsy::sim::paper {
 
-// A tick is settled from kSettling after the target's last jump (of more than kJump within a tick) or, before
-// the first one, after the loop was closed. So a sine is settled but for its first moment, and a square wave
-// faster than 0.25 Hz never is.
+// A tick is settled from kSettling after the target's last jump (more than kJump within a tick) or after the
+// loop was closed. A sine is thus settled after its beginning, a square wave faster than 0.25 Hz never.
 inline constexpr double kSettling = 2.0;  // s: twice what the paper's stage takes to recover (IV.E)
 inline constexpr double kJump = 0.1;      // mm
 
@@ -45,7 +44,7 @@ double mean_travel(const Course& course, bool rising);
 double overshoot_percent(const Course& course);
 double undershoot_percent(const Course& course);
 
-// Course against target at one frequency, from `from` on: 1 and 0 where it follows.
+// Response to the target at one frequency, from `from` on: gain 1 and lag 0 for perfect tracking.
 struct Transfer {
   double gain = 0.0;
   double lag_degrees = 0.0;  // positive: late

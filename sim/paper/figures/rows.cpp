@@ -7,7 +7,7 @@
 namespace biopsy::sim::paper {
 namespace {
 
-constexpr double kHopeless = 10.0;  // a row that could not be computed
+constexpr double kFarthest = 10.0;  // and for a row that could not be computed
 
 PaperRow row(RowName name, RowKind kind, double paper, double ours, double band, std::string note) {
   PaperRow out;
@@ -53,7 +53,7 @@ PaperRow shown_row(RowName name, double before, double ours, std::string note) {
 
 double shortfall(const PaperRow& row) {
   if (row.kind == RowKind::Shown) return 0.0;
-  if (!std::isfinite(row.ours)) return kHopeless;
+  if (!std::isfinite(row.ours)) return kFarthest;
   double out = 0.0;
   switch (row.kind) {
     case RowKind::Shown:
@@ -62,7 +62,7 @@ double shortfall(const PaperRow& row) {
       const double off = row.ours / row.paper - 1.0;
       if (std::abs(off) <= row.band) break;
       const double distance =
-          row.ours / row.paper > 0.0 ? std::abs(std::log(row.ours / row.paper)) : kHopeless;
+          row.ours / row.paper > 0.0 ? std::abs(std::log(row.ours / row.paper)) : kFarthest;
       out = distance / row.band - (off > 0.0 ? std::log1p(row.band) : -std::log1p(-row.band)) / row.band;
       break;
     }
@@ -73,7 +73,7 @@ double shortfall(const PaperRow& row) {
       out = -row.margin;
       break;
   }
-  return std::clamp(out, 0.0, kHopeless);
+  return std::clamp(out, 0.0, kFarthest);
 }
 
 }  // namespace biopsy::sim::paper

@@ -16,17 +16,17 @@
 namespace biopsy::sim::identification {
 namespace {
 
-// Units in which the unknowns are numbers of ordinary size.
+// Scales of the unknowns.
 constexpr double kFarad = 1e-9, kAmpere = 1e-6;
 constexpr int kGrid = 60;                   // time constants tried before the search
-constexpr double kLeastEigenvalue = 1e-12;  // of columns of length 1: below, a direction is open
-constexpr double kLeastNoise = 1e-9;  // of the largest current: rounding, where there is no noise at all
+constexpr double kLeastEigenvalue = 1e-12;  // of normalised columns: below, a direction is not identifiable
+constexpr double kLeastNoise = 1e-9;        // of the largest current: rounding, for data without noise
 
 double change(const ChargeRecord& record, std::size_t m) {
   return record.input[m] - (m > 0 ? record.input[m - 1] : 0.0);
 }
 
-// What u_o would do with K = 1, at the edges of the stretches; and u_i there, before any step at that edge. V
+// For each stretch the changes du of u_i and dv of u_o with K = 1. V
 template <class Number>
 void each_stretch(const ChargeRecord& record, const Number& tau, auto&& visit) {
   using std::exp;
@@ -62,8 +62,8 @@ class Residuals {
     using std::exp;
     const Number A = unknown[0][0] * kFarad, B = unknown[0][1] * kFarad, offset = unknown[1][0] * kAmpere;
     each_stretch(record_, Number(exp(unknown[0][2])), [&](const Stretch& part, double du, const Number& dv) {
-      const Number said = A * (du - dv) + B * du + offset * seconds(record_, part);
-      *residual++ = (said - part.charge) * weight_of(record_, part, noise_);
+      const Number fitted = A * (du - dv) + B * du + offset * seconds(record_, part);
+      *residual++ = (fitted - part.charge) * weight_of(record_, part, noise_);
     });
     return true;
   }
@@ -79,7 +79,7 @@ struct Start {
   double log_tau = 0.0;
 };
 
-// All but tau is linear: solved exactly for each tau of a grid.
+// Linear in all but tau: solved for each tau of a grid.
 Start linear_fit(const std::vector<ChargeRecord>& records, double noise, double tau) {
   Eigen::Index rows = 0, row = 0;
   for (const ChargeRecord& record : records) rows += static_cast<Eigen::Index>(record.parts.size());
@@ -143,7 +143,7 @@ Eigen::MatrixXd jacobian(ceres::Problem& problem, Unknowns& unknowns) {
   return dense;
 }
 
-// False where the data leave a direction open.
+// False where a direction is not identifiable.
 bool read_covariance(Eigen::MatrixXd columns, double scale, ChargeFit& fit) {
   const Eigen::VectorXd lengths = columns.colwise().norm();
   if (!(lengths.minCoeff() > 0.0)) return false;
@@ -209,12 +209,12 @@ ChargeFit fit_charges(const std::vector<ChargeRecord>& records) {
   return fit;
 }
 
-std::vector<double> currents_said(const ChargeRecord& record, const ChargeFit& fit, double offset) {
-  std::vector<double> said;
+std::vector<double> fitted_currents(const ChargeRecord& record, const ChargeFit& fit, double offset) {
+  std::vector<double> fitted;
   each_stretch(record, std::exp(fit.log_tau), [&](const Stretch& part, double du, double dv) {
-    said.push_back((fit.decay * (du - dv) + fit.jump * du) / seconds(record, part) + offset);
+    fitted.push_back((fit.decay * (du - dv) + fit.jump * du) / seconds(record, part) + offset);
   });
-  return said;
+  return fitted;
 }
 
 }  // namespace biopsy::sim::identification

@@ -15,15 +15,15 @@ struct ChargeFit {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of these three; widened where the model misfits
   std::vector<double> offsets, offset_stds;              // A, one a run
   double noise = 0.0;                                    // A of one sample
-  double misfit = 1.0;                                   // rms of what is left over, in that noise
-  bool regular = false;                                  // false: the data leave a direction open
+  double misfit = 1.0;                                   // rms residual, in that noise
+  bool regular = false;  // false: some direction of the parameters is not identifiable
 };
 
-// At least one record, each with a step. tau is looked for between two rows and a hundred times the longest
+// At least one record, each with a step. tau is searched between two rows and a hundred times the longest
 // run.
 ChargeFit fit_charges(const std::vector<ChargeRecord>& records);
 
-// The mean current that the fit says of each stretch, the offset of the record's own run included. A
-std::vector<double> currents_said(const ChargeRecord& record, const ChargeFit& fit, double offset);
+// Fitted mean current of each stretch, with the offset of the record's run. A
+std::vector<double> fitted_currents(const ChargeRecord& record, const ChargeFit& fit, double offset);
 
 }  // namespace biopsy::sim::identification

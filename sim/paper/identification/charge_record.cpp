@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStepShare = 0.02;  // of the largest voltage; less is noise of a measured voltage
 constexpr double kSettling = 10e-3;  // s
-constexpr double kGrowth = 0.1;      // a stretch is a tenth as long as the step was ago
+constexpr double kGrowth = 0.1;      // length of a stretch over the time since the step
 
 // Rows at whose beginning the voltage steps.
 std::vector<bool> step_rows(const std::vector<double>& input) {
@@ -23,7 +23,7 @@ std::vector<bool> step_rows(const std::vector<double>& input) {
   return steps;
 }
 
-// One stretch over a step and what it sets off at once; the others grow.
+// One stretch over each step and its settling; the others grow with the time since it.
 std::vector<Stretch> stretches(const std::vector<bool>& steps, std::size_t settling) {
   std::vector<Stretch> parts;
   std::size_t since = 0;  // where the last step had settled
@@ -44,8 +44,7 @@ std::vector<Stretch> stretches(const std::vector<bool>& steps, std::size_t settl
   return parts;
 }
 
-// From the median difference of neighbours, which a few jumps do not move; at least what a monitor leaves out
-// between two of its levels, where it has levels.
+// From the median difference of neighbours, robust to jumps; at least the quantisation noise of the monitor.
 double noise_of(const std::vector<double>& current, const std::vector<bool>& steps) {
   std::vector<double> differences;
   for (std::size_t m = 1; m < steps.size(); ++m)

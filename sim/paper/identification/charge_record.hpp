@@ -1,6 +1,6 @@
-// A run's amplifier current as charges, each over a stretch of time: what eq. (2) says exactly, whatever the
-// amplifier does in between. Charge from one instant to another = C1 (change of u_i - change of u_o). SI
-// units.
+// A run's amplifier current as charges over stretches of time, for which eq. (2) is exact: charge from one
+// instant to another = C1 (change of u_i - change of u_o), independent of the amplifier's transient between.
+// SI units.
 #pragma once
 
 #include <cstddef>
@@ -25,13 +25,13 @@ struct ChargeRecord {
   std::vector<Stretch> parts;  // gap-free: short after a step, longer the longer it was ago
   std::size_t steps = 0;
   double after_step = 0.0;  // s, from the first step to the end
-  double noise = 0.0;       // A of one sample, from neighbours that no step divides
+  double noise = 0.0;       // A of one sample, from neighbours without a step between
 
   bool has_step(const Stretch& part) const;  // of the voltage, within it
 };
 
 // A step is a change by more than 2 % of the largest voltage; its charge is taken over 10 ms, or one row
-// where rows are longer, so that a slew or a monitor of a few milliseconds loses none of it. The run must
+// where rows are longer, so that it includes a slew or a monitor's lag of a few milliseconds. The run must
 // have current.
 ChargeRecord charge_record(const RecordedRun& run);
 

@@ -15,10 +15,10 @@ using identification::ChargeFit;
 using identification::ChargeRecord;
 
 constexpr double kTwoSided95 = 1.96;
-constexpr double kLeastInrush = 1e-3;    // of the decay's charge: less is a monitor that did not see it
-constexpr double kLeastVoltage = 100.0;  // V; a stack of films shows nothing below
-constexpr double kUnexplained = 1.5;     // of the noise
-constexpr double kVaguestDecay = 0.5;    // std of ln tau: beyond it, tau is anybody's guess
+constexpr double kLeastInrush = 1e-3;      // of the decay's charge: less was missed by the monitor
+constexpr double kLeastVoltage = 100.0;    // V; below, a stack shows no current
+constexpr double kUnexplained = 1.5;       // of the noise
+constexpr double kLargestDeviation = 0.5;  // std of ln tau: beyond it, tau is not identifiable
 
 std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::string& place,
                                          std::vector<std::string>& warnings) {
@@ -31,11 +31,10 @@ std::vector<ChargeRecord> usable_records(const Dataset& dataset, const std::stri
     }
     any_current = true;
     if (run.input.front() != 0.0)
-      warnings.push_back(
-          fmt::format("run \"{}\" begins under voltage, and its first row is taken for a step from rest: "
-                      "where the voltage came "
-                      "earlier, all values are wrong; record some rows of 0 V first",
-                      run.name));
+      warnings.push_back(fmt::format(
+          "run \"{}\" begins under voltage, and its first row is taken as a step from rest: if the "
+          "voltage was on earlier, all values are wrong; record some rows of 0 V first",
+          run.name));
     ChargeRecord record = identification::charge_record(run);
     if (record.steps == 0)
       warnings.push_back(fmt::format("run \"{}\" is left out: its voltage never steps", run.name));
@@ -63,30 +62,30 @@ double longest(const std::vector<ChargeRecord>& records) {
   return seconds;
 }
 
-void refuse_what_shows_no_decay(const ChargeFit& fit, double seconds, const std::string& place) {
+void require_decay(const ChargeFit& fit, double seconds, const std::string& place) {
   const bool stands_out = fit.regular && fit.decay > kTwoSided95 * std::sqrt(fit.covariance(0, 0));
   if (!stands_out)
     throw ConfigError(
         fmt::format("no decay of the current stands out of its noise of {:.2g} uA", 1e6 * fit.noise), place,
-        "step to a higher voltage, hold longer, repeat the step, or average more in the monitor; a monitor "
-        "that "
-        "counts the other way round has to be turned");
-  const double tau = std::exp(fit.log_tau), vague = std::sqrt(fit.covariance(2, 2));
-  if (seconds < tau || vague > kVaguestDecay)
+        "step to a higher voltage, hold longer, repeat the step, or average more in the monitor; check the "
+        "monitor's sign");
+  const double tau = std::exp(fit.log_tau), deviation = std::sqrt(fit.covariance(2, 2));
+  if (seconds < tau || deviation > kLargestDeviation)
     throw ConfigError(
-        fmt::format("the longest run goes on for {:.3g} s after its step, the current decays with "
-                    "about {:.3g} s: too short to tell a decay from an offset",
-                    seconds, tau),
+        fmt::format(
+            "the longest run lasts {:.3g} s after its step, the current decays with a time constant of "
+            "about {:.3g} s: too short to separate the decay from an offset",
+            seconds, tau),
         place, "hold the voltage for three time constants or more");
 }
 
-// Symmetric; of a number whose own scale matters.
+// Symmetric interval.
 CircuitValue linear(double value, double variance, bool known) {
   const double std = std::sqrt(std::max(0.0, variance));
   return {value, std, value - kTwoSided95 * std, value + kTwoSided95 * std, known};
 }
 
-// exp of a normal number: positive, and the interval with it.
+// Lognormal interval: positive.
 CircuitValue positive(double value, const Eigen::Vector3d& log_gradient, const Eigen::Matrix3d& covariance,
                       bool known) {
   const double std = std::sqrt(std::max(0.0, log_gradient.dot(covariance * log_gradient)));
@@ -104,9 +103,8 @@ void derive(const ChargeFit& fit, IdentifiedCircuit& out) {
   out.tau = positive(tau, {0.0, 0.0, 1.0}, covariance, true);
   if (!inrush) {
     out.warnings.push_back(
-        "the monitor shows no inrush: C1, C2, R and K cannot be told apart, only C1 K and tau; read the "
-        "monitor "
-        "as the mean over each row");
+        "the monitor shows no inrush: C1, C2, R and K are not identifiable, only C1 K and tau; record the "
+        "monitor's mean over each row");
     return;
   }
   out.C1 = positive(C1, {1.0 / C1, 1.0 / C1, 0.0}, covariance, true);
@@ -115,9 +113,8 @@ void derive(const ChargeFit& fit, IdentifiedCircuit& out) {
   out.K = positive(A / C1, {1.0 / A - 1.0 / C1, -1.0 / C1, 0.0}, covariance, true);
 }
 
-// Monitor and fit, a point a stretch; stretches with a step's own charge are far above the decay and left
-// out.
-FigurePanel panel_of(const ChargeRecord& record, const std::vector<double>& said) {
+// Monitor and fit, one point per stretch; stretches with a step are far above the decay and left out.
+FigurePanel panel_of(const ChargeRecord& record, const std::vector<double>& currents) {
   FigurePanel panel{record.name, "time (s)", "current (uA)", 0.0, 1.0, 0.0, 0.0, false, {}};
   FigureCurve seen{"monitor", {}, {}, false, true}, fitted{"C1, C2, R and offset", {}, {}, false, false};
   for (std::size_t i = 0; i < record.parts.size(); ++i) {
@@ -128,7 +125,7 @@ FigurePanel panel_of(const ChargeRecord& record, const std::vector<double>& said
     seen.x.push_back(from + 0.5 * seconds);
     seen.y.push_back(1e6 * part.charge / seconds);
     fitted.x.push_back(seen.x.back());
-    fitted.y.push_back(1e6 * said[i]);
+    fitted.y.push_back(1e6 * currents[i]);
     for (const double y : {seen.y.back(), fitted.y.back()}) {
       panel.y_low = std::min(panel.y_low, 1.05 * y);
       panel.y_high = std::max(panel.y_high, 1.05 * y);
@@ -145,7 +142,7 @@ IdentifiedCircuit identify_circuit(const Dataset& dataset, const std::string& pl
   IdentifiedCircuit out;
   const std::vector<ChargeRecord> records = usable_records(dataset, place, out.warnings);
   const ChargeFit fit = identification::fit_charges(records);
-  refuse_what_shows_no_decay(fit, longest(records), place);
+  require_decay(fit, longest(records), place);
   derive(fit, out);
   out.noise = fit.noise;
   out.misfit = fit.misfit;
@@ -153,13 +150,14 @@ IdentifiedCircuit identify_circuit(const Dataset& dataset, const std::string& pl
     out.runs.push_back(
         {records[i].name, records[i].steps, records[i].after_step, fit.offsets[i], fit.offset_stds[i]});
     out.panels.push_back(
-        panel_of(records[i], identification::currents_said(records[i], fit, fit.offsets[i])));
+        panel_of(records[i], identification::fitted_currents(records[i], fit, fit.offsets[i])));
   }
   if (fit.misfit > kUnexplained)
     out.warnings.push_back(fmt::format(
-        "what is left over is {:.1f} times the noise: the leakage model does not say all of this "
-        "current (absorption, a leaking cable, a current limit, drift); the intervals are widened by "
-        "it, and may still be too narrow",
+        "the residual is {:.1f} times the noise: the leakage model does not describe all of this current "
+        "(absorption, a leaking cable, a current limit, drift); the intervals are widened accordingly and "
+        "may "
+        "still be too narrow",
         fit.misfit));
   return out;
 }

@@ -1,8 +1,8 @@
-// C1, C2 and R of the leakage model (eq. (2), paper) from the amplifier's current in steps of voltage: what
+// C1, C2 and R of the leakage model (eq. (2), paper) from the amplifier's current in steps of voltage, which
 // the paper leaves to future work. SI units.
 //
 // After a step U from rest (eq. (6)) the current decays as U C1 K/tau exp(-t/tau), K = C1/(C1+C2),
-// tau = R (C1+C2). So the decay alone gives two numbers: the charge C1 K per volt, and tau. The step itself
+// tau = R (C1+C2). The decay alone gives two values: the charge C1 K per volt, and tau. The step itself
 // moves C1 (1-K) per volt at once. With both, C1 is their sum and C2 and R follow; without the second, only
 // the products are known. `current` of the data set must therefore be the mean over each row (a monitor that
 // is integrated or read much faster than the rows): a fast monitor read once a millisecond misses the inrush.
@@ -22,7 +22,7 @@ struct CircuitValue {
   double value = 0.0;
   double std = 0.0;
   double low = 0.0, high = 0.0;  // 95 %
-  bool known = false;            // false: this data cannot tell it from its neighbours
+  bool known = false;            // false: not identifiable from these data
 };
 
 struct CircuitRun {
@@ -37,7 +37,7 @@ struct IdentifiedCircuit {
   CircuitValue jump_charge;        // C1 (1-K) in F: from the inrush
   CircuitValue C1, C2, R, K;       // F, F, Ohm: from both
   double noise = 0.0;              // A, of one sample
-  double misfit = 1.0;             // rms of what is left over, in that noise; 1 where the model fits
+  double misfit = 1.0;             // rms residual, in that noise; 1 where the model fits
   std::vector<CircuitRun> runs;
   std::vector<std::string> warnings;
   std::vector<FigurePanel> panels;  // the monitor's current and the fitted one, one a run

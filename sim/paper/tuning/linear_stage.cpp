@@ -15,7 +15,7 @@ namespace {
 constexpr double kHighest = 8000.0;  // V
 constexpr double kNoLeak = 1e12;     // s
 
-// One number of the plant's state, and a small change of it.
+// One coordinate of the plant's state, and the step for its derivative.
 struct Coordinate {
   double& (*of)(PlantState&);
   double small;
@@ -26,13 +26,13 @@ std::vector<Coordinate> coordinates(const PlantModel& model) {
                               {[](PlantState& s) -> double& { return s.motion.x; }, 1e-7},
                               {[](PlantState& s) -> double& { return s.motion.v; }, 1e-6}};
   if (const auto& lag = model.effects.sensor_lag) {
-    all.push_back({[](PlantState& s) -> double& { return s.reading; }, 1e-7});
+    all.push_back({[](PlantState& s) -> double& { return state_of<SensorLag>(s).lagged; }, 1e-7});
     if (lag->delay > 0.0) {
-      all.push_back({[](PlantState& s) -> double& { return s.memory.delay.w; }, 1e-7});
-      all.push_back({[](PlantState& s) -> double& { return s.memory.delay.Dw; }, 1e-7});
+      all.push_back({[](PlantState& s) -> double& { return state_of<SensorLag>(s).w; }, 1e-7});
+      all.push_back({[](PlantState& s) -> double& { return state_of<SensorLag>(s).Dw; }, 1e-7});
     }
   }
-  if (model.effects.amplifier_lag && !model.effects.amplifier_lag->instant())
+  if (model.effects.amplifier_lag && !model.effects.amplifier_lag->amplifier().instant())
     all.push_back({[](PlantState& s) -> double& { return s.u_i; }, 1e-2});
   return all;
 }
@@ -43,7 +43,7 @@ Eigen::VectorXd values(const std::vector<Coordinate>& all, PlantState state) {
   return out;
 }
 
-// A tick later. Without leakage the stack has K times what the amplifier has, always.
+// One tick later. Without leakage u_o = K u_i.
 PlantState later(const PlantModel& model, PlantState state, double amplitude) {
   state.u_o = model.baseline.K * state.u_i;
   return step(model, state, {.voltage = amplitude}, Seconds(kTick_s));
@@ -53,7 +53,7 @@ PlantState at_depth(const PlantModel& model, double depth, double amplitude) {
   PlantState state = at_rest(model);
   state.u_i = amplitude;
   state.u_o = model.baseline.K * amplitude;
-  state.memory.asked = amplitude;
+  state.u_command = amplitude;
   set_state(model, state, depth * 1e-3, 0.0);
   return state;
 }
@@ -61,22 +61,9 @@ PlantState at_depth(const PlantModel& model, double depth, double amplitude) {
 }  // namespace
 
 PlantModel smooth(PlantModel model) {
-  Effects& e = model.effects;
-  e.zipping_hysteresis.reset();
-  e.residual_set.reset();
-  e.pouch_creep.reset();
-  e.charge_retention.reset();
-  e.coulomb_friction.reset();
-  e.stribeck_friction.reset();
-  e.hysteretic_spring.reset();
-  e.backlash.reset();
-  e.external_force.reset();
-  e.periodic_disturbance.reset();
-  e.layer_puncture.reset();
-  e.shaft_friction.reset();
-  e.tissue_relaxation.reset();
-  e.sensor_noise.reset();
-  e.sensor_drift.reset();
+  for_each_effect(model.effects, []<class E>(std::optional<E>& effect) {
+    if constexpr (!requires { E::linearises; }) effect.reset();
+  });
   model.tissue.clear();
   model.baseline.tau = kNoLeak;
   return model;

@@ -1,6 +1,6 @@
-// A stage made linear around a depth, tick by tick: x[k+1] = A x[k] + B u[k], y[k] = C x[k], u the amplitude
-// of the square wave in V, y the reading in mm. The 1 ms hold, the oil, the spring and the sensor's lag are
-// in it.
+// A stage linearised about a depth, in discrete time: x[k+1] = A x[k] + B u[k], y[k] = C x[k], u the
+// amplitude of the square wave in V, y the reading in mm. The 1 ms hold, the oil, the spring and the sensor's
+// lag are included.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,9 +17,9 @@ struct LinearStage {
   Eigen::RowVectorXd C;
 };
 
-// The stage without what does not act on a small fast motion or has no slope: dry friction, play, set, creep,
-// noise, tissue. And without leakage, whose part turns its sign at every reversal of the square wave. What is
-// left out is judged in time, by score().
+// The stage without effects that are slow or not differentiable (those without `linearises`), without tissue,
+// and without leakage, whose contribution changes sign at every reversal of the square wave. Their influence
+// is evaluated in time, by score().
 PlantModel smooth(PlantModel model);
 
 // Whether 8 kV hold the smooth stage at that depth (mm).

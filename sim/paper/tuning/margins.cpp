@@ -27,7 +27,7 @@ std::vector<double> unwrapped(const std::vector<std::complex<double>>& loop) {
   return phase;
 }
 
-// Where a line from a to b (of opposite signs) is 0, as a share.
+// Zero of a line from a to b (of opposite signs), as a share of the way.
 double crossing(double a, double b) {
   return a / (a - b);
 }
@@ -59,7 +59,7 @@ const std::vector<double>& frequencies() {
   return kOmega;
 }
 
-// pi_step adds to the sum before it answers: K_p + K_i/(1 - 1/z).
+// pi_step updates the sum first: K_p + K_i/(1 - 1/z).
 std::complex<double> controller(const control::PiGains& gains, double omega) {
   const std::complex<double> late = std::polar(1.0, -omega * kTick_s);
   return gains.proportional_V_per_mm + gains.integral_V_per_mm_per_tick / (1.0 - late);

@@ -26,7 +26,7 @@ struct Margins {
   bool meet(const Requirements& wanted) const;
 };
 
-// Worst of both, entry by entry; the crossover is the higher one.
+// The worse of both, entry by entry; the higher crossover.
 Margins worse(const Margins& a, const Margins& b);
 
 // Angular frequencies (rad/s), evenly spaced in logarithm from 0.02 Hz to Nyquist's.

@@ -27,15 +27,16 @@ double highest(const paper::Course& course) {
   return *std::max_element(course.amplitude.begin(), course.amplitude.end());
 }
 
-paper::Course driven(const PlantModel& stage, const Driving& driving, const paper::OfTime& asked,
+paper::Course driven(const PlantModel& stage, const Driving& driving, const paper::OfTime& target,
                      double seconds) {
-  paper::LoopTask task{.target = asked, .seconds = seconds, .loads = {}};
-  if (driving.speed > 0.0) task.target = paper::rate_limited(asked, driving.speed, seconds);
+  paper::LoopTask task{.target = target, .seconds = seconds, .loads = {}};
+  if (driving.speed > 0.0) task.target = paper::rate_limited(target, driving.speed, seconds);
   paper::LoopSettings settings;
   settings.gains = driving.gains;
-  if (driving.thought != nullptr) settings.feed = paper::feed_forward(*driving.thought, task.target, seconds);
+  if (driving.feed_model != nullptr)
+    settings.feed = paper::feed_forward(*driving.feed_model, task.target, seconds);
   paper::Course course = follow(stage, task, settings);
-  for (std::size_t k = 0; k < course.time.size(); ++k) course.target[k] = asked(course.time[k]);
+  for (std::size_t k = 0; k < course.time.size(); ++k) course.target[k] = target(course.time[k]);
   return course;
 }
 

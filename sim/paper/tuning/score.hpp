@@ -1,4 +1,4 @@
-// One controller on one stage, in time.
+// One controller on one stage, simulated in time.
 #pragma once
 
 #include "sim/paper/closed_loop.hpp"
@@ -6,14 +6,14 @@
 
 namespace biopsy::sim::tuning {
 
-// A way of driving. With feed-forward the target is also given to the loop in steps that the oil can follow.
+// A controller. With feed-forward the target is also limited in speed, so that the oil can follow it.
 struct Driving {
   control::PiGains gains{};
-  const PlantModel* thought = nullptr;  // feed-forward is taken from it; null: none
-  double speed = 0.0;                   // mm/s that a target moves at most; 0: as it is
+  const PlantModel* feed_model = nullptr;  // of the feed-forward; null: none
+  double speed = 0.0;                      // mm/s that a target moves at most; 0: as it is
 };
 
-// 0, 2, 8 and 2 mm, against the target as it was asked for.
+// 0, 2, 8 and 2 mm, against the unlimited target.
 paper::Course steps(const PlantModel& stage, const Driving& driving);
 
 Score score(const PlantModel& stage, const Driving& driving);

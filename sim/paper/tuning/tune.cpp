@@ -21,11 +21,11 @@ using control::PiGains;
 
 constexpr std::array kDepths{1.0, 3.0, 5.0, 8.0};          // mm, of which those within the stroke
 constexpr PiGains kLeast{50.0, 0.2}, kMost{4000.0, 50.0};  // V/mm and V/mm a tick: the paper's are 800 and 5
-constexpr std::size_t kBest = 10;                          // of the first grid are looked at on all stages
+constexpr std::size_t kBest = 10;                          // of the first grid are evaluated on all stages
 constexpr std::array kSpeeds{4.0, 6.0, 8.0, 12.0};         // mm/s
 constexpr int kFiner = 2;                                  // rounds around the best
 
-// A stage, and what it is at each of the depths that it can be held at.
+// A stage linearised at one depth.
 struct AtDepth {
   double depth;
   LinearStage linear;
@@ -93,8 +93,8 @@ class Family {
   std::vector<Known> stages_;
 };
 
-// What the paper measured of its stage: with its own gains it follows Fig. 9a's square wave to 0.077 mm. A
-// draw that is off by more than twice that is another stage. A model that is so itself is not asked for it.
+// Consistent with the paper's measurement: with its gains the stage follows Fig. 9a's square wave to 0.077
+// mm; draws with more than twice that are rejected. Not applied where the model itself is not consistent.
 bool is_like_the_papers(const PlantModel& stage) {
   return can_hold(stage, kDepths.back()) && holds(linearised(stage, kDepths.front()), PiGains{}) &&
          score(stage, {}).settled_rmse <= 2.0 * 0.077;
@@ -117,7 +117,7 @@ std::vector<Candidate> grid(const PiGains& low, const PiGains& high, int steps) 
   return out;
 }
 
-// How far margins fall short, in shares of what is wanted; 0 where they meet it.
+// Relative shortfall of the margins; 0 where they are met.
 double shortfall(const Margins& m, const Requirements& wanted) {
   return std::max(0.0, 1.0 - m.gain_dB / wanted.gain_dB) +
          std::max(0.0, 1.0 - m.phase_degrees / wanted.phase_degrees) + (m.stable ? 0.0 : 1.0);
@@ -159,7 +159,7 @@ Candidate searched(const Family& family, const TuneOptions& options, const TuneP
   double spread =
       std::pow(kMost.proportional_V_per_mm / kLeast.proportional_V_per_mm, 1.0 / (options.grid - 1));
   for (int round = 0; round < kFiner; ++round) {
-    if (progress) progress(0.4 + 0.2 * round, "closer to the best gains");
+    if (progress) progress(0.4 + 0.2 * round, "refining the best gains");
     const PiGains& g = best.gains;
     std::vector<Candidate> around =
         grid({g.proportional_V_per_mm / spread, g.integral_V_per_mm_per_tick / spread},
@@ -175,7 +175,7 @@ Candidate searched(const Family& family, const TuneOptions& options, const TuneP
 Judged judged(const Family& family, std::string name, const Driving& driving) {
   Judged out{.name = std::move(name),
              .gains = driving.gains,
-             .feed = driving.thought != nullptr,
+             .feed = driving.feed_model != nullptr,
              .speed = driving.speed,
              .at_depth = {},
              .worst_margins = family.worst(driving.gains),
@@ -185,7 +185,7 @@ Judged judged(const Family& family, std::string name, const Driving& driving) {
   return out;
 }
 
-// Feed-forward needs a target that moves no faster than the stage can. The best of a few speeds.
+// Feed-forward with the best of a few speed limits of the target.
 Judged judged_with_feed(const Family& family, const std::string& name, const PiGains& gains) {
   std::optional<Judged> best;
   for (const double speed : kSpeeds) {
@@ -201,15 +201,16 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
   if (given.model.baseline.drive != Drive::Stack)
     throw ConfigError("a stage that is driven by a force has no voltage to tune", "drive = \"force\"",
                       "give the model of a needle stage");
-  if (progress) progress(0.0, "stages within the uncertainty");
+  if (progress) progress(0.0, "drawing uncertain stages");
   NotedModel model = given;
   model.model.weight = paper::kWeight;
-  const CanBe can_be = is_like_the_papers(model.model) ? CanBe(is_like_the_papers) : CanBe();
-  const UncertainStages uncertain = uncertain_stages(model, options.stages, options.seed, can_be);
+  const IsPlausible is_plausible =
+      is_like_the_papers(model.model) ? IsPlausible(is_like_the_papers) : IsPlausible();
+  const UncertainStages uncertain = uncertain_stages(model, options.stages, options.seed, is_plausible);
   const Family family(model.model, uncertain.stages);
-  if (progress) progress(0.1, "gains with margin");
+  if (progress) progress(0.1, "searching gains with the required margins");
   const Candidate best = searched(family, options, progress);
-  if (progress) progress(0.8, "judging");
+  if (progress) progress(0.8, "evaluating");
   Tuning out;
   for (const AtDepth& at : family.depths()) out.depths.push_back(at.depth);
   out.varied = uncertain.varied;

@@ -1,6 +1,5 @@
-// K_p and K_i for a stage: what the paper's 0.8 and 0.005 reach, and which gains do better with margin, on
-// the model and on every stage that the model's uncertainty leaves room for. Feed-forward is judged beside
-// them, never mixed in.
+// K_p and K_i for a stage: performance of the paper's gains, and gains that perform better with the required
+// margins, on the model and on stages drawn from its uncertainty. Feed-forward is evaluated separately.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +13,20 @@
 
 namespace biopsy::sim::tuning {
 
-// In time, everything of the model included: 2 to 8 mm and back, and the sine of Fig. 9b.
+// Simulated in time with the full model: 2 to 8 mm and back, and the sine of Fig. 9b.
 struct Score {
   double settled_rmse = 0.0;  // mm
   double overshoot = 0.0;     // of the rising edge, % of the target
   double undershoot = 0.0;    // below the target of the falling edge, % of the step; not part of the cost
   double settling = 0.0;      // s until plate A stays within 0.3 mm, the slower of both edges
   double sine_rmse = 0.0;     // mm
-  double highest = 0.0;       // kV that were asked for
+  double highest = 0.0;       // kV commanded
 
-  // In units of what the paper reports of its own stage: 0.077 mm, 10 %, 1 s and 0.211 mm. What the search
-  // makes small.
+  // Cost of the search, in units of what the paper reports: 0.077 mm, 10 %, 1 s and 0.211 mm.
   double cost() const { return settled_rmse / 0.077 + overshoot / 10.0 + settling / 1.0 + sine_rmse / 0.211; }
 };
 
-// Worst of both, entry by entry.
+// The worse of both, entry by entry.
 Score worse(const Score& a, const Score& b);
 
 struct Judged {
@@ -45,18 +43,18 @@ struct TuneOptions {
   int stages = 24;  // uncertain ones, besides the model itself
   std::uint64_t seed = 1;
   Requirements wanted;
-  int grid = 13;  // values of each gain that the search begins with
+  int grid = 13;  // values of each gain in the first grid
 };
 
 struct Tuning {
-  std::vector<double> depths;       // mm, at which the stage was made linear
+  std::vector<double> depths;       // mm, about which the stage was linearised
   std::vector<std::string> varied;  // numbers that were uncertain
-  bool assumed = false;             // by 10 %, the model file knowing nothing better
-  bool correlated = false;          // drawn with the file's correlations; otherwise each for itself
-  int stages = 0;                   // that were drawn, besides the model
-  int refused = 0;                  // draws that do not settle as the paper's stage does, with its gains
+  bool assumed = false;             // by 10 %, the model file having no standard deviations
+  bool correlated = false;          // drawn with the file's correlations; otherwise independently
+  int stages = 0;                   // drawn, besides the model
+  int refused = 0;  // rejected draws: with the paper's gains they do not settle as its stage does
   Requirements wanted;
-  bool met = false;  // some gains have the margins on all of them; otherwise the tuned ones come closest
+  bool met = false;            // the tuned gains have the margins on all stages; otherwise they come closest
   std::vector<Judged> judged;  // the paper's gains, the tuned ones, each again with feed-forward
   std::vector<FigurePanel> panels;
 };

@@ -1,4 +1,4 @@
-// A tuning as pictures: the loops' magnitude and phase against frequency, and the steps in time.
+// Panels of a tuning: Bode plots of the loops, and the steps in time.
 #pragma once
 
 #include "sim/paper/tuning/tune.hpp"

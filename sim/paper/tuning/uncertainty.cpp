@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kCut = 2.0;  // standard deviations
 constexpr int kAttempts = 100;
-constexpr std::uint64_t kTogether = 1'000;  // numbers of the draws that are correlated, behind all others
-constexpr double kAssumed = 0.10;           // of a number whose uncertainty nobody has found out
+constexpr std::uint64_t kTogether = 1'000;  // counter of the correlated draws
+constexpr double kAssumed = 0.10;           // relative std where the file has none
 constexpr std::array kShapingTheLoop{"eps_film", "V0", "tau_h", "k", "c_s"};
 
 // Calls visit(name, number, low, high, si_per_unit) for each number of the model that a file can hold.
@@ -34,7 +34,7 @@ void for_each_number(PlantModel& model, Visit&& visit) {
   });
 }
 
-// SI standard deviation of a number; 0 where it is taken as known.
+// SI standard deviation of a parameter; 0 where it is taken as known.
 double deviation(const ModelNotes& notes, bool assumed, const std::string& name, double value,
                  double si_per_unit) {
   if (assumed) {
@@ -51,7 +51,7 @@ bool knows_none(const ModelNotes& notes) {
                       [](const auto& entry) { return entry.second.std.value_or(0.0) > 0.0; });
 }
 
-// A matrix A with A A^T = the correlations. What rounding in the file made impossible is left out.
+// A with A A^T = the correlations; eigenvalues that rounding made negative are set to 0.
 Eigen::MatrixXd root_of(const Correlations& correlations) {
   const auto n = static_cast<Eigen::Index>(correlations.values.size());
   Eigen::MatrixXd C(n, n);
@@ -62,7 +62,7 @@ Eigen::MatrixXd root_of(const Correlations& correlations) {
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-// Standard normals by name, those that go together drawn together.
+// Standard normals by name, correlated.
 std::map<std::string, double> normals_of(const std::optional<Correlations>& correlations,
                                          std::uint64_t seed) {
   std::map<std::string, double> z;
@@ -76,7 +76,7 @@ std::map<std::string, double> normals_of(const std::optional<Correlations>& corr
   return z;
 }
 
-// One stage; the names of what was varied go to `varied`.
+// One stage; `varied` gets the names of the varied parameters.
 PlantModel drawn(const NotedModel& model, bool assumed, std::uint64_t seed,
                  std::vector<std::string>& varied) {
   PlantModel stage = model.model;
@@ -99,14 +99,14 @@ PlantModel drawn(const NotedModel& model, bool assumed, std::uint64_t seed,
 }  // namespace
 
 UncertainStages uncertain_stages(const NotedModel& model, int count, std::uint64_t seed,
-                                 const CanBe& can_be) {
+                                 const IsPlausible& is_plausible) {
   UncertainStages out;
   out.assumed = knows_none(model.notes);
   for (int i = 0; i < count; ++i)
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const auto which = static_cast<std::uint64_t>(i) * kAttempts + static_cast<std::uint64_t>(attempt);
       const PlantModel stage = drawn(model, out.assumed, hashed(seed, which), out.varied);
-      if (can_be && !can_be(stage) && attempt + 1 < kAttempts) {
+      if (is_plausible && !is_plausible(stage) && attempt + 1 < kAttempts) {
         ++out.refused;
         continue;
       }

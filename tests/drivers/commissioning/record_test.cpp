@@ -71,7 +71,7 @@ class CommissioningRecord : public testing::Test {
     return sim::refusal([&] { load(now, device, config); });
   }
   void expect_refusal(const std::string& said, const std::string& reason) const {
-    sim::expect_says(said, folder_.path().string(), reason);
+    sim::expect_refusal(said, folder_.path().string(), reason);
   }
 
   ScratchFolder folder_;

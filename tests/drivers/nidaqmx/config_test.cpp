@@ -75,7 +75,7 @@ TEST(NidaqmxConfig, EveryWrongEntryIsNamedWithItsLineAndARemedy) {
       {"device = ", "stage.toml:1"},
   };
   for (const auto& [text, words] : wrong) {
-    sim::expect_says(refusal_of_text(text), "stage.toml:", words);
+    sim::expect_refusal(refusal_of_text(text), "stage.toml:", words);
   }
 }
 

@@ -238,9 +238,10 @@ TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
   const std::string page = prose_of("effects.md");
   const std::regex parameter(R"rx("(\w+)",\s*&\w+::\w+,\s*[-\d.e]+,\s*([-\d.e]+),\s*([-\d.e]+))rx");
   int parameters = 0;
-  for (const auto& file : fs::directory_iterator(kHouse / "sim/effects")) {
-    const std::string name = file.path().stem().string(), source = file_content(file.path());
-    if (name == "effect") continue;
+  for (const auto& file : fs::recursive_directory_iterator(kHouse / "sim/effects")) {
+    const std::string name = file.path().stem().string();
+    if (file.is_directory() || name.starts_with("effect")) continue;
+    const std::string source = file_content(file.path());
     const std::string section = section_of(page, name);
     EXPECT_FALSE(section.empty()) << name << " is not in docs/effects.md";
     for (std::sregex_iterator match(source.begin(), source.end(), parameter), end; match != end;

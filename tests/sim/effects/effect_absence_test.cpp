@@ -1,5 +1,4 @@
-// Absent is exactly the baseline; present without strength is the baseline too; present at typical strength
-// shows.
+// Absent is exactly the baseline, without strength nearly; at typical strength every effect is visible.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,14 +10,7 @@ namespace biopsy::sim {
 namespace {
 
 std::vector<double> readings(const PlantModel& model) {
-  PlantState state = at_rest(model);
-  std::vector<double> out;
-  for (int k = 0; k < 18000; ++k) {
-    const double u = ramps_and_flips(k);
-    state = step(model, state, {.voltage = u, .force = 1e-4 * u}, Seconds(1e-3));
-    out.push_back(displacement_reading(model, state));
-  }
-  return out;
+  return ramped_readings(model, 18000);
 }
 
 TEST(AbsentEffects, LeaveTheBaselineToTheBit) {
@@ -28,7 +20,7 @@ TEST(AbsentEffects, LeaveTheBaselineToTheBit) {
   EXPECT_EQ(readings(read_model(models_folder() / "baseline.toml")), baseline);
 }
 
-TEST(PowerlessEffects, OnSensorAndTissueLeaveTheBaselineToTheBit) {
+TEST(AbsentEffects, WithoutStrengthOnSensorAndTissueLeaveTheBaselineToTheBit) {
   PlantModel model;
   const auto baseline = readings(model);
   model.effects.sensor_offset = SensorOffset{0.0};
@@ -36,19 +28,6 @@ TEST(PowerlessEffects, OnSensorAndTissueLeaveTheBaselineToTheBit) {
   model.effects.layer_puncture = LayerPuncture{};
   model.effects.tissue_relaxation = TissueRelaxation{};
   EXPECT_EQ(readings(model), baseline);
-}
-
-TEST(PowerlessEffects, OnStageAndPouchLeaveTheBaselineToAFractionOfAMicrometre) {
-  const auto baseline = readings(PlantModel{});
-  PlantModel coulomb, stribeck, shaft, play;
-  coulomb.effects.coulomb_friction = CoulombFriction{0.0};
-  stribeck.effects.stribeck_friction = StribeckFriction{};
-  shaft.effects.shaft_friction = ShaftFriction{};
-  play.effects.zipping_hysteresis = ZippingHysteresis{0.0};
-  EXPECT_LT(largest_difference(readings(coulomb), baseline), 1e-7);
-  EXPECT_LT(largest_difference(readings(stribeck), baseline), 1e-7);
-  EXPECT_LT(largest_difference(readings(shaft), baseline), 1e-7);
-  EXPECT_LT(largest_difference(readings(play), baseline), 1e-6);  // the edge of the play is its whole
 }
 
 // All strengths 0, everything else typical; an effect without strength has its level or place out of reach.
@@ -64,70 +43,49 @@ Effect powerless() {
   return effect;
 }
 
-TEST(PowerlessEffects, AreEachTheBaselineToATenthOfAMicrometreUnderEitherDrive) {
+TEST(AbsentEffects, WithoutStrengthAreTheBaselineToATenthOfAMicrometreUnderEitherDrive) {
   PlantModel pushed;
   pushed.baseline.drive = Drive::Force;
   for (const PlantModel& plain : {PlantModel{}, pushed}) {
     const auto baseline = readings(plain);
-    Effects library;
-    for_each_effect(library, [&](auto& slot) {
-      using Effect = typename std::decay_t<decltype(slot)>::value_type;
-      PlantModel model = plain;
-      for_each_effect(model.effects, [&](auto& own) {
-        if constexpr (std::is_same_v<decltype(own), decltype(slot)>) own = powerless<Effect>();
-      });
-      EXPECT_LT(largest_difference(readings(model), baseline), 1e-7) << Effect::info.name;
+    for_each_typical_effect([&]<class Effect>(const Effect&) {
+      EXPECT_LT(largest_difference(readings(with_effect(plain, powerless<Effect>())), baseline), 1e-7)
+          << Effect::info.name;
     });
   }
 }
 
-// A thousandth of the typical strength moves the reading by about that share of what the whole strength does.
-TEST(Effects, GrowFromNothing) {
+// A thousandth of the typical strength moves the reading by about that share of the whole strength's effect.
+TEST(Effects, GrowContinuouslyFromZeroStrength) {
   const auto baseline = readings(PlantModel{});
-  Effects library;
-  for_each_effect(library, [&](auto& slot) {
-    using Effect = typename std::decay_t<decltype(slot)>::value_type;
-    PlantModel model;
+  for_each_typical_effect([&]<class Effect>(const Effect& typical) {
+    Effect weak = powerless<Effect>();
     bool has_strength = false;
-    for_each_effect(model.effects, [&](auto& own) {
-      if constexpr (std::is_same_v<decltype(own), decltype(slot)>) {
-        own = powerless<Effect>();
-        for (const auto& parameter : Effect::parameters())
-          if (parameter.role == Role::Strength) {
-            (*own).*(parameter.member) = 1e-3 * parameter.typical * parameter.si_per_unit;
-            has_strength = true;
-          }
-      }
-    });
-    if (!has_strength) return;
-    EXPECT_LT(largest_difference(readings(model), baseline), 50e-6) << Effect::info.name;
-  });
-}
-
-TEST(Effects, EachAtItsTypicalStrengthShowsInTheReading) {
-  const auto baseline = readings(PlantModel{});
-  Effects library;
-  for_each_effect(library, [&](auto& slot) {
-    using Effect = typename std::decay_t<decltype(slot)>::value_type;
-    slot.emplace();
     for (const auto& parameter : Effect::parameters())
-      (*slot).*(parameter.member) = parameter.typical * parameter.si_per_unit;
-    PlantModel model;
-    for_each_effect(model.effects, [&](auto& own) {
-      if constexpr (std::is_same_v<decltype(own), decltype(slot)>) own = slot;
-    });
-    EXPECT_GT(largest_difference(readings(model), baseline), 5e-6) << Effect::info.name;
+      if (parameter.role == Role::Strength) {
+        weak.*(parameter.member) = 1e-3 * (typical.*(parameter.member));
+        has_strength = true;
+      }
+    if (!has_strength) return;
+    EXPECT_LT(largest_difference(readings(with_effect(PlantModel{}, weak)), baseline), 50e-6)
+        << Effect::info.name;
   });
 }
 
-TEST(Effects, EachSaysWhatItIsAndItsParametersHaveUnitsAndUsableRanges) {
+TEST(Effects, AtTypicalStrengthChangeTheReading) {
+  const auto baseline = readings(PlantModel{});
+  for_each_typical_effect([&]<class Effect>(const Effect& typical) {
+    EXPECT_GT(largest_difference(readings(with_effect(PlantModel{}, typical)), baseline), 5e-6)
+        << Effect::info.name;
+  });
+}
+
+TEST(Effects, HaveUniqueNamesTextsAndParametersWithUnitsAndRanges) {
   std::set<std::string_view> names;
   const std::set<std::string_view> menu{"dc_hold",         "voltage_staircase_up_and_down",
                                         "frequency_sweep", "weight_drop",
                                         "slow_triangle",   "closed_loop_steps"};
-  Effects library;
-  for_each_effect(library, [&](auto& slot) {
-    using Effect = typename std::decay_t<decltype(slot)>::value_type;
+  for_each_typical_effect([&]<class Effect>(const Effect&) {
     EXPECT_TRUE(names.insert(Effect::info.name).second) << Effect::info.name;
     EXPECT_TRUE(menu.contains(Effect::info.experiment)) << Effect::info.name;
     for (const std::string_view text :

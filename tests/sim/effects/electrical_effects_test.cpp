@@ -27,10 +27,11 @@ TEST(VoltageSaturation, IsLinearThenBentThenFlatAndOddInTheVoltage) {
 TEST(VoltageSaturation, MakesEveryVoltageAboveItTheSameVoltage) {
   PlantModel model;
   model.effects.voltage_saturation = VoltageSaturation{.level = 3000.0, .knee = 200.0};
-  const PlantState a = held(model, at_rest(model), 3300.0, 500), b = held(model, at_rest(model), 6000.0, 500);
+  const PlantState a = charged(model, at_rest(model), 3300.0, 500),
+                   b = charged(model, at_rest(model), 6000.0, 500);
   EXPECT_EQ(a.motion.x, b.motion.x);
   EXPECT_EQ(b.u_i, 3000.0);
-  EXPECT_EQ(a.motion.x, held(PlantModel{}, at_rest(PlantModel{}), 3000.0, 500).motion.x);
+  EXPECT_EQ(a.motion.x, charged(PlantModel{}, at_rest(PlantModel{}), 3000.0, 500).motion.x);
 }
 
 TEST(AmplifierLag, ApproachesExponentially) {
@@ -56,12 +57,12 @@ TEST(AmplifierLag, LimitedSlopeGoesStraightAndArrives) {
 // Euler at 0.1 us of every electrical equation at once.
 struct Slow {
   double u_i = 0.0, u_o = 0.0, s = 0.0;
-  void advance(const PlantModel& m, double asked, double t) {
+  void advance(const PlantModel& m, double command, double t) {
     constexpr double h = 1e-7;
     const AmplifierLag& lag = *m.effects.amplifier_lag;
     const ChargeRetention& charge = *m.effects.charge_retention;
     for (int i = 0; i < static_cast<int>(std::lround(t / h)); ++i) {
-      const double slope = std::clamp((asked - u_i) / lag.time, -1.0 / lag.slew, 1.0 / lag.slew);
+      const double slope = std::clamp((command - u_i) / lag.time, -1.0 / lag.slew, 1.0 / lag.slew);
       const double du = slope * h, old = u_o;
       u_i += du;
       u_o += m.baseline.K * du - u_o / m.baseline.tau * h;
@@ -78,12 +79,12 @@ TEST(AmplifierLagWithChargeRetention, FollowTheirEquationsThroughSlopeApproachAn
   PlantState state = at_rest(model);
   Slow slow;
   for (int k = 0; k < 60; ++k) {
-    const double asked = k < 30 ? 3000.0 : -3000.0;
-    state = step(model, state, {.voltage = asked}, Seconds(1e-3));
-    slow.advance(model, asked, 1e-3);
+    const double command = k < 30 ? 3000.0 : -3000.0;
+    state = step(model, state, {.voltage = command}, Seconds(1e-3));
+    slow.advance(model, command, 1e-3);
     ASSERT_NEAR(state.u_i, slow.u_i, 0.5) << k;
     ASSERT_NEAR(state.u_o, slow.u_o, 0.5) << k;
-    ASSERT_NEAR(state.memory.screened, slow.s, 0.5) << k;
+    ASSERT_NEAR(state.screened, slow.s, 0.5) << k;
   }
 }
 
@@ -110,24 +111,24 @@ TEST(AmplifierLag, WithTheStacksOwnTimeConstantStaysFinite) {
   model.baseline.tau = 0.01;
   model.effects.amplifier_lag = AmplifierLag{.time = 0.01, .slew = 0.0};
   model.effects.charge_retention = ChargeRetention{.share = 0.5, .time = 0.01};
-  const PlantState state = held(model, at_rest(model), 1000.0, 10);
-  EXPECT_NEAR(state.u_o, 0.8 * 1000.0 * 1.0 * std::exp(-1.0), 1e-2);                    // K U (t/T) exp(-t/T)
-  EXPECT_NEAR(state.memory.screened, 0.5 * 0.8 * 1000.0 * 0.5 * std::exp(-1.0), 1e-2);  // (t/T)^2/2
+  const PlantState state = charged(model, at_rest(model), 1000.0, 10);
+  EXPECT_NEAR(state.u_o, 0.8 * 1000.0 * 1.0 * std::exp(-1.0), 1e-2);             // K U (t/T) exp(-t/T)
+  EXPECT_NEAR(state.screened, 0.5 * 0.8 * 1000.0 * 0.5 * std::exp(-1.0), 1e-2);  // (t/T)^2/2
 }
 
 TEST(ChargeRetention, ScreensItsShareOfAHeldVoltageInTheEnd) {
   PlantModel model;
   model.baseline.tau = 1e6;
   model.effects.charge_retention = ChargeRetention{.share = 0.3, .time = 2.0};
-  PlantState state = held(model, at_rest(model), 2500.0, 1000);
-  EXPECT_NEAR(state.memory.screened, 0.3 * 2000.0 * -std::expm1(-0.5), 0.01);
-  state = held(model, state, 2500.0, 40000);
-  EXPECT_NEAR(state.memory.screened / state.u_o, 0.3, 1e-6);
+  PlantState state = charged(model, at_rest(model), 2500.0, 1000);
+  EXPECT_NEAR(state.screened, 0.3 * 2000.0 * -std::expm1(-0.5), 0.01);
+  state = charged(model, state, 2500.0, 40000);
+  EXPECT_NEAR(state.screened / state.u_o, 0.3, 1e-6);
   PlantModel weaker;  // in the end as if only 70 % were there
   weaker.baseline.tau = 1e6;
-  EXPECT_NEAR(state.motion.x, held(weaker, at_rest(weaker), 0.7 * 2500.0, 5000).motion.x, 2e-6);
+  EXPECT_NEAR(state.motion.x, charged(weaker, at_rest(weaker), 0.7 * 2500.0, 5000).motion.x, 2e-6);
   const PlantState turned = step(model, state, {.voltage = -2500.0}, Seconds(1e-3));
-  EXPECT_NEAR(turned.u_o - turned.memory.screened, -1.3 * 2000.0, 5.0);  // and a reversal pulls more
+  EXPECT_NEAR(turned.u_o - turned.screened, -1.3 * 2000.0, 5.0);  // and a reversal pulls more
 }
 
 TEST(PolarityAsymmetry, ScalesEitherPolarityTheOtherWay) {
@@ -135,8 +136,8 @@ TEST(PolarityAsymmetry, ScalesEitherPolarityTheOtherWay) {
   model.baseline.tau = plain.baseline.tau = 1e6;
   model.effects.polarity_asymmetry = PolarityAsymmetry{0.1};
   for (const double sign : {1.0, -1.0})
-    EXPECT_NEAR(held(model, at_rest(model), sign * 2000.0, 3000).motion.x,
-                held(plain, at_rest(plain), (1.0 + 0.1 * sign) * 2000.0, 3000).motion.x, 1e-9);
+    EXPECT_NEAR(charged(model, at_rest(model), sign * 2000.0, 3000).motion.x,
+                charged(plain, at_rest(plain), (1.0 + 0.1 * sign) * 2000.0, 3000).motion.x, 1e-9);
 }
 
 TEST(PolarityAsymmetry, RipplesAtTheFrequencyOfTheReversals) {

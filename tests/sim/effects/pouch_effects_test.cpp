@@ -19,14 +19,14 @@ double deflection(const PlantModel& model, const PlantState& state) {
 }
 
 TEST(PouchCreep, AddsItsShareOfTheDeflectionAfterManyTimes) {
-  PlantModel model = lossless();
-  model.effects.pouch_creep = PouchCreep{.share = 0.2, .time = 0.5, .log_share = 0.0};
-  const PlantState state = held(model, at_rest(model), 3000.0, 15000);
+  const PlantModel model = with_effect(lossless(), PouchCreep{.share = 0.2, .time = 0.5, .log_share = 0.0});
+  const PlantState state = charged(model, at_rest(model), 3000.0, 15000);
   const double d = deflection(model, state);
-  EXPECT_NEAR(state.motion.pouch_crept, 0.2 * d, 1e-5 * d);
+  EXPECT_NEAR(state_of<PouchCreep>(state), 0.2 * d, 1e-5 * d);
   EXPECT_NEAR(plate_b(model, state), 11 * 1.2 * d, 1e-5 * d);
-  EXPECT_NEAR(state.motion.x, plate_b(model, state), 1e-7);                   // the spring stands unstretched
-  EXPECT_NEAR(held(model, state, 0.0, 15000).motion.pouch_crept, 0.0, 1e-9);  // and it recovers
+  EXPECT_NEAR(state.motion.x, plate_b(model, state), 1e-7);  // the spring stands unstretched
+  const PlantState recovered = charged(model, state, 0.0, 15000);
+  EXPECT_NEAR(state_of<PouchCreep>(recovered), 0.0, 1e-9);  // and it recovers
 }
 
 TEST(PouchCreep, OfLogarithmicKindGrowsByTheSameInEachDecade) {
@@ -59,24 +59,24 @@ TEST(ResidualSet, IsNothingAtTheFirstLoading) {
 }
 
 TEST(ResidualSet, KeepsItsSharesOfTheLargestDeformationAndForgetsThem) {
-  PlantModel model = lossless();
-  model.effects.residual_set = ResidualSet{.floor_share = 0.3, .added_share = 0.2, .time = 20.0};
-  PlantState state = held(model, at_rest(model), 3000.0, 3000);
-  const double before = state.memory.largest;
+  const PlantModel model =
+      with_effect(lossless(), ResidualSet{.floor_share = 0.3, .added_share = 0.2, .time = 20.0});
+  PlantState state = charged(model, at_rest(model), 3000.0, 3000);
+  const double before = state_of<ResidualSet>(state).largest;
   EXPECT_GT(before, 0.3e-3);
-  state = held(model, state, 0.0, 2000);
-  const double M = state.memory.largest;
+  state = charged(model, state, 0.0, 2000);
+  const double M = state_of<ResidualSet>(state).largest;
   EXPECT_NEAR(deflection(model, state), 0.3 * M, 2e-3 * M);  // the floor sinks, oil follows 30 ms later
   EXPECT_NEAR(plate_b(model, state), 11 * (0.3 * M + 0.2 * 0.7 * M), 11 * 2e-3 * M);
-  state = held(model, state, 0.0, 20000);
-  EXPECT_NEAR(state.memory.largest, M * std::exp(-1.0), 1e-6 * M);
+  state = charged(model, state, 0.0, 20000);
+  EXPECT_NEAR(state_of<ResidualSet>(state).largest, M * std::exp(-1.0), 1e-6 * M);
 }
 
 TEST(ResidualSet, NeverRemembersLessThanItStandsAt) {
-  PlantModel model = lossless();
-  model.effects.residual_set = ResidualSet{.floor_share = 0.0, .added_share = 0.0, .time = 0.1};
-  const PlantState state = held(model, at_rest(model), 3000.0, 5000);
-  EXPECT_EQ(state.memory.largest, deflection(model, state));
+  const PlantModel model =
+      with_effect(lossless(), ResidualSet{.floor_share = 0.0, .added_share = 0.0, .time = 0.1});
+  const PlantState state = charged(model, at_rest(model), 3000.0, 5000);
+  EXPECT_EQ(state_of<ResidualSet>(state).largest, deflection(model, state));
 }
 
 }  // namespace

@@ -1,7 +1,12 @@
-// The models and inputs that several claims share.
+// Models, inputs and runs that several tests share.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <optional>
+#include <type_traits>
+#include <vector>
 
 #include "robot/msg/plan.hpp"
 #include "sim/plant/model_file.hpp"
@@ -28,7 +33,7 @@ inline PlantModel rehearsal_with_tissue() {
   return model;
 }
 
-// A mass with a measured force on it and nothing else: what an effect adds stands alone.
+// A mass with a measured force on it: shows a single effect.
 inline PlantModel bare_mass(double damping = 0.0, double spring = 0.0) {
   PlantModel model;
   model.baseline.drive = Drive::Force;
@@ -49,21 +54,56 @@ inline double ramps_and_flips(int k) {
   return (k / 250) % 2 == 0 ? amplitude : -amplitude;
 }
 
-// The state after a constant voltage, V.
-inline PlantState held(const PlantModel& model, PlantState state, double voltage, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.voltage = voltage}, Seconds(1e-3));
+// The state after constant inputs over whole milliseconds.
+inline PlantState held(const PlantModel& model, PlantState state, const PlantInputs& inputs,
+                       int milliseconds) {
+  for (int k = 0; k < milliseconds; ++k) state = step(model, state, inputs, Seconds(1e-3));
   return state;
 }
+inline PlantState pushed(const PlantModel& model, const PlantState& state, double force, int milliseconds) {
+  return held(model, state, {.force = force}, milliseconds);
+}
+inline PlantState charged(const PlantModel& model, const PlantState& state, double voltage,
+                          int milliseconds) {
+  return held(model, state, {.voltage = voltage}, milliseconds);
+}
 
-// The state after a constant force, N.
-inline PlantState pushed(const PlantModel& model, PlantState state, double force, int milliseconds) {
-  for (int k = 0; k < milliseconds; ++k) state = step(model, state, {.force = force}, Seconds(1e-3));
-  return state;
+// `plain` with one effect.
+template <class Effect>
+PlantModel with_effect(PlantModel plain, const Effect& effect) {
+  for_each_effect(plain.effects, [&](auto& slot) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(slot)>, std::optional<Effect>>) slot = effect;
+  });
+  return plain;
+}
+
+// Calls visit(effect) for each effect of the library, its parameters at their typical values.
+template <class Visitor>
+void for_each_typical_effect(Visitor&& visit) {
+  Effects library;
+  for_each_effect(library, [&]<class Effect>(std::optional<Effect>&) {
+    Effect effect;
+    for (const auto& p : Effect::parameters()) effect.*(p.member) = p.typical * p.si_per_unit;
+    visit(effect);
+  });
+}
+
+// Readings over the first `milliseconds` of ramps_and_flips; the force of a force drive is 0.1 N/kV of it.
+inline std::vector<double> ramped_readings(const PlantModel& model, int milliseconds) {
+  PlantState state = at_rest(model);
+  std::vector<double> out;
+  for (int k = 0; k < milliseconds; ++k) {
+    const double u = ramps_and_flips(k);
+    state = step(model, state, {.voltage = u, .force = 1e-4 * u}, Seconds(1e-3));
+    out.push_back(displacement_reading(model, state));
+  }
+  return out;
 }
 
 inline double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double worst = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, std::abs(a[k] - b[k]));
+  double worst = a.size() == b.size() ? 0.0 : HUGE_VAL;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+    worst = std::max(worst, std::abs(a[k] - b[k]));
   return worst;
 }
 

@@ -1,5 +1,4 @@
-// The honest test, short enough for every day: a dozen hidden cases, some of each kind, through the whole
-// search. `./dev bench gap` runs all of them, and its peers beside it.
+// A dozen hidden cases, some of each kind, through the whole search. `./dev bench gap` runs all of them, and its peers beside it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,12 +53,12 @@ Answer answer_to(const HiddenCase& hidden) {
   return answer;
 }
 
-// A case that the bar speaks of: an effect too slight to be seen is nobody's fault.
+// Cases with an acceptance criterion: not effects that are below the noise.
 bool counts(const HiddenCase& hidden) {
   return hidden.kind != HiddenKind::Single || 1e3 * effect_rms(hidden) >= kFarAboveNoise * hidden.noise_um;
 }
 
-TEST(Campaign, HiddenEffectsAreNamedAndNothingIsInvented) {
+TEST(Campaign, HiddenEffectsAreFoundWithoutFalseOnes) {
   Score score;
   for (const HiddenCase& hidden : everyday_cases())
     if (counts(hidden)) score.add(hidden, answer_to(hidden));

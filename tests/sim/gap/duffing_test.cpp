@@ -1,5 +1,5 @@
-// A mechanism whose spring stiffens so much that its resonance wanders (as in the Silverbox benchmark, and
-// stronger): model and measurement run out of step, and what is missing must still be named.
+// A mechanism whose spring stiffens so much that its resonance shifts (as in the Silverbox benchmark, and
+// stronger): model and measurement get out of phase, and the effect must still be found.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -73,14 +73,14 @@ sim::Dataset shaken(std::uint32_t seed) {
   return out;
 }
 
-TEST(Duffing, IsNamedThoughItsResonanceWandersAndNoNumberIsKnown) {
+TEST(Duffing, IsFoundThoughItsResonanceShiftsWithUnknownParameters) {
   const sim::PlantModel guess =
       sim::parse_model("[baseline]\ndrive = \"force\"\nm = 0.5\nc_s = 5\nk = 2200\n", "guess.toml");
   const GapFinding finding =
       sim::gap::find_gap(shaken(3), guess, {.free = {"m", "c_s", "k"}, .window = {}}, [](const std::string&) {
       }).finding;
   ASSERT_EQ(finding.verdict, GapVerdict::Effect);
-  ASSERT_EQ(finding.effects.size(), 1U) << "a difference between integrators is nobody's effect";
+  ASSERT_EQ(finding.effects.size(), 1U);
   EXPECT_EQ(finding.effects[0].name, "spring_hardening");
   EXPECT_NEAR(finding.effects[0].parameters[0].value, kCubic * 1e-9, 0.01 * kCubic * 1e-9);
   EXPECT_GT(finding.gap_closed, 0.99);

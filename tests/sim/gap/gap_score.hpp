@@ -1,4 +1,4 @@
-// Marks of the honest test: answers of a workflow (or of a peer) against what was hidden, as one table.
+// Score of a workflow (or of a peer) on hidden cases, as one table.
 #pragma once
 
 #include <string>

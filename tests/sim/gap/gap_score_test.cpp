@@ -1,4 +1,4 @@
-// The marks themselves: full for right answers, none for wrong ones, and wrong names never go unnoticed.
+// The score: full for right answers, none for wrong ones.
 #include "tests/sim/gap/gap_score.hpp"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST(GapScore, GivesFullMarksForRightAnswers) {
 
 TEST(GapScore, GivesNoneForTheSameWrongNameEverywhere) {
   Score score;
-  for (const HiddenCase& hidden : hidden_cases()) score.add(hidden, effect_answer("gremlins", 0.9));
+  for (const HiddenCase& hidden : hidden_cases()) score.add(hidden, effect_answer("no_such_effect", 0.9));
   EXPECT_EQ(score.right_first.right + score.both_names.right + score.one_name.right + score.unexplained.right,
             0);
   EXPECT_EQ(score.false_alarm.percent(), 100.0);
@@ -91,7 +91,7 @@ TEST(GapScore, CallsAParameterChangeAFalseAlarmOnlyWhereNoneErred) {
 
 TEST(GapScore, KeepsATieApartFromTheRightName) {
   const HiddenCase hidden = first(HiddenKind::Single);
-  Answer tied = effect_answer("gremlins", 0.6);
+  Answer tied = effect_answer("no_such_effect", 0.6);
   tied.effects[0].confused_with = {hidden.expected().front()};
   Score score;
   score.add(hidden, tied);
@@ -120,7 +120,7 @@ TEST(GapScore, CountsAnUnknownDeviationAsOutside) {
 TEST(GapScore, PrintsOneTableForAllMethods) {
   Score good, bad;
   for (const HiddenCase& hidden : hidden_cases()) good.add(hidden, right_answer(hidden));
-  for (const HiddenCase& hidden : hidden_cases()) bad.add(hidden, effect_answer("gremlins", 0.9));
+  for (const HiddenCase& hidden : hidden_cases()) bad.add(hidden, effect_answer("no_such_effect", 0.9));
   const std::string table = score_table({{"biopsy gap", good}, {"BIC", bad}});
   EXPECT_NE(table.find("biopsy gap |            BIC"), std::string::npos) << table;
   EXPECT_NE(table.find("false alarm, nothing hidden (<= 5 %)"), std::string::npos);

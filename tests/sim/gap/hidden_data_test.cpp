@@ -1,4 +1,4 @@
-// Data sets with something hidden: repeatable, visible, and silent about the answer.
+// Hidden data sets: repeatable, visible, and without the answer in their files.
 #include "tests/sim/gap/generator/hidden_data.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ HiddenCase brief(HiddenCase hidden) {
   return hidden;
 }
 
-TEST(HiddenCases, CoverEveryEffectTwiceAndAllThatTheBarNames) {
+TEST(HiddenCases, CoverEveryEffectTwiceAndAllKinds) {
   const std::set<std::string> library{"charge_retention",
                                       "amplifier_lag",
                                       "voltage_saturation",
@@ -115,7 +115,7 @@ TEST(HiddenData, LeavesOutWhatTheCaseLeavesOut) {
   EXPECT_DOUBLE_EQ(make_hidden(brief(named("pouch_creep/100Hz"))).runs[0].time[1], 0.01);
 }
 
-TEST(HiddenData, FolderReadsBackAndDoesNotTellTheAnswer) {
+TEST(HiddenData, FolderReadsBackWithoutTheAnswer) {
   for (const char* name : {"coulomb_friction/strong", "coulomb_friction/force-strong"}) {
     const HiddenCase hidden = brief(named(name));
     ScratchFolder folder;

@@ -1,4 +1,4 @@
-// The hidden generator against closed forms: it must obey the model's page without sharing its code.
+// The hidden generator against closed forms: an independent implementation of docs/model.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ TEST(HiddenStage, StaysAtRestWithoutVoltageWhateverTheWeight) {
   }
 }
 
-TEST(HiddenStage, LeaksAsTheClosedFormSays) {
+TEST(HiddenStage, LeaksAsTheClosedForm) {
   const StageNumbers b;
   const Trace trace = run_stage(b, {}, program(8.0, 0.05, [](double) { return 2000.0; }), 1);
   for (std::size_t row = 1; row < trace.current.size(); row += 500) {

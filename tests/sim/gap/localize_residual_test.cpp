@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 
+#include "sim/gap/residual/smoothed_motion.hpp"
 #include "sim/gap/residual/trace.hpp"
 #include "sim/plant/seeded_noise.hpp"
 
@@ -21,7 +22,7 @@ double noise_at(std::uint64_t seed, std::size_t row) {
   return kNoise * normals(seed, row).first;
 }
 
-// The model says `model`; the measurement is that, the residual and noise.
+// A run with the prediction `model`, the given residual, and noise.
 struct Case {
   Evidence evidence;
   std::vector<double> before, after;
@@ -64,7 +65,7 @@ double slow_wave(double t) {
   return 3e-3 * std::sin(2.0 * std::numbers::pi * 0.13 * t);
 }
 
-TEST(Where, ErrorAfterFlipsIsFoundThereWithItsTrueShare) {
+TEST(LocalizeResidual, ErrorAfterFlipsIsFoundThereWithItsTrueShare) {
   // 0.2 mm within 0.1 s after each of 19 flips, 0.05 mm otherwise.
   const auto residual = [](double t) {
     return t >= 1.0 - 1e-9 && std::fmod(t + 1e-9, 1.0) <= 0.1 + 2e-9 ? 0.2e-3 : 0.05e-3;
@@ -80,7 +81,7 @@ TEST(Where, ErrorAfterFlipsIsFoundThereWithItsTrueShare) {
   EXPECT_NEAR(regimes.front().rmse_after, 0.01, 0.001);
 }
 
-TEST(Where, JoinedRowsCountForAllTheyStandFor) {
+TEST(LocalizeResidual, JoinedRowsCountForAllTheyStandFor) {
   // The same run with every fourth row standing for four: the shares stay.
   const auto residual = [](double t) { return t >= 1.0 && std::fmod(t, 1.0) <= 0.1 ? 0.2e-3 : 0.0; };
   Case fine;
@@ -106,7 +107,7 @@ TEST(Where, JoinedRowsCountForAllTheyStandFor) {
   }
 }
 
-TEST(Where, TheOneBadRunComesFirstAndEvenRegimesLast) {
+TEST(LocalizeResidual, TheOneBadRunComesFirstAndEvenRegimesLast) {
   Case c;
   c.add("good", 20.0, flips, slow_wave, [](double) { return 0.01e-3; });
   c.add("bad", 20.0, flips, slow_wave, [](double) { return 0.2e-3; });
@@ -120,7 +121,7 @@ TEST(Where, TheOneBadRunComesFirstAndEvenRegimesLast) {
   EXPECT_LT(find(regimes, "run:good")->share_of_excess_error, 0.01);
 }
 
-TEST(Where, AShortBurstDoesNotComeBeforeWhatMatters) {
+TEST(LocalizeResidual, AShortBurstDoesNotComeBeforeWhatMatters) {
   // Most error is spread over the last quarter; one flip in a long run errs more, but holds 0.5 % of time.
   const auto one_flip = [](double t) { return t < 5.0 ? 4000.0 : -4000.0; };
   const auto residual = [](double t) { return t >= 15.0 ? 0.1e-3 : t >= 5.0 && t <= 5.1 ? 0.3e-3 : 0.0; };
@@ -134,7 +135,7 @@ TEST(Where, AShortBurstDoesNotComeBeforeWhatMatters) {
   EXPECT_EQ(regimes.front().name, "late");
 }
 
-TEST(Where, NothingAboveTheNoiseHasNoShareAnywhere) {
+TEST(LocalizeResidual, NothingAboveTheNoiseHasNoShareAnywhere) {
   Case c;
   c.add("noise", 20.0, flips, slow_wave, none);
   for (std::size_t i = 0; i < c.before.size(); ++i) c.before[i] = i % 2 ? kNoise : -kNoise;
@@ -142,7 +143,7 @@ TEST(Where, NothingAboveTheNoiseHasNoShareAnywhere) {
     EXPECT_NEAR(regime.share_of_excess_error, 0.0, 1e-9) << regime.name;
 }
 
-TEST(Where, StuckIsWhereTheModelMovesAndThePlateDoesNot) {
+TEST(LocalizeResidual, StuckIsWhereTheModelMovesAndThePlateDoesNot) {
   // The model goes up and down at 1 mm/s; the plate stays for the first second after each turn, every 4 s.
   const auto triangle = [](double t) {
     const double phase = std::fmod(t, 8.0);
@@ -165,13 +166,13 @@ TEST(Where, StuckIsWhereTheModelMovesAndThePlateDoesNot) {
   EXPECT_NEAR(find(regimes, "falling")->share_of_time, 5 * 3.0 / 40.0, 0.05);
 }
 
-TEST(Where, ATurningPointIsNotStuck) {
+TEST(LocalizeResidual, ATurningPointIsNotStuck) {
   Case c;
   c.add("wave", 40.0, flips, slow_wave, [](double t) { return 0.1 * slow_wave(t); });
   EXPECT_EQ(find(c.regimes(), "stuck"), nullptr);
 }
 
-TEST(Where, HoldingNeedsASteadyDriveWhateverItsSign) {
+TEST(LocalizeResidual, HoldingNeedsASteadyDriveWhateverItsSign) {
   Case held, ramped;
   held.add(
       "held", 20.0, flips, [](double) { return 2e-3; }, [](double) { return 0.05e-3; });
@@ -183,7 +184,7 @@ TEST(Where, HoldingNeedsASteadyDriveWhateverItsSign) {
   EXPECT_LT(find(regimes, "holding") ? find(regimes, "holding")->share_of_time : 0.0, 0.6);
 }
 
-TEST(Where, ThirdsAndQuartersAreThirdsAndQuarters) {
+TEST(LocalizeResidual, ThirdsAndQuartersAreThirdsAndQuarters) {
   Case c;
   c.add(
       "ramp", 30.0, [](double t) { return 200.0 * t; }, [](double t) { return 0.3e-3 * t; },
@@ -199,7 +200,7 @@ TEST(Where, ThirdsAndQuartersAreThirdsAndQuarters) {
   EXPECT_NE(find(c.regimes(Drive::Force), "low_force"), nullptr);
 }
 
-TEST(Where, ADropThroughSplitsARunAndAModelledStepDoesNot) {
+TEST(LocalizeResidual, ADropThroughSplitsARunAndAModelledStepDoesNot) {
   const auto ramp = [](double t) { return 0.3e-3 * t; };
   const auto jump = [](double t) { return t > 12.0 ? 2e-3 * (1.0 - std::exp(-(t - 12.0) / 0.01)) : 0.0; };
   const auto steady = [](double) { return 3000.0; };
@@ -208,7 +209,7 @@ TEST(Where, ADropThroughSplitsARunAndAModelledStepDoesNot) {
   step.add(
       "step", 20.0, steady, [&](double t) { return ramp(t) + jump(t); }, none);
   smooth.add("smooth", 20.0, steady, ramp, [](double t) { return 0.1e-3 * std::sin(t); });
-  Case missed;  // an even climb that the model does not know is no drop-through, however far it goes
+  Case missed;  // an even climb that the model lacks is no puncture
   missed.add("missed", 1.0, steady, none, [](double t) { return 6e-3 * t; });
   EXPECT_EQ(find(missed.regimes(), "after_puncture"), nullptr);
   ASSERT_NE(find(puncture.regimes(), "after_puncture"), nullptr);
@@ -219,7 +220,7 @@ TEST(Where, ADropThroughSplitsARunAndAModelledStepDoesNot) {
   EXPECT_EQ(find(smooth.regimes(), "after_puncture"), nullptr);
 }
 
-TEST(Where, AForceDrivenMotionReversesWhereItTurnsAround) {
+TEST(LocalizeResidual, AForceDrivenMotionReversesWhereItTurnsAround) {
   // sin(2 pi 0.5 t): turns at 0.5 s and every second after that, 20 times within 20 s.
   const auto wave = [](double t) { return 3e-3 * std::sin(2.0 * std::numbers::pi * 0.5 * t); };
   const auto residual = [](double t) { return std::fmod(t + 0.5, 1.0) < 0.1 ? 0.2e-3 : 0.0; };

@@ -1,4 +1,4 @@
-// The experiment that tells rivals apart, or the honest answer that none does.
+// The experiment that separates candidates, or none.
 #include "sim/gap/select/next_experiment.hpp"
 
 #include <gtest/gtest.h>
@@ -23,17 +23,17 @@ PlantModel rig(double mass, double damping) {
   return model;
 }
 
-bool says(const NextExperiment& next, const std::string& words) {
+bool mentions(const NextExperiment& next, const std::string& words) {
   return next.sentence.find(words) != std::string::npos;
 }
 
-TEST(NextExperiment, ModelsThatDifferInFrictionOnlyAreToldApart) {
+TEST(NextExperiment, ModelsThatDifferInFrictionOnlyAreSeparated) {
   const NextExperiment next = next_experiment({with_friction(0.0), with_friction(0.05)},
                                               {"nothing", "coulomb_friction"}, kSensorNoise);
   EXPECT_FALSE(next.name.empty());
   EXPECT_EQ(next.separates, (std::vector<std::string>{"nothing", "coulomb_friction"}));
   EXPECT_GT(next.difference, 0.010);  // mm
-  EXPECT_TRUE(says(next, "nothing and coulomb_friction differ by")) << next.sentence;
+  EXPECT_TRUE(mentions(next, "nothing and coulomb_friction differ by")) << next.sentence;
 }
 
 TEST(NextExperiment, MoreFrictionMakesMoreDifference) {
@@ -49,7 +49,7 @@ TEST(NextExperiment, IdenticalModelsYieldNoExperiment) {
   EXPECT_TRUE(next.name.empty());
   EXPECT_TRUE(next.separates.empty());
   EXPECT_EQ(next.difference, 0.0);
-  EXPECT_TRUE(says(next, "tells one and other apart")) << next.sentence;
+  EXPECT_TRUE(mentions(next, "separates one and other")) << next.sentence;
 }
 
 TEST(NextExperiment, ADifferenceBelowTheNoiseIsNoDifference) {
@@ -59,14 +59,14 @@ TEST(NextExperiment, ADifferenceBelowTheNoiseIsNoDifference) {
   EXPECT_LT(next.difference, 5.0);
 }
 
-TEST(NextExperiment, ThePairThatStaysTogetherIsNamed) {
+TEST(NextExperiment, NamesThePairThatIsNotSeparated) {
   const NextExperiment next = next_experiment({with_friction(0.0), with_friction(0.05), with_friction(0.05)},
-                                              {"nothing", "coulomb", "its_twin"}, kSensorNoise);
+                                              {"nothing", "coulomb", "its_copy"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
-  EXPECT_TRUE(says(next, "coulomb and its_twin")) << next.sentence;
+  EXPECT_TRUE(mentions(next, "coulomb and its_copy")) << next.sentence;
 }
 
-TEST(NextExperiment, TheOrderOfRivalsDoesNotMatter) {
+TEST(NextExperiment, IsIndependentOfTheOrderOfCandidates) {
   const NextExperiment ab =
       next_experiment({with_friction(0.0), with_friction(0.05)}, {"a", "b"}, kSensorNoise);
   const NextExperiment ba =
@@ -84,8 +84,8 @@ TEST(NextExperiment, AConstantErrorOfTheReadingIsItsOwnDifference) {
   EXPECT_NEAR(next.difference, 0.2, 1e-3);
 }
 
-TEST(NextExperiment, NobodyIsAskedToThrowThePlateBeyondItsStroke) {
-  // Without friction the paper's loop throws the plate to 25 mm, where rivals differ most.
+TEST(NextExperiment, StaysWithinTheStroke) {
+  // Without friction the paper's loop moves the plate to 25 mm, where candidates differ most.
   EXPECT_NE(next_experiment({with_friction(0.0), with_friction(0.05)}, {"a", "b"}, kSensorNoise).name,
             "closed_loop_steps");
   PlantModel large = with_friction(0.0), larger = large;  // every program lifts these too far
@@ -93,10 +93,10 @@ TEST(NextExperiment, NobodyIsAskedToThrowThePlateBeyondItsStroke) {
   larger.baseline.V0 *= 5.0;
   const NextExperiment next = next_experiment({large, larger}, {"large", "larger"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
-  EXPECT_TRUE(says(next, "that the stage allows")) << next.sentence;
+  EXPECT_TRUE(mentions(next, "within the stroke")) << next.sentence;
 }
 
-TEST(NextExperiment, ForceRigsAreToldApartInProportionToTheForce) {
+TEST(NextExperiment, ForceRigsAreSeparatedInProportionToTheForce) {
   const auto next = [](double newtons) {
     return next_experiment({rig(0.080, 0.6), rig(0.090, 0.6)}, {"light", "heavy"}, kSensorNoise, newtons);
   };
@@ -107,7 +107,7 @@ TEST(NextExperiment, ForceRigsAreToldApartInProportionToTheForce) {
   EXPECT_NE(one.name, "slow_force_triangle");               // mass shows where things move fast
 }
 
-TEST(NextExperiment, OneExplanationNeedsNoExperiment) {
+TEST(NextExperiment, NeedsTwoCandidates) {
   const NextExperiment next = next_experiment({PlantModel{}}, {"nothing"}, kSensorNoise);
   EXPECT_TRUE(next.name.empty());
   EXPECT_FALSE(next.sentence.empty());

@@ -1,5 +1,5 @@
-// A first guess at a strength is drawn by a straight line from nothing. Where the response bends, it lands on
-// the far side of a ridge, and the search must come back.
+// The first strength is extrapolated linearly. With a nonlinear response it overshoots a ridge of the cost, and
+// the search must restart from a weaker one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace biopsy::hidden {
 namespace {
 
-TEST(Overshoot, AHardeningThatMovesTheResonanceIsFoundAllTheSame) {
+TEST(Overshoot, AHardeningThatShiftsTheResonanceIsFound) {
   const auto all = hidden_cases();
   HiddenCase hidden =
       *std::ranges::find(all, std::string("spring_hardening/force-strong"), &HiddenCase::name);

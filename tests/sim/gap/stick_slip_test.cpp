@@ -1,5 +1,5 @@
-// A plate that sticks and slips: when it breaks away decides all that follows, so whole runs cannot be
-// followed and pieces of them must do.
+// Stick-slip: the instant of breakaway decides all that follows, so that only windows of the runs can be
+// predicted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,26 +27,26 @@ GapFinding finding_of(const char* effect, double strength) {
   return sim::gap::find_gap(make_hidden(hidden), model, {}, [](const std::string&) {}).finding;
 }
 
-bool speaks_of_pieces(const GapFinding& finding) {
+bool mentions_windows(const GapFinding& finding) {
   return std::ranges::any_of(
-      finding.warnings, [](const std::string& text) { return text.find("pieces") != std::string::npos; });
+      finding.warnings, [](const std::string& text) { return text.find("windows") != std::string::npos; });
 }
 
-TEST(StickSlip, IsNamedFromPiecesThatStartFromTheMeasuredMotion) {
+TEST(StickSlip, IsFoundInWindowsThatStartFromTheMeasuredMotion) {
   const GapFinding finding = finding_of("stribeck_friction", kSliding);
   ASSERT_EQ(finding.verdict, GapVerdict::Effect);
   ASSERT_EQ(finding.effects.size(), 1U);
   EXPECT_EQ(finding.effects[0].name, "stribeck_friction");
   EXPECT_NEAR(finding.effects[0].parameters[0].value, kSliding, kWithin * kSliding);
   EXPECT_NEAR(finding.effects[0].parameters[1].value, 2.0 * kSliding, kWithin * 2.0 * kSliding);
-  EXPECT_TRUE(speaks_of_pieces(finding)) << "the figures are of pieces, and the reader must know";
+  EXPECT_TRUE(mentions_windows(finding));
 }
 
-TEST(StickSlip, IsNotLookedForWherePlainFrictionExplainsWholeRuns) {
+TEST(StickSlip, IsNotFoundWhereCoulombFrictionExplainsWholeRuns) {
   const GapFinding finding = finding_of("coulomb_friction", kSliding);
   ASSERT_EQ(finding.verdict, GapVerdict::Effect);
   EXPECT_EQ(finding.effects[0].name, "coulomb_friction");
-  EXPECT_FALSE(speaks_of_pieces(finding));
+  EXPECT_FALSE(mentions_windows(finding));
 }
 
 }  // namespace

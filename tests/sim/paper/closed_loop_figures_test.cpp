@@ -1,4 +1,4 @@
-// The closed-loop figures as physics: what must turn when the stage does.
+// Closed-loop figures respond to changes of the stage as physics requires.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -50,20 +50,20 @@ TEST(PaperClosedLoop, EdgesMakeTheErrorOverEverythingTheLargerOne) {
   EXPECT_GT(row(figure, "RMSE over everything").ours, 3.0 * row(figure, "RMSE over settled").ours);
 }
 
-TEST(PaperClosedLoop, AStifferSpringGivesWayLess) {
+TEST(PaperClosedLoop, AStifferSpringYieldsLess) {
   PaperModel model = damped();
   const double soft = row(figure_11(model), "lowest").ours;
   model.stage.baseline.k *= 2.0;
   EXPECT_GT(row(figure_11(model), "lowest").ours, soft + 0.5);
 }
 
-TEST(PaperClosedLoop, ThePapersFourteenNewtonsPerMetreCannotBe) {
+TEST(PaperClosedLoop, ThePrintedStiffnessIsImpossible) {
   PaperModel model = damped();
   model.stage.baseline.k = 14.0;
   EXPECT_LT(row(figure_11(model), "lowest").ours, -5.0);
 }
 
-TEST(PaperClosedLoop, WhatTheFilmsKeepIsWhatTheJointIsLeftWith) {
+TEST(PaperClosedLoop, ResidualSetKeepsTheJointFromReturning) {
   PaperModel model = damped();
   model.joint.friction = 0.0;
   model.stage.effects.stribeck_friction.reset();
@@ -74,7 +74,7 @@ TEST(PaperClosedLoop, WhatTheFilmsKeepIsWhatTheJointIsLeftWith) {
   EXPECT_TRUE(row(figure_12(model), "the voltage is 0 V").ok);
 }
 
-TEST(PaperClosedLoop, ALiverTooToughToPunctureIsNotCalledSampled) {
+TEST(PaperClosedLoop, AnUnpuncturedLiverIsReported) {
   PaperModel model = damped();
   EXPECT_TRUE(row(figure_13(model), "liver: punctured").ok);
   model.needle.tissue.back().surface.force = 10.0;

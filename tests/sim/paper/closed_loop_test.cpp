@@ -50,7 +50,7 @@ TEST(PaperLoop, AWeightAddsItsInertia) {
   EXPECT_GT(when, 1.05 * std::numbers::pi / std::sqrt(model.baseline.k / model.mass_A()));
 }
 
-TEST(PaperLoop, AsksForNoLessThanNothingAndNoMoreThanItMay) {
+TEST(PaperLoop, AmplitudeIsWithinItsLimits) {
   const Course course =
       follow(rehearsal(), {.target = square_target(2.0, 8.0, 0.5), .seconds = 6.0, .loads = {}},
              {.gains = {}, .highest = 4000.0, .feed = {}});
@@ -59,7 +59,7 @@ TEST(PaperLoop, AsksForNoLessThanNothingAndNoMoreThanItMay) {
   EXPECT_EQ(*high, 4.0);
 }
 
-TEST(PaperLoop, ThePapersOwnEndsWhereItsAmplifierDoes) {
+TEST(PaperLoop, OfThePaperSaturatesAtItsAmplifier) {
   const Course course =
       follow(rehearsal(), {.target = [](double) { return 50.0; }, .seconds = 1.0, .loads = {}}, paper_loop());
   EXPECT_EQ(*std::max_element(course.amplitude.begin(), course.amplitude.end()), 10.0);
@@ -71,12 +71,12 @@ TEST(PaperLoop, HoldsADampedStageWithinThePapersError) {
   EXPECT_LT(rmse_settled(course), 0.077);
 }
 
-TEST(PaperLoop, SameTaskSameCourse) {
+TEST(PaperLoop, IsDeterministic) {
   const LoopTask task{.target = sine_target(0.0, 4.0, 0.5), .seconds = 4.0, .loads = {}};
   EXPECT_EQ(follow(rehearsal(), task).plate_a, follow(rehearsal(), task).plate_a);
 }
 
-TEST(PaperLoop, AConstantFeedIsAnIntegralToStartFrom) {
+TEST(PaperLoop, AConstantFeedForwardInitialisesTheIntegral) {
   const LoopTask task{.target = [](double) { return 3.0; }, .seconds = 6.0, .loads = {}};
   LoopSettings none, constant;
   none.feed = [](double) { return 0.0; };
@@ -88,7 +88,7 @@ TEST(PaperLoop, AConstantFeedIsAnIntegralToStartFrom) {
   EXPECT_NEAR(rmse_settled(fed), rmse_settled(plain), 0.05);  // the loop still decides where it ends
 }
 
-TEST(PaperLoop, TargetsAreWhatTheirNamesSay) {
+TEST(PaperLoop, TargetsHaveTheirLevels) {
   const OfTime square = square_target(2.0, 8.0, 0.05), sine = sine_target(0.0, 8.0, 0.05);
   EXPECT_EQ(square(9.999), 2.0);
   EXPECT_EQ(square(10.0), 8.0);

@@ -1,4 +1,4 @@
-// The static curve backwards, asked of the plant itself.
+// The inverse static curve against the plant.
 #include "sim/paper/feed_forward.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ double rest_at(PlantModel model, double from, double volts) {
   return state.motion.x * 1e3;
 }
 
-TEST(FeedForward, HoldsTheDepthItWasAskedFor) {
+TEST(FeedForward, HoldsItsDepth) {
   for (const double depth : {0.5, 2.0, 5.0, 8.0})
     for (const double weight : {0.020, 0.100}) {
       PlantModel model;
@@ -29,7 +29,7 @@ TEST(FeedForward, HoldsTheDepthItWasAskedFor) {
     }
 }
 
-TEST(FeedForward, MakesUpForHysteresisFromEitherSide) {
+TEST(FeedForward, CompensatesHysteresisFromEitherSide) {
   PlantModel model;
   model.effects.zipping_hysteresis = ZippingHysteresis{.width = 0.1e-3, .free = 0.3};
   const double depth = 4.0;

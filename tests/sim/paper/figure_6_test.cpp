@@ -1,4 +1,4 @@
-// Fig. 6: what is lost under DC is what the leakage and eq. (18) to (21) say.
+// Fig. 6: the loss under DC follows from leakage and eq. (18) to (21).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ TEST(Figure6, AFilmThatDoesNotLeakLosesNothing) {
   EXPECT_NEAR(row_about(figure_6(model), "25 um PI: displacement lost")->ours, 0.0, 0.1);
 }
 
-TEST(Figure6, OnlyTheFilmTellsTheMaterialsApart) {
+TEST(Figure6, MaterialsDifferByTheirFilmOnly) {
   PaperModel model = bare_paper_model();
   const Baseline& b = model.stage.baseline;
   model.bopp25 = {b.K, b.tau, b.eps_film, b.d_film};

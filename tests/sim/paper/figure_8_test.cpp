@@ -37,7 +37,7 @@ TEST(Figure8, StrainIsReferredToAStackMadeOfOilAndFilms) {
   EXPECT_NEAR(stack_height(11.0), 16.5e-3, 0.1e-3);
 }
 
-TEST(Figure8, ThePrintedStiffnessStandsInARowOfItsOwn) {
+TEST(Figure8, ThePrintedStiffnessHasItsOwnRow) {
   const PaperFigure figure = figure_8a(damped_bare_model());
   const PaperRow* row = row_about(figure, std::string(kSpringQuantity));
   ASSERT_NE(row, nullptr);
@@ -46,9 +46,8 @@ TEST(Figure8, ThePrintedStiffnessStandsInARowOfItsOwn) {
   EXPECT_NEAR(row_about(figure, "sag of the spring")->paper, 35.0, 0.1);
 }
 
-// Calibration looks at brief experiments. Friction lets a plate creep to its level, and the ripple there is
-// not the one on the way: cut short before that, a brief run saw twice the ripple. A margin of 1 is 1 % of
-// the level.
+// Calibration uses brief experiments. With friction a plate approaches its level slowly; a run cut short before
+// that sees twice the ripple. A margin of 1 is 1 % of the level.
 TEST(Figure8, TheBriefExperimentSeesTheRippleOfTheWholeOne) {
   const std::filesystem::path models = source_dir() / "sim/models";
   PaperModel model = read_paper_model(models / "calibrated.toml", models / "paper.toml");

@@ -1,4 +1,4 @@
-// Scores of courses that were written by hand, so that the answer is known.
+// Scores of hand-written courses.
 #include "sim/paper/figures/loop_scores.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Which figures there are, and that they do not depend on how they are run.
+// Names of the figures; results do not depend on how they are run.
 #include "sim/paper/reproduce.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The baseline against a second implementation, hand arithmetic and what the paper's equations promise.
+// The baseline against a second implementation, hand arithmetic and invariants of the paper's equations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,7 +93,7 @@ PlantState settled(const PlantModel& model, const PlantInputs& inputs) {
   return state;
 }
 
-TEST(Equilibrium, FiftyGramsAtThreeKilovoltsRestWhereHandArithmeticPutsThem) {
+TEST(Equilibrium, FiftyGramsAtThreeKilovoltsRestAsByHandArithmetic) {
   // u_o = 0.8 x 3000 V = 2400 V; P = 3.4 x 8.8541878128e-12 x 2400^2 / (2 x 1e-8) = 8669.94 Pa.
   // F = (0.080 + 0.030) 9.81 = 1.0791 N; S = 1.0791 / (0.060 x 8669.94) = 2.07440 mm.
   // sqrt(S^2 + pi 1.9e-7 / 0.060) = sqrt(4.30314e-6 + 9.94838e-6) = 3.77512 mm; H = 0.636620 x 1.70072
@@ -151,7 +151,7 @@ TEST(Pressure, QuadruplesWithTwiceTheVoltageAndIgnoresItsSign) {
   EXPECT_NEAR(pressure(b, 2400.0), 8669.94, 0.1);
 }
 
-TEST(Spring, OnlyPushesSoAPlateThrownUpFallsFreely) {
+TEST(Spring, NeverPullsSoAPlateAboveItFallsFreely) {
   PlantModel model = tight(0.050);
   model.baseline.c_s = 0.0;
   PlantState state = at_rest(model);

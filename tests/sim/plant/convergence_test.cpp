@@ -1,4 +1,4 @@
-// Halving the integrator's step must not move the needle by a micrometre.
+// Halving the integrator's step must not change a reading by a micrometre.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,21 +8,10 @@
 namespace biopsy::sim {
 namespace {
 
-std::vector<double> run(PlantModel model, double internal_step) {
-  model.internal_step = internal_step;
-  std::vector<double> x;
-  PlantState state = at_rest(model);
-  for (int k = 0; k < 20000; ++k) {
-    state = step(model, state, {.voltage = ramps_and_flips(k)}, Seconds(1e-3));
-    x.push_back(state.motion.x);
-  }
-  return x;
-}
-
-void expect_converged(const PlantModel& model, const std::string& name) {
-  const auto coarse = run(model, model.internal_step), fine = run(model, model.internal_step / 2);
-  double worst = 0.0;
-  for (std::size_t k = 0; k < coarse.size(); ++k) worst = std::max(worst, std::abs(coarse[k] - fine[k]));
+void expect_converged(PlantModel model, const std::string& name) {
+  const std::vector<double> coarse = ramped_readings(model, 20000);
+  model.internal_step /= 2;
+  const double worst = largest_difference(coarse, ramped_readings(model, 20000));
   EXPECT_LT(worst, 1e-6) << name;
   testing::Test::RecordProperty("worst_nm_" + name, static_cast<int>(worst * 1e9));
 }
@@ -49,6 +38,14 @@ TEST(Convergence, HalvingTheStepWithCoulombFrictionMovesNoSampleByAMicrometre) {
     model.effects.coulomb_friction = CoulombFriction{friction};
     expect_converged(model, "coulomb_" + std::to_string(static_cast<int>(friction * 1e3)) + "_mN");
   }
+}
+
+TEST(Convergence, HalvingTheStepWithAnyEffectMovesNoSampleByAMicrometre) {
+  for (const PlantModel& plain : {PlantModel{}, bare_mass(0.6, 140.0)})
+    for_each_typical_effect([&]<class Effect>(const Effect& effect) {
+      const std::string drive = plain.baseline.drive == Drive::Stack ? "stack_" : "force_";
+      expect_converged(with_effect(plain, effect), drive + std::string(Effect::info.name));
+    });
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct DatasetFolder : testing::Test {
     return fmt::format("{}:{}", (folder.path() / "a.csv").string(), line);
   }
   void expect_refused(const std::string& csv, const std::string& place, const std::string& reason) {
-    expect_says(refusal([&] { read(csv); }), place, reason);
+    expect_refusal(refusal([&] { read(csv); }), place, reason);
   }
 };
 
@@ -61,7 +61,7 @@ TEST_F(DatasetFolder, CommentsBlankLinesSpacesCrLfAndAnyOrderOfColumnsAreFine) {
   EXPECT_DOUBLE_EQ(run.displacement[1], 0.6e-3);
 }
 
-TEST_F(DatasetFolder, AColumnThatIsNotAskedForIsLeftAlone) {
+TEST_F(DatasetFolder, AdditionalColumnsAreIgnored) {
   EXPECT_EQ(
       read("time_s,voltage_V,displacement_mm,temperature_degC\n0,0,0,21\n0.001,0,0,21\n").runs[0].time.size(),
       2U);
@@ -70,8 +70,8 @@ TEST_F(DatasetFolder, AColumnThatIsNotAskedForIsLeftAlone) {
 TEST_F(DatasetFolder, ForceDrivenRunsHaveAForceColumnInstead) {
   const std::string csv = "time_s,force_N,displacement_mm\n0,0.5,0\n0.001,0.6,0.1\n";
   EXPECT_EQ(read(csv, Drive::Force).runs[0].input, (std::vector<double>{0.5, 0.6}));
-  expect_says(refusal([&] { read(csv, Drive::Stack); }), csv_at(1), "column `voltage_V` is missing");
-  expect_says(refusal([&] { read(kCsv, Drive::Force); }), csv_at(1), "column `force_N` is missing");
+  expect_refusal(refusal([&] { read(csv, Drive::Stack); }), csv_at(1), "column `voltage_V` is missing");
+  expect_refusal(refusal([&] { read(kCsv, Drive::Force); }), csv_at(1), "column `force_N` is missing");
 }
 
 TEST_F(DatasetFolder, EveryRateFromTwentyHertzToAHundredKilohertzIsTaken) {
@@ -131,7 +131,7 @@ TEST_F(DatasetFolder, RefusesCellsThatAreNoNumbers) {
   expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,nan,0\n", csv_at(3), "column `voltage_V`");
 }
 
-TEST_F(DatasetFolder, RefusesNumbersNoSensorGives) {
+TEST_F(DatasetFolder, RefusesValuesBeyondAnySensor) {
   expect_refused("time_s,voltage_V,displacement_mm\n0,0,0\n0.001,30000,0\n", csv_at(3), "`voltage_V`");
 }
 
@@ -155,10 +155,10 @@ TEST_F(DatasetFolder, RefusesFilesThatAreNotThereOrNotInTheFolder) {
     return "[[run]]\nname = \"a\"\nfile = '" + file + "'\n";
   };
   const std::string toml = (folder.path() / "dataset.toml").string();
-  expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }),
+  expect_refusal(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }),
               (folder.path() / "b.csv").string(), "cannot be opened");
   for (const std::string escape : {"../a.csv", "/etc/passwd", "sub/../a.csv", "./a.csv", ""})
-    expect_says(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1",
+    expect_refusal(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1",
                 "data set's folder");
   for (const std::string folder_name : {"..", "."})
     EXPECT_NE(refusal([&] { read(kCsv, Drive::Stack, with_file(folder_name)); }), "accepted") << folder_name;
@@ -166,19 +166,19 @@ TEST_F(DatasetFolder, RefusesFilesThatAreNotThereOrNotInTheFolder) {
 
 TEST_F(DatasetFolder, RefusesADescriptionThatLacksSomething) {
   const std::string toml = (folder.path() / "dataset.toml").string();
-  const auto said = [&](const std::string& text) { return refusal([&] { read(kCsv, Drive::Stack, text); }); };
-  expect_says(said("title = \"t\"\n"), toml, "no [[run]]");
-  expect_says(said("[[run]]\nfile = \"a.csv\"\n"), toml + ":1", "`name` is missing");
-  expect_says(said("[[run]]\nname = \"a\"\n"), toml + ":1", "`file` is missing");
-  expect_says(said("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = -5\n"), toml + ":4", "`weight_g`");
-  expect_says(said("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = nan\n"), toml + ":4", "`weight_g`");
-  expect_says(said("sensor_noise_mm = -1\n"), toml + ":1", "`sensor_noise_mm`");
-  expect_says(said("run = 3\n"), toml + ":1", "`run` is not a list of tables");
-  expect_says(said("[[run]\n"), toml + ":1", "");
+  const auto text_of = [&](const std::string& text) { return refusal([&] { read(kCsv, Drive::Stack, text); }); };
+  expect_refusal(text_of("title = \"t\"\n"), toml, "no [[run]]");
+  expect_refusal(text_of("[[run]]\nfile = \"a.csv\"\n"), toml + ":1", "`name` is missing");
+  expect_refusal(text_of("[[run]]\nname = \"a\"\n"), toml + ":1", "`file` is missing");
+  expect_refusal(text_of("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = -5\n"), toml + ":4", "`weight_g`");
+  expect_refusal(text_of("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = nan\n"), toml + ":4", "`weight_g`");
+  expect_refusal(text_of("sensor_noise_mm = -1\n"), toml + ":1", "`sensor_noise_mm`");
+  expect_refusal(text_of("run = 3\n"), toml + ":1", "`run` is not a list of tables");
+  expect_refusal(text_of("[[run]\n"), toml + ":1", "");
 }
 
 TEST_F(DatasetFolder, RefusesAWeightInAnotherUnit) {
-  expect_says(refusal([&] {
+  expect_refusal(refusal([&] {
                 read(kCsv, Drive::Stack, "[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_kg = 0.05\n");
               }),
               (folder.path() / "dataset.toml").string() + ":4", "`weight_kg`");
@@ -186,7 +186,7 @@ TEST_F(DatasetFolder, RefusesAWeightInAnotherUnit) {
 
 TEST(Dataset, FolderWithoutADescriptionIsRefused) {
   const ScratchFolder folder;
-  expect_says(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),
+  expect_refusal(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),
               "no dataset.toml");
 }
 

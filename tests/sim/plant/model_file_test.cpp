@@ -97,7 +97,7 @@ struct Refused {
 class ModelFileRefuses : public testing::TestWithParam<Refused> {};
 
 TEST_P(ModelFileRefuses, NamingFileLineAndReason) {
-  expect_says(refusal([] { parse_model(GetParam().text, "m.toml"); }), GetParam().place, GetParam().reason);
+  expect_refusal(refusal([] { parse_model(GetParam().text, "m.toml"); }), GetParam().place, GetParam().reason);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -155,23 +155,23 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& given) { return given.param.name; });
 
 TEST(ModelFile, ThatIsNotThereIsRefusedByItsName) {
-  expect_says(refusal([] { read_model("/nowhere/model.toml"); }),
+  expect_refusal(refusal([] { read_model("/nowhere/model.toml"); }),
               "/nowhere/model.toml: ", "cannot be opened");
   const ScratchFolder folder;
-  expect_says(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be opened");
+  expect_refusal(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be opened");
 }
 
 TEST(TissueFile, RefusesWhatItCannotUse) {
   const ScratchFolder folder;
   folder.write("none.toml", "[tissue.muscle]\n");
-  expect_says(refusal([&] { read_tissues(folder.path() / "none.toml"); }),
+  expect_refusal(refusal([&] { read_tissues(folder.path() / "none.toml"); }),
               (folder.path() / "none.toml:1").string(), "is missing");
   std::ifstream in(models_folder() / "tissues.toml");
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const auto unknown = text.find("[tissue.unknown]");
   ASSERT_NE(unknown, std::string::npos);
   folder.write("known.toml", text.substr(0, unknown));
-  expect_says(refusal([&] { read_tissues(folder.path() / "known.toml"); }),
+  expect_refusal(refusal([&] { read_tissues(folder.path() / "known.toml"); }),
               (folder.path() / "known.toml").string(), "[tissue.unknown]");
 }
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "sim/effects/effect_labels.hpp"
 #include "sim/plant/baseline_entries.hpp"
-#include "sim/plant/effect_labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sim/effects/staged_model.hpp"
 #include "tests/sim/plant/refusal.hpp"
@@ -190,30 +190,30 @@ TEST(ModelText, AChangeLeavesTheSourcesOfEverythingElse) {
 
 TEST(ModelText, RefusesAModelThatCouldNotBeReadBack) {
   PlantModel model;
-  const auto said = [&](const ModelNotes& notes = {}) { return refusal([&] { model_toml(model, notes); }); };
+  const auto refused = [&](const ModelNotes& notes = {}) { return refusal([&] { model_toml(model, notes); }); };
   model.baseline.k = -3.0;
-  expect_says(said(), "the model to be written", "`k` = -3 is outside");
+  expect_refusal(refused(), "the model to be written", "`k` = -3 is outside");
   model.baseline.k = std::nan("");
-  expect_says(said(), "the model to be written", "`k` is not a finite number");
+  expect_refusal(refused(), "the model to be written", "`k` is not a finite number");
   model = {};
   model.effects.sensor_noise.emplace().std = 1.0;  // m
-  expect_says(said(), "the model to be written", "`std_mm` = 1000 is outside");
+  expect_refusal(refused(), "the model to be written", "`std_mm` = 1000 is outside");
   model = {};
   ModelNotes notes;
   notes.values["kk"] = {0.1, ""};
-  expect_says(said(notes), "the model to be written", "`kk`");
+  expect_refusal(refused(notes), "the model to be written", "`kk`");
   notes.values = {{"coulomb_friction.force_N", {0.1, ""}}};  // absent
-  expect_says(said(notes), "the model to be written", "coulomb_friction.force_N");
+  expect_refusal(refused(notes), "the model to be written", "coulomb_friction.force_N");
   notes.values = {{"k", {-0.1, ""}}};
-  expect_says(said(notes), "the model to be written", "`std`");
+  expect_refusal(refused(notes), "the model to be written", "`std`");
 }
 
 TEST(ModelFile, RefusesAnUnknownNameBesideAValue) {
-  expect_says(refusal([] { parse_model("[baseline]\n\nk = { value = 140, sdt = 3 }\n", "m.toml"); }),
+  expect_refusal(refusal([] { parse_model("[baseline]\n\nk = { value = 140, sdt = 3 }\n", "m.toml"); }),
               "m.toml:3: ", "unknown name `sdt`");
-  expect_says(refusal([] { parse_model("[baseline]\nk = { value = 140, std = -3 }\n", "m.toml"); }),
+  expect_refusal(refusal([] { parse_model("[baseline]\nk = { value = 140, std = -3 }\n", "m.toml"); }),
               "m.toml:2: ", "`std` = -3 is outside");
-  expect_says(refusal([] { parse_model("[baseline]\nk = { value = 140, source = 3 }\n", "m.toml"); }),
+  expect_refusal(refusal([] { parse_model("[baseline]\nk = { value = 140, source = 3 }\n", "m.toml"); }),
               "m.toml:2: ", "`source` is not a text");
 }
 

@@ -1,4 +1,4 @@
-// What a reader says when it refuses.
+// Text of a refusal.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,10 +20,10 @@ std::string refusal(Read&& read) {
   return "accepted";
 }
 
-inline void expect_says(const std::string& said, const std::string& place, const std::string& reason) {
-  EXPECT_EQ(said.rfind(place, 0), 0U) << said << "\n  should begin with " << place;
-  EXPECT_NE(said.find(reason), std::string::npos) << said << "\n  should say " << reason;
-  EXPECT_EQ(said.find("[]"), std::string::npos) << said << "\n  should say what to do";
+inline void expect_refusal(const std::string& text, const std::string& place, const std::string& reason) {
+  EXPECT_EQ(text.rfind(place, 0), 0U) << text << "\n  should begin with " << place;
+  EXPECT_NE(text.find(reason), std::string::npos) << text << "\n  should contain " << reason;
+  EXPECT_EQ(text.find("[]"), std::string::npos) << text << "\n  should contain a remedy";
 }
 
 }  // namespace biopsy::sim

@@ -9,7 +9,7 @@
 namespace biopsy::sim {
 namespace {
 
-// A gate that lets anything pass: only a gate can make a voltage.
+// A gate with a permit for any voltage: only a gate can make a voltage.
 struct OpenGate {
   safety::GateState state;
   Permit permit;
@@ -17,7 +17,7 @@ struct OpenGate {
   std::int64_t now_us = 0;
 
   safety::GatedVoltage operator()(std::int32_t mV) {
-    if (permit.seq == 0) pass(0, false);  // the first permit of a session says off
+    if (permit.seq == 0) pass(0, false);  // the first permit of a session is off
     return pass(mV, true);
   }
 
@@ -91,7 +91,7 @@ TEST(SimulatedStage, DepthIsTheLasersCodeTimesItsStep) {
   EXPECT_EQ(reading.depth_um, 1235);
 }
 
-TEST(SimulatedStage, MonitorsCarryTheirOwnNoiseAndNoneWhereItIsZero) {
+TEST(SimulatedStage, MonitorsHaveTheirOwnNoise) {
   SimulatedStage clean(PlantModel{}, 1, {.monitor_noise = 0.0, .current_noise_A = 0.0});
   SimulatedStage noisy(PlantModel{}, 1);
   OpenGate gate;
@@ -111,7 +111,7 @@ TEST(SimulatedStage, MonitorsCarryTheirOwnNoiseAndNoneWhereItIsZero) {
   EXPECT_NEAR(std::sqrt(squares), 0.001, 0.05 * 0.001);
 }
 
-TEST(SimulatedStage, SameSeedSameReadingsAnotherSeedOthers) {
+TEST(SimulatedStage, IsDeterministicForASeed) {
   const auto readings = [](std::uint64_t seed) {
     SimulatedStage stage(rehearsal_with_tissue(), seed);
     std::vector<std::int32_t> out;

@@ -1,4 +1,4 @@
-// Recorded inputs through the plant, and the way to a data set and back.
+// Recorded inputs through the plant, and data sets written and read.
 #include "sim/plant/simulate.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(Simulate, MeasuresARowBeforeItsVoltageIsApplied) {
   EXPECT_GT(run.current[4], 0.0);
 }
 
-TEST(Simulate, IsThePlantSteppedByHand) {
+TEST(Simulate, IsThePlantStepByStep) {
   const RecordedRun given = steps(500, 1e-3), run = simulate(PlantModel{}, given);
   PlantModel model;
   model.weight = 0.070;  // the run's, not the model's
@@ -50,7 +50,7 @@ TEST(Simulate, IsThePlantSteppedByHand) {
 }
 
 // Where the voltage jumps from 0 to U the charge is C1 (1 - K) U, plus what leaks within the row.
-TEST(Simulate, CurrentHoldsTheChargeOfAJumpAtAnyRate) {
+TEST(Simulate, CurrentIncludesTheChargeOfAJumpAtAnyRate) {
   for (const double period : {1e-4, 1e-3, 0.05}) {
     const RecordedRun run = simulate(PlantModel{}, steps(20, period));
     const Baseline b;
@@ -59,7 +59,7 @@ TEST(Simulate, CurrentHoldsTheChargeOfAJumpAtAnyRate) {
   }
 }
 
-TEST(Simulate, ACoarselySampledRunIsTheSameMotionSeenLessOften) {
+TEST(Simulate, ACoarselySampledRunIsTheSameMotion) {
   RecordedRun coarse = steps(100, 0.05), fine = steps(5000, 1e-3);
   for (std::size_t k = 0; k < 5000; ++k) {
     fine.input[k] = coarse.input[k / 50];

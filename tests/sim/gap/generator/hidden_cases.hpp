@@ -1,4 +1,4 @@
-// The cases of the honest test: what is hidden, what the workflow should answer, and how the data were taken.
+// Hidden cases: what is hidden, the expected result, and how the data were taken.
 #pragma once
 
 #include <cstdint>

@@ -59,7 +59,7 @@ constexpr CatalogueEntry kLibrary[] = {
 constexpr CatalogueEntry kOutside[] = {
     // pressure falls with the heat of switching; creep only adds, and does not feel the frequency
     {"heated_permittivity", 0.06, 0.12, [](P& p, double s) { p.heating = s; }},
-    // viscous at one place only: shaft friction grows on, quadratic damping knows no place
+    // viscous at one place only: unlike shaft friction and quadratic damping
     {"slider_bump", 6.0, 20.0, [](P& p, double s) { p.bump_damping = s; }},
     // two time constants: one tau_h misses either direction; statics untouched, so no hysteresis
     {"asymmetric_oil_flow", 0.8, 2.0, [](P& p, double s) { p.slow_fall = s; }},

@@ -26,7 +26,7 @@ double parameter_rms(const HiddenCase& hidden);
 // The model the workflow starts from: the nominal baseline, nothing else. TOML.
 std::string baseline_model(const HiddenCase& hidden);
 
-// dataset.toml, the runs and model.toml; nothing that tells the answer. Creates the folder.
+// dataset.toml, the runs and model.toml; without the answer. Creates the folder.
 void write_hidden(const HiddenCase& hidden, const std::filesystem::path& folder);
 
 }  // namespace biopsy::hidden

@@ -39,7 +39,7 @@ struct HiddenPhysics {
   double stop_at = 0, stop_stiffness = 2e6;              // m, N/m^1.5 (Hertz)
   double extra_mass = 0, push = 0;                       // kg, N (down)
   double wave_force = 0, wave_hz = 0.3, wave_phase = 1;  // N, Hz, rad
-  bool wave_phase_by_run = false;                        // nobody starts a run with a breath
+  bool wave_phase_by_run = false;                        // random phase for each run
   // tissue
   double puncture_force = 0, puncture_at = 1e-3, puncture_bulge = 0.5e-3;  // N, m, m
   double shaft_friction = 0, shaft_viscous = 0;                            // N/m, N s/m2

@@ -26,7 +26,7 @@ class HiddenSupply {
   double wanted_ = 0.0, applied_ = 0.0, output_ = 0.0, trapped_ = 0.0, heat_ = 0.0, next_breakdown_ = 0.0;
 };
 
-// Memory of the films. aim() only asks; remember() advances.
+// State of the films. aim() does not change it; remember() does.
 class HiddenFilms {
  public:
   HiddenFilms(const StageNumbers& numbers, const HiddenPhysics& physics);

@@ -1,4 +1,4 @@
-// Calibration on a question whose answer is known: rows made by a model with other numbers.
+// Calibration with a known result: rows made by a model with other parameters.
 #include "sim/paper/calibration/calibrate.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace biopsy::sim::calibration {
 namespace {
 
-std::vector<Parameter> two_knobs() {
+std::vector<Parameter> two_parameters() {
   return {{"tau", 1.0, 40.0, 6.9, 6.9, 0.7, false, ""}, {"V0", 4e-8, 4e-7, 1.9e-7, 1.9e-7, 0.5, false, ""}};
 }
 
@@ -47,7 +47,7 @@ PaperFigure made_up_figure(const paper::PaperModel& model) {
 }
 
 Question made_up_question() {
-  return {start_model(), two_knobs(), {{"x", made_up_figure}}, {}};
+  return {start_model(), two_parameters(), {{"x", made_up_figure}}, {}};
 }
 
 const Calibration& answer() {
@@ -55,7 +55,7 @@ const Calibration& answer() {
   return kAnswer;
 }
 
-TEST(Calibrate, RecoversTheNumbersBehindTheRows) {
+TEST(Calibrate, RecoversTheTrueParameters) {
   EXPECT_NEAR(answer().parameters[0].value, kTrueTau, 0.05 * kTrueTau);
   EXPECT_NEAR(answer().parameters[1].value, kTrueV0, 0.05 * kTrueV0);
   EXPECT_LT(answer().after, 0.05 * answer().before);
@@ -64,7 +64,7 @@ TEST(Calibrate, RecoversTheNumbersBehindTheRows) {
 }
 
 // 2 % of the rows, by the rows' sensitivity: some per cent of the numbers, and no more than what was known.
-TEST(Calibrate, SaysHowWellANumberIsKnown) {
+TEST(Calibrate, EstimatesStandardDeviations) {
   for (const CalibratedParameter& found : answer().parameters) {
     EXPECT_GT(found.std, 1e-3 * found.value) << found.parameter.name;
     EXPECT_LT(found.std, 0.2 * found.value) << found.parameter.name;
@@ -74,13 +74,13 @@ TEST(Calibrate, SaysHowWellANumberIsKnown) {
   EXPECT_LE(std::abs(answer().correlations(0, 1)), 1.0);
 }
 
-TEST(Calibrate, GivesTheSameAnswerEveryTime) {
+TEST(Calibrate, IsDeterministic) {
   const Calibration again = calibrate(made_up_question(), {.evaluations = 200});
   for (std::size_t i = 0; i < again.parameters.size(); ++i)
     EXPECT_EQ(again.parameters[i].value, answer().parameters[i].value);
 }
 
-TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
+TEST(Calibrate, UsesMeasuredRuns) {
   Question question = made_up_question();
   question.figures.clear();
   PlantModel truth = question.start.stage;
@@ -102,7 +102,7 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
   EXPECT_NEAR(found.parameters[1].value, kTrueV0, 0.1 * kTrueV0);
   for (const CalibratedParameter& parameter : found.parameters)
     EXPECT_LT(parameter.std, 0.5 * parameter.parameter.doubt * parameter.value)
-        << parameter.parameter.name << ": the run says more";
+        << parameter.parameter.name << ": the run adds information";
   ASSERT_EQ(found.runs.size(), 1U);
   EXPECT_TRUE(found.runs[0].followed);
   EXPECT_FALSE(found.kept_start);
@@ -115,7 +115,7 @@ TEST(Calibrate, LearnsFromMeasuredRunsWhatTheRowsDoNotSay) {
 }
 
 // A number at the edge of its range is turned to one side only; it is known as well as one that is not.
-TEST(Calibrate, KnowsANumberAtTheEdgeOfItsRangeAsWellAsOneWithin) {
+TEST(Calibrate, DeviationAtTheEdgeOfARangeIsThatWithin) {
   const auto std_of_tau = [](double low) {
     Question question = made_up_question();
     question.parameters[0].low = low;
@@ -126,8 +126,7 @@ TEST(Calibrate, KnowsANumberAtTheEdgeOfItsRangeAsWellAsOneWithin) {
   EXPECT_NEAR(std_of_tau(kTrueTau), std_of_tau(1.0), 0.1 * std_of_tau(1.0));
 }
 
-// From far away, rows that all pull alike first.
-TEST(Calibrate, ComesFromFarToTheNumbersBehindTheRows) {
+TEST(Calibrate, ConvergesFromFarAway) {
   Question question = made_up_question();
   question.parameters[0].start = 30.0;
   question.parameters[1].start = 3.5e-7;
@@ -138,7 +137,7 @@ TEST(Calibrate, ComesFromFarToTheNumbersBehindTheRows) {
 }
 
 // A stage that 8 kV do not lift far enough is no answer, whatever rows it reaches.
-TEST(Calibrate, WhatAStageMustReachNeverLevelsOff) {
+TEST(Calibrate, RequiredReachDoesNotSaturate) {
   Question question = made_up_question();
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
   const double without = residuals(question, none, false).squaredNorm();
@@ -148,7 +147,7 @@ TEST(Calibrate, WhatAStageMustReachNeverLevelsOff) {
   EXPECT_GT(residuals(question, none, false).squaredNorm(), without + 20.0) << "ten centimetres";
 }
 
-TEST(Calibrate, StaysWithWhatWasKnownWhereNothingSpeaks) {
+TEST(Calibrate, ReturnsThePriorWithoutData) {
   Question question = made_up_question();
   question.figures.clear();
   const Calibration found = calibrate(question, {.evaluations = 50});

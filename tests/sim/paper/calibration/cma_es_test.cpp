@@ -1,4 +1,4 @@
-// The global search: finds known minima, and the same one whenever it is asked.
+// The global search finds known minima, deterministically.
 #include "sim/paper/calibration/cma_es.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(CmaEs, FindsTheMinimumOfARotatedEllipsoid) {
   EXPECT_DOUBLE_EQ(found.value, cost(found.best));
 }
 
-TEST(CmaEs, FollowsTheBentValleyOfRosenbrock) {
+TEST(CmaEs, MinimisesRosenbrock) {
   constexpr int n = 5;
   const auto cost = [](const Vector& x) {
     double sum = 0.0;
@@ -47,7 +47,7 @@ TEST(CmaEs, FollowsTheBentValleyOfRosenbrock) {
   EXPECT_LT((found.best - Vector::Ones(n)).norm(), 1e-3);
 }
 
-TEST(CmaEs, LeavesLocalValleysWhereTheyLeadDownTogether) {
+TEST(CmaEs, LeavesLocalMinimaOfAFunnel) {
   const auto rastrigin = [](const Vector& x) {
     double sum = 0.0;
     for (const double xi : x) sum += xi * xi - 3.0 * std::cos(6.0 * xi) + 3.0;
@@ -58,7 +58,7 @@ TEST(CmaEs, LeavesLocalValleysWhereTheyLeadDownTogether) {
   EXPECT_LT(found.best.norm(), 1e-3);
 }
 
-TEST(CmaEs, GivesTheSameAnswerEveryTimeAndAnotherWithAnotherSeed) {
+TEST(CmaEs, IsDeterministicForASeed) {
   const auto cost = [](const Vector& x) { return x.squaredNorm() + std::sin(9.0 * x.sum()); };
   const CmaSettings settings{.spread = 0.5, .evaluations = 300, .seed = 5};
   CmaSettings other = settings;
@@ -70,7 +70,7 @@ TEST(CmaEs, GivesTheSameAnswerEveryTimeAndAnotherWithAnotherSeed) {
   EXPECT_NE(first.best, minimise(cost, start, other).best);
 }
 
-TEST(CmaEs, TakesWhatIsNotANumberForTheWorst) {
+TEST(CmaEs, TreatsNaNAsTheWorst) {
   const auto cost = [](const Vector& x) {
     return x[0] < 0.0 ? std::nan("") : (x - Vector::Ones(2)).squaredNorm();
   };

@@ -1,4 +1,4 @@
-// The model that lies in the tree: plausible, and nearer to the paper than what it was made from.
+// The committed model: plausible, and closer to the paper than its starting point.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,11 +18,11 @@ double share_reached(const char* model) {
   const std::vector<PaperRow> rows = rows_at(question, Eigen::VectorXd(), true);
   const auto reached = std::count_if(rows.begin(), rows.end(), [](const PaperRow& row) { return row.ok; });
   for (const PaperRow& row : rows)
-    EXPECT_TRUE(row.ok || !row.note.empty()) << row.quantity << " says no reason";
+    EXPECT_TRUE(row.ok || !row.note.empty()) << row.quantity << " gives no reason";
   return static_cast<double>(reached) / static_cast<double>(rows.size());
 }
 
-TEST(CalibratedModel, EveryNumberIsWithinWhatIsPlausible) {
+TEST(CalibratedModel, ParametersAreWithinTheirRanges) {
   const paper::PaperModel model =
       paper::read_paper_model(kModels / "calibrated.toml", kModels / "paper.toml");
   for (const Parameter& parameter : standard_parameters()) {
@@ -43,7 +43,7 @@ TEST(CalibratedModel, ReachesNineOfTenNumbersAndNineOfTenStatementsAndExplainsTh
       const bool trend = row.kind == RowKind::Trend;
       ++(trend ? trends : numbers);
       if (row.ok) ++(trend ? trends_ok : numbers_ok);
-      EXPECT_TRUE(row.ok || row.note.size() > 40) << row.figure << " " << row.quantity << " says no reason";
+      EXPECT_TRUE(row.ok || row.note.size() > 40) << row.figure << " " << row.quantity << " gives no reason";
     }
   EXPECT_GE(numbers, 20U);
   EXPECT_GE(trends, 40U);
@@ -51,13 +51,13 @@ TEST(CalibratedModel, ReachesNineOfTenNumbersAndNineOfTenStatementsAndExplainsTh
   EXPECT_GE(10 * trends_ok, 9 * trends) << trends_ok << " of " << trends;
 }
 
-TEST(CalibratedModel, SaysHowItsNumbersGoTogether) {
+TEST(CalibratedModel, HasCorrelations) {
   const NotedModel model = read_noted_model(kModels / "calibrated.toml");
   ASSERT_TRUE(model.notes.correlations.has_value());
   EXPECT_GE(model.notes.correlations->values.size(), 15U);
 }
 
-TEST(CalibratedModel, ReachesFarMoreOfThePaperThanTheOneItWasMadeFrom) {
+TEST(CalibratedModel, MeetsMoreRowsThanItsStartingPoint) {
   EXPECT_GT(share_reached("calibrated.toml"), share_reached("rehearsal.toml") + 0.2);
 }
 

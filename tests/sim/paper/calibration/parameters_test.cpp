@@ -1,4 +1,4 @@
-// What calibration may turn.
+// Parameters of calibration.
 #include "sim/paper/calibration/parameters.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace biopsy::sim::calibration {
 namespace {
 
-TEST(Knobs, EveryOneTurnsWhatItsNameSays) {
+TEST(CalibrationParameters, SetTheValueOfTheirName) {
   for (const Parameter& parameter : standard_parameters()) {
     paper::PaperModel model = start_model();
     const double value = from_search(parameter, 0.1);
@@ -26,7 +26,7 @@ TEST(Knobs, EveryOneTurnsWhatItsNameSays) {
   }
 }
 
-TEST(Knobs, StayWithinWhatIsPlausible) {
+TEST(CalibrationParameters, StayWithinWhatIsPlausible) {
   for (const Parameter& parameter : standard_parameters()) {
     EXPECT_EQ(from_search(parameter, 100.0), parameter.high) << parameter.name;
     EXPECT_EQ(from_search(parameter, -100.0), parameter.low) << parameter.name;
@@ -35,7 +35,7 @@ TEST(Knobs, StayWithinWhatIsPlausible) {
   }
 }
 
-TEST(Knobs, OtherFilmsDifferOnlyInTheirOwnBlock) {
+TEST(CalibrationParameters, OtherFilmsDifferOnlyInTheirOwnBlock) {
   const Question question{start_model(), standard_parameters(), {}, {}};
   Eigen::VectorXd z = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(question.parameters.size()), -0.4);
   const paper::PaperModel model = turned(question.start, question.parameters, z);
@@ -47,7 +47,7 @@ TEST(Knobs, OtherFilmsDifferOnlyInTheirOwnBlock) {
   EXPECT_NEAR(1.0 / model.pi25.K - 1.0, 2.0 * (1.0 / model.stage.baseline.K - 1.0), 1e-12);
 }
 
-TEST(Knobs, BreakawayIsNeverBelowSliding) {
+TEST(CalibrationParameters, BreakawayIsNeverBelowSliding) {
   const std::vector<Parameter> parameters{
       {"stribeck_friction.sliding_N", 0.01, 0.2, 0.10, 0.10, 0.5, false, ""},
       {"stribeck_friction.breakaway_N", 0.01, 0.2, 0.02, 0.02, 0.5, false, ""}};
@@ -56,7 +56,7 @@ TEST(Knobs, BreakawayIsNeverBelowSliding) {
   EXPECT_EQ(friction->breakaway, friction->sliding);
 }
 
-TEST(Knobs, AnEffectThatTheStageLacksComesAbsentAndWithItsTypicalShape) {
+TEST(CalibrationParameters, AnEffectThatTheStageLacksComesAbsentAndWithItsTypicalShape) {
   paper::PaperModel model = start_model();
   model.stage.effects.hysteretic_spring.reset();
   set_value(model, "hysteretic_spring.yield_mm", 0.03);
@@ -67,7 +67,7 @@ TEST(Knobs, AnEffectThatTheStageLacksComesAbsentAndWithItsTypicalShape) {
   EXPECT_EQ(spring.beta, 0.5);
 }
 
-TEST(Knobs, RefuseANameThatNothingHas) {
+TEST(CalibrationParameters, RefuseAnUnknownName) {
   paper::PaperModel model = start_model();
   EXPECT_THROW(set_value(model, "stiction", 1.0), ConfigError);
   EXPECT_THROW(set_value(model, "film.pi25.colour", 1.0), ConfigError);

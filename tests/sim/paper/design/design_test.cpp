@@ -10,7 +10,7 @@
 namespace biopsy::sim::design {
 namespace {
 
-bool says(const DesignedStack& stack, const std::string& words) {
+bool violates(const DesignedStack& stack, const std::string& words) {
   for (const std::string& broken : stack.broken)
     if (broken.find(words) != std::string::npos) return true;
   return false;
@@ -129,7 +129,7 @@ TEST(Design, HeightIsThatOfSixteenAndAHalfMillimetresForElevenOfThePapersPouches
   EXPECT_NEAR(stack_height_mm(design_of(PlantModel{})), 11.0 * (1.5 * 3200.0 / (57.0 * 60.0) + 0.1), 1e-9);
 }
 
-TEST(Design, EveryDemandThatIsNotMetIsNamed) {
+TEST(Design, ViolatedRequirementsAreNamed) {
   const PlantModel known;
   const StackDesign paper = design_of(known);
   const auto judged = [&](auto change) {
@@ -141,11 +141,11 @@ TEST(Design, EveryDemandThatIsNotMetIsNamed) {
   const DesignedStack thin =
       judged([](StackDesign& d) { d.film_um = 25.0, d.drive_kV = 8.0, d.side_mm = 40.0; });
   EXPECT_LT(thin.figures.breakdown_margin, 2.0);
-  EXPECT_TRUE(says(thin, "field"));
-  EXPECT_TRUE(says(judged([](StackDesign& d) { d.pouches = 22; }), "mm high"));
-  EXPECT_TRUE(says(judged([](StackDesign& d) { d.drive_kV = 2.0; }), "stroke"));
-  EXPECT_TRUE(says(judged([](StackDesign& d) { d.oil_mL = 14.0; }), "lie flat"));
-  EXPECT_TRUE(says(judged([](StackDesign& d) { d = {1.8, 70.0, 25.0, 6.0, 0.44, 7.0}; }), "strain"));
+  EXPECT_TRUE(violates(thin, "field"));
+  EXPECT_TRUE(violates(judged([](StackDesign& d) { d.pouches = 22; }), "mm high"));
+  EXPECT_TRUE(violates(judged([](StackDesign& d) { d.drive_kV = 2.0; }), "stroke"));
+  EXPECT_TRUE(violates(judged([](StackDesign& d) { d.oil_mL = 14.0; }), "lie flat"));
+  EXPECT_TRUE(violates(judged([](StackDesign& d) { d = {1.8, 70.0, 25.0, 6.0, 0.44, 7.0}; }), "strain"));
   EXPECT_GT(thin.shortfall, 0.0);
 }
 
@@ -156,7 +156,7 @@ DesignedStack with(double stroke, double ripple, double height, double shortfall
   return stack;
 }
 
-TEST(Pareto, KeepsWhatNoneBeatsAndEachOnce) {
+TEST(Pareto, FrontHasNoDominatedAndNoRepeatedDesigns) {
   const std::vector<DesignedStack> best =
       unbeaten({with(5, 0.1, 10), with(6, 0.1, 10), with(6, 0.2, 8), with(6, 0.1, 10), with(9, 0.0, 5, 0.1)});
   ASSERT_EQ(best.size(), 2U);
@@ -164,20 +164,20 @@ TEST(Pareto, KeepsWhatNoneBeatsAndEachOnce) {
   EXPECT_EQ(best[1].figures.height_mm, 8.0);
 }
 
-TEST(Pareto, MeetingTheDemandsBeatsAnythingElse) {
+TEST(Pareto, AFeasibleDesignDominatesAnyInfeasibleOne) {
   EXPECT_TRUE(beats(with(1, 9, 99), with(9, 0, 1, 0.01)));
   EXPECT_TRUE(beats(with(1, 9, 99, 0.1), with(9, 0, 1, 0.2)));
   EXPECT_FALSE(beats(with(5, 0.1, 10), with(5, 0.1, 10)));
 }
 
-class Study : public testing::Test {
+class DesignStudyTest : public testing::Test {
  protected:
   static DesignStudy studied(std::uint64_t seed) {
     return study_designs(PlantModel{}, "baseline", {}, {.population = 32, .generations = 6, .seed = seed});
   }
 };
 
-TEST_F(Study, NoneOfTheBestBeatsAnotherAndAllMeetEveryDemand) {
+TEST_F(DesignStudyTest, BestDesignsAreParetoOptimalAndFeasible) {
   const DesignStudy study = studied(1);
   const Demands demands;
   ASSERT_GE(study.best.size(), 10U);
@@ -198,7 +198,7 @@ TEST_F(Study, NoneOfTheBestBeatsAnotherAndAllMeetEveryDemand) {
   }
 }
 
-TEST_F(Study, TheSameSeedGivesTheSameDesignsAndAnotherOthers) {
+TEST_F(DesignStudyTest, IsDeterministicForASeed) {
   const DesignStudy one = studied(1), same = studied(1), other = studied(2);
   ASSERT_EQ(one.best.size(), same.best.size());
   for (std::size_t i = 0; i < one.best.size(); ++i)
@@ -206,7 +206,7 @@ TEST_F(Study, TheSameSeedGivesTheSameDesignsAndAnotherOthers) {
   EXPECT_NE(one.best.front().figures.stroke_mm, other.best.front().figures.stroke_mm);
 }
 
-TEST_F(Study, ThePapersOwnDesignIsAPointInEveryPanel) {
+TEST_F(DesignStudyTest, ThePapersOwnDesignIsAPointInEveryPanel) {
   const DesignStudy study = studied(1);
   ASSERT_EQ(study.panels.size(), 4U);
   for (const FigurePanel& panel : study.panels) {
@@ -218,7 +218,7 @@ TEST_F(Study, ThePapersOwnDesignIsAPointInEveryPanel) {
   }
 }
 
-TEST_F(Study, SearchingLongerFindsDesignsThatBeatTheFirstOnes) {
+TEST_F(DesignStudyTest, LaterGenerationsDominateTheFirst) {
   const PlantModel known;
   const auto found = [&](std::size_t generations) {
     const Demands demands;

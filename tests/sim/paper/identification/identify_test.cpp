@@ -38,7 +38,7 @@ TEST(Identification, FindsCapacitancesAndLeakageOfThePlantFromOneStep) {
   EXPECT_NEAR(found.decay_charge.value, kC1 * kK, 1e-6 * kC1);
 }
 
-TEST(Identification, AnOffsetOfTheMonitorIsFittedAndNotTakenForLeakage) {
+TEST(Identification, FitsTheMonitorsOffset) {
   std::vector<RecordedRun> runs;
   for (const double offset : {-0.8e-6, 2.5e-6})
     runs.push_back(monitored_run(PlantModel{}, step_at(1.0, 4000.0), 25.0, 2e-3,
@@ -96,7 +96,7 @@ TEST(Identification, StepsUpDownAndAcrossZeroInOneRunAgreeWithOneStep) {
   EXPECT_NEAR(found.R.value, kR, 1e-5 * kR);
 }
 
-TEST(Identification, ASlowAmplifierLosesNoneOfTheInrush) {
+TEST(Identification, ASlowAmplifierChangesNothing) {
   PlantModel slow;
   slow.effects.amplifier_lag = AmplifierLag{1e-3, 0.2e-6};  // 1 ms, and 0.2 ms a kilovolt
   const IdentifiedCircuit found = identified({monitored_run(slow, step_at(1.0, 6000.0), 25.0, 1e-3, {})});
@@ -105,7 +105,7 @@ TEST(Identification, ASlowAmplifierLosesNoneOfTheInrush) {
   EXPECT_NEAR(found.R.value, kR, 3e-3 * kR);
 }
 
-TEST(Identification, AMonitorReadAtInstantsMissesTheInrushAndOnlyTheProductsAreSaid) {
+TEST(Identification, AMonitorReadAtInstantsMissesTheInrush) {
   const RecordedRun run = monitored_run(PlantModel{}, step_at(1.0, 6000.0), 25.0, 1e-3, {.mean = false});
   const IdentifiedCircuit found = identified({run});
   EXPECT_FALSE(found.C1.known || found.C2.known || found.R.known || found.K.known);
@@ -116,7 +116,7 @@ TEST(Identification, AMonitorReadAtInstantsMissesTheInrushAndOnlyTheProductsAreS
   EXPECT_NE(found.warnings.front().find("no inrush"), std::string::npos);
 }
 
-TEST(Identification, SaysWhereTheLeakageModelDoesNotExplainTheCurrent) {
+TEST(Identification, WarnsWhereTheLeakageModelDoesNotFit) {
   RecordedRun run = circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 30.0, 1e-2, {.noise = 2e-8});
   for (std::size_t k = 200; k < run.current.size(); ++k)  // absorption: a second, quicker decay
     run.current[k] += 1e-6 * std::exp(-(run.time[k] - 2.0) / 0.8);
@@ -126,7 +126,7 @@ TEST(Identification, SaysWhereTheLeakageModelDoesNotExplainTheCurrent) {
   EXPECT_NE(found.warnings.back().find("times the noise"), std::string::npos);
 }
 
-TEST(Identification, LeavesOutRunsThatCannotHelpAndSaysSo) {
+TEST(Identification, LeavesOutUnusableRunsWithAWarning) {
   RecordedRun blind = circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 22.0, 1e-2, {});
   RecordedRun flat = circuit_run(kC1, kK, kTau, step_at(1e9, 6000.0), 22.0, 1e-2, {});
   const RecordedRun good = circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 22.0, 1e-2, {});
@@ -140,7 +140,7 @@ TEST(Identification, LeavesOutRunsThatCannotHelpAndSaysSo) {
   EXPECT_NE(found.warnings[1].find("\"flat\""), std::string::npos);
 }
 
-TEST(Identification, DoubtsARunThatBeginsUnderVoltageAndVoltagesInKilovolts) {
+TEST(Identification, WarnsOfRunsUnderVoltageAndOfKilovolts) {
   const RecordedRun late = circuit_run(kC1, kK, kTau, step_at(0.0, 6000.0), 22.0, 1e-2, {.noise = 1e-8});
   const IdentifiedCircuit begun = identified({late});
   ASSERT_EQ(begun.warnings.size(), 1U);
@@ -153,7 +153,7 @@ TEST(Identification, DoubtsARunThatBeginsUnderVoltageAndVoltagesInKilovolts) {
 }
 
 // Levels of 100 nA, where the noise between them is 20 nA.
-TEST(Identification, AMonitorWithCoarseLevelsIsAsNoisyAsItsLevelsAreApart) {
+TEST(Identification, QuantisationCountsAsNoise) {
   int held = 0;
   constexpr int kSets = 40;
   constexpr double kLevel = 1e-7;
@@ -169,36 +169,36 @@ TEST(Identification, AMonitorWithCoarseLevelsIsAsNoisyAsItsLevelsAreApart) {
   EXPECT_GE(held, 32) << "of " << kSets;
 }
 
-TEST(Identification, ShowsMonitorAndFitOfEveryRunOverEachOther) {
+TEST(Identification, DrawsMonitorAndFit) {
   const RecordedRun run =
       circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 30.0, 1e-2, {.noise = 1e-8, .offset = 2e-7});
   const IdentifiedCircuit found = identified({run});
   ASSERT_EQ(found.panels.size(), 1U);
-  const FigureCurve &seen = found.panels[0].curves.at(0), &said = found.panels[0].curves.at(1);
-  ASSERT_EQ(seen.y.size(), said.y.size());
+  const FigureCurve &seen = found.panels[0].curves.at(0), &fitted = found.panels[0].curves.at(1);
+  ASSERT_EQ(seen.y.size(), fitted.y.size());
   ASSERT_GT(seen.y.size(), 10U);
-  for (std::size_t i = 0; i < seen.y.size(); ++i) EXPECT_NEAR(seen.y[i], said.y[i], 0.05) << "uA";
+  for (std::size_t i = 0; i < seen.y.size(); ++i) EXPECT_NEAR(seen.y[i], fitted.y[i], 0.05) << "uA";
 }
 
 TEST(Identification, RefusesADataSetWithoutCurrentWithoutAStepOrWithoutADecay) {
   RecordedRun run = circuit_run(kC1, kK, kTau, step_at(2.0, 6000.0), 22.0, 1e-2, {.noise = 1e-8});
   const RecordedRun flat = circuit_run(kC1, kK, kTau, step_at(1e9, 6000.0), 22.0, 1e-2, {.noise = 1e-8});
   const RecordedRun drowned = circuit_run(kC1, kK, kTau, step_at(2.0, 6.0), 22.0, 1e-2, {.noise = 1e-4});
-  expect_says(refusal([&] { identified({flat}); }), "here", "no run steps its voltage");
-  expect_says(refusal([&] { identified({drowned}); }), "here", "stands out of its noise");
+  expect_refusal(refusal([&] { identified({flat}); }), "here", "no run steps its voltage");
+  expect_refusal(refusal([&] { identified({drowned}); }), "here", "stands out of its noise");
   run.current.clear();
-  expect_says(refusal([&] { identified({run}); }), "here", "current_uA");
+  expect_refusal(refusal([&] { identified({run}); }), "here", "current_uA");
 }
 
 TEST(Identification, RefusesARecordShorterThanATimeConstant) {
-  const auto said = [](double seconds, double noise) {
+  const auto fitted = [](double seconds, double noise) {
     return refusal([&] {
       identified({circuit_run(kC1, kK, kTau, step_at(1.0, 6000.0), 1.0 + seconds, 1e-2, {.noise = noise})});
     });
   };
-  expect_says(said(5.0, 0.0), "here", "too short");
-  expect_says(said(5.0, 2e-8), "here", "too short");
-  EXPECT_EQ(said(3.0 * kTau, 2e-8), "accepted");
+  expect_refusal(fitted(5.0, 0.0), "here", "too short");
+  expect_refusal(fitted(5.0, 2e-8), "here", "too short");
+  EXPECT_EQ(fitted(3.0 * kTau, 2e-8), "accepted");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a stage's amplifier would say: the plant driven by given voltages, its monitor with noise and offset.
+// Runs of the plant under given voltages, with the amplifier's monitor, its noise and offset.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct Monitor {
   bool mean = true;  // over each row; otherwise the current at the row's instant
 };
 
-// Voltage asked for at a time, V.
+// Commanded voltage at a time, V.
 using Program = std::function<double(double)>;
 
 inline Program step_at(double at, double volts) {

@@ -25,8 +25,8 @@ PlantModel damped() {
   return model;
 }
 
-// A small sine on top of the voltage that holds `depth`, played to the plant.
-std::complex<double> played(const PlantModel& model, double depth, double hertz) {
+// A small sine on top of the voltage that holds `depth`, simulated_response to the plant.
+std::complex<double> simulated_response(const PlantModel& model, double depth, double hertz) {
   const double held = paper::holding_voltage(model, depth, 0), small = 20.0, omega = 2.0 * pi * hertz;
   const int period = static_cast<int>(std::lround(1000.0 / hertz)), settle = 4000;
   PlantState state = at_rest(model);
@@ -48,7 +48,7 @@ TEST(LinearStage, RespondsAsThePlantDoesToASmallSine) {
   for (const double depth : {2.0, 6.0}) {
     const LinearStage linear = linearised(model, depth);
     for (const double hertz : {0.5, 2.0, 5.0, 10.0})
-      EXPECT_NEAR(std::abs(played(model, depth, hertz) / response(linear, 2.0 * pi * hertz) - 1.0), 0.0, 0.01)
+      EXPECT_NEAR(std::abs(simulated_response(model, depth, hertz) / response(linear, 2.0 * pi * hertz) - 1.0), 0.0, 0.01)
           << depth << " mm, " << hertz << " Hz";
   }
 }
@@ -65,8 +65,8 @@ TEST(LinearStage, ItsSlowestGainIsTheSlopeOfTheStaticCurve) {
   }
 }
 
-// Two ways to the same answer: crossings of the open loop, poles of the closed one.
-TEST(LinearStage, TheLoopFailsWhereItsGainMarginSaysSo) {
+// Crossings of the open loop against poles of the closed one.
+TEST(LinearStage, IsUnstableBeyondItsGainMargin) {
   const LinearStage stage = linearised(damped(), 3.0);
   std::vector<std::complex<double>> loop = response(stage);
   const control::PiGains gains;
@@ -81,13 +81,13 @@ TEST(LinearStage, TheLoopFailsWhereItsGainMarginSaysSo) {
   EXPECT_FALSE(holds(stage, scaled(1.02 * most)));
 }
 
-// What docs/model.md says: the paper's gains do not hold the bare baseline, a spring with a damping ratio of
+// docs/model.md: the paper's gains do not hold the bare baseline, a spring with a damping ratio of
 // 0.1.
 TEST(LinearStage, ThePapersGainsDoNotHoldTheBareBaseline) {
   EXPECT_FALSE(holds(linearised(PlantModel{}, 2.5), {}));
 }
 
-TEST(LinearStage, LateSensorsAndSlowAmplifiersAreSeen) {
+TEST(LinearStage, IncludesDelaysOfSensorAndAmplifier) {
   PlantModel late = damped(), slow = damped();
   late.effects.sensor_lag = SensorLag{.time = 1e-3, .delay = 20e-3};
   slow.effects.amplifier_lag = AmplifierLag{.time = 20e-3, .slew = 0.0};

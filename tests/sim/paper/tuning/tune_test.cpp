@@ -71,13 +71,13 @@ TEST_F(Tuned, TheSameSeedGivesTheSameGains) {
   EXPECT_EQ(again.judged.at(1).worst.settled_rmse, tuned().worst.settled_rmse);
 }
 
-TEST(Tune, SaysSoWhereNoGainsHaveTheMargin) {
+TEST(Tune, ReportsWhereNoGainsHaveTheMargins) {
   TuneOptions options = kQuick;
   options.wanted = {60.0, 120.0};
   EXPECT_FALSE(tune(noted_model(), options).met);
 }
 
-TEST(Tune, LooksOnlyAtDepthsWithinTheStroke) {
+TEST(Tune, UsesDepthsWithinTheStroke) {
   NotedModel model = noted_model();
   model.model.baseline.V0 = 0.6e-7;  // about 7 mm with 8 kV
   TuneOptions options = kQuick;
@@ -85,13 +85,13 @@ TEST(Tune, LooksOnlyAtDepthsWithinTheStroke) {
   EXPECT_EQ(tune(model, options).depths, (std::vector<double>{1.0, 3.0, 5.0}));
 }
 
-TEST(Tune, RefusesAStageWithoutVolts) {
+TEST(Tune, RefusesAForceDrivenStage) {
   NotedModel model;
   model.model.baseline.drive = Drive::Force;
   EXPECT_THROW(tune(model, kQuick), ConfigError);
 }
 
-TEST(Uncertainty, ScattersAsTheFileSaysAndLeavesTheRestAlone) {
+TEST(Uncertainty, FollowsTheFilesDeviations) {
   NotedModel model = noted_model();
   model.notes.values["k"] = {5.0, "test"};
   model.notes.values["stribeck_friction.speed_mm_s"] = {0.2, "test"};
@@ -112,7 +112,7 @@ TEST(Uncertainty, ScattersAsTheFileSaysAndLeavesTheRestAlone) {
   EXPECT_FALSE(drawn.assumed);
 }
 
-TEST(Uncertainty, DrawsTogetherWhatGoesTogether) {
+TEST(Uncertainty, DrawsCorrelatedParameters) {
   NotedModel model = noted_model();
   model.notes.values["k"] = {5.0, "test"};
   model.notes.values["tau"] = {0.5, "test"};
@@ -129,7 +129,7 @@ TEST(Uncertainty, DrawsTogetherWhatGoesTogether) {
   EXPECT_NEAR(k_c / k_k, 0.0, 0.08) << "what no correlation is known of is independent";
 }
 
-TEST(Uncertainty, DrawsAgainWhatCannotBeTheStage) {
+TEST(Uncertainty, RepeatsRejectedDraws) {
   NotedModel model = noted_model();
   model.notes.values["k"] = {20.0, "test"};
   const auto stiff = [](const PlantModel& stage) { return stage.baseline.k > 140.0; };
@@ -139,7 +139,7 @@ TEST(Uncertainty, DrawsAgainWhatCannotBeTheStage) {
   EXPECT_NEAR(all.refused, 50, 30);  // every other draw is softer
 }
 
-TEST(Uncertainty, SaysWhereItIsOnlyAssumed) {
+TEST(Uncertainty, IsReportedWhereAssumed) {
   const UncertainStages drawn = uncertain_stages(noted_model(), 3, 1);
   EXPECT_TRUE(drawn.assumed);
   EXPECT_FALSE(drawn.varied.empty());
