@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/security/certificates.hpp"
 #include "robot/security/signed_text.hpp"
 
@@ -59,10 +59,11 @@ Inspected closed_file(const fs::path& path, std::string subject) {
       fmt::format("is open to other users (mode {:04o})", facts.st_mode & 07777U),
       fmt::format("chmod 600 {}   (who read it may have copied it: then make new keys)", path.string()));
   if (!file.is_good()) return file;
-  std::ifstream stream(path, std::ios::binary);
-  file.bytes.assign(std::istreambuf_iterator<char>(stream), {});
-  file.refuse_if(!stream.is_open() || stream.bad() || file.bytes.empty(), "cannot be read: " + reason(),
-                 "check who owns it, and start as that user");
+  try {
+    file.bytes = read_file(path, "check who owns it, and start as that user");
+  } catch (const ConfigError& unreadable) {
+    file.refuse_if(true, unreadable.what_is_wrong, unreadable.remedy);
+  }
   return file;
 }
 

@@ -42,8 +42,7 @@ PlantModel with_rigid_pole(PlantModel stage);
 // Most that the guide's friction holds, whichever effect stands for it. N
 double guide_friction(const PlantModel& stage);
 
-// Largest less smallest; mean.
+// Largest less smallest.
 double peak_to_peak(const std::vector<double>& values);
-double mean(const std::vector<double>& values);
 
 }  // namespace biopsy::sim::paper

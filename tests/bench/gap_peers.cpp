@@ -58,7 +58,7 @@ struct Attempt {
 std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidence, double readings) {
   const auto scores = score_candidates(current, evidence, open_candidates(current));
   std::vector<Attempt> out(std::min(kFits, scores.size()));
-  sim::in_parallel(out.size(), [&](std::size_t i) {
+  in_parallel(out.size(), [&](std::size_t i) {
     Attempt& one = out[i];
     one.candidate = scores[i].candidate;
     one.hypothesis = current;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -120,9 +122,8 @@ class Level {
         sizes.push_back(std::abs(place.value - fit.gain.dot(place.x) * value - fit.bias.dot(place.x)));
     }
     if (sizes.size() < 100) return Vector14::Constant(std::nan(""));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double limit = std::max(4.685 * 1.4826 * *middle, 1e-9);  // Tukey's biweight at 95 % efficiency
+    // Tukey's biweight at 95 % efficiency
+    const double limit = std::max(4.685 * kMadToSigma * median(std::move(sizes)), 1e-9);
 
     Matrix14 normal = Matrix14::Zero();
     Vector14 right = Vector14::Zero();

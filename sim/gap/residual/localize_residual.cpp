@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "robot/common/statistics.hpp"
 #include "sim/gap/millimetres.hpp"
 
 namespace biopsy::sim::gap {
@@ -27,13 +28,6 @@ constexpr double kShortTime = 0.02, kSlightError = 0.05;
 constexpr double kLikeTheRest = 0.1;  // lift this near to 1
 
 using Mask = std::vector<bool>;
-
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 double duration(const EvidenceRun& run) {
   return run.rows.back().time + run.rows.back().span - run.rows.front().time;

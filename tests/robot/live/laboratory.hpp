@@ -12,6 +12,8 @@
 #include "drivers/commissioning/load_commissioning.hpp"
 #include "drivers/commissioning/signature.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/sha256.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/security/key_files.hpp"
@@ -48,7 +50,7 @@ struct Lab {
     commissioning::Laboratory laboratory;
     commissioning::Record record = laboratory.walk();
     record.device = {"nidaqmx", laboratory.stage.product(), laboratory.stage.serial()};
-    record.config_sha256 = commissioning::sha256_hex(bytes_of(hardware.config));
+    record.config_sha256 = hex(sha256(bytes_of(hardware.config)));
     record.software = "biopsy of a test";
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     record.made_unix_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();

@@ -181,7 +181,7 @@ std::vector<Tally> run_all(const Campaign& campaign, const std::vector<FaultClas
   const auto each = static_cast<std::size_t>(runs);
   std::vector<std::vector<Verdict>> verdicts(each);
   std::atomic<std::size_t> done{0};
-  sim::in_parallel(each, [&](std::size_t run) {
+  in_parallel(each, [&](std::size_t run) {
     Rehearsals rehearsals(campaign, run);
     for (const FaultClass& fault : faults)
       verdicts[run].push_back(run_in(rehearsals, campaign, fault, run).verdict);

@@ -8,9 +8,9 @@
 #include <regex>
 #include <sstream>
 
-#include "parallel.hpp"
 #include "parts.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/in_parallel.hpp"
 
 namespace biopsy::explore {
 namespace {
