@@ -25,6 +25,8 @@ Record load_commissioning(const fs::path& folder, const fs::path& public_key, co
                           const std::string& config_sha256, std::chrono::system_clock::time_point now) {
   const fs::path file = folder / kRecordFile;
   const std::string place = file.string();
+  if (!fs::exists(file) || !fs::exists(folder / kSignatureFile))
+    throw ConfigError("the stage has no record of commissioning", place, kAnew);
   const std::string text = read_file(file, kAnew);
   if (!is_signed(public_key, text, read_file(folder / kSignatureFile, kAnew)))
     throw ConfigError("the record was changed after it was signed, or signed with another key", place, kAnew);

@@ -141,7 +141,7 @@ TEST_F(CommissioningRecord, SignedWithAnotherKeyIsRefused) {
 TEST_F(CommissioningRecord, KeyOfAnotherKindOrNoneIsRefused) {
   make_key(folder_ / "odd.pem", folder_ / "odd.pub.pem", "X25519");
   expect_refusal(sim::refusal([&] { SigningKey key(folder_ / "odd.pem"); }), "no Ed25519 key");
-  expect_refusal(sim::refusal([&] { SigningKey key(folder_ / "nowhere.pem"); }), "no Ed25519 key");
+  expect_refusal(sim::refusal([&] { SigningKey key(folder_ / "nowhere.pem"); }), "cannot be read");
   expect_refusal(sim::refusal([&] { SigningKey key(folder_ / "key.pub.pem"); }), "no Ed25519 key");
 }
 

@@ -156,9 +156,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ModelFile, ThatIsNotThereIsRefusedByItsName) {
   expect_says(refusal([] { read_model("/nowhere/model.toml"); }),
-              "/nowhere/model.toml: ", "cannot be opened");
+              "/nowhere/model.toml: ", "cannot be read");
   const ScratchFolder folder;
-  expect_says(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be opened");
+  expect_says(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be read");
 }
 
 TEST(TissueFile, RefusesWhatItCannotUse) {
