@@ -13,6 +13,8 @@ namespace biopsy {
 
 // Standard deviation of a normal distribution over its median absolute deviation: 1 / inverse_Phi(3/4).
 inline constexpr double kMadToSigma = 1.4826;
+// Half the width of a 95 % interval, in standard deviations of a normal distribution.
+inline constexpr double kTwoSided95 = 1.959963984540054;
 
 inline double mean(std::span<const double> values) {
   double sum = 0.0;

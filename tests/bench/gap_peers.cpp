@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "robot/common/in_parallel.hpp"
+#include "robot/common/statistics.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/score.hpp"
@@ -18,7 +19,6 @@ using sim::gap::Hypothesis;
 constexpr double kMm = 1e3;
 constexpr int kIterations = 25;
 constexpr double kHelps = 0.95;  // held-out RMSE after over before
-constexpr double kTwoSided95 = 1.96;
 constexpr std::size_t kFits = 6;  // of each round, the most promising by the score test
 constexpr int kMostEffects = 3, kMostRounds = 5;
 

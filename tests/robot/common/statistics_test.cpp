@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/math/distributions/normal.hpp>
+
 namespace biopsy {
 namespace {
 
@@ -17,6 +19,12 @@ TEST(Statistics, AgreeWithReferenceValues) {
   EXPECT_EQ(quantile(values, 1.0), 9.0);
   EXPECT_EQ(median(values), 4.25);  // the upper of 3.5 and 4.25
   EXPECT_EQ(median(std::vector<float>{3, 1, 2}), 2.0f);
+}
+
+TEST(Statistics, ConstantsAreThoseOfTheNormalDistribution) {
+  const boost::math::normal normal;
+  EXPECT_DOUBLE_EQ(kTwoSided95, quantile(normal, 0.975));
+  EXPECT_NEAR(kMadToSigma, 1.0 / quantile(normal, 0.75), 1e-5);
 }
 
 TEST(Statistics, OfTooFewValuesAreNaN) {
