@@ -1,7 +1,7 @@
-# DCMTK's own package file also looks for the tools and for libraries that volume reading does not need.
+# DCMTK's own package file also looks for the tools and for libraries that are not used here.
 find_path(DcmtkParts_INCLUDE dcmtk/dcmdata/dctk.h)
 set(DcmtkParts_LIBRARIES "")
-foreach(PART dcmjpeg dcmjpls dcmimage dcmimgle dcmdata oflog ofstd)
+foreach(PART dcmjpeg dcmjpls dcmdata oflog ofstd)
   find_library(DcmtkParts_${PART} ${PART})
   list(APPEND DcmtkParts_LIBRARIES ${DcmtkParts_${PART}})
 endforeach()

@@ -1,13 +1,12 @@
-# OpenCVConfig.cmake comes only with libopencv-dev, which pulls in GDAL; three parts are all that is needed.
+# OpenCVConfig.cmake comes only with libopencv-dev, which pulls in GDAL; two parts are used.
 find_path(OpenCVParts_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4)
 set(OpenCVParts_LIBRARIES "")
-foreach(PART core imgproc video)
+foreach(PART core imgproc)
   find_library(OpenCVParts_${PART} opencv_${PART})
   list(APPEND OpenCVParts_LIBRARIES ${OpenCVParts_${PART}})
 endforeach()
 include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(OpenCVParts REQUIRED_VARS OpenCVParts_INCLUDE OpenCVParts_core OpenCVParts_imgproc
-                                                            OpenCVParts_video)
+find_package_handle_standard_args(OpenCVParts REQUIRED_VARS OpenCVParts_INCLUDE OpenCVParts_core OpenCVParts_imgproc)
 if(OpenCVParts_FOUND AND NOT TARGET opencv_parts)
   add_library(opencv_parts INTERFACE IMPORTED)
   target_include_directories(opencv_parts SYSTEM INTERFACE ${OpenCVParts_INCLUDE})

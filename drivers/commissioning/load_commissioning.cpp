@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "drivers/commissioning/signature.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::commissioning {
 namespace {
@@ -16,13 +14,6 @@ namespace fs = std::filesystem;
 constexpr const char* kAnew = "take the stage into service: biopsy commission (docs/hardware.md)";
 // A record of tomorrow is a clock that was set wrong, now or then; an hour is a time zone's slip.
 constexpr std::chrono::hours kAhead{1};
-
-std::string content_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file))
-    throw ConfigError("the stage has no record of commissioning", file.string(), kAnew);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string words(const Device& device) {
   return fmt::format("{} {} {}", device.kind, device.product, device.serial);
@@ -34,8 +25,10 @@ Record load_commissioning(const fs::path& folder, const fs::path& public_key, co
                           const std::string& config_sha256, std::chrono::system_clock::time_point now) {
   const fs::path file = folder / kRecordFile;
   const std::string place = file.string();
-  const std::string text = content_of(file);
-  if (!is_signed(public_key, text, content_of(folder / kSignatureFile)))
+  if (!fs::exists(file) || !fs::exists(folder / kSignatureFile))
+    throw ConfigError("the stage has no record of commissioning", place, kAnew);
+  const std::string text = read_file(file, kAnew);
+  if (!is_signed(public_key, text, read_file(folder / kSignatureFile, kAnew)))
     throw ConfigError("the record was changed after it was signed, or signed with another key", place, kAnew);
   Record record = from_json(text, place);
   if (record.device != device)

@@ -16,8 +16,8 @@ inline constexpr const char* kSignatureFile =
 inline constexpr std::chrono::days kGoodFor{365};
 
 // The record in `folder`, if it was signed with the key that belongs to `public_key`, is of this device and
-// of this configuration (sha256_hex of the file's bytes), passed every step of this program, and is not older
-// than a year. Everything else is a ConfigError that says which and what to do.
+// of this configuration (SHA-256, as hex, of the file's bytes), passed every step of this program, and is not
+// older than a year. Everything else is a ConfigError that says which and what to do.
 Record load_commissioning(const std::filesystem::path& folder, const std::filesystem::path& public_key,
                           const Device& device, const std::string& config_sha256,
                           std::chrono::system_clock::time_point now);

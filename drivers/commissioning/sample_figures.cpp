@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "robot/common/statistics.hpp"
 #include "robot/common/units.hpp"
 
 namespace biopsy::commissioning {
@@ -13,20 +14,20 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kPeriod_us = std::chrono::microseconds(kTick).count();
 
+std::vector<double> values_of(std::span<const Sample> samples, Quantity quantity) {
+  std::vector<double> values;
+  for (const Sample& sample : samples) values.push_back(quantity(sample));
+  return values;
+}
+
 }  // namespace
 
 double mean(std::span<const Sample> samples, Quantity quantity) {
-  double sum = 0.0;
-  for (const Sample& sample : samples) sum += quantity(sample);
-  return samples.empty() ? kNone : sum / static_cast<double>(samples.size());
+  return biopsy::mean(values_of(samples, quantity));
 }
 
 double deviation(std::span<const Sample> samples, Quantity quantity) {
-  if (samples.size() < 2) return kNone;
-  const double middle = mean(samples, quantity);
-  double squares = 0.0;
-  for (const Sample& sample : samples) squares += std::pow(quantity(sample) - middle, 2);
-  return std::sqrt(squares / static_cast<double>(samples.size() - 1));
+  return standard_deviation(values_of(samples, quantity));
 }
 
 double share(std::span<const Sample> samples, const std::function<bool(const Sample&)>& is) {
@@ -43,14 +44,6 @@ double fewest_codes(std::span<const Sample> samples, std::size_t window) {
     fewest = std::min(fewest, codes.size());
   }
   return static_cast<double>(fewest);
-}
-
-double percentile(std::vector<double> values, double share_below) {
-  if (values.empty()) return kNone;
-  const auto rank = static_cast<std::size_t>(share_below * static_cast<double>(values.size() - 1));
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 bool missed_its_period(const Sample& sample) {

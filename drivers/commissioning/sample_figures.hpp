@@ -34,7 +34,6 @@ double share(std::span<const Sample> samples, const std::function<bool(const Sam
 double fewest_codes(std::span<const Sample> samples, std::size_t window);
 
 // 1 kHz
-double percentile(std::vector<double> values, double share_below);
 bool missed_its_period(const Sample& sample);
 double most_missed(std::span<const Sample> samples, std::size_t window);
 double longest_gap_ms(std::span<const Sample> samples);  // between two readings, on the stage's clock

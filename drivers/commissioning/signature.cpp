@@ -1,6 +1,5 @@
 #include "drivers/commissioning/signature.hpp"
 
-#include <fmt/format.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
@@ -9,11 +8,10 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::commissioning {
 namespace {
@@ -32,7 +30,7 @@ const unsigned char* bytes_of(std::string_view text) {
 // Fails only where OpenSSL was built without what every OpenSSL has.
 void must(bool succeeded) {
   if (succeeded) return;
-  std::fputs("OpenSSL cannot do Ed25519 or SHA-256\n", stderr);
+  std::fputs("Ed25519 is not available in this build of OpenSSL\n", stderr);
   std::abort();
 }
 
@@ -41,16 +39,16 @@ int no_password(char*, int, int, void*) {
   return -1;
 }
 
+constexpr const char* kRemedy = "make keys with `biopsy keys init`, or give the right file";
+
 Key read_key(const fs::path& file, decltype(&PEM_read_bio_PrivateKey) read) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string pem{std::istreambuf_iterator<char>(stream), {}};
+  const std::string pem = read_file(file, kRemedy);
   BIO* const source = BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()));
   Key key(read(source, nullptr, no_password, nullptr), EVP_PKEY_free);
   BIO_free(source);
   ERR_clear_error();
   if (!key || EVP_PKEY_get_id(key.get()) != EVP_PKEY_ED25519)
-    throw ConfigError("is no Ed25519 key in PEM without a password", file.string(),
-                      "make keys with `biopsy keys init`, or give the right file");
+    throw ConfigError("is no Ed25519 key in PEM without a password", file.string(), kRemedy);
   return key;
 }
 
@@ -80,14 +78,6 @@ bool is_signed(const fs::path& public_key, std::string_view bytes, std::string_v
                                       bytes.size()) == 1;
   ERR_clear_error();
   return right;
-}
-
-std::string sha256_hex(std::string_view bytes) {
-  std::array<unsigned char, 32> digest{};
-  must(EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) == 1);
-  std::string text;
-  for (const unsigned char byte : digest) text += fmt::format("{:02x}", byte);
-  return text;
 }
 
 }  // namespace biopsy::commissioning

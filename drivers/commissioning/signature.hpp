@@ -1,5 +1,4 @@
-// Ed25519 signatures over whole texts, and the hash of a configuration. Keys are PEM files without a
-// password.
+// Ed25519 signatures over whole texts. Keys are PEM files without a password.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +22,5 @@ class SigningKey {
 
 // Throws ConfigError where `public_key` is none; a wrong signature, of whatever size, is false.
 bool is_signed(const std::filesystem::path& public_key, std::string_view bytes, std::string_view signature);
-
-std::string sha256_hex(std::string_view bytes);
 
 }  // namespace biopsy::commissioning

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "drivers/commissioning/sample_figures.hpp"
+#include "robot/common/statistics.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
 
@@ -60,10 +61,10 @@ Measured loop_rate(Rig& rig, Operator&) {
   std::vector<double> work_us;
   work_us.reserve(seen.size());
   for (const Sample& sample : seen) work_us.push_back(static_cast<double>(sample.work_us));
-  return {{share(seen, missed_its_period), most_missed(seen, 100), longest_gap_ms(seen),
-           percentile(work_us, 0.99)},
-          fmt::format("a tick's work: p50 {:.0f} us, p99 {:.0f} us, longest {:.0f} us",
-                      percentile(work_us, 0.5), percentile(work_us, 0.99), percentile(work_us, 1.0))};
+  return {
+      {share(seen, missed_its_period), most_missed(seen, 100), longest_gap_ms(seen), quantile(work_us, 0.99)},
+      fmt::format("a tick's work: p50 {:.0f} us, p99 {:.0f} us, longest {:.0f} us", quantile(work_us, 0.5),
+                  quantile(work_us, 0.99), quantile(work_us, 1.0))};
 }
 
 Measured monitor_gain(Rig& rig, Operator&) {

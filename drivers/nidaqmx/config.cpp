@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <set>
-#include <sstream>
 
-#include "drivers/nidaqmx/config_table.hpp"
 #include "drivers/nidaqmx/daqmx_functions.hpp"
-#include "robot/common/config_error.hpp"
+#include "robot/common/files/toml_reader.hpp"
 #include "safety/types/limits.hpp"
 
 namespace biopsy::nidaqmx {
@@ -27,10 +25,31 @@ constexpr double kVisible_mA = 2.0;
 // From a millimetre below rest to where the supervisor stops hard.
 constexpr double kShallow_mm = -1.0, kDeep_mm = (limits::kStroke_um + limits::kDepthHard_um) * 1e-3;
 
-AnalogInput read_input(ConfigTable& table) {
+std::string device_text(TomlTable& table, std::string_view name) {
+  constexpr std::size_t kLongest = 255;
+  const std::string value = table.text(name);
+  if (value.empty() || value.size() > kLongest)
+    table.refuse(name, "is not a name", fmt::format("write {} = \"...\"", name));
+  return value;
+}
+
+// A text of the form PREFIX followed by a whole number of at most `high`: "ai0", "port1".
+std::uint32_t numbered(TomlTable& table, std::string_view name, std::string_view prefix, std::uint32_t high) {
+  const std::string value = device_text(table, name);
+  std::uint32_t number = 0;
+  const char* const first = value.data() + std::min(prefix.size(), value.size());
+  const char* const last = value.data() + value.size();
+  const auto [end, error] = std::from_chars(first, last, number);
+  if (!value.starts_with(prefix) || error != std::errc() || end != last || number > high)
+    table.refuse(name, fmt::format("= \"{}\" is none of {}0 to {}{}", value, prefix, prefix, high),
+                 "give the name that stands on the board, without the device");
+  return number;
+}
+
+AnalogInput read_input(TomlTable& table) {
   AnalogInput input;
-  input.number = table.numbered("channel", "ai", kInputs);
-  const std::string terminal = table.text("terminal");
+  input.number = numbered(table, "channel", "ai", kInputs);
+  const std::string terminal = device_text(table, "terminal");
   if (terminal != "RSE" && terminal != "Diff")
     table.refuse("terminal", fmt::format("= \"{}\" is neither RSE nor Diff", terminal),
                  "RSE: against ground; Diff: against the channel eight higher");
@@ -43,7 +62,7 @@ AnalogInput read_input(ConfigTable& table) {
   return input;
 }
 
-Laser read_laser(ConfigTable table) {
+Laser read_laser(TomlTable table) {
   Laser laser;
   laser.input = read_input(table);
   laser.zero_V = table.number("zero_V", laser.input.low_V, laser.input.high_V, "V");
@@ -60,12 +79,11 @@ Laser read_laser(ConfigTable table) {
           fmt::format("puts a needle at {:.0f} mm, {:.2f} V, outside what counts as valid", depth_mm, volts),
           "mount the laser so that it sees the whole stroke and 2 mm more");
   }
-  table.refuse_rest();
   return laser;
 }
 
 // `unit` of what is monitored; `visible`: how much of it, of either sign, the range must be able to show.
-Monitor read_monitor(ConfigTable table, const std::string& unit, double visible) {
+Monitor read_monitor(TomlTable table, const std::string& unit, double visible) {
   Monitor monitor;
   monitor.input = read_input(table);
   const std::string scale = unit + "_per_V";
@@ -73,38 +91,35 @@ Monitor read_monitor(ConfigTable table, const std::string& unit, double visible)
   if (std::min(-monitor.input.low_V, monitor.input.high_V) * monitor.per_V < visible)
     table.refuse(scale, fmt::format("and the range cannot show {} {} of either sign", visible, unit),
                  "widen low_V and high_V, or correct the scale");
-  table.refuse_rest();
   return monitor;
 }
 
-Command read_command(ConfigTable table) {
+Command read_command(TomlTable table) {
   Command command;
-  command.number = table.numbered("channel", "ao", kOutputs);
+  command.number = numbered(table, "channel", "ao", kOutputs);
   command.kV_per_V = table.number("kV_per_V", 0.1, 10.0, "kV/V");
   command.highest_kV = table.number("highest_kV", 0.1, kMost_kV, "kV");
   if (command.highest_kV / command.kV_per_V > kBoard_V)
     table.refuse("highest_kV", "is more than the board's 10 V can ask of the amplifier", "lower it");
-  table.refuse_rest();
   return command;
 }
 
-Interlock read_interlock(ConfigTable table) {
+Interlock read_interlock(TomlTable table) {
   Interlock interlock;
-  interlock.port = table.numbered("port", "port", kPorts);
-  interlock.pulse_line = table.numbered("pulse", "line", kLines);
-  if (table.has("enable")) interlock.enable_line = table.numbered("enable", "line", kLines);
+  interlock.port = numbered(table, "port", "port", kPorts);
+  interlock.pulse_line = numbered(table, "pulse", "line", kLines);
+  if (table.has("enable")) interlock.enable_line = numbered(table, "enable", "line", kLines);
   if (interlock.enable_line == interlock.pulse_line)
     table.refuse("enable", "is the line of the pulse", "give each its own line");
-  table.refuse_rest();
   return interlock;
 }
 
-PanelInputs read_panel(ConfigTable table) {
+PanelInputs read_panel(TomlTable table) {
   PanelInputs panel;
-  panel.port = table.numbered("port", "port", kPorts);
+  panel.port = numbered(table, "port", "port", kPorts);
   std::uint32_t used = 0;
   const auto line = [&](std::string_view name) {
-    const std::uint32_t number = table.numbered(name, "line", kLines);
+    const std::uint32_t number = numbered(table, name, "line", kLines);
     if ((used >> number & 1U) != 0) table.refuse(name, "is used twice", "give each contact its own line");
     used |= 1U << number;
     return number;
@@ -113,31 +128,29 @@ PanelInputs read_panel(ConfigTable table) {
   panel.reset_line = line("reset_key");
   panel.estop_a_line = line("estop_a");
   panel.estop_b_line = line("estop_b");
-  table.refuse_rest();
   return panel;
 }
 
 // The name alone, as MAX and nilsdev show it.
-std::string read_device(ConfigTable& table) {
-  std::string device = table.text("device");
-  if (device.empty() || device.find_first_of("/, :") != std::string::npos)
+std::string read_device(TomlTable& table) {
+  std::string device = device_text(table, "device");
+  if (device.find_first_of("/, :") != std::string::npos)
     table.refuse("device", "is not one device", "give the name alone, like \"Dev1\"");
   return device;
 }
 
-SupervisorPulse read_supervisor_pulse(ConfigTable table, const std::string& stage) {
+SupervisorPulse read_supervisor_pulse(TomlTable table, const std::string& stage) {
   SupervisorPulse pulse;
   pulse.device = read_device(table);
   if (pulse.device == stage)
     table.refuse("device", "is the stage's board",
                  "use a second board: what fails with the first must not feed both halves of the interlock");
-  pulse.port = table.numbered("port", "port", kSupervisorPorts);
-  pulse.line = table.numbered("pulse", "line", kSupervisorLines);
-  table.refuse_rest();
+  pulse.port = numbered(table, "port", "port", kSupervisorPorts);
+  pulse.line = numbered(table, "pulse", "line", kSupervisorLines);
   return pulse;
 }
 
-void refuse_shared_inputs(const Config& config, const ConfigTable& root) {
+void refuse_shared_inputs(const Config& config, const TomlTable& root) {
   std::set<std::uint32_t> used;
   for (const AnalogInput* input : {&config.laser.input, &config.voltage.input, &config.current.input}) {
     const std::uint32_t last = input->terminal == kDiff ? input->number + kPair : input->number;
@@ -148,14 +161,12 @@ void refuse_shared_inputs(const Config& config, const ConfigTable& root) {
   }
 }
 
-}  // namespace
-
-Config parse_config(const std::string& text, const std::string& name) {
-  ConfigTable root = parse_config_table(text, name);
+Config read(TomlTable& root) {
   Config config;
-  if (root.has("library")) config.library = root.text("library");
+  if (root.has("library")) config.library = device_text(root, "library");
   config.device = read_device(root);
-  if (root.has("serial")) config.serial = root.whole("serial", std::numeric_limits<std::uint32_t>::max());
+  if (root.has("serial"))
+    config.serial = root.whole_number("serial", std::numeric_limits<std::uint32_t>::max());
   if (root.has("timeout_ms")) config.timeout_s = root.number("timeout_ms", 0.1, 20.0, "ms") * 1e-3;
   config.laser = read_laser(root.table("laser"));
   config.voltage = read_monitor(root.table("voltage_monitor"), "kV", kTrip_kV);
@@ -168,18 +179,19 @@ Config parse_config(const std::string& text, const std::string& name) {
   if (root.has("supervisor_pulse"))
     config.supervisor_pulse = read_supervisor_pulse(root.table("supervisor_pulse"), config.device);
   refuse_shared_inputs(config, root);
-  root.refuse_rest();
   return config;
 }
 
+}  // namespace
+
+Config parse_config(const std::string& text, const std::string& name) {
+  return parse_toml(text, name, read);
+}
+
 Config read_config(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file))
-    throw ConfigError("cannot be opened", file.string(),
-                      "give the stage's configuration; a sample is drivers/nidaqmx/usb6211.toml");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parse_config(text.str(), file.string());
+  return parse_config(
+      read_file(file, "give the stage's configuration; a sample is drivers/nidaqmx/usb6211.toml"),
+      file.string());
 }
 
 }  // namespace biopsy::nidaqmx

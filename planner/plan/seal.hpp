@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "robot/msg/plan.hpp"
@@ -16,13 +15,12 @@ namespace biopsy::planner {
 // and flags one byte. A plan for the bench has the text "bench" and its half period behind all that.
 std::vector<std::uint8_t> canonical_bytes(const Plan& plan);
 
+Sha256 seal_of(const Plan& plan);
 void seal(Plan& plan);
 bool seal_holds(const Plan& plan);
 
 // First 8 bytes of the seal, most significant first: its hexadecimal form is how the seal begins. What
 // permits carry.
 std::uint64_t plan_tag(const Plan& plan);
-
-std::string hex(const Sha256& digest);
 
 }  // namespace biopsy::planner

@@ -18,8 +18,8 @@
 #include "robot/bench/hand_push.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/live/processes/hardware_stage.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
@@ -180,9 +180,8 @@ void store(const BenchResult& result, const sim::Dataset& dataset, const fs::pat
   if (!result.stopped_because.empty())
     head = fmt::format("# incomplete: stopped at {:.3f} s, {}\n", result.stopped_s, result.stopped_because);
   for (const std::string& remark : result.remarks) head += "# " + remark + "\n";
-  report::atomic_write(folder / result.recorded.file,
-                       head + sim::run_csv(result.recorded, sim::Drive::Stack));
-  report::atomic_write(folder / "dataset.toml", sim::dataset_toml(dataset));
+  atomic_write(folder / result.recorded.file, head + sim::run_csv(result.recorded, sim::Drive::Stack));
+  atomic_write(folder / "dataset.toml", sim::dataset_toml(dataset));
 }
 
 std::string title_of(const report::BenchRecord& record) {
@@ -333,7 +332,7 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     if (!result.stopped_because.empty()) break;
   }
   note_the_travel(record, highest_of(session), options.drive_scale);
-  report::atomic_write(options.out / "report.html", report::bench_html(record));
+  atomic_write(options.out / "report.html", report::bench_html(record));
   return record;
 }
 

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {
@@ -54,7 +54,7 @@ std::filesystem::path accept_model(const std::filesystem::path& model_file, cons
   fs::path old = keep_old(file);
   std::error_code trouble;
   try {
-    report::atomic_write(file, new_text);
+    atomic_write(file, new_text);
   } catch (const ConfigError& error) {
     fs::remove(old, trouble);
     refuse(model_file, error.what_is_wrong);

@@ -9,8 +9,8 @@
 #include "robot/cli/commands.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/case.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
@@ -107,8 +107,8 @@ void write_models(const Calibration& result, const sim::ModelNotes& given, const
   sim::ModelNotes stage_notes = notes;
   std::erase_if(stage_notes.values, [](const auto& entry) { return !is_of_stage(entry.first); });
   stage_notes.correlations = correlations_of_stage(result);
-  report::atomic_write(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
-  report::atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
+  atomic_write(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
+  atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
 }
 
 Json row_json(const PaperRow& row) {
@@ -218,7 +218,7 @@ int calibrate(const CalibrateOptions& given) {
   const Calibration result = calibrated(question, options);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   write_models(result, given_notes, options);
-  report::atomic_write(options.out / "calibration.json", json_text(result, options, seconds));
+  atomic_write(options.out / "calibration.json", json_text(result, options, seconds));
   print(result, seconds);
   print_runs(result, options);
   fmt::print("\nstage:  {}\nfilms:  {}\nvalues: {}\n", (options.out / "calibrated.toml").string(),

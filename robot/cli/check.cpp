@@ -7,9 +7,9 @@
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/progress.hpp"
-#include "robot/common/typed_point.hpp"
+#include "robot/common/ras_point.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/labels.hpp"
 
@@ -45,8 +45,8 @@ void check_patients(const Volume& before, const Volume& after) {
 
 int check(const CheckOptions& options) {
   ProgressLine line;
-  const Point p_SE = typed_point("--entry", options.entry);
-  const Point axis_S = typed_point("--axis", options.axis);
+  const Point p_SE = parse_ras_point("--entry", options.entry);
+  const Point axis_S = parse_ras_point("--axis", options.axis);
   const double length = axis_S.norm();
   if (length < 1e-6) throw ConfigError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
   const Volume before = imaging::read_volume(options.before, options.before_series);
@@ -62,7 +62,7 @@ int check(const CheckOptions& options) {
   if (!options.out.empty()) {
     report::save_png(pictures.before.picture, options.out / "before.png");
     report::save_png(pictures.after.picture, options.out / "after.png");
-    report::atomic_write(options.out / "check.json", json);
+    atomic_write(options.out / "check.json", json);
   }
   if (options.json) {
     fmt::print("{}", json);

@@ -2,9 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "drivers/commissioning/load_commissioning.hpp"
 #include "drivers/commissioning/signature.hpp"
@@ -14,7 +12,9 @@
 #include "robot/bench/commissioning_operator.hpp"
 #include "robot/cli/live_options.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/sha256.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/security/key_files.hpp"
@@ -47,14 +47,9 @@ fs::path key_of(const CommissionOptions& options) {
   return security::signing_files(security::default_folder(), security::Signer::Commissioning).private_key;
 }
 
+// Of no file the hash of nothing.
 std::string config_hash(const fs::path& file) {
-  std::ostringstream bytes;
-  if (!file.empty()) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw ConfigError("cannot be opened", file.string(), "give --config a file");
-    bytes << stream.rdbuf();
-  }
-  return commissioning::sha256_hex(bytes.str());
+  return hex(sha256(file.empty() ? std::string() : read_file(file, "give --config a file")));
 }
 
 Record blank_record(const CommissionOptions& options) {
@@ -104,8 +99,8 @@ void store(const Record& record, const commissioning::SigningKey& key, const fs:
   const std::string text = commissioning::to_json(record);
   std::error_code absent;
   fs::remove(folder / commissioning::kSignatureFile, absent);
-  report::atomic_write(folder / commissioning::kRecordFile, text);
-  report::atomic_write(folder / commissioning::kSignatureFile, key.sign(text));
+  atomic_write(folder / commissioning::kRecordFile, text);
+  atomic_write(folder / commissioning::kSignatureFile, key.sign(text));
 }
 
 }  // namespace

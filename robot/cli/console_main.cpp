@@ -8,7 +8,7 @@
 #include "robot/cli/live_commands.hpp"
 #include "robot/cli/log_options.hpp"
 #include "robot/common/files/data_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/logging/program.hpp"
 #include "robot/console/console_loop.hpp"
 #include "robot/live/live_process.hpp"
@@ -49,7 +49,7 @@ void serve(const Options& options) {
   const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
   robot::ConsoleLoop loop(robot, std::move(opened),
                           {options.page, own, options.port, simulated, first_token});
-  report::atomic_write(folder / "console.url", loop.url());
+  atomic_write(folder / "console.url", loop.url());
   fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);
   fmt::print("{}\n", loop.url());
   std::fflush(stdout);

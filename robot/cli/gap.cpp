@@ -7,8 +7,8 @@
 #include "robot/cli/accepted_model.hpp"
 #include "robot/cli/commands.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/recheck.hpp"
 #include "robot/report/gap/gap_console.hpp"
@@ -83,7 +83,7 @@ bool is_better(const GapFinding& finding) {
 }
 
 void add_recheck(GapFinding& finding, const GapOptions& options, ProgressLine& line) {
-  report::atomic_write(options.out / "model.toml", finding.model_after);
+  atomic_write(options.out / "model.toml", finding.model_after);
   const Recheck checked =
       recheck(options.model, options.out / "model.toml", finding.noise_floor,
               [&line](double share, const std::string& what) { line.show(share, "margins: " + what); });

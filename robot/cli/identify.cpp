@@ -9,8 +9,8 @@
 #include "robot/cli/commands.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/report/study/study_html.hpp"
 #include "sim/plant/model_text.hpp"
@@ -139,10 +139,10 @@ int identify(const IdentifyOptions& options) {
   const std::string title = dataset.title.empty() ? options.dataset.filename().string() : dataset.title;
   const std::string text = model_text(noted, found, "current in " + title);
   claim_run_folder(options.out, {model, options.dataset});
-  report::atomic_write(options.out / "model.toml", text);
-  report::atomic_write(options.out / "identify.json", json_text(found));
+  atomic_write(options.out / "model.toml", text);
+  atomic_write(options.out / "identify.json", json_text(found));
   print(found);
-  report::atomic_write(options.out / "report.html", report::study_html(page_of(found, title)));
+  atomic_write(options.out / "report.html", report::study_html(page_of(found, title)));
   fmt::print("\nreport: {}\nvalues: {}\nmodel:  {}\n", (options.out / "report.html").string(),
              (options.out / "identify.json").string(), (options.out / "model.toml").string());
   return 0;

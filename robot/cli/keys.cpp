@@ -30,8 +30,8 @@ void print_table(const std::vector<security::FileVerdict>& verdicts, const fs::p
   std::size_t file_width = 4, subject_width = 7;
   std::vector<std::string> files, subjects;
   for (const security::FileVerdict& verdict : verdicts) {
-    files.push_back(report::plain(verdict.file.lexically_relative(folder).string()));
-    subjects.push_back(report::plain(verdict.subject));
+    files.push_back(plain(verdict.file.lexically_relative(folder).string()));
+    subjects.push_back(plain(verdict.subject));
     file_width = std::max(file_width, files.back().size());
     subject_width = std::max(subject_width, subjects.back().size());
   }

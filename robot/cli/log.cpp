@@ -6,7 +6,8 @@
 
 #include "robot/cli/live_options.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/recorder/log_csv.hpp"
 #include "robot/recorder/log_file.hpp"
@@ -27,18 +28,13 @@ recorder::PublicKey key_for(const LogOptions& options) {
                                                               : options.public_key);
 }
 
-template <class Bytes>
-std::string hex(const Bytes& bytes) {
-  return fmt::format("{:02x}", fmt::join(bytes, ""));
-}
-
 std::string sentence(const Verdict& verdict) {
   if (const auto* head = std::get_if<LogHead>(&verdict))
     return fmt::format(
         "The log is intact: {} records, each as it was written and in its place, and the head is signed.\n"
         "Log {}, last hash {}.\n",
         head->count, hex(head->id), hex(head->last_hash));
-  return fmt::format("THE LOG IS NOT INTACT: {}.\n", report::plain(std::get<Flaw>(verdict).what));
+  return fmt::format("THE LOG IS NOT INTACT: {}.\n", plain(std::get<Flaw>(verdict).what));
 }
 
 nlohmann::json as_json(const Verdict& verdict) {
@@ -48,10 +44,7 @@ nlohmann::json as_json(const Verdict& verdict) {
             {"log_id", hex(head->id)},
             {"last_hash", hex(head->last_hash)}};
   const Flaw& flaw = std::get<Flaw>(verdict);
-  return {{"intact", false},
-          {"flaw", word(flaw.kind)},
-          {"record", flaw.record},
-          {"what", report::plain(flaw.what)}};
+  return {{"intact", false}, {"flaw", word(flaw.kind)}, {"record", flaw.record}, {"what", plain(flaw.what)}};
 }
 
 int exit_code(const Verdict& verdict) {
@@ -60,7 +53,7 @@ int exit_code(const Verdict& verdict) {
 
 void print_row(const Record& record) {
   fmt::print("{:>7}  {:.23}  {:<11}  {:<15}  {}\n", record.seq, recorder::utc_text(record.utc_ns),
-             report::plain(record.source), report::plain(record.kind), report::plain(record.body));
+             plain(record.source), plain(record.kind), plain(record.body));
 }
 
 }  // namespace
@@ -89,7 +82,7 @@ int log_export(const LogOptions& options) {
   std::string csv(recorder::kCsvHeader);
   const Verdict verdict =
       recorder::verify(options.log, key_for(options), [&](const Record& record) { csv += csv_line(record); });
-  report::atomic_write(options.csv, csv);
+  atomic_write(options.csv, csv);
   fmt::print("{}table        {}\n", sentence(verdict), options.csv.string());
   return exit_code(verdict);
 }

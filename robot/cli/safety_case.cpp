@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <fstream>
 #include <iterator>
 
 #include "robot/cli/commands.hpp"
@@ -10,8 +9,8 @@
 #include "robot/common/code_identity.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/subprocess.hpp"
 #include "robot/procedure/case.hpp"
@@ -31,11 +30,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string filled(std::string word, const fs::path& tests, const fs::path& out) {
@@ -71,9 +65,9 @@ std::optional<Finding> run(const Source& source, const Build& build, const fs::p
     line.show(share, fmt::format("{}, {:.0f} s", source.title, seconds_since(start)));
   });
   finding.seconds = seconds_since(start);
-  report::atomic_write(folder / (source.id + ".txt"), spoken.text);
+  atomic_write(folder / (source.id + ".txt"), spoken.text);
   if (!fs::exists(raw)) return std::nullopt;
-  const std::string json = text_of(raw);
+  const std::string json = read_file_if_present(raw);
   source.kind == safety_case::SourceKind::Tests ? read_tests(json, raw.string(), finding)
                                                 : read_proof(json, raw.string(), finding);
   finding.passed = finding.passed && spoken.exit_code == 0;
@@ -91,7 +85,7 @@ std::vector<Finding> gather(const safety_case::SafetyCase& safety_case, const Bu
     if (build.quick && !source.in_quick) continue;
     const double share = (done - 1.0) / static_cast<double>(safety_case.sources.size());
     if (std::optional<Finding> finding = run(source, build, folder, line, share)) {
-      report::atomic_write(folder / (source.id + ".json"), to_json(*finding));
+      atomic_write(folder / (source.id + ".json"), to_json(*finding));
       findings.push_back(std::move(*finding));
     }
   }
@@ -105,7 +99,7 @@ std::vector<Finding> collect(const safety_case::SafetyCase& safety_case, const f
   std::vector<Finding> findings;
   for (const Source& source : safety_case.sources)
     if (const fs::path file = folder / (source.id + ".json"); fs::exists(file))
-      findings.push_back(safety_case::finding_from_json(text_of(file), file.string()));
+      findings.push_back(safety_case::finding_from_json(read_file_if_present(file), file.string()));
   return findings;
 }
 
@@ -140,10 +134,10 @@ int safety_case(const SafetyCaseOptions& options) {
   for (const safety_case::Gap& gap : gaps_in_evidence(safety_case, findings, build)) gaps.push_back(gap);
   const std::string dot = argument_dot(safety_case, findings, gaps);
   const std::string svg = drawn(dot, gaps);
-  report::atomic_write(options.out / "argument.dot", dot);
-  if (!svg.empty()) report::atomic_write(options.out / "argument.svg", svg);
-  report::atomic_write(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
-  report::atomic_write(options.out / "safety-case.json", case_json(safety_case, findings, gaps, build));
+  atomic_write(options.out / "argument.dot", dot);
+  if (!svg.empty()) atomic_write(options.out / "argument.svg", svg);
+  atomic_write(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
+  atomic_write(options.out / "safety-case.json", case_json(safety_case, findings, gaps, build));
 
   fmt::print("{}\n", case_sentence(safety_case, findings, gaps, build));
   for (const safety_case::Gap& gap : gaps) fmt::print("  {}: {}\n", gap.where, gap.what);

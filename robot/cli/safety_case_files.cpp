@@ -11,7 +11,6 @@ using safety_case::Hazard;
 using safety_case::Requirement;
 using safety_case::Source;
 using safety_case::SourceKind;
-using sim::TomlTable;
 
 constexpr double kAnyFigure = 1e12;
 
@@ -27,14 +26,11 @@ Hazard hazard_from(TomlTable table) {
   hazard.max_time_ms = static_cast<int>(table.number("max_time_ms", 1, 10'000));
   hazard.requirements = table.texts("requirements");
   hazard.tests = table.texts("tests");
-  table.refuse_rest();
   return hazard;
 }
 
 Requirement requirement_from(TomlTable table) {
-  Requirement requirement{table.text("id"), table.text("text"), table.texts("proofs")};
-  table.refuse_rest();
-  return requirement;
+  return {table.text("id"), table.text("text"), table.texts("proofs")};
 }
 
 Bar bar_from(TomlTable table) {
@@ -43,7 +39,6 @@ Bar bar_from(TomlTable table) {
   if (table.has("at_most")) bar.at_most = table.number("at_most", -kAnyFigure, kAnyFigure);
   if (!bar.at_least && !bar.at_most)
     throw ConfigError("a bar without a limit", table.where(), "add at_least or at_most");
-  table.refuse_rest();
   return bar;
 }
 
@@ -67,27 +62,31 @@ Source source_from(TomlTable table) {
   if (table.has("full")) source.full = table.texts("full");
   if (table.has("in_quick")) source.in_quick = table.flag("in_quick");
   for (TomlTable& bar : table.tables("bars")) source.bars.push_back(bar_from(bar));
-  table.refuse_rest();
   return source;
+}
+
+template <class Row>
+std::vector<Row> read_list(const std::filesystem::path& file, const char* name, Row (*row_from)(TomlTable)) {
+  return read_toml(file, [&](TomlTable& root) {
+    std::vector<Row> rows;
+    for (TomlTable& table : root.tables(name)) rows.push_back(row_from(table));
+    return rows;
+  });
 }
 
 }  // namespace
 
 safety_case::SafetyCase read_safety_case(const std::filesystem::path& folder) {
-  safety_case::SafetyCase out;
-  TomlTable hazards = sim::read_toml(folder / "hazards.toml");
-  for (TomlTable& table : hazards.tables("hazard")) out.hazards.push_back(hazard_from(table));
-  hazards.refuse_rest();
-  TomlTable requirements = sim::read_toml(folder / "requirements.toml");
-  for (TomlTable& table : requirements.tables("requirement"))
-    out.requirements.push_back(requirement_from(table));
-  requirements.refuse_rest();
-  TomlTable evidence = sim::read_toml(folder / "evidence.toml");
-  out.claim = evidence.text("claim");
-  out.not_covered = evidence.texts("not_covered");
-  out.open_items = evidence.texts("open");
-  for (TomlTable& table : evidence.tables("evidence")) out.sources.push_back(source_from(table));
-  evidence.refuse_rest();
+  safety_case::SafetyCase out = read_toml(folder / "evidence.toml", [](TomlTable& evidence) {
+    safety_case::SafetyCase read;
+    read.claim = evidence.text("claim");
+    read.not_covered = evidence.texts("not_covered");
+    read.open_items = evidence.texts("open");
+    for (TomlTable& table : evidence.tables("evidence")) read.sources.push_back(source_from(table));
+    return read;
+  });
+  out.hazards = read_list(folder / "hazards.toml", "hazard", hazard_from);
+  out.requirements = read_list(folder / "requirements.toml", "requirement", requirement_from);
   return out;
 }
 

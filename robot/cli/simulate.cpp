@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "robot/cli/commands.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "sim/plant/model_file.hpp"
 
@@ -32,10 +32,10 @@ int simulate(const SimulateOptions& options) {
   for (std::size_t i = 0; i < recorded.runs.size(); ++i) {
     line.show(static_cast<double>(i) / static_cast<double>(recorded.runs.size()), recorded.runs[i].name);
     simulated.runs[i] = sim::simulate(model, recorded.runs[i]);
-    report::atomic_write(options.out / simulated.runs[i].file, sim::run_csv(simulated.runs[i], drive));
+    atomic_write(options.out / simulated.runs[i].file, sim::run_csv(simulated.runs[i], drive));
   }
   simulated.title = recorded.title + " (simulated)";
-  report::atomic_write(options.out / "dataset.toml", sim::dataset_toml(simulated));
+  atomic_write(options.out / "dataset.toml", sim::dataset_toml(simulated));
   fmt::print("{:<32} {:>8} {:>9} {:>22}\n", "run", "rows", "time, s", "rms to measured, mm");
   for (std::size_t i = 0; i < recorded.runs.size(); ++i) {
     const sim::RecordedRun& run = recorded.runs[i];

@@ -9,8 +9,8 @@
 #include "robot/cli/commands.hpp"
 #include "robot/cli/tuning_text.hpp"
 #include "robot/common/files/data_folder.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/case.hpp"
 
@@ -64,8 +64,8 @@ int tune(const TuneOptions& options) {
   fmt::print("{}\n", page.sentence);
   for (const report::StudyTable& table : page.tables) print(table);
   if (options.out.empty()) return 0;
-  report::atomic_write(options.out / "report.html", report::study_html(page));
-  report::atomic_write(options.out / "tune.json", tuning_json(found, name, seconds));
+  atomic_write(options.out / "report.html", report::study_html(page));
+  atomic_write(options.out / "tune.json", tuning_json(found, name, seconds));
   fmt::print("\nreport:  {}\nnumbers: {}\n", (options.out / "report.html").string(),
              (options.out / "tune.json").string());
   return 0;

@@ -4,11 +4,11 @@
 
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <thread>
 
 #include "drivers/digital_io/io_views.hpp"
 #include "robot/cli/live_options.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/logging/log_session.hpp"
 #include "robot/common/logging/logger.hpp"
@@ -129,13 +129,6 @@ std::vector<std::string> console_words(const UpOptions& options) {
   return words;
 }
 
-std::string first_line(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
-  return line;
-}
-
 // Where there is no desktop the address is there to be typed.
 void open_in_browser(const std::string& url) {
   if (fork() != 0) return;
@@ -160,9 +153,9 @@ int up_with_console(const UpOptions& options, const PreparedCase& prepared, real
   while (!signals.came() && !ended) {
     if (!told && std::filesystem::exists(address)) {
       told = true;
-      fmt::print("console: {}\nup; Ctrl-C brings it down\n", first_line(address));
+      fmt::print("console: {}\nup; Ctrl-C brings it down\n", read_file(address));
       std::fflush(stdout);
-      if (options.open) open_in_browser(first_line(address));
+      if (options.open) open_in_browser(read_file(address));
     }
     if (const auto alone = session.launcher().ended(Process::Person)) {
       if (!told) ended = alone;

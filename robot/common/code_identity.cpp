@@ -2,19 +2,17 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
 #include <ctime>
-#include <fstream>
-#include <iterator>
-#include <memory>
 #include <vector>
 
-#include "robot/common/config_error.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/sha256.hpp"
 #include "robot/common/subprocess.hpp"
 
-namespace biopsy::robot {
+namespace biopsy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,31 +32,17 @@ std::vector<fs::path> code_files(const fs::path& tree) {
   return files;
 }
 
-std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw ConfigError("cannot be read", file.string(), "check the source tree");
-  return bytes;
-}
-
 }  // namespace
 
 std::string code_fingerprint(const fs::path& tree) {
   if (!fs::exists(tree / "safety"))
     throw ConfigError("the source tree is not there", tree.string(), "run ./dev safety-case in a source tree");
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  EVP_DigestInit_ex(hash.get(), EVP_sha256(), nullptr);
+  std::string all;
   for (const fs::path& file : code_files(tree)) {
-    const std::string bytes = bytes_of(file);
-    const std::string title =
-        fmt::format("{}\n{}\n", fs::relative(file, tree).generic_string(), bytes.size());
-    EVP_DigestUpdate(hash.get(), title.data(), title.size());
-    EVP_DigestUpdate(hash.get(), bytes.data(), bytes.size());
+    const std::string bytes = read_file(file);
+    all += fmt::format("{}\n{}\n", fs::relative(file, tree).generic_string(), bytes.size()) + bytes;
   }
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned size = 0;
-  EVP_DigestFinal_ex(hash.get(), digest, &size);
-  return fmt::format("{:02x}", fmt::join(digest, digest + size, ""));
+  return hex(sha256(all));
 }
 
 std::string commit_of(const fs::path& tree) {
@@ -73,4 +57,4 @@ std::string utc_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace biopsy::robot {
+namespace biopsy {
 
 // SHA-256, as hex, over name and content of every source, case and model file of the tree, sorted by name.
 // Any change of the code makes evidence of before stale. Throws ConfigError where a file cannot be read.
@@ -15,4 +15,4 @@ std::string commit_of(const std::filesystem::path& tree);
 
 std::string utc_now();  // 2031-05-17T09:30:00Z
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

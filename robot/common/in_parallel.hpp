@@ -1,25 +1,14 @@
-// The same work on every index, spread over the machine's cores. Results must be written to places of their
-// own; the order of work does not matter then, and the answer is the same on any machine.
+// The same work on every index in [0, count), spread over the machine's cores (oneTBB). Each call writes to
+// places of its own, so that results do not depend on the number of threads. Calls may be nested.
 #pragma once
 
-#include <algorithm>
-#include <atomic>
 #include <cstddef>
-#include <thread>
-#include <vector>
+#include <functional>
 
-namespace biopsy::sim {
+namespace biopsy {
 
-template <class Work>
-void in_parallel(std::size_t count, Work&& work) {
-  const std::size_t cores = std::max<std::size_t>(1, std::thread::hardware_concurrency());
-  std::atomic<std::size_t> next{0};
-  const auto take = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
-  };
-  std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < std::min(cores, count); ++i) others.emplace_back(take);
-  take();
-}
+// An exception of one call ends the loop: indices above it may be left out, and it is thrown again here, that
+// of the lowest index where several fail.
+void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work);
 
-}  // namespace biopsy::sim
+}  // namespace biopsy

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace biopsy::report {
+namespace biopsy {
 
 double rounded(double value, int decimals) {
   const double scale = std::pow(10.0, decimals);
@@ -19,4 +19,4 @@ std::string fixed(double value, int decimals, const std::string& unit) {
   return std::isfinite(value) ? fixed(value, decimals) + " " + unit : "–";
 }
 
-}  // namespace biopsy::report
+}  // namespace biopsy

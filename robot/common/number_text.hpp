@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace biopsy::report {
+namespace biopsy {
 
 // Rounded to `decimals`; minus zero becomes zero.
 double rounded(double value, int decimals);
@@ -14,4 +14,4 @@ std::string fixed(double value, int decimals);
 // "3.51 mm", or an en dash alone.
 std::string fixed(double value, int decimals, const std::string& unit);
 
-}  // namespace biopsy::report
+}  // namespace biopsy

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace biopsy::robot {
+namespace biopsy {
 namespace {
 
 using namespace std::chrono_literals;
@@ -39,4 +39,4 @@ void ProgressLine::show(double share, const std::string& what) {
   std::fflush(stderr);
 }
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace biopsy::robot {
+namespace biopsy {
 
 class ProgressLine {
  public:
@@ -21,4 +21,4 @@ class ProgressLine {
   std::chrono::steady_clock::time_point started_, last_;
 };
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace biopsy::report {
+namespace biopsy {
 namespace {
 
 // The JSON library already knows how to replace what is not UTF-8 (DICOM names may be Latin-1 or worse).
@@ -73,4 +73,4 @@ std::string person_name(std::string_view dicom_name) {
   return name;
 }
 
-}  // namespace biopsy::report
+}  // namespace biopsy

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace biopsy::report {
+namespace biopsy {
 
 // Valid UTF-8 without control or text-direction characters: cannot move a terminal's cursor or reverse a
 // line.
@@ -16,4 +16,4 @@ std::string escaped(std::string_view text);
 // "Doe, Jane Maria" from DICOM's "Doe^Jane^Maria".
 std::string person_name(std::string_view dicom_name);
 
-}  // namespace biopsy::report
+}  // namespace biopsy

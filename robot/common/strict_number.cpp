@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace biopsy::imaging {
+namespace biopsy {
 namespace {
 
 template <class Number>
@@ -20,7 +20,7 @@ std::optional<Number> whole_text(std::string_view text) {
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
-  const std::string_view blanks(" \t\r\0", 4);  // DICOM pads with blanks and with zero bytes
+  const std::string_view blanks(" \t\r\n\0", 5);  // DICOM pads with blanks and with zero bytes
   const std::size_t first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
@@ -50,4 +50,4 @@ std::optional<std::vector<double>> strict_numbers(std::string_view text, char se
   return numbers;
 }
 
-}  // namespace biopsy::imaging
+}  // namespace biopsy

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace biopsy::imaging {
+namespace biopsy {
 
-std::string_view trimmed(std::string_view text);  // without spaces, tabs and carriage returns at both ends
+std::string_view trimmed(std::string_view text);  // without white space and zero bytes at both ends
 
 std::optional<double> strict_number(std::string_view text);  // finite
 std::optional<std::int64_t> strict_integer(std::string_view text);
@@ -17,4 +17,4 @@ std::optional<std::int64_t> strict_integer(std::string_view text);
 // count as one separator.
 std::optional<std::vector<double>> strict_numbers(std::string_view text, char separator);
 
-}  // namespace biopsy::imaging
+}  // namespace biopsy

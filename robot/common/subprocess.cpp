@@ -12,7 +12,7 @@
 
 extern char** environ;
 
-namespace biopsy::robot {
+namespace biopsy {
 namespace {
 
 using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
@@ -83,4 +83,4 @@ ProcessResult run_subprocess(const std::vector<std::string>& words, const std::s
   return spoken;
 }
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

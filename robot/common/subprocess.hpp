@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace biopsy::robot {
+namespace biopsy {
 
 struct ProcessResult {
   int exit_code = 127;  // 127: could not be started; 128 + n: ended by signal n
@@ -18,4 +18,4 @@ ProcessResult run_subprocess(
     const std::vector<std::string>& words, const std::string& input = {}, bool with_errors = false,
     const std::function<void()>& while_running = [] {});
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

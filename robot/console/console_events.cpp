@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "planner/plan/seal.hpp"
+#include "robot/common/encoding.hpp"
 #include "robot/console/server/picked_point.hpp"
 #include "robot/procedure/anatomical_orientation.hpp"
 #include "robot/report/plot/png.hpp"
@@ -50,7 +51,7 @@ events::Planned planned_of(const PreparedCase& prepared, const std::optional<Poi
   }
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Direction axis_S = plan.X_SR.linear().col(2);
-  told.seal = planner::hex(plan.seal);
+  told.seal = hex(plan.seal);
   told.confirmed = confirmed;
   told.depth = plan.target_depth.value;
   told.angle = std::asin(std::clamp(std::abs(axis_S.z()), 0.0, 1.0)) * 180.0 / std::numbers::pi;
@@ -80,8 +81,8 @@ events::Checked checked_of(std::size_t stage, const report::StepResult& result) 
   told.sigma = check.sigma.value;
   told.error = check.tip_found ? check.depth.value - result.stage.depth.value : 0.0;
   told.confidence = check.registration_score;
-  told.before_png = report::base64(report::png_bytes(result.before));
-  told.after_png = report::base64(report::png_bytes(result.after));
+  told.before_png = base64(report::png_bytes(result.before));
+  told.after_png = base64(report::png_bytes(result.after));
   told.width = static_cast<std::uint32_t>(result.after.width);
   told.height = static_cast<std::uint32_t>(result.after.height);
   if (result.geometry) {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <sstream>
 
+#include "robot/common/files/file.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/server/command_from_json.hpp"
@@ -91,11 +91,9 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
     if (path != "/report.html") return std::nullopt;
     written = session_.report();
   }
-  std::ifstream file(written, std::ios::binary);
-  if (!file) return std::nullopt;
-  std::stringstream text;
-  text << file.rdbuf();
-  console::Document report{"text/html; charset=utf-8", std::make_shared<const std::string>(text.str())};
+  if (!std::filesystem::exists(written)) return std::nullopt;
+  console::Document report{"text/html; charset=utf-8",
+                           std::make_shared<const std::string>(read_file(written))};
   report.self_contained = true;
   return report;
 }

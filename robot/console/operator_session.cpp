@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planner/plan/seal.hpp"
+#include "robot/common/encoding.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/operator_run.hpp"
@@ -65,7 +66,7 @@ bool OperatorSession::hv_permitted() const {
 }
 
 bool OperatorSession::is_shown(const std::string& seal) const {
-  return plan() != nullptr && planner::hex(plan()->seal) == seal;
+  return plan() != nullptr && hex(plan()->seal) == seal;
 }
 
 // The first confirmation is that of the plan, the second that of the three ticks. Without both the supervisor

@@ -8,6 +8,7 @@
 
 #include "planner/plan/open_plan.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/common/encoding.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
@@ -140,7 +141,7 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
   SealedPlan sealed;
   while (plans_.take(sealed)) {
     const std::optional<Plan> plan = planner::open_plan(sealed.bytes, sealed.seal);
-    LogBody body{{"seal", planner::hex(sealed.seal)}, {"seal_holds", plan.has_value()}};
+    LogBody body{{"seal", hex(sealed.seal)}, {"seal_holds", plan.has_value()}};
     if (plan) {
       body["patient"] = plan->target.patient_id;
       body["series_uid"] = plan->target.series_uid;

@@ -5,13 +5,14 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/sha256.hpp"
 
 namespace biopsy::live {
 namespace {
@@ -21,13 +22,7 @@ using Json = nlohmann::json;
 
 constexpr double kStrokeMax_mm = 1000.0;  // no layer of a patient is deeper
 
-std::string read_all(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw ConfigError("the file cannot be read", file.string(),
-                      "start the robot with `biopsy up`, which writes it");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+constexpr const char* kRemedy = "start the robot with `biopsy up`, which writes it";
 
 // Reads entries of one object and refuses those that were not requested.
 class Entries {
@@ -154,17 +149,14 @@ LiveSettings parse_settings(const std::string& text, const std::string& name) {
 }
 
 LiveSettings read_settings(const fs::path& run_folder) {
-  return parse_settings(read_all(settings_file(run_folder)), settings_file(run_folder).string());
+  return parse_settings(read_file(settings_file(run_folder), kRemedy), settings_file(run_folder).string());
 }
 
 std::uint64_t config_tag(const fs::path& run_folder, const LiveSettings& settings) {
-  std::string bytes = read_all(settings_file(run_folder));
+  std::string bytes = read_file(settings_file(run_folder), kRemedy);
   for (const fs::path& file : {settings.model, settings.tissues, settings.device_config})
-    if (!file.empty()) bytes += read_all(file);
-  std::array<unsigned char, 32> digest{};
-  EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr);
-  std::uint64_t tag = 0;
-  for (std::size_t n = 0; n < 8; ++n) tag = tag << 8 | digest[n];
+    if (!file.empty()) bytes += read_file(file, kRemedy);
+  const std::uint64_t tag = first_64_bits(sha256(bytes));
   return tag == 0 ? 1 : tag;
 }
 

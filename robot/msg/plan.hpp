@@ -2,18 +2,16 @@
 // of the needle tip from the entry, positive into the patient.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "robot/common/sha256.hpp"
 #include "robot/common/units.hpp"
 #include "robot/msg/target.hpp"
 
 namespace biopsy {
-
-using Sha256 = std::array<std::uint8_t, 32>;
 
 struct Layer {
   std::string name;

@@ -13,7 +13,6 @@ namespace biopsy::robot {
 namespace {
 
 namespace fs = std::filesystem;
-using sim::TomlTable;
 
 constexpr double kFar_mm = 2000.0;  // no scanner's field is wider
 
@@ -39,11 +38,8 @@ void read_image(TomlTable table, const fs::path& file, Case& out) {
   }
   if (table.has("series")) out.series_uid = table.text("series");
   if (table.has("labels")) out.labels = beside(file, table.text("labels"));
-  for (TomlTable& label : table.tables("label")) {
+  for (TomlTable& label : table.tables("label"))
     out.label_names[static_cast<int>(label.number("value", -1e6, 1e6))] = label.text("name");
-    label.refuse_rest();
-  }
-  table.refuse_rest();
 }
 
 void read_target(TomlTable table, Case& out) {
@@ -56,7 +52,6 @@ void read_target(TomlTable table, Case& out) {
   if (!out.depth && !(out.p_SE && out.p_ST))
     throw ConfigError("no target", table.where(),
                       "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
-  table.refuse_rest();
 }
 
 void read_robot(TomlTable table, const fs::path& file, Case& out) {
@@ -66,7 +61,6 @@ void read_robot(TomlTable table, const fs::path& file, Case& out) {
   if (out.transform && (out.transform->size() != 16 || !out.fiducials.empty()))
     throw ConfigError("`transform_ras` needs 16 numbers and no `fiducials` beside it", table.where(),
                       "give the 4 x 4 matrix row by row, or the fiducial file, not both");
-  table.refuse_rest();
 }
 
 void read_plan(TomlTable table, Case& out) {
@@ -78,12 +72,9 @@ void read_plan(TomlTable table, Case& out) {
   if (table.has("crossing_mm_s"))
     out.pace.crossing = MillimetresPerSecond(table.number("crossing_mm_s", 0.05, 20.0));
   if (table.has("dwell_s")) out.pace.dwell = Seconds(table.number("dwell_s", 0.1, 30.0));
-  for (TomlTable& layer : table.tables("layer")) {
+  for (TomlTable& layer : table.tables("layer"))
     out.layers.push_back({layer.text("name"), Millimetres(layer.number("from_mm", 0.0, 1000.0)),
                           Millimetres(layer.number("to_mm", 0.0, 1000.0))});
-    layer.refuse_rest();
-  }
-  table.refuse_rest();
   if (!out.layers.empty()) planner::check_layers(out.layers, table.where());
 }
 
@@ -93,7 +84,20 @@ void read_rehearsal(TomlTable table, const fs::path& file, Rehearsal& out) {
   if (table.has("snr")) out.snr = table.number("snr", 1.0, 1000.0);
   if (table.has("patient_shift_mm")) out.motion_mm = table.number("patient_shift_mm", 0.0, 50.0);
   if (table.has("patient_turn_deg")) out.motion_deg = table.number("patient_turn_deg", 0.0, 45.0);
-  table.refuse_rest();
+}
+
+Case case_of(TomlTable& root, const fs::path& file) {
+  Case out = blank_case();
+  out.title = root.has("title") ? root.text("title") : file.stem().string();
+  read_image(root.table("image"), file, out);
+  read_target(root.table("target"), out);
+  if (root.has("robot")) read_robot(root.table("robot"), file, out);
+  if (root.has("plan")) read_plan(root.table("plan"), out);
+  if (root.has("rehearsal")) read_rehearsal(root.table("rehearsal"), file, out.rehearsal);
+  if (root.has("seed")) out.seed = static_cast<std::uint64_t>(root.number("seed", 0.0, 9e15));
+  if (!out.layers.empty() && !out.labels.empty())
+    throw ConfigError("both a table of layers and a label map", file.string(), "keep one of them");
+  return out;
 }
 
 }  // namespace
@@ -128,22 +132,7 @@ Case read_case(const std::string& name_or_path) {
   if (!fs::exists(file))
     throw ConfigError("no such case", name_or_path,
                       fmt::format("give a case file, or one of: {}", fmt::join(built_in_cases(), ", ")));
-  TomlTable root = sim::read_toml(file);
-  Case out = blank_case();
-  out.title = root.has("title") ? root.text("title") : file.stem().string();
-  read_image(root.table("image"), file, out);
-  read_target(root.table("target"), out);
-  if (root.has("robot")) read_robot(root.table("robot"), file, out);
-  if (root.has("plan")) read_plan(root.table("plan"), out);
-  if (root.has("rehearsal")) read_rehearsal(root.table("rehearsal"), file, out.rehearsal);
-  if (root.has("seed")) out.seed = static_cast<std::uint64_t>(root.number("seed", 0.0, 9e15));
-  root.ignore("title");
-  root.ignore("seed");
-  for (const char* table : {"robot", "plan", "rehearsal"}) root.ignore(table);
-  root.refuse_rest();
-  if (!out.layers.empty() && !out.labels.empty())
-    throw ConfigError("both a table of layers and a label map", file.string(), "keep one of them");
-  return out;
+  return read_toml(file, [&](TomlTable& root) { return case_of(root, file); });
 }
 
 }  // namespace biopsy::robot

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/typed_point.hpp"
+#include "robot/common/ras_point.hpp"
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/procedure/provenance.hpp"
 #include "robot/report/procedure/console_table.hpp"
@@ -30,8 +30,8 @@ Case case_of(const ProcedureOptions& options, Points points) {
     given.image = options.image;
     given.title = (options.image / "").parent_path().filename().string();
     if (!none) {
-      given.p_SE = typed_point("--entry", options.entry);
-      given.p_ST = typed_point("--target", options.target);
+      given.p_SE = parse_ras_point("--entry", options.entry);
+      given.p_ST = parse_ras_point("--target", options.target);
     }
     given.labels = options.labels;
   }

@@ -1,28 +1,18 @@
 #include "robot/procedure/provenance.hpp"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
-#include <fstream>
-#include <sstream>
+#include <span>
 
-#include "planner/plan/seal.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/sha256.hpp"
 
 namespace biopsy::robot {
 namespace {
 
-std::string sha256(const void* bytes, std::size_t size) {
-  Sha256 digest{};
-  EVP_Digest(bytes, size, digest.data(), nullptr, EVP_sha256(), nullptr);
-  return planner::hex(digest);
-}
-
 std::string file_hash(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  const std::string bytes = text.str();
-  return sha256(bytes.data(), bytes.size());
+  return hex(sha256(read_file(file)));
 }
 
 }  // namespace
@@ -33,13 +23,12 @@ std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& 
   std::vector<std::pair<std::string, std::string>> out{
       {"program", fmt::format("biopsy {}", BIOPSY_VERSION)},
       {"seed", fmt::format("{}", given.seed)},
-      {"image voxels, SHA-256",
-       sha256(prepared.image.voxels.data(), prepared.image.voxels.size() * sizeof(float))},
+      {"image voxels, SHA-256", hex(sha256(std::as_bytes(std::span(prepared.image.voxels))))},
       {"plant model", given.rehearsal.model.filename().string()},
       {"plant model, SHA-256", file_hash(given.rehearsal.model)},
       {"tissues, SHA-256", file_hash(given.rehearsal.tissues)},
   };
-  if (record.plan) out.emplace_back("seal of the plan, SHA-256", planner::hex(record.plan->seal));
+  if (record.plan) out.emplace_back("seal of the plan, SHA-256", hex(record.plan->seal));
   return out;
 }
 

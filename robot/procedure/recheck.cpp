@@ -9,7 +9,7 @@
 
 #include "planner/plan/insertion_steps.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {
@@ -63,7 +63,7 @@ fs::path with_noise(const fs::path& file, double noise_mm, const fs::path& copy)
   std::optional<sim::SensorNoise>& noise = model.model.effects.sensor_noise;
   if (noise && noise->std > 0.0) return file;
   noise = sim::SensorNoise{.std = std::min(noise_mm, kMostNoise_mm) * 1e-3};
-  report::atomic_write(copy, sim::model_toml(model.model, model.notes));
+  atomic_write(copy, sim::model_toml(model.model, model.notes));
   return copy;
 }
 

@@ -7,10 +7,9 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::recorder {
 namespace {
@@ -48,9 +47,7 @@ constexpr Sort kPublic{"public", PEM_read_bio_PUBKEY,
 
 Key read_key(const fs::path& file, const Sort& sort) {
   const std::string name = sort.name;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string pem{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw ConfigError("cannot read the log's " + name + " key", file.string(), sort.remedy);
+  const std::string pem = read_file(file, sort.remedy);
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
   Key key(sort.read(bio.get(), nullptr, no_password, nullptr), EVP_PKEY_free);
   ERR_clear_error();

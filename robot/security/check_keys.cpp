@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/security/certificates.hpp"
 #include "robot/security/signed_text.hpp"
 
@@ -45,11 +45,11 @@ std::string private_content(const fs::path& path) {
   require((facts.st_mode & 077U) == 0,
           fmt::format("is open to other users (mode {:04o})", facts.st_mode & 07777U),
           fmt::format("chmod 600 {}   (if another user may have copied it: make new keys)", path.string()));
-  std::ifstream stream(path, std::ios::binary);
-  std::string content(std::istreambuf_iterator<char>(stream), {});
-  require(stream.is_open() && !stream.bad() && !content.empty(), "cannot be read: " + reason(),
-          "check who owns it, and start as that user");
-  return content;
+  try {
+    return read_file(path, "check who owns it, and start as that user");
+  } catch (const ConfigError& unreadable) {
+    throw Problem{unreadable.what_is_wrong, unreadable.remedy};
+  }
 }
 
 // In a folder that others may write they can place keys of their own.

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <system_error>
+
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -17,15 +17,10 @@ bool is_present(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 void check_same_ca(FileVerdict& verdict, const RoleFiles& first) {
   for (const fs::path& ca : {first.identity_ca, first.permissions_ca}) {
     if (!verdict.problem.empty() || verdict.file.filename() != ca.filename()) continue;
-    if (content(verdict.file) == content(ca)) continue;
+    if (read_file_if_present(verdict.file) == read_file_if_present(ca)) continue;
     verdict.problem =
         fmt::format("belongs to another set than {}", (ca.parent_path().filename() / ca.filename()).string());
     verdict.remedy =

@@ -104,8 +104,4 @@ double peak_to_peak(const std::vector<double>& values) {
   return *high - *low;
 }
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 }  // namespace biopsy::sim::paper

@@ -42,8 +42,7 @@ PlantModel with_rigid_pole(PlantModel stage);
 // Largest static friction of the guide, by whichever effect models it. N
 double guide_friction(const PlantModel& stage);
 
-// Largest less smallest; mean.
+// Largest less smallest.
 double peak_to_peak(const std::vector<double>& values);
-double mean(const std::vector<double>& values);
 
 }  // namespace biopsy::sim::paper

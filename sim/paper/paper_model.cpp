@@ -21,7 +21,6 @@ Film read_film(TomlTable table) {
   film.tau = of_baseline(table, "tau");
   film.eps_film = of_baseline(table, "eps_film");
   film.d_film = of_baseline(table, "d_film");
-  table.refuse_rest();
   return film;
 }
 
@@ -31,13 +30,11 @@ Joint read_joint(TomlTable table) {
   joint.friction = table.number("friction_N", 0.0, 10.0);
   joint.crank = 1e-3 * table.number("crank_mm", 1.0, 1000.0);
   joint.start = table.number("start_deg", -90.0, 90.0) * std::numbers::pi / 180.0;
-  table.refuse_rest();
   return joint;
 }
 
 Needle read_needle(TomlTable table, const TissueTable& tissues) {
   const double muscle_mm = table.number("muscle_mm", 0.1, 100.0), gap_mm = table.number("gap_mm", 0.0, 100.0);
-  table.refuse_rest();
   const std::vector<Layer> path{{"muscle", Millimetres(0.0), Millimetres(muscle_mm)},
                                 {"gap", Millimetres(muscle_mm), Millimetres(muscle_mm + gap_mm)},
                                 {"liver", Millimetres(muscle_mm + gap_mm), Millimetres(1e3)}};
@@ -54,16 +51,15 @@ PaperModel read_paper_model(const std::filesystem::path& stage, const std::files
   PaperModel model;
   model.name = stage.filename().string();
   model.stage = read_model(stage);
-  TomlTable root = read_toml(paper);
-  root.ignore("title");
-  TomlTable films = root.table("film");
-  model.pi25 = read_film(films.table("pi25"));
-  model.bopp25 = read_film(films.table("bopp25"));
-  films.refuse_rest();
-  model.joint = read_joint(root.table("joint"));
-  model.needle = read_needle(root.table("needle"), read_tissues(paper.parent_path() / "tissues.toml"));
-  root.refuse_rest();
-  return model;
+  return read_toml(paper, [&](TomlTable& root) {
+    root.ignore("title");
+    TomlTable films = root.table("film");
+    model.pi25 = read_film(films.table("pi25"));
+    model.bopp25 = read_film(films.table("bopp25"));
+    model.joint = read_joint(root.table("joint"));
+    model.needle = read_needle(root.table("needle"), read_tissues(paper.parent_path() / "tissues.toml"));
+    return model;
+  });
 }
 
 PlantModel with_film(PlantModel stage, const Film& film) {

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/csv_table.hpp"
 #include "robot/common/files/toml_reader.hpp"
+#include "robot/common/statistics.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -32,16 +34,17 @@ bool in_wrong_unit(std::string_view name, std::string_view right, std::string_vi
          name.find('_', stem.size() + 1) == std::string_view::npos;
 }
 
-std::string header_of(const CsvTable& table) {
-  return fmt::format("{}:{}", table.file, table.header_line);
-}
-
-void refuse_wrong_units(const CsvTable& table) {
-  for (const std::string& name : table.names)
+// Columns that are not used must hold numbers all the same.
+void check_columns(const CsvTable& table) {
+  constexpr double kAny = std::numeric_limits<double>::max();
+  for (const std::string_view name : table.names()) {
     for (const ColumnRule& rule : kColumns)
       if (in_wrong_unit(name, rule.name, rule.stem))
-        throw ConfigError(fmt::format("column `{}` has the wrong unit", name), header_of(table),
+        throw ConfigError(fmt::format("column `{}` has the wrong unit", name), table.header_place(),
                           fmt::format("convert it and name it `{}`", rule.name));
+    if (std::ranges::find(kColumns, name, &ColumnRule::name) == kColumns.end())
+      table.numbers(name, -kAny, kAny);
+  }
 }
 
 // The same for dataset.toml: weight_kg = 0.05 must not be ignored.
@@ -54,20 +57,15 @@ void refuse_wrong_units(const TomlTable& table, std::string_view right, std::str
 
 std::vector<double> column(const CsvTable& table, std::string_view name, double si_per_unit) {
   const auto& rule = *std::find_if(kColumns.begin(), kColumns.end(), [&](auto& r) { return r.name == name; });
-  std::vector<double> out = table.column(std::string(name));
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (out[i] < rule.low || out[i] > rule.high)
-      throw ConfigError(fmt::format("column `{}`: {} is outside [{}, {}]", name, out[i], rule.low, rule.high),
-                        fmt::format("{}:{}", table.file, table.lines[i]), "check the column's unit");
-    out[i] *= si_per_unit;
-  }
+  std::vector<double> out = table.numbers(name, rule.low, rule.high);
+  for (double& value : out) value *= si_per_unit;
   return out;
 }
 
 void require(const CsvTable& table, std::string_view name) {
-  if (!table.has(std::string(name)))
+  if (!table.has(name))
     throw ConfigError(
-        fmt::format("column `{}` is missing", name), header_of(table),
+        fmt::format("column `{}` is missing", name), table.header_place(),
         "columns: time_s,voltage_V,displacement_mm[,plate_b_mm][,current_uA][,external_force_N]; with drive "
         "= \"force\": time_s,force_N,displacement_mm");
 }
@@ -75,35 +73,30 @@ void require(const CsvTable& table, std::string_view name) {
 // The fixed period of the rows; refuses anything else.
 double period_of(const CsvTable& table, const std::vector<double>& time) {
   if (time.size() < 2)
-    throw ConfigError("fewer than two rows", table.file, "a run needs at least two samples");
+    throw ConfigError("fewer than two rows", table.file(), "a run needs at least two samples");
   std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) {
     steps.push_back(time[i] - time[i - 1]);
     if (steps.back() <= 0.0)
       throw ConfigError(
           fmt::format("column `time_s`: time does not go on ({} s after {} s)", time[i], time[i - 1]),
-          fmt::format("{}:{}", table.file, table.lines[i]), "sort the rows and remove repeated ones");
+          table.place(i), "sort the rows and remove repeated ones");
   }
-  std::vector<double> sorted = steps;  // the median: one gap must not make every other step look wrong
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = median(steps);  // one gap must not make every other step look wrong
   for (std::size_t i = 0; i < steps.size(); ++i)
     // Printed times are rounded, often to a microsecond: a tenth of a period is a rounding, more is a gap.
     if (std::abs(steps[i] - usual) > std::max(0.1 * usual, 1.1e-6))
       throw ConfigError(
           fmt::format("column `time_s`: a step of {:.6g} s where the others take {:.6g} s", steps[i], usual),
-          fmt::format("{}:{}", table.file, table.lines[i + 1]),
-          "split the run at the gap or resample it at a fixed rate");
+          table.place(i + 1), "split the run at the gap or resample it at a fixed rate");
   const double period = (time.back() - time.front()) / static_cast<double>(steps.size());
   if (period < 0.99e-5 || period > 0.0505)
-    throw ConfigError(fmt::format("sampled every {:.6g} s", period), table.file,
+    throw ConfigError(fmt::format("sampled every {:.6g} s", period), table.file(),
                       "rates from 20 Hz to 100 kHz can be used");
   return period;
 }
 
 double number_or(TomlTable& table, std::string_view name, double low, double high, double otherwise) {
-  table.ignore(name);
   return table.has(name) ? table.number(name, low, high) : otherwise;
 }
 
@@ -119,7 +112,7 @@ RecordedRun read_run(const std::filesystem::path& folder, TomlTable entry, Drive
   run.weight = number_or(entry, "weight_g", 0.0, 1e5, 0.0) * 1e-3;
   const double push = number_or(entry, "external_force_N", -1e5, 1e5, 0.0);
   const CsvTable table = read_csv(folder / run.file);
-  refuse_wrong_units(table);
+  check_columns(table);
   const std::string_view input = drive == Drive::Force ? "force_N" : "voltage_V";
   for (const std::string_view name : {std::string_view("time_s"), input, std::string_view("displacement_mm")})
     require(table, name);
@@ -142,12 +135,14 @@ Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
   if (!std::filesystem::exists(file))
     throw ConfigError("no dataset.toml", folder.string(),
                       "give the folder that holds dataset.toml and its CSV files");
-  TomlTable root = read_toml(file);
-  Dataset dataset;
-  refuse_wrong_units(root, "sensor_noise_mm", "sensor_noise");
-  if (root.has("title")) dataset.title = root.text("title");
-  if (root.has("sensor_noise_mm")) dataset.sensor_noise = root.number("sensor_noise_mm", 0.0, 100.0) * 1e-3;
-  for (const TomlTable& entry : root.tables("run")) dataset.runs.push_back(read_run(folder, entry, drive));
+  Dataset dataset = read_toml(file, [&](TomlTable& root) {
+    Dataset read;
+    refuse_wrong_units(root, "sensor_noise_mm", "sensor_noise");
+    if (root.has("title")) read.title = root.text("title");
+    if (root.has("sensor_noise_mm")) read.sensor_noise = root.number("sensor_noise_mm", 0.0, 100.0) * 1e-3;
+    for (const TomlTable& entry : root.tables("run")) read.runs.push_back(read_run(folder, entry, drive));
+    return read;
+  });
   if (dataset.runs.empty())
     throw ConfigError("no [[run]]", file.string(), "list at least one run with name and file");
   return dataset;

@@ -18,10 +18,6 @@ double read_value(TomlTable& table, std::string_view name, double low, double hi
   const double value = table.number(name, low, high);
   if (!table.holds_table(name)) return value;
   TomlTable described = table.table(name);
-  described.ignore("value");
-  described.ignore("std");
-  described.ignore("source");
-  described.refuse_rest();
   ValueNote note;
   if (described.has("std")) note.std = described.number("std", 0.0, std::numeric_limits<double>::max());
   if (described.has("source")) note.source = described.text("source");
@@ -41,15 +37,12 @@ void read_baseline(TomlTable table, NotedModel& out) {
   Baseline& baseline = out.model.baseline;
   if (table.has("drive")) read_drive(table, baseline);
   for (const BaselineEntry& entry : baseline_entries()) {
-    table.ignore(entry.name);
     if (table.has(entry.name))
       baseline.*(entry.member) =
           read_value(table, entry.name, entry.low, entry.high, std::string(entry.name), out.notes);
   }
-  table.ignore("T");
   if (baseline.drive == Drive::Force) out.notes.T.reset();  // given by the data set's rows
   if (table.has("T")) out.notes.T = read_value(table, "T", 1e-5, 0.05, "T", out.notes);
-  table.refuse_rest();
 }
 
 // An effect that is present must give all its parameters but the optional ones.
@@ -57,14 +50,12 @@ template <class Effect>
 Effect read_effect(TomlTable table, ModelNotes& notes) {
   Effect effect;
   for (const auto& parameter : Effect::parameters()) {
-    table.ignore(parameter.name);
     effect.*(parameter.member) = 0.0;
-    if (parameter.optional && !table.has(parameter.name)) continue;
+    if (!table.has(parameter.name) && parameter.optional) continue;
     effect.*(parameter.member) =
         parameter.si_per_unit * read_value(table, parameter.name, parameter.low, parameter.high,
                                            fmt::format("{}.{}", Effect::info.name, parameter.name), notes);
   }
-  table.refuse_rest();
   return effect;
 }
 
@@ -72,16 +63,13 @@ void read_effects(TomlTable table, NotedModel& out) {
   for_each_effect(out.model.effects, [&](auto& slot) {
     using Effect = typename std::decay_t<decltype(slot)>::value_type;
     if (table.has(Effect::info.name)) slot = read_effect<Effect>(table.table(Effect::info.name), out.notes);
-    table.ignore(Effect::info.name);
   });
-  table.refuse_rest();
 }
 
 Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
   Correlations out;
   out.values = table.texts("values");
   out.lower = table.numbers("lower", -1.0, 1.0);
-  table.refuse_rest();
   const std::set<std::string> once(out.values.begin(), out.values.end());
   for (const std::string& name : out.values) {
     const auto note = notes.values.find(name);
@@ -96,28 +84,24 @@ Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
   return out;
 }
 
-NotedModel model_of(TomlTable root) {
+NotedModel model_of(TomlTable& root) {
   NotedModel out;
   if (root.has("title")) out.notes.title = root.text("title");
-  root.ignore("title");
   read_baseline(root.table("baseline"), out);
-  root.ignore("effect");
   if (root.has("effect")) read_effects(root.table("effect"), out);
-  root.ignore("correlation");
   if (root.has("correlation"))
     out.notes.correlations = read_correlations(root.table("correlation"), out.notes);
-  root.refuse_rest();
   return out;
 }
 
 }  // namespace
 
 NotedModel parse_noted_model(const std::string& text, const std::string& name) {
-  return model_of(parse_toml(text, name));
+  return parse_toml(text, name, model_of);
 }
 
 NotedModel read_noted_model(const std::filesystem::path& file) {
-  return model_of(read_toml(file));
+  return read_toml(file, model_of);
 }
 
 PlantModel parse_model(const std::string& text, const std::string& name) {

@@ -1,26 +1,20 @@
 #include "sim/scanner/dicom_series.hpp"
 
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <utility>
 
 #include "robot/common/config_error.hpp"
-#include "sim/scanner/dicom_elements.hpp"
 
 namespace biopsy::sim {
 namespace {
 
-constexpr const char* kMrImageStorage = "1.2.840.10008.5.1.4.1.1.4";
-constexpr const char* kExplicitLittleEndian = "1.2.840.10008.1.2.1";
-constexpr const char* kImplementationClass =
-    "2.25.271828182845904523536028747135266249";  // fixed for this writer
-constexpr const char* kImplementationName = "BIOPSY_SIM_1";
-
-// FNV-1a over 64 bits (RFC draft eastlake-fnv): no secret is kept, the same content must only give the same
-// name.
+// FNV-1a with 64 bits: the same content must give the same UID, nothing more.
 class ContentHash {
  public:
   ContentHash& add(const void* data, std::size_t count) {
@@ -28,10 +22,8 @@ class ContentHash {
     for (std::size_t n = 0; n < count; ++n) state_ = (state_ ^ bytes[n]) * 0x100000001b3ULL;
     return *this;
   }
-  ContentHash& add(const std::string& text) {
-    return add(text.c_str(), text.size() + 1);
-  }                                                                   // the zero ends the word
-  std::string uid() const { return fmt::format("2.25.{}", state_); }  // PS3.5 B.2
+  ContentHash& add(const std::string& text) { return add(text.c_str(), text.size() + 1); }  // with its zero
+  std::string uid() const { return fmt::format("2.25.{}", state_); }                        // PS3.5 B.2
 
  private:
   std::uint64_t state_ = 0xcbf29ce484222325ULL;
@@ -81,6 +73,16 @@ std::string instance_uid_of(const Volume& volume, int k, const std::string& seri
   hash.add(&volume.voxels[grid.index(0, 0, k)],
            sizeof(float) * (grid.index(0, 0, k + 1) - grid.index(0, 0, k)));
   return hash.uid();
+}
+
+// The most exact decimal string (DS, PS3.5 6.2): at most 16 characters, 1e-11 mm for positions in a scanner.
+std::string decimal_string(double value) {
+  if (std::abs(value) < 1e-13) return "0";  // what is left of a rotation's zero
+  for (int digits = 16; digits > 1; --digits) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    if (text.size() <= 16) return text;
+  }
+  return fmt::format("{:.1g}", value);
 }
 
 // How voxels become 16-bit words.
@@ -135,89 +137,85 @@ void refuse_unwritable(const Volume& volume, const std::filesystem::path& folder
   if (error) throw ConfigError("cannot be written: " + error.message(), where, "check the permissions");
 }
 
-std::string file_header(const std::string& instance_uid) {
-  DicomElements meta;
-  meta.bytes(0x00020001, "OB", std::string_view("\0\1", 2));
-  meta.text(0x00020002, "UI", kMrImageStorage);
-  meta.text(0x00020003, "UI", instance_uid);
-  meta.text(0x00020010, "UI", kExplicitLittleEndian);
-  meta.text(0x00020012, "UI", kImplementationClass);
-  meta.text(0x00020013, "SH", kImplementationName);
-  DicomElements length;
-  length.unsigned_long(0x00020000, static_cast<std::uint32_t>(meta.encoded().size()));
-  return std::string(128, '\0').append("DICM").append(length.encoded()).append(meta.encoded());
+void put(DcmItem& out, std::initializer_list<std::pair<DcmTagKey, std::string>> texts) {
+  for (const auto& [tag, text] : texts) out.putAndInsertString(tag, text.c_str());
 }
 
-void put_identity(const SeriesIdentity& identity, const std::string& instance_uid, DicomElements& out) {
-  out.text(0x00080005, "CS", "ISO_IR 192");
-  out.text(0x00080008, "CS", "DERIVED\\PRIMARY\\OTHER");  // made by a program from a model
-  out.text(0x00080016, "UI", kMrImageStorage);
-  out.text(0x00080018, "UI", instance_uid);
-  out.text(0x00080020, "DA", identity.date);  // study date, series date
-  out.text(0x00080021, "DA", identity.date);
-  out.text(0x00080030, "TM", "");
-  out.text(0x00080050, "SH", "");
-  out.text(0x00080060, "CS", "MR");
-  out.text(0x00080070, "LO", "simulated");
-  out.text(0x00080090, "PN", "");
-  out.text(0x0008103e, "LO", identity.description);
-  out.text(0x00100010, "PN", identity.patient_name);
-  out.text(0x00100020, "LO", identity.patient_id);
-  out.text(0x00100030, "DA", "");
-  out.text(0x00100040, "CS", "");
+void put(DcmItem& out, std::initializer_list<std::pair<DcmTagKey, int>> numbers) {
+  for (const auto& [tag, number] : numbers) out.putAndInsertUint16(tag, static_cast<Uint16>(number));
 }
 
-void put_geometry(const Grid& grid, int k, int number, const SeriesIdentity& identity, DicomElements& out) {
+std::string joined(std::initializer_list<double> numbers) {
+  std::string text;
+  for (const double value : numbers) text += (text.empty() ? "" : "\\") + decimal_string(value);
+  return text;
+}
+
+// Attributes of type 2 (PS3.5, 7.4.3) that nothing is known of are there and empty.
+void put_identity(const SeriesIdentity& identity, const std::string& instance_uid, DcmItem& out) {
+  put(out, {{DCM_SpecificCharacterSet, "ISO_IR 192"},
+            {DCM_ImageType, "DERIVED\\PRIMARY\\OTHER"},
+            {DCM_SOPClassUID, UID_MRImageStorage},
+            {DCM_SOPInstanceUID, instance_uid},
+            {DCM_StudyDate, identity.date},
+            {DCM_SeriesDate, identity.date},
+            {DCM_StudyTime, ""},
+            {DCM_AccessionNumber, ""},
+            {DCM_Modality, "MR"},
+            {DCM_Manufacturer, "simulated"},
+            {DCM_ReferringPhysicianName, ""},
+            {DCM_SeriesDescription, identity.description},
+            {DCM_PatientName, identity.patient_name},
+            {DCM_PatientID, identity.patient_id},
+            {DCM_PatientBirthDate, ""},
+            {DCM_PatientSex, ""},
+            {DCM_StudyInstanceUID, identity.study_uid},
+            {DCM_SeriesInstanceUID, identity.series_uid},
+            {DCM_StudyID, ""},
+            {DCM_SeriesNumber, "1"},
+            {DCM_FrameOfReferenceUID, identity.frame_of_reference_uid},
+            {DCM_PositionReferenceIndicator, ""}});
+}
+
+void put_geometry(const Grid& grid, int k, int number, DcmItem& out) {
   const Eigen::Vector3d spacing = grid.spacing_mm();
   const Eigen::Vector3d row = grid.X_SI.linear().col(0) / spacing.x(),
                         column = grid.X_SI.linear().col(1) / spacing.y();
   const Point p_SV = grid.X_SI * Point(0, 0, k);
-  const auto joined = [](std::initializer_list<double> numbers) {
-    std::string text;
-    for (const double value : numbers) text += (text.empty() ? "" : "\\") + decimal_string(value);
-    return text;
-  };
-  out.text(0x00180020, "CS", "RM");  // scanning sequence: research mode
-  out.text(0x00180021, "CS", "NONE");
-  out.text(0x00180022, "CS", "");
-  out.text(0x00180023, "CS", "2D");
-  out.text(0x00180050, "DS", decimal_string(spacing.z()));
-  out.text(0x00180080, "DS", "");
-  out.text(0x00180081, "DS", "");
-  out.text(0x00180088, "DS", decimal_string(spacing.z()));
-  out.text(0x00180091, "IS", "");
-  out.text(0x0020000d, "UI", identity.study_uid);
-  out.text(0x0020000e, "UI", identity.series_uid);
-  out.text(0x00200010, "SH", "");
-  out.text(0x00200011, "IS", "1");
-  out.text(0x00200013, "IS", std::to_string(number));
-  out.text(0x00200032, "DS", joined({p_SV.x(), p_SV.y(), p_SV.z()}));
-  out.text(0x00200037, "DS", joined({row.x(), row.y(), row.z(), column.x(), column.y(), column.z()}));
-  out.text(0x00200052, "UI", identity.frame_of_reference_uid);
-  out.text(0x00201040, "LO", "");
+  put(out,
+      {{DCM_ScanningSequence, "RM"},  // research mode
+       {DCM_SequenceVariant, "NONE"},
+       {DCM_ScanOptions, ""},
+       {DCM_MRAcquisitionType, "2D"},
+       {DCM_SliceThickness, decimal_string(spacing.z())},
+       {DCM_RepetitionTime, ""},
+       {DCM_EchoTime, ""},
+       {DCM_SpacingBetweenSlices, decimal_string(spacing.z())},
+       {DCM_EchoTrainLength, ""},
+       {DCM_InstanceNumber, std::to_string(number)},
+       {DCM_ImagePositionPatient, joined({p_SV.x(), p_SV.y(), p_SV.z()})},
+       {DCM_ImageOrientationPatient, joined({row.x(), row.y(), row.z(), column.x(), column.y(), column.z()})},
+       {DCM_PixelSpacing, joined({spacing.y(), spacing.x()})}});  // between rows first
 }
 
-void put_pixels(const Volume& volume, int k, const Storage& storage, DicomElements& out) {
+void put_pixels(const Volume& volume, int k, const Storage& storage, DcmItem& out) {
   const Grid& grid = volume.grid;
-  const Eigen::Vector3d spacing = grid.spacing_mm();
-  out.unsigned_short(0x00280002, 1);
-  out.text(0x00280004, "CS", "MONOCHROME2");
-  out.unsigned_short(0x00280010, static_cast<std::uint16_t>(grid.size.y()));  // rows
-  out.unsigned_short(0x00280011, static_cast<std::uint16_t>(grid.size.x()));  // columns
-  out.text(0x00280030, "DS",
-           decimal_string(spacing.y()) + "\\" + decimal_string(spacing.x()));  // between rows first
-  out.unsigned_short(0x00280100, 16);
-  out.unsigned_short(0x00280101, 16);
-  out.unsigned_short(0x00280102, 15);
-  out.unsigned_short(0x00280103, storage.is_signed ? 1 : 0);
-  out.text(0x00281052, "DS", storage.intercept);
-  out.text(0x00281053, "DS", storage.slope);
+  put(out, {{DCM_PhotometricInterpretation, "MONOCHROME2"},
+            {DCM_RescaleIntercept, storage.intercept},
+            {DCM_RescaleSlope, storage.slope}});
+  put(out, {{DCM_SamplesPerPixel, 1},
+            {DCM_Rows, grid.size.y()},
+            {DCM_Columns, grid.size.x()},
+            {DCM_BitsAllocated, 16},
+            {DCM_BitsStored, 16},
+            {DCM_HighBit, 15},
+            {DCM_PixelRepresentation, storage.is_signed ? 1 : 0}});
   const auto first = volume.voxels.begin() + static_cast<std::ptrdiff_t>(grid.index(0, 0, k));
-  std::vector<std::uint16_t> words(static_cast<std::size_t>(grid.size.x()) *
-                                   static_cast<std::size_t>(grid.size.y()));
+  std::vector<Uint16> words(static_cast<std::size_t>(grid.size.x()) *
+                            static_cast<std::size_t>(grid.size.y()));
   std::transform(first, first + static_cast<std::ptrdiff_t>(words.size()), words.begin(),
                  [&](float value) { return storage.stored(value); });
-  out.words(0x7fe00010, words);
+  out.putAndInsertUint16Array(DCM_PixelData, words.data(), words.size());
 }
 
 }  // namespace
@@ -233,15 +231,14 @@ std::vector<std::filesystem::path> write_dicom_series(const Volume& volume,
   for (int number = 1; number <= slices; ++number) {
     const int k = left_handed ? slices - number : number - 1;
     const std::string instance_uid = instance_uid_of(volume, k, identity.series_uid);
-    DicomElements out;
-    put_identity(identity, instance_uid, out);
-    put_geometry(volume.grid, k, number, identity, out);
-    put_pixels(volume, k, storage, out);
+    DcmFileFormat content;
+    put_identity(identity, instance_uid, *content.getDataset());
+    put_geometry(volume.grid, k, number, *content.getDataset());
+    put_pixels(volume, k, storage, *content.getDataset());
     files.push_back(folder / fmt::format("slice_{:04}.dcm", number));
-    std::ofstream file(files.back(), std::ios::binary);
-    file << file_header(instance_uid) << out.encoded();
-    if (!file.flush())
-      throw ConfigError("cannot be written", files.back().string(),
+    const OFCondition saved = content.saveFile(files.back().c_str(), EXS_LittleEndianExplicit);
+    if (saved.bad())
+      throw ConfigError(fmt::format("cannot be written: {}", saved.text()), files.back().string(),
                         "check the space left and the permissions");
   }
   return files;

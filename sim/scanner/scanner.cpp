@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/statistics.hpp"
 #include "sim/plant/seeded_noise.hpp"
 
 namespace biopsy::sim {
@@ -136,15 +137,10 @@ RigidTransform PatientMotion::X_after_before() const {
 double tissue_signal(const Volume& volume) {
   std::vector<float> values = volume.voxels;
   if (values.empty()) return 0.0;
-  const auto bright =
-      values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), bright, values.end());
-  const float air = 0.1f * *bright;
+  const float air = 0.1f * quantile(values, 0.99);
   values.erase(std::remove_if(values.begin(), values.end(), [&](float x) { return x <= air; }), values.end());
   if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(std::move(values)));
 }
 
 Volume scan(const Volume& planning, const ScanSettings& settings) {

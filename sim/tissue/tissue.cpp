@@ -20,18 +20,19 @@ void take(TomlTable& table, Effect& effect) {
 }  // namespace
 
 TissueTable read_tissues(const std::filesystem::path& file) {
-  TissueTable tissues;
-  TomlTable root = read_toml(file);
-  TomlTable all = root.table("tissue");
-  for (const std::string& name : all.names()) {
-    TomlTable table = all.table(name);
-    TissueLayer& layer = tissues[name];
-    take(table, layer.surface);
-    take(table, layer.shaft);
-    take(table, layer.relaxation);
-    table.ignore("source");
-    table.refuse_rest();
-  }
+  TissueTable tissues = read_toml(file, [](TomlTable& root) {
+    TissueTable read;
+    TomlTable all = root.table("tissue");
+    for (const std::string& name : all.names()) {
+      TomlTable table = all.table(name);
+      TissueLayer& layer = read[name];
+      take(table, layer.surface);
+      take(table, layer.shaft);
+      take(table, layer.relaxation);
+      table.ignore("source");
+    }
+    return read;
+  });
   if (!tissues.contains("unknown"))
     throw ConfigError("no [tissue.unknown]", file.string(), "add the tissue that stands for unknown names");
   return tissues;

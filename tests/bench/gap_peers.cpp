@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "robot/common/in_parallel.hpp"
+#include "robot/common/statistics.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/score.hpp"
@@ -18,7 +19,6 @@ using sim::gap::Hypothesis;
 constexpr double kMm = 1e3;
 constexpr int kIterations = 25;
 constexpr double kHelps = 0.95;  // held-out RMSE after over before
-constexpr double kTwoSided95 = 1.96;
 constexpr std::size_t kFits = 6;  // of each round, the most promising by the score test
 constexpr int kMostEffects = 3, kMostRounds = 5;
 
@@ -58,7 +58,7 @@ struct Attempt {
 std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidence, double readings) {
   const auto scores = score_candidates(current, evidence, open_candidates(current));
   std::vector<Attempt> out(std::min(kFits, scores.size()));
-  sim::in_parallel(out.size(), [&](std::size_t i) {
+  in_parallel(out.size(), [&](std::size_t i) {
     Attempt& one = out[i];
     one.candidate = scores[i].candidate;
     one.hypothesis = current;

@@ -9,6 +9,7 @@
 
 #include "planner/imaging/depth_check/tip_fit.hpp"
 #include "planner/imaging/depth_check/void_line.hpp"
+#include "robot/common/statistics.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -153,9 +154,8 @@ double darkest_at_tip(const Corridor& corridor, const VoidLine& line, double dep
     if (from_tip <= near_mm) darkest = std::min(darkest, along.back());
   }
   if (along.empty()) return 0.0;
-  const auto middle = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
-  std::nth_element(along.begin(), middle, along.end());
-  return *middle > 0.0 ? std::min(darkest / *middle, 1.0) : 0.0;
+  const double usual = median(std::move(along));
+  return usual > 0.0 ? std::min(darkest / usual, 1.0) : 0.0;
 }
 
 // Evidence that a 1 mm void losing half its signal would give over the first 10 mm of the path.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -71,13 +73,6 @@ void match_brightness(const Volume& after, const NeedleMask& needle, Volume& pre
   }
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Learns noise from the flatter half of the tissue beside the needle and the registration error from the
 // steep quarter.
 void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor& corridor) {
@@ -94,10 +89,11 @@ void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor
     if (slopes[n] <= half) flat.push_back(change);
     if (slopes[n] >= quarter) steep.push_back(change), squared.push_back(slopes[n] * slopes[n]);
   }
-  corridor.tissue = median(values);
-  corridor.noise = std::max(1.4826 * median(flat), 1e-3 * std::abs(corridor.tissue) + 1e-9);
-  const double rest = std::pow(1.4826 * median(steep), 2) - std::pow(corridor.noise, 2);
-  const double slope2 = median(squared);
+  const auto middle_of = [](const std::vector<double>& of) { return of.empty() ? 0.0 : median(of); };
+  corridor.tissue = middle_of(values);
+  corridor.noise = std::max(kMadToSigma * middle_of(flat), 1e-3 * std::abs(corridor.tissue) + 1e-9);
+  const double rest = std::pow(kMadToSigma * middle_of(steep), 2) - std::pow(corridor.noise, 2);
+  const double slope2 = middle_of(squared);
   corridor.misfit_mm = slope2 > 0.0 ? std::sqrt(std::max(rest, 0.0) / slope2) : 0.0;
   for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
     CorridorVoxel& voxel = corridor.voxels[n];

@@ -34,28 +34,30 @@ bool append(const std::vector<std::byte>& bytes, const VoxelCoding& coding, std:
   return rounded;
 }
 
-bool append_any(const std::vector<std::byte>& bytes, const VoxelCoding& coding, std::vector<float>& voxels) {
-  switch (coding.type) {
+// Calls `visit` with a zero of the type's number.
+template <class Visit>
+auto with_number(VoxelType type, Visit&& visit) {
+  switch (type) {
     case VoxelType::Int8:
-      return append<std::int8_t>(bytes, coding, voxels);
+      return visit(std::int8_t{});
     case VoxelType::UInt8:
-      return append<std::uint8_t>(bytes, coding, voxels);
+      return visit(std::uint8_t{});
     case VoxelType::Int16:
-      return append<std::int16_t>(bytes, coding, voxels);
+      return visit(std::int16_t{});
     case VoxelType::UInt16:
-      return append<std::uint16_t>(bytes, coding, voxels);
+      return visit(std::uint16_t{});
     case VoxelType::Int32:
-      return append<std::int32_t>(bytes, coding, voxels);
+      return visit(std::int32_t{});
     case VoxelType::UInt32:
-      return append<std::uint32_t>(bytes, coding, voxels);
+      return visit(std::uint32_t{});
     case VoxelType::Int64:
-      return append<std::int64_t>(bytes, coding, voxels);
+      return visit(std::int64_t{});
     case VoxelType::UInt64:
-      return append<std::uint64_t>(bytes, coding, voxels);
+      return visit(std::uint64_t{});
     case VoxelType::Float32:
-      return append<float>(bytes, coding, voxels);
+      return visit(float{});
     case VoxelType::Float64:
-      return append<double>(bytes, coding, voxels);
+      return visit(double{});
   }
   std::abort();
 }
@@ -63,23 +65,7 @@ bool append_any(const std::vector<std::byte>& bytes, const VoxelCoding& coding, 
 }  // namespace
 
 std::size_t bytes_of(VoxelType type) {
-  switch (type) {
-    case VoxelType::Int8:
-    case VoxelType::UInt8:
-      return 1;
-    case VoxelType::Int16:
-    case VoxelType::UInt16:
-      return 2;
-    case VoxelType::Int32:
-    case VoxelType::UInt32:
-    case VoxelType::Float32:
-      return 4;
-    case VoxelType::Int64:
-    case VoxelType::UInt64:
-    case VoxelType::Float64:
-      return 8;
-  }
-  std::abort();
+  return with_number(type, [](auto zero) { return sizeof zero; });
 }
 
 void read_voxels(ByteSource& source, const VoxelCoding& coding, const std::string& file, Volume& volume) {
@@ -92,7 +78,8 @@ void read_voxels(ByteSource& source, const VoxelCoding& coding, const std::strin
   for (int k = 0; k < volume.grid.size.z(); ++k) {
     source.read(bytes);
     const std::size_t before = volume.voxels.size();
-    rounded |= append_any(bytes, coding, volume.voxels);
+    rounded |= with_number(coding.type,
+                           [&](auto zero) { return append<decltype(zero)>(bytes, coding, volume.voxels); });
     refuse_not_finite(volume.voxels, before, file);
   }
   if (rounded) volume.warnings.emplace_back("values above 16777216 are rounded to the precision of a float");

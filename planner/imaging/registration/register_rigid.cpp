@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -46,20 +48,20 @@ std::vector<Place> places_to_compare(const Volume& after, const RegistrationSett
   return places;
 }
 
-// Correlation of the two images at a motion; -1 where less than half of the places overlap.
-double correlation(const std::vector<Place>& places, const Sampler& before, const Motion& motion,
-                   const Point& about) {
+// Sums over pairs of values (a of the after image, b of the before image).
+struct Moments {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  for (const Place& place : places) {
-    const double value = before.at(motion.apply(place.p_S, about));
-    if (std::isnan(value)) continue;
-    n += 1, a += place.value, b += value;
-    aa += place.value * place.value, bb += value * value, ab += place.value * value;
+
+  void add(double after, double before) {
+    n += 1, a += after, b += before;
+    aa += after * after, bb += before * before, ab += after * before;
   }
-  if (n < 0.5 * static_cast<double>(places.size()) || n < 50) return -1.0;
-  const double variance = (aa - a * a / n) * (bb - b * b / n);
-  return variance > 0.0 ? (ab - a * b / n) / std::sqrt(variance) : -1.0;
-}
+  double covariance() const { return ab - a * b / n; }  // times n
+  double correlation() const {
+    const double variance = n > 0 ? (aa - a * a / n) * (bb - b * b / n) : 0.0;
+    return variance > 0.0 ? covariance() / std::sqrt(variance) : -1.0;
+  }
+};
 
 struct Fit {
   Motion motion;
@@ -75,7 +77,11 @@ class Level {
       : before_(before), places_(places_to_compare(after, settings, step_mm)), about_(settings.about) {}
 
   const std::vector<Place>& places() const { return places_; }
-  double correlation_at(const Motion& motion) const { return correlation(places_, before_, motion, about_); }
+  // -1 where less than half of the places overlap.
+  double correlation_at(const Motion& motion) const {
+    const Moments sums = moments(motion, [](const Place&, double value) { return value; });
+    return covers_half(sums) && sums.n >= 50 ? sums.correlation() : -1.0;
+  }
 
   // Gauss-Newton until a step moves nothing by more than a thousandth of a millimetre.
   Fit refined(const Motion& start, int iterations) const {
@@ -99,16 +105,23 @@ class Level {
   }
 
  private:
-  void fit_brightness(Fit& fit) const {
-    double n = 0, a = 0, b = 0, bb = 0, ab = 0;
+  // Of the after image and `model` of the before image's value, where both are known.
+  template <class Model>
+  Moments moments(const Motion& motion, const Model& model) const {
+    Moments sums;
     for (const Place& place : places_) {
-      const double value = before_.at(fit.motion.apply(place.p_S, about_));
-      if (std::isnan(value)) continue;
-      n += 1, a += place.value, b += value, bb += value * value, ab += place.value * value;
+      const double value = before_.at(motion.apply(place.p_S, about_));
+      if (!std::isnan(value)) sums.add(place.value, model(place, value));
     }
-    const double variance = bb - b * b / std::max(n, 1.0);
-    fit.gain[0] = variance > 0.0 ? std::max((ab - a * b / n) / variance, 0.05) : 1.0;
-    fit.bias[0] = n > 0 ? (a - fit.gain[0] * b) / n : 0.0;
+    return sums;
+  }
+  bool covers_half(const Moments& sums) const { return sums.n >= 0.5 * static_cast<double>(places_.size()); }
+
+  void fit_brightness(Fit& fit) const {
+    const Moments sums = moments(fit.motion, [](const Place&, double value) { return value; });
+    const double variance = sums.bb - sums.b * sums.b / std::max(sums.n, 1.0);
+    fit.gain[0] = variance > 0.0 ? std::max(sums.covariance() / variance, 0.05) : 1.0;
+    fit.bias[0] = sums.n > 0 ? (sums.a - fit.gain[0] * sums.b) / sums.n : 0.0;
   }
 
   Vector14 gauss_newton_step(const Fit& fit) const {
@@ -120,9 +133,8 @@ class Level {
         sizes.push_back(std::abs(place.value - fit.gain.dot(place.x) * value - fit.bias.dot(place.x)));
     }
     if (sizes.size() < 100) return Vector14::Constant(std::nan(""));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double limit = std::max(4.685 * 1.4826 * *middle, 1e-9);  // Tukey's biweight at 95 % efficiency
+    // Tukey's biweight at 95 % efficiency
+    const double limit = std::max(4.685 * kMadToSigma * median(std::move(sizes)), 1e-9);
 
     Matrix14 normal = Matrix14::Zero();
     Vector14 right = Vector14::Zero();
@@ -147,18 +159,11 @@ class Level {
   }
 
   void score(Fit& fit) const {
-    double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-    for (const Place& place : places_) {
-      const double value = before_.at(fit.motion.apply(place.p_S, about_));
-      if (std::isnan(value)) continue;
-      const double model = fit.gain.dot(place.x) * value + fit.bias.dot(place.x);
-      n += 1, a += place.value, b += model;
-      aa += place.value * place.value, bb += model * model, ab += place.value * model;
-    }
-    fit.used = static_cast<std::size_t>(n);
-    const double variance = n > 0 ? (aa - a * a / n) * (bb - b * b / n) : 0.0;
-    const bool overlap = n >= 0.5 * static_cast<double>(places_.size()) && n >= 100;
-    fit.score = overlap && variance > 0.0 ? (ab - a * b / n) / std::sqrt(variance) : -1.0;
+    const Moments sums = moments(fit.motion, [&](const Place& place, double value) {
+      return fit.gain.dot(place.x) * value + fit.bias.dot(place.x);
+    });
+    fit.used = static_cast<std::size_t>(sums.n);
+    fit.score = covers_half(sums) && sums.n >= 100 ? sums.correlation() : -1.0;
   }
 
   Sampler before_;

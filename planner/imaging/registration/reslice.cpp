@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/statistics.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -103,13 +104,8 @@ GreyWindow window_of(const std::vector<float>& values) {
   std::copy_if(values.begin(), values.end(), std::back_inserter(finite),
                [](float x) { return std::isfinite(x); });
   if (finite.empty()) return {};
-  const auto percentile = [&](double fraction) {
-    const auto nth =
-        finite.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(finite.size() - 1));
-    std::nth_element(finite.begin(), nth, finite.end());
-    return static_cast<double>(*nth);
-  };
-  GreyWindow window{percentile(0.01), percentile(0.995)};
+  GreyWindow window{static_cast<double>(quantile(finite, 0.01)),
+                    static_cast<double>(quantile(finite, 0.995))};
   if (window.white - window.black < 1e-9) window.white = window.black + 1.0;
   return window;
 }

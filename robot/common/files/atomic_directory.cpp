@@ -10,7 +10,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::security {
+namespace biopsy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -85,4 +85,4 @@ void AtomicDirectory::settle(const std::optional<fs::path>& aside) {
   on_disk(destination_.parent_path());  // the new name as well; without it the old set is there again
 }
 
-}  // namespace biopsy::security
+}  // namespace biopsy

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace biopsy::security {
+namespace biopsy {
 
 class AtomicDirectory {
  public:
@@ -29,4 +29,4 @@ class AtomicDirectory {
   std::filesystem::path destination_, temporary_;
 };
 
-}  // namespace biopsy::security
+}  // namespace biopsy

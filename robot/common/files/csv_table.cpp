@@ -2,24 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-#include <fstream>
-#include <string_view>
+#include <algorithm>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/strict_number.hpp"
 
-namespace biopsy::sim {
+namespace biopsy {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> cells(std::string_view line) {
+std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> out;
   while (true) {
     const std::size_t comma = line.find(',');
@@ -29,58 +21,85 @@ std::vector<std::string_view> cells(std::string_view line) {
   }
 }
 
-double finite(std::string_view cell, const std::string& file, std::size_t line, const std::string& column) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-    throw ConfigError(fmt::format("column `{}`: \"{}\" is not a finite number", column, cell.substr(0, 40)),
-                      fmt::format("{}:{}", file, line),
-                      "mend or remove the row; a gap cannot be simulated through");
-  return value;
-}
-
-void read_header(CsvTable& table, std::string_view line, std::size_t number) {
-  table.header_line = number;
-  for (const std::string_view name : cells(line)) {
-    if (name.empty() || table.columns.contains(std::string(name)))
-      throw ConfigError(fmt::format("column \"{}\" is empty or there twice", name),
-                        fmt::format("{}:{}", table.file, number),
-                        "give each column one name with its unit, e.g. time_s");
-    table.names.emplace_back(name);
-    table.columns[std::string(name)];
-  }
-}
-
-void read_row(CsvTable& table, std::string_view line, std::size_t number) {
-  const auto row = cells(line);
-  if (row.size() != table.names.size())
-    throw ConfigError(
-        fmt::format("{} cells, but the header names {} columns", row.size(), table.names.size()),
-        fmt::format("{}:{}", table.file, number), "give every row one number for each column");
-  for (std::size_t i = 0; i < row.size(); ++i)
-    table.columns[table.names[i]].push_back(finite(row[i], table.file, number, table.names[i]));
-  table.lines.push_back(number);
-}
-
 }  // namespace
 
-CsvTable read_csv(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ConfigError("cannot be opened", file.string(), "check the file name in dataset.toml");
+CsvTable CsvTable::parse(std::string text, std::string file_name) {
   CsvTable table;
-  table.file = file.string();
-  std::string line;
-  for (std::size_t number = 1; std::getline(stream, line); ++number) {
-    const std::string_view text = trimmed(line);
-    if (text.empty() || text.front() == '#') continue;
-    if (table.names.empty())
-      read_header(table, text, number);
-    else
-      read_row(table, text, number);
+  table.file_ = std::move(file_name);
+  table.text_ = std::make_shared<const std::string>(std::move(text));
+  std::string_view rest = *table.text_;
+  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = trimmed(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (line.empty() || line.front() == '#') continue;
+    table.names_.empty() ? table.take_header(line, number) : table.take_row(line, number);
   }
-  if (table.lines.empty())
-    throw ConfigError("holds no rows", table.file, "give a header line and at least two rows");
+  if (table.lines_.empty())
+    throw ConfigError("holds no rows", table.file_, "give a header line of column names, then the rows");
   return table;
 }
 
-}  // namespace biopsy::sim
+void CsvTable::take_header(std::string_view line, std::size_t number) {
+  header_line_ = number;
+  for (const std::string_view name : cells_of(line)) {
+    if (name.empty() || has(name))
+      throw ConfigError(fmt::format("column \"{}\" is empty or there twice", name), header_place(),
+                        "give each column one name with its unit, e.g. time_s");
+    names_.push_back(name);
+  }
+}
+
+void CsvTable::take_row(std::string_view line, std::size_t number) {
+  const auto row = cells_of(line);
+  lines_.push_back(number);
+  if (row.size() != names_.size())
+    throw ConfigError(fmt::format("{} cells, but the header names {} columns", row.size(), names_.size()),
+                      place(rows() - 1), "give every row one cell for each column, numbers with a point");
+  cells_.insert(cells_.end(), row.begin(), row.end());
+}
+
+bool CsvTable::has(std::string_view name) const {
+  return column(name) < names_.size();
+}
+
+std::string CsvTable::header_place() const {
+  return fmt::format("{}:{}", file_, header_line_);
+}
+
+std::string CsvTable::place(std::size_t row) const {
+  return fmt::format("{}:{}", file_, lines_[row]);
+}
+
+std::size_t CsvTable::column(std::string_view name) const {
+  return static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+}
+
+std::string_view CsvTable::text(std::string_view name, std::size_t row) const {
+  return cells_[row * names_.size() + column(name)];
+}
+
+std::vector<double> CsvTable::numbers(std::string_view name, double low, double high) const {
+  std::vector<double> out;
+  out.reserve(rows());
+  const std::size_t at = column(name);
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const std::string_view cell = cells_[row * names_.size() + at];
+    const auto value = strict_number(cell);
+    if (!value)
+      throw ConfigError(fmt::format("column `{}`: \"{}\" is not a finite number", name, cell.substr(0, 40)),
+                        place(row), "correct or remove the row");
+    if (*value < low || *value > high)
+      throw ConfigError(fmt::format("column `{}`: {} is outside [{}, {}]", name, *value, low, high),
+                        place(row), "check the column's unit");
+    out.push_back(*value);
+  }
+  return out;
+}
+
+CsvTable read_csv(const std::filesystem::path& file) {
+  return CsvTable::parse(read_file(file), file.string());
+}
+
+}  // namespace biopsy

@@ -1,26 +1,46 @@
-// A CSV file of numbers: one header line of column names, rows of finite numbers, lines that start with # are
-// comments.
+// CSV: one header line of column names, then rows with one cell for each; commas between cells, no quotes.
+// Blanks around cells, empty lines, lines that begin with # and a byte order mark are skipped.
 #pragma once
 
 #include <filesystem>
-#include <map>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
-namespace biopsy::sim {
+namespace biopsy {
 
-struct CsvTable {
-  std::string file;
-  std::size_t header_line = 1;                         // of the column names, from 1
-  std::vector<std::string> names;                      // in file order
-  std::map<std::string, std::vector<double>> columns;  // equal lengths
-  std::vector<std::size_t> lines;                      // line of each row, from 1
+class CsvTable {
+ public:
+  // Throws ConfigError naming file, line and column: no rows, a column without a name or named twice, a row
+  // of another length.
+  static CsvTable parse(std::string text, std::string file_name);
 
-  bool has(const std::string& name) const { return columns.contains(name); }
-  const std::vector<double>& column(const std::string& name) const { return columns.at(name); }
+  const std::vector<std::string_view>& names() const { return names_; }  // in the file's order
+  bool has(std::string_view name) const;
+  std::size_t rows() const { return lines_.size(); }
+  const std::string& file() const { return file_; }
+  std::string header_place() const;          // file:line, lines counted from 1
+  std::string place(std::size_t row) const;  // file:line
+
+  // Of a column that is there.
+  std::string_view text(std::string_view name, std::size_t row) const;
+  // Each finite and within [low, high]. Throws ConfigError naming line and column.
+  std::vector<double> numbers(std::string_view name, double low, double high) const;
+
+ private:
+  CsvTable() = default;
+  std::size_t column(std::string_view name) const;
+  void take_header(std::string_view line, std::size_t number);
+  void take_row(std::string_view line, std::size_t number);
+
+  std::string file_;
+  std::shared_ptr<const std::string> text_;      // what names and cells look at
+  std::vector<std::string_view> names_, cells_;  // cells row by row
+  std::size_t header_line_ = 1;
+  std::vector<std::size_t> lines_;  // of each row
 };
 
-// Throws ConfigError naming file, line and column.
 CsvTable read_csv(const std::filesystem::path& file);
 
-}  // namespace biopsy::sim
+}  // namespace biopsy

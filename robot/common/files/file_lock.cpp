@@ -10,7 +10,7 @@
 
 #include "robot/common/config_error.hpp"
 
-namespace biopsy::recorder {
+namespace biopsy {
 
 // flock, not fcntl: SQLite's own locks on the file are of the other kind, and neither disturbs the other.
 FileLock::FileLock(const std::filesystem::path& log) : file_(::open(log.c_str(), O_RDONLY | O_CLOEXEC)) {
@@ -26,4 +26,4 @@ FileLock::~FileLock() {
   ::close(file_);
 }
 
-}  // namespace biopsy::recorder
+}  // namespace biopsy

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-namespace biopsy::recorder {
+namespace biopsy {
 
 class FileLock {
  public:
@@ -18,4 +18,4 @@ class FileLock {
   int file_;
 };
 
-}  // namespace biopsy::recorder
+}  // namespace biopsy

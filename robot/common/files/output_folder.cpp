@@ -1,11 +1,11 @@
 #include "robot/common/files/output_folder.hpp"
 
-#include <fstream>
 #include <string>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 
-namespace biopsy::robot {
+namespace biopsy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,11 +56,7 @@ void claim_run_folder(const fs::path& folder, const Inputs& inputs) {
                       "give --out an empty or new folder; nothing was touched");
   for (const auto& left : fs::directory_iterator(folder))
     if (is_ours(left.path().filename().string())) fs::remove_all(left.path());
-  std::ofstream mark(folder / kMark);
-  mark << "written by biopsy; the next run into this folder clears it\n";
-  mark.close();
-  if (!mark)
-    throw ConfigError("cannot be written", folder.string(), "check free space and rights of the folder");
+  atomic_write(folder / kMark, "written by biopsy; the next run into this folder clears it\n");
 }
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace biopsy::robot {
+namespace biopsy {
 
 using Inputs = std::vector<std::filesystem::path>;  // files and folders a run reads; empty paths are none
 
@@ -16,4 +16,4 @@ void keep_apart(const std::filesystem::path& folder, const Inputs& inputs);
 // nothing is touched. Throws ConfigError.
 void claim_run_folder(const std::filesystem::path& folder, const Inputs& inputs);
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

@@ -1,51 +1,70 @@
-// Strict reading of TOML: every number range-checked, every name that nobody asked for refused, every error
-// with file and line. Keeps the TOML library out of the other files.
+// Strict reading of TOML 1.0: every number is checked against a range, every name that was not asked for is
+// refused, every error gives file and line. Keeps the TOML library out of the other files.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-namespace biopsy::sim {
+#include "robot/common/files/file.hpp"
 
-// One table of a file. Names that were read count as known; refuse_rest() throws at the first other one.
+namespace biopsy {
+
+// One table of a file. Asking for an entry, also with has(), makes its name a known one.
 class TomlTable {
  public:
-  struct Node;  // the library's table, and its file
-
-  explicit TomlTable(std::shared_ptr<const Node> node);
+  static TomlTable parse(const std::string& text, const std::string& file_name);
 
   std::vector<std::string> names() const;
-  bool has(std::string_view name) const;
-  bool holds_table(std::string_view name) const;   // { value, std, source } and not a plain number
-  std::string where() const;                       // file:line of the table,
-  std::string place(std::string_view name) const;  // and of one entry; throws where it is missing
+  bool has(std::string_view name);
+  void ignore(std::string_view name) { has(name); }
+  bool holds_table(std::string_view name) const;
+  std::string where() const;                       // file:line of the table
+  std::string place(std::string_view name) const;  // file:line of an entry; of the table where it is missing
 
   // All throw ConfigError where the entry is missing or is not what is asked for.
-  double number(std::string_view name, double low, double high);  // or the `value` of { value, std, source }
-  std::string text(std::string_view name);
+  // Within [low, high], the unit being for messages. { value = 1.0, std = 0.1, source = "a" } counts as its
+  // value.
+  double number(std::string_view name, double low, double high, std::string_view unit = "");
+  std::uint32_t whole_number(std::string_view name, std::uint32_t high);
+  std::string text(std::string_view name);  // without zero bytes, which end a text for functions of C
   std::vector<double> numbers(std::string_view name, double low, double high);
   std::vector<std::string> texts(std::string_view name);
   bool flag(std::string_view name);
   TomlTable table(std::string_view name);
   std::vector<TomlTable> tables(std::string_view name);  // none if absent
 
-  void ignore(std::string_view name);
-  void refuse_rest() const;
+  // Throws ConfigError "`name` WHAT" with the entry's line.
+  [[noreturn]] void refuse(std::string_view name, const std::string& what, const std::string& remedy) const;
+  // Throws at the first name, of this table or of one read from it, that was not asked for.
+  void refuse_unknown_names() const;
 
  private:
-  std::shared_ptr<const Node> node_;
-  std::set<std::string, std::less<>> known_;
+  struct Node;  // the library's table, and what was asked for
+
+  explicit TomlTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}
+
+  std::shared_ptr<Node> node_;
 };
 
-// Throw ConfigError where there is no file or it is no TOML.
-TomlTable read_toml(const std::filesystem::path& file);
-TomlTable parse_toml(const std::string& text, const std::string& name);
+// What `read` makes of a whole file; names that it does not ask for are refused. Throws ConfigError.
+template <class Read>
+auto parse_toml(const std::string& text, const std::string& file_name, Read&& read) {
+  TomlTable root = TomlTable::parse(text, file_name);
+  auto result = std::forward<Read>(read)(root);
+  root.refuse_unknown_names();
+  return result;
+}
+
+template <class Read>
+auto read_toml(const std::filesystem::path& file, Read&& read) {
+  return parse_toml(read_file(file, "give the path of a TOML file"), file.string(), std::forward<Read>(read));
+}
 
 std::string quoted(const std::string& text);  // as a basic string of TOML
 
-}  // namespace biopsy::sim
+}  // namespace biopsy

@@ -49,7 +49,7 @@ std::string time_text(spdlog::log_clock::time_point time) {
 // One line, whatever the message holds.
 std::string line_of(const log_msg& message, const LogSettings& settings, bool with_time) {
   const char* level = kLevelNames[std::min<std::size_t>(message.level, kLevelNames.size() - 1)];
-  std::string text = report::plain(view(message.payload));
+  std::string text = plain(view(message.payload));
   while (text.ends_with(' ')) text.pop_back();  // libraries end their messages with a line break
   const std::string time = time_text(message.time);
   if (settings.format == Format::Json)

@@ -9,12 +9,11 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <thread>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/console/server/origin_policy.hpp"
 
 namespace biopsy::console {
@@ -66,11 +65,8 @@ std::map<std::string, Document> read_page(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     if (!entry.is_regular_file()) continue;
-    std::ifstream stream(entry.path(), std::ios::binary);
-    std::stringstream body;
-    body << stream.rdbuf();
     page["/" + fs::relative(entry.path(), folder).generic_string()] = {
-        media_type_of(entry.path()), std::make_shared<const std::string>(body.str())};
+        media_type_of(entry.path()), std::make_shared<const std::string>(read_file(entry.path()))};
   }
   if (!page.contains("/index.html"))
     throw ConfigError("the console's page is not there", folder.string(), "build it: ./dev console");

@@ -8,10 +8,11 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -125,7 +126,7 @@ std::vector<std::string> Launcher::stop() {
 }
 
 std::string Launcher::last_words(Process process) const {
-  std::ifstream file(run_folder_ / fmt::format("{}.txt", name_of(process)));
+  std::istringstream file(read_file_if_present(run_folder_ / fmt::format("{}.txt", name_of(process))));
   std::string words;
   std::string last;
   bool error = false;

@@ -10,7 +10,7 @@
 #include "drivers/digital_io/shared_io.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/key_set.hpp"
@@ -90,7 +90,7 @@ live::LiveSettings write_run_folder(const LiveOptions& options, const std::strin
                                     const HardwareOptions& hardware, const PreparedCase& prepared,
                                     const fs::path& folder) {
   live::LiveSettings settings = settings_for(options, device, hardware, prepared, fs::absolute(folder));
-  report::atomic_write(live::settings_file(folder), live::to_json(settings));
+  atomic_write(live::settings_file(folder), live::to_json(settings));
   return settings;
 }
 

@@ -7,6 +7,7 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/common/statistics.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -199,7 +200,7 @@ std::string estimate_text(double value, double std) {
 std::string interval_text(double value, double std) {
   if (!known(std) || !std::isfinite(value)) return "–";
   const int decimals = digits_after_point(std, 2);
-  return fixed(value - 1.96 * std, decimals) + " to " + fixed(value + 1.96 * std, decimals);
+  return fixed(value - kTwoSided95 * std, decimals) + " to " + fixed(value + kTwoSided95 * std, decimals);
 }
 
 int decimals_for(double smallest) {

@@ -1,6 +1,6 @@
 #include "robot/report/gap/gap_report.hpp"
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/report/gap/gap_html.hpp"
 #include "robot/report/gap/gap_json.hpp"
 

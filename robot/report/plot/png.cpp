@@ -6,7 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -52,23 +53,6 @@ void save_png(const Picture& picture, const std::filesystem::path& path) {
 
 std::string png_data_uri(const Picture& picture) {
   return "data:image/png;base64," + base64(png_bytes(picture));
-}
-
-std::string base64(const std::string& bytes) {
-  static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const auto byte = [&](std::size_t offset) -> unsigned {
-      return at + offset < bytes.size() ? static_cast<unsigned char>(bytes[at + offset]) : 0U;
-    };
-    const unsigned group = byte(0) << 16 | byte(1) << 8 | byte(2);
-    text += kAlphabet[group >> 18];
-    text += kAlphabet[group >> 12 & 63];
-    text += at + 1 < bytes.size() ? kAlphabet[group >> 6 & 63] : '=';
-    text += at + 2 < bytes.size() ? kAlphabet[group & 63] : '=';
-  }
-  return text;
 }
 
 }  // namespace biopsy::report

@@ -15,6 +15,5 @@ void save_png(const Picture& picture, const std::filesystem::path& path);
 
 // "data:image/png;base64,...", to put a picture inside a page.
 std::string png_data_uri(const Picture& picture);
-std::string base64(const std::string& bytes);
 
 }  // namespace biopsy::report

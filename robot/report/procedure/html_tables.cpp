@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot/common/encoding.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/report/plot/html_markup.hpp"
@@ -81,12 +82,6 @@ std::string limit_row(const LimitUse& use) {
          note + "</td></tr>\n";
 }
 
-std::string seal_hex(const Sha256& seal) {
-  std::string hex;
-  for (const std::uint8_t byte : seal) hex += fmt::format("{:02x}", byte);
-  return hex;
-}
-
 }  // namespace
 
 std::string patient_section(const RunRecord& record) {
@@ -161,7 +156,7 @@ std::string trips_section(const RunRecord& record) {
 
 std::string provenance_section(const RunRecord& record) {
   std::vector<std::pair<std::string, std::string>> rows{{"Seed", std::to_string(record.seed)}};
-  if (record.plan) rows.emplace_back("Plan seal, SHA-256", seal_hex(record.plan->seal));
+  if (record.plan) rows.emplace_back("Plan seal, SHA-256", hex(record.plan->seal));
   rows.insert(rows.end(), record.provenance.begin(), record.provenance.end());
   return section("How to get this report again", facts(rows));
 }

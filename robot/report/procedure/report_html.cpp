@@ -1,6 +1,6 @@
 #include "robot/report/procedure/report_html.hpp"
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/report/plot/html_markup.hpp"

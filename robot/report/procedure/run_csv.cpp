@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::report {

@@ -11,7 +11,6 @@ namespace biopsy::safety_case {
 namespace {
 
 namespace markup = report::markup;
-using report::escaped;
 
 constexpr const char* kStyle = R"css(
 .verdict .sentence { font-size: 1.45rem; line-height: 1.35; font-weight: bold; }

@@ -1,6 +1,6 @@
 #include "robot/report/study/reproduction_report.hpp"
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/report/study/reproduction_html.hpp"
 #include "robot/report/study/reproduction_json.hpp"
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "robot/common/statistics.hpp"
 #include "sim/gap/millimetres.hpp"
 #include "sim/gap/residual/smoothed_motion.hpp"
 

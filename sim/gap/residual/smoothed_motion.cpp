@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::sim::gap {
 namespace {
 
@@ -49,13 +51,6 @@ double turning_time(const EvidenceRun& run, const std::vector<double>& v, std::s
 }
 
 }  // namespace
-
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 double duration(const EvidenceRun& run) {
   return run.rows.back().time + run.rows.back().span - run.rows.front().time;

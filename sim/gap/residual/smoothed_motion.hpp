@@ -30,9 +30,6 @@ double moving_threshold(const SmoothedMotion& motion);
 // before the first time.
 std::vector<double> since_reversal(const EvidenceRun& run, const SmoothedMotion& measured, Drive drive);
 
-// The value below which `share` of the values lie.
-double quantile(std::vector<double> values, double share);
-
 // s
 double duration(const EvidenceRun& run);
 

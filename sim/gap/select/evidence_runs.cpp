@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/statistics.hpp"
 #include "sim/gap/residual/window_starts.hpp"
 #include "sim/plant/plant.hpp"
 
@@ -21,13 +22,6 @@ constexpr double kStiffest = 8.0;      // times the given model's rate, beyond w
 constexpr double kLongestSpan = 5e-3;  // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
 constexpr std::size_t kFewestRows = 50;
-constexpr double kMadToSigma = 1.4826;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Scatter of one run's differences of the given order, scaled to that of a single white reading.
 double difference_scatter(std::vector<double> values, int order) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "robot/common/in_parallel.hpp"
+#include "robot/common/statistics.hpp"
 #include "safety/types/limits.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/rows.hpp"
@@ -44,7 +45,7 @@ double reach_miss(PlantModel stage, double reach) {
   const paper::OpenLoopRun run = paper::run_open_loop(
       stage, {.amplitude = kMostVolts, .frequency = 2.0, .settle = 6.0, .watch = 0.5, .period = 2.5e-3},
       true);
-  const double lifted = 1e-3 * paper::mean(run.displacement);
+  const double lifted = 1e-3 * mean(run.displacement);
   return std::isfinite(lifted) ? std::clamp((1.0 - lifted / reach) / kReachBand, 0.0, kFarthest) : kFarthest;
 }
 
@@ -78,12 +79,6 @@ std::vector<double> run_misses(const PlantModel& stage, const RecordedRun& run) 
     if (!std::isfinite(misses[i])) misses[i] = kRunMost;
   }
   return misses;
-}
-
-double rms(const std::vector<double>& misses) {
-  double sum = 0.0;
-  for (const double miss : misses) sum += miss * miss;
-  return std::sqrt(sum / static_cast<double>(misses.size()));
 }
 
 double rms_miss(const std::vector<double>& misses) {

@@ -111,7 +111,7 @@ double delay_behind_step(const Course& square) {
 }
 
 double left(const Outcome& way) {
-  return mean(way.back, way.back.plate_a, kEnd - 1.0, kEnd);
+  return mean_between(way.back, way.back.plate_a, kEnd - 1.0, kEnd);
 }
 
 // kV
@@ -122,7 +122,7 @@ struct Cost {
 Cost cost_of(const Outcome& way) {
   return {span(way.sine, way.sine.amplitude, kSettling, kSeconds).high,
           span(way.square, way.square.amplitude, kSettling, kSeconds).high,
-          mean(way.back, way.back.amplitude, kEnd - 1.0, kEnd)};
+          mean_between(way.back, way.back.amplitude, kEnd - 1.0, kEnd)};
 }
 
 std::string cost(const Outcome& paper, const Outcome& way) {

@@ -60,9 +60,9 @@ std::string held_note(const PlantModel& stage, double left, double kilovolts) {
 
 void add_rows(PaperFigure& figure, const PlantModel& stage, const Joint& joint, const Course& course) {
   const double top = kFirst + 3.0 * kHold;
-  const double reached = mean(course, course.plate_a, top + kSettling, top + kHold);
-  const double left = mean(course, course.plate_a, kEnd - 1.0, kEnd);
-  const double volts = mean(course, course.amplitude, kEnd - 1.0, kEnd);
+  const double reached = mean_between(course, course.plate_a, top + kSettling, top + kHold);
+  const double left = mean_between(course, course.plate_a, kEnd - 1.0, kEnd);
+  const double volts = mean_between(course, course.amplitude, kEnd - 1.0, kEnd);
   figure.rows = {
       number_row(
           {"12", "rotation at the top of the stair", "degrees"}, 48.1, turn_degrees(joint, reached * 1e-3),

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "robot/common/statistics.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/rows.hpp"
 #include "sim/paper/open_loop.hpp"

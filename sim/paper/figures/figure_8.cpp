@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "robot/common/statistics.hpp"
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/rows.hpp"
 #include "sim/paper/open_loop.hpp"

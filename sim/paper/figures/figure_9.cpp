@@ -57,8 +57,8 @@ void add_square_rows(PaperFigure& figure, const Course& course) {
 // What keeps plate A above the sine's lowest point.
 std::string floor_note(const PlantModel& stage, const Course& course) {
   const double middle = 1.0 / kSlowest, at_lowest[] = {middle - 0.5, middle + 0.5};
-  const double left = mean(course, course.plate_a, at_lowest[0], at_lowest[1]) - kSineLow;
-  const double kilovolts = mean(course, course.amplitude, at_lowest[0], at_lowest[1]);
+  const double left = mean_between(course, course.plate_a, at_lowest[0], at_lowest[1]) - kSineLow;
+  const double kilovolts = mean_between(course, course.amplitude, at_lowest[0], at_lowest[1]);
   std::string note = fmt::format("at the target's lowest point plate A is {:.2f} mm above it, at {:.2f} kV",
                                  left, kilovolts);
   if (guide_friction(stage) > 0.0 && left > kNotZero && kilovolts < kNoVoltage)

@@ -47,8 +47,8 @@ double plateau_share(const Followed& followed) {
   const double period = 1.0 / followed.frequency;
   double low = 0.0, high = 0.0, count = 0.0;
   for (double start = followed.first; start + period <= c.time.back() + 0.01; start += period) {
-    low += mean(c, c.plate_a, start + 0.4 * period, start + 0.5 * period);
-    high += mean(c, c.plate_a, start + 0.9 * period, start + period);
+    low += mean_between(c, c.plate_a, start + 0.4 * period, start + 0.5 * period);
+    high += mean_between(c, c.plate_a, start + 0.9 * period, start + period);
     count += 1.0;
   }
   return (high - low) / count / (kSquareHigh - kSquareLow);

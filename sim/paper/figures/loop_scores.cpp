@@ -128,7 +128,7 @@ Span span(const Course& course, const std::vector<double>& values, double from, 
   return {*low, *high};
 }
 
-double mean(const Course& course, const std::vector<double>& values, double from, double to) {
+double mean_between(const Course& course, const std::vector<double>& values, double from, double to) {
   const Ticks within = ticks(course, from, to);
   double sum = 0.0;
   for (std::size_t k = within.first; k < within.last; ++k) sum += values[k];

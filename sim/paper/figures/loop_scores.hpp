@@ -58,6 +58,6 @@ struct Span {
 };
 // Of `values` between two times. The course gives the times.
 Span span(const Course& course, const std::vector<double>& values, double from, double to);
-double mean(const Course& course, const std::vector<double>& values, double from, double to);
+double mean_between(const Course& course, const std::vector<double>& values, double from, double to);
 
 }  // namespace biopsy::sim::paper

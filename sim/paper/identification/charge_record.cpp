@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::sim::identification {
 namespace {
 
@@ -54,9 +56,8 @@ double noise_of(const std::vector<double>& current, const std::vector<bool>& ste
   for (const double difference : differences)
     if (difference > 0.0) level = std::min(level, difference);
   const double rounded = std::isfinite(level) ? level / std::sqrt(12.0) : 0.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return std::max(rounded, *middle / (0.6745 * std::sqrt(2.0)));  // of a normal distribution
+  // Of a normal distribution.
+  return std::max(rounded, median(std::move(differences)) / (0.6745 * std::sqrt(2.0)));
 }
 
 }  // namespace

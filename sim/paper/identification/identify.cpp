@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/statistics.hpp"
 #include "sim/paper/identification/charge_fit.hpp"
 
 namespace biopsy::sim {
@@ -14,7 +15,6 @@ namespace {
 using identification::ChargeFit;
 using identification::ChargeRecord;
 
-constexpr double kTwoSided95 = 1.96;
 constexpr double kLeastInrush = 1e-3;      // of the decay's charge: less was missed by the monitor
 constexpr double kLeastVoltage = 100.0;    // V; below, a stack shows no current
 constexpr double kUnexplained = 1.5;       // of the noise

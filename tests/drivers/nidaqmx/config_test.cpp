@@ -69,7 +69,7 @@ TEST(NidaqmxConfig, EveryWrongEntryIsNamedWithItsLineAndARemedy) {
       {with("estop_b = \"line3\"", "estop_c = \"line3\""), "`estop_b` is missing"},
       {with("low_V = 0.0", "low_V = 10.0"), "is not above"},
       {with("[laser]", "[lasers]"), "`laser` is missing"},
-      {sample() + "\n[extra]\n", "`extra` is unknown"},
+      {sample() + "\n[extra]\n", "unknown name `extra`"},
       {with("[laser]", "[[laser]]"), "not a table"},
       {"", "`device` is missing"},
       {"device = ", "stage.toml:1"},

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "tests/drivers/nidaqmx/stage_in_hand.hpp"
 #include "tests/robot/live/realtime/counting_allocator.hpp"
 #include "tests/safety/verifies.hpp"
@@ -70,8 +71,7 @@ TEST(PulseLine, IsRefusedWhereNoneIsWiredOrTheBoardDoesNotGiveIt) {
 }
 
 TEST(PulseLine, MayNotBeOnTheStagesBoard) {
-  std::ifstream file(source_dir() / "drivers/nidaqmx/usb6211.toml");
-  std::string sample{std::istreambuf_iterator<char>(file), {}};
+  std::string sample = read_file(source_dir() / "drivers/nidaqmx/usb6211.toml");
   EXPECT_NO_THROW(parse_config(sample, "test"));
   sample.replace(sample.find("\"Dev2\""), 6, "\"Dev1\"");
   try {

@@ -1,10 +1,11 @@
 // The loop closed, as docs/gap.md tells it: from measured runs to a better model to a rehearsal with it.
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <cmath>
 #include <set>
 
+#include "robot/common/encoding.hpp"
+#include "robot/common/sha256.hpp"
 #include "sim/plant/model_file.hpp"
 #include "tests/robot/cli/command.hpp"
 #include "tests/robot/cli/documented_fields.hpp"
@@ -16,14 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr double kHiddenForce_N =
     0.050;  // given to the generator of tests/sim/gap, written nowhere in the data
-
-std::string sha256(const std::string& bytes) {
-  std::array<unsigned char, 32> digest{};
-  EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr);
-  std::string hex;
-  for (const unsigned char byte : digest) hex += fmt::format("{:02x}", byte);
-  return hex;
-}
 
 // One search with --accept, then all claims on what it left behind.
 class GapExample : public testing::Test {
@@ -121,7 +114,7 @@ TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
   ASSERT_EQ(rehearsed.code, 0) << rehearsed.text;
   const nlohmann::json report = json_of(in("rehearsed/report.json"));
   EXPECT_EQ(report["outcome"], "completed");
-  EXPECT_EQ(report["provenance"]["plant model, SHA-256"], sha256(file_content(model())));
+  EXPECT_EQ(report["provenance"]["plant model, SHA-256"], hex(sha256(file_content(model()))));
   // The recheck said what this dry-run now says.
   for (const auto& margin : json_of(in("first/gap.json"))["margins"])
     if (margin["plan"] == "gap" && margin["quantity"] == "drive voltage") {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/imaging/io/read_volume.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/console/server/command_from_json.hpp"
 #include "robot/console/server/lease.hpp"
 #include "robot/console/server/nifti_bytes.hpp"
@@ -93,7 +93,7 @@ TEST(NiftiBytes, AreReadBackByThePlannersOwnReaderAtTheSamePlace) {
   small.size_mm = {6.0, 8.0, 5.0};
   const Volume image = sim::paper_phantom(small).image;
   const ScratchFolder folder;
-  report::atomic_write(folder.path() / "volume.nii", nifti_bytes(image));
+  atomic_write(folder.path() / "volume.nii", nifti_bytes(image));
   const Volume back = imaging::read_volume(folder.path() / "volume.nii");
   ASSERT_EQ(back.grid.size, image.grid.size);
   EXPECT_EQ(back.voxels, image.voxels);

@@ -82,11 +82,11 @@ TEST(HardwareLive, CharacteriseAsksAHandForWeightsAndDatesThemByTheDepth) {
     EXPECT_NEAR(changes[i].after_first_volt_s, kLaid[i].after_first_volt_s, 0.1);
     EXPECT_NEAR(changes[i].force_N, kLaid[i].grams * kSixGrams_N, 1e-6);
   }
-  const std::string report = bytes_of(options.out / "report.html");
+  const std::string report = file_content(options.out / "report.html");
   EXPECT_NE(report.find("laid on by hand"), std::string::npos);
   EXPECT_EQ(report.find("does not show"), std::string::npos);
   EXPECT_EQ(report.find("was lent"), std::string::npos) << "noise is the model's affair";
-  EXPECT_NE(bytes_of(options.out / "run-load-50g.csv").find("# weights were laid on by hand"),
+  EXPECT_NE(file_content(options.out / "run-load-50g.csv").find("# weights were laid on by hand"),
             std::string::npos);
 }
 

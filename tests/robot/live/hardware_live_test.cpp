@@ -53,7 +53,7 @@ TEST(HardwareLive, WithAnotherConfigurationThanTheCommissionedOneItDoesNotStart)
 TEST(HardwareLive, WithoutALineForItsPulseTheSupervisorDoesNotStart) {
   verifies("R-43");
   const Lab lab;
-  std::string text = bytes_of(lab.hardware.config);
+  std::string text = file_content(lab.hardware.config);
   text.erase(text.find("[supervisor_pulse]"));
   std::ofstream(lab.hardware.config) << text;
   EXPECT_NE(lab.refusal().find("half of the interlock"), std::string::npos) << lab.refusal();

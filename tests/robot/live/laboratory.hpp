@@ -12,6 +12,8 @@
 #include "drivers/commissioning/load_commissioning.hpp"
 #include "drivers/commissioning/signature.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/sha256.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/security/key_files.hpp"
@@ -26,11 +28,6 @@ namespace fs = std::filesystem;
 
 inline constexpr std::uint32_t kLabDomain = 85;
 
-inline std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 struct Lab {
   Lab() {
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -40,7 +37,7 @@ struct Lab {
     hardware.config = folder.path() / "stage.toml";
     hardware.commissioning = folder.path() / "commissioned";
     std::ofstream(hardware.config) << "library = \"" << FAKE_NIDAQMX << "\"\n"
-                                   << bytes_of(source_dir() / "drivers/nidaqmx/usb6211.toml");
+                                   << file_content(source_dir() / "drivers/nidaqmx/usb6211.toml");
   }
 
   // As `biopsy commission` does it, every step walked.
@@ -48,7 +45,7 @@ struct Lab {
     commissioning::Laboratory laboratory;
     commissioning::Record record = laboratory.walk();
     record.device = {"nidaqmx", laboratory.stage.product(), laboratory.stage.serial()};
-    record.config_sha256 = commissioning::sha256_hex(bytes_of(hardware.config));
+    record.config_sha256 = hex(sha256(file_content(hardware.config)));
     record.software = "biopsy of a test";
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     record.made_unix_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();
@@ -70,8 +67,8 @@ struct Lab {
       session.wait_until_healthy();
       return {};
     } catch (const ConfigError& error) {
-      return error.what_is_wrong + bytes_of(run.path() / "stage.txt") +
-             bytes_of(run.path() / "supervisor.txt");
+      return error.what_is_wrong + file_content(run.path() / "stage.txt") +
+             file_content(run.path() / "supervisor.txt");
     }
   }
 

@@ -4,10 +4,10 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/report/procedure/report_folder.hpp"
 #include "tests/robot/report/example_run.hpp"
@@ -70,11 +70,6 @@ TEST(OutsideText, KeepsLettersOfEveryAlphabet) {
   EXPECT_EQ(person_name("DOE^"), "DOE");
 }
 
-std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(ReportFolder, HoldsEveryFileWholeAndTheSameBytesForTheSameRecord) {
   const auto root = std::filesystem::path(testing::TempDir()) / "biopsy_report_folder";
   std::filesystem::remove_all(root);
@@ -84,7 +79,7 @@ TEST(ReportFolder, HoldsEveryFileWholeAndTheSameBytesForTheSameRecord) {
   for (const auto& entry : std::filesystem::directory_iterator(root / "one")) {
     ++files;
     const auto name = entry.path().filename();
-    EXPECT_EQ(content(entry.path()), content(root / "two" / "deeper" / name)) << name;
+    EXPECT_EQ(read_file(entry.path()), read_file(root / "two" / "deeper" / name)) << name;
     EXPECT_EQ(name.string().find(".part"), std::string::npos);
     EXPECT_GT(std::filesystem::file_size(entry.path()), 100U) << name;
   }

@@ -42,18 +42,6 @@ TEST(Png, GivesTheSameBytesEveryTimeAndNoneForAnEmptyPicture) {
   EXPECT_EQ(png_bytes(Picture{}), "");
 }
 
-// RFC 4648, section 10.
-TEST(Base64, MatchesTheVectorsOfRfc4648) {
-  const std::pair<const char*, const char*> kVectors[] = {{"", ""},
-                                                          {"f", "Zg=="},
-                                                          {"fo", "Zm8="},
-                                                          {"foo", "Zm9v"},
-                                                          {"foob", "Zm9vYg=="},
-                                                          {"fooba", "Zm9vYmE="},
-                                                          {"foobar", "Zm9vYmFy"}};
-  for (const auto& [bytes, text] : kVectors) EXPECT_EQ(base64(bytes), text);
-  EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
-}
 
 TEST(Crop, CopiesPixelsAndIsBlackBeyondTheEdges) {
   const Picture whole = colourful(10, 8);

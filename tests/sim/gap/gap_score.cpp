@@ -7,11 +7,12 @@
 #include <cmath>
 #include <functional>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::hidden {
 namespace {
 
 constexpr double kConfident = 0.5;
-constexpr double kTwoSided95 = 1.96;
 
 std::string verdict_word(GapVerdict verdict) {
   switch (verdict) {

@@ -33,8 +33,8 @@ TEST(PaperLoop, AWeightSagsTheSpringByMgOverK) {
   const PlantModel model;
   const Course course = weighed(0.020, 20.0);
   const double sag = 0.020 * model.baseline.g / model.baseline.k * 1e3;
-  EXPECT_NEAR(mean(course, course.plate_a, 10.0, 11.0), -sag, 1e-6 * sag);
-  EXPECT_NEAR(mean(course, course.plate_a, 19.0, 20.0), 0.0, 1e-6 * sag);  // and comes back
+  EXPECT_NEAR(mean_between(course, course.plate_a, 10.0, 11.0), -sag, 1e-6 * sag);
+  EXPECT_NEAR(mean_between(course, course.plate_a, 19.0, 20.0), 0.0, 1e-6 * sag);  // and comes back
 }
 
 // Half a period of the spring with all that hangs on it, added weight included.

@@ -156,7 +156,7 @@ TEST_F(DatasetFolder, RefusesFilesThatAreNotThereOrNotInTheFolder) {
   };
   const std::string toml = (folder.path() / "dataset.toml").string();
   expect_refusal(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }),
-              (folder.path() / "b.csv").string(), "cannot be opened");
+              (folder.path() / "b.csv").string(), "cannot be read");
   for (const std::string escape : {"../a.csv", "/etc/passwd", "sub/../a.csv", "./a.csv", ""})
     expect_refusal(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1",
                 "data set's folder");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "robot/common/files/file.hpp"
 #include "sim/plant/dataset.hpp"
 #include "sim/plant/simulate.hpp"
 #include "tests/scratch_folder.hpp"
@@ -85,8 +86,7 @@ void expect_both_kinds(int read, int total) {
 }
 
 std::string shipped(const std::string& name) {
-  std::ifstream in(models_folder() / name, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  return read_file(models_folder() / name);
 }
 
 TEST(FileFuzz, AMutatedModelIsReadOrRefused) {

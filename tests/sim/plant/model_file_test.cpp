@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "robot/common/files/file.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sim/effects/staged_model.hpp"
 #include "tests/sim/plant/refusal.hpp"
@@ -40,18 +41,14 @@ TEST(BaselineFile, HoldsExactlyTheReferenceValuesAndNoEffect) {
   const PlantModel model = read_model(models_folder() / "baseline.toml");
   expect_reference_values(model.baseline);
   EXPECT_EQ(effects_in(model), 0);
-  const std::string text = [] {
-    std::ifstream in(models_folder() / "baseline.toml");
-    return std::string{std::istreambuf_iterator<char>(in), {}};
-  }();
+  const std::string text = read_file(models_folder() / "baseline.toml");
   EXPECT_NE(text.find("\nT = 1e-3"), std::string::npos);  // the control period is the build's own
   EXPECT_EQ(kTick, std::chrono::milliseconds(1));
 }
 
 TEST(BaselineFile,
      NamesEveryValueItself) {  // so that the defaults of the program cannot stand in for a lost line
-  std::ifstream in(models_folder() / "baseline.toml");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = read_file(models_folder() / "baseline.toml");
   for (const std::string name : {"K", "tau", "eps_film", "d_film", "L0", "V0", "H_0", "n", "tau_h", "k",
                                  "c_k", "c_s", "fixture_mass", "m_B", "C1", "T", "g"})
     EXPECT_NE(text.find("\n" + name + " = "), std::string::npos) << name;
@@ -156,9 +153,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ModelFile, ThatIsNotThereIsRefusedByItsName) {
   expect_refusal(refusal([] { read_model("/nowhere/model.toml"); }),
-              "/nowhere/model.toml: ", "cannot be opened");
+              "/nowhere/model.toml: ", "cannot be read");
   const ScratchFolder folder;
-  expect_refusal(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be opened");
+  expect_refusal(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be read");
 }
 
 TEST(TissueFile, RefusesWhatItCannotUse) {
@@ -166,8 +163,7 @@ TEST(TissueFile, RefusesWhatItCannotUse) {
   folder.write("none.toml", "[tissue.muscle]\n");
   expect_refusal(refusal([&] { read_tissues(folder.path() / "none.toml"); }),
               (folder.path() / "none.toml:1").string(), "is missing");
-  std::ifstream in(models_folder() / "tissues.toml");
-  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = read_file(models_folder() / "tissues.toml");
   const auto unknown = text.find("[tissue.unknown]");
   ASSERT_NE(unknown, std::string::npos);
   folder.write("known.toml", text.substr(0, unknown));

@@ -72,7 +72,7 @@ std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t class
   std::vector<FaultClass> faults = all_faults();
   faults.resize(std::min(classes, faults.size()));
   std::vector<Stream> streams(faults.size());
-  sim::in_parallel(faults.size(), [&](std::size_t i) {
+  in_parallel(faults.size(), [&](std::size_t i) {
     Campaign campaign{workshop};
     campaign.tap = [&stream = streams[i]](const safety::PlanFacts& facts,
                                           const safety::SupervisorInputs& seen,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <deque>
@@ -157,20 +158,7 @@ RunResult run_one(const Campaign& campaign, const FaultClass& fault, std::uint64
 }
 
 double lower_bound_95(std::int32_t hits, std::int32_t runs) {
-  if (hits <= 0) return 0.0;
-  const auto at_least = [&](double p) {  // probability of `hits` or more
-    double sum = 0.0;
-    for (std::int32_t k = hits; k <= runs; ++k)
-      sum += std::exp(std::lgamma(runs + 1.0) - std::lgamma(k + 1.0) - std::lgamma(runs - k + 1.0) +
-                      k * std::log(p) + (runs - k) * std::log1p(-p));
-    return sum;
-  };
-  double low = 1e-12, high = 1.0 - 1e-12;
-  for (int i = 0; i < 100; ++i) {
-    const double p = 0.5 * (low + high);
-    (at_least(p) < 0.05 ? low : high) = p;
-  }
-  return low;
+  return boost::math::binomial_distribution<>::find_lower_bound_on_p(runs, hits, 0.05);
 }
 
 double Tally::coverage() const {
@@ -182,7 +170,7 @@ std::vector<Tally> run_all(const Campaign& campaign, const std::vector<FaultClas
   const auto each = static_cast<std::size_t>(runs);
   std::vector<std::vector<Verdict>> verdicts(each);
   std::atomic<std::size_t> done{0};
-  sim::in_parallel(each, [&](std::size_t run) {
+  in_parallel(each, [&](std::size_t run) {
     Rehearsals rehearsals(campaign, run);
     for (const FaultClass& fault : faults)
       verdicts[run].push_back(run_in(rehearsals, campaign, fault, run).verdict);

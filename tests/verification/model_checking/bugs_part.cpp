@@ -6,8 +6,8 @@
 #include <mutex>
 
 #include "find_violation.hpp"
-#include "parallel.hpp"
 #include "parts.hpp"
+#include "robot/common/in_parallel.hpp"
 
 namespace biopsy::explore {
 namespace {

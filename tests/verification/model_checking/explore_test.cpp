@@ -11,6 +11,7 @@
 #include "parts.hpp"
 #include "plans.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "tests/safety/situation.hpp"
 #include "tests/source_dir.hpp"
 #include "twin.hpp"
@@ -137,8 +138,7 @@ TEST(Counterexample, OfATimeThatNeverEndsTellsHowLongItWasWaited) {
 
 TEST(SeededBugs, AreEachFoundOnceInTheTextOfTheirFile) {
   for (const SeededBug& bug : seeded_bugs()) {
-    std::ifstream stream(source_dir() / "safety" / bug.file);
-    const std::string source{std::istreambuf_iterator<char>(stream), {}};
+    const std::string source = read_file(source_dir() / "safety" / bug.file);
     EXPECT_NE(with_bug(bug, source), source) << bug.id;
     EXPECT_THROW(with_bug(bug, source + source), ConfigError) << bug.id;
     EXPECT_THROW(with_bug(bug, ""), ConfigError) << bug.id;

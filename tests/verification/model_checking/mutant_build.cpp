@@ -8,27 +8,20 @@
 #include <sstream>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 
 namespace biopsy::explore {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw ConfigError("cannot be read", file.string(), "run from a complete source tree");
-  return text.str();
-}
-
 void copy_with_bug(const fs::path& from, const fs::path& to, const SeededBug* bug) {
   fs::remove_all(to);
   fs::create_directories(to.parent_path());
   fs::copy(from, to, fs::copy_options::recursive);
   if (bug == nullptr) return;
-  const std::string text = with_bug(*bug, text_of(from / bug->file));
-  std::ofstream(to / bug->file) << text;
+  const std::string text = with_bug(*bug, read_file(from / bug->file, "run from a complete source tree"));
+  atomic_write(to / bug->file, text);
 }
 
 }  // namespace

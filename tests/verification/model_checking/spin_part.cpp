@@ -8,9 +8,10 @@
 #include <regex>
 #include <sstream>
 
-#include "parallel.hpp"
 #include "parts.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/in_parallel.hpp"
 
 namespace biopsy::explore {
 namespace {
@@ -77,14 +78,11 @@ Verdict verify(const fs::path& folder, const Property& property) {
   const std::string command =
       fmt::format("cd '{}' && ./pan -m1000000 -n {} > {} 2>&1", folder.string(), options, file);
   [[maybe_unused]] const int code = std::system(command.c_str());  // the verdict is in what it says
-  std::ifstream stream(folder / file);
-  std::ostringstream text;
-  text << stream.rdbuf();
+  const std::string said = read_file(folder / file);
   Verdict verdict;
-  verdict.states = number_before(text.str(), "states, stored");
-  verdict.transitions = number_before(text.str(), "transitions");
+  verdict.states = number_before(said, "states, stored");
+  verdict.transitions = number_before(said, "transitions");
   std::smatch match;
-  const std::string said = text.str();
   const bool complete = said.find("max search depth too small") == std::string::npos;
   if (complete && std::regex_search(said, match, std::regex("errors: (\\d+)")))
     verdict.errors = std::stoull(match[1]);

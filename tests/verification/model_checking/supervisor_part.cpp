@@ -6,9 +6,9 @@
 
 #include "counterexample.hpp"
 #include "explorer.hpp"
-#include "parallel.hpp"
 #include "parts.hpp"
 #include "plans.hpp"
+#include "robot/common/in_parallel.hpp"
 
 namespace biopsy::explore {
 namespace {

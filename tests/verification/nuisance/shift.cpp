@@ -92,7 +92,7 @@ Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
   while (day.hours < hours) {
     std::vector<Shift> block(kBlock);
     const auto first = static_cast<std::uint64_t>(day.procedures);
-    sim::in_parallel(kBlock, [&](std::size_t i) { block[i] = work_once(workshop, seed, first + i, seeing); });
+    in_parallel(kBlock, [&](std::size_t i) { block[i] = work_once(workshop, seed, first + i, seeing); });
     day = std::accumulate(block.begin(), block.end(), std::move(day), joined);
     progress(day.hours / hours);
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/statistics.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -63,13 +64,6 @@ std::vector<std::size_t> sorted_along(const Direction& normal, const std::vector
   return order;
 }
 
-// The gap most slices have, robust against a missing or a doubled slice.
-double usual_gap(std::vector<double> gaps) {
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
-}
-
 void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceStack& stack,
                              const Direction& normal) {
   std::vector<double> gaps;
@@ -80,7 +74,7 @@ void refuse_repeats_and_gaps(const std::vector<SlicePlane>& slices, const SliceS
       throw ConfigError("not a volume: two slices at the same place", below.name + " and " + above.name,
                         "keep one time, echo or copy of the series in the folder");
   }
-  const double usual = usual_gap(gaps);
+  const double usual = quantile(gaps, 0.5);  // robust against a missing or a doubled slice
   for (std::size_t k = 0; k < gaps.size(); ++k)
     if (std::abs(gaps[k] - usual) > kStackTolerance_mm)
       throw ConfigError(

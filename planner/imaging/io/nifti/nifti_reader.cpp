@@ -77,30 +77,14 @@ Eigen::Vector3i size_of(const nifti_1_header& raw, const std::string& file) {
 }
 
 std::optional<VoxelType> type_of(int datatype) {
-  switch (datatype) {
-    case DT_UINT8:
-      return VoxelType::UInt8;
-    case DT_INT8:
-      return VoxelType::Int8;
-    case DT_INT16:
-      return VoxelType::Int16;
-    case DT_UINT16:
-      return VoxelType::UInt16;
-    case DT_INT32:
-      return VoxelType::Int32;
-    case DT_UINT32:
-      return VoxelType::UInt32;
-    case DT_INT64:
-      return VoxelType::Int64;
-    case DT_UINT64:
-      return VoxelType::UInt64;
-    case DT_FLOAT32:
-      return VoxelType::Float32;
-    case DT_FLOAT64:
-      return VoxelType::Float64;
-    default:
-      return std::nullopt;
-  }
+  using enum VoxelType;
+  static constexpr std::pair<int, VoxelType> kTypes[] = {
+      {DT_UINT8, UInt8},     {DT_INT8, Int8},      {DT_INT16, Int16}, {DT_UINT16, UInt16},
+      {DT_INT32, Int32},     {DT_UINT32, UInt32},  {DT_INT64, Int64}, {DT_UINT64, UInt64},
+      {DT_FLOAT32, Float32}, {DT_FLOAT64, Float64}};
+  for (const auto& [code, type] : kTypes)
+    if (code == datatype) return type;
+  return std::nullopt;
 }
 
 VoxelCoding coding_of(const Header& header, const std::string& file) {

@@ -97,46 +97,23 @@ const std::string& field(const Fields& fields, const char* name, const std::stri
 }
 
 VoxelType type_of(const Fields& fields, const std::string& file) {
-  static const std::map<std::string, VoxelType> kTypes = {{"signed char", VoxelType::Int8},
-                                                          {"int8", VoxelType::Int8},
-                                                          {"int8_t", VoxelType::Int8},
-                                                          {"uchar", VoxelType::UInt8},
-                                                          {"unsigned char", VoxelType::UInt8},
-                                                          {"uint8", VoxelType::UInt8},
-                                                          {"uint8_t", VoxelType::UInt8},
-                                                          {"short", VoxelType::Int16},
-                                                          {"short int", VoxelType::Int16},
-                                                          {"signed short", VoxelType::Int16},
-                                                          {"signed short int", VoxelType::Int16},
-                                                          {"int16", VoxelType::Int16},
-                                                          {"int16_t", VoxelType::Int16},
-                                                          {"ushort", VoxelType::UInt16},
-                                                          {"unsigned short", VoxelType::UInt16},
-                                                          {"unsigned short int", VoxelType::UInt16},
-                                                          {"uint16", VoxelType::UInt16},
-                                                          {"uint16_t", VoxelType::UInt16},
-                                                          {"int", VoxelType::Int32},
-                                                          {"signed int", VoxelType::Int32},
-                                                          {"int32", VoxelType::Int32},
-                                                          {"int32_t", VoxelType::Int32},
-                                                          {"uint", VoxelType::UInt32},
-                                                          {"unsigned int", VoxelType::UInt32},
-                                                          {"uint32", VoxelType::UInt32},
-                                                          {"uint32_t", VoxelType::UInt32},
-                                                          {"longlong", VoxelType::Int64},
-                                                          {"long long", VoxelType::Int64},
-                                                          {"int64", VoxelType::Int64},
-                                                          {"int64_t", VoxelType::Int64},
-                                                          {"ulonglong", VoxelType::UInt64},
-                                                          {"unsigned long long", VoxelType::UInt64},
-                                                          {"uint64", VoxelType::UInt64},
-                                                          {"uint64_t", VoxelType::UInt64},
-                                                          {"float", VoxelType::Float32},
-                                                          {"double", VoxelType::Float64}};
+  using enum VoxelType;
+  static constexpr std::pair<VoxelType, std::string_view> kNames[] = {
+      {Int8, "|signed char|int8|int8_t|"},
+      {UInt8, "|uchar|unsigned char|uint8|uint8_t|"},
+      {Int16, "|short|short int|signed short|signed short int|int16|int16_t|"},
+      {UInt16, "|ushort|unsigned short|unsigned short int|uint16|uint16_t|"},
+      {Int32, "|int|signed int|int32|int32_t|"},
+      {UInt32, "|uint|unsigned int|uint32|uint32_t|"},
+      {Int64, "|longlong|long long|int64|int64_t|"},
+      {UInt64, "|ulonglong|unsigned long long|uint64|uint64_t|"},
+      {Float32, "|float|"},
+      {Float64, "|double|"}};
   const std::string& name = field(fields, "type", file);
-  const auto found = kTypes.find(lower(name));
-  if (found == kTypes.end()) refuse(fmt::format("voxel type \"{:.40}\" is not read", name), file);
-  return found->second;
+  const std::string wanted = fmt::format("|{}|", lower(name));
+  for (const auto& [type, names] : kNames)
+    if (name.find('|') == std::string::npos && names.find(wanted) != std::string_view::npos) return type;
+  refuse(fmt::format("voxel type \"{:.40}\" is not read", name), file);
 }
 
 bool swapped_bytes(const Fields& fields, VoxelType type, const std::string& file) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/statistics.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
 #include "sim/paper/figures/rows.hpp"
 #include "sim/paper/open_loop.hpp"
@@ -28,7 +29,7 @@ std::array<double, 2> level_and_ripple(const paper::PaperModel& model) {
   const paper::OpenLoopRun run =
       paper::run_open_loop(paper::plate_on_stack(model.stage, 11, 0.050),
                            {.amplitude = 6000.0, .frequency = 0.5, .settle = 30.0, .watch = 2.0}, true);
-  return {paper::mean(run.displacement), paper::peak_to_peak(run.displacement)};
+  return {mean(run.displacement), paper::peak_to_peak(run.displacement)};
 }
 
 // An "experiment" whose paper numbers come from kTrueTau and kTrueV0.

@@ -5,9 +5,9 @@
 
 #include "robot/common/frames.hpp"
 
-namespace biopsy::robot {
+namespace biopsy {
 
 // Returns LPS. Throws ConfigError naming `option` where the text is not three finite numbers within 2 m.
-Point typed_point(const std::string& option, const std::string& text);
+Point parse_ras_point(const std::string& option, const std::string& text);
 
-}  // namespace biopsy::robot
+}  // namespace biopsy

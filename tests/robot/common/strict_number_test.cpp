@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace biopsy::imaging {
+namespace biopsy {
 namespace {
 
 TEST(StrictNumber, TakesAllOfTheTextOrNothing) {
@@ -22,4 +22,4 @@ TEST(StrictNumber, TakesListsWithoutHoles) {
 }
 
 }  // namespace
-}  // namespace biopsy::imaging
+}  // namespace biopsy
