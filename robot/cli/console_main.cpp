@@ -5,8 +5,9 @@
 #include <cstdio>
 
 #include "robot/cli/library_messages.hpp"
-#include "robot/cli/live_commands.hpp"
 #include "robot/cli/log_options.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/whole_file.hpp"
 #include "robot/common/logging/program.hpp"
@@ -57,20 +58,34 @@ void serve(const Options& options) {
   robot.let_back();
 }
 
+// False after --help.
+bool parse(CLI::App& command, int argc, char** argv) {
+  try {
+    command.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp& help) {
+    command.exit(help);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    throw ConfigError(error.what(), "biopsy-console", "`biopsy-console --help` explains the options");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
-  CLI::App command(
-      "the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
-  command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
-  robot::case_options(command, options.procedure);
-  command.add_option("--port", options.port, "of the page (default: any that is free)");
-  command.add_option("--page", options.page, "folder of the built page");
-  std::string level, format;
-  robot::log_options(command, level, format);
-  CLI11_PARSE(command, argc, argv);
   return logging::run_program("biopsy-console", [&] {
+    Options options;
+    CLI::App command(
+        "the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
+    command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
+    robot::add_case_options(command, options.procedure);
+    command.add_option("--port", options.port, "of the page (default: any that is free)")
+        ->check(robot::in_range(0, 65535));
+    command.add_option("--page", options.page, "folder of the built page");
+    std::string level, format;
+    robot::log_options(command, level, format);
+    if (!parse(command, argc, argv)) return 0;
     logging::LogSettings log = robot::log_settings("biopsy-console", level, format);
     log.file = options.run_folder / "console.log";
     const logging::LogSession session(log);

@@ -4,6 +4,7 @@
 
 #include "planner/imaging/registration/reslice.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/common/number_text.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/procedure/confirmation_image.hpp"
 #include "robot/procedure/operator.hpp"
@@ -64,7 +65,7 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
 }
 
 report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, const fs::path& folder,
-                              const Progress& progress) {
+                              const Progress& progress, const std::stop_token& stop) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   RunNotes notes(prepared);
   report::RunRecord& record = notes.record();
@@ -80,6 +81,10 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
       images.take(world.accepted_stage, notes.take_imaged_tip(), result);
       person.judge(result.check->verdict == DepthVerdict::Accept, "depth check: " + result.check->reason);
     }
+    if (stop.stop_requested()) {
+      record.refusal = "interrupted";
+      break;
+    }
     const std::optional<CycleSample> beat = robot(world);
     if (!beat) {
       record.refusal = "the stage fell silent";
@@ -89,8 +94,9 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     notes.add(*beat, world);
     if (number % kProgressEvery == 0)
       progress(beat->setpoint / plan.target_depth,
-               fmt::format("rehearsing: {:.0f} s, {}, {:.2f} mm", static_cast<double>(number) * 1e-3,
-                           safety::name_of(seen.supervisor.permit.mode), seen.measurement.depth_um * 1e-3));
+               fmt::format("rehearsing: {:.0f} s, {}, {}", static_cast<double>(number) * 1e-3,
+                           safety::name_of(seen.supervisor.permit.mode),
+                           report::fixed(seen.measurement.depth_um * 1e-3, 2, "mm")));
   }
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
@@ -99,7 +105,8 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   return record;
 }
 
-report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress) {
+report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress,
+                           const std::stop_token& stop) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Case& given = prepared.given;
   const safety::PlanFacts facts = live::plan_facts(plan, 1 + given.seed);
@@ -116,7 +123,7 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
     beat.setpoint = lockstep.controller().setpoint;
     return std::optional<CycleSample>(beat);
   };
-  return rehearse_on(robot, prepared, folder, progress);
+  return rehearse_on(robot, prepared, folder, progress, stop);
 }
 
 }  // namespace biopsy::robot

@@ -54,6 +54,7 @@ struct Search {
   Evidence evidence;
   ScoredModel as_given;
   Selection selection;
+  bool interrupted = false;
 
   GapVerdict verdict() const { return gap::verdict(as_given, selection, evidence); }
   bool leaves_open() const {
@@ -67,17 +68,19 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   Search out{
       .evidence = prepare(dataset, model, options.window, Grain::Fine), .as_given = {}, .selection = {}};
   Hypothesis start = baseline_hypothesis(model, options.free);
-  progress("simulating every run with the model as it is");
+  progress(0.0, "simulating every run with the model as it is");
   const Hypothesis before = as_written(start, out.evidence);
   out.as_given = judge(before, out.evidence);
   out.selection = {.start = out.as_given, .best = out.as_given, .fits = {}, .selected = {}};
   if (is_only_noise(mean_square(residual(before.model, out.evidence, Part::All)), out.evidence)) return out;
-  progress("fitting the baseline's numbers within their calibration errors");
+  progress(0.05, "fitting the baseline's numbers within their calibration errors");
   carry_over(start, before);
   fit(start, out.evidence, kIterations);
   out.selection = select(std::move(start), prepare(dataset, model, options.window, Grain::Coarse),
-                         out.evidence, progress, most_effects);
-  progress("the last fit, and standard deviations");
+                         out.evidence, progress, most_effects, options.stop);
+  out.interrupted = options.stop.stop_requested();
+  if (out.interrupted) return out;
+  progress(0.9, "the last fit, and standard deviations");
   out.selection.best = polished(out.selection.best, out.as_given.square, out.evidence);
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
   return out;
@@ -108,13 +111,13 @@ double short_piece(const Dataset& dataset, const PlantModel& model) {
 
 Search in_pieces(const Dataset& dataset, const PlantModel& model, const SearchOptions& options, double piece,
                  const Progress& progress) {
-  progress(fmt::format("whole runs leave the gap open: again in pieces of {:.2g} s", piece));
-  return search(dataset, model, {.free = options.free, .window = piece}, progress, 1);
+  progress(0.9, fmt::format("whole runs leave the gap open: again in pieces of {:.2g} s", piece));
+  return search(dataset, model, {.free = options.free, .window = piece, .stop = options.stop}, progress, 1);
 }
 
 // The name that pieces gave, with its numbers fitted to whole runs, if it explains those as well.
 std::optional<Search> confirmed(const Search& whole, const Search& pieces) {
-  if (pieces.verdict() != GapVerdict::Effect) return std::nullopt;
+  if (pieces.verdict() != GapVerdict::Effect || pieces.interrupted) return std::nullopt;
   Search out = whole;
   out.selection = pieces.selection;
   out.selection.start = whole.selection.start;
@@ -138,17 +141,17 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
                   const Progress& progress) {
   Search found = search(dataset, model, options, progress);
   std::string warning;
-  if (!options.window && found.leaves_open() && friction_dominated(found.selection)) {
+  const bool whole = !options.window && !options.stop.stop_requested();
+  if (whole && found.leaves_open() && friction_dominated(found.selection)) {
     Search again = in_pieces(dataset, model, options, kPiece, progress);
-    if (is_stribeck(again.selection)) {
+    if (!again.interrupted && is_stribeck(again.selection)) {
       found = std::move(again);
       warning = fmt::format(
           "All figures are of pieces of {} s that each start from the measured motion: plate A sticks and "
           "slips, and when it breaks away decides all that follows.",
           kPiece);
     }
-  } else if (!options.window && found.verdict() == GapVerdict::Unexplained &&
-             model.baseline.drive == Drive::Force) {
+  } else if (whole && found.verdict() == GapVerdict::Unexplained && model.baseline.drive == Drive::Force) {
     const double piece = short_piece(dataset, found.as_given.hypothesis.model);
     std::optional<Search> named = confirmed(found, in_pieces(dataset, model, options, piece, progress));
     if (named) {
@@ -161,6 +164,16 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
+  out.finding.interrupted = options.stop.stop_requested();
+  if (out.finding.interrupted)
+    out.finding.warnings.insert(
+        out.finding.warnings.begin(),
+        fmt::format(
+            "Interrupted: the verdict is that of {} of the search. There may be more to find, numbers "
+            "have no standard deviation, and unexplained means not explained yet.",
+            out.finding.effects.empty() && out.finding.parameters_changed.empty()
+                ? "the beginning"
+                : "the rounds that were finished"));
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace biopsy::sim::gap {
 struct SearchOptions {
   std::vector<std::string> free;  // names of baseline numbers that are not known
   std::optional<double> window;   // s
+  std::stop_token stop = {};      // ends the search with what was found until then
 };
 
 // What was found, and the model that comes of it; standard deviations of its new numbers by name, as in
@@ -30,7 +32,8 @@ struct FoundGap {
 };
 
 // Throws ConfigError for data that cannot be used and names that cannot be freed.
-FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
-                  const Progress& progress);
+FoundGap find_gap(
+    const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
+    const Progress& progress = [](double, const std::string&) {});
 
 }  // namespace biopsy::sim::gap

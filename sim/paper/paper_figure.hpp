@@ -54,6 +54,7 @@ struct PaperFigure {
 struct Reproduction {
   std::string model;  // which was asked, for the page
   std::vector<PaperFigure> figures;
+  std::vector<std::string> left_out;  // numbers of figures that an interruption left out
   double seconds = 0.0;  // it took
 };
 

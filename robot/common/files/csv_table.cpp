@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/number_text.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -54,9 +55,9 @@ void read_header(CsvTable& table, std::string_view line, std::size_t number) {
 void read_row(CsvTable& table, std::string_view line, std::size_t number) {
   const auto row = cells(line);
   if (row.size() != table.names.size())
-    throw ConfigError(
-        fmt::format("{} cells, but the header names {} columns", row.size(), table.names.size()),
-        fmt::format("{}:{}", table.file, number), "give every row one number for each column");
+    throw ConfigError(fmt::format("{}, but the header names {}", report::counted(row.size(), "cell"),
+                                  report::counted(table.names.size(), "column")),
+                      fmt::format("{}:{}", table.file, number), "give every row one number for each column");
   for (std::size_t i = 0; i < row.size(); ++i)
     table.columns[table.names[i]].push_back(finite(row[i], table.file, number, table.names[i]));
   table.lines.push_back(number);

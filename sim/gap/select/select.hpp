@@ -8,6 +8,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,8 @@ struct Selection {
   std::vector<SelectedTerm> selected;
 };
 
-using Progress = std::function<void(const std::string& doing)>;
+// `share`: of the work, in [0, 1]; an estimate, because nobody knows how many rounds there will be.
+using Progress = std::function<void(double share, const std::string& doing)>;
 
 ScoredModel judge(Hypothesis hypothesis, const Evidence& evidence);
 
@@ -64,7 +66,8 @@ bool is_only_noise(double square, const Evidence& evidence);
 
 // Coarse evidence to search on, fine to fit and judge on.
 inline constexpr std::size_t kMostEffects = 3;
+// A round that `stop` interrupts is left out.
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
-                 std::size_t most_effects = kMostEffects);
+                 std::size_t most_effects = kMostEffects, const std::stop_token& stop = {});
 
 }  // namespace biopsy::sim::gap

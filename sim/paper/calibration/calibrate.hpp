@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 
 #include "sim/paper/calibration/cma_es.hpp"
@@ -20,11 +21,12 @@ struct CalibrationSettings {
   std::uint64_t seed = 1;
   int population = 16;
   double far_spread = 0.6, spread = 0.2;
+  std::stop_token stop = {};  // ends the search with the best until then; standard deviations stay unknown
 };
 
 struct CalibratedParameter {
   Parameter parameter;
-  double value = 0.0, std = 0.0;  // file units
+  double value = 0.0, std = 0.0;  // file units; std is NaN where the search was interrupted
   bool at_bound = false;          // the paper asks for more than is plausible
   bool only_prior = false;        // nine tenths of the std and more are what was known beforehand
 };
@@ -32,12 +34,13 @@ struct CalibratedParameter {
 struct Calibration {
   paper::PaperModel model;
   std::vector<CalibratedParameter> parameters;
-  Eigen::MatrixXd correlations;      // of the parameters, in their order
+  Eigen::MatrixXd correlations;      // of the parameters, in their order; empty where it was interrupted
   std::vector<PaperRow> rows;        // at the answer, as the brief experiments give them
   std::vector<RunFit> runs;          // and the measured runs
   double before = 0.0, after = 0.0;  // sum of squared residuals where the search began, and at the answer
   bool kept_start = false;           // nothing better was found than the first guesses
   int evaluations = 0;
+  bool interrupted = false;
 };
 
 // Share done, -1 where that is not known, and what is being done.

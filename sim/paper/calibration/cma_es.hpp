@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 
 namespace biopsy::sim::calibration {
 
@@ -14,6 +15,7 @@ struct CmaSettings {
   int evaluations = 1000;  // at most; the last generation is always whole
   double narrow = 1e-6;    // stops where the spread has become this small
   std::uint64_t seed = 1;
+  std::stop_token stop = {};  // ends the search after a whole generation
 };
 
 struct CmaResult {

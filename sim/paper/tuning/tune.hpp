@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct TuneOptions {
   int stages = 24;  // uncertain ones, besides the model itself
   std::uint64_t seed = 1;
   Requirements wanted;
-  int grid = 13;  // values of each gain that the search begins with
+  int grid = 13;              // values of each gain that the search begins with
+  std::stop_token stop = {};  // ends the search with the best gains until then
 };
 
 struct Tuning {
@@ -56,6 +58,7 @@ struct Tuning {
   int stages = 0;                   // that were drawn, besides the model
   int refused = 0;                  // draws that do not settle as the paper's stage does, with its gains
   Requirements wanted;
+  bool interrupted = false;  // before the search was complete; feed-forward is not judged then
   bool met = false;  // some gains have the margins on all of them; otherwise the tuned ones come closest
   std::vector<Judged> judged;  // the paper's gains, the tuned ones, each again with feed-forward
   std::vector<FigurePanel> panels;

@@ -9,7 +9,7 @@
 #include "tests/robot/cli/command.hpp"
 #include "tests/robot/cli/documented_fields.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ class GapExample : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;
-    fs::copy_file(kHouse / "docs/examples/gap/stage.toml", model());
+    fs::copy_file(kSource / "docs/examples/gap/stage.toml", model());
     first_ = biopsy(gap("first") + " --accept");
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -38,12 +38,12 @@ class GapExample : public testing::Test {
   static fs::path model() { return *folder_ / "stage.toml"; }
   static fs::path in(const std::string& name) { return *folder_ / name; }
   static std::string gap(const std::string& out) {
-    return "gap " + (kHouse / "docs/examples/gap").string() + " --model " + model().string() + " --out " +
+    return "gap " + (kSource / "docs/examples/gap").string() + " --model " + model().string() + " --out " +
            in(out).string();
   }
 
   static inline ScratchFolder* folder_ = nullptr;
-  static inline Answer first_;
+  static inline Outcome first_;
 };
 
 TEST_F(GapExample, NamesTheFrictionThatWasHidden) {
@@ -62,7 +62,7 @@ TEST_F(GapExample, NamesTheFrictionThatWasHidden) {
 
 TEST_F(GapExample, AcceptsTheNewModelAndKeepsTheOldOne) {
   EXPECT_EQ(file_content(model()), file_content(in("first/model.toml")));
-  EXPECT_EQ(file_content(in("stage.toml.1")), file_content(kHouse / "docs/examples/gap/stage.toml"));
+  EXPECT_EQ(file_content(in("stage.toml.1")), file_content(kSource / "docs/examples/gap/stage.toml"));
   EXPECT_NE(first_.text.find("the old one is kept as " + fs::canonical(in("stage.toml.1")).string()),
             std::string::npos)
       << first_.text;
@@ -100,13 +100,13 @@ TEST_F(GapExample, RehearsesTheReferencePlansWithBothModels) {
   EXPECT_NE(file_content(in("first/report.html")).find("Used now"), std::string::npos);
 }
 
-TEST_F(GapExample, TheReferenceTellsEveryFieldOfTheAnswer) {
-  expect_told(json_of(in("first/gap.json")), file_content(kHouse / "docs/reference.md"));
+TEST_F(GapExample, TheReferenceDescribesEveryFieldOfGapJson) {
+  expect_documented(json_of(in("first/gap.json")), file_content(kSource / "docs/reference.md"));
 }
 
 TEST_F(GapExample, FindsNothingMoreInTheSameData) {
   const std::string accepted = file_content(model());
-  const Answer again = biopsy(gap("again") + " --accept");
+  const Outcome again = biopsy(gap("again") + " --accept");
   ASSERT_EQ(again.code, 0) << again.text;
   EXPECT_EQ(json_of(in("again/gap.json"))["verdict"], "no_gap") << again.text;
   EXPECT_NE(again.text.find("nothing to accept"), std::string::npos) << again.text;
@@ -116,7 +116,7 @@ TEST_F(GapExample, FindsNothingMoreInTheSameData) {
 }
 
 TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
-  const Answer rehearsed =
+  const Outcome rehearsed =
       biopsy("dry-run gap --model " + model().string() + " --out " + in("rehearsed").string());
   ASSERT_EQ(rehearsed.code, 0) << rehearsed.text;
   const nlohmann::json report = json_of(in("rehearsed/report.json"));
@@ -132,7 +132,7 @@ TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
 // Without tissue only the stage's own friction holds the loop (docs/model.md): the friction that was found
 // makes the difference between a rehearsal that is stopped and one that arrives.
 TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
-  const std::string air = "dry-run " + (kHouse / "docs/examples/air.toml").string() + " --model ";
+  const std::string air = "dry-run " + (kSource / "docs/examples/air.toml").string() + " --model ";
   EXPECT_EQ(biopsy(air + in("stage.toml.1").string() + " --out " + in("old").string()).code, 3);
   EXPECT_EQ(biopsy(air + model().string() + " --out " + in("new").string()).code, 0);
 }
@@ -140,11 +140,11 @@ TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
 TEST(GapCommand, SaysWhichNumberOfTheBaselineIsWrong) {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  const std::string recorded = (kHouse / "docs/examples/gap").string();
+  const std::string recorded = (kSource / "docs/examples/gap").string();
   folder.write("truth.toml", "[baseline]\nK = 0.86\n[effect.sensor_noise]\nstd_mm = 0.010\n");
-  fs::copy_file(kHouse / "docs/examples/gap/stage.toml", folder / "stage.toml");
+  fs::copy_file(kSource / "docs/examples/gap/stage.toml", folder / "stage.toml");
   ASSERT_EQ(biopsy("simulate " + recorded + " --model " + in("truth.toml") + " --out " + in("data")).code, 0);
-  const Answer answer = biopsy("gap " + in("data") + " --model " + in("stage.toml") + " --out " + in("out") +
+  const Outcome answer = biopsy("gap " + in("data") + " --model " + in("stage.toml") + " --out " + in("out") +
                                " --accept --no-recheck");
   ASSERT_EQ(answer.code, 0) << answer.text;
   const nlohmann::json found = json_of(folder / "out/gap.json");
@@ -156,4 +156,4 @@ TEST(GapCommand, SaysWhichNumberOfTheBaselineIsWrong) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -10,7 +10,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 const std::filesystem::path kRehearsal = source_dir() / "sim/models/rehearsal.toml";
@@ -79,4 +79,4 @@ TEST(Recheck, RefusesAFileThatIsNoModel) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

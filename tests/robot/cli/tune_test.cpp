@@ -1,15 +1,15 @@
 // biopsy tune, as typed.
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
-const std::string kModel = "--model '" + (kHouse / "sim/models/rehearsal.toml").string() + "'";
+const std::string kModel = "--model '" + (kSource / "sim/models/rehearsal.toml").string() + "'";
 
 TEST(Tune, WritesAPageAndTheNumbersBehindIt) {
   const ScratchFolder scratch;
   const auto out = scratch.path() / "gains";
-  const Answer answer = biopsy("tune " + kModel + " --stages 1 --out '" + out.string() + "'");
+  const Outcome answer = biopsy("tune " + kModel + " --stages 1 --out '" + out.string() + "'");
   ASSERT_EQ(answer.code, 0) << answer.text;
   const nlohmann::json told = json_of(out / "tune.json");
   ASSERT_EQ(told["controllers"].size(), 4U);
@@ -26,16 +26,16 @@ TEST(Tune, WritesAPageAndTheNumbersBehindIt) {
 TEST(Tune, LeavesAFolderOfSomeoneElseAlone) {
   const ScratchFolder scratch;
   scratch.write("mine.txt", "mine");
-  const Answer answer = biopsy("tune " + kModel + " --out '" + scratch.path().string() + "'");
+  const Outcome answer = biopsy("tune " + kModel + " --out '" + scratch.path().string() + "'");
   EXPECT_EQ(answer.code, 2);
   EXPECT_FALSE(std::filesystem::exists(scratch.path() / "tune.json"));
 }
 
 TEST(Tune, SaysWhichModelItCannotRead) {
-  const Answer answer = biopsy("tune --model nowhere.toml");
+  const Outcome answer = biopsy("tune --model nowhere.toml");
   EXPECT_EQ(answer.code, 2);
   EXPECT_NE(answer.text.find("nowhere.toml"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests
