@@ -76,7 +76,7 @@ void check_patients(const Volume& before, const Volume& after) {
 }
 
 std::string text_of(const DepthCheck& result) {
-  const auto three = [](const Eigen::Vector3d& v) {
+  const auto three = [](const auto& v) {
     return fmt::format("{}, {}, {}", report::fixed(v[0], 2), report::fixed(v[1], 2), report::fixed(v[2], 2));
   };
   std::string text = fmt::format("verdict   {}\nreason    {}\n", report::word(result.verdict), result.reason);
