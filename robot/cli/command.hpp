@@ -37,7 +37,7 @@ struct Command {
   std::string name = {};         // "gap"; "log show" is a part of the group "log", which has no `declare`
   std::string summary = {};      // one line
   std::string description = {};  // paragraphs, as Markdown
-  std::vector<std::string> examples = {};  // each is run by a test, in the order of the registry
+  std::vector<std::string> examples = {};       // each is run by a test, in the order of the registry
   std::vector<std::string> long_examples = {};  // they need minutes, hardware or the reader's own data
   std::string exit_codes = {};
   std::vector<OutputFile> outputs = {};

@@ -68,7 +68,7 @@ std::string suggestion(const std::string& typed, const std::vector<std::string>&
   const CLI::App* app = &root;
   bool is_value = false;  // of the option before it
   for (const std::string& word : words) {
-    if (std::exchange(is_value, false)) continue;
+    if (std::exchange(is_value, false) && !looks_like_option(word)) continue;
     if (word == "--") break;
     const std::string name = word.substr(0, word.find('='));
     if (looks_like_option(name)) {

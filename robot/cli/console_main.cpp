@@ -45,8 +45,7 @@ void serve(const Options& options) {
       robot::open_case(robot::case_of(options.procedure, robot::Points::PickedLater), own);
   const transport::Participant bus(live::bus_settings(settings, security::Role::Console));
   robot::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
-  // Seconds since 1970 at least: a console that is started again gives out tokens above those it gave out
-  // before, for nobody presses a button every second.
+  // Starts at the seconds since 1970 at least, so that tokens rise from one start of the console to the next.
   const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
   robot::ConsoleLoop loop(robot, std::move(opened),
                           {options.page, own, options.port, simulated, first_token});

@@ -8,7 +8,8 @@
 namespace biopsy::robot {
 
 CLI::Validator in_range(double low, double high, const std::string& unit) {
-  const std::string range = fmt::format("{:.10g} to {:.10g}{}{}", low, high, unit.empty() ? "" : " ", unit);
+  std::string range = fmt::format("{:.10g} to {:.10g}{}{}", low, high, unit.empty() ? "" : " ", unit);
+  std::erase(range, '+');  // 9e+15
   return CLI::Validator(
       [low, high, range](std::string& typed) {
         const auto value = imaging::strict_number(typed);

@@ -152,7 +152,7 @@ std::string with_feed(const Tuning& tuning) {
 
 std::string tuning_sentence(const Tuning& tuning) {
   const Judged &paper = tuning.judged.at(0), &tuned = tuning.judged.at(1);
-  const std::string asked = fmt::format(
+  const std::string wanted = fmt::format(
       "{:.0f} dB and {:.0f}° on the model and on {} drawn from its uncertainty", tuning.wanted.gain_dB,
       tuning.wanted.phase_degrees, report::counted(static_cast<std::size_t>(tuning.stages), "stage"));
   const std::string gains =
@@ -161,10 +161,10 @@ std::string tuning_sentence(const Tuning& tuning) {
       fmt::format("the paper's 0.8 and 5 have {} and {} in the worst case",
                   decibels(paper.worst_margins.gain_dB), degrees(paper.worst_margins.phase_degrees));
   if (!tuning.met)
-    return fmt::format("No gains keep {}; {} come closest, with {} and {}; {}.", asked, gains,
+    return fmt::format("No gains keep {}; {} come closest, with {} and {}; {}.", wanted, gains,
                        decibels(tuned.worst_margins.gain_dB), degrees(tuned.worst_margins.phase_degrees),
                        papers);
-  return fmt::format("{} keep {}; {}. {}", gains, asked, papers, price(paper, tuned));
+  return fmt::format("{} keep {}; {}. {}", gains, wanted, papers, price(paper, tuned));
 }
 
 report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {

@@ -50,7 +50,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--dry-run", bench.dry_run, "print what would be done; nothing moves");
   app.add_flag("--bench", bench.bench, "confirm: no patient, no needle. Without it nothing moves");
   app.add_flag("--weights-by-hand", bench.weights_by_hand,
-               "real stage: somebody lays weights on [under voltage](characterise.md#4-on-a-real-stage), for "
+               "real stage: a person lays weights on [under voltage](characterise.md#4-on-a-real-stage), for "
                "`load` and `impact`");
   add_out(app, bench.out, "the data set; required unless `--dry-run`");
 }
@@ -81,7 +81,7 @@ Result run(const Options& given, const Context& context) {
   if (real && given.seed)
     throw ConfigError("--seed with a real stage, which has its own noise", "command line", "leave it out");
   if (!real && !given.bench.keys.empty())
-    throw ConfigError("--keys with the simulated stage, which nobody commissions", "command line",
+    throw ConfigError("--keys with the simulated stage, which needs no commissioning", "command line",
                       "leave it out, or add --device nidaqmx");
   CharacteriseOptions options = given.bench;
   options.device_config = given.hardware.config;

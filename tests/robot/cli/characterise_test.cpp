@@ -26,10 +26,10 @@ sim::Dataset stored(const fs::path& folder) {
   return sim::read_dataset(folder, sim::Drive::Stack);
 }
 
-// What gap says of data/, measured, beside believed.toml.
+// gap.json of the data set in data/ and the model assumed.toml.
 nlohmann::json effect_found(const ScratchFolder& folder) {
   const Outcome answer =
-      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
+      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "assumed.toml").string() +
              " --out " + (folder / "gap").string() + " --no-recheck");
   if (answer.code != 0) throw std::runtime_error(answer.text);
   nlohmann::json found = json_of(folder / "gap/gap.json");
@@ -40,9 +40,9 @@ nlohmann::json effect_found(const ScratchFolder& folder) {
 TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
   const ScratchFolder folder;
   folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
-  folder.write("believed.toml", std::string("[baseline]\n") + kNoise);
+  folder.write("assumed.toml", std::string("[baseline]\n") + kNoise);
   const Outcome measured = biopsy("characterise staircase dc --bench --model " +
-                                 (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+                                  (folder / "stage.toml").string() + " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const nlohmann::json found = effect_found(folder);
   ASSERT_EQ(found["effects"].size(), 1U);
@@ -56,7 +56,7 @@ TEST(Characterise, StoresEachRowAsTheModelOfADataSetHasIt) {
   const ScratchFolder folder;
   folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
   const Outcome measured = biopsy("characterise load dc --seed 7 --bench --model " +
-                                 (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+                                  (folder / "stage.toml").string() + " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const sim::Dataset data = stored(folder / "data");
   ASSERT_EQ(data.runs.size(), 4U);
@@ -81,7 +81,7 @@ TEST(Characterise, ItsStepTellsResistanceAndCapacitances) {
   folder.write("stage.toml",
                std::string("[baseline]\nC1 = 1.6e-9\ntau = 5\nK = 0.75\n") + kNoise + kFriction);
   const Outcome measured = biopsy("characterise dc --bench --model " + (folder / "stage.toml").string() +
-                                 " --out " + (folder / "data").string());
+                                  " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const Outcome answer =
       biopsy("identify " + (folder / "data").string() + " --out " + (folder / "identified").string());
@@ -139,9 +139,9 @@ TEST(Characterise, NamesTheGuideThatTheStageBehindThePaperHas) {
   const ScratchFolder folder;
   const std::string truth = kSource / "sim/models/calibrated.toml";
   const std::string uncorrelated = without(file_content(truth), "# Of the deviations above");
-  folder.write("believed.toml", without(uncorrelated, "# A restoring force", "# The reading is late"));
+  folder.write("assumed.toml", without(uncorrelated, "# A restoring force", "# The reading is late"));
   const Outcome measured = biopsy("characterise staircase --bench --drive-scale 2 --model " + truth +
-                                 " --out " + (folder / "data").string());
+                                  " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const nlohmann::json found = effect_found(folder);
   EXPECT_EQ(found["effects"][0]["name"], "hysteretic_spring");
@@ -170,7 +170,7 @@ TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
   EXPECT_NE(file_content(folder / "data/report.html").find("stopped"), std::string::npos);
 }
 
-// A push that is weaker than the guide's friction, 0.050 N, tells nothing of the damping.
+// A push that is weaker than the guide's friction, 0.050 N, gives no information on the damping.
 TEST(Characterise, TheFirstBlowIsStrongerThanTheGuide) {
   const ScratchFolder folder;
   const Outcome answer = biopsy("characterise impact --bench --out " + (folder / "data").string());
@@ -188,7 +188,7 @@ TEST(Characterise, SameSeedSameData) {
   const ScratchFolder folder;
   const auto run_in = [&](const std::string& name, int seed) {
     const Outcome answer = biopsy("characterise impact --bench --seed " + std::to_string(seed) + " --out " +
-                                 (folder / name).string());
+                                  (folder / name).string());
     EXPECT_EQ(answer.code, 0) << answer.text;
     return file_content(folder / name / "run-impact-50g.csv");
   };
@@ -201,8 +201,9 @@ TEST(Characterise, ADryRunSaysWhatWouldBeDoneAndMovesNothing) {
   const ScratchFolder folder;
   const Outcome answer = biopsy("characterise dc impact --dry-run --out " + (folder / "out").string());
   EXPECT_EQ(answer.code, 0) << answer.text;
-  for (const char* told : {"dc-plus-50g", "impact-50g", "kV", "largest expected travel", "nothing was moved"})
-    EXPECT_NE(answer.text.find(told), std::string::npos) << told << "\n" << answer.text;
+  for (const char* expected :
+       {"dc-plus-50g", "impact-50g", "kV", "largest expected travel", "nothing was moved"})
+    EXPECT_NE(answer.text.find(expected), std::string::npos) << expected << "\n" << answer.text;
   EXPECT_EQ(answer.text.find("staircase"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
@@ -211,10 +212,10 @@ TEST(Characterise, RefusesWithWhatToDo) {
   const ScratchFolder folder;
   const std::string out = " --out " + (folder / "out").string();
   folder.write("force.toml", "[baseline]\ndrive = \"force\"\nm = 0.1\nc_s = 1\nk = 100\n");
-  const auto refuse = [&](const std::string& words, const std::string& told) {
+  const auto refuse = [&](const std::string& words, const std::string& expected) {
     const Outcome answer = biopsy("characterise " + words);
     EXPECT_EQ(answer.code, 2) << answer.text;
-    EXPECT_NE(answer.text.find(told), std::string::npos) << words << "\n" << answer.text;
+    EXPECT_NE(answer.text.find(expected), std::string::npos) << words << "\n" << answer.text;
     EXPECT_NE(answer.text.find("to do: "), std::string::npos) << answer.text;
   };
   refuse("dc" + out, "no patient, no needle");

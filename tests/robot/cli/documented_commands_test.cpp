@@ -52,8 +52,7 @@ std::vector<Line> lines_of(const fs::path& document) {
     } else {
       fence = text.substr(3);
       EXPECT_TRUE((std::set<std::string>{"sh", "toml", "csv", "json", "text"}.contains(fence)))
-          << name_of(document) << ":" << number << ": a block in an unknown language: \""
-          << fence << "\"";
+          << name_of(document) << ":" << number << ": a block in an unknown language: \"" << fence << "\"";
       if (fence.empty()) fence = "?";
     }
   }
@@ -115,8 +114,7 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
     const bool ours = line.text.starts_with("biopsy "), dev_verb = line.text.starts_with("./dev "),
                copy = line.text.starts_with("cp ");
     if (line.fence != "sh") {
-      EXPECT_FALSE((ours || dev_verb) && !line.fence.empty())
-          << where << ": a command outside of a sh block";
+      EXPECT_FALSE((ours || dev_verb) && !line.fence.empty()) << where << ": a command outside of a sh block";
       continue;
     }
     ASSERT_TRUE(ours || dev_verb || copy) << where << ": neither a command of the program nor of ./dev";
@@ -204,7 +202,8 @@ TEST(Documents, DescribeEveryEntryOfACaseFile) {
 TEST(Documents, PrintTheExamplesAsTheyAre) {
   const std::string reference = prose_of("reference.md");
   for (const char* example : {"case.toml", "fiducials.csv"})
-    EXPECT_NE(reference.find(file_content(kSource / "docs/examples" / example)), std::string::npos) << example;
+    EXPECT_NE(reference.find(file_content(kSource / "docs/examples" / example)), std::string::npos)
+        << example;
 }
 
 // The line of a table whose first cell is `name`.
@@ -243,8 +242,9 @@ TEST(Documents, DescribeEveryEffectWithItsParametersAndTheirRanges) {
 TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
   const Outcome answer = biopsy("effects --markdown");
   EXPECT_EQ(answer.code, 0);
-  EXPECT_TRUE(answer.text == prose_of("effects.md")) << "docs/effects.md is not what the program prints; renew "
-                                                        "it: biopsy effects --markdown > docs/effects.md";
+  EXPECT_TRUE(answer.text == prose_of("effects.md"))
+      << "docs/effects.md is not what the program prints; renew "
+         "it: biopsy effects --markdown > docs/effects.md";
 }
 
 TEST(Documents, DescribeEveryHazardWithItsStopAndTime) {

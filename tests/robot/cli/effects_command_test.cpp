@@ -48,7 +48,7 @@ TEST(EffectsCommand, GivesEveryParameterAPlaceInItsRangeAndAUnitOrNone) {
 
 TEST(EffectsCommand, AnUnknownNameIsRefusedWithThoseThatAreClose) {
   const Outcome typing = biopsy("effects coulom_frction"), part = biopsy("effects friction"),
-               nothing = biopsy("effects xyzzy");
+                nothing = biopsy("effects xyzzy");
   for (const Outcome& answer : {typing, part, nothing}) {
     EXPECT_EQ(answer.code, 2) << answer.text;
     EXPECT_NE(answer.text.find("to do: "), std::string::npos) << answer.text;

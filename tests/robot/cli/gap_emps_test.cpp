@@ -1,4 +1,4 @@
-// Data nobody here wrote: the electro-mechanical positioning system of Janot, Gautier and Brunot (2019), a
+// Published measurements: the electro-mechanical positioning system of Janot, Gautier and Brunot (2019), a
 // carriage on a guide with known Coulomb friction and a known offset of its drive.
 #include <fmt/format.h>
 

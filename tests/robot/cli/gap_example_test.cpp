@@ -1,4 +1,4 @@
-// The loop closed, as docs/gap.md tells it: from measured runs to a better model to a rehearsal with it.
+// The workflow of docs/gap.md: from measured runs to a better model to a rehearsal with it.
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
@@ -76,7 +76,7 @@ TEST_F(GapExample, TheNewModelSaysWhereItsNumbersComeFrom) {
   ASSERT_TRUE(note.std);
   EXPECT_GT(*note.std, 0.0);
   EXPECT_LT(std::abs(noted.model.effects.coulomb_friction->force - kHiddenForce_N), 4.0 * *note.std);
-  // What nobody measured anew keeps its own source.
+  // A number that was not measured again keeps its source.
   EXPECT_EQ(noted.notes.values.at("sensor_noise.std_mm").source, "data sheet of the laser");
   EXPECT_EQ(noted.notes.title, "Example: needle stage");
 }
@@ -122,7 +122,7 @@ TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
   const nlohmann::json report = json_of(in("rehearsed/report.json"));
   EXPECT_EQ(report["outcome"], "completed");
   EXPECT_EQ(report["provenance"]["plant model, SHA-256"], sha256(file_content(model())));
-  // The recheck said what this dry-run now says.
+  // The recheck predicted the figure of this dry-run.
   for (const auto& margin : json_of(in("first/gap.json"))["margins"])
     if (margin["plan"] == "gap" && margin["quantity"] == "drive voltage") {
       EXPECT_EQ(margin["after"].get<double>(), report["peak_kV"].get<double>());
@@ -145,7 +145,7 @@ TEST(GapCommand, SaysWhichNumberOfTheBaselineIsWrong) {
   fs::copy_file(kSource / "docs/examples/gap/stage.toml", folder / "stage.toml");
   ASSERT_EQ(biopsy("simulate " + recorded + " --model " + in("truth.toml") + " --out " + in("data")).code, 0);
   const Outcome answer = biopsy("gap " + in("data") + " --model " + in("stage.toml") + " --out " + in("out") +
-                               " --accept --no-recheck");
+                                " --accept --no-recheck");
   ASSERT_EQ(answer.code, 0) << answer.text;
   const nlohmann::json found = json_of(folder / "out/gap.json");
   EXPECT_EQ(found["verdict"], "parameter") << answer.text;

@@ -87,7 +87,7 @@ TEST_F(GapRefuses, AFolderWithFilesOfOthers) {
   EXPECT_FALSE(fs::exists(folder_ / "gap.json"));
 }
 
-// The folder of an earlier answer is cleared by the next: what the next one asks about may not lie there.
+// A run clears the folder of an earlier one: its inputs may not lie there.
 TEST_F(GapRefuses, ToClearItsOwnQuestion) {
   fs::create_directory(folder_ / "earlier");
   folder_.write("earlier/.biopsy-run", "");
@@ -110,7 +110,7 @@ TEST_F(GapRefuses, AMistypedSecondRunLeavesTheFirstAnswer) {
   folder_.write("out/.biopsy-run", "");
   folder_.write("out/gap.json", "the first answer");
   const Outcome answer = biopsy("gap " + path("data") + " --model " + path("stage.toml") + " --out " +
-                               path("out") + " --free colour");
+                                path("out") + " --free colour");
   EXPECT_EQ(answer.code, 2) << answer.text;
   EXPECT_EQ(file_content(folder_ / "out/gap.json"), "the first answer");
 }

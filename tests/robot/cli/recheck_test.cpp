@@ -1,5 +1,5 @@
-// The robot rehearsed with a new truth: margins are those of dry-runs, and a model that the robot cannot work
-// with is said to be one.
+// Rehearsals with a new model: margins are those of dry-runs, and a model that the robot cannot work with
+// fails.
 #include "robot/procedure/recheck.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The commands that study the stage, as a person types them.
+// identify, reproduce, calibrate and design as commands, and what all of them refuse.
 #include <gtest/gtest.h>
 
 #include "tests/robot/cli/command.hpp"
@@ -36,7 +36,7 @@ TEST(Identify, RefusesADataSetWithoutCurrentAndTouchesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-// A second run into the folder of a first clears it: what it asks about may not be what is cleared.
+// A second run clears the folder of the first: its inputs may not lie there.
 TEST(EveryCommand, RefusesToClearWhatItReads) {
   const ScratchFolder folder;
   const std::filesystem::path set = kSource / "docs/examples/current";
@@ -73,7 +73,7 @@ TEST(Reproduce, RefusesAFigureThatIsNotThereAndListsThoseThatAre) {
 TEST(Reproduce, OneFigureLeavesItsRowsAndItsPageAndMissesAreNoFailure) {
   const ScratchFolder folder;
   const Outcome answer = biopsy("reproduce 6 --model " + quoted(kSource / "sim/models/rehearsal.toml") +
-                               " --out " + quoted(folder / "out"));
+                                " --out " + quoted(folder / "out"));
   ASSERT_EQ(answer.code, 0) << answer.text;
   EXPECT_EQ(answer.text.find('\033'), std::string::npos) << "colour into a pipe";
   const auto rows = json_of(folder / "out/reproduce.json")["rows"];
@@ -90,7 +90,7 @@ TEST(Reproduce, OneFigureLeavesItsRowsAndItsPageAndMissesAreNoFailure) {
 TEST(Design, LeavesAPageAndDesignsThatMeetTheDemands) {
   const ScratchFolder folder;
   const Outcome answer = biopsy("design --model " + quoted(kSource / "sim/models/baseline.toml") + " --out " +
-                               quoted(folder / "out"));
+                                quoted(folder / "out"));
   ASSERT_EQ(answer.code, 0) << answer.text;
   const auto study = json_of(folder / "out/design.json");
   EXPECT_GE(study["best"].size(), 10U);

@@ -1,4 +1,4 @@
-// biopsy tune, as typed.
+// biopsy tune.
 #include "tests/robot/cli/command.hpp"
 
 namespace biopsy::cli_tests {
@@ -11,15 +11,15 @@ TEST(Tune, WritesAPageAndTheNumbersBehindIt) {
   const auto out = scratch.path() / "gains";
   const Outcome answer = biopsy("tune " + kModel + " --stages 1 --out '" + out.string() + "'");
   ASSERT_EQ(answer.code, 0) << answer.text;
-  const nlohmann::json told = json_of(out / "tune.json");
-  ASSERT_EQ(told["controllers"].size(), 4U);
-  const nlohmann::json& paper = told["controllers"][0];
+  const nlohmann::json result = json_of(out / "tune.json");
+  ASSERT_EQ(result["controllers"].size(), 4U);
+  const nlohmann::json& paper = result["controllers"][0];
   EXPECT_EQ(paper["K_p_kV_per_mm"], 0.8);
   EXPECT_EQ(paper["K_i_kV_per_mm_per_tick"], 0.005);
   EXPECT_FALSE(paper["feed_forward"]);
-  EXPECT_EQ(told["met"], true);
-  const nlohmann::json& margins = told["controllers"][1]["worst_margins"];
-  EXPECT_GE(margins["gain_dB"], told["wanted"]["gain_dB"]);
+  EXPECT_EQ(result["met"], true);
+  const nlohmann::json& margins = result["controllers"][1]["worst_margins"];
+  EXPECT_GE(margins["gain_dB"], result["wanted"]["gain_dB"]);
   EXPECT_NE(file_content(out / "report.html").find("<svg"), std::string::npos);
 }
 
