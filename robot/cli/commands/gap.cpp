@@ -122,6 +122,16 @@ void add_recheck(GapFinding& finding, const Options& options, ProgressLine& line
   finding.warnings.insert(finding.warnings.end(), checked.warnings.begin(), checked.warnings.end());
 }
 
+std::string sentence_of(const GapFinding& finding) {
+  if (!finding.interrupted) return report::verdict_sentence(finding);
+  if (finding.verdict == GapVerdict::Unexplained)
+    return fmt::format(
+        "Interrupted before anything was found: model and measurement differ by {:.3g} mm where the noise is "
+        "{:.3g} mm.",
+        finding.rmse_before, finding.noise_floor);
+  return "Interrupted; so far: " + report::verdict_sentence(finding);
+}
+
 GapFinding compared(const Options& options, const sim::Dataset& dataset, const sim::NotedModel& given,
                     const std::stop_token& stop) {
   const auto started = std::chrono::steady_clock::now();
@@ -131,7 +141,7 @@ GapFinding compared(const Options& options, const sim::Dataset& dataset, const s
       [&line](double share, const std::string& doing) { line.show(share, shortened(doing)); });
   GapFinding finding = found.finding;
   finding.dataset = dataset.title;
-  finding.sentence = (finding.interrupted ? "Interrupted; so far: " : "") + report::verdict_sentence(finding);
+  finding.sentence = sentence_of(finding);
   finding.model_before = sim::model_toml(given.model, given.notes);
   finding.model_after =
       is_better(finding) ? new_text(found, given.notes, source_of(dataset)) : finding.model_before;
