@@ -21,7 +21,7 @@ CLI::Validator in_range(double low, double high, const std::string& unit) {
 }
 
 CLI::Option* add_out(CLI::App& app, std::filesystem::path& out, const std::string& content) {
-  return app.add_option("--out", out, "folder for " + content)->type_name("FOLDER");
+  return add(app, "--out FOLDER", out, "folder for " + content);
 }
 
 CLI::Option* add_model(CLI::App& app, std::filesystem::path& model, const std::string& meaning,
@@ -30,24 +30,17 @@ CLI::Option* add_model(CLI::App& app, std::filesystem::path& model, const std::s
 }
 
 void add_case_options(CLI::App& app, ProcedureOptions& options) {
-  app.add_option("CASE", options.case_name, "case file (TOML) or a built-in case: `gap`, `liver`")
-      ->default_str("liver");
-  app.add_option("--image", options.image,
-                 "planning image, instead of a case: a DICOM folder or file, NIfTI or NRRD")
-      ->type_name("PATH");
-  app.add_option("--series", options.series,
-                 "series UID, where the folder holds several (`biopsy image` lists them)")
-      ->type_name("UID");
-  app.add_option("--entry", options.entry,
-                 "where the needle tip waits, mm; needed with `--image` (`up --console`: set on the page)")
-      ->type_name("R,A,S");
-  app.add_option("--target", options.target, "where it shall go, mm; needed with `--entry`")
-      ->type_name("R,A,S");
-  app.add_option("--labels", options.labels, "label map of the tissues on the same patient; with `--image`")
-      ->type_name("PATH");
-  app.add_option("--fiducials", options.fiducials,
-                 "CSV of fiducial pairs, robot and scanner; replaces the case's")
-      ->type_name("FILE");
+  add(app, "CASE", options.case_name, "case file (TOML) or a built-in case: `gap`, `liver`", "liver");
+  add(app, "--image PATH", options.image,
+      "planning image, instead of a case: a DICOM folder or file, NIfTI or NRRD");
+  add(app, "--series UID", options.series,
+      "series UID, where the folder holds several (`biopsy image` lists them)");
+  add(app, "--entry R,A,S", options.entry,
+      "where the needle tip waits, mm; needed with `--image` (`up --console`: set on the page)");
+  add(app, "--target R,A,S", options.target, "where it shall go, mm; needed with `--entry`");
+  add(app, "--labels PATH", options.labels, "label map of the tissues on the same patient; with `--image`");
+  add(app, "--fiducials FILE", options.fiducials,
+      "CSV of fiducial pairs, robot and scanner; replaces the case's");
   add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",
             "sim/models/rehearsal.toml");
   add_seed(app, options.seed, "noise and patient motion; replaces the case's");
@@ -59,39 +52,28 @@ void add_procedure_options(CLI::App& app, ProcedureOptions& options) {
 }
 
 void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live) {
-  CLI::Option* keys = app.add_option("--keys", options.keys, "folder of `biopsy keys init`")
-                          ->type_name("FOLDER")
-                          ->default_str("the user's own set; for a simulated stage one made for the run");
+  CLI::Option* keys = add(app, "--keys FOLDER", options.keys, "folder of `biopsy keys init`",
+                          "the user's own set; for a simulated stage one made for the run");
   const std::vector<CLI::Option*> all{
       keys,
-      app.add_option("--domain", options.domain, "DDS domain, one for each robot on a network")
-          ->type_name("N")
-          ->check(in_range(0, 230))
-          ->default_str("0"),
+      add(app, "--domain N", options.domain, "DDS domain, one for each robot on a network", "0")
+          ->check(in_range(0, 230)),
       app.add_flag("--without-security", options.without_security,
                    "no authentication and no encryption; with the simulated stage only")
           ->excludes(keys),
-      app.add_option("--network", options.network, "network interface")
-          ->type_name("NAME")
-          ->default_str("this machine only"),
-      app.add_option("--fifo", options.fifo_priority,
-                     "SCHED_FIFO priority of the control processes, where permitted; 0: ordinary scheduling")
-          ->type_name("N")
-          ->check(in_range(0, 90))
-          ->default_str("60")};
+      add(app, "--network NAME", options.network, "network interface", "this machine only"),
+      add(app, "--fifo N", options.fifo_priority,
+          "SCHED_FIFO priority of the control processes, where permitted; 0: ordinary scheduling", "60")
+          ->check(in_range(0, 90))};
   if (live != nullptr)
     for (CLI::Option* option : all) option->needs(live);
 }
 
 void add_device_options(CLI::App& app, std::string& device, HardwareOptions& hardware) {
-  app.add_option("--device", device, "the stage: `sim` or `nidaqmx`")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"sim", "nidaqmx"}))
-      ->default_str("sim");
-  app.add_option("--device-config", hardware.config, "real stage: channels and scales (TOML)")
-      ->type_name("FILE");
-  app.add_option("--commissioning", hardware.commissioning, "real stage: folder of `biopsy commission`")
-      ->type_name("FOLDER");
+  add(app, "--device NAME", device, "the stage: `sim` or `nidaqmx`", "sim")
+      ->check(CLI::IsMember({"sim", "nidaqmx"}));
+  add(app, "--device-config FILE", hardware.config, "real stage: channels and scales (TOML)");
+  add(app, "--commissioning FOLDER", hardware.commissioning, "real stage: folder of `biopsy commission`");
 }
 
 void check_device_options(const std::string& device, const HardwareOptions& hardware) {

@@ -10,6 +10,16 @@
 
 namespace biopsy::robot {
 
+// `words`: "--window SECONDS", an option with a value, or "DATASET", an argument. `default_text`: what holds
+// without it, for the help; `value` itself must hold that already.
+template <class T>
+CLI::Option* add(CLI::App& app, const std::string& words, T& value, const std::string& meaning,
+                 const std::string& default_text = {}) {
+  const std::size_t blank = words.find(' ');
+  CLI::Option* option = app.add_option(words.substr(0, blank), value, meaning)->default_str(default_text);
+  return blank == std::string::npos ? option : option->type_name(words.substr(blank + 1));
+}
+
 // A finite number within the range, in `unit`.
 CLI::Validator in_range(double low, double high, const std::string& unit = {});
 
@@ -24,10 +34,8 @@ CLI::Option* add_model(CLI::App& app, std::filesystem::path& model, const std::s
 inline constexpr double kSeedMax = 9e15;
 template <class Seed>
 CLI::Option* add_seed(CLI::App& app, Seed& seed, const std::string& of) {
-  return app.add_option("--seed", seed, "seed of " + of + "; the same seed gives the same result")
-      ->type_name("N")
-      ->check(in_range(0.0, kSeedMax))
-      ->default_str("1");
+  return add(app, "--seed N", seed, "seed of " + of + "; the same seed gives the same result", "1")
+      ->check(in_range(0.0, kSeedMax));
 }
 
 // What a procedure is given: a case, or an image with entry and target.

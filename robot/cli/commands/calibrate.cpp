@@ -38,13 +38,11 @@ struct Options {
 void declare(CLI::App& app, Options& options) {
   add_model(app, options.model, "numbers that are not searched, such as the sensor's",
             "sim/models/calibrated.toml");
-  app.add_option("--data", options.data,
-                 "folder of a [data set](model.md#data-set) that counts beside the paper; may be repeated")
-      ->type_name("FOLDER");
-  app.add_option("--evaluations", options.evaluations, "budget of a global search")
-      ->type_name("N")
-      ->check(in_range(1, 1'000'000))
-      ->default_str("600; `--from-nominal` has two searches, of 1600 each");
+  add(app, "--data FOLDER", options.data,
+      "folder of a [data set](model.md#data-set) that counts beside the paper; may be repeated");
+  add(app, "--evaluations N", options.evaluations, "budget of a global search",
+      "600; `--from-nominal` has two searches, of 1600 each")
+      ->check(in_range(1, 1'000'000));
   add_seed(app, options.seed, "the search");
   app.add_flag("--from-nominal", options.from_nominal,
                "begin at the nominal values, not at the result of earlier searches");

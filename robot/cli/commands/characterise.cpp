@@ -20,32 +20,24 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   CharacteriseOptions& bench = options.bench;
-  app.add_option("EXPERIMENT", bench.experiments, "any of `dc`, `staircase`, `load`, `impact`, `frequency`")
-      ->default_str("all");
+  add(app, "EXPERIMENT", bench.experiments, "any of `dc`, `staircase`, `load`, `impact`, `frequency`", "all");
   add_device_options(app, bench.device, options.hardware);
-  app.add_option("--keys", bench.keys, "real stage: the set whose commissioning key signed its record")
-      ->type_name("FOLDER")
-      ->default_str("the user's own");
+  add(app, "--keys FOLDER", bench.keys, "real stage: the set whose commissioning key signed its record",
+      "the user's own");
   add_model(
       app, bench.model,
       "[model](model.md#model) of the simulated stage; of a real stage only its tau counts, for the rest "
       "between runs, and the default is sim/models/calibrated.toml",
       "sim/models/rehearsal.toml");
-  app.add_option("--weight-g", bench.weight_g,
-                 "weight on the fixture; on a real stage the one with which the laser's zero was taken")
-      ->type_name("GRAMS")
-      ->check(in_range(0, 300, "g"))
-      ->default_str("50");
-  app.add_option("--drive-scale", bench.drive_scale,
-                 "how many times the nominal voltage this stage needs for a depth")
-      ->type_name("S")
-      ->check(in_range(1, 3))
-      ->default_str("1");
-  app.add_option("--push-scale", bench.push_scale,
-                 "how many times the nominal push `load` and `impact` apply")
-      ->type_name("S")
-      ->check(in_range(1, 10))
-      ->default_str("1");
+  add(app, "--weight-g GRAMS", bench.weight_g,
+      "weight on the fixture; on a real stage the one with which the laser's zero was taken", "50")
+      ->check(in_range(0, 300, "g"));
+  add(app, "--drive-scale S", bench.drive_scale,
+      "how many times the nominal voltage this stage needs for a depth", "1")
+      ->check(in_range(1, 3));
+  add(app, "--push-scale S", bench.push_scale, "how many times the nominal push `load` and `impact` apply",
+      "1")
+      ->check(in_range(1, 10));
   add_seed(app, options.seed, "the simulated stage's noise");
   app.add_flag("--dry-run", bench.dry_run, "print what would be done; nothing moves");
   app.add_flag("--bench", bench.bench, "confirm: no patient, no needle. Without it nothing moves");

@@ -30,23 +30,16 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("--before", options.before, "image without the needle")->type_name("PATH")->required();
-  app.add_option("--after", options.after, "image with the needle")->type_name("PATH")->required();
-  app.add_option("--before-series", options.before_series, "series UID, where that folder holds several")
-      ->type_name("UID");
-  app.add_option("--after-series", options.after_series, "series UID, where that folder holds several")
-      ->type_name("UID");
-  app.add_option("--entry", options.entry, "where depth is zero, mm")->type_name("R,A,S")->required();
-  app.add_option("--axis", options.axis, "direction of insertion, any length")
-      ->type_name("R,A,S")
-      ->required();
-  app.add_option("--expected", options.expected_mm, "planned depth: accept only where the tip is there")
-      ->type_name("MM")
+  add(app, "--before PATH", options.before, "image without the needle")->required();
+  add(app, "--after PATH", options.after, "image with the needle")->required();
+  add(app, "--before-series UID", options.before_series, "series UID, where that folder holds several");
+  add(app, "--after-series UID", options.after_series, "series UID, where that folder holds several");
+  add(app, "--entry R,A,S", options.entry, "where depth is zero, mm")->required();
+  add(app, "--axis R,A,S", options.axis, "direction of insertion, any length")->required();
+  add(app, "--expected MM", options.expected_mm, "planned depth: accept only where the tip is there")
       ->check(in_range(0.0, 1000.0, "mm"));
-  app.add_option("--tip-offset", options.tip_offset_mm, "how far the void ends beyond the real tip")
-      ->type_name("MM")
-      ->check(in_range(-20.0, 20.0, "mm"))
-      ->default_str("0");
+  add(app, "--tip-offset MM", options.tip_offset_mm, "how far the void ends beyond the real tip", "0")
+      ->check(in_range(-20.0, 20.0, "mm"));
   add_out(app, options.out, "the result and two pictures")->default_str("no files");
 }
 

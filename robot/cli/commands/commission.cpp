@@ -41,15 +41,11 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("--device", options.device, "the stage: `sim` or `nidaqmx`")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"sim", "nidaqmx"}))
-      ->default_str("sim");
-  app.add_option("--config", options.config, "channels and scales of the hardware (TOML); for `nidaqmx`")
-      ->type_name("FILE");
-  app.add_option("--key", options.key, "private Ed25519 key that signs the record")
-      ->type_name("PEM")
-      ->default_str("the one of `biopsy keys init`");
+  add(app, "--device NAME", options.device, "the stage: `sim` or `nidaqmx`", "sim")
+      ->check(CLI::IsMember({"sim", "nidaqmx"}));
+  add(app, "--config FILE", options.config, "channels and scales of the hardware (TOML); for `nidaqmx`");
+  add(app, "--key PEM", options.key, "private Ed25519 key that signs the record",
+      "the one of `biopsy keys init`");
   add_out(app, options.out, "record and signature; required unless `--dry-run`");
   app.add_flag("--dry-run", options.dry_run, "print the steps with limits and reasons; nothing moves");
   app.add_flag("--yes", options.yes, "confirm every step; simulated stage only");

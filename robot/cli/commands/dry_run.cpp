@@ -19,8 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr logging::Logger kLog{logging::Component::Cli};
-
 struct Options {
   ProcedureOptions procedure;
   bool live = false;
@@ -58,11 +56,12 @@ Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& ou
 
 Result through_processes(const PreparedCase& prepared, const Options& options, const Context& context,
                          Clock::time_point started) {
+  constexpr logging::Logger log{logging::Component::Cli};
   logging::log_to_file(options.procedure.out / "biopsy.log");
-  kLog.info("dry-run --live: domain {}", options.network.domain);
+  log.info("dry-run --live: domain {}", options.network.domain);
   report::RunRecord record;
   std::vector<std::string> trouble;
-  std::string log;
+  std::string log_file;
   std::uint64_t lost = 0;
   {
     ProgressLine line;
@@ -82,11 +81,11 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
     if (ended) record.refusal += (record.refusal.empty() ? "" : "; ") + *ended;
     lost = session.robot().lost();
     trouble = session.stop();
-    log = session.settings().log.string();
+    log_file = session.settings().log.string();
   }
-  for (const std::string& line : trouble) kLog.error("{}", line);
+  for (const std::string& line : trouble) log.error("{}", line);
   Result result = finished(record, prepared, options.procedure.out, started);
-  result.text += fmt::format("procedure log: {}\n", log);
+  result.text += fmt::format("procedure log: {}\n", log_file);
   if (lost > 0) result.text += fmt::format("{} missing in the report\n", report::counted(lost, "tick"));
   return result;
 }

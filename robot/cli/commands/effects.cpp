@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
 #include "robot/common/closest_names.hpp"
 #include "robot/common/config_error.hpp"
 #include "sim/plant/effect_labels.hpp"
@@ -155,8 +156,7 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   CLI::Option* name =
-      app.add_option("NAME", options.name, "one effect; of an unknown name the close ones are named")
-          ->default_str("all");
+      add(app, "NAME", options.name, "one effect; of an unknown name the close ones are named", "all");
   app.add_flag("--markdown", options.markdown, "print the page [effects](effects.md)")->excludes(name);
 }
 

@@ -36,18 +36,15 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("DATASET", options.dataset, "folder of a [data set](model.md#data-set)")->required();
+  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set)")->required();
   add_model(app, options.model, "[model file](model.md#model)")->required();
   add_out(app, options.out, "the report and the better model")->required();
-  app.add_option("--free", options.free,
-                 "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
-      ->type_name("NAMES")
+  add(app, "--free NAMES", options.free,
+      "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
       ->delimiter(',');
-  app.add_option("--window", options.window,
-                 "simulate in windows of this length, each from a free initial state")
-      ->type_name("SECONDS")
-      ->check(in_range(1e-3, 1e6, "s"))
-      ->default_str("each run in one piece");
+  add(app, "--window SECONDS", options.window,
+      "simulate in windows of this length, each from a free initial state", "each run in one piece")
+      ->check(in_range(1e-3, 1e6, "s"));
   app.add_flag(
       "--accept", options.accept,
       "replace the model file by the better model; the old one stays beside it as `NAME.toml.1`, `.2` "

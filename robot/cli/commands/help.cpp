@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
 #include "robot/common/closest_names.hpp"
 #include "robot/common/config_error.hpp"
 
@@ -17,7 +18,7 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  CLI::Option* command = app.add_option("COMMAND", options.command, "one command")->default_str("all");
+  CLI::Option* command = add(app, "COMMAND", options.command, "one command", "all");
   app.add_flag("--markdown", options.markdown, "print the commands' section of docs/reference.md")
       ->excludes(command);
 }

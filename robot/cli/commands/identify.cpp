@@ -27,7 +27,7 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("DATASET", options.dataset, "folder of a [data set](model.md#data-set) with `current_uA`")
+  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set) with `current_uA`")
       ->required();
   add_model(app, options.model, "[model](model.md#model) that gets the new values",
             "sim/models/baseline.toml");

@@ -26,11 +26,10 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("PATH", options.path, "a DICOM folder or file, NIfTI or NRRD")->required();
-  app.add_option("--series", options.series, "series UID, where the folder holds several")->type_name("UID");
-  app.add_option("--png", options.png, "folder for an axial, a coronal and a sagittal picture")
-      ->type_name("FOLDER")
-      ->default_str("no pictures");
+  add(app, "PATH", options.path, "a DICOM folder or file, NIfTI or NRRD")->required();
+  add(app, "--series UID", options.series, "series UID, where the folder holds several");
+  add(app, "--png FOLDER", options.png, "folder for an axial, a coronal and a sagittal picture",
+      "no pictures");
 }
 
 std::string list_text(const std::vector<imaging::SeriesSummary>& all) {

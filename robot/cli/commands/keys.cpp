@@ -29,17 +29,14 @@ struct Options {
 };
 
 void add_keys(CLI::App& app, Options& options) {
-  app.add_option("--keys", options.folder, "folder of the set")
-      ->type_name("FOLDER")
-      ->default_str("`$XDG_CONFIG_HOME/biopsy/keys`, or `~/.config/biopsy/keys`");
+  add(app, "--keys FOLDER", options.folder, "folder of the set",
+      "`$XDG_CONFIG_HOME/biopsy/keys`, or `~/.config/biopsy/keys`");
 }
 
 void declare_init(CLI::App& app, Options& options) {
   add_keys(app, options);
-  app.add_option("--days", options.days, "validity")
-      ->type_name("N")
-      ->check(in_range(security::kLeastDays, security::kMostDays, "days"))
-      ->default_str("365");
+  add(app, "--days N", options.days, "validity", "365")
+      ->check(in_range(security::kLeastDays, security::kMostDays, "days"));
   app.add_flag("--replace", options.replace,
                "move an existing set aside to `FOLDER.<time>`; without it, an existing set is refused");
 }

@@ -30,25 +30,20 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("LOG", options.log, "the log's file (SQLite); may be in use")->required();
-  app.add_option("--public-key", options.public_key, "Ed25519 key that its head is signed with")
-      ->type_name("PEM")
-      ->default_str("`LOG.pub.pem`, the one beside the log");
+  add(app, "LOG", options.log, "the log's file (SQLite); may be in use")->required();
+  add(app, "--public-key PEM", options.public_key, "Ed25519 key that its head is signed with",
+      "`LOG.pub.pem`, the one beside the log");
 }
 
 void declare_show(CLI::App& app, Options& options) {
   declare(app, options);
-  app.add_option("--last", options.last, "only this many records, from the end; 0: all")
-      ->type_name("N")
-      ->check(in_range(0, 1'000'000'000))
-      ->default_str("0");
+  add(app, "--last N", options.last, "only this many records, from the end; 0: all", "0")
+      ->check(in_range(0, 1'000'000'000));
 }
 
 void declare_export(CLI::App& app, Options& options) {
   declare(app, options);
-  app.add_option("--csv", options.csv, "the CSV file; written whole or not at all")
-      ->type_name("FILE")
-      ->required();
+  add(app, "--csv FILE", options.csv, "the CSV file; written whole or not at all")->required();
 }
 
 recorder::PublicKey key_for(const Options& options) {

@@ -26,8 +26,7 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("FIGURE", options.figure, "a figure of the paper: `6`, `7a`, or `9` for all of its parts")
-      ->default_str("all");
+  add(app, "FIGURE", options.figure, "a figure of the paper: `6`, `7a`, or `9` for all of its parts", "all");
   add_model(app, options.model, "[model](model.md#model)", "sim/models/calibrated.toml");
   add_out(app, options.out, "the report")->required();
 }

@@ -37,8 +37,7 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   app.add_flag("--quick", options.quick, "the short subset, two minutes; releases nothing");
-  app.add_option("--collect", options.collect, "evidence folder of an earlier case; nothing is run")
-      ->type_name("FOLDER");
+  add(app, "--collect FOLDER", options.collect, "evidence folder of an earlier case; nothing is run");
   add_out(app, options.out, "the case")->required();
 }
 

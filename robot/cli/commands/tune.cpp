@@ -27,10 +27,8 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   add_model(app, options.model, "[model](model.md#model)", "sim/models/calibrated.toml");
-  app.add_option("--stages", options.stages, "stages drawn from the model's uncertainty")
-      ->type_name("N")
-      ->check(in_range(0, 200))
-      ->default_str("24");
+  add(app, "--stages N", options.stages, "stages drawn from the model's uncertainty", "24")
+      ->check(in_range(0, 200));
   add_seed(app, options.seed, "that draw");
   add_out(app, options.out, "the report")->default_str("no files");
 }

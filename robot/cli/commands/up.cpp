@@ -48,10 +48,8 @@ void declare(CLI::App& app, Options& options) {
   add_procedure_options(app, options.procedure);
   add_device_options(app, options.device, options.hardware);
   CLI::Option* seconds =
-      app.add_option("--seconds", options.seconds, "end by itself after this time; 0: on Ctrl-C")
-          ->type_name("S")
-          ->check(in_range(0.0, 1e6, "s"))
-          ->default_str("0");
+      add(app, "--seconds S", options.seconds, "end by itself after this time; 0: on Ctrl-C", "0")
+          ->check(in_range(0.0, 1e6, "s"));
   CLI::Option* prepare =
       app.add_flag(
              "--prepare", options.prepare,
@@ -62,10 +60,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--open", options.open, "open that page in the desktop's browser")
       ->needs(console)
       ->excludes(prepare);
-  app.add_option("--port", options.port, "port of that page; 0: any that is free")
-      ->type_name("N")
+  add(app, "--port N", options.port, "port of that page; 0: any that is free", "0")
       ->check(in_range(0, 65535))
-      ->default_str("0")
       ->needs(console)
       ->excludes(prepare);
   add_live_options(app, options.live, nullptr);

@@ -103,8 +103,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Work{{"reproduce"}, "figure ", "reproduce.json"},
                     Work{{"gap", "data", "--model", "data/stage.toml"}, "round 1", "gap.json"},
                     Work{{"characterise", "--bench"}, "%", "dataset.toml"}),
-    [](const auto& info) {
-      std::string name = info.param.words.front();
+    [](const auto& given) {
+      std::string name = given.param.words.front();
       std::erase(name, '-');
       return name;
     });
