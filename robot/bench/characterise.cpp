@@ -20,10 +20,10 @@
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/live/processes/hardware_stage.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
-#include "robot/live/realtime/stop_signals.hpp"
 #include "robot/live/session/live_options.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/report/study/bench_report.hpp"
@@ -84,12 +84,6 @@ void leave_out_on_hardware(Session& session, const CharacteriseOptions& options)
 }
 
 Session prepared(const CharacteriseOptions& options) {
-  if (!is_real(options) && options.device != "sim")
-    throw ConfigError(fmt::format("there is no device \"{}\"", options.device), "--device",
-                      "there are sim and nidaqmx");
-  if (is_real(options) && (options.device_config.empty() || options.commissioning.empty()))
-    throw ConfigError("a real stage without --device-config or --commissioning", "command line",
-                      "give both; `biopsy commission` makes the record");
   if (options.weights_by_hand && !is_real(options))
     throw ConfigError("no hand reaches a simulated stage", "--weights-by-hand",
                       "leave it out: load and impact are simulated; or give --device nidaqmx");
@@ -123,23 +117,25 @@ Session prepared(const CharacteriseOptions& options) {
   return session;
 }
 
-// What will happen, before it happens.
-void print_intention(const Session& session) {
-  fmt::print("{:<24} {:>8} {:>7} {:>9} {:>12}  {}\n", "run", "weight g", "time s", "drive kV", "expected mm",
-             "what");
+std::string intention_text(const Session& session) {
+  std::string text = fmt::format("{:<24} {:>8} {:>7} {:>9} {:>12}  {}\n", "run", "weight g", "time s",
+                                 "drive kV", "expected mm", "what");
   double seconds = 0.0, travel = 0.0;
   for (const BenchRun& run : session.runs) {
     const planner::BenchRequest request = bench_request(run);
     const double lasts = control::length_ticks(run.program) * Seconds(kTick).count();
     const double expected = planner::expected_travel(request).value;
     seconds += lasts, travel = std::max(travel, expected);
-    fmt::print("{:<24} {:>8.0f} {:>7.1f} {:>9.2f} {:>12.1f}  {}\n", run.name, run.setup.weight.value, lasts,
-               request.highest.value * 1e-3, expected, run.what);
+    text += fmt::format("{:<24} {:>8.0f} {:>7.1f} {:>9.2f} {:>12.1f}  {}\n", run.name, run.setup.weight.value,
+                        lasts, request.highest.value * 1e-3, expected, run.what);
   }
-  fmt::print(
-      "\n{} runs, {:.0f} s under voltage, largest expected travel {:.1f} mm; the supervisor ends a run "
+  text += fmt::format(
+      "\n{}, {:.0f} s under voltage, largest expected travel {:.1f} mm; the supervisor ends a run "
       "beyond {:.1f} mm\n",
-      session.runs.size(), seconds, travel, session.plans.front().limits.depth_max.value);
+      report::counted(session.runs.size(), "run"), seconds, travel,
+      session.plans.front().limits.depth_max.value);
+  for (const std::string& note : session.notes) text += note + "\n";
+  return text + "nothing was moved\n";
 }
 
 report::BenchRunRecord record_of(const BenchRun& run, const BenchResult& result) {
@@ -198,7 +194,7 @@ std::string title_of(const report::BenchRecord& record) {
 
 // One run on a new simulated stage: at rest, discharged, its films recovered.
 BenchResult run_simulated(const Session& session, std::size_t i, const CharacteriseOptions& options,
-                          const std::function<void(double)>& show, realtime::StopSignals& signals) {
+                          const std::function<void(double)>& show, const std::stop_token& stop) {
   const BenchRun& run = session.runs[i];
   sim::PlantModel model = session.model;
   model.weight = run.setup.weight.value * 1e-3;
@@ -207,7 +203,7 @@ BenchResult run_simulated(const Session& session, std::size_t i, const Character
                       {.stage = stage,
                        .push = [&](double force_N) { stage.push(force_N); },
                        .played = show,
-                       .stop = [&] { return signals.came(); }});
+                       .stop = [&] { return stop.stop_requested(); }});
 }
 
 // Asked before the arm key is turned.
@@ -243,12 +239,8 @@ std::vector<std::string> remarks_on(const std::vector<HandPush>& pushes, const B
 // somebody puts the weight on and turns the arm key.
 BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::NidaqmxStage& hardware,
                             const CharacteriseOptions& options, const std::function<void(double)>& show,
-                            realtime::StopSignals& signals) {
+                            const std::stop_token& stop, const std::function<void(const std::string&)>& say) {
   const BenchRun& run = session.runs[i];
-  const auto say = [](const std::string& what) {
-    fmt::print("{}\n", what);
-    std::fflush(stdout);
-  };
   const Seconds rest = rest_of(session);
   say(
       fmt::format("{}: at 0 V for {:.0f} s, in which the model's films lose their charge; measure before you "
@@ -274,7 +266,7 @@ BenchResult run_on_hardware(const Session& session, std::size_t i, nidaqmx::Nida
                                      .supervisor_pulse = &supervisors_half,
                                      .rest = rest,
                                      .ask_for_key = [&] { say(asked_before(run)); },
-                                     .stop = [&] { return signals.came(); }});
+                                     .stop = [&] { return stop.stop_requested(); }});
   if (run.loads.empty() || result.recorded.time.empty()) return result;
   const std::size_t under_program =
       result.stopped_because.empty()
@@ -300,7 +292,8 @@ Volts highest_of(const Session& session) {
 
 // `hardware`: null for the simulated stage.
 report::BenchRecord carried_out(const Session& session, const CharacteriseOptions& options,
-                                nidaqmx::NidaqmxStage* hardware, realtime::StopSignals& signals) {
+                                nidaqmx::NidaqmxStage* hardware, const std::stop_token& stop,
+                                const std::function<void(const std::string&)>& notify) {
   ProgressLine line;
   report::BenchRecord record;
   record.device = hardware ? hardware->product() : "simulated stage";
@@ -314,8 +307,8 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
     const auto show = [&](double share) {
       line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()), run.name);
     };
-    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show, signals)
-                                        : run_simulated(session, i, options, show, signals);
+    const BenchResult result = hardware ? run_on_hardware(session, i, *hardware, options, show, stop, notify)
+                                        : run_simulated(session, i, options, show, stop);
     if (result.recorded.time.empty()) {
       record.notes.push_back(
           fmt::format("{} was stopped before it began: {}.", run.name, result.stopped_because));
@@ -338,32 +331,28 @@ report::BenchRecord carried_out(const Session& session, const CharacteriseOption
 
 }  // namespace
 
-int characterise(const CharacteriseOptions& options) {
-  realtime::StopSignals signals;  // Ctrl-C withdraws, and what was recorded is stored
+Characterisation characterise(const CharacteriseOptions& options, const std::vector<std::string>& clearable,
+                              const std::stop_token& stop,
+                              const std::function<void(const std::string&)>& notify) {
   const Session session = prepared(options);
-  if (options.dry_run) {
-    print_intention(session);
-    for (const std::string& note : session.notes) fmt::print("{}\n", note);
-    fmt::print("nothing was moved\n");
-    return 0;
-  }
+  if (options.dry_run) return {.record = {}, .complete = true, .text = intention_text(session)};
   if (options.out.empty())
     throw ConfigError("nowhere to put the data set", "command line", "add --out FOLDER, or --dry-run");
   if (!options.bench)
-    throw ConfigError("nobody has said that the stage is on the bench: no patient, no needle", "command line",
+    throw ConfigError("not confirmed that the stage is on the bench: no patient, no needle", "command line",
                       "look at what would be done with --dry-run; then clear the stage and add --bench");
   const Inputs inputs{session.model_file, options.device_config, options.commissioning, options.keys};
-  keep_apart(options.out, inputs);
+  keep_apart(options.out, inputs, clearable);
   const auto hardware = is_real(options) ? hardware_of(options) : nullptr;
-  claim_run_folder(options.out, inputs);
-  if (hardware)
-    fmt::print("{}\n", realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
-  const report::BenchRecord record = carried_out(session, options, hardware.get(), signals);
-  fmt::print("{}\ndata set: {}\nreport:   {}\n", report::bench_console(record), options.out.string(),
-             (options.out / "report.html").string());
-  const bool complete =
-      record.runs.size() == record.planned_runs && record.runs.back().stopped_because.empty();
-  return complete ? 0 : 3;
+  claim_run_folder(options.out, inputs, clearable);
+  if (hardware) notify(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
+  Characterisation out;
+  out.record = carried_out(session, options, hardware.get(), stop, notify);
+  out.complete =
+      out.record.runs.size() == out.record.planned_runs && out.record.runs.back().stopped_because.empty();
+  out.text = fmt::format("{}\ndata set: {}\nreport:   {}\n", report::bench_console(out.record),
+                         options.out.string(), (options.out / "report.html").string());
+  return out;
 }
 
 }  // namespace biopsy::robot

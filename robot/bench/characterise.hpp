@@ -3,8 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
+
+#include "robot/report/study/bench_record.hpp"
 
 namespace biopsy::robot {
 
@@ -24,7 +28,17 @@ struct CharacteriseOptions {
   std::filesystem::path out;
 };
 
-// Exit code 0: every run came to its end; 3: the supervisor stopped one.
-int characterise(const CharacteriseOptions& options);
+struct Characterisation {
+  report::BenchRecord record;  // without runs after a dry run
+  bool complete = false;       // every run came to its end, or it was a dry run
+  std::string text;            // for a terminal
+};
+
+// Carries out the experiments, or tells what they would be. `clearable`: files of an earlier run in the
+// output folder. `stop` retracts, and what was recorded is stored. `notify` prints what a person at the stage
+// must know at once. Throws ConfigError, with nothing written.
+Characterisation characterise(const CharacteriseOptions& options, const std::vector<std::string>& clearable,
+                              const std::stop_token& stop,
+                              const std::function<void(const std::string&)>& notify);
 
 }  // namespace biopsy::robot

@@ -24,7 +24,7 @@ fs::path replaceable(const fs::path& model_file) {
   fs::path file = fs::canonical(model_file, trouble);
   if (trouble) refuse(model_file, trouble.message());
   if (!fs::is_regular_file(file)) refuse(model_file, "it is not a file");
-  // The mode is asked as well as the system: who marks a model read-only means it, whoever runs this.
+  // access() alone is not enough: root may write a file that is marked read-only.
   const fs::perms anyone = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
   if ((fs::status(file).permissions() & anyone) == fs::perms::none || ::access(file.c_str(), W_OK) != 0)
     refuse(model_file, "it is read-only");

@@ -1,214 +1,164 @@
 #include "robot/cli/command_line.hpp"
 
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "robot/bench/characterise.hpp"
-#include "robot/cli/commands.hpp"
+#include <algorithm>
+#include <utility>
+
+#include "robot/cli/help.hpp"
 #include "robot/cli/library_messages.hpp"
-#include "robot/cli/live_commands.hpp"
 #include "robot/cli/log_options.hpp"
-#include "robot/cli/study_commands.hpp"
+#include "robot/common/closest_names.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/interrupt.hpp"
+#include "robot/common/logging/log_session.hpp"
 
 namespace biopsy::robot {
 namespace {
 
-void add_dry_run(CLI::App& app, DryRunOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("dry-run", "rehearse a whole procedure on the simulated stage");
-  command->footer(
-      "Plans, drives the simulated stage through every stage of the plan under the supervisor, takes the "
-      "confirmation\n"
-      "images, checks the depth on them and writes report.html, report.json and run.csv. Nothing real "
-      "moves.\n\n"
-      "Example:\n  biopsy dry-run liver --out out/liver\n"
-      "  biopsy dry-run --image scans/t2 --entry 10,-40,20 --target 10,-34,20 --out out/mine\n"
-      "  biopsy dry-run --live gap --out out/live\n\n"
-      "Exit code: 0 completed, 3 refused or stopped, 2 unusable input.");
-  procedure_options(*command, options.procedure);
-  command->add_flag("--live", options.live,
-                    "through the real processes over DDS, in real time, instead of one virtual clock");
-  live_options(*command, options.network);
-  command->callback([&] {
-    code = options.live ? dry_run_live(options.procedure, options.network) : dry_run(options.procedure);
-  });
+constexpr int kInterrupted = 130;  // 128 + SIGINT, as a shell reports it
+
+// "biopsy log show", as far as it was typed.
+std::string typed_command(const CLI::App* app) {
+  return app->get_parent() == nullptr ? app->get_name()
+                                      : typed_command(app->get_parent()) + " " + app->get_name();
 }
 
-void add_plan(CLI::App& app, ProcedureOptions& options, int& code) {
-  CLI::App* command =
-      app.add_subcommand("plan", "the same up to the sealed plan; nothing moves, not even in simulation");
-  command->footer(
-      "Example:\n  biopsy plan gap --out out/plan\n\nExit code: 0 planned, 3 refused, 2 unusable input.");
-  procedure_options(*command, options);
-  command->callback([&] { code = plan(options); });
+std::vector<std::string> subcommands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
 }
 
-void add_check(CLI::App& app, CheckOptions& options, int& code) {
-  CLI::App* command =
-      app.add_subcommand("check", "depth of the needle from two images, before and after insertion");
-  command->footer(
-      "Registers the images, looks for what changed along the expected path and says accept, reject or "
-      "unsure.\n\n"
-      "Example:\n  biopsy check --before scans/plan --after scans/confirm --entry 10,-40,20 --axis 0,1,0 "
-      "--expected 6.0\n\n"
-      "Exit code: 0 for any verdict, 2 for unusable input.");
-  command->add_option("--before", options.before, "image without the needle")->required();
-  command->add_option("--after", options.after, "image with the needle")->required();
-  command->add_option("--before-series", options.before_series, "series UID, where the folder holds several");
-  command->add_option("--after-series", options.after_series, "series UID, where the folder holds several");
-  command->add_option("--entry", options.entry, "where depth is zero, R,A,S in mm")->required();
-  command->add_option("--axis", options.axis, "insertion direction R,A,S, any length")->required();
-  command
-      ->add_option("--expected", options.expected_mm,
-                   "planned depth in mm: accept only where the tip is there")
-      ->check(CLI::Range(0.0, 1000.0));
-  command
-      ->add_option("--tip-offset", options.tip_offset_mm,
-                   "how far the void ends beyond the real tip, mm (default 0)")
-      ->check(CLI::Range(-20.0, 20.0));
-  command->add_option("--out", options.out, "folder for check.json and two pictures");
-  command->add_flag("--json", options.json, "print the result as JSON");
-  command->callback([&] { code = check(options); });
+// Long names, with those of every command.
+std::vector<std::string> option_names_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* one = &app; one != nullptr; one = one->get_parent())
+    for (const CLI::Option* option : one->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
 }
 
-void add_simulate(CLI::App& app, SimulateOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("simulate", "run the recorded inputs of a data set through a model");
-  command->footer(
-      "DATASET is a folder with dataset.toml and one CSV a run (docs/model.md, section 3); the same comes "
-      "out.\n\n"
-      "Example:\n  biopsy simulate measured --model sim/models/baseline.toml --out out/simulated");
-  command->add_option("DATASET", options.dataset, "folder of the data set")->required();
-  command->add_option("--model", options.model, "model file (TOML)")->required();
-  command->add_option("--out", options.out, "folder for the simulated data set")->required();
-  command->callback([&] { code = simulate(options); });
+// -1 and -.5 are numbers.
+bool looks_like_option(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
 }
 
-void add_image(CLI::App& app, ImageOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("image", "what an image is: geometry, orientation, warnings");
-  command->footer("Example:\n  biopsy image scans/t2 --png out/slices");
-  command->add_option("PATH", options.path, "a DICOM folder or file, NIfTI or NRRD")->required();
-  command->add_option("--series", options.series, "series UID, where the folder holds several");
-  command->add_option("--png", options.png, "folder for an axial, a coronal and a sagittal picture");
-  command->callback([&] { code = image(options); });
+// Of the command, or of every command; null where there is none.
+const CLI::Option* option_of(const CLI::App& app, const std::string& name) {
+  const CLI::Option* option = nullptr;
+  for (const CLI::App* one = &app; one != nullptr && option == nullptr; one = one->get_parent())
+    option = one->get_option_no_throw(name);
+  return option;
 }
 
-void add_effects(CLI::App& app, EffectsOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("effects", "what a model may contain besides its baseline");
-  command->footer(
-      "Lists the physical effects of the library; with NAME its equation, parameters and the experiment that "
-      "shows it best.\n\n"
-      "Example:\n  biopsy effects\n  biopsy effects coulomb_friction\n\n"
-      "Exit code: 0, or 2 for a name that is not in the library.");
-  command->add_option("NAME", options.name, "one effect (default: all)");
-  CLI::Option* json = command->add_flag("--json", options.json, "print as JSON");
-  command->add_flag("--markdown", options.markdown, "print as the page docs/effects.md")->excludes(json);
-  command->callback([&] { code = effects(options); });
+// What to do instead of an unknown word: the names that are close to it, and where all are listed.
+std::string suggestion(const std::string& typed, const std::vector<std::string>& known,
+                       const std::string& command) {
+  const std::vector<std::string> close = closest_names(typed, known);
+  const std::string list = fmt::format("`{} --help` lists all", command);
+  return close.empty() ? list : fmt::format("did you mean `{}`? {}", fmt::join(close, "` or `"), list);
 }
 
-void add_gap(CLI::App& app, GapOptions& options, int& code) {
-  CLI::App* command = app.add_subcommand("gap", "what a model is missing, from measured runs");
-  command->footer(
-      "Compares the model with every run of the data set, says where they disagree and which effect or "
-      "parameter explains it,\n"
-      "and shows on runs it did not use how far that closes the gap. Writes report.html, gap.json and "
-      "model.toml, the better model.\n\n"
-      "Example:\n  biopsy gap measured --model sim/models/rehearsal.toml --out out/gap\n"
-      "  biopsy gap rig --model rig.toml --free m,c_s,k --window 0.5 --out out/rig\n\n"
-      "Exit code: 0 for any honest verdict, \"unexplained\" included; 2 for unusable input.");
-  command->add_option("DATASET", options.dataset, "folder of the data set (docs/model.md, section 3)")
-      ->required();
-  command->add_option("--model", options.model, "model file (TOML)")->required();
-  command->add_option("--out", options.out, "folder for the report and the better model")->required();
-  command
-      ->add_option("--free", options.free,
-                   "baseline parameters that are not known, fitted in every hypothesis")
-      ->delimiter(',');
-  command
-      ->add_option("--window", options.window,
-                   "simulate in windows of this many seconds, each from a free initial state")
-      ->check(CLI::Range(1e-3, 1e6));
-  command->add_flag("--accept", options.accept,
-                    "replace the model file by the better model; the old one is kept beside it");
-  command->add_flag_callback(
-      "--no-recheck", [&] { options.recheck = false; }, "leave out the rehearsals with the better model");
-  command->callback([&] { code = gap(options); });
+// Explains why the parser refused `words`: an unknown command or option first, because the parser may have
+// tripped over a consequence of it.
+[[noreturn]] void refuse(const CLI::App& root, const std::vector<std::string>& words,
+                         const std::string& parser_message) {
+  const CLI::App* app = &root;
+  bool is_value = false;  // of the option before it
+  for (const std::string& word : words) {
+    if (std::exchange(is_value, false) && !looks_like_option(word)) continue;
+    if (word == "--") break;
+    const std::string name = word.substr(0, word.find('='));
+    if (looks_like_option(name)) {
+      const CLI::Option* option = option_of(*app, name);
+      if (option == nullptr)
+        throw ConfigError(fmt::format("there is no option `{}`", name), typed_command(app),
+                          suggestion(name, option_names_of(*app), typed_command(app)));
+      is_value = name == word && option->get_items_expected_min() > 0;
+    } else if (const std::vector<std::string> known = subcommands_of(*app); !known.empty()) {
+      if (std::find(known.begin(), known.end(), word) == known.end())
+        throw ConfigError(fmt::format("there is no command `{}`", word), typed_command(app),
+                          suggestion(word, known, typed_command(app)));
+      app = app->get_subcommand(word);
+    }
+  }
+  const std::string command = typed_command(app);
+  if (!app->get_subcommands({}).empty())
+    throw ConfigError("a command is missing", command,
+                      fmt::format("give one of: {}", fmt::join(subcommands_of(*app), ", ")));
+  throw ConfigError(parser_message, command, fmt::format("`{} --help` explains the options", command));
 }
 
-void add_characterise(CLI::App& app, CharacteriseOptions& options, int& code) {
-  CLI::App* command =
-      app.add_subcommand("characterise", "experiments on a stage without patient and needle, for gap");
-  command->footer(
-      "Plays voltages open loop under the supervisor: dc, staircase, load, impact, frequency. Stores a data "
-      "set (one CSV a\nrun) and report.html. A run that the supervisor stops is kept and marked.\n\n"
-      "Example:\n  biopsy characterise --dry-run\n  biopsy characterise staircase dc --bench --out "
-      "out/stage\n\n"
-      "Exit code: 0 completed, 3 stopped, 2 unusable input.");
-  command->add_option("EXPERIMENT", options.experiments, "which (default: all)");
-  command->add_option("--device", options.device, "the stage: sim or nidaqmx (default sim)");
-  command->add_option("--device-config", options.device_config, "channels and scales of the hardware (TOML)");
-  command->add_option("--commissioning", options.commissioning,
-                      "folder that `biopsy commission` wrote, for a real stage");
-  command->add_option("--keys", options.keys,
-                      "whose commissioning key signed it; default: the user's own set");
-  command->add_option("--model", options.model,
-                      "model of the simulated stage (TOML); default: sim/models/rehearsal.toml");
-  command->add_option("--weight-g", options.weight_g, "weight on the fixture, g (default 50)");
-  command->add_option("--drive-scale", options.drive_scale,
-                      "how many times the nominal voltage this stage needs for a depth, 1 to 3 (default 1)");
-  command->add_option("--push-scale", options.push_scale,
-                      "how many times the nominal push is laid on, 1 to 10 (default 1)");
-  command->add_option("--seed", options.seed, "seed of the simulated stage's noise")
-      ->check(CLI::NonNegativeNumber);
-  command->add_flag("--dry-run", options.dry_run, "say what would be done; nothing moves");
-  command->add_flag("--bench", options.bench, "I confirm: no patient, no needle");
-  command->add_flag("--weights-by-hand", options.weights_by_hand,
-                    "real stage: somebody lays weights on with an insulating rod, under voltage, when asked");
-  command->add_option("--out", options.out, "folder for the data set");
-  command->callback([&] { code = characterise(options); });
+// An option that is given with nothing in it would be taken as not given.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& value : option->results())
+      if (value.empty())
+        throw ConfigError(fmt::format("{} is empty", option->get_name()), typed_command(&app),
+                          "give a value, or leave the option out");
+}
+
+const CommandLine::Entry& chosen(const CommandLine& line) {
+  for (const CommandLine::Entry& entry : line.entries)
+    if (entry.run && entry.app->parsed()) return entry;
+  throw std::logic_error("no command was parsed");
+}
+
+Result run(const CommandLine::Entry& entry, Context context) {
+  if (!entry.command->interruptible) return entry.run(context);
+  Interrupt interrupt;
+  context.interrupted = interrupt.token();
+  Result result = entry.run(context);
+  if (context.interrupted.stop_requested()) result.exit_code = kInterrupted;
+  return result;
 }
 
 }  // namespace
 
-int run_command_line(int argc, const char* const* argv) {
-  CLI::App app{"MRI-safe needle biopsy robot: plan, rehearse and verify a needle's depth"};
-  app.footer(
-      "Start with:\n  biopsy dry-run --out out/first\n\nEach command explains itself: biopsy COMMAND --help");
-  app.set_version_flag("--version", BIOPSY_VERSION);
-  app.require_subcommand(1);
-  app.fallthrough();  // log options stand before or behind the command
-  std::string log_level, log_format;
-  log_options(app, log_level, log_format);
-  std::optional<logging::LogSession> log;
-  app.parse_complete_callback([&] {
-    log.emplace(log_settings("biopsy", log_level, log_format));
-    log_library_messages();
-  });
-  DryRunOptions rehearsed;
-  ProcedureOptions planned;
-  CheckOptions checked;
-  SimulateOptions simulated;
-  ImageOptions shown;
-  EffectsOptions listed;
-  GapOptions compared;
-  CharacteriseOptions measured;
-  StudyOptions studied;
-  LiveCommandOptions lived;
-  int code = 0;
-  add_dry_run(app, rehearsed, code);
-  add_plan(app, planned, code);
-  add_check(app, checked, code);
-  add_simulate(app, simulated, code);
-  add_image(app, shown, code);
-  add_effects(app, listed, code);
-  add_gap(app, compared, code);
-  add_characterise(app, measured, code);
-  add_study_commands(app, studied, code);
-  add_live_commands(app, lived, code);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int shown_code = app.exit(error);  // prints help or the mistake
-    return shown_code == 0 ? 0 : 2;
+CommandLine::CommandLine()
+    : app(std::make_unique<CLI::App>(
+          "MRI-safe needle biopsy robot: plan, rehearse and verify a needle's depth", "biopsy")) {
+  app->require_subcommand(1);
+  app->fallthrough();  // its own options stand before or behind the command
+  log_options(*app, log_level, log_format);
+  for (const Command& command : registry()) {
+    const std::size_t space = command.name.find(' ');
+    CLI::App* parent =
+        space == std::string::npos ? app.get() : app->get_subcommand(command.name.substr(0, space));
+    CLI::App* added = parent->add_subcommand(
+        space == std::string::npos ? command.name : command.name.substr(space + 1), command.summary);
+    if (!command.declare) added->require_subcommand(1);
+    entries.push_back({&command, added, command.declare ? command.declare(*added) : Run()});
+    if (!command.json.empty()) added->add_flag("--json", json, "print the result as JSON on standard output");
   }
-  return code;
+}
+
+int run_command_line(int argc, const char* const* argv, const std::string& version) {
+  CommandLine line;
+  bool print_version = false;
+  line.app->add_flag("--version", print_version, "version, commit and libraries");
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.size() == 1 && words.front() == "--version") {
+    fmt::print("{}", version);
+    return 0;
+  }
+  try {
+    line.app->parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", help_of(line));
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    refuse(*line.app, words, error.what());
+  }
+  const CommandLine::Entry& entry = chosen(line);
+  refuse_empty_values(*entry.app);
+  const logging::LogSession log(log_settings("biopsy", line.log_level, line.log_format));
+  log_library_messages();
+  const Result result = run(entry, {.json = line.json, .interrupted = {}, .clearable = clearable_outputs()});
+  fmt::print("{}", line.json ? result.json : result.text);
+  return result.exit_code;
 }
 
 }  // namespace biopsy::robot

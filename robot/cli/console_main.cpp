@@ -5,8 +5,9 @@
 #include <cstdio>
 
 #include "robot/cli/library_messages.hpp"
-#include "robot/cli/live_commands.hpp"
 #include "robot/cli/log_options.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/logging/program.hpp"
@@ -44,8 +45,7 @@ void serve(const Options& options) {
       robot::open_case(robot::case_of(options.procedure, robot::Points::PickedLater), own);
   const transport::Participant bus(live::bus_settings(settings, security::Role::Console));
   robot::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
-  // Seconds since 1970 at least: a console that is started again gives out tokens above those it gave out
-  // before, for nobody presses a button every second.
+  // Starts at the seconds since 1970 at least, so that tokens rise from one start of the console to the next.
   const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
   robot::ConsoleLoop loop(robot, std::move(opened),
                           {options.page, own, options.port, simulated, first_token});
@@ -57,20 +57,34 @@ void serve(const Options& options) {
   robot.retract();
 }
 
+// False after --help.
+bool parse(CLI::App& command, int argc, char** argv) {
+  try {
+    command.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp& help) {
+    command.exit(help);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    throw ConfigError(error.what(), "biopsy-console", "`biopsy-console --help` explains the options");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
-  CLI::App command(
-      "the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
-  command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
-  robot::case_options(command, options.procedure);
-  command.add_option("--port", options.port, "of the page (default: any that is free)");
-  command.add_option("--page", options.page, "folder of the built page");
-  std::string level, format;
-  robot::log_options(command, level, format);
-  CLI11_PARSE(command, argc, argv);
   return logging::run_program("biopsy-console", [&] {
+    Options options;
+    CLI::App command(
+        "the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
+    command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
+    robot::add_case_options(command, options.procedure);
+    command.add_option("--port", options.port, "of the page (default: any that is free)")
+        ->check(robot::in_range(0, 65535));
+    command.add_option("--page", options.page, "folder of the built page");
+    std::string level, format;
+    robot::log_options(command, level, format);
+    if (!parse(command, argc, argv)) return 0;
     logging::LogSettings log = robot::log_settings("biopsy-console", level, format);
     log.file = options.run_folder / "console.log";
     const logging::LogSession session(log);

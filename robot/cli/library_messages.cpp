@@ -59,7 +59,7 @@ void log_dcmtk() {
   root.setLogLevel(dcmtk::log4cplus::WARN_LOG_LEVEL);
 }
 
-// Told just before the exception is thrown, which says the same to the caller.
+// Called just before the exception is thrown, which holds the same text.
 int log_opencv_error(int, const char* function, const char* message, const char*, int, void*) {
   logging::write(Component::Opencv, Level::Debug, fmt::format("{}: {}", function, message));
   return 0;

@@ -5,14 +5,17 @@
 namespace biopsy::robot {
 
 void log_options(CLI::App& app, std::string& level, std::string& format) {
-  app.add_option(
-         "--log-level", level,
-         "least severe diagnostic messages that are logged: trace, debug, info, warning, error or off "
-         "(default: warning on the terminal, info in log files; $BIOPSY_LOG_LEVEL)")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
-  app.add_option("--log-format", format,
-                 "of diagnostic messages: text, or json for one object a line ($BIOPSY_LOG_FORMAT)")
-      ->check(CLI::IsMember({"text", "json"}));
+  app.add_option("--log-level", level,
+                 "least severe [diagnostic messages](logging.md) that are logged: trace, debug, info, "
+                 "warning, error or "
+                 "off")
+      ->type_name("LEVEL")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
+      ->default_str("$BIOPSY_LOG_LEVEL; else warning on the terminal, info in log files");
+  app.add_option("--log-format", format, "of diagnostic messages: text, or json for one object a line")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->default_str("$BIOPSY_LOG_FORMAT; else text");
 }
 
 logging::LogSettings log_settings(const std::string& program, const std::string& level,

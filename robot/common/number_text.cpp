@@ -19,4 +19,8 @@ std::string fixed(double value, int decimals, const std::string& unit) {
   return std::isfinite(value) ? fixed(value, decimals) + " " + unit : "–";
 }
 
+std::string counted(std::size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 }  // namespace biopsy

@@ -223,7 +223,7 @@ void OperatorSession::end_run() {
   record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
     measure_run(run->notes.record());
-    finish(run->notes.record(), run->prepared, run->folder, run->started);
+    fmt::print("{}", finish(run->notes.record(), run->prepared, run->folder, run->started));
   });
 }
 

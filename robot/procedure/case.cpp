@@ -47,7 +47,7 @@ void read_target(TomlTable table, Case& out) {
   if (table.has("target_ras_mm")) out.p_ST = ras_point(table, "target_ras_mm");
   if (table.has("depth_mm")) out.depth = Millimetres(table.number("depth_mm", 0.0, 100.0));
   if (out.depth && !out.phantom)
-    throw ConfigError("`depth_mm` needs the phantom, which knows its needle axis", table.where(),
+    throw ConfigError("`depth_mm` needs the phantom, whose needle axis is given", table.where(),
                       "give entry_ras_mm and target_ras_mm");
   if (!out.depth && !(out.p_SE && out.p_ST))
     throw ConfigError("no target", table.where(),

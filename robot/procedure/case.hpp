@@ -1,4 +1,4 @@
-// One procedure to rehearse: which image, where to, through what, on which stage.
+// One procedure: image, entry and target, tissue layers, robot pose, pace, and what a rehearsal simulates.
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,10 @@ struct Case {
   std::string series_uid;
   std::filesystem::path labels;  // empty: none
   planner::LabelNames label_names;
-  std::vector<Layer> layers;         // a table instead of labels
-  std::optional<Point> p_SE, p_ST;   // LPS mm; a phantom knows its own, else neither: picked at the console
-  std::optional<Millimetres> depth;  // phantom only: target on the needle's axis
-  std::filesystem::path fiducials;   // CSV; empty: none
+  std::vector<Layer> layers;                     // a table instead of labels
+  std::optional<Point> p_SE, p_ST;               // LPS mm; of a phantom: its own; neither: set at the console
+  std::optional<Millimetres> depth;              // phantom only: target on the needle's axis
+  std::filesystem::path fiducials;               // CSV; empty: none
   std::optional<std::vector<double>> transform;  // 16 numbers, robot to scanner RAS
   Grams weight{50.0};
   planner::Staging staging = planner::Staging::Automatic;
@@ -42,10 +42,10 @@ struct Case {
   std::uint64_t seed = 1;
 };
 
-// What it reads beside itself; empty paths where it names none.
+// The files it names; empty paths where it names none.
 std::vector<std::filesystem::path> files_of(const Case& given);
 
-// Whether it says where to go; otherwise a person picks both points on the image.
+// Whether entry and target are known; otherwise they are set on the image at the console.
 bool has_points(const Case& given);
 
 // `name_or_path`: a case file, or the name of a built-in case. Throws ConfigError naming file and line.

@@ -3,12 +3,20 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <utility>
+
+#include "planner/plan/fiducial_file.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/progress.hpp"
 #include "robot/common/ras_point.hpp"
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/procedure/provenance.hpp"
 #include "robot/report/procedure/console_table.hpp"
 #include "robot/report/procedure/report_folder.hpp"
+#include "sim/plant/model_file.hpp"
+#include "sim/tissue/tissue.hpp"
 
 namespace biopsy::robot {
 
@@ -35,6 +43,9 @@ Case case_of(const ProcedureOptions& options, Points points) {
     }
     given.labels = options.labels;
   }
+  if (!options.series.empty() && given.phantom)
+    throw ConfigError("--series with a built-in phantom, which has one series only", "command line",
+                      "leave it out, or give the folder with --image");
   if (!options.series.empty()) given.series_uid = options.series;
   if (!options.fiducials.empty()) given.fiducials = options.fiducials;
   if (!options.model.empty()) given.rehearsal.model = options.model;
@@ -42,13 +53,59 @@ Case case_of(const ProcedureOptions& options, Points points) {
   return given;
 }
 
-void finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
-            std::chrono::steady_clock::time_point started) {
+namespace {
+
+// Half a voxel beyond the centres of the outermost ones.
+bool lies_inside(const Grid& grid, const Point& p_S) {
+  const Eigen::Vector3d index = grid.X_SI.inverse() * p_S;
+  const Eigen::Vector3d last = grid.size.cast<double>().array() - 0.5;
+  return (index.array() >= -0.5).all() && (index.array() <= last.array()).all();
+}
+
+void refuse_outside(const PreparedCase& prepared) {
+  for (const auto& [name, point] :
+       {std::pair("entry", prepared.given.p_SE), std::pair("target", prepared.given.p_ST)}) {
+    if (!point || lies_inside(prepared.image.grid, *point)) continue;
+    const Point ras = ras_from_lps(*point);
+    throw ConfigError(
+        fmt::format("the {} at R, A, S {}, {}, {} mm lies outside the image", name, report::fixed(ras.x(), 1),
+                    report::fixed(ras.y(), 1), report::fixed(ras.z(), 1)),
+        prepared.given.image.string(),
+        "`biopsy image` prints where its first and last voxel lie; give a point between them");
+  }
+}
+
+// What is read later, in the middle of a run.
+void check_files(const Case& given) {
+  sim::read_model(given.rehearsal.model);
+  sim::read_tissues(given.rehearsal.tissues);
+  if (!given.fiducials.empty()) planner::read_fiducials(given.fiducials);
+}
+
+}  // namespace
+
+PreparedCase prepare_run(const Case& given, const fs::path& out, const std::vector<std::string>& clearable) {
+  check_files(given);
+  ProgressLine line;
+  line.show(-1.0, "reading the image and planning");
+  if (given.phantom) {  // its image is made by this program, in `out`
+    claim_run_folder(out, files_of(given), clearable);
+    return prepare(given, out);
+  }
+  keep_apart(out, files_of(given), clearable);
+  PreparedCase prepared = prepare(given, out);
+  refuse_outside(prepared);
+  claim_run_folder(out, files_of(given), clearable);
+  return prepared;
+}
+
+std::string finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
+                   std::chrono::steady_clock::time_point started) {
   record.provenance = provenance(prepared, record);
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   report::save_report(record, out);
-  fmt::print("{}", report::console_table(record, isatty(STDOUT_FILENO) == 1));
-  fmt::print("\nreport: {}\n", (out / "report.html").string());
+  return report::console_table(record, isatty(STDOUT_FILENO) == 1) +
+         fmt::format("\nreport: {}\n", (out / "report.html").string());
 }
 
 }  // namespace biopsy::robot

@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kReferencePlans[] = {"gap", "liver"};  // the paper's two biopsies (Fig. 13)
 
-// What the planner counts on when it places stops (planner/plan/insertion_steps.hpp): so much final error and
-// settled error of the loop, and so much room to a boundary.
+// What the planner assumes when it places stops (planner/plan/insertion_steps.hpp): final and settled error
+// of the loop, and the distance to a boundary.
 constexpr double kFinalError_mm = 0.1, kSettledError_mm = 0.07;
 constexpr double kOvershoot_mm = planner::kStopShort.value;
 constexpr double kMostNoise_mm = 1.0;  // a model file allows no more
 
-// Gone with everything in it when the rehearsals are over, whichever way they end.
+// Removed with its content at the end, also after an exception.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -57,7 +57,7 @@ std::vector<PreparedCase> prepared_plans(const fs::path& folder) {
   return out;
 }
 
-// The model with a sensor whose readings scatter, as those of a real one do.
+// The model with sensor noise, which every real laser has.
 fs::path with_noise(const fs::path& file, double noise_mm, const fs::path& copy) {
   sim::NotedModel model = sim::read_noted_model(file);
   std::optional<sim::SensorNoise>& noise = model.model.effects.sensor_noise;
@@ -73,7 +73,7 @@ std::vector<report::RunRecord> rehearsed(std::vector<PreparedCase> plans, const 
   for (std::size_t i = 0; i < plans.size(); ++i) {
     plans[i].given.rehearsal.model = model;
     out.push_back(rehearse(plans[i], folder / kReferencePlans[i], progress));
-    out.back().samples = {};  // the figures are all that is wanted
+    out.back().samples = {};  // only the figures are used
   }
   return out;
 }
@@ -82,8 +82,8 @@ bool completed(const report::RunRecord& run) {
   return run.outcome == report::Outcome::Completed;
 }
 
-// A stop of the procedure counts even where no state of the supervisor tells of it, such as a depth check
-// that rejects.
+// A procedure that did not complete counts as one stop, even without a supervisor trip: the depth check may
+// have rejected.
 double unplanned_stops(const report::RunRecord& run) {
   return std::max(static_cast<double>(run.trips.size()), completed(run) ? 0.0 : 1.0);
 }
@@ -123,7 +123,7 @@ Recheck recheck(const fs::path& old_model, const fs::path& new_model, double noi
   const fs::path old_file = with_noise(old_model, noise_mm, scratch.path() / "old.toml");
   const fs::path new_file = with_noise(new_model, noise_mm, scratch.path() / "new.toml");
   const std::vector<PreparedCase> plans = prepared_plans(scratch.path());
-  // A rehearsal shares nothing with another but what it only reads.
+  // Rehearsals share only what they read.
   auto old_runs = std::async(std::launch::async, [&] {
     return rehearsed(plans, old_file, scratch.path() / "old", [](double, const std::string&) {});
   });
@@ -133,9 +133,9 @@ Recheck recheck(const fs::path& old_model, const fs::path& new_model, double noi
   for (std::size_t i = 0; i < after.size(); ++i) compare(kReferencePlans[i], before[i], after[i], out);
   if (new_file != new_model)
     out.warnings.push_back(fmt::format(
-        "The model has no [effect.sensor_noise]. The dry-runs of this report were lent one of "
+        "The model has no [effect.sensor_noise]. The dry-runs of this report used "
         "{:.3g} mm, the noise floor; any other dry-run with this model is stopped, because a depth "
-        "that never changes looks like a broken sensor (R-19).",
+        "that never changes counts as a broken sensor (R-19).",
         noise_mm));
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include "planner/imaging/registration/reslice.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/common/number_text.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/procedure/confirmation_image.hpp"
 #include "robot/procedure/operator.hpp"
@@ -64,7 +65,7 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
 }
 
 report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, const fs::path& folder,
-                              const Progress& progress) {
+                              const Progress& progress, const std::stop_token& stop) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   RunNotes notes(prepared);
   report::RunRecord& record = notes.record();
@@ -82,6 +83,10 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
       images.take(inputs.accepted_stage, notes.take_imaged_tip(), result);
       person.judge(result.check->verdict, "depth check: " + result.check->reason);
     }
+    if (stop.stop_requested()) {
+      record.refusal = "interrupted";
+      break;
+    }
     const std::optional<CycleSample> next = robot(inputs);
     if (!next) {
       record.refusal = "no tick from the stage for a second";
@@ -92,9 +97,9 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     notes.add(cycle, inputs);
     if (number % kProgressEvery == 0)
       progress(cycle.setpoint / plan.target_depth,
-               fmt::format("rehearsing: {:.0f} s, {}, {:.2f} mm", static_cast<double>(number) * 1e-3,
+               fmt::format("rehearsing: {:.0f} s, {}, {}", static_cast<double>(number) * 1e-3,
                            safety::name_of(cycle.record.supervisor.permit.mode),
-                           cycle.record.measurement.depth_um * 1e-3));
+                           fixed(cycle.record.measurement.depth_um * 1e-3, 2, "mm")));
   }
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
@@ -103,7 +108,8 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   return record;
 }
 
-report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress) {
+report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress,
+                           const std::stop_token& stop) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Case& given = prepared.given;
   const safety::PlanFacts facts = robot::plan_facts(plan, 1 + given.seed);
@@ -120,7 +126,7 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
     cycle.setpoint = lockstep.controller().setpoint;
     return std::optional<CycleSample>(cycle);
   };
-  return rehearse_on(robot, prepared, folder, progress);
+  return rehearse_on(robot, prepared, folder, progress, stop);
 }
 
 }  // namespace biopsy::robot

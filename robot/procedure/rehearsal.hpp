@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "robot/cycle/run_cycle.hpp"
@@ -35,12 +36,14 @@ using Robot = std::function<std::optional<CycleSample>(const OperatorInputs&)>;
 // The record of a plan (or its refusal) before anything moved.
 report::RunRecord planned_record(const PreparedCase& prepared);
 
-// Confirmation images are written to `folder`/images as DICOM and read back. `prepared` must hold a plan.
+// Ends early, with what was recorded, where `stop` is requested. Confirmation images are written to
+// `folder`/images as DICOM and read back. `prepared` must hold a plan.
 report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared,
-                              const std::filesystem::path& folder, const Progress& progress);
+                              const std::filesystem::path& folder, const Progress& progress,
+                              const std::stop_token& stop = {});
 
 // The same in lockstep on a virtual clock: the same inputs give the same run, to the bit.
 report::RunRecord rehearse(const PreparedCase& prepared, const std::filesystem::path& folder,
-                           const Progress& progress);
+                           const Progress& progress, const std::stop_token& stop = {});
 
 }  // namespace biopsy::robot

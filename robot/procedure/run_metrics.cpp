@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFinalWindow_s = 0.5;  // one period of the square wave
 
-// Sum of squares that knows how many.
+// Running root mean square of errors, and mean of values.
 struct Rms {
   double sum = 0.0, mean_sum = 0.0;
   std::size_t count = 0;

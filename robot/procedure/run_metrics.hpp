@@ -1,5 +1,4 @@
-// The figures of a run, read off its samples: errors, overshoot, peak drive, and how much of each limit was
-// used.
+// The figures of a run from its samples: errors, overshoot, peak drive, and use of each limit.
 #pragma once
 
 #include "robot/report/procedure/run_record.hpp"

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/number_text.hpp"
 #include "robot/recorder/log_file.hpp"
 
 namespace biopsy::recorder {
@@ -116,13 +117,13 @@ std::optional<Flaw> flaw_of(const Record& record, bool well_formed, const LogHea
 
 std::optional<Flaw> flaw_of_end(const LogHead& chain, const LogHead& head) {
   if (chain.count < head.count)
-    return Flaw{
-        FlawKind::RecordsCutOff, chain.count + 1,
-        fmt::format("{} records were signed, {} are there: the end is missing", head.count, chain.count)};
+    return Flaw{FlawKind::RecordsCutOff, chain.count + 1,
+                fmt::format("{} signed, {} there: the end is missing", report::counted(head.count, "record"),
+                            chain.count)};
   if (chain.count > head.count)
-    return Flaw{
-        FlawKind::RecordAdded, head.count + 1,
-        fmt::format("{} records were signed, {} are there: the end was added", head.count, chain.count)};
+    return Flaw{FlawKind::RecordAdded, head.count + 1,
+                fmt::format("{} signed, {} there: the end was added", report::counted(head.count, "record"),
+                            chain.count)};
   if (chain.last_hash != head.last_hash)
     return Flaw{FlawKind::Rewritten, chain.count,
                 "the records are not those that were signed: the chain ends in another hash"};

@@ -54,6 +54,7 @@ struct Search {
   Evidence evidence;
   ScoredModel as_given;
   Selection selection;
+  bool interrupted = false;
 
   GapVerdict verdict() const { return gap::verdict(as_given, selection, evidence); }
   bool gap_remains() const {
@@ -67,17 +68,19 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   Search out{
       .evidence = prepare(dataset, model, options.window, Sampling::Fine), .as_given = {}, .selection = {}};
   Hypothesis start = baseline_hypothesis(model, options.free);
-  progress("simulating every run with the given model");
+  progress(0.0, "simulating every run with the given model");
   const Hypothesis before = fit_free_parameters(start, out.evidence);
   out.as_given = score_model(before, out.evidence);
   out.selection = {.start = out.as_given, .best = out.as_given, .fits = {}, .selected = {}};
   if (is_only_noise(mean_square(residual(before.model, out.evidence, Part::All)), out.evidence)) return out;
-  progress("fitting the baseline parameters within their calibration errors");
+  progress(0.05, "fitting the baseline parameters within their calibration errors");
   copy_fitted(start, before);
   fit(start, out.evidence, kIterations);
   out.selection = select(std::move(start), prepare(dataset, model, options.window, Sampling::Coarse),
-                         out.evidence, progress, most_effects);
-  progress("final fit and standard deviations");
+                         out.evidence, progress, most_effects, options.stop);
+  out.interrupted = options.stop.stop_requested();
+  if (out.interrupted) return out;
+  progress(0.9, "final fit and standard deviations");
   out.selection.best = refined(out.selection.best, out.as_given.square, out.evidence);
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
   return out;
@@ -107,13 +110,13 @@ double short_window(const Dataset& dataset, const PlantModel& model) {
 
 Search search_in_windows(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                          double window, const Progress& progress) {
-  progress(fmt::format("whole runs leave the gap open: repeating with windows of {:.2g} s", window));
-  return search(dataset, model, {.free = options.free, .window = window}, progress, 1);
+  progress(0.9, fmt::format("whole runs leave the gap open: repeating with windows of {:.2g} s", window));
+  return search(dataset, model, {.free = options.free, .window = window, .stop = options.stop}, progress, 1);
 }
 
 // The effect found in windows with its parameters fitted to whole runs, if it explains those as well.
 std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search& windows) {
-  if (windows.verdict() != GapVerdict::Effect) return std::nullopt;
+  if (windows.verdict() != GapVerdict::Effect || windows.interrupted) return std::nullopt;
   Search out = whole;
   out.selection = windows.selection;
   out.selection.start = whole.selection.start;
@@ -137,17 +140,17 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
                   const Progress& progress) {
   Search found = search(dataset, model, options, progress);
   std::string warning;
-  if (!options.window && found.gap_remains() && friction_dominated(found.selection)) {
+  const bool whole = !options.window && !options.stop.stop_requested();
+  if (whole && found.gap_remains() && friction_dominated(found.selection)) {
     Search again = search_in_windows(dataset, model, options, kWindow, progress);
-    if (is_stribeck(again.selection)) {
+    if (!again.interrupted && is_stribeck(again.selection)) {
       found = std::move(again);
       warning = fmt::format(
           "All figures are of windows of {} s that start from the measured motion: plate A sticks and slips, "
           "and the instant of breakaway decides all that follows.",
           kWindow);
     }
-  } else if (!options.window && found.verdict() == GapVerdict::Unexplained &&
-             model.baseline.drive == Drive::Force) {
+  } else if (whole && found.verdict() == GapVerdict::Unexplained && model.baseline.drive == Drive::Force) {
     const double window = short_window(dataset, found.as_given.hypothesis.model);
     std::optional<Search> named =
         confirmed_on_whole_runs(found, search_in_windows(dataset, model, options, window, progress));
@@ -161,6 +164,16 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
+  out.finding.interrupted = options.stop.stop_requested();
+  if (out.finding.interrupted)
+    out.finding.warnings.insert(
+        out.finding.warnings.begin(),
+        fmt::format(
+            "Interrupted: the verdict is that of {} of the search. There may be more to find, numbers "
+            "have no standard deviation, and unexplained means not explained yet.",
+            out.finding.effects.empty() && out.finding.parameters_changed.empty()
+                ? "the beginning"
+                : "the rounds that were finished"));
   return out;
 }
 

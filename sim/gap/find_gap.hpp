@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace biopsy::sim::gap {
 struct SearchOptions {
   std::vector<std::string> free;  // baseline parameters fitted without a prior
   std::optional<double> window;   // s, cuts runs into windows that start from the measured motion
+  std::stop_token stop = {};      // ends the search with the result so far
 };
 
 // The finding and the new model; standard deviations of its fitted parameters by name, as in model files
@@ -30,7 +32,8 @@ struct FoundGap {
 };
 
 // Throws ConfigError for unusable data and for names in `free` that are no parameter of this drive.
-FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
-                  const Progress& progress);
+FoundGap find_gap(
+    const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
+    const Progress& progress = [](double, const std::string&) {});
 
 }  // namespace biopsy::sim::gap

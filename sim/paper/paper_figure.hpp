@@ -54,7 +54,8 @@ struct PaperFigure {
 struct Reproduction {
   std::string model;  // its name
   std::vector<PaperFigure> figures;
-  double seconds = 0.0;  // wall time
+  std::vector<std::string> left_out;  // numbers of figures that an interruption left out
+  double seconds = 0.0;               // wall time
 };
 
 }  // namespace biopsy

@@ -41,7 +41,8 @@ std::vector<FigureEntry> figures_named(std::string_view wanted) {
   return found;
 }
 
-Reproduction reproduce(const PaperModel& model, std::string_view wanted, const FigureProgress& progress) {
+Reproduction reproduce(const PaperModel& model, std::string_view wanted, const FigureProgress& progress,
+                       const std::stop_token& stop) {
   const auto started = std::chrono::steady_clock::now();
   const std::vector<FigureEntry> figures = figures_named(wanted);
   Reproduction out;
@@ -51,6 +52,7 @@ Reproduction reproduce(const PaperModel& model, std::string_view wanted, const F
   std::mutex one_at_a_time;
   std::size_t done = 0;
   in_parallel(figures.size(), [&](std::size_t i) {
+    if (stop.stop_requested()) return;
     try {
       out.figures[i] = figures[i].run(model);
     } catch (...) {
@@ -61,6 +63,9 @@ Reproduction reproduce(const PaperModel& model, std::string_view wanted, const F
   });
   for (const std::exception_ptr& failure : failed)
     if (failure) std::rethrow_exception(failure);
+  for (std::size_t i = 0; i < figures.size(); ++i)
+    if (out.figures[i].number.empty()) out.left_out.emplace_back(figures[i].number);
+  std::erase_if(out.figures, [](const PaperFigure& figure) { return figure.number.empty(); });
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,8 +29,8 @@ std::vector<FigureEntry> figures_named(std::string_view wanted);
 // Called from any thread, one call at a time: how many figures are done, of how many, and which was last.
 using FigureProgress = std::function<void(std::size_t done, std::size_t of, std::string_view number)>;
 
-// Runs them, several at a time; the answer does not depend on how many.
+// Runs them, several at a time; the answer does not depend on how many. After `stop` no further one is begun.
 Reproduction reproduce(const PaperModel& model, std::string_view wanted = {},
-                       const FigureProgress& progress = {});
+                       const FigureProgress& progress = {}, const std::stop_token& stop = {});
 
 }  // namespace biopsy::sim::paper

@@ -57,7 +57,7 @@ std::vector<Method> methods(const Options& options) {
   std::vector<Method> out;
   out.push_back({"find_gap", [say](const sim::Dataset& data, const sim::PlantModel& model) {
                    const auto begin = std::chrono::steady_clock::now();
-                   const auto progress = [&](const std::string& doing) {
+                   const auto progress = [&](double, const std::string& doing) {
                      const std::chrono::duration<double> past = std::chrono::steady_clock::now() - begin;
                      if (say) fmt::print(stderr, "    {:6.2f} s  {}\n", past.count(), doing);
                    };

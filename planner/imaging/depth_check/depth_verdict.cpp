@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot/common/number_text.hpp"
+
 namespace biopsy::imaging {
 
 namespace {
@@ -81,8 +83,8 @@ DepthJudgement against_plan(double depth, double sigma_mm, const DepthCheckSetti
     return {Accept, format("Tip found {:.2f} mm from the entry, known to {:.2f} mm.", depth, sigma_mm)};
   const double off = depth - s.expected->value;
   if (std::abs(off) <= s.tolerance.value)
-    return {Accept, format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm.", depth, off,
-                           s.expected->value)};
+    return {Accept, format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm.", depth,
+                           report::rounded(off, 2), s.expected->value)};
   if (std::abs(off) > s.tolerance.value + 2.0 * sigma_mm)
     return {Reject, format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", depth,
                            std::abs(off), off > 0.0 ? "deeper than" : "short of", s.expected->value)};

@@ -5,8 +5,6 @@
 #include <algorithm>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/file.hpp"
-#include "robot/common/strict_number.hpp"
 
 namespace biopsy {
 namespace {

@@ -1,6 +1,9 @@
 #include "robot/common/files/output_folder.hpp"
 
-#include <string>
+#include <unistd.h>
+
+#include <algorithm>
+#include <string_view>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
@@ -12,17 +15,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMark = ".biopsy-run";
 
-// Names a run writes; whatever else a person has put beside them stays.
-bool is_ours(const std::string& name) {
-  for (const char* ours :
-       {"planning",     "images",           "planning.png",  "report.html",    "report.json",
-        "run.csv",      "gap.json",         "model.toml",    "reproduce.json", "calibrated.toml",
-        "paper.toml",   "calibration.json", "identify.json", "design.json",    "tune.json",
-        "dataset.toml", "safety-case.json", "argument.dot",  "argument.svg",   "evidence",
-        "console",      "console.url"})
-    if (name == ours) return true;
-  return (name.starts_with("stage-") && name.ends_with(".png")) ||
-         (name.starts_with("run-") && name.ends_with(".csv"));
+bool matches(std::string_view name, std::string_view pattern) {
+  const std::size_t star = pattern.find('*');
+  if (star == std::string_view::npos) return name == pattern;
+  return name.size() + 1 >= pattern.size() && name.starts_with(pattern.substr(0, star)) &&
+         name.ends_with(pattern.substr(star + 1));
+}
+
+bool is_one_of(const FileNames& names, const std::string& name) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& one) { return matches(name, one); });
 }
 
 // The first name on the way from `folder` to `path`; "." for the folder itself, empty where it is elsewhere.
@@ -34,29 +35,34 @@ std::string way_into(const fs::path& folder, const fs::path& path) {
 
 }  // namespace
 
-void keep_apart(const fs::path& folder, const Inputs& inputs) {
+void keep_apart(const fs::path& folder, const Inputs& inputs, const FileNames& names) {
   for (const fs::path& input : inputs) {
     if (input.empty()) continue;
     const std::string way = way_into(folder, input);
-    if (way == "." || is_ours(way))
-      throw ConfigError("lies where the answer shall go, and would be lost", input.string(),
+    if (way == "." || is_one_of(names, way))
+      throw ConfigError("lies where the result is written, and would be lost", input.string(),
                         "give --out another folder; nothing was touched");
   }
 }
 
-void claim_run_folder(const fs::path& folder, const Inputs& inputs) {
-  keep_apart(folder, inputs);
+void make_output_folder(const fs::path& folder, const Inputs& inputs, const FileNames& names) {
+  keep_apart(folder, inputs, names);
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder))
-    throw ConfigError("is not a folder that can be made" + (error ? ": " + error.message() : std::string()),
-                      folder.string(), "give --out a folder that can be written");
+  if (error || !fs::is_directory(folder) || ::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw ConfigError(
+        "is not a folder that can be written" + (error ? ": " + error.message() : std::string()),
+        folder.string(), "give --out a folder that can be written");
+}
+
+void claim_run_folder(const fs::path& folder, const Inputs& inputs, const FileNames& names) {
+  make_output_folder(folder, inputs, names);
   if (!fs::is_empty(folder) && !fs::exists(folder / kMark))
     throw ConfigError("holds files that no run of this program wrote", folder.string(),
                       "give --out an empty or new folder; nothing was touched");
-  for (const auto& left : fs::directory_iterator(folder))
-    if (is_ours(left.path().filename().string())) fs::remove_all(left.path());
   atomic_write(folder / kMark, "written by biopsy; the next run into this folder clears it\n");
+  for (const auto& left : fs::directory_iterator(folder))
+    if (is_one_of(names, left.path().filename().string())) fs::remove_all(left.path());
 }
 
 }  // namespace biopsy

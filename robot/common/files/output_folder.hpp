@@ -1,19 +1,23 @@
-// The folder a run writes to.
+// The folder a command writes to.
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace biopsy {
 
-using Inputs = std::vector<std::filesystem::path>;  // files and folders a run reads; empty paths are none
+using Inputs = std::vector<std::filesystem::path>;  // files and folders that are read; empty paths are none
+using FileNames = std::vector<std::string>;         // in a folder; one * stands for any text
 
-// Throws ConfigError where an input is the folder, or lies where a run into it clears and writes.
-void keep_apart(const std::filesystem::path& folder, const Inputs& inputs);
+// Throws ConfigError where an input is the folder itself, or lies under one of `names` in it.
+void keep_apart(const std::filesystem::path& folder, const Inputs& inputs, const FileNames& names);
 
-// Makes the folder ready for a run: creates it, or clears what an earlier run left in it. Only folders this
-// function marked before are cleared; in a folder that is not empty and not ours, or that holds an input,
-// nothing is touched. Throws ConfigError.
-void claim_run_folder(const std::filesystem::path& folder, const Inputs& inputs);
+// keep_apart, and makes the folder. Throws ConfigError where nothing can be written to it.
+void make_output_folder(const std::filesystem::path& folder, const Inputs& inputs, const FileNames& names);
+
+// The same for a run that replaces an earlier one: files of `names` are removed. Only folders that an earlier
+// run marked are cleared; a folder that holds other files is refused, and nothing in it is touched.
+void claim_run_folder(const std::filesystem::path& folder, const Inputs& inputs, const FileNames& names);
 
 }  // namespace biopsy

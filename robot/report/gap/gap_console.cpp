@@ -119,7 +119,8 @@ std::string next_lines(const GapFinding& f) {
 std::string gap_console(const GapFinding& f) {
   return wrapped(std::string(badge_word(f.verdict)) + ". " + plain(f.sentence), "", kSentenceLines) + "\n" +
          rmse_line(f) + margin_lines(f) + where_lines(f) + candidate_lines(f) + next_lines(f) +
-         (f.warnings.empty() ? "" : fmt::format("\n  {} warning(s), in the report\n", f.warnings.size()));
+         (f.warnings.empty() ? ""
+                             : fmt::format("\n  {}, in the report\n", counted(f.warnings.size(), "warning")));
 }
 
 }  // namespace biopsy::report

@@ -88,7 +88,7 @@ Json margin_json(const MarginChange& m) {
 }  // namespace
 
 std::string gap_json(const GapFinding& f) {
-  const Json report = {
+  Json report = {
       {"verdict", word(f.verdict)},
       {"effects", list_of(f.effects, effect_json)},
       {"parameters_changed", list_of(f.parameters_changed, changed_json)},
@@ -108,6 +108,7 @@ std::string gap_json(const GapFinding& f) {
       {"margins", list_of(f.margins, margin_json)},
       {"warnings", f.warnings},
   };
+  if (f.interrupted) report["interrupted"] = true;
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

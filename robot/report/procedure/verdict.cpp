@@ -41,8 +41,8 @@ std::string with_remedy(const RunRecord& record, const std::string& fallback) {
 
 std::string planned_only(const Plan& plan) {
   return "Planned, not run: target " + fixed(plan.target_depth.value, 2, "mm") + " in " +
-         plan.layer_at(plan.target_depth) + ", " + std::to_string(plan.stages.size()) +
-         " stages. Nothing moved.";
+         plan.layer_at(plan.target_depth) + ", " + counted(plan.stages.size(), "stage") +
+         ". Nothing moved.";
 }
 
 }  // namespace

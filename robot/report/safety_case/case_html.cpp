@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/report/plot/html_markup.hpp"
 #include "robot/report/safety_case/case_page.hpp"
@@ -135,7 +136,7 @@ std::string rows_table(const std::string& name, const std::vector<Row>& rows) {
   std::vector<std::string> headings;
   headings.reserve(columns.size());
   for (const std::string& column : columns) headings.push_back(escaped(column));
-  return "<details><summary>" + escaped(name) + fmt::format(", {} rows</summary>\n", rows.size()) +
+  return "<details><summary>" + escaped(name) + fmt::format(", {}</summary>\n", report::counted(rows.size(), "row")) +
          markup::table("", headings, out) + "</details>\n";
 }
 

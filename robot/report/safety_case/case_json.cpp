@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "robot/common/number_text.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 
@@ -82,11 +83,11 @@ std::string case_sentence(const SafetyCase& safety_case, const std::vector<Findi
   std::size_t tests = 0;
   for (const Finding& finding : findings) tests += finding.tests.size();
   const std::string scope =
-      fmt::format("{} hazards, {} requirements, {} tests, {} programs of evidence",
-                  safety_case.hazards.size(), safety_case.requirements.size(), tests, findings.size());
+      fmt::format("{}, {}, {}, {}", report::counted(safety_case.hazards.size(), "hazard"),
+                  report::counted(safety_case.requirements.size(), "requirement"),
+                  report::counted(tests, "test"), report::counted(findings.size(), "evidence program"));
   if (!gaps.empty())
-    return fmt::format("The case does not hold: {} {} in {}.", gaps.size(), gaps.size() == 1 ? "gap" : "gaps",
-                       scope);
+    return fmt::format("The case does not hold: {} in {}.", report::counted(gaps.size(), "gap"), scope);
   if (build.quick) return fmt::format("No gap in the short subset: {}. It releases nothing.", scope);
   return fmt::format("The case holds for this build: {}, no gap.", scope);
 }

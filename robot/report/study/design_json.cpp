@@ -36,10 +36,11 @@ Json stack_json(const DesignedStack& stack) {
 std::string design_json(const DesignStudy& study) {
   Json best = Json::array();
   for (const DesignedStack& stack : study.best) best.push_back(stack_json(stack));
-  const Json all = {
+  Json all = {
       {"model", study.model},     {"paper", stack_json(study.paper)}, {"best", best},
       {"demands", study.demands}, {"assumed", study.assumed},         {"evaluated", study.evaluated},
       {"seconds", study.seconds}};
+  if (study.interrupted) all["interrupted"] = true;
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

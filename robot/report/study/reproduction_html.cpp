@@ -1,6 +1,7 @@
 #include "robot/report/study/reproduction_html.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -117,7 +118,11 @@ std::string verdict_section(const Reproduction& r) {
          bar_line(score.every_trend(), "every trend as stated", score.trends - score.trends_ok,
                   score.trends) +
          "<p class=\"bar-line\">Model: " + escaped(r.model) + ". Everything is simulated; it took " +
-         escaped(fixed(r.seconds, 1, "s")) + ".</p>\n</section>\n";
+         escaped(fixed(r.seconds, 1, "s")) + ".</p>\n" +
+         (r.left_out.empty() ? std::string()
+                             : fmt::format("<p class=\"bar-line alarm\">■ Interrupted: without {}.</p>\n",
+                                           fmt::join(r.left_out, ", "))) +
+         "</section>\n";
 }
 
 // A word of a command line as a shell takes it.

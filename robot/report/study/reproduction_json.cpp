@@ -38,8 +38,9 @@ std::string reproduction_json(const Reproduction& r) {
   for (const PaperFigure& figure : r.figures)
     for (const PaperRow& row : figure.rows) rows.push_back(row_json(row));
   for (const PaperRow* row : missed_rows(r)) findings.push_back(finding_json(*row));
-  const Json all = {
+  Json all = {
       {"rows", rows}, {"findings", findings}, {"model", r.model}, {"seconds", number(r.seconds)}};
+  if (!r.left_out.empty()) all["interrupted"] = true, all["left_out"] = r.left_out;
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -97,15 +97,17 @@ void try_start(Attempt& attempt, const Hypothesis& current, const Candidate& can
 
 // Each of the first `count` candidates, from its best start.
 void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scores, std::size_t count,
-                 const Hypothesis& current, const Evidence& evidence) {
+                 const Hypothesis& current, const Evidence& evidence, const std::stop_token& stop) {
   std::vector<Attempt> attempts;
   for (std::size_t i = 0; i < count; ++i)
     for (const Probe& start : different_starts(scores[i]))
       attempts.push_back({.candidate = i, .start = start, .reached = {}});
   const double square_now = mean_square(residual(current.model, evidence, Part::Training));
   in_parallel(attempts.size(), [&](std::size_t i) {
+    if (stop.stop_requested()) return;
     try_start(attempts[i], current, scores[attempts[i].candidate].candidate, square_now, evidence);
   });
+  if (stop.stop_requested()) return;
   std::stable_sort(attempts.begin(), attempts.end(),
                    [](const Attempt& a, const Attempt& b) { return a.square < b.square; });
   for (Attempt& attempt : attempts)
@@ -208,10 +210,11 @@ double held_out_effective_sample_size(const Evidence& evidence) {
 }
 
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
-                     const RoundName& name, const Progress& progress) {
+                     const RoundName& name, const Progress& progress, const std::stop_token& stop) {
   const std::vector<Candidate> open = open_candidates(now.hypothesis);
-  progress(fmt::format("{}: score test of {} candidates", name.title, open.size()));
+  progress(name.share, fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
+  if (stop.stop_requested()) return {};
   const std::size_t most = std::min(name.number > 1 ? kLaterQuickFits : kQuickFits, scores.size());
   std::size_t promising = 0;
   while (promising < most && scores[promising].share() > kWorthFitting * scores.front().share() &&
@@ -221,8 +224,10 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   for (const Score& score : scores)
     round.fits.push_back(
         {.candidate = score.candidate, .round = name.number, .share = score.share(), .scored = {}});
-  progress(fmt::format("{}: fitting {}", name.title, names(scores, promising, now.drive())));
-  fit_quickly(round.fits, scores, promising, now.hypothesis, coarse);
+  progress(0.7 * name.share + 0.3 * name.share_after,
+           fmt::format("{}: fitting {}", name.title, names(scores, promising, now.drive())));
+  fit_quickly(round.fits, scores, promising, now.hypothesis, coarse, stop);
+  if (stop.stop_requested()) return {};
   const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.fits.begin(), end, by_square);
   fit_best_fully(round.fits, promising, fine);

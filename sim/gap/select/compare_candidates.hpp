@@ -15,10 +15,12 @@ struct Round {
 struct RoundName {
   int number = 1;
   std::string title;
+  double share = 0.0, share_after = 0.0;  // of the work, before and after it
 };
 
+// Without fits where `stop` interrupted it.
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
-                     const RoundName& name, const Progress& progress);
+                     const RoundName& name, const Progress& progress, const std::stop_token& stop);
 
 // Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);

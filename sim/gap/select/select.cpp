@@ -22,6 +22,7 @@ constexpr double kBelowNoise = 1.0;       // remainder, in noises, that does not
 constexpr double kAsGood = 1.05;          // ratio of mean squares within which the evidence decides
 constexpr double kFarBehind = 9.0;        // ratio of mean squares: a third of the winner's precision
 constexpr int kRefitIterations = 15;
+constexpr double kShareBefore = 0.1, kShareOfRounds = 0.75, kShareOfContest = 0.88;  // of the work
 
 // `much_left`: most of the gap is still open, so that the second of two equal effects may follow.
 bool is_accepted(const Round& round, const ScoredModel& now, bool much_left, const Evidence& evidence) {
@@ -66,14 +67,18 @@ bool has_clear_margin(const SelectedTerm& term) {
 
 // Each effect but the last was selected before the others were in the model: it is compared again with them
 // present, unless it had a clear margin.
-void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress) {
+void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress,
+                    const std::stop_token& stop) {
   for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
     SelectedTerm& term = out.selected[i];
     if (!term.is_effect() || has_clear_margin(term)) continue;
     const std::string name = term.candidate.name(out.best.drive());
-    Round again = selection_step(
-        without(out.best, term.candidate, fine), coarse, fine,
-        {.number = static_cast<int>(i) + 1, .title = fmt::format("again in place of {}", name)}, progress);
+    Round again = selection_step(without(out.best, term.candidate, fine), coarse, fine,
+                                 {.number = static_cast<int>(i) + 1,
+                                  .title = fmt::format("again in place of {}", name),
+                                  .share = kShareOfContest,
+                                  .share_after = kShareOfContest},
+                                 progress, stop);
     if (again.fits.empty() || !again.fits.front().fitted) continue;
     if (again.fits.front().scored.square < kAsGood * out.best.square) {
       out.best = again.fits.front().scored;
@@ -94,15 +99,18 @@ bool is_only_noise(double square, const Evidence& evidence) {
 }
 
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
-                 std::size_t most_effects) {
+                 std::size_t most_effects, const std::stop_token& stop) {
   Selection out{.start = score_model(std::move(start), fine), .best = {}, .fits = {}, .selected = {}};
   std::vector<ScoredModel> models{out.start};
   std::size_t effects = 0;
   while (out.selected.size() < kMostRounds && effects < most_effects &&
-         !is_closed(models.back(), effects > 0, fine)) {
+         !is_closed(models.back(), effects > 0, fine) && !stop.stop_requested()) {
     const int number = static_cast<int>(out.selected.size()) + 1;
-    Round round =
-        selection_step(models.back(), coarse, fine, {number, fmt::format("round {}", number)}, progress);
+    // Each further round is half as likely.
+    const double begun = kShareBefore + kShareOfRounds * (1.0 - std::pow(0.5, number - 1)),
+                 over = kShareBefore + kShareOfRounds * (1.0 - std::pow(0.5, number));
+    Round round = selection_step(models.back(), coarse, fine,
+                                 {number, fmt::format("round {}", number), begun, over}, progress, stop);
     const bool much_left = excess(models.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
     const bool found = is_accepted(round, models.back(), much_left, fine);
     if (found) {
@@ -122,7 +130,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   for (CandidateFit& fit : out.fits)
     if (static_cast<std::size_t>(fit.round) > out.selected.size()) fit.chosen = false;
   out.best = models.back();
-  reselect_terms(out, coarse, fine, progress);
+  if (!stop.stop_requested()) reselect_terms(out, coarse, fine, progress, stop);
   return out;
 }
 

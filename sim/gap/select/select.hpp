@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,8 @@ struct Selection {
   std::vector<SelectedTerm> selected;
 };
 
-using Progress = std::function<void(const std::string& doing)>;
+// `share`: of the work, in [0, 1]; an estimate, because nobody knows how many rounds there will be.
+using Progress = std::function<void(double share, const std::string& doing)>;
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence);
 
@@ -63,7 +65,8 @@ bool is_only_noise(double square, const Evidence& evidence);
 
 // Searches on coarse rows, fits and compares on fine ones.
 inline constexpr std::size_t kMostEffects = 3;
+// A round that `stop` interrupts is left out.
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
-                 std::size_t most_effects = kMostEffects);
+                 std::size_t most_effects = kMostEffects, const std::stop_token& stop = {});
 
 }  // namespace biopsy::sim::gap

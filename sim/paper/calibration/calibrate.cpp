@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "robot/common/in_parallel.hpp"
 
@@ -140,7 +141,8 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
         {.spread = settings.far_spread,
          .population = settings.population,
          .evaluations = settings.far,
-         .seed = settings.seed},
+         .seed = settings.seed,
+         .stop = settings.stop},
         [&](double share, double best) {
           say(0.9 * far_share * share, fmt::format("first search, cost {:.1f}", best));
         });
@@ -150,7 +152,8 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   const CmaSettings search{.spread = settings.spread,
                            .population = settings.population,
                            .evaluations = settings.evaluations,
-                           .seed = settings.seed + (settings.far > 0 ? kOtherDraws : 0)};
+                           .seed = settings.seed + (settings.far > 0 ? kOtherDraws : 0),
+                           .stop = settings.stop};
   const CmaResult global = minimise(cost, from, search, [&](double share, double best) {
     say(0.9 * (far_share + (1.0 - far_share) * share),
         fmt::format("searching, cost {:.1f} at first, {:.2f} now", out.before, best));
@@ -160,15 +163,20 @@ Calibration calibrate(const Question& question, const CalibrationSettings& setti
   Vector z = within(question.parameters, global.best);
   std::size_t reached = rows_reached(question, z);
   for (const Vector& begin : {z, within(question.parameters, from)}) {
+    if (settings.stop.stop_requested()) break;
     say(0.9, fmt::format("last steps, {} rows met", reached));
     const Vector end = within(question.parameters, last_steps(question, begin, settings.last_steps));
     const std::size_t rows = rows_reached(question, end);
     if (rows > reached || (rows == reached && cost(end) < cost(z))) z = end, reached = rows;
   }
   say(0.97, "standard deviations");
-  const Eigen::MatrixXd C = covariance(question, z);
-  const Vector stds = C.diagonal().cwiseSqrt();
-  out.correlations = stds.cwiseInverse().asDiagonal() * C * stds.cwiseInverse().asDiagonal();
+  out.interrupted = settings.stop.stop_requested();
+  Vector stds = Vector::Constant(z.size(), std::numeric_limits<double>::quiet_NaN());
+  if (!out.interrupted) {
+    const Eigen::MatrixXd C = covariance(question, z);
+    stds = C.diagonal().cwiseSqrt();
+    out.correlations = stds.cwiseInverse().asDiagonal() * C * stds.cwiseInverse().asDiagonal();
+  }
   out.model = turned(question.start, question.parameters, z);
   for (Eigen::Index i = 0; i < z.size(); ++i) {
     out.parameters.push_back(found(question.parameters[i], z[i], stds[i]));

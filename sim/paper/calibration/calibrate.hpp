@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 
 #include "sim/paper/calibration/cma_es.hpp"
@@ -20,11 +21,12 @@ struct CalibrationSettings {
   std::uint64_t seed = 1;
   int population = 16;
   double far_spread = 0.6, spread = 0.2;
+  std::stop_token stop = {};  // ends the search with the best until then; standard deviations stay unknown
 };
 
 struct CalibratedParameter {
   Parameter parameter;
-  double value = 0.0, std = 0.0;  // file units
+  double value = 0.0, std = 0.0;  // file units; std is NaN where the search was interrupted
   bool at_bound = false;          // the optimum is outside the plausible range
   bool only_prior = false;        // not identifiable from the figures: std at least 0.9 of the prior's
 };
@@ -32,12 +34,13 @@ struct CalibratedParameter {
 struct Calibration {
   paper::PaperModel model;
   std::vector<CalibratedParameter> parameters;
-  Eigen::MatrixXd correlations;      // of the parameters, in their order
+  Eigen::MatrixXd correlations;      // of the parameters, in their order; empty where it was interrupted
   std::vector<PaperRow> rows;        // at the result, by the shortened experiments
   std::vector<RunFit> runs;          // and the measured runs
   double before = 0.0, after = 0.0;  // sum of squared residuals at the start and at the result
   bool kept_start = false;           // no better point than the start was found
   int evaluations = 0;
+  bool interrupted = false;
 };
 
 // Share done, -1 where that is not known, and what is being done.

@@ -118,7 +118,10 @@ CmaResult minimise(const Cost& cost, const Eigen::VectorXd& start, const CmaSett
   std::vector<double> values(population);
   while (out.evaluations < settings.evaluations && distribution.widest() > settings.narrow) {
     for (Eigen::VectorXd& point : points) point = distribution.drawn();
-    in_parallel(points.size(), [&](std::size_t i) { values[i] = finite(cost(points[i])); });
+    in_parallel(points.size(), [&](std::size_t i) {
+      if (!settings.stop.stop_requested()) values[i] = finite(cost(points[i]));
+    });
+    if (settings.stop.stop_requested()) break;
     out.evaluations += population;
     std::vector<std::size_t> order(population);
     std::iota(order.begin(), order.end(), 0);

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 
 namespace biopsy::sim::calibration {
 
@@ -15,6 +16,7 @@ struct CmaSettings {
   int evaluations = 1000;  // at most; the last generation is always whole
   double narrow = 1e-6;    // stops where the spread is below
   std::uint64_t seed = 1;
+  std::stop_token stop = {};  // ends the search after a whole generation
 };
 
 struct CmaResult {

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "robot/common/number_text.hpp"
+
 namespace biopsy::sim::design {
 namespace {
 
@@ -152,6 +154,11 @@ DesignStudy study_designs(const PlantModel& known, const std::string& name, cons
   study.evaluated = seen.size();
   study.demands = demands_in_words(demands);
   study.assumed = assumptions();
+  study.interrupted = size.stop.stop_requested();
+  if (study.interrupted)
+    study.assumed.insert(study.assumed.begin(),
+                         fmt::format("The search was interrupted after {}: others may be better.",
+                                     report::counted(study.evaluated, "design")));
   study.panels = {panel("Stroke against stack height", study, kHeight, kStroke),
                   panel("Stroke against ripple", study, kRipple, kStroke),
                   panel("Stroke against breakdown margin", study, kMargin, kStroke),

@@ -202,8 +202,9 @@ std::vector<DesignedStack> search(const DesignedStack& start, const Evaluate& ev
     }
     std::vector<Individual> young(genes.size());
     in_parallel(genes.size(), [&](std::size_t i) {
-      young[i] = {genes[i], evaluate(decoded(genes[i])), 0, 0.0};
+      if (!size.stop.stop_requested()) young[i] = {genes[i], evaluate(decoded(genes[i])), 0, 0.0};
     });
+    if (size.stop.stop_requested()) break;
     for (const Individual& one : young) seen.push_back(one.stack);
     kept.insert(kept.end(), young.begin(), young.end());
     keep_best(kept, size.population);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 #include <vector>
 
 #include "sim/paper/design/stack_design.hpp"
@@ -21,6 +22,7 @@ std::vector<DesignedStack> unbeaten(const std::vector<DesignedStack>& stacks);
 struct SearchSize {
   std::size_t population = 80, generations = 24;
   std::uint64_t seed = 1;
+  std::stop_token stop = {};  // ends the search after the generations that are complete
 };
 
 using Evaluate = std::function<DesignedStack(const StackDesign&)>;  // called from any thread

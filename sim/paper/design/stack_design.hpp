@@ -46,6 +46,7 @@ struct DesignStudy {
   std::vector<FigurePanel> panels;
   std::size_t evaluated = 0;
   double seconds = 0.0;
+  bool interrupted = false;  // before the search was complete
 };
 
 }  // namespace biopsy

@@ -125,8 +125,11 @@ double shortfall(const Margins& m, const Requirements& wanted) {
 
 // Fills in the margins; keeps those that meet them, or the one that comes closest.
 std::vector<Candidate> admissible(std::vector<Candidate> all, const Family& family,
-                                  const Requirements& wanted) {
-  in_parallel(all.size(), [&](std::size_t i) { all[i].worst = family.worst(all[i].gains); });
+                                  const TuneOptions& options) {
+  const Requirements& wanted = options.wanted;
+  in_parallel(all.size(), [&](std::size_t i) {
+    if (!options.stop.stop_requested()) all[i].worst = family.worst(all[i].gains);
+  });
   std::vector<Candidate> kept;
   for (const Candidate& c : all)
     if (c.worst.meet(wanted)) kept.push_back(c);
@@ -142,31 +145,37 @@ void sort_by_cost(std::vector<Candidate>& all) {
 }
 
 // Costs on the model alone, then on all stages for the best of those. The best comes first.
-std::vector<Candidate> ranked(std::vector<Candidate> all, const Family& family) {
-  in_parallel(all.size(), [&](std::size_t i) { all[i].cost = score(family.model(), {all[i].gains}).cost(); });
+// Interrupted, what has no cost yet comes last.
+std::vector<Candidate> ranked(std::vector<Candidate> all, const Family& family, const std::stop_token& stop) {
+  in_parallel(all.size(), [&](std::size_t i) {
+    if (!stop.stop_requested()) all[i].cost = score(family.model(), {all[i].gains}).cost();
+  });
   sort_by_cost(all);
+  if (stop.stop_requested()) return all;
   all.resize(std::min(all.size(), kBest));
-  in_parallel(all.size(), [&](std::size_t i) { all[i].cost = family.worst_score({all[i].gains}).cost(); });
+  in_parallel(all.size(), [&](std::size_t i) {
+    if (!stop.stop_requested()) all[i].cost = family.worst_score({all[i].gains}).cost();
+  });
   sort_by_cost(all);
   return all;
 }
 
 Candidate searched(const Family& family, const TuneOptions& options, const TuneProgress& progress) {
-  const Requirements& wanted = options.wanted;
   std::vector<Candidate> start = grid(kLeast, kMost, options.grid);
   start.push_back({PiGains{}, {}});
-  Candidate best = ranked(admissible(std::move(start), family, wanted), family).front();
+  Candidate best = ranked(admissible(std::move(start), family, options), family, options.stop).front();
   double spread =
       std::pow(kMost.proportional_V_per_mm / kLeast.proportional_V_per_mm, 1.0 / (options.grid - 1));
-  for (int round = 0; round < kFiner; ++round) {
+  for (int round = 0; round < kFiner && !options.stop.stop_requested(); ++round) {
     if (progress) progress(0.4 + 0.2 * round, "refining the best gains");
     const PiGains& g = best.gains;
     std::vector<Candidate> around =
         grid({g.proportional_V_per_mm / spread, g.integral_V_per_mm_per_tick / spread},
              {g.proportional_V_per_mm * spread, g.integral_V_per_mm_per_tick * spread},
              5);  // holds the best itself
-    const Candidate found = ranked(admissible(std::move(around), family, wanted), family).front();
-    if (found.cost < best.cost) best = found;
+    const Candidate found =
+        ranked(admissible(std::move(around), family, options), family, options.stop).front();
+    if (!options.stop.stop_requested() && found.cost < best.cost) best = found;
     spread = std::sqrt(spread);
   }
   return best;
@@ -206,7 +215,8 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
   model.model.weight = paper::kWeight;
   const IsPlausible is_plausible =
       is_like_the_papers(model.model) ? IsPlausible(is_like_the_papers) : IsPlausible();
-  const UncertainStages uncertain = uncertain_stages(model, options.stages, options.seed, is_plausible);
+  UncertainStages uncertain = uncertain_stages(model, options.stages, options.seed, is_plausible);
+  if (options.stop.stop_requested()) uncertain.stages.clear();  // the model alone is judged in time
   const Family family(model.model, uncertain.stages);
   if (progress) progress(0.1, "searching gains with the required margins");
   const Candidate best = searched(family, options, progress);
@@ -220,7 +230,8 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
   out.correlated = !uncertain.assumed && given.notes.correlations.has_value();
   out.wanted = options.wanted;
   out.met = best.worst.meet(options.wanted);
-  out.judged.resize(4);
+  out.interrupted = options.stop.stop_requested();
+  out.judged.resize(out.interrupted ? 2 : 4);
   in_parallel(out.judged.size(), [&](std::size_t i) {
     const PiGains gains = i % 2 == 0 ? PiGains{} : best.gains;
     const std::string name = i % 2 == 0 ? "paper's gains" : "tuned gains";

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,8 @@ struct TuneOptions {
   int stages = 24;  // uncertain ones, besides the model itself
   std::uint64_t seed = 1;
   Requirements wanted;
-  int grid = 13;  // values of each gain in the first grid
+  int grid = 13;              // values of each gain in the first grid
+  std::stop_token stop = {};  // ends the search with the best gains until then
 };
 
 struct Tuning {
@@ -54,6 +56,7 @@ struct Tuning {
   int stages = 0;                   // drawn, besides the model
   int refused = 0;  // rejected draws: with the paper's gains they do not settle as its stage does
   Requirements wanted;
+  bool interrupted = false;    // before the search was complete; feed-forward is not judged then
   bool met = false;            // the tuned gains have the margins on all stages; otherwise they come closest
   std::vector<Judged> judged;  // the paper's gains, the tuned ones, each again with feed-forward
   std::vector<FigurePanel> panels;

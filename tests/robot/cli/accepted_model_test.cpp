@@ -9,7 +9,7 @@
 #include "robot/common/config_error.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST_F(AcceptedModel, LeavesEverythingWhereTheOldOneCannotBeKept) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

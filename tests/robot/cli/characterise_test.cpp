@@ -8,7 +8,7 @@
 #include "tests/robot/cli/command.hpp"
 #include "tests/source_dir.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,10 +26,10 @@ sim::Dataset stored(const fs::path& folder) {
   return sim::read_dataset(folder, sim::Drive::Stack);
 }
 
-// What gap says of data/, measured, beside believed.toml.
+// gap.json of the data set in data/ and the model assumed.toml.
 nlohmann::json effect_found(const ScratchFolder& folder) {
-  const Answer answer =
-      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "believed.toml").string() +
+  const Outcome answer =
+      biopsy("gap " + (folder / "data").string() + " --model " + (folder / "assumed.toml").string() +
              " --out " + (folder / "gap").string() + " --no-recheck");
   if (answer.code != 0) throw std::runtime_error(answer.text);
   nlohmann::json found = json_of(folder / "gap/gap.json");
@@ -40,9 +40,9 @@ nlohmann::json effect_found(const ScratchFolder& folder) {
 TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
   const ScratchFolder folder;
   folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
-  folder.write("believed.toml", std::string("[baseline]\n") + kNoise);
-  const Answer measured = biopsy("characterise staircase dc --bench --model " +
-                                 (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+  folder.write("assumed.toml", std::string("[baseline]\n") + kNoise);
+  const Outcome measured = biopsy("characterise staircase dc --bench --model " +
+                                  (folder / "stage.toml").string() + " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const nlohmann::json found = effect_found(folder);
   ASSERT_EQ(found["effects"].size(), 1U);
@@ -55,8 +55,8 @@ TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
 TEST(Characterise, StoresEachRowAsTheModelOfADataSetHasIt) {
   const ScratchFolder folder;
   folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
-  const Answer measured = biopsy("characterise load dc --seed 7 --bench --model " +
-                                 (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+  const Outcome measured = biopsy("characterise load dc --seed 7 --bench --model " +
+                                  (folder / "stage.toml").string() + " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const sim::Dataset data = stored(folder / "data");
   ASSERT_EQ(data.runs.size(), 4U);
@@ -80,10 +80,10 @@ TEST(Characterise, ItsStepTellsResistanceAndCapacitances) {
   const ScratchFolder folder;
   folder.write("stage.toml",
                std::string("[baseline]\nC1 = 1.6e-9\ntau = 5\nK = 0.75\n") + kNoise + kFriction);
-  const Answer measured = biopsy("characterise dc --bench --model " + (folder / "stage.toml").string() +
-                                 " --out " + (folder / "data").string());
+  const Outcome measured = biopsy("characterise dc --bench --model " + (folder / "stage.toml").string() +
+                                  " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
-  const Answer answer =
+  const Outcome answer =
       biopsy("identify " + (folder / "data").string() + " --out " + (folder / "identified").string());
   ASSERT_EQ(answer.code, 0) << answer.text;
   const nlohmann::json values = json_of(folder / "identified/identify.json")["values"];
@@ -96,7 +96,7 @@ TEST(Characterise, ItsStepTellsResistanceAndCapacitances) {
 TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {
   const ScratchFolder folder;
   for (const std::string weight : {"0", "50", "250"}) {
-    const Answer answer =
+    const Outcome answer =
         biopsy("characterise --bench --weight-g " + weight + " --out " + (folder / weight).string());
     EXPECT_EQ(answer.code, 0) << answer.text;
     const sim::Dataset data = stored(folder / weight);
@@ -114,10 +114,10 @@ TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {
 TEST(Characterise, AStageThatNeedsMoreVoltageGetsItUnderTheSameSupervisor) {
   const ScratchFolder folder;
   const auto measured = [&](const std::string& scale) {
-    return biopsy("characterise --bench --model " + (kHouse / "sim/models/calibrated.toml").string() +
+    return biopsy("characterise --bench --model " + (kSource / "sim/models/calibrated.toml").string() +
                   " --drive-scale " + scale + " --out " + (folder / scale).string());
   };
-  const Answer little = measured("1"), enough = measured("2");
+  const Outcome little = measured("1"), enough = measured("2");
   EXPECT_EQ(little.code, 0) << little.text;
   EXPECT_NE(little.text.find("--drive-scale 1.5"), std::string::npos) << little.text;
   EXPECT_EQ(enough.code, 0) << enough.text;
@@ -137,11 +137,11 @@ std::string without(std::string text, const std::string& from, const std::string
 
 TEST(Characterise, NamesTheGuideThatTheStageBehindThePaperHas) {
   const ScratchFolder folder;
-  const std::string truth = kHouse / "sim/models/calibrated.toml";
+  const std::string truth = kSource / "sim/models/calibrated.toml";
   const std::string uncorrelated = without(file_content(truth), "# Of the deviations above");
-  folder.write("believed.toml", without(uncorrelated, "# A restoring force", "# The reading is late"));
-  const Answer measured = biopsy("characterise staircase --bench --drive-scale 2 --model " + truth +
-                                 " --out " + (folder / "data").string());
+  folder.write("assumed.toml", without(uncorrelated, "# A restoring force", "# The reading is late"));
+  const Outcome measured = biopsy("characterise staircase --bench --drive-scale 2 --model " + truth +
+                                  " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const nlohmann::json found = effect_found(folder);
   EXPECT_EQ(found["effects"][0]["name"], "hysteretic_spring");
@@ -154,7 +154,7 @@ TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
   folder.write("strong.toml", std::string("[baseline]\neps_film = 10\n") + kNoise + kFriction);
   const std::string command = "characterise staircase load --bench --model " +
                               (folder / "strong.toml").string() + " --out " + (folder / "data").string();
-  const Answer answer = biopsy(command);
+  const Outcome answer = biopsy(command);
   ASSERT_EQ(answer.code, 3) << answer.text;
   EXPECT_NE(answer.text.find("R-"), std::string::npos) << answer.text;
   EXPECT_NE(answer.text.find("not begun"), std::string::npos) << answer.text;
@@ -170,10 +170,10 @@ TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
   EXPECT_NE(file_content(folder / "data/report.html").find("stopped"), std::string::npos);
 }
 
-// A push that is weaker than the guide's friction, 0.050 N, tells nothing of the damping.
+// A push that is weaker than the guide's friction, 0.050 N, gives no information on the damping.
 TEST(Characterise, TheFirstBlowIsStrongerThanTheGuide) {
   const ScratchFolder folder;
-  const Answer answer = biopsy("characterise impact --bench --out " + (folder / "data").string());
+  const Outcome answer = biopsy("characterise impact --bench --out " + (folder / "data").string());
   ASSERT_EQ(answer.code, 0) << answer.text;
   const sim::RecordedRun run = stored(folder / "data").runs.front();
   const auto blow = std::find_if(run.external_force.begin(), run.external_force.end(),
@@ -187,8 +187,8 @@ TEST(Characterise, TheFirstBlowIsStrongerThanTheGuide) {
 TEST(Characterise, SameSeedSameData) {
   const ScratchFolder folder;
   const auto run_in = [&](const std::string& name, int seed) {
-    const Answer answer = biopsy("characterise impact --bench --seed " + std::to_string(seed) + " --out " +
-                                 (folder / name).string());
+    const Outcome answer = biopsy("characterise impact --bench --seed " + std::to_string(seed) + " --out " +
+                                  (folder / name).string());
     EXPECT_EQ(answer.code, 0) << answer.text;
     return file_content(folder / name / "run-impact-50g.csv");
   };
@@ -199,10 +199,11 @@ TEST(Characterise, SameSeedSameData) {
 
 TEST(Characterise, ADryRunSaysWhatWouldBeDoneAndMovesNothing) {
   const ScratchFolder folder;
-  const Answer answer = biopsy("characterise dc impact --dry-run --out " + (folder / "out").string());
+  const Outcome answer = biopsy("characterise dc impact --dry-run --out " + (folder / "out").string());
   EXPECT_EQ(answer.code, 0) << answer.text;
-  for (const char* told : {"dc-plus-50g", "impact-50g", "kV", "largest expected travel", "nothing was moved"})
-    EXPECT_NE(answer.text.find(told), std::string::npos) << told << "\n" << answer.text;
+  for (const char* expected :
+       {"dc-plus-50g", "impact-50g", "kV", "largest expected travel", "nothing was moved"})
+    EXPECT_NE(answer.text.find(expected), std::string::npos) << expected << "\n" << answer.text;
   EXPECT_EQ(answer.text.find("staircase"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
@@ -211,17 +212,17 @@ TEST(Characterise, RefusesWithWhatToDo) {
   const ScratchFolder folder;
   const std::string out = " --out " + (folder / "out").string();
   folder.write("force.toml", "[baseline]\ndrive = \"force\"\nm = 0.1\nc_s = 1\nk = 100\n");
-  const auto refuse = [&](const std::string& words, const std::string& told) {
-    const Answer answer = biopsy("characterise " + words);
+  const auto refuse = [&](const std::string& words, const std::string& expected) {
+    const Outcome answer = biopsy("characterise " + words);
     EXPECT_EQ(answer.code, 2) << answer.text;
-    EXPECT_NE(answer.text.find(told), std::string::npos) << words << "\n" << answer.text;
+    EXPECT_NE(answer.text.find(expected), std::string::npos) << words << "\n" << answer.text;
     EXPECT_NE(answer.text.find("to do: "), std::string::npos) << answer.text;
   };
   refuse("dc" + out, "no patient, no needle");
   refuse("--bench", "--out");
   refuse("fly --bench" + out, "choose from: dc, staircase, load, impact, frequency");
   refuse("--device nidaqmx --bench" + out, "--commissioning");
-  const std::string board = " --device-config " + (kHouse / "drivers/nidaqmx/usb6211.toml").string() +
+  const std::string board = " --device-config " + (kSource / "drivers/nidaqmx/usb6211.toml").string() +
                             " --commissioning " + (folder / "none").string();
   refuse("dc --device nidaqmx --bench" + board + out, "libnidaqmx.so");
   refuse("load --device nidaqmx --bench" + board + out, "--weights-by-hand");
@@ -240,9 +241,9 @@ TEST(Characterise, RefusesWithWhatToDo) {
   EXPECT_FALSE(fs::exists(folder / "out"));
   fs::create_directories(folder / "out");
   folder.write("out/model.toml", std::string("[baseline]\n") + kNoise);
-  refuse("impact --bench --model " + (folder / "out/model.toml").string() + out, "lies where the answer");
+  refuse("impact --bench --model " + (folder / "out/model.toml").string() + out, "lies where the result");
   EXPECT_TRUE(fs::exists(folder / "out/model.toml"));
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

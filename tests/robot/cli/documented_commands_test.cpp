@@ -1,5 +1,5 @@
-// The documents keep their word: every command in them runs as written, every link leads somewhere, and
-// nothing that a person can meet (option, case entry, effect, hazard, report field) is missing from them.
+// Every command in the documents runs as written, every link resolves, and they describe every case entry,
+// effect, hazard and report field (commands and options: registry_test.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,21 +15,21 @@
 #include "tests/robot/cli/documented_fields.hpp"
 #include "tests/robot/live/steady_host.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
 
 std::vector<fs::path> documents() {
-  std::vector<fs::path> files{kHouse / "README.md"};
-  for (const auto& entry : fs::directory_iterator(kHouse / "docs"))
+  std::vector<fs::path> files{kSource / "README.md"};
+  for (const auto& entry : fs::directory_iterator(kSource / "docs"))
     if (entry.path().extension() == ".md") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
 
 std::string name_of(const fs::path& document) {
-  return fs::relative(document, kHouse).string();
+  return fs::relative(document, kSource).string();
 }
 
 struct Line {
@@ -52,8 +52,7 @@ std::vector<Line> lines_of(const fs::path& document) {
     } else {
       fence = text.substr(3);
       EXPECT_TRUE((std::set<std::string>{"sh", "toml", "csv", "json", "text"}.contains(fence)))
-          << name_of(document) << ":" << number << ": a block in no known language hides what it is: \""
-          << fence << "\"";
+          << name_of(document) << ":" << number << ": a block in an unknown language: \"" << fence << "\"";
       if (fence.empty()) fence = "?";
     }
   }
@@ -62,7 +61,7 @@ std::vector<Line> lines_of(const fs::path& document) {
 }
 
 std::string prose_of(const std::string& document) {
-  return file_content(kHouse / "docs" / document);
+  return file_content(kSource / "docs" / document);
 }
 
 // Each match of `pattern` in `text`: its first group.
@@ -82,13 +81,13 @@ int promised_code(const std::string& command) {
 
 class Document : public testing::TestWithParam<fs::path> {
  protected:
-  // A copy of what the documents speak of: the examples and the models, as they lie in the repository.
+  // A copy of the examples and the models, as they lie in the repository.
   void SetUp() override {
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "docs");
     fs::create_directories(folder_ / "sim");
-    fs::copy(kHouse / "docs/examples", folder_ / "docs/examples", fs::copy_options::recursive);
-    fs::copy(kHouse / "sim/models", folder_ / "sim/models", fs::copy_options::recursive);
+    fs::copy(kSource / "docs/examples", folder_ / "docs/examples", fs::copy_options::recursive);
+    fs::copy(kSource / "sim/models", folder_ / "sim/models", fs::copy_options::recursive);
     came_from_ = fs::current_path();
     setenv("XDG_CONFIG_HOME", (folder_ / "config").c_str(), 1);  // no test touches a user's own keys
     fs::current_path(folder_);
@@ -103,7 +102,7 @@ class Document : public testing::TestWithParam<fs::path> {
 };
 
 std::set<std::string> dev_verbs() {
-  const std::string help = file_content(kHouse / "dev");
+  const std::string help = file_content(kSource / "dev");
   return found_in(help, R"(\n  ([a-z-]+)\)  # )");
 }
 
@@ -112,14 +111,13 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
   ASSERT_TRUE(verbs.contains("run"));
   for (const Line& line : lines_of(GetParam())) {
     const std::string where = name_of(GetParam()) + ":" + std::to_string(line.number) + ": " + line.text;
-    const bool ours = line.text.starts_with("biopsy "), front_door = line.text.starts_with("./dev "),
+    const bool ours = line.text.starts_with("biopsy "), dev_verb = line.text.starts_with("./dev "),
                copy = line.text.starts_with("cp ");
     if (line.fence != "sh") {
-      EXPECT_FALSE((ours || front_door) && !line.fence.empty())
-          << where << ": a command outside of a sh block";
+      EXPECT_FALSE((ours || dev_verb) && !line.fence.empty()) << where << ": a command outside of a sh block";
       continue;
     }
-    ASSERT_TRUE(ours || front_door || copy) << where << ": neither a command of the program nor of ./dev";
+    ASSERT_TRUE(ours || dev_verb || copy) << where << ": neither a command of the program nor of ./dev";
     if (copy) {
       std::istringstream words(line.text.substr(3));
       std::string from, to;
@@ -127,10 +125,10 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
       fs::copy_file(from, to);
     } else if (ours) {
       const std::string words = line.text.substr(7, line.text.find(" # ") - 7);
-      Answer answer;
+      Outcome answer;
       if (words.find("--live") == std::string::npos)
         answer = biopsy(words);
-      else  // in real time: a machine that stands still stops a procedure
+      else  // in real time: a machine that stalls stops a procedure
         live_tests::on_a_steady_host([&] {
           answer = biopsy(words);
           return answer.code == 3 ? "the procedure was stopped\n" + answer.text : std::string();
@@ -168,7 +166,7 @@ std::set<std::string> anchors_of(const fs::path& document) {
   return anchors;
 }
 
-TEST(Documents, EveryLinkLeadsSomewhere) {
+TEST(Documents, HaveNoBrokenLink) {
   int links = 0;
   for (const fs::path& document : documents())
     for (const std::string& link : found_in(file_content(document), R"(\]\(([^)]+)\))")) {
@@ -185,31 +183,17 @@ TEST(Documents, EveryLinkLeadsSomewhere) {
 }
 
 TEST(Documents, EachIsLinkedFromTheReadme) {
-  const std::string readme = file_content(kHouse / "README.md");
+  const std::string readme = file_content(kSource / "README.md");
   for (const fs::path& document : documents())
     if (document.filename() != "README.md") {
       EXPECT_NE(readme.find("(" + name_of(document) + ")"), std::string::npos) << name_of(document);
     }
 }
 
-TEST(Documents, TellEveryOptionAndCommand) {
-  const std::string source = file_content(kHouse / "robot/cli/command_line.cpp") +
-                             file_content(kHouse / "robot/cli/study_commands.cpp") +
-                             file_content(kHouse / "robot/cli/live_commands.cpp"),
-                    reference = prose_of("reference.md");
-  const auto options = found_in(source, R"(add_(?:option|flag|flag_callback)\("([^"]+)\")"),
-             commands = found_in(source, R"(app\.add_subcommand\("([^"]+)\")");
-  EXPECT_GT(options.size(), 15U);
-  EXPECT_GE(commands.size(), 5U);
-  for (const std::string& option : options) EXPECT_TRUE(mentions(reference, option)) << option;
-  for (const std::string& command : commands)
-    EXPECT_TRUE(mentions(reference, "biopsy " + command)) << command;
-}
-
-TEST(Documents, TellEveryEntryOfACaseFile) {
+TEST(Documents, DescribeEveryEntryOfACaseFile) {
   const std::string reference = prose_of("reference.md");
   const auto entries =
-      found_in(file_content(kHouse / "robot/procedure/case.cpp"),
+      found_in(file_content(kSource / "robot/procedure/case.cpp"),
                R"rx((?:has|text|number|numbers|flag|table|tables|ras_point)\((?:table, )?"(\w+)")rx");
   EXPECT_GT(entries.size(), 20U);
   for (const std::string& entry : entries) EXPECT_TRUE(mentions(reference, entry)) << entry;
@@ -218,7 +202,8 @@ TEST(Documents, TellEveryEntryOfACaseFile) {
 TEST(Documents, PrintTheExamplesAsTheyAre) {
   const std::string reference = prose_of("reference.md");
   for (const char* example : {"case.toml", "fiducials.csv"})
-    EXPECT_NE(reference.find(file_content(kHouse / "docs/examples" / example)), std::string::npos) << example;
+    EXPECT_NE(reference.find(file_content(kSource / "docs/examples" / example)), std::string::npos)
+        << example;
 }
 
 // The line of a table whose first cell is `name`.
@@ -234,11 +219,11 @@ std::string section_of(const std::string& text, const std::string& name) {
 }
 
 // Read off the sources: an effect that the library forgot is found here.
-TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
+TEST(Documents, DescribeEveryEffectWithItsParametersAndTheirRanges) {
   const std::string page = prose_of("effects.md");
   const std::regex parameter(R"rx("(\w+)",\s*&\w+::\w+,\s*[-\d.e]+,\s*([-\d.e]+),\s*([-\d.e]+))rx");
   int parameters = 0;
-  for (const auto& file : fs::recursive_directory_iterator(kHouse / "sim/effects")) {
+  for (const auto& file : fs::recursive_directory_iterator(kSource / "sim/effects")) {
     const std::string name = file.path().stem().string();
     if (file.is_directory() || name.starts_with("effect")) continue;
     const std::string source = file_content(file.path());
@@ -256,13 +241,14 @@ TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
 }
 
 TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
-  const Answer answer = biopsy("effects --markdown");
+  const Outcome answer = biopsy("effects --markdown");
   EXPECT_EQ(answer.code, 0);
-  EXPECT_TRUE(answer.text == prose_of("effects.md")) << "docs/effects.md is not what the program says; renew "
-                                                        "it: biopsy effects --markdown > docs/effects.md";
+  EXPECT_TRUE(answer.text == prose_of("effects.md"))
+      << "docs/effects.md is not what the program prints; renew "
+         "it: biopsy effects --markdown > docs/effects.md";
 }
 
-TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
+TEST(Documents, DescribeTheThresholdsOfTheDepthCheck) {
   const std::string page = prose_of("depth-check.md");
   const imaging::DepthCheckSettings check;
   const imaging::TipSettings tip;
@@ -284,7 +270,7 @@ TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
   expect_row("needle tilted against it, at most", tip.tilt_max_deg, " degrees");
 }
 
-TEST(Documents, TellEveryStateAndWayBetweenThem) {
+TEST(Documents, DescribeEveryStateAndTransition) {
   const std::string safety_page = prose_of("safety.md");
   for (const safety::Transition& way : safety::kTransitions) {
     const std::string row = row_of(safety_page, std::string(safety::name_of(way.from)));
@@ -294,17 +280,17 @@ TEST(Documents, TellEveryStateAndWayBetweenThem) {
   }
 }
 
-TEST(Documents, TellEveryFieldOfTheReports) {
+TEST(Documents, DescribeEveryFieldOfTheReports) {
   const ScratchFolder folder;
   const std::string reference = prose_of("reference.md"), run = (folder / "run").string(),
                     image = run + "/planning";
   EXPECT_NE(biopsy("dry-run gap --out " + run).code, 2);
-  const Answer checked =
+  const Outcome checked =
       biopsy("check --before " + image + " --after " + image +
              "  --entry -4.4,33.1,51.9 --axis -0.94,0.04,-0.35 --out " + (folder / "check").string());
   ASSERT_EQ(checked.code, 0) << checked.text;
-  expect_told(json_of(folder / "run/report.json"), reference);
-  expect_told(json_of(folder / "check/check.json"), reference);
+  expect_documented(json_of(folder / "run/report.json"), reference);
+  expect_documented(json_of(folder / "check/check.json"), reference);
   std::string header = file_content(folder / "run/run.csv");
   header = header.substr(0, header.find('\n'));
   for (const std::string& column : found_in(header + ",", "([^,]+),"))
@@ -312,4 +298,4 @@ TEST(Documents, TellEveryFieldOfTheReports) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -1,4 +1,4 @@
-// Whether a document tells of everything that a file for programs holds.
+// Whether a document describes every field of a JSON file.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,21 +7,21 @@
 #include <regex>
 #include <string>
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 
 // As code: `word`, `word VALUE` or [word].
 inline bool mentions(const std::string& text, const std::string& word) {
   return std::regex_search(text, std::regex("[`\\[.]" + word + "(`|\\]| [A-Z])"));
 }
 
-inline void expect_told(const nlohmann::json& value, const std::string& reference) {
+inline void expect_documented(const nlohmann::json& value, const std::string& reference) {
   if (value.is_object())
     for (const auto& [key, inner] : value.items()) {
-      if (key != "provenance") expect_told(inner, reference);
+      if (key != "provenance") expect_documented(inner, reference);
       EXPECT_TRUE(mentions(reference, key)) << key;
     }
   if (value.is_array())
-    for (const auto& inner : value) expect_told(inner, reference);
+    for (const auto& inner : value) expect_documented(inner, reference);
 }
 
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

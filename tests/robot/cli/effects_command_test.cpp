@@ -1,7 +1,7 @@
 // biopsy effects: the library for people and for programs, and names typed wrong.
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 TEST(EffectsCommand, ListsEveryEffectWithWhereItAttachesAndItsSentence) {
@@ -20,7 +20,7 @@ TEST(EffectsCommand, ListsEveryEffectWithWhereItAttachesAndItsSentence) {
 }
 
 TEST(EffectsCommand, SaysAllAboutOne) {
-  const Answer answer = biopsy("effects stribeck_friction");
+  const Outcome answer = biopsy("effects stribeck_friction");
   EXPECT_EQ(answer.code, 0);
   for (const char* word : {"stage", "exp(-(v/speed)^2)", "slow_triangle", "Armstrong", "sliding_N",
                            "breakaway_N", "speed_mm_s", "strength", "shape"})
@@ -47,9 +47,9 @@ TEST(EffectsCommand, GivesEveryParameterAPlaceInItsRangeAndAUnitOrNone) {
 }
 
 TEST(EffectsCommand, AnUnknownNameIsRefusedWithThoseThatAreClose) {
-  const Answer typing = biopsy("effects coulom_frction"), part = biopsy("effects friction"),
-               nothing = biopsy("effects xyzzy");
-  for (const Answer& answer : {typing, part, nothing}) {
+  const Outcome typing = biopsy("effects coulom_frction"), part = biopsy("effects friction"),
+                nothing = biopsy("effects xyzzy");
+  for (const Outcome& answer : {typing, part, nothing}) {
     EXPECT_EQ(answer.code, 2) << answer.text;
     EXPECT_NE(answer.text.find("to do: "), std::string::npos) << answer.text;
   }
@@ -64,4 +64,4 @@ TEST(EffectsCommand, AnswersInOneForm) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -1,4 +1,4 @@
-// Data nobody here wrote: the electro-mechanical positioning system of Janot, Gautier and Brunot (2019), a
+// Published measurements: the electro-mechanical positioning system of Janot, Gautier and Brunot (2019), a
 // carriage on a guide with known Coulomb friction and a known offset of its drive.
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,7 +41,7 @@ TEST(GapOnPublicData, FindsTheFrictionAndTheOffsetOfEmps) {
   }
   folder.write("dataset.toml", list);
   folder.write("rig.toml", "[baseline]\ndrive = \"force\"\nm = 80\nc_s = 150\nk = 0\n");
-  const Answer answer =
+  const Outcome answer =
       biopsy("gap " + folder.path().string() + " --model " + (folder / "rig.toml").string() +
              " --free m,c_s --window 0.5 --out " + (folder / "out").string());
   ASSERT_EQ(answer.code, 0) << answer.text;
@@ -67,4 +67,4 @@ TEST(GapOnPublicData, FindsTheFrictionAndTheOffsetOfEmps) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

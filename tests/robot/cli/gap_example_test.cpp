@@ -1,4 +1,4 @@
-// The loop closed, as docs/gap.md tells it: from measured runs to a better model to a rehearsal with it.
+// The workflow of docs/gap.md: from measured runs to a better model to a rehearsal with it.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "tests/robot/cli/command.hpp"
 #include "tests/robot/cli/documented_fields.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,7 +23,7 @@ class GapExample : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;
-    fs::copy_file(kHouse / "docs/examples/gap/stage.toml", model());
+    fs::copy_file(kSource / "docs/examples/gap/stage.toml", model());
     first_ = biopsy(gap("first") + " --accept");
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -31,12 +31,12 @@ class GapExample : public testing::Test {
   static fs::path model() { return *folder_ / "stage.toml"; }
   static fs::path in(const std::string& name) { return *folder_ / name; }
   static std::string gap(const std::string& out) {
-    return "gap " + (kHouse / "docs/examples/gap").string() + " --model " + model().string() + " --out " +
+    return "gap " + (kSource / "docs/examples/gap").string() + " --model " + model().string() + " --out " +
            in(out).string();
   }
 
   static inline ScratchFolder* folder_ = nullptr;
-  static inline Answer first_;
+  static inline Outcome first_;
 };
 
 TEST_F(GapExample, NamesTheFrictionThatWasHidden) {
@@ -55,7 +55,7 @@ TEST_F(GapExample, NamesTheFrictionThatWasHidden) {
 
 TEST_F(GapExample, AcceptsTheNewModelAndKeepsTheOldOne) {
   EXPECT_EQ(file_content(model()), file_content(in("first/model.toml")));
-  EXPECT_EQ(file_content(in("stage.toml.1")), file_content(kHouse / "docs/examples/gap/stage.toml"));
+  EXPECT_EQ(file_content(in("stage.toml.1")), file_content(kSource / "docs/examples/gap/stage.toml"));
   EXPECT_NE(first_.text.find("the old one is kept as " + fs::canonical(in("stage.toml.1")).string()),
             std::string::npos)
       << first_.text;
@@ -69,7 +69,7 @@ TEST_F(GapExample, TheNewModelSaysWhereItsNumbersComeFrom) {
   ASSERT_TRUE(note.std);
   EXPECT_GT(*note.std, 0.0);
   EXPECT_LT(std::abs(noted.model.effects.coulomb_friction->force - kHiddenForce_N), 4.0 * *note.std);
-  // What nobody measured anew keeps its own source.
+  // A number that was not measured again keeps its source.
   EXPECT_EQ(noted.notes.values.at("sensor_noise.std_mm").source, "data sheet of the laser");
   EXPECT_EQ(noted.notes.title, "Example: needle stage");
 }
@@ -93,13 +93,13 @@ TEST_F(GapExample, RehearsesTheReferencePlansWithBothModels) {
   EXPECT_NE(file_content(in("first/report.html")).find("Used now"), std::string::npos);
 }
 
-TEST_F(GapExample, TheReferenceTellsEveryFieldOfTheAnswer) {
-  expect_told(json_of(in("first/gap.json")), file_content(kHouse / "docs/reference.md"));
+TEST_F(GapExample, TheReferenceDescribesEveryFieldOfGapJson) {
+  expect_documented(json_of(in("first/gap.json")), file_content(kSource / "docs/reference.md"));
 }
 
 TEST_F(GapExample, FindsNothingMoreInTheSameData) {
   const std::string accepted = file_content(model());
-  const Answer again = biopsy(gap("again") + " --accept");
+  const Outcome again = biopsy(gap("again") + " --accept");
   ASSERT_EQ(again.code, 0) << again.text;
   EXPECT_EQ(json_of(in("again/gap.json"))["verdict"], "no_gap") << again.text;
   EXPECT_NE(again.text.find("nothing to accept"), std::string::npos) << again.text;
@@ -109,13 +109,13 @@ TEST_F(GapExample, FindsNothingMoreInTheSameData) {
 }
 
 TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
-  const Answer rehearsed =
+  const Outcome rehearsed =
       biopsy("dry-run gap --model " + model().string() + " --out " + in("rehearsed").string());
   ASSERT_EQ(rehearsed.code, 0) << rehearsed.text;
   const nlohmann::json report = json_of(in("rehearsed/report.json"));
   EXPECT_EQ(report["outcome"], "completed");
   EXPECT_EQ(report["provenance"]["plant model, SHA-256"], hex(sha256(file_content(model()))));
-  // The recheck said what this dry-run now says.
+  // The recheck predicted the figure of this dry-run.
   for (const auto& margin : json_of(in("first/gap.json"))["margins"])
     if (margin["plan"] == "gap" && margin["quantity"] == "drive voltage") {
       EXPECT_EQ(margin["after"].get<double>(), report["peak_kV"].get<double>());
@@ -125,7 +125,7 @@ TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
 // Without tissue only the stage's own friction holds the loop (docs/model.md): the friction that was found
 // makes the difference between a rehearsal that is stopped and one that arrives.
 TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
-  const std::string air = "dry-run " + (kHouse / "docs/examples/air.toml").string() + " --model ";
+  const std::string air = "dry-run " + (kSource / "docs/examples/air.toml").string() + " --model ";
   EXPECT_EQ(biopsy(air + in("stage.toml.1").string() + " --out " + in("old").string()).code, 3);
   EXPECT_EQ(biopsy(air + model().string() + " --out " + in("new").string()).code, 0);
 }
@@ -133,12 +133,12 @@ TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
 TEST(GapCommand, SaysWhichNumberOfTheBaselineIsWrong) {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  const std::string recorded = (kHouse / "docs/examples/gap").string();
+  const std::string recorded = (kSource / "docs/examples/gap").string();
   folder.write("truth.toml", "[baseline]\nK = 0.86\n[effect.sensor_noise]\nstd_mm = 0.010\n");
-  fs::copy_file(kHouse / "docs/examples/gap/stage.toml", folder / "stage.toml");
+  fs::copy_file(kSource / "docs/examples/gap/stage.toml", folder / "stage.toml");
   ASSERT_EQ(biopsy("simulate " + recorded + " --model " + in("truth.toml") + " --out " + in("data")).code, 0);
-  const Answer answer = biopsy("gap " + in("data") + " --model " + in("stage.toml") + " --out " + in("out") +
-                               " --accept --no-recheck");
+  const Outcome answer = biopsy("gap " + in("data") + " --model " + in("stage.toml") + " --out " + in("out") +
+                                " --accept --no-recheck");
   ASSERT_EQ(answer.code, 0) << answer.text;
   const nlohmann::json found = json_of(folder / "out/gap.json");
   EXPECT_EQ(found["verdict"], "parameter") << answer.text;
@@ -149,4 +149,4 @@ TEST(GapCommand, SaysWhichNumberOfTheBaselineIsWrong) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -3,7 +3,7 @@
 
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -11,8 +11,8 @@ namespace fs = std::filesystem;
 class GapRefuses : public testing::Test {
  protected:
   void SetUp() override {
-    fs::copy(kHouse / "docs/examples/gap", folder_ / "data");
-    fs::copy_file(kHouse / "docs/examples/gap/stage.toml", folder_ / "stage.toml");
+    fs::copy(kSource / "docs/examples/gap", folder_ / "data");
+    fs::copy_file(kSource / "docs/examples/gap/stage.toml", folder_ / "stage.toml");
   }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
@@ -20,7 +20,7 @@ class GapRefuses : public testing::Test {
   // Says each of `words`, and leaves no folder behind.
   void expect(const std::string& dataset, const std::string& options, const std::vector<std::string>& words,
               const std::string& model = "stage.toml") {
-    const Answer answer =
+    const Outcome answer =
         biopsy("gap " + path(dataset) + " --model " + path(model) + " --out " + path("out") + " " + options);
     EXPECT_EQ(answer.code, 2) << answer.text;
     for (const std::string& word : words) EXPECT_NE(answer.text.find(word), std::string::npos) << answer.text;
@@ -80,28 +80,28 @@ TEST_F(GapRefuses, ToAcceptIntoAFileMarkedReadOnly) {
 
 TEST_F(GapRefuses, AFolderWithFilesOfOthers) {
   folder_.write("mine.txt", "mine");
-  const Answer answer =
+  const Outcome answer =
       biopsy("gap " + path("data") + " --model " + path("stage.toml") + " --out " + folder_.path().string());
   EXPECT_EQ(answer.code, 2) << answer.text;
   EXPECT_EQ(file_content(folder_ / "mine.txt"), "mine");
   EXPECT_FALSE(fs::exists(folder_ / "gap.json"));
 }
 
-// The folder of an earlier answer is cleared by the next: what the next one asks about may not lie there.
+// A run clears the folder of an earlier one: its inputs may not lie there.
 TEST_F(GapRefuses, ToClearItsOwnQuestion) {
   fs::create_directory(folder_ / "earlier");
   folder_.write("earlier/.biopsy-run", "");
   fs::copy_file(folder_ / "stage.toml", folder_ / "earlier/model.toml");
-  const Answer model =
+  const Outcome model =
       biopsy("gap " + path("data") + " --model " + path("earlier/model.toml") + " --out " + path("earlier"));
   EXPECT_EQ(model.code, 2);
-  EXPECT_NE(model.text.find("lies where the answer shall go"), std::string::npos) << model.text;
+  EXPECT_NE(model.text.find("lies where the result is written"), std::string::npos) << model.text;
   EXPECT_TRUE(fs::exists(folder_ / "earlier/model.toml"));
   folder_.write("data/.biopsy-run", "");
-  const Answer data =
+  const Outcome data =
       biopsy("gap " + path("data") + " --model " + path("stage.toml") + " --out " + path("data"));
   EXPECT_EQ(data.code, 2);
-  EXPECT_NE(data.text.find("lies where the answer shall go"), std::string::npos) << data.text;
+  EXPECT_NE(data.text.find("lies where the result is written"), std::string::npos) << data.text;
 }
 
 TEST_F(GapRefuses, AMistypedSecondRunLeavesTheFirstAnswer) {
@@ -109,11 +109,11 @@ TEST_F(GapRefuses, AMistypedSecondRunLeavesTheFirstAnswer) {
   fs::create_directory(folder_ / "out");
   folder_.write("out/.biopsy-run", "");
   folder_.write("out/gap.json", "the first answer");
-  const Answer answer = biopsy("gap " + path("data") + " --model " + path("stage.toml") + " --out " +
-                               path("out") + " --free colour");
+  const Outcome answer = biopsy("gap " + path("data") + " --model " + path("stage.toml") + " --out " +
+                                path("out") + " --free colour");
   EXPECT_EQ(answer.code, 2) << answer.text;
   EXPECT_EQ(file_content(folder_ / "out/gap.json"), "the first answer");
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -1,4 +1,4 @@
-// The procedure log from the command line: what its exit codes promise.
+// biopsy log: exit codes, output and CSV.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -28,8 +28,8 @@ class LogCommand : public testing::Test {
   }
 
   int answer(const std::string& words) const {
-    const std::string command =
-        fmt::format("{}/biopsy log {} > {} 2>&1", binary_dir().string(), words, (folder_ / "said").string());
+    const std::string command = fmt::format("{}/biopsy log {} > {} 2>&1", binary_dir().string(), words,
+                                            (folder_ / "printed").string());
     return WEXITSTATUS(std::system(command.c_str()));
   }
   void change(const char* sql) const {
@@ -46,7 +46,7 @@ class LogCommand : public testing::Test {
 TEST_F(LogCommand, SaysThatAnIntactLogIsIntact) {
   EXPECT_EQ(answer("verify " + log_.string()), 0);
   EXPECT_EQ(answer("show --last 2 " + log_.string()), 0);
-  EXPECT_NE(file_content(folder_ / "said").find("operator act"), std::string::npos);
+  EXPECT_NE(file_content(folder_ / "printed").find("operator act"), std::string::npos);
 }
 
 TEST_F(LogCommand, ExportsTextsAsCsvThatReadsBack) {
@@ -58,7 +58,7 @@ TEST_F(LogCommand, ExportsTextsAsCsvThatReadsBack) {
 TEST_F(LogCommand, EndsWithOneAndNamesTheRecordThatWasChanged) {
   change("UPDATE record SET body = 'nothing happened' WHERE seq = 3");
   EXPECT_EQ(answer("verify " + log_.string()), 1);
-  EXPECT_NE(file_content(folder_ / "said").find("3"), std::string::npos);
+  EXPECT_NE(file_content(folder_ / "printed").find("3"), std::string::npos);
   EXPECT_EQ(answer("show " + log_.string()), 1);
 }
 

@@ -3,12 +3,12 @@
 
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 nlohmann::json rehearsed(const std::string& name, int seed, const ScratchFolder& folder) {
   const std::filesystem::path out = folder / (name + std::to_string(seed));
-  const Answer answer =
+  const Outcome answer =
       biopsy("dry-run " + name + " --seed " + std::to_string(seed) + " --out " + out.string());
   EXPECT_EQ(answer.code, 0) << answer.text;
   return json_of(out / "report.json");
@@ -52,4 +52,4 @@ TEST(PaperBiopsies, SameSeedSameRunToTheByte) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -1,5 +1,5 @@
-// The robot rehearsed with a new truth: margins are those of dry-runs, and a model that the robot cannot work
-// with is said to be one.
+// Rehearsals with a new model: margins are those of dry-runs, and a model that the robot cannot work with
+// fails.
 #include "robot/procedure/recheck.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 const std::filesystem::path kRehearsal = source_dir() / "sim/models/rehearsal.toml";
@@ -79,4 +79,4 @@ TEST(Recheck, RefusesAFileThatIsNoModel) {
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -1,9 +1,9 @@
-// The commands that study the stage, as a person types them.
+// identify, reproduce, calibrate and design as commands, and what all of them refuse.
 #include <gtest/gtest.h>
 
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
 std::string quoted(const std::filesystem::path& path) {
@@ -12,8 +12,8 @@ std::string quoted(const std::filesystem::path& path) {
 
 TEST(Identify, FindsTheCircuitOfTheExampleThatWasMadeFromTheBaseline) {
   const ScratchFolder folder;
-  const Answer answer =
-      biopsy("identify " + quoted(kHouse / "docs/examples/current") + " --out " + quoted(folder / "out"));
+  const Outcome answer =
+      biopsy("identify " + quoted(kSource / "docs/examples/current") + " --out " + quoted(folder / "out"));
   ASSERT_EQ(answer.code, 0) << answer.text;
   const auto values = json_of(folder / "out/identify.json")["values"];
   for (const auto& [name, truth] : {std::pair("C1", 2.0e-9), {"C2", 0.5e-9}, {"R", 2.76e9}, {"tau", 6.9}}) {
@@ -29,41 +29,41 @@ TEST(Identify, FindsTheCircuitOfTheExampleThatWasMadeFromTheBaseline) {
 
 TEST(Identify, RefusesADataSetWithoutCurrentAndTouchesNothing) {
   const ScratchFolder folder;
-  const Answer answer =
-      biopsy("identify " + quoted(kHouse / "docs/examples/recorded") + " --out " + quoted(folder / "out"));
+  const Outcome answer =
+      biopsy("identify " + quoted(kSource / "docs/examples/recorded") + " --out " + quoted(folder / "out"));
   EXPECT_EQ(answer.code, 2);
   EXPECT_NE(answer.text.find("`current_uA`"), std::string::npos) << answer.text;
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-// A second run into the folder of a first clears it: what it asks about may not be what is cleared.
+// A second run clears the folder of the first: its inputs may not lie there.
 TEST(EveryCommand, RefusesToClearWhatItReads) {
   const ScratchFolder folder;
-  const std::filesystem::path set = kHouse / "docs/examples/current";
+  const std::filesystem::path set = kSource / "docs/examples/current";
   const std::string out = quoted(folder / "out");
   std::filesystem::copy(set, folder / "out", std::filesystem::copy_options::recursive);
   folder.write("out/.biopsy-run", "");
-  std::filesystem::copy_file(kHouse / "sim/models/rehearsal.toml", folder / "out/model.toml");
+  std::filesystem::copy_file(kSource / "sim/models/rehearsal.toml", folder / "out/model.toml");
   const std::string model = " --model " + quoted(folder / "out/model.toml"), to = " --out " + out;
   const auto before = std::distance(std::filesystem::directory_iterator(folder / "out"), {});
-  const std::string elsewhere = quoted(kHouse / "sim/models/rehearsal.toml");
+  const std::string elsewhere = quoted(kSource / "sim/models/rehearsal.toml");
   for (const std::string& command :
        {"identify " + out + to, "identify " + quoted(set) + model + to, "calibrate --data " + out + to,
         "calibrate" + model + to, "reproduce" + model + to, "design" + model + to, "tune" + model + to,
         "simulate " + out + " --model " + elsewhere + to, "gap " + out + " --model " + elsewhere + to,
         "characterise dc --bench" + model + to, "dry-run gap" + model + to, "plan gap" + model + to}) {
-    const Answer answer = biopsy(command);
+    const Outcome answer = biopsy(command);
     EXPECT_EQ(answer.code, 2) << command << "\n" << answer.text;
-    EXPECT_NE(answer.text.find("lies where the answer shall go"), std::string::npos)
+    EXPECT_NE(answer.text.find("lies where the result is written"), std::string::npos)
         << command << answer.text;
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "out"), {}), before);
-  EXPECT_EQ(file_content(folder / "out/model.toml"), file_content(kHouse / "sim/models/rehearsal.toml"));
+  EXPECT_EQ(file_content(folder / "out/model.toml"), file_content(kSource / "sim/models/rehearsal.toml"));
 }
 
 TEST(Reproduce, RefusesAFigureThatIsNotThereAndListsThoseThatAre) {
   const ScratchFolder folder;
-  const Answer answer = biopsy("reproduce 77 --out " + quoted(folder / "out"));
+  const Outcome answer = biopsy("reproduce 77 --out " + quoted(folder / "out"));
   EXPECT_EQ(answer.code, 2);
   for (const char* known : {"\"77\"", "7a", "9d", "13"})
     EXPECT_NE(answer.text.find(known), std::string::npos) << answer.text;
@@ -72,8 +72,8 @@ TEST(Reproduce, RefusesAFigureThatIsNotThereAndListsThoseThatAre) {
 
 TEST(Reproduce, OneFigureLeavesItsRowsAndItsPageAndMissesAreNoFailure) {
   const ScratchFolder folder;
-  const Answer answer = biopsy("reproduce 6 --model " + quoted(kHouse / "sim/models/rehearsal.toml") +
-                               " --out " + quoted(folder / "out"));
+  const Outcome answer = biopsy("reproduce 6 --model " + quoted(kSource / "sim/models/rehearsal.toml") +
+                                " --out " + quoted(folder / "out"));
   ASSERT_EQ(answer.code, 0) << answer.text;
   EXPECT_EQ(answer.text.find('\033'), std::string::npos) << "colour into a pipe";
   const auto rows = json_of(folder / "out/reproduce.json")["rows"];
@@ -89,8 +89,8 @@ TEST(Reproduce, OneFigureLeavesItsRowsAndItsPageAndMissesAreNoFailure) {
 
 TEST(Design, LeavesAPageAndDesignsThatMeetTheDemands) {
   const ScratchFolder folder;
-  const Answer answer = biopsy("design --model " + quoted(kHouse / "sim/models/baseline.toml") + " --out " +
-                               quoted(folder / "out"));
+  const Outcome answer = biopsy("design --model " + quoted(kSource / "sim/models/baseline.toml") + " --out " +
+                                quoted(folder / "out"));
   ASSERT_EQ(answer.code, 0) << answer.text;
   const auto study = json_of(folder / "out/design.json");
   EXPECT_GE(study["best"].size(), 10U);
@@ -102,11 +102,11 @@ TEST(Design, LeavesAPageAndDesignsThatMeetTheDemands) {
 TEST(Design, RefusesAModelWithoutAStack) {
   const ScratchFolder folder;
   folder.write("rig.toml", "[baseline]\ndrive = \"force\"\nm = 0.08\nc_s = 1\nk = 140\n");
-  const Answer answer =
+  const Outcome answer =
       biopsy("design --model " + quoted(folder / "rig.toml") + " --out " + quoted(folder / "out"));
   EXPECT_EQ(answer.code, 2);
   EXPECT_NE(answer.text.find("no stack"), std::string::npos) << answer.text;
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

@@ -1,41 +1,41 @@
-// biopsy tune, as typed.
+// biopsy tune.
 #include "tests/robot/cli/command.hpp"
 
-namespace biopsy::stories {
+namespace biopsy::cli_tests {
 namespace {
 
-const std::string kModel = "--model '" + (kHouse / "sim/models/rehearsal.toml").string() + "'";
+const std::string kModel = "--model '" + (kSource / "sim/models/rehearsal.toml").string() + "'";
 
 TEST(Tune, WritesAPageAndTheNumbersBehindIt) {
   const ScratchFolder scratch;
   const auto out = scratch.path() / "gains";
-  const Answer answer = biopsy("tune " + kModel + " --stages 1 --out '" + out.string() + "'");
+  const Outcome answer = biopsy("tune " + kModel + " --stages 1 --out '" + out.string() + "'");
   ASSERT_EQ(answer.code, 0) << answer.text;
-  const nlohmann::json told = json_of(out / "tune.json");
-  ASSERT_EQ(told["controllers"].size(), 4U);
-  const nlohmann::json& paper = told["controllers"][0];
+  const nlohmann::json result = json_of(out / "tune.json");
+  ASSERT_EQ(result["controllers"].size(), 4U);
+  const nlohmann::json& paper = result["controllers"][0];
   EXPECT_EQ(paper["K_p_kV_per_mm"], 0.8);
   EXPECT_EQ(paper["K_i_kV_per_mm_per_tick"], 0.005);
   EXPECT_FALSE(paper["feed_forward"]);
-  EXPECT_EQ(told["met"], true);
-  const nlohmann::json& margins = told["controllers"][1]["worst_margins"];
-  EXPECT_GE(margins["gain_dB"], told["wanted"]["gain_dB"]);
+  EXPECT_EQ(result["met"], true);
+  const nlohmann::json& margins = result["controllers"][1]["worst_margins"];
+  EXPECT_GE(margins["gain_dB"], result["wanted"]["gain_dB"]);
   EXPECT_NE(file_content(out / "report.html").find("<svg"), std::string::npos);
 }
 
 TEST(Tune, LeavesAFolderOfSomeoneElseAlone) {
   const ScratchFolder scratch;
   scratch.write("mine.txt", "mine");
-  const Answer answer = biopsy("tune " + kModel + " --out '" + scratch.path().string() + "'");
+  const Outcome answer = biopsy("tune " + kModel + " --out '" + scratch.path().string() + "'");
   EXPECT_EQ(answer.code, 2);
   EXPECT_FALSE(std::filesystem::exists(scratch.path() / "tune.json"));
 }
 
 TEST(Tune, SaysWhichModelItCannotRead) {
-  const Answer answer = biopsy("tune --model nowhere.toml");
+  const Outcome answer = biopsy("tune --model nowhere.toml");
   EXPECT_EQ(answer.code, 2);
   EXPECT_NE(answer.text.find("nowhere.toml"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace biopsy::stories
+}  // namespace biopsy::cli_tests

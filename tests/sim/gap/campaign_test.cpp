@@ -48,7 +48,7 @@ Answer answer_to(const HiddenCase& hidden) {
   const auto begin = std::chrono::steady_clock::now();
   const sim::PlantModel model = sim::parse_model(baseline_model(hidden), "model.toml");
   Answer answer =
-      answer_of(sim::gap::find_gap(make_hidden(hidden), model, {}, [](const std::string&) {}).finding);
+      answer_of(sim::gap::find_gap(make_hidden(hidden), model, {}).finding);
   answer.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return answer;
 }

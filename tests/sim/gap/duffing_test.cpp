@@ -77,8 +77,7 @@ TEST(Duffing, IsFoundThoughItsResonanceShiftsWithUnknownParameters) {
   const sim::PlantModel guess =
       sim::parse_model("[baseline]\ndrive = \"force\"\nm = 0.5\nc_s = 5\nk = 2200\n", "guess.toml");
   const GapFinding finding =
-      sim::gap::find_gap(shaken(3), guess, {.free = {"m", "c_s", "k"}, .window = {}}, [](const std::string&) {
-      }).finding;
+      sim::gap::find_gap(shaken(3), guess, {.free = {"m", "c_s", "k"}, .window = {}}).finding;
   ASSERT_EQ(finding.verdict, GapVerdict::Effect);
   ASSERT_EQ(finding.effects.size(), 1U);
   EXPECT_EQ(finding.effects[0].name, "spring_hardening");

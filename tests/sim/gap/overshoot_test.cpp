@@ -20,7 +20,7 @@ TEST(Overshoot, AHardeningThatShiftsTheResonanceIsFound) {
   hidden.runs = 3;
   const sim::PlantModel model = sim::parse_model(baseline_model(hidden), "model.toml");
   const GapFinding finding =
-      sim::gap::find_gap(make_hidden(hidden), model, {}, [](const std::string&) {}).finding;
+      sim::gap::find_gap(make_hidden(hidden), model, {}).finding;
   ASSERT_EQ(finding.verdict, GapVerdict::Effect);
   EXPECT_EQ(finding.effects[0].name, "spring_hardening");
   EXPECT_NEAR(finding.effects[0].parameters[0].value, 1e-9 * hidden.terms[0].strength, 0.5e-3);  // N/mm3

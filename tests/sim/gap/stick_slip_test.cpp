@@ -24,7 +24,7 @@ GapFinding finding_of(const char* effect, double strength) {
   hidden.runs = 3;
   hidden.seed = 5;
   const sim::PlantModel model = sim::parse_model(baseline_model(hidden), "model.toml");
-  return sim::gap::find_gap(make_hidden(hidden), model, {}, [](const std::string&) {}).finding;
+  return sim::gap::find_gap(make_hidden(hidden), model, {}).finding;
 }
 
 bool mentions_windows(const GapFinding& finding) {

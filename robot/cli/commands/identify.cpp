@@ -6,12 +6,13 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "robot/cli/commands.hpp"
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/common/number_text.hpp"
 #include "robot/report/study/study_html.hpp"
 #include "sim/plant/model_text.hpp"
 
@@ -20,6 +21,18 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+struct Options {
+  fs::path dataset, model, out;  // model empty: sim/models/baseline.toml
+};
+
+void declare(CLI::App& app, Options& options) {
+  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set) with `current_uA`")
+      ->required();
+  add_model(app, options.model, "[model](model.md#model) that gets the new values",
+            "sim/models/baseline.toml");
+  add_out(app, options.out, "the result")->required();
+}
 
 struct ShownValue {
   const char *name, *unit, *si_unit;
@@ -78,22 +91,27 @@ std::string model_text(sim::NotedModel noted, const sim::IdentifiedCircuit& foun
   return sim::model_toml(noted.model, noted.notes);
 }
 
-void print(const sim::IdentifiedCircuit& found) {
-  fmt::print("{:<10} {:>10} {:>24}  {:<6} {}\n", "", "value", "95 % interval", "unit", "");
+std::string text_of(const sim::IdentifiedCircuit& found) {
+  std::string text =
+      fmt::format("{:<10} {:>10} {:>24}  {:<6} {}\n", "", "value", "95 % interval", "unit", "");
   for (const ShownValue& v : shown_values(found)) {
     const double unit = v.si_per_unit;
     if (v.value.known)
-      fmt::print("{:<10} {:>10.5g} {:>24}  {:<6} {}\n", v.name, v.value.value / unit,
-                 fmt::format("{:.5g} to {:.5g}", v.value.low / unit, v.value.high / unit), v.unit, v.meaning);
+      text += fmt::format("{:<10} {:>10.5g} {:>24}  {:<6} {}\n", v.name, v.value.value / unit,
+                          fmt::format("{:.5g} to {:.5g}", v.value.low / unit, v.value.high / unit), v.unit,
+                          v.meaning);
     else
-      fmt::print("{:<10} {:>10} {:>24}  {:<6} {}\n", v.name, "-", "not identifiable", v.unit, v.meaning);
+      text +=
+          fmt::format("{:<10} {:>10} {:>24}  {:<6} {}\n", v.name, "-", "not identifiable", v.unit, v.meaning);
   }
-  fmt::print("\nmonitor: noise {:.3g} uA a sample, left over {:.2f} times that\n", 1e6 * found.noise,
-             found.misfit);
+  text += fmt::format("\nmonitor: noise {:.3g} uA a sample, left over {:.2f} times that\n", 1e6 * found.noise,
+                      found.misfit);
   for (const sim::CircuitRun& run : found.runs)
-    fmt::print("  {:<28} {} step(s), {:.1f} s after the first, offset {:.3g} +- {:.1g} uA\n", run.name,
-               run.steps, run.after_step, 1e6 * run.offset, 1e6 * run.offset_std);
-  for (const std::string& warning : found.warnings) fmt::print("warning: {}\n", warning);
+    text += fmt::format("  {:<28} {}, {:.1f} s after the first, offset {:.3g} +- {:.1g} uA\n", run.name,
+                        report::counted(run.steps, "step"), run.after_step, 1e6 * run.offset,
+                        1e6 * run.offset_std);
+  for (const std::string& warning : found.warnings) text += fmt::format("warning: {}\n", warning);
+  return text;
 }
 
 report::StudyPage page_of(const sim::IdentifiedCircuit& found, const std::string& title) {
@@ -102,7 +120,7 @@ report::StudyPage page_of(const sim::IdentifiedCircuit& found, const std::string
   page.sentence = found.R.known
                       ? fmt::format("C1 {:.3g} nF, C2 {:.3g} nF, R {:.3g} GOhm.", 1e9 * found.C1.value,
                                     1e9 * found.C2.value, 1e-9 * found.R.value)
-                      : fmt::format("Only C1 K, {:.3g} nF, and tau, {:.3g} s, can be told.",
+                      : fmt::format("Only C1 K, {:.3g} nF, and tau, {:.3g} s, can be identified.",
                                     1e9 * found.decay_charge.value, found.tau.value);
   page.doubted = !found.warnings.empty();
   page.remarks = found.warnings;
@@ -129,23 +147,43 @@ report::StudyPage page_of(const sim::IdentifiedCircuit& found, const std::string
   return page;
 }
 
-}  // namespace
-
-int identify(const IdentifyOptions& options) {
+Result run(const Options& options, const Context& context) {
   const fs::path model = options.model.empty() ? data_folder() / "sim/models/baseline.toml" : options.model;
   const sim::NotedModel noted = sim::read_noted_model(model);
   const sim::Dataset dataset = sim::read_dataset(options.dataset, sim::Drive::Stack);
   const sim::IdentifiedCircuit found = sim::identify_circuit(dataset, options.dataset.string());
   const std::string title = dataset.title.empty() ? options.dataset.filename().string() : dataset.title;
-  const std::string text = model_text(noted, found, "current in " + title);
-  claim_run_folder(options.out, {model, options.dataset});
-  atomic_write(options.out / "model.toml", text);
-  atomic_write(options.out / "identify.json", json_text(found));
-  print(found);
+  const std::string new_model = model_text(noted, found, "current in " + title), json = json_text(found);
+  claim_run_folder(options.out, {model, options.dataset}, context.clearable);
+  atomic_write(options.out / "model.toml", new_model);
+  atomic_write(options.out / "identify.json", json);
   atomic_write(options.out / "report.html", report::study_html(page_of(found, title)));
-  fmt::print("\nreport: {}\nvalues: {}\nmodel:  {}\n", (options.out / "report.html").string(),
-             (options.out / "identify.json").string(), (options.out / "model.toml").string());
-  return 0;
+  return {.text = text_of(found) + fmt::format("\nreport: {}\nvalues: {}\nmodel:  {}\n",
+                                               (options.out / "report.html").string(),
+                                               (options.out / "identify.json").string(),
+                                               (options.out / "model.toml").string()),
+          .json = json};
+}
+
+}  // namespace
+
+Command identify_command() {
+  return {.name = "identify",
+          .summary = "the stack's capacitances and leakage from the amplifier's current",
+          .description =
+              "Fits C1, C2 and R of the leakage model to the `current_uA` of voltage steps, with 95 % "
+              "intervals. Every run holds one voltage after a step; the longer it holds, the better "
+              "(three time constants and more).",
+          .examples = {"biopsy identify docs/examples/current --out out/identified"},
+          .exit_codes = "0, or 2 for a data set without current, without a step, or too short",
+          .outputs = {{"report.html", "values and pictures"},
+                      {"identify.json",
+                       "`values` by name: `unit`, `known`, `value`, `std`, `low`, `high`; "
+                       "`noise_uA`, `misfit`, `runs`, `warnings`"},
+                      {"model.toml", "the model with the new values"}},
+          .replaces_earlier_run = true,
+          .json = "the content of `identify.json`",
+          .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

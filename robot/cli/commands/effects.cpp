@@ -1,11 +1,12 @@
 // biopsy effects: the library of effects, for people, programs and docs/effects.md.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
-#include "robot/cli/commands.hpp"
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/closest_names.hpp"
 #include "robot/common/config_error.hpp"
 #include "sim/effects/effect_labels.hpp"
 #include "sim/plant/plant_model.hpp"
@@ -40,35 +41,14 @@ std::vector<EffectCard> library() {
   return cards;
 }
 
-// Letters to insert, drop or change to make one word of the other (Levenshtein 1966).
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({row[j] + 1, diagonal + 1, changed});
-    }
-  }
-  return row.back();
-}
-
-bool is_close(std::string_view typed, std::string_view name) {
-  return (typed.size() >= 3 && name.find(typed) != std::string_view::npos) ||
-         distance(typed, name) <= std::max<std::size_t>(2, name.size() / 4);
-}
-
 [[noreturn]] void refuse(const std::string& typed, const std::vector<EffectCard>& cards) {
-  std::string close;
-  for (const EffectCard& card : cards)
-    if (is_close(typed, card.info.name))
-      close += fmt::format("{}{}", close.empty() ? "" : ", ", card.info.name);
+  std::vector<std::string> names;
+  for (const EffectCard& card : cards) names.emplace_back(card.info.name);
+  const std::vector<std::string> close = closest_names(typed, names);
   throw ConfigError(fmt::format("no effect is called `{}`", typed), "biopsy effects",
-                    close.empty() ? "`biopsy effects` lists all names"
-                                  : fmt::format("close: {}; `biopsy effects` lists all names", close));
+                    close.empty()
+                        ? "`biopsy effects` lists all names"
+                        : fmt::format("close: {}; `biopsy effects` lists all names", fmt::join(close, ", ")));
 }
 
 std::vector<EffectCard> chosen(const std::string& name) {
@@ -95,20 +75,23 @@ nlohmann::ordered_json json_of(const EffectCard& card) {
           {"source", card.info.source}};
 }
 
-void print_list(const std::vector<EffectCard>& cards) {
+std::string list_text(const std::vector<EffectCard>& cards) {
+  std::string text;
   for (const EffectCard& card : cards)
-    fmt::print("{:<22} {:<11} {}\n", card.info.name, card.attaches, card.info.sentence);
-  fmt::print("\n{} effects; more on one: biopsy effects {}\n", cards.size(), cards.front().info.name);
+    text += fmt::format("{:<22} {:<11} {}\n", card.info.name, card.attaches, card.info.sentence);
+  return text +
+         fmt::format("\n{} effects; more on one: biopsy effects {}\n", cards.size(), cards.front().info.name);
 }
 
-void print_one(const EffectCard& card) {
-  fmt::print("{}\n{}\n\n", card.info.name, card.info.sentence);
-  fmt::print("attaches    {}\nequation    {}\nexperiment  {}\nsource      {}\n\n", card.attaches,
-             card.info.equation, card.info.experiment, card.info.source);
-  fmt::print("{:<26} {:>16} {:>9}  {:<10} {}\n", "parameter", "range", "typical", "role", "meaning");
+std::string one_text(const EffectCard& card) {
+  std::string text = fmt::format("{}\n{}\n\n", card.info.name, card.info.sentence);
+  text += fmt::format("attaches    {}\nequation    {}\nexperiment  {}\nsource      {}\n\n", card.attaches,
+                      card.info.equation, card.info.experiment, card.info.source);
+  text += fmt::format("{:<26} {:>16} {:>9}  {:<10} {}\n", "parameter", "range", "typical", "role", "meaning");
   for (const ParameterCard& p : card.parameters)
-    fmt::print("{:<26} {:>16} {:>9}  {:<10} {}\n", p.name, fmt::format("{} to {}", p.low, p.high), p.typical,
-               p.role, p.meaning);
+    text += fmt::format("{:<26} {:>16} {:>9}  {:<10} {}\n", p.name, fmt::format("{} to {}", p.low, p.high),
+                        p.typical, p.role, p.meaning);
+  return text;
 }
 
 // Text inside a cell of a table.
@@ -166,22 +149,44 @@ std::string page_of(const std::vector<EffectCard>& cards) {
   return page;
 }
 
+struct Options {
+  std::string name;       // empty: all
+  bool markdown = false;  // docs/effects.md
+};
+
+void declare(CLI::App& app, Options& options) {
+  CLI::Option* name =
+      add(app, "NAME", options.name, "one effect; of an unknown name the close ones are named", "all");
+  app.add_flag("--markdown", options.markdown, "print the page [effects](effects.md)")->excludes(name);
+}
+
+Result run(const Options& options, const Context& context) {
+  if (options.markdown && context.json)
+    throw ConfigError("both --json and --markdown", "biopsy effects", "give one of them");
+  const std::vector<EffectCard> cards = chosen(options.name);
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const EffectCard& card : cards) all.push_back(json_of(card));
+  return {.text = options.markdown       ? page_of(cards)
+                  : options.name.empty() ? list_text(cards)
+                                         : one_text(cards.front()),
+          .json = (options.name.empty() ? all : all.front()).dump(2) + "\n"};
+}
+
 }  // namespace
 
-int effects(const EffectsOptions& options) {
-  const std::vector<EffectCard> cards = chosen(options.name);
-  if (options.markdown) {
-    fmt::print("{}", page_of(cards));
-  } else if (options.json) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (const EffectCard& card : cards) all.push_back(json_of(card));
-    fmt::print("{}\n", (options.name.empty() ? all : all.front()).dump(2));
-  } else if (options.name.empty()) {
-    print_list(cards);
-  } else {
-    print_one(cards.front());
-  }
-  return 0;
+Command effects_command() {
+  return {.name = "effects",
+          .summary = "what a model may contain besides its baseline",
+          .description =
+              "Lists the [library of effects](effects.md); with a name the equation, parameters, "
+              "source and best experiment of one.",
+          .examples = {"biopsy effects", "biopsy effects coulomb_friction --json"},
+          .exit_codes = "0, or 2 for a name that is not in the library",
+          .json =
+              "the effect, or a list of all: `name`, `attaches`, `sentence`, `equation`, `parameters` (list "
+              "of `name`, `unit`, `low`, `high`, `typical`, `role`, `meaning`, `optional`), `experiment`, "
+              "`source`",
+          .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

@@ -1,10 +1,12 @@
-#include "robot/cli/tuning_text.hpp"
+#include "robot/cli/tuning_report.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "robot/common/number_text.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -16,8 +18,12 @@ double kp(const Judged& judged) {
   return judged.gains.proportional_V_per_mm * 1e-3;
 }
 
-double ki(const Judged& judged) {
+double ki(const Judged& judged) {  // kV/mm a tick
   return judged.gains.integral_V_per_mm_per_tick * 1e-3;
+}
+
+double ki_per_second(const Judged& judged) {  // kV/(mm s)
+  return 1e3 * ki(judged);
 }
 
 std::string decibels(double value) {
@@ -41,8 +47,8 @@ std::vector<std::string> score_row(const std::string& name, const std::string& w
   return {name,
           where,
           fmt::format("{:.3f} mm", s.settled_rmse),
-          fmt::format("{:.1f} %", s.overshoot),
-          fmt::format("{:.1f} %", s.undershoot),
+          report::fixed(s.overshoot, 1, "%"),
+          report::fixed(s.undershoot, 1, "%"),
           fmt::format("{:.2f} s", s.settling),
           fmt::format("{:.3f} mm", s.sine_rmse),
           fmt::format("{:.1f} kV", s.highest),
@@ -50,10 +56,10 @@ std::vector<std::string> score_row(const std::string& name, const std::string& w
 }
 
 report::StudyTable gains_table(const Tuning& tuning) {
-  report::StudyTable table{"Gains", {"Controller", ">K_p, kV/mm", ">K_i, kV/mm a tick", "Feed-forward"}, {}};
+  report::StudyTable table{"Gains", {"Controller", ">K_p, kV/mm", ">K_i, kV/(mm s)", "Feed-forward"}, {}};
   for (const Judged& one : tuning.judged)
     table.rows.push_back(
-        {one.name, fmt::format("{:.3f}", kp(one)), fmt::format("{:.5f}", ki(one)),
+        {one.name, fmt::format("{:.3f}", kp(one)), fmt::format("{:.2f}", ki_per_second(one)),
          one.feed ? fmt::format("from the model, target limited to {:.0f} mm/s", one.speed) : "none"});
   return table;
 }
@@ -121,13 +127,14 @@ Json json_of(const Judged& judged, const std::vector<double>& depths) {
           {"worst_score", json_of(judged.worst)}};
 }
 
-// Margin is not had for nothing.
+// What the margin costs.
 std::string price(const Judged& paper, const Judged& tuned) {
   return fmt::format("On the model they follow the sine to {:.3f} mm, the paper's to {:.3f} mm.",
                      tuned.nominal.sine_rmse, paper.nominal.sine_rmse);
 }
 
 std::string with_feed(const Tuning& tuning) {
+  if (tuning.interrupted) return "Feed-forward was not judged: the search was interrupted.";
   std::string text =
       "With feed-forward, settled and on the sine, the paper's own stage reaching 0.077 and 0.211 mm:";
   for (const Judged& one : tuning.judged)
@@ -145,34 +152,38 @@ std::string with_feed(const Tuning& tuning) {
 
 std::string tuning_sentence(const Tuning& tuning) {
   const Judged &paper = tuning.judged.at(0), &tuned = tuning.judged.at(1);
-  const std::string asked =
-      fmt::format("{:.0f} dB and {:.0f}° on the model and on {} stages drawn from its uncertainty",
-                  tuning.wanted.gain_dB, tuning.wanted.phase_degrees, tuning.stages);
-  const std::string gains = fmt::format("K_p {:.2f} kV/mm and K_i {:.4f} kV/mm a tick", kp(tuned), ki(tuned));
+  const std::string wanted = fmt::format(
+      "{:.0f} dB and {:.0f}° on the model and on {} drawn from its uncertainty", tuning.wanted.gain_dB,
+      tuning.wanted.phase_degrees, report::counted(static_cast<std::size_t>(tuning.stages), "stage"));
+  const std::string gains =
+      fmt::format("K_p = {:.2f} kV/mm and K_i = {:.2f} kV/(mm s)", kp(tuned), ki_per_second(tuned));
   const std::string papers =
-      fmt::format("the paper's 0.8 and 0.005 have {} and {} in the worst case",
+      fmt::format("the paper's 0.8 and 5 have {} and {} in the worst case",
                   decibels(paper.worst_margins.gain_dB), degrees(paper.worst_margins.phase_degrees));
   if (!tuning.met)
-    return fmt::format("No gains keep {}; {} come closest, with {} and {}; {}.", asked, gains,
+    return fmt::format("No gains keep {}; {} come closest, with {} and {}; {}.", wanted, gains,
                        decibels(tuned.worst_margins.gain_dB), degrees(tuned.worst_margins.phase_degrees),
                        papers);
-  return fmt::format("{} keep {}; {}. {}", gains, asked, papers, price(paper, tuned));
+  return fmt::format("{} keep {}; {}. {}", gains, wanted, papers, price(paper, tuned));
 }
 
 report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {
   report::StudyPage page;
   page.title = "Gains of the PI loop";
-  page.sentence = tuning_sentence(tuning);
-  page.doubted = !tuning.met;
+  page.sentence =
+      (tuning.interrupted ? "Interrupted before the search was complete. " : "") + tuning_sentence(tuning);
+  page.doubted = !tuning.met || tuning.interrupted;
   page.remarks = {
       fmt::format(
-          "Model: {}. Uncertain: {}{}. They are drawn {}; {} draws more were refused because "
+          "Model: {}. Uncertain: {}{}. They are drawn {}; {} refused because "
           "the paper's "
           "own stage rules them out: with its gains they do not settle to twice its 0.077 mm. So the paper's "
           "worst case is that of stages which its gains can drive.",
           model, fmt::join(tuning.varied, ", "),
           tuning.assumed ? " (by 10 %: the model file gives no standard deviations)" : "",
-          tuning.correlated ? "with the file's correlations" : "independently", tuning.refused),
+          tuning.correlated ? "with the file's correlations" : "independently",
+          report::counted(static_cast<std::size_t>(tuning.refused), "further draw") +
+              (tuning.refused == 1 ? " was" : " were")),
       "Margins are those of the stage without friction, play and tissue, for motions that are large against "
       "both; "
       "what these do is in the courses in time. Cost adds the errors in units of what the paper reports of "
@@ -187,7 +198,7 @@ report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {
 std::string tuning_json(const Tuning& tuning, const std::string& model, double seconds) {
   Json controllers = Json::array();
   for (const Judged& one : tuning.judged) controllers.push_back(json_of(one, tuning.depths));
-  const Json all = {
+  Json all = {
       {"model", model},
       {"met", tuning.met},
       {"wanted", {{"gain_dB", tuning.wanted.gain_dB}, {"phase_degrees", tuning.wanted.phase_degrees}}},
@@ -197,6 +208,7 @@ std::string tuning_json(const Tuning& tuning, const std::string& model, double s
       {"refused", tuning.refused},
       {"controllers", controllers},
       {"seconds", seconds}};
+  if (tuning.interrupted) all["interrupted"] = true;
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

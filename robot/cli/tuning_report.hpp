@@ -1,4 +1,4 @@
-// A tuning in words, as a page and as JSON.
+// The result of `biopsy tune`: as a sentence, a page and JSON.
 #pragma once
 
 #include <string>
@@ -8,7 +8,6 @@
 
 namespace biopsy::robot {
 
-// What was found, in one sentence.
 std::string tuning_sentence(const sim::tuning::Tuning& tuning);
 
 report::StudyPage tuning_page(const sim::tuning::Tuning& tuning, const std::string& model);

@@ -4,8 +4,9 @@
 #include <chrono>
 #include <iterator>
 
-#include "robot/cli/commands.hpp"
+#include "robot/cli/command.hpp"
 #include "robot/cli/safety_case_files.hpp"
+#include "robot/cli/shared_options.hpp"
 #include "robot/common/code_identity.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
@@ -13,7 +14,6 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/subprocess.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/report/safety_case/argument.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/finding_json.hpp"
@@ -27,6 +27,18 @@ using safety_case::Build;
 using safety_case::Finding;
 using safety_case::Source;
 using Clock = std::chrono::steady_clock;
+
+struct Options {
+  fs::path out;
+  fs::path collect;    // evidence gathered earlier; empty: run everything
+  bool quick = false;  // the short subset
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_flag("--quick", options.quick, "the short subset, two minutes; releases nothing");
+  add(app, "--collect FOLDER", options.collect, "evidence folder of an earlier case; nothing is run");
+  add_out(app, options.out, "the case")->required();
+}
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -45,10 +57,10 @@ fs::path tests_folder() {
   return fs::read_symlink("/proc/self/exe").parent_path() / "tests";
 }
 
-// Runs one source. What it printed stays beside its figures, for whoever asks why. Nothing where it could not
-// be run or wrote no figures: then the case has a gap.
-std::optional<Finding> run(const Source& source, const Build& build, const fs::path& folder,
-                           ProgressLine& line, double share) {
+// Runs one source; what it printed is kept beside its figures. Nothing where it could not be run or wrote no
+// figures: then the case has a gap.
+std::optional<Finding> run_source(const Source& source, const Build& build, const fs::path& folder,
+                                  ProgressLine& line, double share) {
   const fs::path raw = folder / (source.id + ".raw.json");
   std::vector<std::string> words;
   for (const std::string& word : source.command) words.push_back(filled(word, tests_folder(), raw));
@@ -61,16 +73,16 @@ std::optional<Finding> run(const Source& source, const Build& build, const fs::p
   finding.code = build.code;
   finding.quick = build.quick && source.quick != source.full;
   const Clock::time_point start = Clock::now();
-  const ProcessResult spoken = run_subprocess(words, {}, true, [&] {
+  const ProcessResult result = run_subprocess(words, {}, true, [&] {
     line.show(share, fmt::format("{}, {:.0f} s", source.title, seconds_since(start)));
   });
   finding.seconds = seconds_since(start);
-  atomic_write(folder / (source.id + ".txt"), spoken.text);
+  atomic_write(folder / (source.id + ".txt"), result.text);
   if (!fs::exists(raw)) return std::nullopt;
   const std::string json = read_file_if_present(raw);
   source.kind == safety_case::SourceKind::Tests ? read_tests(json, raw.string(), finding)
                                                 : read_proof(json, raw.string(), finding);
-  finding.passed = finding.passed && spoken.exit_code == 0;
+  finding.passed = finding.passed && result.exit_code == 0;
   fs::remove(raw);
   return finding;
 }
@@ -84,7 +96,7 @@ std::vector<Finding> gather(const safety_case::SafetyCase& safety_case, const Bu
     done += 1.0;
     if (build.quick && !source.in_quick) continue;
     const double share = (done - 1.0) / static_cast<double>(safety_case.sources.size());
-    if (std::optional<Finding> finding = run(source, build, folder, line, share)) {
+    if (std::optional<Finding> finding = run_source(source, build, folder, line, share)) {
       atomic_write(folder / (source.id + ".json"), to_json(*finding));
       findings.push_back(std::move(*finding));
     }
@@ -103,7 +115,7 @@ std::vector<Finding> collect(const safety_case::SafetyCase& safety_case, const f
   return findings;
 }
 
-// The drawn argument; empty where graphviz is missing, which is a gap.
+// The argument as SVG; empty where graphviz is missing, which is a gap.
 std::string drawn(const std::string& dot, std::vector<safety_case::Gap>& gaps) {
   const ProcessResult svg = run_subprocess({"dot", "-Tsvg"}, dot);
   if (svg.exit_code == 0 && svg.text.find("<svg") != std::string::npos)
@@ -112,9 +124,7 @@ std::string drawn(const std::string& dot, std::vector<safety_case::Gap>& gaps) {
   return {};
 }
 
-}  // namespace
-
-int safety_case(const SafetyCaseOptions& options) {
+Result run(const Options& options, const Context& context) {
   const Clock::time_point start = Clock::now();
   const safety_case::SafetyCase safety_case = read_safety_case(data_folder() / "safety/case");
   Build build{.date = utc_now(),
@@ -124,7 +134,7 @@ int safety_case(const SafetyCaseOptions& options) {
               .quick = options.quick};
   std::vector<Finding> findings;
   if (!options.collect.empty()) findings = collect(safety_case, options.collect);
-  claim_run_folder(options.out, {options.collect});
+  claim_run_folder(options.out, {options.collect}, context.clearable);
   const fs::path folder = options.out / "evidence";
   fs::create_directories(folder);
   if (options.collect.empty()) findings = gather(safety_case, build, folder);
@@ -134,15 +144,39 @@ int safety_case(const SafetyCaseOptions& options) {
   for (const safety_case::Gap& gap : gaps_in_evidence(safety_case, findings, build)) gaps.push_back(gap);
   const std::string dot = argument_dot(safety_case, findings, gaps);
   const std::string svg = drawn(dot, gaps);
+  const std::string json = case_json(safety_case, findings, gaps, build);
   atomic_write(options.out / "argument.dot", dot);
   if (!svg.empty()) atomic_write(options.out / "argument.svg", svg);
   atomic_write(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
-  atomic_write(options.out / "safety-case.json", case_json(safety_case, findings, gaps, build));
+  atomic_write(options.out / "safety-case.json", json);
 
-  fmt::print("{}\n", case_sentence(safety_case, findings, gaps, build));
-  for (const safety_case::Gap& gap : gaps) fmt::print("  {}: {}\n", gap.where, gap.what);
-  fmt::print("\nreport: {}\n", (options.out / "report.html").string());
-  return gaps.empty() ? 0 : 3;
+  std::string text = case_sentence(safety_case, findings, gaps, build) + "\n";
+  for (const safety_case::Gap& gap : gaps) text += fmt::format("  {}: {}\n", gap.where, gap.what);
+  text += fmt::format("\nreport: {}\n", (options.out / "report.html").string());
+  return {.exit_code = gaps.empty() ? 0 : 3, .text = text, .json = json};
+}
+
+}  // namespace
+
+Command safety_case_command() {
+  return {.name = "safety-case",
+          .summary = "hazards, requirements, argument and evidence of this build",
+          .description =
+              "Runs every test and proof that the [safety case](safety-case.md) names (about a quarter "
+              "of an hour). Fails on a requirement without fresh evidence, a test that names an unknown "
+              "requirement, a broken link, a figure outside its acceptance criterion. `./dev "
+              "safety-case` builds what it needs and runs it.",
+          .long_examples = {"biopsy safety-case --out out/safety-case",
+                            "biopsy safety-case --collect out/safety-case/evidence --out out/again"},
+          .exit_codes = "0 where it has no gap, 3 where the case does not hold, 2 for unusable input",
+          .outputs = {{"report.html", "the case for people"},
+                      {"safety-case.json", "the case for programs"},
+                      {"argument.svg", "the argument, drawn"},
+                      {"argument.dot", "its source"},
+                      {"evidence", "what each source printed and found"}},
+          .replaces_earlier_run = true,
+          .json = "the content of `safety-case.json`",
+          .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

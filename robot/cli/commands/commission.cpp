@@ -1,0 +1,167 @@
+// biopsy commission: takes a stage into service. Real hardware cannot be armed without its record.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "drivers/commissioning/load_commissioning.hpp"
+#include "drivers/commissioning/signature.hpp"
+#include "drivers/commissioning/walk.hpp"
+#include "drivers/nidaqmx/nidaqmx_stage.hpp"
+#include "drivers/nidaqmx/pulse_line.hpp"
+#include "robot/bench/commissioning_operator.hpp"
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/encoding.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/sha256.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
+#include "robot/procedure/case.hpp"
+#include "robot/security/key_files.hpp"
+#include "sim/plant/model_file.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+namespace fs = std::filesystem;
+using commissioning::Record;
+
+constexpr std::uint64_t kSeed = 1;
+
+struct Options {
+  std::string device = "sim";  // or "nidaqmx"
+  fs::path config;             // channels and scales of the hardware (TOML)
+  fs::path key;                // private key that signs the record; empty: the one of `keys init`
+  fs::path out;                // folder for record and signature
+  bool dry_run = false;
+  bool yes = false;  // confirms every step: for rehearsals, simulated stage only
+};
+
+void declare(CLI::App& app, Options& options) {
+  add(app, "--device NAME", options.device, "the stage: `sim` or `nidaqmx`", "sim")
+      ->check(CLI::IsMember({"sim", "nidaqmx"}));
+  add(app, "--config FILE", options.config, "channels and scales of the hardware (TOML); for `nidaqmx`");
+  add(app, "--key PEM", options.key, "private Ed25519 key that signs the record",
+      "the one of `biopsy keys init`");
+  add_out(app, options.out, "record and signature; required unless `--dry-run`");
+  app.add_flag("--dry-run", options.dry_run, "print the steps with limits and reasons; nothing moves");
+  app.add_flag("--yes", options.yes, "confirm every step; simulated stage only");
+}
+
+void refuse_unusable(const Options& options) {
+  const bool hardware = options.device == "nidaqmx";
+  if (hardware && options.config.empty())
+    throw ConfigError("the hardware's configuration is missing", "--config",
+                      "copy drivers/nidaqmx/usb6211.toml, correct it to your laboratory and give it");
+  if (!hardware && !options.config.empty())
+    throw ConfigError("a configuration for the simulated stage, which has no hardware", "--config",
+                      "leave it out, or add --device nidaqmx");
+  if (hardware && options.yes)
+    throw ConfigError("a person must confirm each step on real hardware", "--yes", "leave it out");
+  if (options.out.empty())
+    throw ConfigError("nowhere to put the record", "command line", "add --out FOLDER, or --dry-run");
+}
+
+fs::path key_of(const Options& options) {
+  if (!options.key.empty()) return options.key;
+  return security::signing_files(security::default_folder(), security::Signer::Commissioning).private_key;
+}
+
+// Of no file the hash of nothing.
+std::string config_hash(const fs::path& file) {
+  return hex(sha256(file.empty() ? std::string() : read_file(file, "give --config a file")));
+}
+
+Record blank_record(const Options& options) {
+  Record record;
+  record.config_sha256 = config_hash(options.config);
+  record.software = fmt::format("biopsy {}", BIOPSY_VERSION);
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  record.made_unix_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();
+  return record;
+}
+
+Record run_on_simulation(const Options& options, Record record, std::ostream& out) {
+  SimulatedBench bench(sim::read_model(blank_case().rehearsal.model), kSeed);
+  record.device = {"sim", "simulated stage", 0};
+  SupervisedRig rig(bench, bench.trimmings());
+  TerminalOperator terminal(std::cin, out);
+  SimulatedOperator operator_(bench, terminal, options.yes);
+  return commissioning::run_steps(std::move(record), rig, operator_);
+}
+
+Record run_on_hardware(const Options& options, Record record, std::ostream& out) {
+  const nidaqmx::Config config = nidaqmx::read_config(options.config);
+  nidaqmx::NidaqmxStage stage(config);
+  record.device = {"nidaqmx", stage.product(), stage.serial()};
+  nidaqmx::PulseLine supervisors_half(config);
+  StageTrimmings trimmings;
+  trimmings.real_time = true;
+  trimmings.supervisor_pulse = &supervisors_half;
+  trimmings.feed_interlock = [&](bool feeding) { stage.feed_interlock(feeding); };
+  if (stage.has_panel())
+    trimmings.estop = [&] {
+      return StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
+    };
+  TerminalOperator operator_(std::cin, out);
+  operator_.notify(fmt::format("{} {}, serial number {}", config.device, stage.product(), stage.serial()));
+  operator_.notify(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
+  SupervisedRig rig(stage, trimmings);
+  record = commissioning::run_steps(std::move(record), rig, operator_);
+  if (stage.stopped())
+    operator_.notify(
+        fmt::format("  the board stopped: {} {}", stage.trouble().status, stage.trouble().text.data()));
+  return record;
+}
+
+// The old signature first: a signature never lies beside a record it does not belong to.
+void store(const Record& record, const commissioning::SigningKey& key, const fs::path& folder) {
+  const std::string text = commissioning::to_json(record);
+  std::error_code absent;
+  fs::remove(folder / commissioning::kSignatureFile, absent);
+  atomic_write(folder / commissioning::kRecordFile, text);
+  atomic_write(folder / commissioning::kSignatureFile, key.sign(text));
+}
+
+Result run(const Options& options, const Context& context) {
+  if (options.dry_run)
+    return {.text = commissioning::description() + "nothing was moved\n",
+            .json = nlohmann::ordered_json{{"steps", commissioning::description()}}.dump(2) + "\n"};
+  refuse_unusable(options);
+  const Record blank = blank_record(options);
+  const commissioning::SigningKey key(key_of(options));  // before anybody has worked for nothing
+  make_output_folder(options.out, {options.config, options.key},
+                     {commissioning::kRecordFile, commissioning::kSignatureFile});
+  std::ostream& out = context.json ? std::cerr : std::cout;
+  const Record record =
+      options.device == "sim" ? run_on_simulation(options, blank, out) : run_on_hardware(options, blank, out);
+  store(record, key, options.out);
+  return {.exit_code = record.passed() ? 0 : 3,
+          .text = fmt::format("\n{}\nrecord: {}\n",
+                              record.passed() ? "passed: this stage may be armed for a year"
+                                              : "NOT PASSED: this stage must not be armed",
+                              (options.out / commissioning::kRecordFile).string()),
+          .json = commissioning::to_json(record)};
+}
+
+}  // namespace
+
+Command commission_command() {
+  return {.name = "commission",
+          .summary = "first power-up of a stage, step by step",
+          .description =
+              "Checks wiring, scales, laser, loop rate, interlock and emergency stop, and signs a "
+              "record that arming real [hardware](hardware.md) requires.",
+          .examples = {"biopsy commission --dry-run"},
+          .long_examples = {"biopsy commission --device sim --yes --out out/commissioned"},
+          .exit_codes = "0 passed, 3 not passed, 2 for unusable input",
+          .outputs = {{"commissioning.json", "the record"}, {"commissioning.sig", "its signature"}},
+          .json = "the content of `commissioning.json`; with `--dry-run` `steps`, a text",
+          .declare = with_options(declare, run)};
+}
+
+}  // namespace biopsy::robot

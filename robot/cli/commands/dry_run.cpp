@@ -1,0 +1,161 @@
+// biopsy dry-run and biopsy plan.
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/logging/log_session.hpp"
+#include "robot/common/logging/logger.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/procedure/procedure.hpp"
+#include "robot/procedure/rehearsal.hpp"
+#include "robot/report/procedure/report_json.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  ProcedureOptions procedure;
+  bool live = false;
+  LiveOptions network;
+};
+
+void declare_dry_run(CLI::App& app, Options& options) {
+  add_procedure_options(app, options.procedure);
+  CLI::Option* live =
+      app.add_flag("--live", options.live,
+                   "through the [live robot's](live.md) processes over DDS, in real time, instead of one "
+                   "virtual clock");
+  add_live_options(app, options.network, live);
+}
+
+Result finished(report::RunRecord& record, const PreparedCase& prepared, const std::filesystem::path& out,
+                Clock::time_point started) {
+  std::string text = finish(record, prepared, out, started);
+  return {.exit_code = record.outcome == report::Outcome::Completed ? 0 : 3,
+          .text = std::move(text),
+          .json = report::report_json(record)};
+}
+
+Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& out, const Context& context,
+                   Clock::time_point started) {
+  report::RunRecord record;
+  {
+    ProgressLine line;
+    record = rehearse(
+        prepared, out, [&line](double share, const std::string& what) { line.show(share, what); },
+        context.interrupted);
+  }
+  return finished(record, prepared, out, started);
+}
+
+Result through_processes(const PreparedCase& prepared, const Options& options, const Context& context,
+                         Clock::time_point started) {
+  constexpr logging::Logger log{logging::Component::Cli};
+  logging::log_to_file(options.procedure.out / "biopsy.log");
+  log.info("dry-run --live: domain {}", options.network.domain);
+  report::RunRecord record;
+  std::vector<std::string> trouble;
+  std::string log_file;
+  std::uint64_t lost = 0;
+  {
+    ProgressLine line;
+    line.show(-1.0, "starting the processes");
+    LiveSession session(options.network, "sim", {}, prepared, options.procedure.out);
+    session.wait_until_healthy();
+    session.send_plan(std::get<Plan>(prepared.plan));
+    std::optional<std::string> ended;
+    const Robot robot = [&](const World& world) -> std::optional<CycleSample> {
+      std::optional<CycleSample> sample = session.robot().tick(world);
+      if (!ended) ended = session.launcher().ended();
+      return sample;
+    };
+    record = rehearse_on(
+        robot, prepared, options.procedure.out,
+        [&line](double share, const std::string& what) { line.show(share, what); }, context.interrupted);
+    if (ended) record.refusal += (record.refusal.empty() ? "" : "; ") + *ended;
+    lost = session.robot().lost();
+    trouble = session.stop();
+    log_file = session.settings().log.string();
+  }
+  for (const std::string& line : trouble) log.error("{}", line);
+  Result result = finished(record, prepared, options.procedure.out, started);
+  result.text += fmt::format("procedure log: {}\n", log_file);
+  if (lost > 0) result.text += fmt::format("{} missing in the report\n", report::counted(lost, "tick"));
+  return result;
+}
+
+Result dry_run(const Options& options, const Context& context) {
+  const auto started = Clock::now();
+  const std::filesystem::path& out = options.procedure.out;
+  const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
+  if (std::holds_alternative<PlanRefusal>(prepared.plan)) {
+    report::RunRecord refused = planned_record(prepared);
+    return finished(refused, prepared, out, started);
+  }
+  return options.live ? through_processes(prepared, options, context, started)
+                      : in_lockstep(prepared, out, context, started);
+}
+
+Result plan(const ProcedureOptions& options, const Context& context) {
+  const auto started = Clock::now();
+  const PreparedCase prepared = prepare_run(case_of(options), options.out, context.clearable);
+  report::RunRecord record = planned_record(prepared);
+  if (record.plan) record.outcome = report::Outcome::Completed;  // of what was asked: nothing was to move
+  return finished(record, prepared, options.out, started);
+}
+
+std::vector<OutputFile> plan_outputs() {
+  return {{"report.html", "the report for people"},
+          {"report.json", "[the report for programs](#reportjson)"},
+          {"planning.png", "the planning image along the needle"},
+          {"planning", "the planning image of a built-in case, as DICOM"}};
+}
+
+}  // namespace
+
+Command dry_run_command() {
+  std::vector<OutputFile> outputs = plan_outputs();
+  outputs.insert(outputs.end(),
+                 {{"run.csv", "[each tick](#runcsv); only where something ran"},
+                  {"stage-*.png", "the needle before and after each stage of the plan"},
+                  {"images", "the confirmation image of each stage, as DICOM"},
+                  {"procedure.log.sqlite", "with `--live`: the [procedure log](log.md)", true},
+                  {"*.log", "with `--live`: the [diagnostic log](logging.md) of each process", true}});
+  return {
+      .name = "dry-run",
+      .summary = "rehearse a whole procedure on the simulated stage",
+      .description =
+          "Plans, drives the simulated stage through every stage of the plan under the supervisor, "
+          "takes the confirmation images and checks the depth on them. Nothing real moves.",
+      .examples = {"biopsy dry-run gap --seed 2 --out out/gap"},
+      .long_examples = {"biopsy dry-run --image scans/t2 --entry 10,-40,20 --target 10,-34,20 --out out/mine",
+                        "biopsy dry-run --live gap --out out/live"},
+      .exit_codes =
+          "0 completed, 3 refused or stopped, 2 for unusable input, 130 where Ctrl-C ended it; the "
+          "report of what ran until then is written",
+      .outputs = outputs,
+      .replaces_earlier_run = true,
+      .json = "the content of [report.json](#reportjson)",
+      .interruptible = true,
+      .declare = with_options(declare_dry_run, dry_run)};
+}
+
+Command plan_command() {
+  return {.name = "plan",
+          .summary = "the same up to the sealed plan; nothing moves, not even in simulation",
+          .examples = {"biopsy plan --image out/gap/planning --entry -4.396,33.092,51.854 --target "
+                       "-6.737,33.183,50.982 --out out/plan"},
+          .exit_codes = "0 planned, 3 refused, 2 for unusable input",
+          .outputs = plan_outputs(),
+          .replaces_earlier_run = true,
+          .json = "the content of [report.json](#reportjson)",
+          .declare = with_options(add_procedure_options, plan)};
+}
+
+}  // namespace biopsy::robot

@@ -1,0 +1,201 @@
+// biopsy gap: what a model is missing, from measured runs.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "robot/cli/accepted_model.hpp"
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/output_folder.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/procedure/recheck.hpp"
+#include "robot/report/gap/gap_console.hpp"
+#include "robot/report/gap/gap_json.hpp"
+#include "robot/report/gap/gap_report.hpp"
+#include "robot/report/gap/gap_sentence.hpp"
+#include "sim/gap/find_gap.hpp"
+#include "sim/gap/fit/unknowns.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
+#include "sim/plant/model_text.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path dataset, model, out;
+  std::vector<std::string> free;  // baseline parameters that are not known
+  std::optional<double> window;   // s; empty: each run from its start in one piece
+  bool accept = false;            // the model file is replaced by what was found
+  bool recheck = true;            // rehearse with the model that was found
+};
+
+void declare(CLI::App& app, Options& options) {
+  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set)")->required();
+  add_model(app, options.model, "[model file](model.md#model)")->required();
+  add_out(app, options.out, "the report and the better model")->required();
+  add(app, "--free NAMES", options.free,
+      "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
+      ->delimiter(',');
+  add(app, "--window SECONDS", options.window,
+      "simulate in windows of this length, each from a free initial state", "each run in one piece")
+      ->check(in_range(1e-3, 1e6, "s"));
+  app.add_flag(
+      "--accept", options.accept,
+      "replace the model file by the better model; the old one stays beside it as `NAME.toml.1`, `.2` "
+      "and so on");
+  app.add_flag_callback(
+      "--no-recheck", [&options] { options.recheck = false; },
+      "leave out the rehearsals of the built-in cases with the old and the better model");
+}
+
+// Before anything is cleared or written: whatever the search would refuse.
+void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, const Options& options) {
+  sim::gap::baseline_hypothesis(model, options.free);
+  for (const sim::RecordedRun& run : dataset.runs) {
+    const double length = run.period * static_cast<double>(run.time.size());
+    if (options.window && *options.window > length)
+      throw ConfigError(fmt::format("a window of {} s is longer than run \"{}\", which has {:.3g} s",
+                                    *options.window, run.name, length),
+                        "--window",
+                        "give a shorter window, or leave --window out to simulate each run in one piece");
+    if (options.window && *options.window < 2.0 * run.period)
+      throw ConfigError(
+          fmt::format("a window of {} s holds less than two rows of run \"{}\", which come every "
+                      "{} s",
+                      *options.window, run.name, run.period),
+          "--window", "give a longer window");
+  }
+  sim::gap::prepare(dataset, model, options.window, sim::gap::Grain::Coarse);
+}
+
+// For one line of a terminal.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMost = 76;
+  return text.size() <= kMost ? text : text.substr(0, kMost - 4) + " ...";
+}
+
+// A data set without a title goes by the name of its folder.
+std::string title_of(const sim::Dataset& dataset, const fs::path& folder) {
+  return dataset.title.empty() ? fs::canonical(folder).filename().string() : dataset.title;
+}
+
+// Data set and runs: where the numbers of the new model come from.
+std::string source_of(const sim::Dataset& dataset) {
+  std::string source = dataset.title + ": ";
+  for (std::size_t i = 0; i < dataset.runs.size(); ++i) source += (i == 0 ? "" : ", ") + dataset.runs[i].name;
+  return source;
+}
+
+// Nobody knows a standard deviation better.
+double rounded_to_three_digits(double value) {
+  return std::stod(fmt::format("{:.2e}", value));
+}
+
+std::string new_text(const sim::gap::FoundGap& found, sim::ModelNotes notes, const std::string& source) {
+  for (const auto& [name, std] : found.changed) {
+    sim::ValueNote& note = notes.values[name];
+    note.std = std::isfinite(std) ? std::optional(rounded_to_three_digits(std)) : std::nullopt;
+    note.source = source;
+  }
+  return sim::model_toml(found.model, notes);
+}
+
+bool is_better(const GapFinding& finding) {
+  return finding.verdict == GapVerdict::Effect || finding.verdict == GapVerdict::Parameter;
+}
+
+void add_recheck(GapFinding& finding, const Options& options, ProgressLine& line) {
+  report::atomic_write(options.out / "model.toml", finding.model_after);
+  const Recheck checked = recheck(
+      options.model, options.out / "model.toml", finding.noise_floor,
+      [&line](double share, const std::string& what) { line.show(0.92 + 0.08 * share, "margins: " + what); });
+  finding.margins = checked.margins;
+  finding.warnings.insert(finding.warnings.end(), checked.warnings.begin(), checked.warnings.end());
+}
+
+std::string sentence_of(const GapFinding& finding) {
+  if (!finding.interrupted) return report::verdict_sentence(finding);
+  if (finding.verdict == GapVerdict::Unexplained)
+    return fmt::format(
+        "Interrupted before anything was found: model and measurement differ by {:.3g} mm where the noise is "
+        "{:.3g} mm.",
+        finding.rmse_before, finding.noise_floor);
+  return "Interrupted; so far: " + report::verdict_sentence(finding);
+}
+
+GapFinding compared(const Options& options, const sim::Dataset& dataset, const sim::NotedModel& given,
+                    const std::stop_token& stop) {
+  const auto started = std::chrono::steady_clock::now();
+  ProgressLine line;
+  const sim::gap::FoundGap found = sim::gap::find_gap(
+      dataset, given.model, {.free = options.free, .window = options.window, .stop = stop},
+      [&line](double share, const std::string& doing) { line.show(share, shortened(doing)); });
+  GapFinding finding = found.finding;
+  finding.dataset = dataset.title;
+  finding.sentence = sentence_of(finding);
+  finding.model_before = sim::model_toml(given.model, given.notes);
+  finding.model_after =
+      is_better(finding) ? new_text(found, given.notes, source_of(dataset)) : finding.model_before;
+  if (options.recheck && is_better(finding) && !finding.force_drive && !finding.interrupted)
+    add_recheck(finding, options, line);
+  finding.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return finding;
+}
+
+std::string accept(const GapFinding& finding, const fs::path& model) {
+  if (!is_better(finding) || finding.interrupted)
+    return fmt::format("nothing to accept: {} stays as it was\n", model.string());
+  const fs::path old = accept_model(model, finding.model_after);
+  return fmt::format("accepted: {} is now the new model; the old one is kept as {}\n", model.string(),
+                     old.string());
+}
+
+Result run(const Options& options, const Context& context) {
+  const sim::NotedModel given = sim::read_noted_model(options.model);
+  sim::Dataset dataset = sim::read_dataset(options.dataset, given.model.baseline.drive);
+  dataset.title = title_of(dataset, options.dataset);
+  refuse_unusable(dataset, given.model, options);
+  if (options.accept) refuse_unless_replaceable(options.model);
+  claim_run_folder(options.out, {options.dataset, options.model}, context.clearable);
+  const GapFinding finding = compared(options, dataset, given, context.interrupted);
+  report::save_gap(finding, options.out);
+  std::string text = report::gap_console(finding) + fmt::format("\nreport: {}\nmodel:  {}\n",
+                                                                (options.out / "report.html").string(),
+                                                                (options.out / "model.toml").string());
+  if (options.accept) text += accept(finding, options.model);
+  return {.text = text, .json = report::gap_json(finding)};
+}
+
+}  // namespace
+
+Command gap_command() {
+  return {
+      .name = "gap",
+      .summary = "what a model is missing, from measured runs",
+      .description =
+          "Compares the model with every run of the data set, says where they disagree and which effect or "
+          "parameter explains it, and shows on runs it did not use how far that closes the gap: [finding "
+          "what a model is missing](gap.md). The same data and model give the same answer; nothing in it is "
+          "random. A data set or model that lies in the place of the answer is refused.",
+      .examples = {"biopsy gap docs/examples/gap --model docs/examples/gap/stage.toml --out "
+                   "out/gap-example --no-recheck"},
+      .long_examples = {"biopsy gap rig --model rig.toml --free m,c_s,k --window 0.5 --out out/rig"},
+      .exit_codes =
+          "0 for any verdict, \"unexplained\" included; 2 for unusable input; 130 where Ctrl-C "
+          "ended the search, with what was found until then written",
+      .outputs = {{"report.html", "the report for people; [how to read it](gap.md#3-read-the-report)"},
+                  {"gap.json", "[the answer for programs](#gapjson)"},
+                  {"model.toml", "the better model. Where nothing was found, the model that was given"}},
+      .replaces_earlier_run = true,
+      .json = "the content of [gap.json](#gapjson)",
+      .interruptible = true,
+      .declare = with_options(declare, run)};
+}
+
+}  // namespace biopsy::robot

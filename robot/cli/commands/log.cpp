@@ -1,0 +1,179 @@
+// biopsy log: the procedure log as a table, as a CSV, and whether it is as it was written.
+#include <fmt/format.h>
+
+#include <deque>
+#include <nlohmann/json.hpp>
+
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/whole_file.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/sanitize_text.hpp"
+#include "robot/recorder/log_csv.hpp"
+#include "robot/recorder/log_file.hpp"
+#include "robot/recorder/verify.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+using recorder::Flaw;
+using recorder::LogHead;
+using recorder::Record;
+using recorder::Verdict;
+
+struct Options {
+  std::filesystem::path log;         // the SQLite file
+  std::filesystem::path public_key;  // empty: the one beside the log
+  std::filesystem::path csv;         // export only
+  int last = 0;                      // show only: this many records from the end; 0: all
+};
+
+void declare(CLI::App& app, Options& options) {
+  add(app, "LOG", options.log, "the log's file (SQLite); may be in use")->required();
+  add(app, "--public-key PEM", options.public_key, "Ed25519 key that its head is signed with",
+      "`LOG.pub.pem`, the one beside the log");
+}
+
+void declare_show(CLI::App& app, Options& options) {
+  declare(app, options);
+  add(app, "--last N", options.last, "only this many records, from the end; 0: all", "0")
+      ->check(in_range(0, 1'000'000'000));
+}
+
+void declare_export(CLI::App& app, Options& options) {
+  declare(app, options);
+  add(app, "--csv FILE", options.csv, "the CSV file; written whole or not at all")->required();
+}
+
+recorder::PublicKey key_for(const Options& options) {
+  if (!std::filesystem::exists(options.log))
+    throw ConfigError("there is no such log", options.log.string(), "give the file of a procedure log");
+  return recorder::read_public_key(options.public_key.empty() ? recorder::public_key_beside(options.log)
+                                                              : options.public_key);
+}
+
+template <class Bytes>
+std::string hex(const Bytes& bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
+}
+
+std::string sentence(const Verdict& verdict) {
+  if (const auto* head = std::get_if<LogHead>(&verdict))
+    return fmt::format(
+        "The log is intact: {}, each as it was written and in its place, and the head is signed.\n"
+        "Log {}, last hash {}.\n",
+        report::counted(head->count, "record"), hex(head->id), hex(head->last_hash));
+  return fmt::format("THE LOG IS NOT INTACT: {}.\n", report::plain(std::get<Flaw>(verdict).what));
+}
+
+nlohmann::ordered_json as_json(const Verdict& verdict) {
+  if (const auto* head = std::get_if<LogHead>(&verdict))
+    return {{"intact", true},
+            {"records", head->count},
+            {"log_id", hex(head->id)},
+            {"last_hash", hex(head->last_hash)}};
+  const Flaw& flaw = std::get<Flaw>(verdict);
+  return {{"intact", false},
+          {"flaw", word(flaw.kind)},
+          {"record", flaw.record},
+          {"what", report::plain(flaw.what)}};
+}
+
+int exit_code(const Verdict& verdict) {
+  return std::holds_alternative<LogHead>(verdict) ? 0 : 1;
+}
+
+std::string row_text(const Record& record) {
+  return fmt::format("{:>7}  {:.23}  {:<11}  {:<15}  {}\n", record.seq, recorder::utc_text(record.utc_ns),
+                     report::plain(record.source), report::plain(record.kind), report::plain(record.body));
+}
+
+nlohmann::ordered_json record_json(const Record& record) {
+  return {{"record", record.seq},
+          {"time_utc", recorder::utc_text(record.utc_ns)},
+          {"source", report::plain(record.source)},
+          {"kind", report::plain(record.kind)},
+          {"body", report::plain(record.body)}};
+}
+
+std::string dumped(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Result show(const Options& options, const Context&) {
+  const auto last = static_cast<std::size_t>(options.last);
+  std::deque<Record> kept;
+  const Verdict verdict = recorder::verify(options.log, key_for(options), [&](const Record& record) {
+    kept.push_back(record);
+    if (last != 0 && kept.size() > last) kept.pop_front();
+  });
+  std::string text =
+      fmt::format("{:>7}  {:<23}  {:<11}  {:<15}  {}\n", "record", "time, UTC", "from", "kind", "what");
+  nlohmann::ordered_json records = nlohmann::ordered_json::array();
+  for (const Record& record : kept) {
+    text += row_text(record);
+    records.push_back(record_json(record));
+  }
+  return {.exit_code = exit_code(verdict),
+          .text = text + "\n" + sentence(verdict),
+          .json = dumped({{"records", records}, {"verdict", as_json(verdict)}})};
+}
+
+Result verify(const Options& options, const Context&) {
+  const Verdict verdict = recorder::verify(options.log, key_for(options));
+  return {.exit_code = exit_code(verdict), .text = sentence(verdict), .json = dumped(as_json(verdict))};
+}
+
+Result export_csv(const Options& options, const Context&) {
+  std::string csv(recorder::kCsvHeader);
+  const Verdict verdict =
+      recorder::verify(options.log, key_for(options), [&](const Record& record) { csv += csv_line(record); });
+  report::atomic_write(options.csv, csv);
+  return {.exit_code = exit_code(verdict),
+          .text = sentence(verdict) + fmt::format("table        {}\n", options.csv.string()),
+          .json = dumped({{"csv", options.csv.string()}, {"verdict", as_json(verdict)}})};
+}
+
+constexpr const char* kExitCodes = "0 where the log is intact, 1 where it is not, 2 for unusable input";
+constexpr const char* kVerdict =
+    "`intact`, `records`, `log_id`, `last_hash`; or `intact`, `flaw`, `record`, `what`";
+
+}  // namespace
+
+Command log_group() {
+  return {.name = "log",
+          .summary = "the procedure log: show, verify, export",
+          .description = "All three read the whole [procedure log](log.md) and verify it."};
+}
+
+Command log_show_command() {
+  return {.name = "log show",
+          .summary = "print the records as a table",
+          .long_examples = {"biopsy log show out/live/procedure.log.sqlite --last 20"},
+          .exit_codes = kExitCodes,
+          .json =
+              "`records`: list of `record`, `time_utc`, `source`, `kind`, `body`; `verdict`: as `log verify "
+              "--json`",
+          .declare = with_options(declare_show, show)};
+}
+
+Command log_verify_command() {
+  return {.name = "log verify",
+          .summary = "whether it is whole and unchanged",
+          .long_examples = {"biopsy log verify out/live/procedure.log.sqlite"},
+          .exit_codes = kExitCodes,
+          .json = kVerdict,
+          .declare = with_options(declare, verify)};
+}
+
+Command log_export_command() {
+  return {.name = "log export",
+          .summary = "write it as a CSV table",
+          .long_examples = {"biopsy log export out/live/procedure.log.sqlite --csv out/log.csv"},
+          .exit_codes = kExitCodes,
+          .json = "`csv`, the file; `verdict`: as `log verify --json`",
+          .declare = with_options(declare_export, export_csv)};
+}
+
+}  // namespace biopsy::robot

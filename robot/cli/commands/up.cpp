@@ -1,0 +1,275 @@
+// biopsy up: the robot as processes.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "drivers/digital_io/io_views.hpp"
+#include "robot/cli/command.hpp"
+#include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
+#include "robot/common/logging/log_session.hpp"
+#include "robot/common/logging/logger.hpp"
+#include "robot/common/number_text.hpp"
+#include "robot/common/progress.hpp"
+#include "robot/live/realtime/stop_signals.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/procedure/procedure.hpp"
+#include "robot/procedure/rehearsal.hpp"
+#include "robot/report/procedure/report_json.hpp"
+#include "safety/types/hazards.hpp"
+#include "safety/types/transitions.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr logging::Logger kLog{logging::Component::Cli};
+
+struct Options {
+  ProcedureOptions procedure;
+  LiveOptions live;
+  std::string device = "sim";  // or "nidaqmx"
+  HardwareOptions hardware;
+  bool prepare = false;    // write the run folder, start nothing
+  double seconds = 0.0;    // 0: until Ctrl-C
+  bool console = false;    // the operator uses the console page
+  bool open = false;       // which is opened in the desktop's browser
+  std::uint16_t port = 0;  // of that page; 0: any that is free
+};
+
+void declare(CLI::App& app, Options& options) {
+  add_procedure_options(app, options.procedure);
+  add_device_options(app, options.device, options.hardware);
+  CLI::Option* seconds =
+      add(app, "--seconds S", options.seconds, "end by itself after this time; 0: on Ctrl-C", "0")
+          ->check(in_range(0.0, 1e6, "s"));
+  CLI::Option* prepare =
+      app.add_flag(
+             "--prepare", options.prepare,
+             "write the run folder and start nothing: [an installed system](live.md#an-installed-system)")
+          ->excludes(seconds);
+  CLI::Option* console =
+      app.add_flag("--console", options.console, "serve the operator's page, the [console](console.md)");
+  app.add_flag("--open", options.open, "open that page in the desktop's browser")
+      ->needs(console)
+      ->excludes(prepare);
+  add(app, "--port N", options.port, "port of that page; 0: any that is free", "0")
+      ->check(in_range(0, 65535))
+      ->needs(console)
+      ->excludes(prepare);
+  add_live_options(app, options.live, nullptr);
+}
+
+void print_trouble(const std::vector<std::string>& trouble) {
+  for (const std::string& line : trouble) kLog.error("{}", line);
+}
+
+// The interlock is not on the bus: its relay is read directly.
+std::string relay_text(const digital_io::IoReader& lines) {
+  const digital_io::RelayReading relay = lines.relay();
+  const std::int64_t silent_ms = (realtime::monotonic_ns() - relay.ticked_ns) / 1'000'000;
+  return silent_ms > 100       ? "interlock SILENT  "
+         : relay.output.closed ? "interlock closed  "
+                               : "interlock open  ";
+}
+
+std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<CycleSample>& beat,
+                       const digital_io::IoReader& lines) {
+  std::string text = relay_text(lines);
+  for (const Process process :
+       {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
+    const Health& health = board[static_cast<std::size_t>(process)];
+    text += health.seq == 0 ? fmt::format("{} SILENT  ", name_of(process))
+                            : fmt::format("{} p99 {} us, missed {}  ", name_of(process), health.late_p99_us,
+                                          health.overruns);
+    if (!health.note.empty()) text += fmt::format("({})  ", health.note);
+  }
+  if (beat)
+    text += fmt::format("| {}{}{} | {}, {}", safety::name_of(beat->tick.supervisor.permit.mode),
+                        beat->tick.supervisor.worst == safety::Hazard::None ? "" : ": ",
+                        beat->tick.supervisor.worst == safety::Hazard::None
+                            ? std::string_view()
+                            : safety::name_of(beat->tick.supervisor.worst),
+                        report::fixed(beat->tick.measurement.depth_um * 1e-3, 2, "mm"),
+                        report::fixed(beat->tick.measurement.monitor_mV * 1e-6, 2, "kV"));
+  return text;
+}
+
+// What the console must know to plan the same case.
+std::vector<std::string> console_words(const Options& options) {
+  const ProcedureOptions& given = options.procedure;
+  std::vector<std::string> words;
+  if (!given.case_name.empty()) words.push_back(given.case_name);
+  const auto add = [&words](const char* name, const std::string& value) {
+    if (!value.empty()) words.push_back(fmt::format("{}={}", name, value));
+  };
+  add("--image", given.image.string());
+  add("--series", given.series);
+  add("--entry", given.entry);
+  add("--target", given.target);
+  add("--labels", given.labels.string());
+  add("--fiducials", given.fiducials.string());
+  add("--model", given.model.string());
+  add("--seed", given.seed ? std::to_string(*given.seed) : "");
+  add("--port", std::to_string(options.port));
+  return words;
+}
+
+std::string first_line(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  return line;
+}
+
+// Where there is no desktop the address is there to be typed.
+void open_in_browser(const std::string& url) {
+  if (fork() != 0) return;
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
+  _exit(127);
+}
+
+// How a session came to its end.
+struct Ending {
+  std::optional<std::string> ended;  // a process, by itself
+  std::vector<std::string> trouble;  // of bringing the others down
+  std::string log;
+};
+
+Ending bring_down(LiveSession& session, std::optional<std::string> ended) {
+  Ending ending{std::move(ended), session.stop(), session.settings().log.string()};
+  if (ending.ended) kLog.error("{}", *ending.ended);
+  print_trouble(ending.trouble);
+  return ending;
+}
+
+// The console requests motion. Where it ends by itself the robot holds the needle, then retracts; the other
+// processes go on, so that it can be started again.
+Ending run_with_console(const Options& options, const PreparedCase& prepared, realtime::StopSignals& signals,
+                        const Context& context) {
+  LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out,
+                      Person::AtTheConsole);
+  const std::filesystem::path address = options.procedure.out / "console.url";
+  std::filesystem::remove(address);
+  session.launcher().start(Process::Person, console_words(options));
+  const auto started = Clock::now();
+  std::optional<std::string> ended;
+  bool announced = false;
+  while (!signals.came() && !ended) {
+    if (!announced && std::filesystem::exists(address)) {
+      announced = true;
+      context.say(fmt::format("console: {}\nup; Ctrl-C brings it down", first_line(address)));
+      if (options.open) open_in_browser(first_line(address));
+    }
+    if (const auto alone = session.launcher().ended(Process::Person)) {
+      if (!announced) ended = alone;
+      kLog.error("{}; the robot holds the needle, then retracts it; Ctrl-C stops the robot", *alone);
+    }
+    if (!ended) ended = session.launcher().ended();
+    if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
+      break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return bring_down(session, std::move(ended));
+}
+
+Ending run_without_console(const Options& options, const PreparedCase& prepared,
+                           realtime::StopSignals& signals, const Context& context,
+                           Clock::time_point started) {
+  LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out);
+  session.wait_until_healthy();
+  session.send_plan(std::get<Plan>(prepared.plan));
+  context.say(fmt::format("up: {}; Ctrl-C brings it down",
+                          session.settings().keys.empty() ? "WITHOUT security" : "secured"));
+  ProgressLine line;
+  std::optional<std::string> ended;
+  std::optional<CycleSample> beat;
+  std::int64_t ticks = 0;
+  const digital_io::IoReader lines(session.settings().lines);
+  while (!signals.came() && !ended) {
+    World nobody;  // the E-stop is released, no key is turned
+    beat = session.robot().tick(nobody);
+    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), beat, lines));
+    ended = session.launcher().ended();
+    if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
+      break;
+  }
+  return bring_down(session, std::move(ended));
+}
+
+// The shared memory's name tells users and domains apart; a systemd unit needs a fixed path to it.
+Result prepare_only(const Options& options, const PreparedCase& prepared) {
+  const std::filesystem::path& folder = options.procedure.out;
+  const live::LiveSettings settings =
+      write_run_folder(options.live, options.device, options.hardware, prepared, folder);
+  std::filesystem::remove(folder / "lines");
+  std::filesystem::create_directory_symlink(settings.lines, folder / "lines");
+  return {.text = fmt::format("prepared: {}\nnothing was started: systemctl start biopsy.target\n",
+                              folder.string()),
+          .json = nlohmann::ordered_json{{"prepared", folder.string()}}.dump(2) + "\n"};
+}
+
+Result run(const Options& options, const Context& context) {
+  realtime::StopSignals signals;
+  const auto started = Clock::now();
+  check_device_options(options.device, options.hardware);
+  if (options.device != "sim" && !options.procedure.model.empty())
+    throw ConfigError("--model with a real stage, which is not simulated", "command line", "leave it out");
+  const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
+  const PreparedCase prepared = prepare_run(given, options.procedure.out, context.clearable);
+  logging::log_to_file(options.procedure.out / "biopsy.log");
+  kLog.info("up: device {}, domain {}", options.device, options.live.domain);
+  if (has_points(given) && std::holds_alternative<PlanRefusal>(prepared.plan)) {
+    report::RunRecord refused = planned_record(prepared);
+    std::string text = finish(refused, prepared, options.procedure.out, started);
+    return {.exit_code = 3, .text = std::move(text), .json = report::report_json(refused)};
+  }
+  if (options.prepare) return prepare_only(options, prepared);
+  const Ending ending = options.console ? run_with_console(options, prepared, signals, context)
+                                        : run_without_console(options, prepared, signals, context, started);
+  const nlohmann::ordered_json json = {
+      {"ended", ending.ended ? nlohmann::ordered_json(*ending.ended) : nlohmann::ordered_json(nullptr)},
+      {"trouble", ending.trouble},
+      {"procedure_log", ending.log}};
+  return {.exit_code = ending.ended ? 3 : 0,
+          .text = fmt::format("\ndown; procedure log: {}\n", ending.log),
+          .json = json.dump(2) + "\n"};
+}
+
+}  // namespace
+
+Command up_command() {
+  return {.name = "up",
+          .summary = "start the live robot's processes and show their state",
+          .description =
+              "Plans, starts interlock, recorder, supervisor, stage and controller over DDS with "
+              "security, and shows their state until Ctrl-C; then brings them down in order, HV first: "
+              "[the live robot](live.md). Nothing is armed: that takes the key on the device. With "
+              "`--console` an image folder is enough: series, entry and target are picked on the page.",
+          .long_examples = {"biopsy up gap --seconds 5 --keys out/keys --out out/up"},
+          .exit_codes = "0, 3 where a process ended by itself or the plan is refused, 2 for unusable input",
+          .outputs = {{"procedure.log.sqlite",
+                       "the [procedure log](log.md); a later run in the folder continues it", true},
+                      {"live.json", "what every process was started with", true},
+                      {"*.log", "the [diagnostic log](logging.md) of each process", true},
+                      {"console", "with `--console`: a folder for each run"},
+                      {"console.url", "with `--console`: the page's address"}},
+          .replaces_earlier_run = true,
+          .json =
+              "`ended`, the process that ended by itself, or `null`; `trouble`, a list of what did not end "
+              "well; `procedure_log`. With `--prepare` `prepared`, the folder. Of a refused plan the "
+              "content of [report.json](#reportjson)",
+          .declare = with_options(declare, run)};
+}
+
+}  // namespace biopsy::robot

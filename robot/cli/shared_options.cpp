@@ -1,0 +1,88 @@
+#include "robot/cli/shared_options.hpp"
+
+#include <fmt/format.h>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/strict_number.hpp"
+
+namespace biopsy::robot {
+
+CLI::Validator in_range(double low, double high, const std::string& unit) {
+  std::string range = fmt::format("{:.10g} to {:.10g}{}{}", low, high, unit.empty() ? "" : " ", unit);
+  std::erase(range, '+');  // 9e+15
+  return CLI::Validator(
+      [low, high, range](std::string& typed) {
+        const auto value = imaging::strict_number(typed);
+        return value && *value >= low && *value <= high
+                   ? std::string()
+                   : fmt::format("`{}` is not a number in the range {}", typed, range);
+      },
+      range);
+}
+
+CLI::Option* add_out(CLI::App& app, std::filesystem::path& out, const std::string& content) {
+  return add(app, "--out FOLDER", out, "folder for " + content);
+}
+
+CLI::Option* add_model(CLI::App& app, std::filesystem::path& model, const std::string& meaning,
+                       const std::string& default_file) {
+  return app.add_option("--model", model, meaning)->type_name("FILE")->default_str(default_file);
+}
+
+void add_case_options(CLI::App& app, ProcedureOptions& options) {
+  add(app, "CASE", options.case_name, "case file (TOML) or a built-in case: `gap`, `liver`", "liver");
+  add(app, "--image PATH", options.image,
+      "planning image, instead of a case: a DICOM folder or file, NIfTI or NRRD");
+  add(app, "--series UID", options.series,
+      "series UID, where the folder holds several (`biopsy image` lists them)");
+  add(app, "--entry R,A,S", options.entry,
+      "where the needle tip waits, mm; needed with `--image` (`up --console`: set on the page)");
+  add(app, "--target R,A,S", options.target, "where it shall go, mm; needed with `--entry`");
+  add(app, "--labels PATH", options.labels, "label map of the tissues on the same patient; with `--image`");
+  add(app, "--fiducials FILE", options.fiducials,
+      "CSV of fiducial pairs, robot and scanner; replaces the case's");
+  add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",
+            "sim/models/rehearsal.toml");
+  add_seed(app, options.seed, "noise and patient motion; replaces the case's");
+}
+
+void add_procedure_options(CLI::App& app, ProcedureOptions& options) {
+  add_case_options(app, options);
+  add_out(app, options.out, "the report; one with other people's files is refused")->required();
+}
+
+void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live) {
+  CLI::Option* keys = add(app, "--keys FOLDER", options.keys, "folder of `biopsy keys init`",
+                          "the user's own set; for a simulated stage one made for the run");
+  const std::vector<CLI::Option*> all{
+      keys,
+      add(app, "--domain N", options.domain, "DDS domain, one for each robot on a network", "0")
+          ->check(in_range(0, 230)),
+      app.add_flag("--without-security", options.without_security,
+                   "no authentication and no encryption; with the simulated stage only")
+          ->excludes(keys),
+      add(app, "--network NAME", options.network, "network interface", "this machine only"),
+      add(app, "--fifo N", options.fifo_priority,
+          "SCHED_FIFO priority of the control processes, where permitted; 0: ordinary scheduling", "60")
+          ->check(in_range(0, 90))};
+  if (live != nullptr)
+    for (CLI::Option* option : all) option->needs(live);
+}
+
+void add_device_options(CLI::App& app, std::string& device, HardwareOptions& hardware) {
+  add(app, "--device NAME", device, "the stage: `sim` or `nidaqmx`", "sim")
+      ->check(CLI::IsMember({"sim", "nidaqmx"}));
+  add(app, "--device-config FILE", hardware.config, "real stage: channels and scales (TOML)");
+  add(app, "--commissioning FOLDER", hardware.commissioning, "real stage: folder of `biopsy commission`");
+}
+
+void check_device_options(const std::string& device, const HardwareOptions& hardware) {
+  if (device != "sim" && (hardware.config.empty() || hardware.commissioning.empty()))
+    throw ConfigError("a real stage without --device-config or --commissioning", "command line",
+                      "give both; `biopsy commission` makes the record");
+  if (device == "sim" && (!hardware.config.empty() || !hardware.commissioning.empty()))
+    throw ConfigError("--device-config or --commissioning for the simulated stage, which has neither",
+                      "command line", "leave them out, or add --device nidaqmx");
+}
+
+}  // namespace biopsy::robot
