@@ -72,7 +72,8 @@ void add_check(CLI::App& app, CheckOptions& options, int& code) {
 void add_simulate(CLI::App& app, SimulateOptions& options, int& code) {
   CLI::App* command = app.add_subcommand("simulate", "run the recorded inputs of a data set through a model");
   command->footer(
-      "DATASET is a folder with dataset.toml and one CSV a run (docs/model.md, section 3); the same comes "
+      "DATASET is a folder with dataset.toml and one CSV a run (docs/reference/model-files.md); the same "
+      "comes "
       "out.\n\n"
       "Example:\n  biopsy simulate measured --model sim/models/baseline.toml --out out/simulated");
   command->add_option("DATASET", options.dataset, "folder of the data set")->required();
@@ -99,7 +100,8 @@ void add_effects(CLI::App& app, EffectsOptions& options, int& code) {
       "Exit code: 0, or 2 for a name that is not in the library.");
   command->add_option("NAME", options.name, "one effect (default: all)");
   CLI::Option* json = command->add_flag("--json", options.json, "print as JSON");
-  command->add_flag("--markdown", options.markdown, "print as the page docs/effects.md")->excludes(json);
+  command->add_flag("--markdown", options.markdown, "print as the page docs/reference/effects.md")
+      ->excludes(json);
   command->callback([&] { code = effects(options); });
 }
 
@@ -113,7 +115,7 @@ void add_gap(CLI::App& app, GapOptions& options, int& code) {
       "Example:\n  biopsy gap measured --model sim/models/rehearsal.toml --out out/gap\n"
       "  biopsy gap rig --model rig.toml --free m,c_s,k --window 0.5 --out out/rig\n\n"
       "Exit code: 0 for any honest verdict, \"unexplained\" included; 2 for unusable input.");
-  command->add_option("DATASET", options.dataset, "folder of the data set (docs/model.md, section 3)")
+  command->add_option("DATASET", options.dataset, "folder of the data set (docs/reference/model-files.md)")
       ->required();
   command->add_option("--model", options.model, "model file (TOML)")->required();
   command->add_option("--out", options.out, "folder for the report and the better model")->required();

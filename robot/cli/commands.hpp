@@ -46,7 +46,7 @@ int image(const ImageOptions& options);
 struct EffectsOptions {
   std::string name;       // empty: all
   bool json = false;      // for programs
-  bool markdown = false;  // docs/effects.md
+  bool markdown = false;  // docs/reference/effects.md
 };
 
 int effects(const EffectsOptions& options);

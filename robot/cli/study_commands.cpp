@@ -36,7 +36,7 @@ void add_calibrate(CLI::App& app, CalibrateOptions& options, int& code) {
   command->add_option("--model", options.model,
                       "what no search turns, such as the sensor; default: sim/models/calibrated.toml");
   command->add_option("--data", options.data,
-                      "folder of a data set (docs/model.md, section 3); may be repeated");
+                      "folder of a data set (docs/reference/model-files.md); may be repeated");
   command
       ->add_option("--evaluations", options.evaluations,
                    "budget of a global search (default 600; --from-nominal has two searches, of 1600 each)")
@@ -59,7 +59,7 @@ void add_identify(CLI::App& app, IdentifyOptions& options, int& code) {
       "constants and more).\n\n"
       "Example:\n  biopsy identify docs/examples/current --out out/identified\n\n"
       "Exit code: 0, or 2 for a data set without current, without a step, or too short.");
-  command->add_option("DATASET", options.dataset, "folder of the data set (docs/model.md, section 3)")
+  command->add_option("DATASET", options.dataset, "folder of the data set (docs/reference/model-files.md)")
       ->required();
   command->add_option("--model", options.model,
                       "model file (TOML) that gets the new values; default: sim/models/baseline.toml");

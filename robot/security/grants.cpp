@@ -39,7 +39,7 @@ std::string protected_topic(std::string_view expression, std::string_view sample
 // the tick is encrypted as well: discovery, and the sample of a topic that may name a person; to encrypt the
 // whole message would hide no more. Codes for each single reader (WITH_ORIGIN_AUTHENTICATION) would keep a
 // reader with altered software from speaking as the writer it listens to, but double the way there and back
-// with five processes: see docs/keys.md.
+// with five processes: see docs/how-to/manage-keys.md.
 std::string governance_xml() {
   std::string rules;
   for (const TopicRule& rule : kTopicRules)

@@ -1,5 +1,6 @@
-// What [baseline] of a model file may hold, under the names of docs/model.md: the table that reading, writing
-// and fitting share. SI units. `T` is not here: it is accepted in files and nothing that runs depends on it.
+// What [baseline] of a model file may hold, under the names of docs/explanation/model.md: the table that
+// reading, writing and fitting share. SI units. `T` is not here: it is accepted in files and nothing that
+// runs depends on it.
 #pragma once
 
 #include <algorithm>

@@ -33,7 +33,7 @@ double finite(const toml::node& node, std::string_view name, const std::string& 
 double ranged(double value, std::string_view name, double low, double high, const std::string& where) {
   if (value < low || value > high)
     throw ConfigError(fmt::format("`{}` = {} is outside [{}, {}]", name, value, low, high), where,
-                      "check the unit: it stands in the name or beside it in docs/model.md");
+                      "check the unit: it stands in the name or beside it in docs/explanation/model.md");
   return value;
 }
 

@@ -1,5 +1,5 @@
-// The finding as gap.json: the interface's keys first and exactly (docs/gap.md), then additions. Numbers that
-// are not known are null.
+// The finding as gap.json: the interface's keys first and exactly (docs/how-to/find-missing-effects.md), then
+// additions. Numbers that are not known are null.
 #pragma once
 
 #include <string>

@@ -38,7 +38,7 @@ struct BaselineName {
   double per_si;
 };
 
-// The names of [baseline] in model files (docs/model.md, section 1).
+// The names of [baseline] in model files (docs/explanation/model.md, section 1).
 constexpr std::array kBaseline{
     BaselineName{"K", "gain of the drive circuit", "", 1},
     BaselineName{"tau", "time constant of the leakage", "s", 1},

@@ -13,7 +13,7 @@ namespace biopsy::safety_case {
 std::string case_html(const SafetyCase& safety_case, const std::vector<Finding>& findings,
                       const std::vector<Gap>& gaps, const Build& build, const std::string& argument_svg);
 
-// safety-case.json; fields in docs/safety-case.md.
+// safety-case.json; fields in docs/explanation/verification.md.
 std::string case_json(const SafetyCase& safety_case, const std::vector<Finding>& findings,
                       const std::vector<Gap>& gaps, const Build& build);
 

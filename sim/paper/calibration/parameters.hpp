@@ -13,7 +13,8 @@ namespace biopsy::sim::calibration {
 struct Parameter {
   std::string name;    // as in files: "K", "stribeck_friction.sliding_N", "film.pi25.tau", "joint.mass_g"
   double low, high;    // file units
-  double nominal;      // what it is drawn to where the paper says nothing: docs/model.md or the effect's page
+  double nominal;      // what it is drawn to where the paper says nothing: docs/explanation/model.md or the
+                       // effect's page
   double start;        // where the search begins: a first guess from the paper and from earlier searches
   double doubt;        // one standard deviation of what is known beforehand: of ln(value), or of a share
   bool share = false;  // counts in steps of its own, may be 0; all others in factors

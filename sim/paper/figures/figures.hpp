@@ -9,8 +9,8 @@
 
 namespace biopsy::sim::paper {
 
-// The row about the stiffness that the paper prints (docs/model.md: a slip of units): no model can reach it
-// together with Fig. 11, so calibration leaves it out.
+// The row about the stiffness that the paper prints (docs/explanation/model.md: a slip of units): no model
+// can reach it together with Fig. 11, so calibration leaves it out.
 inline constexpr std::string_view kSpringQuantity = "stiffness of the series spring as printed";
 
 PaperFigure figure_2(const PaperModel& model);   // leakage: closed form against simulation

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> documents() {
   std::vector<fs::path> files{kHouse / "README.md"};
-  for (const auto& entry : fs::directory_iterator(kHouse / "docs"))
+  for (const auto& entry : fs::recursive_directory_iterator(kHouse / "docs"))
     if (entry.path().extension() == ".md") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
@@ -235,14 +235,14 @@ std::string section_of(const std::string& text, const std::string& name) {
 
 // Read off the sources: an effect that the library forgot is found here.
 TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
-  const std::string page = prose_of("effects.md");
+  const std::string page = prose_of("reference/effects.md");
   const std::regex parameter(R"rx("(\w+)",\s*&\w+::\w+,\s*[-\d.e]+,\s*([-\d.e]+),\s*([-\d.e]+))rx");
   int parameters = 0;
   for (const auto& file : fs::directory_iterator(kHouse / "sim/effects")) {
     const std::string name = file.path().stem().string(), source = file_content(file.path());
     if (name == "effect") continue;
     const std::string section = section_of(page, name);
-    EXPECT_FALSE(section.empty()) << name << " is not in docs/effects.md";
+    EXPECT_FALSE(section.empty()) << name << " is not in docs/reference/effects.md";
     for (std::sregex_iterator match(source.begin(), source.end(), parameter), end; match != end;
          ++match, ++parameters) {
       const std::string row = row_of(section, "`" + (*match)[1].str() + "`"),
@@ -257,12 +257,13 @@ TEST(Documents, TellEveryEffectWithItsParametersAndTheirRanges) {
 TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
   const Answer answer = biopsy("effects --markdown");
   EXPECT_EQ(answer.code, 0);
-  EXPECT_TRUE(answer.text == prose_of("effects.md")) << "docs/effects.md is not what the program says; renew "
-                                                        "it: biopsy effects --markdown > docs/effects.md";
+  EXPECT_TRUE(answer.text == prose_of("reference/effects.md"))
+      << "docs/reference/effects.md is not what the program says; renew "
+         "it: biopsy effects --markdown > docs/reference/effects.md";
 }
 
 TEST(Documents, TellEveryHazardWithItsStopAndTime) {
-  const std::string safety_page = prose_of("safety.md");
+  const std::string safety_page = prose_of("reference/safety.md");
   for (const safety::HazardFacts& facts : safety::kHazardTable) {
     const std::string id(facts.name.substr(0, 4)), sentence(facts.name.substr(5));
     const std::string stop = facts.stop == StopCategory::C0Off    ? "C0"
@@ -275,7 +276,7 @@ TEST(Documents, TellEveryHazardWithItsStopAndTime) {
 }
 
 TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
-  const std::string page = prose_of("depth-check.md");
+  const std::string page = prose_of("explanation/depth-check.md");
   const imaging::DepthCheckSettings check;
   const imaging::TipSettings tip;
   const auto expect_row = [&](const std::string& name, double value, const std::string& unit) {
@@ -297,7 +298,7 @@ TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
 }
 
 TEST(Documents, TellEveryStateAndWayBetweenThem) {
-  const std::string safety_page = prose_of("safety.md");
+  const std::string safety_page = prose_of("reference/safety.md");
   for (const safety::Transition& way : safety::kTransitions) {
     const std::string row = row_of(safety_page, std::string(safety::name_of(way.from)));
     const std::string cell =

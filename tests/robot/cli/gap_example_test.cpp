@@ -1,4 +1,5 @@
-// The loop closed, as docs/gap.md tells it: from measured runs to a better model to a rehearsal with it.
+// The loop closed, as docs/how-to/find-missing-effects.md tells it: from measured runs to a better model to a
+// rehearsal with it.
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
@@ -129,8 +130,8 @@ TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
     }
 }
 
-// Without tissue only the stage's own friction holds the loop (docs/model.md): the friction that was found
-// makes the difference between a rehearsal that is stopped and one that arrives.
+// Without tissue only the stage's own friction holds the loop (docs/explanation/model.md): the friction that
+// was found makes the difference between a rehearsal that is stopped and one that arrives.
 TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
   const std::string air = "dry-run " + (kHouse / "docs/examples/air.toml").string() + " --model ";
   EXPECT_EQ(biopsy(air + in("stage.toml.1").string() + " --out " + in("old").string()).code, 3);

@@ -81,8 +81,8 @@ TEST(LinearStage, TheLoopFailsWhereItsGainMarginSaysSo) {
   EXPECT_FALSE(holds(stage, scaled(1.02 * most)));
 }
 
-// What docs/model.md says: the paper's gains do not hold the bare baseline, a spring with a damping ratio of
-// 0.1.
+// What docs/explanation/model.md says: the paper's gains do not hold the bare baseline, a spring with a
+// damping ratio of 0.1.
 TEST(LinearStage, ThePapersGainsDoNotHoldTheBareBaseline) {
   EXPECT_FALSE(holds(linearised(PlantModel{}, 2.5), {}));
 }
