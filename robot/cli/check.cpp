@@ -18,7 +18,7 @@ namespace {
 
 nlohmann::ordered_json as_json(const DepthCheck& result) {
   nlohmann::ordered_json json;
-  json["verdict"] = std::string(report::word(result.verdict));
+  json["verdict"] = std::string(report::label(result.verdict));
   json["reason"] = result.reason;
   json["tip_found"] = result.tip_found;
   json["image_depth_mm"] = nullptr;
@@ -68,7 +68,7 @@ int check(const CheckOptions& options) {
     fmt::print("{}", json);
     return 0;
   }
-  fmt::print("verdict   {}\nreason    {}\n", report::word(result.verdict), result.reason);
+  fmt::print("verdict   {}\nreason    {}\n", report::label(result.verdict), result.reason);
   if (result.tip_found)
     fmt::print("depth     {:.2f} mm, standard deviation {:.2f} mm\n", result.depth.value, result.sigma.value);
   fmt::print("motion    shift {:.2f}, {:.2f}, {:.2f} mm; turn {:.2f}, {:.2f}, {:.2f} degrees (LPS)\n",

@@ -9,7 +9,6 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/case.hpp"
-#include "robot/report/study/reproduction_console.hpp"
 #include "robot/report/study/reproduction_report.hpp"
 
 namespace biopsy::robot {

@@ -6,7 +6,7 @@
 namespace biopsy::robot {
 namespace {
 
-using safety_case::Bar;
+using safety_case::Criterion;
 using safety_case::Hazard;
 using safety_case::Requirement;
 using safety_case::Source;
@@ -37,8 +37,8 @@ Requirement requirement_from(TomlTable table) {
   return requirement;
 }
 
-Bar bar_from(TomlTable table) {
-  Bar bar{table.text("name"), table.text("figure"), table.text("unit"), {}, {}};
+Criterion bar_from(TomlTable table) {
+  Criterion bar{table.text("name"), table.text("figure"), table.text("unit"), {}, {}};
   if (table.has("at_least")) bar.at_least = table.number("at_least", -kAnyFigure, kAnyFigure);
   if (table.has("at_most")) bar.at_most = table.number("at_most", -kAnyFigure, kAnyFigure);
   if (!bar.at_least && !bar.at_most)
@@ -66,7 +66,7 @@ Source source_from(TomlTable table) {
   if (table.has("quick")) source.quick = table.texts("quick");
   if (table.has("full")) source.full = table.texts("full");
   if (table.has("in_quick")) source.in_quick = table.flag("in_quick");
-  for (TomlTable& bar : table.tables("bars")) source.bars.push_back(bar_from(bar));
+  for (TomlTable& bar : table.tables("bars")) source.criteria.push_back(bar_from(bar));
   table.refuse_rest();
   return source;
 }

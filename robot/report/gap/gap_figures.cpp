@@ -16,7 +16,7 @@ namespace {
 const Stroke kMeasured{"#1d262e", 1.2, ""};
 const Stroke kOldModel{"#b85c00", 1.7, "6 3"};
 const Stroke kNewModel{"#005fa8", 1.5, ""};
-constexpr const char* kTellingTint = "#f7cf7a";
+constexpr const char* kStrongTint = "#f7cf7a";
 constexpr const char* kTints[] = {"#dce9f5", "#eceff1", "#dcefe3", "#efe3f0",
                                   "#c9d8e2", "#f3ead9", "#d5dcd6"};
 
@@ -99,16 +99,16 @@ void add_noise_levels(ChartPanel& residual_panel, double noise) {
 }
 
 std::string regime_name(const GapFinding& finding, std::size_t index) {
-  return index < finding.regime_names.size() ? regime_words(finding.regime_names[index], finding.force_drive)
+  return index < finding.regime_names.size() ? regime_label(finding.regime_names[index], finding.force_drive)
                                              : "elsewhere";
 }
 
 // The regime of this run that concentrates the error most: the strongest tint is its.
-std::string telling_regime(const GapFinding& finding, const std::vector<ChartShade>& shades) {
+std::string most_affected_regime(const GapFinding& finding, const std::vector<ChartShade>& shades) {
   for (const GapRegime& regime : finding.where)
     for (const ChartShade& shade : shades)
       if (regime.share_of_excess_error > regime.share_of_time &&
-          shade.name == regime_words(regime.name, finding.force_drive))
+          shade.name == regime_label(regime.name, finding.force_drive))
         return shade.name;
   return {};
 }
@@ -128,10 +128,10 @@ std::vector<ChartShade> shades_of(const GapFinding& finding, const GapTrace& tra
     const double to = std::min(trace.time[std::min(next, count - 1)], chart.x_high);
     if (to > from) shade_named(regime_name(finding, trace.regime[i])).spans.push_back({from, to});
   }
-  const std::string telling = telling_regime(finding, shades);
+  const std::string affected = most_affected_regime(finding, shades);
   std::size_t next_tint = 0;
   for (ChartShade& shade : shades)
-    shade.colour = shade.name == telling ? kTellingTint : kTints[next_tint++ % std::size(kTints)];
+    shade.colour = shade.name == affected ? kStrongTint : kTints[next_tint++ % std::size(kTints)];
   return shades;
 }
 
@@ -234,7 +234,7 @@ std::string shares_figure(const GapFinding& finding) {
   chart.series = {{"share of time", "#9aa5ae"}, {"share of excess error", "#005fa8"}};
   for (const GapRegime& regime : finding.where) {
     if (chart.rows.size() == kRegimesInBars) break;
-    chart.rows.push_back({regime_words(regime.name, finding.force_drive),
+    chart.rows.push_back({regime_label(regime.name, finding.force_drive),
                           {100 * regime.share_of_time, 100 * regime.share_of_excess_error}});
   }
   return render(chart);
@@ -266,7 +266,7 @@ std::string overlay_figure(const GapFinding& finding) {
 
 std::string shape_figure(const ResidualShape& shape) {
   if (shape.at.size() < 2 || shape.mean.size() != shape.at.size()) return {};
-  const std::string quantity = name_words(shape.quantity);
+  const std::string quantity = readable_name(shape.quantity);
   Chart chart;
   chart.title = "Mean residual against " + quantity;
   chart.description = "Measured minus model, averaged over all moments with the same " + quantity + ".";

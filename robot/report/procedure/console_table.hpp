@@ -1,6 +1,6 @@
-// The table the command prints after a run: patient and series, target, layers, stages, margins, verdict
-// last. Plain UTF-8 text; with `colour` (a terminal) headings are bold and alarms red. Text from outside
-// cannot move the cursor.
+// The table that a command prints after a run: patient and series, target, layers, steps, margins, verdict
+// last. Plain UTF-8 text; with `colour` (a terminal) headings are bold and alarms red. Text from files cannot
+// move the cursor.
 #pragma once
 
 #include <string>

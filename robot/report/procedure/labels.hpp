@@ -1,4 +1,4 @@
-// The words people and files use for the enumerations of the messages.
+// The names that people and files use for the enumerations of the messages.
 #pragma once
 
 #include <string_view>
@@ -7,11 +7,11 @@
 
 namespace biopsy::report {
 
-std::string_view word(Outcome outcome);
-std::string_view word(Mode mode);
-std::string_view word(StopCategory stop);
-std::string_view word(GateVerdict verdict);
-std::string_view word(StepKind kind);
-std::string_view word(DepthVerdict verdict);
+std::string_view label(Outcome outcome);
+std::string_view label(Mode mode);
+std::string_view label(StopCategory stop);
+std::string_view label(GateVerdict verdict);
+std::string_view label(StepKind kind);
+std::string_view label(DepthVerdict verdict);
 
 }  // namespace biopsy::report

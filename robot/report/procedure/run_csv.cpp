@@ -14,8 +14,7 @@ namespace {
 
 constexpr const char* kSimulatedHeader =
     "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,setpoint_mm,tip_mm,envelope_kV,monitor_kV,mode,"
-    "stop,stage,"
-    "gate\n";
+    "stop,stage,gate\n";
 constexpr const char* kMeasuredHeader =
     "time_s,voltage_V,displacement_mm,current_uA,setpoint_mm,envelope_kV,monitor_kV,mode,stop,stage,gate\n";
 
@@ -35,9 +34,9 @@ double nA(float microamperes) {
 
 using Rows = fmt::memory_buffer;
 
-void append_words(Rows& rows, const Sample& s) {
-  fmt::format_to(std::back_inserter(rows), FMT_COMPILE("{},{},{},{}\n"), word(s.mode), word(s.stop),
-                 s.stage + 1, word(s.verdict));
+void append_labels(Rows& rows, const Sample& s) {
+  fmt::format_to(std::back_inserter(rows), FMT_COMPILE("{},{},{},{}\n"), label(s.mode), label(s.stop),
+                 s.stage + 1, label(s.verdict));
 }
 
 void append_simulated(Rows& rows, const Sample& s) {
@@ -45,14 +44,14 @@ void append_simulated(Rows& rows, const Sample& s) {
                  FMT_COMPILE("{:.3f},{:.3f},{:.5f},{:.5f},{:.3f},{:.5f},{:.5f},{:.6f},{:.6f},"),
                  s.time_ms * 1e-3, mV(s.drive_kV) * 1e3, um10(s.depth_mm), um10(s.plate_b_mm),
                  nA(s.current_uA), um10(s.setpoint_mm), um10(s.tip_mm), mV(s.envelope_kV), mV(s.monitor_kV));
-  append_words(rows, s);
+  append_labels(rows, s);
 }
 
 void append_measured(Rows& rows, const Sample& s) {
   fmt::format_to(std::back_inserter(rows), FMT_COMPILE("{:.3f},{:.3f},{:.5f},{:.3f},{:.5f},{:.6f},{:.6f},"),
                  s.time_ms * 1e-3, mV(s.drive_kV) * 1e3, um10(s.depth_mm), nA(s.current_uA),
                  um10(s.setpoint_mm), mV(s.envelope_kV), mV(s.monitor_kV));
-  append_words(rows, s);
+  append_labels(rows, s);
 }
 
 }  // namespace

@@ -6,23 +6,17 @@
 #include <array>
 
 #include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/figure_svg.hpp"
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
 
 namespace biopsy::report {
 namespace {
 
 constexpr const char* kStyle = R"css(
-.verdict .sentence { font-size: 1.3rem; line-height: 1.35; font-weight: bold; }
-.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(380px, 1fr)); gap: 10px 16px; align-items: end; }
-.panels figure { margin: 0; }
 td.n, th.n { padding: 3px 0 3px 6px; font-size: .82rem; } th.n { white-space: normal; }
 tr.paper td { background: #f3ead9; font-weight: bold; }
 p, li { max-width: 62em; }
-@media print { .panels { grid-template-columns: 1fr 1fr; }
-  tr.paper td { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
+@media print { tr.paper td { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
 )css";
 
 struct Column {
@@ -47,32 +41,26 @@ constexpr std::array<Column, 13> kDesignColumns{
      {"strain, %", 0,
       [](const DesignedStack& s) { return 100.0 * s.figures.stroke_mm / s.figures.height_mm; }}}};
 
-std::string table_row(const std::string& name, const DesignedStack& stack, bool paper) {
-  std::string html = std::string(paper ? "<tr class=\"paper\">" : "<tr>") + markup::text_cell(name);
+std::string table_row(const std::string& name, const DesignedStack& stack, const char* css_class = "") {
+  std::vector<std::string> cells{markup::text_cell(name)};
   for (const Column& column : kDesignColumns)
-    html += markup::number_cell(fixed(column.value(stack), column.decimals));
-  return html + "</tr>\n";
+    cells.push_back(markup::number_cell(column.value(stack), column.decimals));
+  return markup::row(cells, css_class);
 }
 
 std::string designs_table(const DesignStudy& study) {
   std::vector<std::string> headings{"design"};
   for (const Column& column : kDesignColumns) headings.push_back(std::string(">") + column.heading);
-  std::string rows = table_row("the paper's", study.paper, true);
-  for (std::size_t i = 0; i < study.best.size(); ++i)
-    rows += table_row(fmt::format("{}", i + 1), study.best[i], false);
+  std::string rows = table_row("the paper's", study.paper, "paper");
+  for (std::size_t i = 0; i < study.best.size(); ++i) rows += table_row(std::to_string(i + 1), study.best[i]);
   return markup::table("Margin: the film's guaranteed strength over the peak field", headings, rows);
 }
 
-std::string list(const std::vector<std::string>& items) {
-  std::string html = "<ul>\n";
-  for (const std::string& item : items) html += "<li>" + escaped(item) + "</li>\n";
-  return html + "</ul>\n";
-}
-
-std::string paper_says(const DesignStudy& study) {
-  if (study.paper.broken.empty()) return "<p>✓ The paper's own design meets every demand.</p>\n";
-  return "<p class=\"alarm\">■ The paper's own design does not meet every demand:</p>\n" +
-         list(study.paper.broken);
+std::string paper_result(const DesignStudy& study) {
+  if (study.paper.broken.empty())
+    return markup::paragraph("✓ The paper's own design meets every requirement.");
+  return markup::alarm("The paper's own design does not meet every requirement:") +
+         markup::list(study.paper.broken);
 }
 
 bool no_worse(const StackFigures& a, const StackFigures& b) {
@@ -81,31 +69,30 @@ bool no_worse(const StackFigures& a, const StackFigures& b) {
 }
 
 std::string sentence(const DesignStudy& study) {
-  if (study.best.empty()) return fmt::format("None of {} designs meets every demand.", study.evaluated);
+  if (study.best.empty()) return fmt::format("None of {} designs meets every requirement.", study.evaluated);
   const auto better = std::count_if(study.best.begin(), study.best.end(), [&](const DesignedStack& stack) {
     return no_worse(stack.figures, study.paper.figures);
   });
   return fmt::format(
-      "{} designs that none beats in everything, of {} tried; {} of them as good as the paper's in "
-      "everything.",
+      "{} Pareto-optimal designs of {} evaluated; {} of them at least as good as the paper's in "
+      "every figure.",
       study.best.size(), study.evaluated, better == 0 ? "none" : std::to_string(better));
 }
 
 }  // namespace
 
 std::string design_html(const DesignStudy& study) {
-  std::string panels = "<div class=\"panels\">\n";
-  for (const FigurePanel& panel : study.panels) panels += "<figure>\n" + figure_svg(panel) + "\n</figure>\n";
-  panels += "</div>\n";
-  return markup::page_head("Design study", kStyle) +
-         "<body>\n<main>\n<h1>Design study of the stack</h1>\n"
-         "<section class=\"verdict\">\n<p class=\"sentence\">" +
-         escaped(sentence(study)) + "</p>\n" + paper_says(study) + "<p>Scaled from " + escaped(study.model) +
-         "; everything is simulated.</p>\n</section>\n" +
-         markup::section("What can be had for what", panels) +
-         markup::section("Designs", designs_table(study)) +
-         markup::section("What is demanded, and why", list(study.demands)) +
-         markup::section("What is assumed", list(study.assumed)) + "</main>\n</body>\n</html>\n";
+  std::vector<std::string> panels;
+  for (const FigurePanel& panel : study.panels) panels.push_back(figure_svg(panel));
+  return markup::page(
+      {.title = "Design study", .heading = "Design study of the stack", .style = kStyle},
+      markup::verdict_section("", sentence(study),
+                              paper_result(study) + markup::paragraph("Scaled from " + study.model +
+                                                                      "; everything is simulated.")) +
+          markup::section("Trade-offs", markup::panels(panels)) +
+          markup::section("Designs", designs_table(study)) +
+          markup::section("Requirements and their reasons", markup::list(study.demands)) +
+          markup::section("Assumptions", markup::list(study.assumed)));
 }
 
 std::string design_console(const DesignStudy& study) {

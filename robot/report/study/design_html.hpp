@@ -1,5 +1,5 @@
-// A design study as a page, as design.json, and as lines for a terminal: the unbeaten designs, the paper's
-// own beside them, every demand with its reason, and what is assumed. Loads nothing, runs no script.
+// A design study as a page, as design.json, and as lines for a terminal: the Pareto-optimal designs, the
+// paper's own beside them, every requirement with its reason, and the assumptions.
 #pragma once
 
 #include <filesystem>

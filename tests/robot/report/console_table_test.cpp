@@ -61,7 +61,7 @@ TEST(ConsoleTable, APlanThatWasNeverRunDoesNotClaimToBeCompleted) {
   record.outcome = Outcome::Completed;
   record.plan = example_run().plan;
   EXPECT_EQ(last_line(console_table(record, false)),
-            "Planned, not run: target 3.50 mm in liver, 2 stages. Nothing moved.");
+            "Planned, not run: target 3.50 mm in liver, 2 steps. Nothing moved.");
 }
 
 TEST(OutsideText, KeepsLettersOfEveryAlphabet) {

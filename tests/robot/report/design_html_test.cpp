@@ -34,7 +34,7 @@ TEST(DesignHtml, ShowsEveryDesignThePapersFirstAndHowManyAreNoWorseInAnything) {
   EXPECT_EQ(count_of(html, "<tr class=\"paper\">"), 1U);
   EXPECT_LT(html.find("<tr class=\"paper\">"), html.find("<td>1</td>"));
   EXPECT_NE(html.find("<td>2</td>"), std::string::npos);
-  EXPECT_NE(html.find("2 designs that none beats in everything, of 100 tried; 1 of them"), std::string::npos);
+  EXPECT_NE(html.find("2 Pareto-optimal designs of 100 evaluated; 1 of them"), std::string::npos);
   EXPECT_NE(html.find("Stroke &amp; push"), std::string::npos);
   EXPECT_EQ(count_of(html, "class=\"panel\""), 1U);
 }

@@ -4,9 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/report/study/paper_score.hpp"
-#include "robot/report/study/reproduction_console.hpp"
-#include "robot/report/study/reproduction_html.hpp"
-#include "robot/report/study/reproduction_json.hpp"
 #include "robot/report/study/reproduction_report.hpp"
 #include "tests/count_of.hpp"
 #include "tests/robot/report/reproduction_example.hpp"
