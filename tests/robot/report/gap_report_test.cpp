@@ -156,7 +156,7 @@ TEST(GapWords, NamesAreWordsForPeople) {
   EXPECT_EQ(effect_quantity("speed_mm_s").unit, "mm/s");
   EXPECT_EQ(effect_quantity("coulomb_N_per_mm").unit, "N/mm");
   EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").unit, "N s/m/mm");
-  EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").words, "viscous");
+  EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").label, "viscous");
   EXPECT_EQ(effect_quantity("coefficient_N_s2_per_m2").unit, "N s²/m²");
   EXPECT_EQ(effect_quantity("rate_um_per_s").unit, "µm/s");
   EXPECT_EQ(effect_quantity("gain").unit, "");
