@@ -263,7 +263,7 @@ TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
 }
 
 TEST(Documents, TellEveryHazardWithItsStopAndTime) {
-  const std::string safety_page = prose_of("reference/safety.md");
+  const std::string safety_page = prose_of("reference/supervisor.md");
   for (const safety::HazardFacts& facts : safety::kHazardTable) {
     const std::string id(facts.name.substr(0, 4)), sentence(facts.name.substr(5));
     const std::string stop = facts.stop == StopCategory::C0Off    ? "C0"
@@ -298,7 +298,7 @@ TEST(Documents, TellTheThresholdsOfTheDepthCheck) {
 }
 
 TEST(Documents, TellEveryStateAndWayBetweenThem) {
-  const std::string safety_page = prose_of("reference/safety.md");
+  const std::string safety_page = prose_of("reference/supervisor.md");
   for (const safety::Transition& way : safety::kTransitions) {
     const std::string row = row_of(safety_page, std::string(safety::name_of(way.from)));
     const std::string cell =

@@ -26,7 +26,7 @@ struct Corruptors {
   std::function<void(safety::SupervisorInput&)> input;    // inside of it
   std::function<void(DriveRequest&)> request;             // inside the controller
   std::function<void(robot::Delivery&)> delivery;         // on the way to the gate
-  // Whether this sample shows the fault by the limit that docs/reference/safety.md states. Empty: every one
+  // Whether this sample shows the fault by the limit that docs/reference/supervisor.md states. Empty: every one
   // does.
   std::function<bool(const Sight&)> shows;
 };
