@@ -1,13 +1,13 @@
 // The bottom bar, always there: Arm, Hold to insert, Retract, Reset and, bottom right, STOP.
 import type { Button } from './generated/messages'
-import { held, letGo, press } from './hold'
-import { ask } from './link'
-import { refused, state, whyNot } from './robot'
+import { held, release, press } from './hold'
+import { send } from './link'
+import { refused, state, disabledReason } from './robot'
 
-// Pressed by pointer or key, acts while held; a key that repeats is the same press.
+// Pressed by pointer or key, acts while held; key repeats belong to the same press.
 function HoldButton(props: { button: Button; name: string; why: string }) {
   const start = () => props.why === '' && press(props.button)
-  const stop = () => held.value === props.button && letGo()
+  const stop = () => held.value === props.button && release()
   const isKey = (event: KeyboardEvent) => event.key === ' ' || event.key === 'Enter'
   return (
     <div class="act">
@@ -23,7 +23,7 @@ function HoldButton(props: { button: Button; name: string; why: string }) {
         onPointerUp={stop}
         onPointerCancel={stop}
         onLostPointerCapture={stop}
-        onPointerLeave={stop} // of a pointer that was never caught
+        onPointerLeave={stop} // of a pointer that was not captured
         onContextMenu={(event) => event.preventDefault()}
         onBlur={stop}
         onKeyDown={(event) => {
@@ -51,12 +51,12 @@ function Click(props: { name: string; why: string; act: () => void }) {
   )
 }
 
-const stop = () => void ask({ type: 'Stop' })
+const stop = () => void send({ type: 'Stop' })
 
 window.addEventListener('keydown', (event) => {
   if (event.key !== 'Escape' || event.repeat) return
   event.preventDefault()
-  letGo()
+  release()
   stop()
 })
 
@@ -67,18 +67,18 @@ function armName(): string {
   return 'Arm (hold 2 s)'
 }
 
-export function Acts() {
+export function ActionBar() {
   const no = state.value?.disabled
-  const common = whyNot.value
+  const common = disabledReason.value
   return (
     <footer class="acts">
       <HoldButton button="Arm" name={armName()} why={common || no?.arm || ''} />
       <HoldButton button="Insert" name="Hold to insert" why={common || no?.insert || ''} />
-      <Click name="Retract" why={common || no?.retract || ''} act={() => void ask({ type: 'Retract' })} />
-      <Click name="Reset" why={common || no?.reset || ''} act={() => void ask({ type: 'Reset' })} />
+      <Click name="Retract" why={common || no?.retract || ''} act={() => void send({ type: 'Retract' })} />
+      <Click name="Reset" why={common || no?.reset || ''} act={() => void send({ type: 'Reset' })} />
       <div class="refusal" role="status">
         {state.value && !state.value.controlled && (
-          <button onClick={() => void ask({ type: 'TakeControl' })}>Take control</button>
+          <button onClick={() => void send({ type: 'TakeControl' })}>Take control</button>
         )}
         {refused.value && (
           <span data-name="refused">
@@ -89,7 +89,7 @@ export function Acts() {
       <div class="stopping">
         <button
           onPointerDown={() => {
-            letGo()
+            release()
             stop()
           }}
           onKeyDown={(event) => (event.key === ' ' || event.key === 'Enter') && !event.repeat && stop()}

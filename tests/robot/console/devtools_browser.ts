@@ -1,5 +1,5 @@
-// A browser without the test tool in it: the tool tells each of its pages that it is in view and has the keyboard,
-// whatever lies in front of it. ProcessResult to by the DevTools protocol over a pipe.
+// A browser without Playwright, which reports each of its pages as visible and focused whatever is in front of it.
+// Driven by the DevTools protocol over a pipe.
 import { type ChildProcess, spawn } from 'node:child_process'
 import { mkdtempSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
@@ -10,7 +10,7 @@ import { pause } from './robot'
 
 const kPatience_ms = 60_000
 
-export class PlainBrowser {
+export class DevtoolsBrowser {
   private folder = mkdtempSync(join(tmpdir(), 'biopsy-browser-'))
   private browser: ChildProcess
   private waiting = new Map<number, { done: (result: any) => void; failed: (error: Error) => void }>()
@@ -19,9 +19,9 @@ export class PlainBrowser {
   private session = ''
 
   constructor() {
-    const words = ['--headless=new', '--no-sandbox', '--no-first-run', '--remote-debugging-pipe', '--window-size=1920,1200',
+    const args = ['--headless=new', '--no-sandbox', '--no-first-run', '--remote-debugging-pipe', '--window-size=1920,1200',
                    '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', `--user-data-dir=${this.folder}`]
-    this.browser = spawn(process.env.CHROMIUM ?? '/usr/bin/chromium', [...words, 'about:blank'],
+    this.browser = spawn(process.env.CHROMIUM ?? '/usr/bin/chromium', [...args, 'about:blank'],
                          { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] })
     let text = ''
     this.browser.stdio[4]!.on('data', (bytes: Buffer) => {
@@ -29,31 +29,31 @@ export class PlainBrowser {
       const messages = text.split('\0')
       text = messages.pop()!
       for (const { id, result, error } of messages.map((one) => JSON.parse(one))) {
-        const asked = this.waiting.get(id)
-        if (error) asked?.failed(new Error(error.message))
-        else asked?.done(result)
+        const pending = this.waiting.get(id)
+        if (error) pending?.failed(new Error(error.message))
+        else pending?.done(result)
       }
     })
   }
   async close(): Promise<void> {
     const ended = new Promise((resolve) => this.browser.once('exit', resolve))
-    await this.ask('Browser.close')
+    await this.call('Browser.close')
     await ended
     rmSync(this.folder, { recursive: true, force: true, maxRetries: 5 })
   }
 
   async open(url: string): Promise<void> {
-    const { targetInfos } = await this.ask('Target.getTargets')
+    const { targetInfos } = await this.call('Target.getTargets')
     this.tab = targetInfos.find((one: { type: string }) => one.type === 'page').targetId
-    this.session = (await this.ask('Target.attachToTarget', { targetId: this.tab, flatten: true })).sessionId
-    await this.ask('Page.navigate', { url }, this.session)
+    this.session = (await this.call('Target.attachToTarget', { targetId: this.tab, flatten: true })).sessionId
+    await this.call('Page.navigate', { url }, this.session)
   }
   // Another tab of the same window.
   async openOtherTab(): Promise<void> {
-    await this.ask('Target.createTarget', { url: 'about:blank' })
+    await this.call('Target.createTarget', { url: 'about:blank' })
   }
   async bringBack(): Promise<void> {
-    await this.ask('Target.activateTarget', { targetId: this.tab })
+    await this.call('Target.activateTarget', { targetId: this.tab })
   }
   async pressMouseOn(text: string): Promise<void> {
     const place = `[...document.querySelectorAll('button')].find((one) => one.textContent === '${text}').getBoundingClientRect()`
@@ -63,17 +63,17 @@ export class PlainBrowser {
   releaseMouse = () => this.mouse('mouseReleased', 0, 0)
 
   async value<T>(expression: string): Promise<T> {
-    return (await this.ask('Runtime.evaluate', { expression, returnByValue: true }, this.session)).result.value
+    return (await this.call('Runtime.evaluate', { expression, returnByValue: true }, this.session)).result.value
   }
   async until(expression: string): Promise<void> {
     for (const from = Date.now(); (await this.value(expression)) !== true; await pause(20))
-      if (Date.now() - from > kPatience_ms) throw new Error(`never so: ${expression}`)
+      if (Date.now() - from > kPatience_ms) throw new Error(`timed out: ${expression}`)
   }
 
   private mouse(type: string, x: number, y: number): Promise<any> {
-    return this.ask('Input.dispatchMouseEvent', { type, x, y, button: 'left', clickCount: 1 }, this.session)
+    return this.call('Input.dispatchMouseEvent', { type, x, y, button: 'left', clickCount: 1 }, this.session)
   }
-  private ask(method: string, params: object = {}, sessionId?: string): Promise<any> {
+  private call(method: string, params: object = {}, sessionId?: string): Promise<any> {
     const id = ++this.last
     ;(this.browser.stdio[3] as Writable).write(JSON.stringify({ id, method, params, sessionId }) + '\0')
     return new Promise((done, failed) => this.waiting.set(id, { done, failed }))
