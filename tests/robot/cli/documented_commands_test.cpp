@@ -85,7 +85,7 @@ class Document : public testing::TestWithParam<fs::path> {
   // A copy of what the documents speak of: the examples and the models, as they lie in the repository.
   void SetUp() override {
     fs::remove_all(folder_);
-    fs::create_directories(folder_ / "docs");
+    fs::create_directories(folder_ / "docs/reference");  // biopsy effects --markdown writes there
     fs::create_directories(folder_ / "sim");
     fs::copy(kHouse / "docs/examples", folder_ / "docs/examples", fs::copy_options::recursive);
     fs::copy(kHouse / "sim/models", folder_ / "sim/models", fs::copy_options::recursive);
