@@ -7,7 +7,7 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/case.hpp"
-#include "robot/report/study/design_html.hpp"
+#include "robot/report/study/design_report.hpp"
 #include "sim/paper/design/design_study.hpp"
 #include "sim/plant/model_file.hpp"
 

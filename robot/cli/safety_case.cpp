@@ -15,7 +15,6 @@
 #include "robot/common/progress.hpp"
 #include "robot/common/subprocess.hpp"
 #include "robot/procedure/case.hpp"
-#include "robot/report/safety_case/argument.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/finding_json.hpp"
 #include "robot/report/safety_case/gaps.hpp"

@@ -1,4 +1,4 @@
-// From the robot's values to what the page is told.
+// Events for the page, from the robot's values.
 #pragma once
 
 #include <console_messages.hpp>  // generated from robot/msg/console.idl
@@ -11,9 +11,10 @@ namespace biopsy::robot {
 
 console::events::Series series_of(const Volume& image);
 
-// The points that are set, and what the planner made of them; `prepared.plan` counts only where both are.
+// The points that are set, and the plan or its refusal; `prepared.plan` is used only where both points are
+// set.
 console::events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
-                                  const std::optional<Point>& p_ST, bool confirmed);
+                                    const std::optional<Point>& p_ST, bool confirmed);
 
 console::events::Checked checked_of(std::size_t stage, const report::StepResult& result);
 

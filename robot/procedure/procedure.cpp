@@ -7,8 +7,7 @@
 #include "robot/common/typed_point.hpp"
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/procedure/provenance.hpp"
-#include "robot/report/procedure/console_table.hpp"
-#include "robot/report/procedure/report_folder.hpp"
+#include "robot/report/procedure/report.hpp"
 
 namespace biopsy::robot {
 

@@ -6,7 +6,6 @@
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/common/text_layout.hpp"
-#include "robot/report/gap/gap_candidates.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/gap/gap_report.hpp"
 #include "robot/report/gap/gap_sections.hpp"

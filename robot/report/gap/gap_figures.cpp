@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/plot/svg_bars.hpp"
@@ -28,21 +27,6 @@ constexpr std::size_t kManySpans = 25;  // beyond this a shaded run is a blur an
 constexpr double kCloser = 0.1;         // share of the run
 constexpr std::size_t kRegimesInBars = 5;
 
-struct Range {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-
-  void include(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  Range widened() const {
-    if (!(high >= low)) return {0, 1};
-    const double room = high > low ? 0.06 * (high - low) : std::max(0.1 * std::abs(high), 1e-3);
-    return {low - room, high + room};
-  }
-};
-
 using Values = std::vector<double>;
 
 Values residual(const GapTrace& trace, const Values& model) {
@@ -66,20 +50,6 @@ ChartLine line(const Chart& chart, const Values& time, const Values& values, std
     if (time[i] >= chart.x_low && time[i] <= chart.x_high) points.push_back({time[i], values[i]});
   drawn.points = decimated(points, chart.x_low, chart.x_high, kGapColumns);
   return drawn;
-}
-
-ChartPanel panel(std::string y_title, double height, std::vector<ChartLine> lines) {
-  ChartPanel made;
-  made.y_title = std::move(y_title);
-  made.height_px = height;
-  Range range;
-  for (const ChartLine& drawn : lines)
-    for (const Vertex& v : drawn.points) range.include(v.y);
-  range = range.widened();
-  made.y_low = range.low;
-  made.y_high = range.high;
-  made.lines = std::move(lines);
-  return made;
 }
 
 Chart over_time(const GapTrace& trace) {
@@ -140,11 +110,11 @@ Chart where_chart(const GapFinding& finding, const GapTrace& trace, const ChartS
   chart.x_low = span.x_from;
   chart.x_high = span.x_to;
   const bool force = finding.force_drive;
-  chart.panels = {
-      panel(force ? "Force (N)" : "Input (kV)", kInput_px,
-            {line(chart, trace.time, trace.input, "", kMeasured)}),
-      panel("Residual (mm)", kResidual_px,
-            {line(chart, trace.time, residual(trace, trace.before), "measured − old model", kMeasured)})};
+  chart.panels = {autoscaled_panel(force ? "Force (N)" : "Input (kV)", kInput_px,
+                                   {line(chart, trace.time, trace.input, "", kMeasured)}),
+                  autoscaled_panel("Residual (mm)", kResidual_px,
+                                   {line(chart, trace.time, residual(trace, trace.before),
+                                         "measured − old model", kMeasured)})};
   add_noise_levels(chart.panels[1], finding.noise_floor);
   chart.shades = shades_of(finding, trace, chart);
   return chart;
@@ -258,8 +228,8 @@ std::string overlay_figure(const GapFinding& finding) {
     displacement.push_back(line(chart, time, trace->after, "new model", kNewModel));
     gaps.push_back(line(chart, time, residual(*trace, trace->after), "measured − new model", kNewModel));
   }
-  chart.panels = {panel("Displacement (mm)", kDisplacement_px, std::move(displacement)),
-                  panel("Residual (mm)", kResidual_px, std::move(gaps))};
+  chart.panels = {autoscaled_panel("Displacement (mm)", kDisplacement_px, std::move(displacement)),
+                  autoscaled_panel("Residual (mm)", kResidual_px, std::move(gaps))};
   add_noise_levels(chart.panels[1], finding.noise_floor);
   return render(chart);
 }
@@ -274,12 +244,12 @@ std::string shape_figure(const ResidualShape& shape) {
   chart.note = percent_text(shape.share_explained) + " of the residual's variance";
   chart.x_low = shape.at.front();
   chart.x_high = std::max(shape.at.back(), chart.x_low + 1e-12);
-  chart.panels = {
-      panel("Mean (mm)", 150, {line(chart, shape.at, shape.mean, "mean of measured − model", kNewModel)})};
+  chart.panels = {autoscaled_panel(
+      "Mean (mm)", 150, {line(chart, shape.at, shape.mean, "mean of measured − model", kNewModel)})};
   chart.panels[0].levels = {{0, "0"}};
   if (shape.count.size() == shape.at.size()) {
-    chart.panels.push_back(
-        panel("Count", 60, {line(chart, shape.at, shape.count, "measurements behind each mean", kMeasured)}));
+    chart.panels.push_back(autoscaled_panel(
+        "Count", 60, {line(chart, shape.at, shape.count, "measurements behind each mean", kMeasured)}));
     chart.panels.back().y_low = 0;
   }
   return render(chart);

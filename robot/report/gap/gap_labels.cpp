@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <tuple>
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/text_layout.hpp"
@@ -113,6 +114,16 @@ bool known(double std) {
   return std::isfinite(std) && std > 0;
 }
 
+// What is not known counts as the worst, so that the order is one.
+double or_worst(double value) {
+  return std::isfinite(value) ? value : std::numeric_limits<double>::max();
+}
+
+auto rank(const GapCandidate& c) {
+  return std::tuple(c.round, !c.chosen, !c.fitted, or_worst(-c.probability), or_worst(c.held_out_rmse),
+                    or_worst(-c.score));
+}
+
 }  // namespace
 
 std::string_view label(GapVerdict verdict) {
@@ -194,6 +205,12 @@ std::string percent_text(double share) {
   const double percent = 100.0 * share;
   const bool fine = std::abs(percent) < 10 || (percent > 99 && percent < 100);
   return fixed(percent, fine ? 1 : 0, "%");
+}
+
+std::vector<GapCandidate> ranked_candidates(std::vector<GapCandidate> candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const GapCandidate& a, const GapCandidate& b) { return rank(a) < rank(b); });
+  return candidates;
 }
 
 }  // namespace biopsy::report

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sim/gap/gap_finding.hpp"
 
@@ -17,6 +18,10 @@ std::string explanation_label(std::string_view name);
 // "after_reversal" -> "after a polarity reversal"; of the motion where a force drives.
 std::string regime_label(std::string_view name, bool force_drive = false);
 std::string candidate_label(const GapCandidate& candidate);
+
+// In reading order: by round; in it the chosen one, then the fitted ones by probability and held-out RMSE,
+// then the others by score.
+std::vector<GapCandidate> ranked_candidates(std::vector<GapCandidate> candidates);
 
 // A parameter's label, the unit in which people read it, and how many of that unit are one unit of the file.
 struct ReadableQuantity {

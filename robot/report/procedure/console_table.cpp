@@ -1,5 +1,3 @@
-#include "robot/report/procedure/console_table.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "robot/common/sanitize_text.hpp"
 #include "robot/common/text_layout.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {

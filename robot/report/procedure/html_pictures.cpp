@@ -10,7 +10,6 @@
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
-#include "robot/report/procedure/run_figure.hpp"
 
 namespace biopsy::report {
 namespace {

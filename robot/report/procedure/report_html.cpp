@@ -1,13 +1,11 @@
-#include "robot/report/procedure/report_html.hpp"
-
 #include <fmt/format.h>
 
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
@@ -77,10 +75,6 @@ std::string report_html(const RunRecord& record) {
                                 images_section(record) + figure_section(record) + stages_section(record) +
                                 checks_section(record) + limits_section(record) + trips_section(record) +
                                 provenance_section(record));
-}
-
-void save_report_html(const RunRecord& record, const std::filesystem::path& path) {
-  atomic_write(path, report_html(record));
 }
 
 }  // namespace biopsy::report

@@ -1,11 +1,9 @@
-#include "robot/report/procedure/report_json.hpp"
-
 #include <cmath>
 
-#include "robot/common/files/whole_file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/report/markup/json_values.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
@@ -128,10 +126,6 @@ std::string report_json(const RunRecord& record) {
   report["provenance"] = Json::object();
   for (const auto& [name, value] : record.provenance) report["provenance"][name] = value;
   return json_file(report);
-}
-
-void save_report_json(const RunRecord& record, const std::filesystem::path& path) {
-  atomic_write(path, report_json(record));
 }
 
 }  // namespace biopsy::report

@@ -1,5 +1,3 @@
-#include "robot/report/procedure/run_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/report/plot/svg_chart.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::report {

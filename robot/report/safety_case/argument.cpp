@@ -1,10 +1,9 @@
-#include "robot/report/safety_case/argument.hpp"
-
 #include <fmt/format.h>
 
 #include <set>
 
 #include "robot/common/text_layout.hpp"
+#include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 
 namespace biopsy::safety_case {

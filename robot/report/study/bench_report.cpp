@@ -33,17 +33,9 @@ std::string outcome_of(const BenchRunRecord& run) {
 
 ChartPanel panel_of(const BenchRunRecord& run, const std::string& title, const std::vector<double>& values,
                     double height) {
-  ChartPanel panel;
-  panel.y_title = title;
-  panel.height_px = height;
   std::vector<Vertex> points;
   for (std::size_t i = 0; i < values.size(); ++i) points.push_back({run.time_s[i], values[i]});
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double room = std::max(0.06 * (*high - *low), 1e-3);
-  panel.y_low = *low - room;
-  panel.y_high = *high + room;
-  panel.lines = {{"", {}, decimated(points, 0.0, seconds_of(run), kBenchColumns)}};
-  return panel;
+  return autoscaled_panel(title, height, {{"", {}, decimated(points, 0.0, seconds_of(run), kBenchColumns)}});
 }
 
 std::string picture_of(const BenchRunRecord& run) {

@@ -1,5 +1,3 @@
-#include "robot/report/procedure/console_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,7 +7,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/procedure/report_folder.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "tests/robot/report/example_run.hpp"
 
 namespace biopsy::report {

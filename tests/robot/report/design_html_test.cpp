@@ -1,10 +1,9 @@
-#include "robot/report/study/design_html.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "robot/report/study/design_report.hpp"
 #include "tests/count_of.hpp"
 #include "tests/scratch_folder.hpp"
 

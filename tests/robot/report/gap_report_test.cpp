@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "robot/common/config_error.hpp"
-#include "robot/report/gap/gap_candidates.hpp"
 #include "robot/report/gap/gap_diff.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "tests/robot/report/gap_example.hpp"

@@ -1,11 +1,10 @@
-#include "robot/report/procedure/report_html.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
 #include <set>
 
+#include "robot/report/procedure/report.hpp"
 #include "tests/count_of.hpp"
 #include "tests/robot/report/example_run.hpp"
 #include "tests/robot/report/html_balance.hpp"

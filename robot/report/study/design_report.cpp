@@ -1,12 +1,14 @@
-#include "robot/report/study/design_html.hpp"
+#include "robot/report/study/design_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
+#include "robot/common/files/whole_file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
+#include "robot/report/markup/json_values.hpp"
 #include "robot/report/plot/figure_svg.hpp"
 
 namespace biopsy::report {
@@ -79,6 +81,24 @@ std::string sentence(const DesignStudy& study) {
       study.best.size(), study.evaluated, better == 0 ? "none" : std::to_string(better));
 }
 
+Json stack_json(const DesignedStack& stack) {
+  const StackDesign& d = stack.design;
+  const StackFigures& f = stack.figures;
+  return {{"oil_mL", json_number(d.oil_mL)},
+          {"side_mm", json_number(d.side_mm)},
+          {"film_um", json_number(d.film_um)},
+          {"pouches", json_number(d.pouches)},
+          {"spring_N_per_mm", json_number(d.spring_N_per_mm)},
+          {"drive_kV", json_number(d.drive_kV)},
+          {"stroke_mm", json_number(f.stroke_mm)},
+          {"ripple_mm", json_number(f.ripple_mm)},
+          {"bandwidth_Hz", json_number(f.bandwidth_Hz)},
+          {"field_V_per_um", json_number(f.field_V_per_um)},
+          {"breakdown_margin", json_number(f.breakdown_margin)},
+          {"height_mm", json_number(f.height_mm)},
+          {"broken", stack.broken}};
+}
+
 }  // namespace
 
 std::string design_html(const DesignStudy& study) {
@@ -109,6 +129,22 @@ std::string design_console(const DesignStudy& study) {
   text += "\n\n" + sentence(study) + "\n";
   for (const std::string& broken : study.paper.broken) text += "the paper's own: " + broken + "\n";
   return text;
+}
+
+std::string design_json(const DesignStudy& study) {
+  return json_file({{"model", study.model},
+                    {"paper", stack_json(study.paper)},
+                    {"best", json_list(study.best, stack_json)},
+                    {"demands", study.demands},
+                    {"assumed", study.assumed},
+                    {"evaluated", study.evaluated},
+                    {"seconds", study.seconds}});
+}
+
+void save_design(const DesignStudy& study, const std::filesystem::path& folder) {
+  atomic_write(folder / "report.html", design_html(study));
+  atomic_write(folder / "design.json",
+               design_json(study));  // last: its presence means that the rest is there
 }
 
 }  // namespace biopsy::report
