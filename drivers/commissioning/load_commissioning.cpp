@@ -11,7 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kAnew = "take the stage into service: biopsy commission (docs/hardware.md)";
+constexpr const char* kAnew =
+    "take the stage into service: biopsy commission (docs/how-to/commission-a-stage.md)";
 // A record of tomorrow is a clock that was set wrong, now or then; an hour is a time zone's slip.
 constexpr std::chrono::hours kAhead{1};
 

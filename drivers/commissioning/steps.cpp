@@ -150,7 +150,7 @@ std::vector<Step> listed() {
       {"wiring at 0 V",
        "Patient and needle are away. The amplifier's high voltage is OFF. Laser, monitors, command and "
        "interlock are "
-       "connected as docs/hardware.md shows. The plate rests.",
+       "connected as docs/how-to/commission-a-stage.md shows. The plate rests.",
        {{"laser readings that are valid", "1", 0.999, 1.0, "three missing in a row end every motion (R-20)"},
         {"scatter of the laser", "mm", 0.0, 0.03, "depth is promised to 0.1 mm: a third of it"},
         {"fewest different laser codes in 20 ms", "1", 2.0, 20.0,

@@ -1,4 +1,5 @@
-// How sensors and amplifier are wired to the board and what their volts mean (TOML; docs/hardware.md).
+// How sensors and amplifier are wired to the board and what their volts mean (TOML;
+// docs/how-to/commission-a-stage.md).
 #pragma once
 
 #include <cstdint>

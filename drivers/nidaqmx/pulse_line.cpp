@@ -10,7 +10,7 @@ namespace {
 SupervisorPulse wired_in(const Config& config) {
   if (!config.supervisor_pulse)
     throw ConfigError("the supervisor has no line to its half of the interlock", "[supervisor_pulse]",
-                      "wire one from a second board and name it; see docs/hardware.md");
+                      "wire one from a second board and name it; see docs/how-to/commission-a-stage.md");
   return *config.supervisor_pulse;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "robot/common/units.hpp"
-#include "robot/report/study/bench_record.hpp"
+#include "robot/report/study/bench_report.hpp"
 
 namespace biopsy::robot {
 

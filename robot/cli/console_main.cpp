@@ -53,7 +53,7 @@ void serve(const Options& options) {
   fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);
   fmt::print("{}\n", loop.url());
   std::fflush(stdout);
-  while (!signals.came()) loop.turn();
+  while (!signals.came()) loop.step();
   robot.retract();
 }
 

@@ -34,11 +34,12 @@ bool is_group(const CommandLine::Entry& entry) {
   return !entry.run;
 }
 
-// Markdown for a terminal: without the marks of code; a link to a page becomes "text (docs/PAGE)".
+// Markdown for a terminal: without the marks of code; a link, relative to docs/reference, becomes "text (docs/...)".
 std::string plain(const std::string& markdown) {
-  static const std::regex kPage(R"(\[([^\]]+)\]\(([a-z-]+\.md)[^)]*\))"),
-      kAnchor(R"(\[([^\]]+)\]\(#[^)]*\))");
-  std::string text = std::regex_replace(markdown, kPage, "$1 (docs/$2)");
+  static const std::regex kUp(R"(\[([^\]]+)\]\(\.\./([a-z/-]+\.md)[^)]*\))"),
+      kBeside(R"(\[([^\]]+)\]\(([a-z-]+\.md)[^)]*\))"), kAnchor(R"(\[([^\]]+)\]\(#[^)]*\))");
+  std::string text = std::regex_replace(markdown, kUp, "$1 (docs/$2)");
+  text = std::regex_replace(text, kBeside, "$1 (docs/reference/$2)");
   text = std::regex_replace(text, kAnchor, "$1");
   std::erase(text, '`');
   return text;

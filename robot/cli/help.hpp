@@ -22,7 +22,7 @@ std::vector<OptionFacts> options_of(const CLI::App& app);
 std::string help_of(const CommandLine& line);
 std::string help_of(const CommandLine& line, const std::string& command);
 
-// The section "Commands" of docs/reference.md.
+// The section "Commands" of docs/reference/commands.md.
 std::string reference_markdown(const CommandLine& line);
 // Name, summary, options, examples and outputs of every command.
 std::string registry_json(const CommandLine& line);

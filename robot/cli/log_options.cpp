@@ -6,7 +6,7 @@ namespace biopsy::robot {
 
 void log_options(CLI::App& app, std::string& level, std::string& format) {
   app.add_option("--log-level", level,
-                 "least severe [diagnostic messages](logging.md) that are logged: trace, debug, info, "
+                 "least severe [diagnostic messages](diagnostic-log.md) that are logged: trace, debug, info, "
                  "warning, error or "
                  "off")
       ->type_name("LEVEL")

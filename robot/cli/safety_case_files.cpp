@@ -6,7 +6,7 @@
 namespace biopsy::robot {
 namespace {
 
-using safety_case::Bar;
+using safety_case::Criterion;
 using safety_case::Hazard;
 using safety_case::Requirement;
 using safety_case::Source;
@@ -33,8 +33,8 @@ Requirement requirement_from(TomlTable table) {
   return {table.text("id"), table.text("text"), table.texts("proofs")};
 }
 
-Bar bar_from(TomlTable table) {
-  Bar bar{table.text("name"), table.text("figure"), table.text("unit"), {}, {}};
+Criterion bar_from(TomlTable table) {
+  Criterion bar{table.text("name"), table.text("figure"), table.text("unit"), {}, {}};
   if (table.has("at_least")) bar.at_least = table.number("at_least", -kAnyFigure, kAnyFigure);
   if (table.has("at_most")) bar.at_most = table.number("at_most", -kAnyFigure, kAnyFigure);
   if (!bar.at_least && !bar.at_most)

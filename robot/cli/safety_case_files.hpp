@@ -1,4 +1,5 @@
-// Reads safety/case: hazards.toml, requirements.toml, evidence.toml. Format: docs/safety-case.md.
+// Reads safety/case: hazards.toml, requirements.toml, evidence.toml. Format:
+// docs/explanation/verification.md.
 #pragma once
 
 #include <filesystem>

@@ -9,6 +9,7 @@
 #include "robot/console/server/picked_point.hpp"
 #include "robot/procedure/anatomical_orientation.hpp"
 #include "robot/report/plot/png.hpp"
+#include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::robot {
 
@@ -39,58 +40,56 @@ events::Series series_of(const Volume& image) {
 }
 
 events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
-                         const std::optional<Point>& p_ST, bool confirmed) {
-  events::Planned told;
-  if (p_SE) told.entry.push_back({ras_of(*p_SE)});
-  if (p_ST) told.target.push_back({ras_of(*p_ST)});
-  if (!p_SE || !p_ST) return told;
+                           const std::optional<Point>& p_ST, bool confirmed) {
+  events::Planned planned;
+  if (p_SE) planned.entry.push_back({ras_of(*p_SE)});
+  if (p_ST) planned.target.push_back({ras_of(*p_ST)});
+  if (!p_SE || !p_ST) return planned;
   if (const auto* refused = std::get_if<PlanRefusal>(&prepared.plan)) {
-    told.refusal = refused->what;
-    told.remedy = refused->remedy;
-    return told;
+    planned.refusal = refused->what;
+    planned.remedy = refused->remedy;
+    return planned;
   }
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Direction axis_S = plan.X_SR.linear().col(2);
-  told.seal = hex(plan.seal);
-  told.confirmed = confirmed;
-  told.depth = plan.target_depth.value;
-  told.angle = std::asin(std::clamp(std::abs(axis_S.z()), 0.0, 1.0)) * 180.0 / std::numbers::pi;
-  told.axis_offset = plan.axis_offset.value;
-  told.depth_max = plan.limits.depth_max.value;
-  told.v_max = plan.limits.v_max.value * 1e-3;
-  told.side = side_letters(-axis_S);
+  planned.seal = planner::hex(plan.seal);
+  planned.confirmed = confirmed;
+  planned.depth = plan.target_depth.value;
+  planned.angle = std::asin(std::clamp(std::abs(axis_S.z()), 0.0, 1.0)) * 180.0 / std::numbers::pi;
+  planned.axis_offset = plan.axis_offset.value;
+  planned.depth_max = plan.limits.depth_max.value;
+  planned.v_max = plan.limits.v_max.value * 1e-3;
+  planned.side = side_letters(-axis_S);
   for (const Layer& layer : plan.layers)
-    told.layers.push_back({layer.name, layer.from.value, layer.to.value});
+    planned.layers.push_back({layer.name, layer.from.value, layer.to.value});
   for (const InsertionStep& stage : plan.stages)
-    told.stages.push_back(
+    planned.stages.push_back(
         {stage.depth.value, stage.speed.value, stage.v_max.value * 1e-3, stage.image_confirms, stage.why});
-  return told;
+  return planned;
 }
 
 events::Checked checked_of(std::size_t stage, const report::StepResult& result) {
-  events::Checked told;
-  told.stage = static_cast<std::uint32_t>(stage);
+  events::Checked checked;
+  checked.stage = static_cast<std::uint32_t>(stage);
   const DepthCheck& check = *result.check;
-  told.verdict = check.verdict == DepthVerdict::Accept   ? "accept"
-                 : check.verdict == DepthVerdict::Reject ? "reject"
-                                                         : "unsure";
-  told.reason = check.reason;
-  told.tip_found = check.tip_found;
-  told.planned = result.stage.depth.value;
-  told.found = check.depth.value;
-  told.sigma = check.sigma.value;
-  told.error = check.tip_found ? check.depth.value - result.stage.depth.value : 0.0;
-  told.confidence = check.registration_score;
-  told.before_png = base64(report::png_bytes(result.before));
-  told.after_png = base64(report::png_bytes(result.after));
-  told.width = static_cast<std::uint32_t>(result.after.width);
-  told.height = static_cast<std::uint32_t>(result.after.height);
+  checked.verdict = report::label(check.verdict);
+  checked.reason = check.reason;
+  checked.tip_found = check.tip_found;
+  checked.planned = result.stage.depth.value;
+  checked.found = check.depth.value;
+  checked.sigma = check.sigma.value;
+  checked.error = check.tip_found ? check.depth.value - result.stage.depth.value : 0.0;
+  checked.confidence = check.registration_score;
+  checked.before_png = report::base64(report::png_bytes(result.before));
+  checked.after_png = report::base64(report::png_bytes(result.after));
+  checked.width = static_cast<std::uint32_t>(result.after.width);
+  checked.height = static_cast<std::uint32_t>(result.after.height);
   if (result.geometry) {
-    told.per_pixel = result.geometry->mm_per_pixel;
-    told.entry_px = {result.geometry->entry_x_px, result.geometry->entry_y_px};
-    told.axis = {result.geometry->axis_dx, result.geometry->axis_dy};
+    checked.per_pixel = result.geometry->mm_per_pixel;
+    checked.entry_px = {result.geometry->entry_x_px, result.geometry->entry_y_px};
+    checked.axis = {result.geometry->axis_dx, result.geometry->axis_dy};
   }
-  return told;
+  return checked;
 }
 
 }  // namespace biopsy::robot

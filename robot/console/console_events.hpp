@@ -1,4 +1,4 @@
-// From the robot's values to what the page is told.
+// Events for the page, from the robot's values.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,8 @@ namespace biopsy::robot {
 
 console::events::Series series_of(const Volume& image);
 
-// The points that are set, and what the planner made of them; `prepared.plan` counts only where both are.
+// The points that are set, and the plan or its refusal; `prepared.plan` is used only where both points are
+// set.
 console::events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
                                     const std::optional<Point>& p_ST, bool confirmed);
 

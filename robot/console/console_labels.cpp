@@ -13,26 +13,26 @@ using console::Severity;
 using console::events::Alarm;
 using safety::Hazard;
 
-struct Words {
+struct Message {
   const char *what, *robot_did, *to_do;
 };
 
-constexpr std::array<Words, 10> kRefusals{{
+constexpr std::array<Message, 10> kRefusals{{
     {"Another page controls the robot.", "Nothing moved.",
      "Use that page, or close it and take control here."},
     {"No series is open.", "Nothing moved.", "Open a series first."},
-    {"The point was not taken.", "The plan stays as it was.", "Click it again on the series that is shown."},
+    {"The point was refused.", "The plan stays as it was.", "Click it again on the series that is shown."},
     {"The needle is in use.", "The plan stays as it was.", "Retract first."},
     {"The plan has changed since it was shown.", "Nothing was confirmed.",
      "Look at the new plan and confirm that."},
     {"There is no plan.", "Nothing moved.", "Set entry and target."},
-    {"This is not possible now.", "Nothing moved.", "See what the button says."},
+    {"This is not possible now.", "Nothing moved.", "See the reason beside the button."},
     {"This press is over.", "Needle held.", "Release the button and press it again."},
     {"Only the key on the device does this.", "Nothing moved.", "Turn the key on the device."},
-    {"The message is not one of this console.", "Nothing moved.", "Load the page again."},
+    {"The message is malformed.", "Nothing moved.", "Load the page again."},
 }};
 
-// The number of the hazard is for the risk analysis, not for a person in a hurry.
+// Without the identifier, which is for the safety case.
 std::string sentence(Hazard hazard) {
   std::string text(safety::name_of(hazard));
   if (text.starts_with("H-")) text.erase(0, 5);
@@ -70,20 +70,20 @@ const char* what_to_do(Hazard hazard) {
 
 console::events::Answer refusal(std::uint32_t id, Refused reason, const std::string& why) {
   const auto number = static_cast<std::size_t>(reason);
-  const Words& words = kRefusals[number];
-  const std::string what = why.empty() ? words.what : fmt::format("{} ({})", words.what, why);
-  return {id, false, fmt::format("E-{}", 101 + number), what, words.robot_did, words.to_do};
+  const Message& message = kRefusals[number];
+  const std::string what = why.empty() ? message.what : fmt::format("{} ({})", message.what, why);
+  return {id, false, fmt::format("E-{}", 101 + number), what, message.robot_did, message.to_do};
 }
 
 bool waits_for_plan(Hazard worst) {
   return worst == Hazard::PlanChanged || worst == Hazard::PlanUnconfirmed || worst == Hazard::PlanImplausible;
 }
 
-std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person) {
-  const safety::SupervisorOutput& said = tick.supervisor;
-  const Hazard reason = said.reason;
+std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) {
+  const safety::SupervisorOutput& supervisor = tick.supervisor;
+  const Hazard reason = supervisor.reason;
   std::vector<Alarm> alarms;
-  switch (said.permit.mode) {
+  switch (supervisor.permit.mode) {
     case Mode::Lock:
       alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
                              "High voltage off and locked.", "Do not use the robot. Call service."));
@@ -91,7 +91,7 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person) {
     case Mode::Trip:
       if (reason == Hazard::None)
         alarms.push_back(alarm(Severity::Alarm, "E-120",
-                               stopped_by_person ? "STOP was pressed." : "A stop was asked for.",
+                               stopped_by_operator ? "STOP was pressed." : "A stop was requested.",
                                "High voltage off, needle falls back.", "Look at the needle, then Reset."));
       else
         alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
@@ -101,15 +101,15 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person) {
     case Mode::Hold:
       if (reason != Hazard::None)
         alarms.push_back(alarm(Severity::Warning, code_of(reason), sentence(reason),
-                               said.permit.mode == Mode::Hold ? "Needle held." : "Needle let back gently.",
+                               supervisor.permit.mode == Mode::Hold ? "Needle held." : "Needle retracted.",
                                what_to_do(reason)));
       break;
     case Mode::Boot:
     case Mode::Safe:
-      // A robot that waits for its plan says so in the step rail.
-      if (said.worst != Hazard::None && !waits_for_plan(said.worst))
-        alarms.push_back(alarm(Severity::Notice, code_of(said.worst), sentence(said.worst), "Not ready.",
-                               what_to_do(said.worst)));
+      // While only the plan is missing, the step rail shows it.
+      if (supervisor.worst != Hazard::None && !waits_for_plan(supervisor.worst))
+        alarms.push_back(alarm(Severity::Notice, code_of(supervisor.worst), sentence(supervisor.worst),
+                               "Not ready.", what_to_do(supervisor.worst)));
       break;
     case Mode::Ready:
     case Mode::Armed:
@@ -121,7 +121,7 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person) {
 
 Alarm silence_alarm() {
   return alarm(Severity::Alarm, "E-121", "The robot is silent.",
-               "It holds the needle, then lets it back by itself.",
+               "It holds the needle, then retracts it automatically.",
                "Use the hardware E-stop if the needle must come back now.");
 }
 

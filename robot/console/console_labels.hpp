@@ -1,6 +1,5 @@
-// What the console says to a person: every refusal and alarm with its code, what it is, what the robot did
-// and what to do now. The codes: E-1nn what a person asked for, E-2nn the hazards of safety/types/hazards.hpp
-// by their number.
+// Refusals and alarms of the console: code, what happened, what the robot did and what to do now. Codes:
+// E-1nn refused commands, E-2nn the hazards of safety/types/hazards.hpp by their number.
 #pragma once
 
 #include <string>
@@ -13,24 +12,24 @@ namespace biopsy::robot {
 enum class Refused : std::uint8_t {
   NotController,  // another page controls
   NoSeries,       // nothing is open
-  WrongPlace,     // the point does not agree
+  WrongPlace,     // page and server disagree on the point
   NeedleInUse,    // points and plan stay while high voltage is on
   OldPlan,        // the page shows another plan
   NoPlan,         // there is none
   NotNow,         // the button is disabled, and says why
-  TokenSpent,     // a press that was used or is over
-  OnlyOnDevice,   // a key on the device does it
-  NotUnderstood,  // the message breaks the IDL
+  TokenUsed,      // of a press that was used or is over
+  OnlyOnDevice,   // needs a key on the device
+  Malformed,      // the message violates the IDL
 };
 
-// `why` says more where the list cannot; empty: nothing.
+// `why` is added to the text; empty: nothing.
 console::events::Answer refusal(std::uint32_t id, Refused reason, const std::string& why = {});
 
-// Whether nothing is wrong but that a plan, or its confirmations, are missing.
+// Whether only a plan or its confirmations are missing.
 bool waits_for_plan(safety::Hazard worst);
 
-// What the supervisor has to say in this tick, worst first; empty: nothing.
-std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_person);
+// Alarms of this tick, most severe first.
+std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator);
 console::events::Alarm silence_alarm();
 
 }  // namespace biopsy::robot

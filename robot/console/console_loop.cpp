@@ -15,23 +15,23 @@ namespace biopsy::robot {
 namespace {
 
 using console::Client;
-using console::Worth;
+using console::Reliability;
 namespace events = console::events;
 
-constexpr std::int64_t kLook_us = 20'000, kStates_us = 100'000;
+constexpr std::int64_t kSendChanges_us = 20'000, kSendStates_us = 100'000;
 
 std::int64_t now_in_us() {
   return realtime::monotonic_ns() / 1000;
 }
 
 template <class Message>
-console::Outbox::Text text_of(const Message& message) {
+console::SendQueue::Text text_of(const Message& message) {
   nlohmann::json json = message;
   json["type"] = Message::kType;
   return std::make_shared<const std::string>(json.dump());
 }
 
-// A State without what changes in every tick: where this differs, the page must hear of it.
+// A State without the values that change in every tick: a change of the rest is sent reliably.
 std::string lasting(events::State state) {
   state.seq = 0;
   state.depth = state.drive = state.hold_left = state.armed_left = state.ticks_left = state.arm_held = 0.0;
@@ -47,39 +47,40 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& 
                [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                  robot.send_plan(plan, confirmed);
                }) {
-  console::WebEvents web;
-  web.came = [this](Client client) { came(client); };
-  web.said = [this](Client client, const std::string& text) { said(client, text); };
-  web.left = [this](Client client) { left(client); };
-  web.document = [this](const std::string& path) { return document(path); };
-  server_ = std::make_unique<console::HttpServer>(settings.page, settings.port, console::new_token(), web);
+  console::ServerCallbacks callbacks;
+  callbacks.connected = [this](Client client) { on_connect(client); };
+  callbacks.received = [this](Client client, const std::string& text) { on_message(client, text); };
+  callbacks.disconnected = [this](Client client) { on_disconnect(client); };
+  callbacks.document = [this](const std::string& path) { return document(path); };
+  server_ =
+      std::make_unique<console::HttpServer>(settings.page, settings.port, console::new_token(), callbacks);
 }
 
-void ConsoleLoop::came(Client client) {
+void ConsoleLoop::on_connect(Client client) {
   const std::lock_guard lock(mutex_);
-  session_.came(client);
-  newcomers_.insert(client);
-  told_[client].clear();
+  session_.connect(client);
+  new_clients_.insert(client);
+  sent_[client].clear();
 }
 
-void ConsoleLoop::left(Client client) {
+void ConsoleLoop::on_disconnect(Client client) {
   const std::lock_guard lock(mutex_);
-  session_.left(client);
-  newcomers_.erase(client);
-  told_.erase(client);
+  session_.disconnect(client);
+  new_clients_.erase(client);
+  sent_.erase(client);
 }
 
-void ConsoleLoop::said(Client client, const std::string& text) {
+void ConsoleLoop::on_message(Client client, const std::string& text) {
   const std::lock_guard lock(mutex_);
   std::optional<events::Answer> answer;
   try {
-    answer = session_.ask(client, console::command_from_json(text), now_in_us());
+    answer = session_.handle(client, console::command_from_json(text), now_in_us());
   } catch (const console::MessageFault& fault) {
-    answer = refusal(0, Refused::NotUnderstood, fault.what());
+    answer = refusal(0, Refused::Malformed, fault.what());
   }
   if (!answer) return;
-  note_act(client, text, answer->done ? "done" : answer->code + " " + answer->what);
-  server_->send(client, text_of(*answer), Worth::MustArrive);
+  log_command(client, text, answer->done ? "done" : answer->code + " " + answer->what);
+  server_->send(client, text_of(*answer), Reliability::Reliable);
 }
 
 std::optional<console::Document> ConsoleLoop::document(const std::string& path) {
@@ -98,9 +99,8 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
   return report;
 }
 
-// Beside the procedure log, which holds what reached the robot: what was asked of the console, done or
-// refused.
-void ConsoleLoop::note_act(Client client, const std::string& text, const std::string& answer) {
+// Commands to the console, done or refused; those that reached the robot are in the procedure log too.
+void ConsoleLoop::log_command(Client client, const std::string& text, const std::string& answer) {
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
   const nlohmann::json act{{"at_ms", std::chrono::duration_cast<std::chrono::milliseconds>(wall).count()},
                            {"page", client},
@@ -110,65 +110,66 @@ void ConsoleLoop::note_act(Client client, const std::string& text, const std::st
       << act.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-void ConsoleLoop::tell_states(std::int64_t now_us) {
-  const bool due = now_us - states_us_ >= kStates_us;
+void ConsoleLoop::send_states(std::int64_t now_us) {
+  const bool due = now_us - states_us_ >= kSendStates_us;
   if (due) states_us_ = now_us;
-  for (auto& [client, told] : told_) {
+  for (auto& [client, sent] : sent_) {
     const events::State state = session_.state(client, now_us);
     std::string now = lasting(state);
-    const bool news = now != told;
-    if (news || due) server_->send(client, text_of(state), news ? Worth::MustArrive : Worth::MayBeLost);
-    if (news) told = std::move(now);
+    const bool changed = now != sent;
+    if (changed || due)
+      server_->send(client, text_of(state), changed ? Reliability::Reliable : Reliability::BestEffort);
+    if (changed) sent = std::move(now);
   }
 }
 
-void ConsoleLoop::tell_news() {
-  const bool changed = std::exchange(told_version_, session_.version()) != session_.version();
+void ConsoleLoop::send_changes() {
+  const bool changed = std::exchange(sent_version_, session_.version()) != session_.version();
   const std::uint32_t series_version = session_.series().version();
-  if (std::exchange(told_series_, series_version) != series_version)
-    for (const auto& [client, told] : told_) newcomers_.insert(client);
-  const auto tell_all = [this](Client client) {
-    if (const auto opened = session_.opened()) server_->send(client, text_of(*opened), Worth::MustArrive);
-    server_->send(client, text_of(session_.planned()), Worth::MustArrive);
+  if (std::exchange(sent_series_, series_version) != series_version)
+    for (const auto& [client, sent] : sent_) new_clients_.insert(client);
+  const auto send_all = [this](Client client) {
+    if (const auto opened = session_.opened()) server_->send(client, text_of(*opened), Reliability::Reliable);
+    server_->send(client, text_of(session_.planned()), Reliability::Reliable);
     for (const events::Checked& checked : session_.checked())
-      server_->send(client, text_of(checked), Worth::MustArrive);
+      server_->send(client, text_of(checked), Reliability::Reliable);
   };
-  for (const Client client : newcomers_) {
+  for (const Client client : new_clients_) {
     events::Welcome welcome;
     welcome.simulated = settings_.simulated;
     welcome.title = session_.prepared().given.title;
     welcome.sample = session_.prepared().given.phantom;
     welcome.series = session_.series().all();
-    server_->send(client, text_of(welcome), Worth::MustArrive);
-    if (!changed) tell_all(client);
+    server_->send(client, text_of(welcome), Reliability::Reliable);
+    if (!changed) send_all(client);
   }
-  newcomers_.clear();
+  new_clients_.clear();
   if (!changed) return;
-  for (const auto& [client, told] : told_) tell_all(client);
+  for (const auto& [client, sent] : sent_) send_all(client);
 }
 
-void ConsoleLoop::turn() {
-  OperatorInputs inputs;
+void ConsoleLoop::step() {
+  World world;
   {
     const std::lock_guard lock(mutex_);
-    inputs = session_.inputs(now_in_us());
+    world = session_.inputs(now_in_us());
   }
   const std::optional<CycleSample> cycle = robot_.tick(inputs);
   const std::int64_t now_us = now_in_us();
   const std::lock_guard lock(mutex_);
-  if (cycle) {
-    session_.see(*cycle, now_us);
-    const Measurement& measured = cycle->record.measurement;
+  if (beat) {
+    session_.update(*beat, now_us);
+    const Measurement& measured = beat->tick.measurement;
     const auto batch = batch_.add({static_cast<double>(measured.time_us) * 1e-3, measured.depth_um * 1e-3,
-                                   cycle->setpoint.value, measured.monitor_mV * 1e-6,
-                                   cycle->record.supervisor.permit.v_max_mV * 1e-6});
-    if (batch) server_->send_to_all(text_of(*batch), Worth::MayBeLost);
+                                   beat->setpoint.value, measured.monitor_mV * 1e-6,
+                                   beat->tick.supervisor.permit.v_max_mV * 1e-6});
+    if (batch) server_->send_to_all(text_of(*batch), Reliability::BestEffort);
   } else {
-    session_.miss();
+    session_.mark_silent();
   }
-  if (cycle && ++ticks_ % (kLook_us / 1000) != 0) return;
-  tell_news();
-  tell_states(now_us);
+  if (beat && ++ticks_ % (kSendChanges_us / 1000) != 0) return;
+  send_changes();
+  send_states(now_us);
 }
 
 }  // namespace biopsy::robot

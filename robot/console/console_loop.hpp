@@ -1,4 +1,4 @@
-// Joins the operator's console page to the robot: one thread follows the robot tick by tick, the web server's
+// Connects the console pages to the robot: one thread follows the robot tick by tick, the web server's thread
 // the pages.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace biopsy::robot {
 class ConsoleLoop {
  public:
   struct Settings {
-    std::filesystem::path page, folder;  // the built page; where acts, images and reports go
+    std::filesystem::path page, folder;  // the built page; for commands, images and reports
     std::uint16_t port = 0;              // 0: any that is free
     bool simulated = true;
     std::uint32_t first_token = 1;
@@ -26,25 +26,25 @@ class ConsoleLoop {
   ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& settings);
 
   std::string url() const { return server_->url(); }
-  // One tick of the robot, or a second without.
-  void turn();
+  // Processes one tick of the robot, or a second without one.
+  void step();
 
  private:
-  void came(console::Client client);
-  void said(console::Client client, const std::string& text);
-  void left(console::Client client);
+  void on_connect(console::Client client);
+  void on_message(console::Client client, const std::string& text);
+  void on_disconnect(console::Client client);
   std::optional<console::Document> document(const std::string& path);
-  void tell_states(std::int64_t now_us);
-  void tell_news();
-  void note_act(console::Client client, const std::string& text, const std::string& answer);
+  void send_states(std::int64_t now_us);
+  void send_changes();
+  void log_command(console::Client client, const std::string& text, const std::string& answer);
 
   LiveRobot& robot_;
   Settings settings_;
-  std::mutex mutex_;  // over the session and what pages were told
+  std::mutex mutex_;  // of the session and the record of what was sent
   OperatorSession session_;
-  std::map<console::Client, std::string> told_;  // last State of each page, without what always changes
-  std::set<console::Client> newcomers_;
-  std::uint32_t told_version_ = 0, told_series_ = 0;
+  std::map<console::Client, std::string> sent_;  // last State of each page, without what always changes
+  std::set<console::Client> new_clients_;
+  std::uint32_t sent_version_ = 0, sent_series_ = 0;
   console::TelemetryBatch batch_;
   std::int64_t ticks_ = 0, states_us_ = 0;
   std::unique_ptr<console::HttpServer> server_;  // last: it calls into all the others

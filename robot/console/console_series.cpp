@@ -40,8 +40,7 @@ bool differ(const std::string& one, const std::string& other) {
   return !one.empty() && !other.empty() && one != other;
 }
 
-// Points, layers and fiducials of a case are of its patient, in its frame: on another they would mean
-// nothing.
+// Points, layers and fiducials of a case belong to its patient and its frame of reference.
 bool is_bound(const Case& given) {
   return has_points(given) || !given.labels.empty() || !given.fiducials.empty() || given.transform ||
          !given.layers.empty();
@@ -59,7 +58,7 @@ ConsoleSeries::ConsoleSeries(const PreparedCase& opened)
     const bool own = std::find_first_of(found.files.begin(), found.files.end(), opened.image.files.begin(),
                                         opened.image.files.end()) != found.files.end();
     if (own)
-      all_.front().series_uid = found.series_uid;  // a file that cannot say its own is known by its name
+      all_.front().series_uid = found.series_uid;  // a file without a UID is identified by its name
     else if (all_.size() < kListMax)
       all_.push_back(listed(found));
   }
@@ -70,8 +69,9 @@ std::string ConsoleSeries::file_name() const {
 }
 
 events::Series* ConsoleSeries::find(const std::string& series_uid) {
-  const auto found = std::find_if(
-      all_.begin(), all_.end(), [&](const events::Series& series) { return series.series_uid == series_uid; });
+  const auto found = std::find_if(all_.begin(), all_.end(), [&](const events::Series& series) {
+    return series.series_uid == series_uid;
+  });
   return found == all_.end() ? nullptr : &*found;
 }
 
@@ -92,7 +92,7 @@ ConsoleSeries::Outcome ConsoleSeries::read(const std::filesystem::path& folder, 
     SeriesIdentity& identity = done.image.identity;
     if (differ(identity.patient_id, of_case.patient_id)) return "it is of another patient than the case";
     if (differ(identity.frame_of_reference_uid, of_case.frame_of_reference_uid))
-      return "it lies in another frame of reference than the image of the case";
+      return "it is in another frame of reference than the image of the case";
     if (identity.series_uid.empty()) identity.series_uid = series_uid;
     done.file = file_of(done.image);
     return done;

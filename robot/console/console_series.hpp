@@ -1,5 +1,5 @@
-// The image series that a person may open at the console: that of the case, and whatever lies beside it.
-// Another one takes seconds to read, so that it is read beside the loop.
+// The image series that can be opened at the console: that of the case, and all others of its folder. Reading
+// one takes seconds, so it is done in another thread.
 #pragma once
 
 #include <future>
@@ -16,21 +16,21 @@ namespace biopsy::robot {
 
 class ConsoleSeries {
  public:
-  // Looks at the headers of all that lies beside the image of `opened`.
+  // Reads the headers of all files in the folder of `opened`.
   explicit ConsoleSeries(const PreparedCase& opened);
 
-  // For a person to choose from; the case's own first. One that cannot be opened says why.
+  // The case's own first. One that cannot be opened has the reason.
   const std::vector<console::events::Series>& all() const { return all_; }
-  // Begins to read. Otherwise why not.
+  // Starts to read; otherwise the reason why not.
   std::optional<std::string> begin(const std::string& series_uid);
-  // What is being read now; empty: nothing.
+  // The series being read; empty: none.
   const std::string& reading() const { return reading_; }
-  // What has been read, once; a series that turned out unfit has its reason in all() instead.
+  // The image that was read, once; an unsuitable series has its reason in all() instead.
   std::optional<Volume> take();
-  // Rises with every change of all().
+  // Increases with every change of all().
   std::uint32_t version() const { return version_; }
 
-  // The volume that is open, for the page: a file, and a name that no other one had.
+  // The open volume for the page: a file, and a name that is never reused.
   const std::shared_ptr<const std::string>& file() const { return file_; }
   std::string file_name() const;
 
@@ -39,7 +39,7 @@ class ConsoleSeries {
     Volume image;
     std::shared_ptr<const std::string> file;
   };
-  using Outcome = std::variant<Read, std::string>;  // or what is wrong with it
+  using Outcome = std::variant<Read, std::string>;  // or the reason for refusing it
 
   static Outcome read(const std::filesystem::path& folder, const std::string& series_uid,
                       const SeriesIdentity& of_case);

@@ -1,4 +1,4 @@
-// What the page asked for: done, or refused with the reason.
+// Commands of the page: done, or refused with the reason.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,17 +24,17 @@ events::Answer done(std::uint32_t id) {
 
 }  // namespace
 
-std::optional<events::Answer> OperatorSession::ask(console::Client client, const commands::Any& asked,
-                                                 std::int64_t now_us) {
+std::optional<events::Answer> OperatorSession::handle(console::Client client, const commands::Any& command,
+                                                      std::int64_t now_us) {
   now_us_ = now_us;
-  if (const auto* stop = std::get_if<commands::Stop>(&asked)) return on(*stop);  // anyone may
-  if (const auto* take = std::get_if<commands::TakeControl>(&asked)) return on(client, *take);
+  if (const auto* stop = std::get_if<commands::Stop>(&command)) return on(*stop);  // from any page
+  if (const auto* take = std::get_if<commands::TakeControl>(&command)) return on(client, *take);
   const bool controls = lease_.is_held_by(client);
-  if (const auto* beat = std::get_if<commands::Beat>(&asked)) {
+  if (const auto* beat = std::get_if<commands::Beat>(&command)) {
     if (controls) hold_.beat(beat->token, beat->page_ms, now_us);
     return std::nullopt;
   }
-  if (const auto* release = std::get_if<commands::Release>(&asked)) {
+  if (const auto* release = std::get_if<commands::Release>(&command)) {
     if (controls) hold_.release(release->token);
     return std::nullopt;
   }
@@ -49,121 +49,123 @@ std::optional<events::Answer> OperatorSession::ask(console::Client client, const
           return std::nullopt;
         }
       },
-      asked);
+      command);
 }
 
-OperatorSession::Answer OperatorSession::on(console::Client client, const commands::TakeControl& asked) {
-  return lease_.take(client) ? done(asked.id) : refusal(asked.id, Refused::NotController);
+OperatorSession::Answer OperatorSession::on(console::Client client, const commands::TakeControl& command) {
+  return lease_.take(client) ? done(command.id) : refusal(command.id, Refused::NotController);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::OpenSeries& asked) {
-  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
-  if (asked.series_uid != prepared_.image.identity.series_uid) {
-    if (run_ && !run_->ended) return refusal(asked.id, Refused::NotNow, "the last run is not over");
-    if (const auto why = series_.begin(asked.series_uid)) return refusal(asked.id, Refused::NoSeries, *why);
+OperatorSession::Answer OperatorSession::on(const commands::OpenSeries& command) {
+  if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
+  if (command.series_uid != prepared_.image.identity.series_uid) {
+    if (run_ && !run_->ended) return refusal(command.id, Refused::NotNow, "the last run is not over");
+    if (const auto why = series_.begin(command.series_uid))
+      return refusal(command.id, Refused::NoSeries, *why);
     unconfirm();
-    return done(asked.id);
+    return done(command.id);
   }
   opened_ = true;
   ++version_;
-  return done(asked.id);
+  return done(command.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::SetPoint& asked) {
-  if (!opened_) return refusal(asked.id, Refused::NoSeries);
-  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
-  const auto picked = console::picked_point(prepared_.image, asked);
+OperatorSession::Answer OperatorSession::on(const commands::SetPoint& command) {
+  if (!opened_) return refusal(command.id, Refused::NoSeries);
+  if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
+  const auto picked = console::picked_point(prepared_.image, command);
   if (const auto* why = std::get_if<std::string>(&picked))
-    return refusal(asked.id, Refused::WrongPlace, *why);
+    return refusal(command.id, Refused::WrongPlace, *why);
   unconfirm();
-  (asked.mark == console::Mark::Entry ? p_SE_ : p_ST_) = std::get<Point>(picked);
+  (command.mark == console::Mark::Entry ? p_SE_ : p_ST_) = std::get<Point>(picked);
   if (p_SE_ && p_ST_) {
     prepared_.target.p_SE = *p_SE_;
     prepared_.target.p_ST = *p_ST_;
     try {
       plan_to_target(prepared_);
-    } catch (const ConfigError& error) {  // a path that leaves the label map
+    } catch (const ConfigError& error) {  // the path leaves the label map
       prepared_.plan = PlanRefusal{error.what_is_wrong, error.remedy};
     }
   }
-  return done(asked.id);
+  return done(command.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::ConfirmPlan& asked) {
-  if (plan() == nullptr) return refusal(asked.id, Refused::NoPlan);
-  if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
-  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
+OperatorSession::Answer OperatorSession::on(const commands::ConfirmPlan& command) {
+  if (plan() == nullptr) return refusal(command.id, Refused::NoPlan);
+  if (!is_displayed(command.seal)) return refusal(command.id, Refused::OldPlan);
+  if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
   confirmed_ = true;
   ++version_;
-  return done(asked.id);
+  return done(command.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::SetTick& asked) {
-  if (!confirmed_) return refusal(asked.id, Refused::NoPlan, "confirm the plan first");
-  if (!is_shown(asked.seal)) return refusal(asked.id, Refused::OldPlan);
-  if (hv_permitted()) return refusal(asked.id, Refused::NeedleInUse);
-  ticks_[static_cast<std::size_t>(asked.tick)] = asked.on;
+OperatorSession::Answer OperatorSession::on(const commands::SetTick& command) {
+  if (!confirmed_) return refusal(command.id, Refused::NoPlan, "confirm the plan first");
+  if (!is_displayed(command.seal)) return refusal(command.id, Refused::OldPlan);
+  if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
+  ticks_[static_cast<std::size_t>(command.tick)] = command.on;
   ticked_us_ = now_us_;
   confirmations_due_ = true;
-  return done(asked.id);
+  return done(command.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::Press& asked) {
-  const bool arm = asked.button == console::Button::Arm;
-  if (arm && !simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
+OperatorSession::Answer OperatorSession::on(const commands::Press& command) {
+  const bool arm = command.button == console::Button::Arm;
+  if (arm && !simulated_) return refusal(command.id, Refused::OnlyOnDevice);
   const std::string why = arm ? why_no_arm() : why_no_insert();
-  if (!why.empty()) return refusal(asked.id, Refused::NotNow, why);
-  if (!hold_.press(asked.token, asked.page_ms, now_us_)) return refusal(asked.id, Refused::TokenSpent);
-  button_ = asked.button;
-  return done(asked.id);
+  if (!why.empty()) return refusal(command.id, Refused::NotNow, why);
+  if (!hold_.press(command.token, command.page_ms, now_us_)) return refusal(command.id, Refused::TokenUsed);
+  button_ = command.button;
+  return done(command.id);
 }
 
-// Held against whatever else is asked, until high voltage is off.
-OperatorSession::Answer OperatorSession::on(const commands::Stop& asked) {
-  hold_.drop();
+// In force until high voltage is off, whatever else is commanded.
+OperatorSession::Answer OperatorSession::on(const commands::Stop& command) {
+  hold_.cancel();
   stopped_ = true;
   stop_until_us_ = now_us_ + kStopLasts_us;
   if (run_ && !run_->ended && !run_->completed) run_->stopped_because = "STOP was pressed";
-  return done(asked.id);
+  return done(command.id);
 }
 
-void OperatorSession::let_back() {
-  hold_.drop();
+void OperatorSession::retract() {
+  hold_.cancel();
   if (run_ && run_->completed)
     finish_ = true;
   else
     retract_until_us_ = now_us_ + kStopLasts_us;
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::Retract& asked) {
-  if (!hv_permitted()) return refusal(asked.id, Refused::NotNow, disabled().retract);
-  let_back();
-  return done(asked.id);
+OperatorSession::Answer OperatorSession::on(const commands::Retract& command) {
+  if (!hv_permitted()) return refusal(command.id, Refused::NotNow, disabled().retract);
+  retract();
+  return done(command.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::Reset& asked) {
-  if (!simulated_) return refusal(asked.id, Refused::OnlyOnDevice);
-  if (seen_.supervisor.permit.mode != Mode::Trip) return refusal(asked.id, Refused::NotNow, disabled().reset);
+OperatorSession::Answer OperatorSession::on(const commands::Reset& command) {
+  if (!simulated_) return refusal(command.id, Refused::OnlyOnDevice);
+  if (seen_.supervisor.permit.mode != Mode::Trip)
+    return refusal(command.id, Refused::NotNow, disabled().reset);
   stop_until_us_ = 0;
   reset_until_us_ = now_us_ + kKeyTurned_us;
-  return done(asked.id);
+  return done(command.id);
 }
 
-OperatorSession::Answer OperatorSession::on(const commands::Judge& asked) {
+OperatorSession::Answer OperatorSession::on(const commands::Judge& command) {
   const std::string why = why_no_judgement();
-  if (!why.empty() || run_->imaged != asked.stage) return refusal(asked.id, Refused::NotNow, why);
-  const auto& check = run_->notes.record().stages[asked.stage].check;
-  if (asked.judgement == console::Judgement::Accept) {
+  if (!why.empty() || run_->imaged != command.stage) return refusal(command.id, Refused::NotNow, why);
+  const auto& check = run_->notes.record().stages[command.stage].check;
+  if (command.judgement == console::Judgement::Accept) {
     if (check->verdict != DepthVerdict::Accept)
-      return refusal(asked.id, Refused::NotNow, "the image does not show the tip where it should be");
-    run_->accepted = asked.stage;
-    run_->completed = run_->is_last(asked.stage);
-    return done(asked.id);
+      return refusal(command.id, Refused::NotNow, "the image does not show the tip where it should be");
+    run_->accepted = command.stage;
+    run_->completed = run_->is_last(command.stage);
+    return done(command.id);
   }
-  adjusts_ = asked.judgement == console::Judgement::Adjust;
-  run_->stopped_because = adjusts_ ? "adjusted by the person after the image" : "rejected by the person";
-  let_back();
-  return done(asked.id);
+  adjusts_ = command.judgement == console::Judgement::Adjust;
+  run_->stopped_because = adjusts_ ? "adjusted by the operator after the image" : "rejected by the operator";
+  retract();
+  return done(command.id);
 }
 
 console::Step OperatorSession::step() const {

@@ -1,4 +1,4 @@
-// One run from arming to the needle's return, as the console keeps it.
+// One run, from arming to the return of the needle.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 
 namespace biopsy::robot {
 
-// How long the robot is told what was asked for once.
+// How long a single command is repeated to the robot.
 inline constexpr std::int64_t kKeyTurned_us = 200'000;
 inline constexpr std::int64_t kStopLasts_us = 500'000;  // longer than a C1 ramp, and any loss of messages
 
@@ -37,7 +37,7 @@ struct OperatorSession::Run {
 
   const Plan& plan() const { return std::get<Plan>(prepared.plan); }
   bool is_last(std::size_t stage) const { return stage + 1 >= plan().stages.size(); }
-  // An image was checked, and nobody has said yet what it is worth.
+  // An image was checked and is not judged yet.
   bool is_undecided() const {
     return imaged && is_checked(*imaged) && accepted != imaged && stopped_because.empty();
   }

@@ -22,11 +22,10 @@ namespace events = console::events;
 
 namespace {
 
-constexpr std::int64_t kTicksLive_us = 60'000'000;  // what was checked a minute ago is checked again
+constexpr std::int64_t kTicksLive_us = 60'000'000;  // checks expire after a minute
 constexpr std::int64_t kArmHold_us = 2'000'000;
-constexpr std::int64_t kReturn_us = 1'500'000;  // time for gravity to withdraw the needle
-constexpr std::int64_t kThink_us =
-    120'000'000;  // for a person who looks at an image of a needle that is back
+constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
+constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
 constexpr std::int64_t kAcquisition_us = kAcquisition_ticks * 1'000;
 constexpr std::size_t kRunMax_ticks = 600'000;  // as long as any procedure may take
 
@@ -48,13 +47,13 @@ OperatorSession::OperatorSession(PreparedCase opened, bool simulated, std::files
   prepared_.image.identity.series_uid = series_.all().front().series_uid;
 }
 
-// A check that still runs holds its run: waited for, so that both end.
+// A running check shares ownership of its run: wait for it, so that both end.
 OperatorSession::~OperatorSession() {
   if (run_ && run_->check.valid()) run_->check.get();
 }
 
-void OperatorSession::left(console::Client client) {
-  if (lease_.leave(client)) hold_.drop();
+void OperatorSession::disconnect(console::Client client) {
+  if (lease_.release(client)) hold_.cancel();
 }
 
 const Plan* OperatorSession::plan() const {
@@ -65,13 +64,13 @@ bool OperatorSession::hv_permitted() const {
   return safety::hv_permitted(seen_.supervisor.permit.mode);
 }
 
-bool OperatorSession::is_shown(const std::string& seal) const {
-  return plan() != nullptr && hex(plan()->seal) == seal;
+bool OperatorSession::is_displayed(const std::string& seal) const {
+  return plan() != nullptr && planner::hex(plan()->seal) == seal;
 }
 
-// The first confirmation is that of the plan, the second that of the three ticks. Without both the supervisor
-// does not get ready; nor would it take a reset, so in Trip both are given but none is withdrawn, and in
-// motion nothing is sent at all.
+// The first confirmation is that of the plan, the second that of the three checks. Without both the
+// supervisor neither becomes ready nor accepts a reset. So in Trip both are given but none is withdrawn, and
+// during motion nothing is sent.
 void OperatorSession::send_confirmations() {
   const bool complete = plan() != nullptr && confirmed_ && all_ticked();
   if (!confirmations_due_ || hv_permitted()) return;
@@ -90,10 +89,10 @@ void OperatorSession::unconfirm() {
   ++version_;
 }
 
-OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
+World OperatorSession::inputs(std::int64_t now_us) {
   now_us_ = now_us;
   if (button_ == console::Button::Arm && hold_.held_for_us(now_us) >= kArmHold_us) {
-    hold_.drop();
+    hold_.cancel();
     arm_until_us_ = now_us + kKeyTurned_us;
   }
   OperatorInputs inputs = OperatorInputs::idle();
@@ -115,15 +114,15 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   return inputs;
 }
 
-void OperatorSession::see(const CycleSample& cycle, std::int64_t now_us) {
+void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   const Mode before = seen_.supervisor.permit.mode;
-  seen_ = cycle.record;
+  seen_ = sample.tick;
   measured_ = true;
   silent_ = false;
   now_us_ = now_us;
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode != before) mode_since_us_ = now_us;
-  // What was asked for lasts until it is so.
+  // A stop or a retraction is repeated until high voltage is off.
   if (hv_permitted() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
   if (hv_permitted() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
   if (!hv_permitted()) finish_ = false;
@@ -133,12 +132,12 @@ void OperatorSession::see(const CycleSample& cycle, std::int64_t now_us) {
     ticks_ = {};
     confirmations_due_ = true;
   }
-  follow_run(cycle, before);
+  update_run(sample, before);
   send_confirmations();
   if (!hv_permitted()) show_series();
 }
 
-// Points and plan were of the series before.
+// Points and plan belong to the previous series.
 void OperatorSession::show_series() {
   std::optional<Volume> image = series_.take();
   if (!image) return;
@@ -151,7 +150,7 @@ void OperatorSession::show_series() {
   ++version_;
 }
 
-void OperatorSession::follow_run(const CycleSample& cycle, Mode before) {
+void OperatorSession::update_run(const CycleSample& sample, Mode before) {
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode == Mode::Armed && before != Mode::Armed && plan() != nullptr) {
     run_ = std::make_shared<Run>(prepared_, folder_ / fmt::format("run-{}", ++runs_));
@@ -159,20 +158,20 @@ void OperatorSession::follow_run(const CycleSample& cycle, Mode before) {
     ++version_;
   }
   if (!run_ || run_->ended) return;
-  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(cycle, inputs_);
+  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(sample, world_);
   run_->moved = run_->moved || mode == Mode::Active;
-  follow_image();
+  update_image();
   if (hv_permitted()) {
     run_->cold_since_us = now_us_;
   } else if (!run_->moved) {
-    run_.reset();  // armed, and nothing came of it
-  } else if (now_us_ - run_->cold_since_us > (run_->is_undecided() ? kThink_us : kReturn_us) &&
+    run_.reset();  // armed without motion
+  } else if (now_us_ - run_->cold_since_us > (run_->is_undecided() ? kJudgement_us : kReturn_us) &&
              !run_->check.valid()) {
     end_run();
   }
 }
 
-void OperatorSession::follow_image() {
+void OperatorSession::update_image() {
   const std::size_t stage = seen_.supervisor.stage;
   const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.stage_done;
   if (waits && run_->imaged != stage) {
@@ -182,7 +181,7 @@ void OperatorSession::follow_image() {
     else
       run_->accepted = stage;
   }
-  if (run_->acquiring_us && !waits) {  // the needle moved: this image shows nothing
+  if (run_->acquiring_us && !waits) {  // the needle moved: this image is invalid
     run_->acquiring_us.reset();
     run_->notes.take_imaged_tip();
   }
@@ -207,7 +206,7 @@ void OperatorSession::follow_image() {
   ++version_;
 }
 
-// The report is written beside the loop; it takes a second.
+// The report takes a second: written in another thread.
 void OperatorSession::end_run() {
   run_->ended = true;
   ticks_ = {};
@@ -218,7 +217,7 @@ void OperatorSession::end_run() {
   record.simulated = simulated_;
   record.outcome = run_->completed ? report::Outcome::Completed : report::Outcome::Stopped;
   if (!run_->completed)
-    record.refusal = run_->stopped_because.empty() ? "the needle went back before its depth was accepted"
+    record.refusal = run_->stopped_because.empty() ? "the needle retracted before its depth was accepted"
                                                    : run_->stopped_because;
   record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
@@ -229,11 +228,12 @@ void OperatorSession::end_run() {
 
 std::optional<events::Opened> OperatorSession::opened() const {
   if (!opened_) return std::nullopt;
-  events::Opened told;
-  told.series = series_of(prepared_.image);
-  if (has_points(prepared_.given)) told.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
-  told.volume = series_.file_name();
-  return told;
+  events::Opened opened;
+  opened.series = series_of(prepared_.image);
+  if (has_points(prepared_.given))
+    opened.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
+  opened.volume = series_.file_name();
+  return opened;
 }
 
 events::Planned OperatorSession::planned() const {
@@ -255,37 +255,37 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
     reporting_.get();
     report_ = run_->folder / "report.html";
   }
-  const safety::SupervisorOutput& said = seen_.supervisor;
-  events::State told;
-  told.seq = ++seq_;
-  told.mode = said.permit.mode;
-  told.step = step();
-  told.controller = lease_.is_held_by(client);
-  told.controlled = lease_.is_held();
-  told.token = told.controller ? hold_.next_token() : 0;
-  told.depth = seen_.measurement.depth_um * 1e-3;
-  told.drive = seen_.measurement.monitor_mV * 1e-6;
-  told.measured = measured_ && !silent_;
-  if (run_ && run_->acquiring_us) told.scanner = console::Scanner::Acquiring;
-  if (run_ && run_->check.valid()) told.scanner = console::Scanner::Checking;
-  told.stage = said.stage;
-  told.stage_done = said.stage_done;
-  told.ticks = ticks_;
-  const Mode mode = said.permit.mode;
+  const safety::SupervisorOutput& supervisor = seen_.supervisor;
+  events::State state;
+  state.seq = ++seq_;
+  state.mode = static_cast<console::Mode>(supervisor.permit.mode);
+  state.step = step();
+  state.controller = lease_.is_held_by(client);
+  state.controlled = lease_.is_held();
+  state.token = state.controller ? hold_.next_token() : 0;
+  state.depth = seen_.measurement.depth_um * 1e-3;
+  state.drive = seen_.measurement.monitor_mV * 1e-6;
+  state.measured = measured_ && !silent_;
+  if (run_ && run_->acquiring_us) state.scanner = console::Scanner::Acquiring;
+  if (run_ && run_->check.valid()) state.scanner = console::Scanner::Checking;
+  state.stage = supervisor.stage;
+  state.stage_done = supervisor.stage_done;
+  state.ticks = ticks_;
+  const Mode mode = supervisor.permit.mode;
   if (mode == Mode::Hold)
-    told.hold_left = seconds_left(mode_since_us_, std::int64_t{limits::kHoldMax_ms} * 1'000, now_us);
+    state.hold_left = seconds_left(mode_since_us_, std::int64_t{limits::kHoldMax_ms} * 1'000, now_us);
   if (mode == Mode::Armed)
-    told.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
-  if (all_ticked() && !hv_permitted()) told.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
-  if (hold_.held(now_us)) told.held.push_back(button_);
-  if (button_ == console::Button::Arm) told.arm_held = static_cast<double>(hold_.held_for_us(now_us)) * 1e-6;
-  told.completed = run_ && run_->completed;
-  told.reading = series_.reading();
-  told.report = report_.empty() ? "" : "/report.html";
-  told.disabled = disabled();
-  told.alarms = alarms_of(seen_, stopped_);
-  if (silent_) told.alarms.insert(told.alarms.begin(), silence_alarm());
-  return told;
+    state.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
+  if (all_ticked() && !hv_permitted()) state.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
+  if (hold_.held(now_us)) state.held.push_back(button_);
+  if (button_ == console::Button::Arm) state.arm_held = static_cast<double>(hold_.held_for_us(now_us)) * 1e-6;
+  state.completed = run_ && run_->completed;
+  state.reading = series_.reading();
+  state.report = report_.empty() ? "" : "/report.html";
+  state.disabled = disabled();
+  state.alarms = alarms_of(seen_, stopped_);
+  if (silent_) state.alarms.insert(state.alarms.begin(), silence_alarm());
+  return state;
 }
 
 }  // namespace biopsy::robot

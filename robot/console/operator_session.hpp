@@ -1,6 +1,5 @@
-// The operator at the console, as the robot's side sees them: what the page asked for becomes the
-// OperatorInputs of the next tick, what the robot answers becomes what the page is told. Decides nothing
-// about motion: that is the supervisor's.
+// The operator at the console: commands of the page become the operator inputs of the next tick, the robot's
+// state becomes events for the page. Decides nothing about motion: the supervisor does.
 #pragma once
 
 #include <array>
@@ -26,30 +25,30 @@ class OperatorSession {
   using SendPlan = std::function<void(const Plan&, const std::array<std::uint64_t, 2>& confirmed)>;
 
   // `opened`: the case with its image. `folder` gets a folder for each run. Keys are turned here only where
-  // the stage is `simulated`. `first_token`: above that of every console before.
+  // the stage is `simulated`. `first_token`: above that of every earlier console.
   OperatorSession(PreparedCase opened, bool simulated, std::filesystem::path folder,
                   std::uint32_t first_token, SendPlan send_plan);
   ~OperatorSession();
 
-  // Pages. Who comes first controls, all others watch.
-  void came(console::Client client) { lease_.take(client); }
-  void left(console::Client client);
-  // The answer; none to beats and releases.
-  std::optional<console::events::Answer> ask(console::Client client, const console::commands::Any& asked,
-                                             std::int64_t now_us);
+  // Pages. The first one controls, all others watch.
+  void connect(console::Client client) { lease_.take(client); }
+  void disconnect(console::Client client);
+  // The answer; none to heartbeats and releases.
+  std::optional<console::events::Answer> handle(console::Client client, const console::commands::Any& command,
+                                                std::int64_t now_us);
 
   // Robot
-  OperatorInputs inputs(std::int64_t now_us);
-  void see(const CycleSample& cycle, std::int64_t now_us);
-  void miss() { silent_ = true; }  // no tick for a second
+  World inputs(std::int64_t now_us);
+  void update(const CycleSample& sample, std::int64_t now_us);
+  void mark_silent() { silent_ = true; }  // no tick for a second
 
-  // What pages are told
+  // Events for the pages
   console::events::State state(console::Client client, std::int64_t now_us);
   std::optional<console::events::Opened> opened() const;
   console::events::Planned planned() const;
   // Of every stage whose image was checked in this run.
   std::vector<console::events::Checked> checked() const;
-  // Rises with each change of one of the three above.
+  // Increases with each change of one of the three above.
   std::uint32_t version() const { return version_; }
   const ConsoleSeries& series() const { return series_; }
   const PreparedCase& prepared() const { return prepared_; }
@@ -60,27 +59,27 @@ class OperatorSession {
   struct Run;
   using Answer = std::optional<console::events::Answer>;
 
-  // One for each message of module `commands`, in clinician_asks.cpp.
-  Answer on(console::Client client, const console::commands::TakeControl& asked);
-  Answer on(const console::commands::OpenSeries& asked);
-  Answer on(const console::commands::SetPoint& asked);
-  Answer on(const console::commands::ConfirmPlan& asked);
-  Answer on(const console::commands::SetTick& asked);
-  Answer on(const console::commands::Press& asked);
-  Answer on(const console::commands::Stop& asked);
-  Answer on(const console::commands::Retract& asked);
-  Answer on(const console::commands::Reset& asked);
-  Answer on(const console::commands::Judge& asked);
+  // One for each command, in operator_commands.cpp.
+  Answer on(console::Client client, const console::commands::TakeControl& command);
+  Answer on(const console::commands::OpenSeries& command);
+  Answer on(const console::commands::SetPoint& command);
+  Answer on(const console::commands::ConfirmPlan& command);
+  Answer on(const console::commands::SetTick& command);
+  Answer on(const console::commands::Press& command);
+  Answer on(const console::commands::Stop& command);
+  Answer on(const console::commands::Retract& command);
+  Answer on(const console::commands::Reset& command);
+  Answer on(const console::commands::Judge& command);
 
   const Plan* plan() const;
-  bool is_shown(const std::string& seal) const;
+  bool is_displayed(const std::string& seal) const;
   void unconfirm();
   void send_confirmations();
   bool all_ticked() const { return ticks_ == std::array{true, true, true}; }
   void show_series();
-  void follow_run(const CycleSample& cycle, Mode before);
-  void follow_image();
-  void let_back();
+  void update_run(const CycleSample& sample, Mode before);
+  void update_image();
+  void retract();
   void end_run();
   console::Step step() const;
   console::events::Disabled disabled() const;
@@ -99,7 +98,7 @@ class OperatorSession {
 
   PreparedCase prepared_;
   ConsoleSeries series_;
-  Target proposed_;  // what the case names
+  Target proposed_;  // of the case
   bool opened_ = false, confirmed_ = false, announced_ = false, confirmations_due_ = false;
   std::optional<Point> p_SE_, p_ST_;
   std::array<bool, 3> ticks_{};

@@ -1,5 +1,5 @@
-// Reads a message field by field and refuses everything that the IDL does not say: a missing or unknown
-// field, another type, a number out of range, a text or list that is too long.
+// Reads a message field by field and refuses what the IDL does not allow: a missing or unknown field, another
+// type, a number out of range, a text or list that is too long.
 #pragma once
 
 #include <array>

@@ -38,7 +38,7 @@ std::string protected_topic(std::string_view expression, std::string_view sample
 // Every RTPS message is signed: samples, headers, heartbeats and acknowledgements cannot be forged. Discovery
 // and topics outside the tick, which may name a person, are encrypted as well. Codes per reader
 // (WITH_ORIGIN_AUTHENTICATION) would keep a compromised reader from impersonating the writer it reads, but
-// double the round trip with five processes: see docs/keys.md.
+// double the round trip with five processes: see docs/how-to/manage-keys.md.
 std::string governance_xml() {
   std::string rules;
   for (const Topic& topic : kTopics)

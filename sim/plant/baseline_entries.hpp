@@ -1,4 +1,4 @@
-// Values of [baseline] in a model file, under the names of docs/model.md: the table that reading, writing and
+// Values of [baseline] in a model file, under the names of docs/reference/model-files.md: the table that reading, writing and
 // fitting share. SI units. `T` is accepted in files and not used.
 #pragma once
 

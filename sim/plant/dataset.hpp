@@ -1,4 +1,4 @@
-// Data sets (docs/model.md, section 3): a folder with dataset.toml and one CSV a run. Refuses missing
+// Data sets (docs/reference/model-files.md): a folder with dataset.toml and one CSV a run. Refuses missing
 // columns, gaps, NaN, time that goes back and wrong units, naming file, line and column.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Model files (docs/model.md, section 3): TOML with [baseline] and one [effect.NAME] per effect that is
+// Model files (docs/reference/model-files.md): TOML with [baseline] and one [effect.NAME] per effect that is
 // present; every value a number or { value, std, source }; and [correlation] between values. Refuses unknown
 // names, missing values and numbers out of range, naming file, line and what is allowed. model_text.hpp
 // writes them.
@@ -14,7 +14,7 @@
 
 namespace biopsy::sim {
 
-inline constexpr double kReferencePeriod = 1e-3;  // s, T of docs/model.md, section 1
+inline constexpr double kReferencePeriod = 1e-3;  // s, T of docs/explanation/model.md, section 1
 
 // Uncertainty and source of a value.
 struct ValueNote {

@@ -1,6 +1,6 @@
 // The needle stage and what surrounds it, as constants: nothing here changes while it moves.
-// Source: Xiong, Zhou, Li, Yeow, eq. (1)-(21); docs/model.md says where the paper is silent or misprinted. SI
-// units.
+// Source: Xiong, Zhou, Li, Yeow, eq. (1)-(21); docs/explanation/model.md says where the paper is silent or
+// misprinted. SI units.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Architecture tests: which folder may include which. docs/architecture.md draws it.
+// Architecture tests: which folder may include which. docs/explanation/architecture.md draws it.
 #include <gtest/gtest.h>
 
 #include <algorithm>

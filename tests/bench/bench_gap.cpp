@@ -21,7 +21,8 @@ namespace {
 using hidden::Answer;
 using hidden::HiddenCase;
 
-constexpr double kMostSeconds = 60.0;       // docs/gap.md: six runs of 40 s at 1 kHz on two cores
+constexpr double kMostSeconds =
+    60.0;  // docs/how-to/find-missing-effects.md: six runs of 40 s at 1 kHz on two cores
 constexpr std::size_t kNaiveEvery = 6;      // it takes four times as long as the search
 constexpr double kBarSeconds = 6.0 * 40.0;  // of recording in that case
 

@@ -39,7 +39,7 @@ void declare(CLI::App& app, Options& options) {
   add_model(app, options.model, "numbers that are not searched, such as the sensor's",
             "sim/models/calibrated.toml");
   add(app, "--data FOLDER", options.data,
-      "folder of a [data set](model.md#data-set) that counts beside the paper; may be repeated");
+      "folder of a [data set](model-files.md#data-set) that counts beside the paper; may be repeated");
   add(app, "--evaluations N", options.evaluations, "budget of a global search",
       "600; `--from-nominal` has two searches, of 1600 each")
       ->check(in_range(1, 1'000'000));
@@ -276,7 +276,7 @@ Command calibrate_command() {
               "0, 2 for unusable input, 130 where Ctrl-C ended the search; the best set until then is "
               "written, without standard deviations",
           .outputs = {{"calibrated.toml",
-                       "the [model](model.md#model), with standard deviations, correlations and sources"},
+                       "the [model](model-files.md#model), with standard deviations, correlations and sources"},
                       {"paper.toml", "the other films and the joint"},
                       {"calibration.json", "[the numbers for programs](#calibrationjson)"}},
           .replaces_earlier_run = true,

@@ -119,7 +119,7 @@ Command check_command() {
           .summary = "depth of the needle from two images, before and after insertion",
           .description =
               "Registers the images, looks for what changed along the expected path and says "
-              "accept, reject or unsure: [depth check](depth-check.md). Two images of two patients "
+              "accept, reject or unsure: [depth check](../explanation/depth-check.md). Two images of two patients "
               "are refused.",
           .examples = {"biopsy check --before out/gap/planning --after out/gap/images/stage-1 "
                        "--entry -4.396,33.092,51.854 --axis -0.936,0.036,-0.349 --json"},

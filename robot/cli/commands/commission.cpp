@@ -155,7 +155,7 @@ Command commission_command() {
           .summary = "first power-up of a stage, step by step",
           .description =
               "Checks wiring, scales, laser, loop rate, interlock and emergency stop, and signs a "
-              "record that arming real [hardware](hardware.md) requires.",
+              "record that arming real [hardware](../how-to/commission-a-stage.md) requires.",
           .examples = {"biopsy commission --dry-run"},
           .long_examples = {"biopsy commission --device sim --yes --out out/commissioned"},
           .exit_codes = "0 passed, 3 not passed, 2 for unusable input",

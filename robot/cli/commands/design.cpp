@@ -21,7 +21,7 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  add_model(app, options.model, "[model](model.md#model) of the paper's stack", "sim/models/calibrated.toml");
+  add_model(app, options.model, "[model](model-files.md#model) of the paper's stack", "sim/models/calibrated.toml");
   add_seed(app, options.seed, "the search");
   add_out(app, options.out, "the report")->required();
 }

@@ -29,7 +29,7 @@ void declare_dry_run(CLI::App& app, Options& options) {
   add_procedure_options(app, options.procedure);
   CLI::Option* live =
       app.add_flag("--live", options.live,
-                   "through the [live robot's](live.md) processes over DDS, in real time, instead of one "
+                   "through the [live robot's](../how-to/live.md) processes over DDS, in real time, instead of one "
                    "virtual clock");
   add_live_options(app, options.network, live);
 }
@@ -125,8 +125,8 @@ Command dry_run_command() {
                  {{"run.csv", "[each tick](#runcsv); only where something ran"},
                   {"stage-*.png", "the needle before and after each stage of the plan"},
                   {"images", "the confirmation image of each stage, as DICOM"},
-                  {"procedure.log.sqlite", "with `--live`: the [procedure log](log.md)", true},
-                  {"*.log", "with `--live`: the [diagnostic log](logging.md) of each process", true}});
+                  {"procedure.log.sqlite", "with `--live`: the [procedure log](procedure-log.md)", true},
+                  {"*.log", "with `--live`: the [diagnostic log](diagnostic-log.md) of each process", true}});
   return {
       .name = "dry-run",
       .summary = "rehearse a whole procedure on the simulated stage",

@@ -1,4 +1,4 @@
-// biopsy effects: the library of effects, for people, programs and docs/effects.md.
+// biopsy effects: the library of effects, for people, programs and docs/reference/effects.md.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -107,13 +107,13 @@ std::string cell(std::string_view text) {
 constexpr const char* kPageHead = R"(# Effects
 
 The library of physical terms that a model of the needle stage may contain, or lack. An effect that is absent is exactly
-the [baseline](model.md#1-baseline-the-papers-equations-nothing-else). In a [model file](model.md#model) each one that is
+the [baseline](../explanation/model.md#1-baseline-the-papers-equations-nothing-else). In a [model file](model-files.md#model) each one that is
 present has a table `[effect.NAME]` with all its parameters. The experiment is the one that shows the effect most clearly.
 
 This page is generated; a test compares it with the program. Renew it, do not edit it:
 
 ```sh
-biopsy effects --markdown > docs/effects.md
+biopsy effects --markdown > docs/reference/effects.md
 ```
 
 What a parameter does in its effect: a *strength* of 0 makes the effect vanish (all strengths, where there are several); a
@@ -151,7 +151,7 @@ std::string page_of(const std::vector<EffectCard>& cards) {
 
 struct Options {
   std::string name;       // empty: all
-  bool markdown = false;  // docs/effects.md
+  bool markdown = false;  // docs/reference/effects.md
 };
 
 void declare(CLI::App& app, Options& options) {

@@ -36,8 +36,8 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set)")->required();
-  add_model(app, options.model, "[model file](model.md#model)")->required();
+  add(app, "DATASET", options.dataset, "folder of a [data set](model-files.md#data-set)")->required();
+  add_model(app, options.model, "[model file](model-files.md#model)")->required();
   add_out(app, options.out, "the report and the better model")->required();
   add(app, "--free NAMES", options.free,
       "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
@@ -181,7 +181,7 @@ Command gap_command() {
       .description =
           "Compares the model with every run of the data set, says where they disagree and which effect or "
           "parameter explains it, and shows on runs it did not use how far that closes the gap: [finding "
-          "what a model is missing](gap.md). The same data and model give the same answer; nothing in it is "
+          "what a model is missing](../how-to/find-missing-effects.md). The same data and model give the same answer; nothing in it is "
           "random. A data set or model that lies in the place of the answer is refused.",
       .examples = {"biopsy gap docs/examples/gap --model docs/examples/gap/stage.toml --out "
                    "out/gap-example --no-recheck"},
@@ -189,7 +189,7 @@ Command gap_command() {
       .exit_codes =
           "0 for any verdict, \"unexplained\" included; 2 for unusable input; 130 where Ctrl-C "
           "ended the search, with what was found until then written",
-      .outputs = {{"report.html", "the report for people; [how to read it](gap.md#3-read-the-report)"},
+      .outputs = {{"report.html", "the report for people; [how to read it](../how-to/find-missing-effects.md#3-read-the-report)"},
                   {"gap.json", "[the answer for programs](#gapjson)"},
                   {"model.toml", "the better model. Where nothing was found, the model that was given"}},
       .replaces_earlier_run = true,

@@ -19,7 +19,7 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   CLI::Option* command = add(app, "COMMAND", options.command, "one command", "all");
-  app.add_flag("--markdown", options.markdown, "print the commands' section of docs/reference.md")
+  app.add_flag("--markdown", options.markdown, "print the commands' section of docs/reference/commands.md")
       ->excludes(command);
 }
 

@@ -27,9 +27,9 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set) with `current_uA`")
+  add(app, "DATASET", options.dataset, "folder of a [data set](model-files.md#data-set) with `current_uA`")
       ->required();
-  add_model(app, options.model, "[model](model.md#model) that gets the new values",
+  add_model(app, options.model, "[model](model-files.md#model) that gets the new values",
             "sim/models/baseline.toml");
   add_out(app, options.out, "the result")->required();
 }

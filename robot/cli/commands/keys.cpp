@@ -129,7 +129,7 @@ Result check(const Options& options, const Context&) {
 Command keys_group() {
   return {.name = "keys",
           .summary = "identities and permissions on the robot's bus",
-          .description = "What they are, who may write what, renewing, revoking: [keys](keys.md)."};
+          .description = "What they are, who may write what, renewing, revoking: [keys](../how-to/manage-keys.md)."};
 }
 
 Command keys_init_command() {

@@ -144,7 +144,7 @@ constexpr const char* kVerdict =
 Command log_group() {
   return {.name = "log",
           .summary = "the procedure log: show, verify, export",
-          .description = "All three read the whole [procedure log](log.md) and verify it."};
+          .description = "All three read the whole [procedure log](procedure-log.md) and verify it."};
 }
 
 Command log_show_command() {

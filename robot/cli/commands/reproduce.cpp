@@ -27,7 +27,7 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   add(app, "FIGURE", options.figure, "a figure of the paper: `6`, `7a`, or `9` for all of its parts", "all");
-  add_model(app, options.model, "[model](model.md#model)", "sim/models/calibrated.toml");
+  add_model(app, options.model, "[model](model-files.md#model)", "sim/models/calibrated.toml");
   add_out(app, options.out, "the report")->required();
 }
 
@@ -66,7 +66,7 @@ Command reproduce_command() {
           .summary = "the paper's experiments on a model, beside its numbers",
           .description =
               "Runs every experiment of the paper, or one. Rows that the model misses are shown with "
-              "the reason. How and why: [the paper, beside the model](paper.md).",
+              "the reason. How and why: [the paper, beside the model](../explanation/paper.md).",
           .examples = {"biopsy reproduce 2 --out out/figure-2"},
           .long_examples = {"biopsy reproduce --out out/paper"},
           .exit_codes =

@@ -21,8 +21,8 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "DATASET", options.dataset, "folder of a [data set](model.md#data-set)")->required();
-  add_model(app, options.model, "[model file](model.md#model)")->required();
+  add(app, "DATASET", options.dataset, "folder of a [data set](model-files.md#data-set)")->required();
+  add_model(app, options.model, "[model file](model-files.md#model)")->required();
   add_out(app, options.out, "the simulated data set")->required();
 }
 

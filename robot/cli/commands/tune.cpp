@@ -26,7 +26,7 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  add_model(app, options.model, "[model](model.md#model)", "sim/models/calibrated.toml");
+  add_model(app, options.model, "[model](model-files.md#model)", "sim/models/calibrated.toml");
   add(app, "--stages N", options.stages, "stages drawn from the model's uncertainty", "24")
       ->check(in_range(0, 200));
   add_seed(app, options.seed, "that draw");

@@ -53,10 +53,10 @@ void declare(CLI::App& app, Options& options) {
   CLI::Option* prepare =
       app.add_flag(
              "--prepare", options.prepare,
-             "write the run folder and start nothing: [an installed system](live.md#an-installed-system)")
+             "write the run folder and start nothing: [an installed system](../how-to/install.md)")
           ->excludes(seconds);
   CLI::Option* console =
-      app.add_flag("--console", options.console, "serve the operator's page, the [console](console.md)");
+      app.add_flag("--console", options.console, "serve the operator's page, the [console](../tutorials/clinician.md)");
   app.add_flag("--open", options.open, "open that page in the desktop's browser")
       ->needs(console)
       ->excludes(prepare);
@@ -254,14 +254,14 @@ Command up_command() {
           .description =
               "Plans, starts interlock, recorder, supervisor, stage and controller over DDS with "
               "security, and shows their state until Ctrl-C; then brings them down in order, HV first: "
-              "[the live robot](live.md). Nothing is armed: that takes the key on the device. With "
+              "[the live robot](../how-to/live.md). Nothing is armed: that takes the key on the device. With "
               "`--console` an image folder is enough: series, entry and target are picked on the page.",
           .long_examples = {"biopsy up gap --seconds 5 --keys out/keys --out out/up"},
           .exit_codes = "0, 3 where a process ended by itself or the plan is refused, 2 for unusable input",
           .outputs = {{"procedure.log.sqlite",
-                       "the [procedure log](log.md); a later run in the folder continues it", true},
+                       "the [procedure log](procedure-log.md); a later run in the folder continues it", true},
                       {"live.json", "what every process was started with", true},
-                      {"*.log", "the [diagnostic log](logging.md) of each process", true},
+                      {"*.log", "the [diagnostic log](diagnostic-log.md) of each process", true},
                       {"console", "with `--console`: a folder for each run"},
                       {"console.url", "with `--console`: the page's address"}},
           .replaces_earlier_run = true,

@@ -14,11 +14,11 @@ bool HoldToRun::press(std::uint32_t token, double page_ms, std::int64_t now_us) 
 void HoldToRun::beat(std::uint32_t token, double page_ms, std::int64_t now_us) {
   if (!held(now_us) || pressed_->token != token) return;
   const double offset_ms = static_cast<double>(now_us) * 1e-3 - page_ms;
-  if (page_ms <= pressed_->page_ms || offset_ms - pressed_->quickest_ms > kDelayMax_ms) {
+  if (page_ms <= pressed_->page_ms || offset_ms - pressed_->fastest_ms > kDelayMax_ms) {
     pressed_.reset();
     return;
   }
-  pressed_->quickest_ms = std::min(pressed_->quickest_ms, offset_ms);
+  pressed_->fastest_ms = std::min(pressed_->fastest_ms, offset_ms);
   pressed_->page_ms = page_ms;
   pressed_->beat_us = now_us;
 }

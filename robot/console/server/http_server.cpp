@@ -32,11 +32,10 @@ constexpr std::size_t kHeaderMax_bytes = 8'192, kMessageMax_bytes = 4'096, kClie
 constexpr std::chrono::seconds kRequestMax{5}, kPing{2};
 constexpr std::chrono::seconds kAnswerMax{60};  // a volume of 200 MB to a busy page
 
-// Nothing but what this server itself serves runs, is styled, shown or connected to.
+// Scripts, styles, images and connections of this server only.
 constexpr const char* kContentPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self' "
-    "data:; "
-    "font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "data:; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 constexpr const char* kSelfContainedPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; "
@@ -59,7 +58,7 @@ std::string media_type_of(const fs::path& file) {
   return found == kTypes.end() ? "application/octet-stream" : found->second;
 }
 
-// Read once, and only what lies there now: no request can name another file.
+// Read once: no request can name another file.
 std::map<std::string, Document> read_page(const fs::path& folder) {
   std::map<std::string, Document> page;
   std::error_code error;
@@ -69,7 +68,7 @@ std::map<std::string, Document> read_page(const fs::path& folder) {
         media_type_of(entry.path()), std::make_shared<const std::string>(read_file(entry.path()))};
   }
   if (!page.contains("/index.html"))
-    throw ConfigError("the console's page is not there", folder.string(), "build it: ./dev console");
+    throw ConfigError("the console's page does not exist", folder.string(), "build it: ./dev console");
   page["/"] = page["/index.html"];
   return page;
 }
@@ -80,8 +79,8 @@ class HttpSession;
 class WebSocketSession;
 
 struct HttpState {
-  HttpState(const fs::path& page_folder, std::string token, WebEvents given)
-      : page(read_page(page_folder)), key(std::move(token)), events(std::move(given)) {}
+  HttpState(const fs::path& page_folder, std::string token_text, ServerCallbacks given)
+      : page(read_page(page_folder)), token(std::move(token_text)), callbacks(std::move(given)) {}
 
   void listen(std::uint16_t wanted);
   void accept();
@@ -89,12 +88,12 @@ struct HttpState {
   asio::io_context io{1};
   Tcp::acceptor acceptor{io};
   std::map<std::string, Document> page;
-  std::string key;
+  std::string token;
   std::uint16_t port = 0;
-  std::unique_ptr<OriginPolicy> rules;
-  WebEvents events;
+  std::unique_ptr<OriginPolicy> policy;
+  ServerCallbacks callbacks;
   Client last_client = 0;
-  std::size_t guests = 0;
+  std::size_t http_sessions = 0;
   std::map<Client, std::shared_ptr<WebSocketSession>> web_sockets;
   std::thread thread;
 };
@@ -102,10 +101,10 @@ struct HttpState {
 // A page with its WebSocket.
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
-  WebSocketSession(Tcp::socket socket, HttpState& house, Client client)
-      : socket_(std::move(socket)), state_(house), client_(client) {}
+  WebSocketSession(Tcp::socket socket, HttpState& state, Client client)
+      : socket_(std::move(socket)), state_(state), client_(client) {}
 
-  void welcome(const http::request<http::string_body>& request) {
+  void accept(const http::request<http::string_body>& request) {
     websocket::stream_base::timeout timeout{};
     timeout.handshake_timeout = kRequestMax;
     timeout.idle_timeout = 2 * kPing;  // Beast pings at half of it
@@ -114,20 +113,20 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     socket_.read_message_max(kMessageMax_bytes);
     socket_.next_layer().set_option(Tcp::no_delay(true));
     socket_.async_accept(request, [self = shared_from_this()](Error error) {
-      if (error) return self->leave();
-      self->state_.events.came(self->client_);
+      if (error) return self->disconnect();
+      self->state_.callbacks.connected(self->client_);
       self->read();
     });
   }
 
-  void send(Outbox::Text text, Worth worth) {
-    const bool idle = outbox_.empty();
-    outbox_.put(std::move(text), worth);
-    if (outbox_.overflows()) return cut();
-    if (idle && !outbox_.empty()) write();
+  void send(SendQueue::Text text, Reliability reliability) {
+    const bool idle = queue_.empty();
+    queue_.push(std::move(text), reliability);
+    if (queue_.overflows()) return close();
+    if (idle && !queue_.empty()) write();
   }
 
-  void cut() {
+  void close() {
     Error ignored;
     socket_.next_layer().close(ignored);
   }
@@ -135,49 +134,49 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  private:
   void read() {
     socket_.async_read(buffer_, [self = shared_from_this()](Error error, std::size_t) {
-      if (error) return self->leave();
+      if (error) return self->disconnect();
       const std::string text = beast::buffers_to_string(self->buffer_.data());
       self->buffer_.consume(self->buffer_.size());
-      if (!self->rate_.allows(now_us())) return self->leave();
-      self->state_.events.said(self->client_, text);
+      if (!self->rate_.allows(now_us())) return self->disconnect();
+      self->state_.callbacks.received(self->client_, text);
       self->read();
     });
   }
 
   void write() {
     socket_.text(true);
-    socket_.async_write(asio::buffer(outbox_.front()), [self = shared_from_this()](Error error, std::size_t) {
-      if (error) return self->leave();
-      self->outbox_.pop();
-      if (!self->outbox_.empty()) self->write();
+    socket_.async_write(asio::buffer(queue_.front()), [self = shared_from_this()](Error error, std::size_t) {
+      if (error) return self->disconnect();
+      self->queue_.pop();
+      if (!self->queue_.empty()) self->write();
     });
   }
 
-  void leave() {
-    if (std::exchange(gone_, true)) return;
-    cut();
+  void disconnect() {
+    if (std::exchange(disconnected_, true)) return;
+    close();
     state_.web_sockets.erase(client_);
-    state_.events.left(client_);
+    state_.callbacks.disconnected(client_);
   }
 
   websocket::stream<Tcp::socket> socket_;
   HttpState& state_;
   Client client_;
   beast::flat_buffer buffer_;
-  Outbox outbox_;
+  SendQueue queue_;
   RateLimit rate_;
-  bool gone_ = false;
+  bool disconnected_ = false;
 };
 
 // One HTTP request, answered and closed, or made a WebSocketSession.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(Tcp::socket socket, HttpState& house) : stream_(std::move(socket)), state_(house) {
-    ++state_.guests;
+  HttpSession(Tcp::socket socket, HttpState& state) : stream_(std::move(socket)), state_(state) {
+    ++state_.http_sessions;
     parser_.header_limit(kHeaderMax_bytes);
     parser_.body_limit(0);
   }
-  ~HttpSession() { --state_.guests; }
+  ~HttpSession() { --state_.http_sessions; }
 
   void serve() {
     stream_.expires_after(kRequestMax);
@@ -188,33 +187,34 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
  private:
   void answer() {
-    const auto& asked = parser_.get();
+    const auto& received = parser_.get();
     const auto header = [&](http::field name) {
-      const auto value = asked[name];
+      const auto value = received[name];
       return std::string_view(value.data(), value.size());
     };
-    const std::string_view target(asked.target().data(), asked.target().size());
+    const std::string_view target(received.target().data(), received.target().size());
     const Request request{header(http::field::host), header(http::field::origin), target};
-    if (!state_.rules->is_addressed_to_us(request)) return refuse(http::status::forbidden, "not this server");
+    if (!state_.policy->is_addressed_to_us(request))
+      return refuse(http::status::forbidden, "not this server");
     const std::string path(target.substr(0, target.find('?')));
-    if (websocket::is_upgrade(asked)) return upgrade(request, path);
-    if (asked.method() != http::verb::get) return refuse(http::status::method_not_allowed, "GET only");
+    if (websocket::is_upgrade(received)) return upgrade(request, path);
+    if (received.method() != http::verb::get) return refuse(http::status::method_not_allowed, "GET only");
     if (const auto file = state_.page.find(path); file != state_.page.end()) return send(file->second);
-    if (!state_.rules->has_token(request)) return refuse(http::status::forbidden, "no token");
-    if (const auto made = state_.events.document(path)) return send(*made);
+    if (!state_.policy->has_token(request)) return refuse(http::status::forbidden, "no token");
+    if (const auto made = state_.callbacks.document(path)) return send(*made);
     refuse(http::status::not_found, "no such page");
   }
 
   void upgrade(const Request& request, const std::string& path) {
-    if (path != "/live" || !state_.rules->is_from_our_page(request) || !state_.rules->has_token(request))
+    if (path != "/live" || !state_.policy->is_from_our_page(request) || !state_.policy->has_token(request))
       return refuse(http::status::forbidden, "not this page, or no token");
     if (state_.web_sockets.size() >= kClientsMax)
       return refuse(http::status::service_unavailable, "too many pages");
     stream_.expires_never();
     const Client client = ++state_.last_client;
-    const auto visitor = std::make_shared<WebSocketSession>(stream_.release_socket(), state_, client);
-    state_.web_sockets[client] = visitor;
-    visitor->welcome(parser_.get());
+    const auto session = std::make_shared<WebSocketSession>(stream_.release_socket(), state_, client);
+    state_.web_sockets[client] = session;
+    session->accept(parser_.get());
   }
 
   void refuse(http::status status, const char* why) {
@@ -226,18 +226,18 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     body_ = document.body;
     response_.emplace(std::piecewise_construct, std::make_tuple(body_->data(), body_->size()),
                       std::make_tuple(status_, 11u));
-    auto& answer = *response_;
-    answer.set(http::field::content_type, document.media_type);
-    answer.set("Content-Security-Policy", document.self_contained ? kSelfContainedPolicy : kContentPolicy);
-    answer.set("X-Content-Type-Options", "nosniff");
-    answer.set("Referrer-Policy", "no-referrer");
-    answer.set("Cross-Origin-Opener-Policy", "same-origin");
-    answer.set("Cross-Origin-Resource-Policy", "same-origin");
-    answer.set(http::field::cache_control, "no-store");
-    answer.keep_alive(false);
-    answer.prepare_payload();
+    auto& response = *response_;
+    response.set(http::field::content_type, document.media_type);
+    response.set("Content-Security-Policy", document.self_contained ? kSelfContainedPolicy : kContentPolicy);
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");
+    response.set("Cross-Origin-Opener-Policy", "same-origin");
+    response.set("Cross-Origin-Resource-Policy", "same-origin");
+    response.set(http::field::cache_control, "no-store");
+    response.keep_alive(false);
+    response.prepare_payload();
     stream_.expires_after(kAnswerMax);
-    http::async_write(stream_, answer, [self = shared_from_this()](Error, std::size_t) {
+    http::async_write(stream_, response, [self = shared_from_this()](Error, std::size_t) {
       Error ignored;
       self->stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
     });
@@ -263,19 +263,20 @@ void HttpState::listen(std::uint16_t wanted) {
     throw ConfigError(fmt::format("cannot listen: {}", error.message()), fmt::format("127.0.0.1:{}", wanted),
                       "another --port, or 0 for any that is free");
   port = acceptor.local_endpoint().port();
-  rules = std::make_unique<OriginPolicy>(port, key);
+  policy = std::make_unique<OriginPolicy>(port, token);
 }
 
 void HttpState::accept() {
   acceptor.async_accept([this](Error error, Tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && guests < kHttpSessionsMax) std::make_shared<HttpSession>(std::move(socket), *this)->serve();
+    if (!error && http_sessions < kHttpSessionsMax)
+      std::make_shared<HttpSession>(std::move(socket), *this)->serve();
     accept();
   });
 }
 
-HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, WebEvents events)
-    : state_(std::make_unique<HttpState>(page, std::move(token), std::move(events))) {
+HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, ServerCallbacks callbacks)
+    : state_(std::make_unique<HttpState>(page, std::move(token), std::move(callbacks))) {
   state_->listen(port);
   state_->accept();
   state_->thread = std::thread([this] { state_->io.run(); });
@@ -284,23 +285,23 @@ HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string tok
 HttpServer::~HttpServer() {
   state_->io.stop();
   state_->thread.join();
-  for (const auto& [client, visitor] : std::exchange(state_->web_sockets, {})) visitor->cut();
+  for (const auto& [client, session] : std::exchange(state_->web_sockets, {})) session->close();
 }
 
 std::string HttpServer::url() const {
-  return fmt::format("http://127.0.0.1:{}/?t={}", state_->port, state_->key);
+  return fmt::format("http://127.0.0.1:{}/?t={}", state_->port, state_->token);
 }
 
-void HttpServer::send(Client client, Outbox::Text text, Worth worth) {
-  asio::post(state_->io, [this, client, text = std::move(text), worth] {
+void HttpServer::send(Client client, SendQueue::Text text, Reliability reliability) {
+  asio::post(state_->io, [this, client, text = std::move(text), reliability] {
     const auto found = state_->web_sockets.find(client);
-    if (found != state_->web_sockets.end()) found->second->send(text, worth);
+    if (found != state_->web_sockets.end()) found->second->send(text, reliability);
   });
 }
 
-void HttpServer::send_to_all(Outbox::Text text, Worth worth) {
-  asio::post(state_->io, [this, text = std::move(text), worth] {
-    for (const auto& [client, visitor] : std::map(state_->web_sockets)) visitor->send(text, worth);
+void HttpServer::send_to_all(SendQueue::Text text, Reliability reliability) {
+  asio::post(state_->io, [this, text = std::move(text), reliability] {
+    for (const auto& [client, session] : std::map(state_->web_sockets)) session->send(text, reliability);
   });
 }
 

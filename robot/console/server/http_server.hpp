@@ -1,5 +1,5 @@
-// The web server of the console: files of the page, documents made on demand, and one WebSocket a page.
-// Listens on 127.0.0.1 only and lets in whom OriginPolicy let in. Knows nothing of robots.
+// The web server of the console: files of the page, documents generated on request, and one WebSocket for
+// each page. Listens on 127.0.0.1 only and accepts what OriginPolicy accepts. Independent of the robot.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,22 @@
 #include <string>
 
 #include "robot/console/server/lease.hpp"
-#include "robot/console/server/outbox.hpp"
+#include "robot/console/server/send_queue.hpp"
 
 namespace biopsy::console {
 
 struct Document {
   std::string media_type;
   std::shared_ptr<const std::string> body;
-  bool self_contained = false;  // brings its own style, and neither scripts nor links to anything
+  bool self_contained = false;  // has its own style, no script and no link
 };
 
 // Called on the server's thread.
-struct WebEvents {
-  std::function<void(Client)> came;
-  std::function<void(Client, const std::string&)> said;
-  std::function<void(Client)> left;
-  // What is not a file of the page; path without the query.
+struct ServerCallbacks {
+  std::function<void(Client)> connected;
+  std::function<void(Client, const std::string&)> received;
+  std::function<void(Client)> disconnected;
+  // For what is not a file of the page; path without the query.
   std::function<std::optional<Document>(const std::string& path)> document;
 };
 
@@ -35,13 +35,14 @@ class HttpServer {
  public:
   // `page`: folder of the built page, read once. Port 0: a free one. Throws ConfigError: no page, port in
   // use.
-  HttpServer(const std::filesystem::path& page, std::uint16_t port, std::string token, WebEvents events);
+  HttpServer(const std::filesystem::path& page, std::uint16_t port, std::string token,
+             ServerCallbacks callbacks);
   ~HttpServer();
 
   std::string url() const;  // with the token: whoever has it may control
-  // From any thread; to a client that is gone: nothing happens.
-  void send(Client client, Outbox::Text text, Worth worth);
-  void send_to_all(Outbox::Text text, Worth worth);
+  // From any thread; nothing happens for a client that has disconnected.
+  void send(Client client, SendQueue::Text text, Reliability reliability);
+  void send_to_all(SendQueue::Text text, Reliability reliability);
 
  private:
   std::unique_ptr<HttpState> state_;

@@ -1,5 +1,5 @@
-// One person controls, all others watch. Who holds the lease keeps it while its page is connected; a second
-// page gets it only once it is free.
+// One page controls, all others watch. A page keeps the lease while it is connected; another one gets it only
+// once it is free.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ class Lease {
     if (!holder_) holder_ = client;
     return *holder_ == client;
   }
-  // True: it was the holder, who is gone.
-  bool leave(Client client) {
+  // True: it was the holder.
+  bool release(Client client) {
     if (holder_ != client) return false;
     holder_.reset();
     return true;

@@ -51,9 +51,9 @@ std::string new_token() {
 }
 
 bool RateLimit::allows(std::int64_t now_us) {
-  const double passed_s = static_cast<double>(now_us - asked_us_) * 1e-6;
-  left_ = std::min(kBurst, left_ + (asked_us_ == 0 ? 0.0 : passed_s * kPerSecond));
-  asked_us_ = now_us;
+  const double passed_s = static_cast<double>(now_us - last_us_) * 1e-6;
+  left_ = std::min(kBurst, left_ + (last_us_ == 0 ? 0.0 : passed_s * kPerSecond));
+  last_us_ = now_us;
   if (left_ < 1.0) return false;
   left_ -= 1.0;
   return true;

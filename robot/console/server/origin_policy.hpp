@@ -1,6 +1,6 @@
-// Who may talk to the server at all. It listens on this machine only; but every page in the browser and every
-// program of another user could reach it there. So a request must name this very server, come from its own
-// page, and carry the token that was printed at the start.
+// Which requests the server accepts. It listens on this machine only, but any page in the browser and any
+// program of another user can reach it there. So a request must name this server, come from its own page, and
+// carry the token that was printed at the start.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,10 @@ class OriginPolicy {
  public:
   OriginPolicy(std::uint16_t port, std::string token) : port_(port), token_(std::move(token)) {}
 
-  // Host is ours (a page of another name that resolves to this machine is not), Origin ours or absent.
+  // Host is this server (DNS rebinding: another name that resolves to this machine is not), Origin its own or
+  // absent.
   bool is_addressed_to_us(const Request& request) const;
-  // Origin is present and ours: a WebSocket of another page is not stopped by the browser.
+  // Origin is present and its own: browsers do not stop WebSockets of other pages.
   bool is_from_our_page(const Request& request) const;
   bool has_token(const Request& request) const;
 
@@ -28,10 +29,10 @@ class OriginPolicy {
   std::string token_;
 };
 
-// 32 hexadecimal digits nobody can guess. Throws ConfigError where the system has no randomness.
+// 32 random hexadecimal digits. Throws ConfigError where the system has no randomness.
 std::string new_token();
 
-// Messages of one client: a short burst, then so many a second.
+// Messages of one client: a short burst, then a constant rate.
 class RateLimit {
  public:
   bool allows(std::int64_t now_us);
@@ -39,7 +40,7 @@ class RateLimit {
  private:
   static constexpr double kPerSecond = 100.0, kBurst = 200.0;
   double left_ = kBurst;
-  std::int64_t asked_us_ = 0;
+  std::int64_t last_us_ = 0;
 };
 
 }  // namespace biopsy::console

@@ -19,7 +19,7 @@ std::variant<Point, std::string> picked_point(const Volume& image, const command
   const Point shown = lps_from_ras({picked.ras_mm[0], picked.ras_mm[1], picked.ras_mm[2]});
   const double apart_mm = (p_S - shown).norm();
   if (!(apart_mm <= kMismatchMax_mm))
-    return fmt::format("page and server disagree by {:.2f} mm on where the point is", apart_mm);
+    return fmt::format("the positions of page and server differ by {:.2f} mm", apart_mm);
   return p_S;
 }
 

@@ -1,5 +1,5 @@
-// A point that was clicked on the image. The page sends what it pointed at twice, as voxel and as
-// millimetres; both must be the same place of the very series that is planned on.
+// A point that was clicked on the image. The page sends it twice, as voxel and in millimetres; both must be
+// the same position in the series that is planned on.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace biopsy::console {
 
 inline constexpr double kMismatchMax_mm = 0.1;
 
-// The place in LPS, computed here from the voxel; or why it is not taken.
+// The position in LPS, computed from the voxel; or why it is refused.
 std::variant<Point, std::string> picked_point(const Volume& image, const commands::SetPoint& picked);
 
 // Rows of the map from voxel to R, A, S in mm, as the page gets it.

@@ -1,4 +1,4 @@
-// Twenty ticks in one message: lowest and highest of each value, so that a spike of one tick is still drawn.
+// Twenty ticks in one message: minimum and maximum of each value, so that a spike of one tick is drawn.
 #pragma once
 
 #include <algorithm>

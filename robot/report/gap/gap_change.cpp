@@ -5,10 +5,11 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/gap/gap_diff.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/gap/gap_sections.hpp"
-#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/markup/html_markup.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -19,22 +20,21 @@ constexpr std::size_t kContext = 3;  // unchanged lines shown around a change
 
 std::string estimate_row(const GapEstimate& p) {
   const ReadableQuantity quantity = effect_quantity(p.name);
-  return "<tr>" + name_cell(quantity.words, p.name) + number_cell(estimate_text(p.value, p.std)) +
-         number_cell(interval_text(p.value, p.std)) + text_cell(quantity.unit) + "</tr>\n";
+  return row({name_cell(quantity.label, p.name), number_cell(estimate_text(p.value, p.std)),
+              number_cell(interval_text(p.value, p.std)), text_cell(quantity.unit)});
 }
 
 std::string effect_block(const FoundEffect& effect) {
   std::string rows;
   for (const GapEstimate& p : effect.parameters) rows += estimate_row(p);
-  std::string html =
-      "<h3>" + escaped(name_words(effect.name)) + " <code>" + escaped(effect.name) + "</code></h3>\n";
   std::string text = effect.sentence;
   if (std::isfinite(effect.share_explained))
-    text += (text.empty() ? "It" : " It") + std::string(" explained ") +
-            percent_text(effect.share_explained) +
-            " of the held-out excess error that was left when it entered; probability " +
-            fixed(effect.probability, 2) + ".";
-  html += paragraph(text);
+    text += fmt::format(
+        "{}It explained {} of the held-out excess error that was left when it entered; "
+        "probability {}.",
+        text.empty() ? "" : " ", percent_text(effect.share_explained), fixed(effect.probability, 2));
+  std::string html = fmt::format("<h3>{} <code>{}</code></h3>\n{}", escaped(readable_name(effect.name)),
+                                 escaped(effect.name), paragraph(text));
   if (!rows.empty())
     html += table("Value ± one standard deviation; the interval is the value ± 1.96 of them.",
                   {"Parameter", ">Value", ">95 % interval", "Unit"}, rows);
@@ -44,13 +44,13 @@ std::string effect_block(const FoundEffect& effect) {
 std::string changed_row(const ChangedParameter& p) {
   const ReadableQuantity quantity = baseline_quantity(p.name);
   const double unit = quantity.per_file_unit, std = p.std * unit;
-  const double deviations = std::abs(p.after - p.before) / p.std;
   const double change = p.before != 0 ? (p.after - p.before) / p.before : std::nan("");
   const std::string relative =
       std::isfinite(change) ? std::string(change > 0 ? "+" : "") + fixed(100 * change, 1, "%") : "–";
-  return "<tr>" + name_cell(quantity.words, p.name) + number_cell(estimate_text(p.before * unit, 0)) +
-         number_cell(estimate_text(p.after * unit, std)) + number_cell(interval_text(p.after * unit, std)) +
-         text_cell(quantity.unit) + number_cell(relative) + number_cell(fixed(deviations, 1)) + "</tr>\n";
+  return row({name_cell(quantity.label, p.name), number_cell(estimate_text(p.before * unit, 0)),
+              number_cell(estimate_text(p.after * unit, std)),
+              number_cell(interval_text(p.after * unit, std)), text_cell(quantity.unit),
+              number_cell(relative), number_cell(std::abs(p.after - p.before) / p.std, 1)});
 }
 
 const char* sign(DiffKind kind) {
@@ -88,42 +88,38 @@ std::string diff_html(const std::vector<DiffLine>& diff) {
     }
     std::size_t skipped = 0;
     for (; i < diff.size() && !shown[i]; ++i) ++skipped;
-    html += fmt::format("<span class=\"skipped\">  … {} unchanged line{}</span>", skipped,
-                        skipped == 1 ? "" : "s");
+    html += "<span class=\"skipped\">  … " + counted(skipped, "unchanged line") + "</span>";
   }
   return html + "</pre>\n";
 }
 
 std::string margin_row(const MarginChange& m) {
   const int decimals = decimals_for(std::abs(m.limit) / 10);
-  const std::string verdict =
-      m.ok ? "<td class=\"level\">✓ holds</td>" : "<td class=\"level alarm\">■ beyond the limit</td>";
-  return "<tr>" + text_cell(m.plan) + text_cell(name_words(m.quantity)) +
-         number_cell(fixed(m.limit, decimals)) + number_cell(fixed(m.before, decimals)) +
-         number_cell(percent_text(m.before / m.limit)) + number_cell(fixed(m.after, decimals)) +
-         number_cell(percent_text(m.after / m.limit)) + text_cell(m.unit) + verdict + "</tr>\n";
+  return row(
+      {text_cell(m.plan), text_cell(readable_name(m.quantity)), number_cell(m.limit, decimals),
+       number_cell(m.before, decimals), number_cell(percent_text(m.before / m.limit)),
+       number_cell(m.after, decimals), number_cell(percent_text(m.after / m.limit)), text_cell(m.unit),
+       m.ok ? "<td class=\"level\">✓ holds</td>" : "<td class=\"level alarm\">■ beyond the limit</td>"});
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+std::string name_list(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : joined(names);
 }
 
 }  // namespace
 
 std::string margin_finding(const MarginChange& m) {
   const int decimals = decimals_for(std::abs(m.limit) / 10);
-  return "Plan " + m.plan + ": " + name_words(m.quantity) + " reaches " + fixed(m.after, decimals, m.unit) +
-         " with the new model; the limit is " + fixed(m.limit, decimals, m.unit) +
-         ", and the old model said " + fixed(m.before, decimals, m.unit) + ".";
+  return fmt::format(
+      "Plan {}: {} reaches {} with the new model; the limit is {}, the old model predicted {}.", m.plan,
+      readable_name(m.quantity), fixed(m.after, decimals, m.unit), fixed(m.limit, decimals, m.unit),
+      fixed(m.before, decimals, m.unit));
 }
 
 std::string gap_effects_section(const GapFinding& finding) {
   std::string html;
   for (const FoundEffect& effect : finding.effects) html += effect_block(effect);
-  return section(finding.effects.size() > 1 ? "The effects that were found" : "The effect that was found",
-                 html);
+  return section(finding.effects.size() > 1 ? "Effects found" : "Effect found", html);
 }
 
 std::string gap_parameters_section(const GapFinding& finding) {
@@ -149,8 +145,8 @@ std::string gap_margins_section(const GapFinding& finding) {
   std::string rows;
   for (const MarginChange& m : finding.margins) rows += margin_row(m);
   return section(
-      "What it does to the safety margins",
-      table("Dry-runs of the reference plans with the old and with the new model.",
+      "Effect on the safety margins",
+      table("Dry-runs of the reference plans with the old and the new model.",
             {"Plan", "Quantity", ">Limit", ">Used before", ">%", ">Used now", ">%", "Unit", "Verdict"},
             rows));
 }
@@ -161,18 +157,14 @@ std::string gap_method_section(const GapFinding& finding) {
   std::string html = facts({
       {"Data set", finding.dataset},
       {"Input", finding.force_drive ? "measured force" : "voltage of the needle stage"},
-      {"Runs fitted to", listed(finding.training_runs)},
-      {"Runs held out, which decide", listed(finding.held_out_runs)},
+      {"Runs fitted to", name_list(finding.training_runs)},
+      {"Runs held out, for selection", name_list(finding.held_out_runs)},
       {"Noise floor", fixed(finding.noise_floor, decimals_for(finding.noise_floor), "mm") +
                           (finding.noise_given ? ", given by the data set" : ", estimated from the data")},
       {"Candidates", fmt::format("{} scored, {} of them fitted", finding.candidates.size(), fitted)},
       {"Work", fixed(finding.seconds, 1, "s")},
   });
-  if (!finding.warnings.empty()) {
-    html += "<h3>Warnings</h3>\n<ul>\n";
-    for (const std::string& warning : finding.warnings) html += "<li>▲ " + escaped(warning) + "</li>\n";
-    html += "</ul>\n";
-  }
+  if (!finding.warnings.empty()) html += "<h3>▲ Warnings</h3>\n" + list(finding.warnings);
   return section("Data and method", html);
 }
 

@@ -6,11 +6,11 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/gap/gap_candidates.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/gap/gap_figures.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/gap/gap_sections.hpp"
-#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/markup/html_markup.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -20,18 +20,14 @@ using namespace markup;
 constexpr const char* kScoreColour = "#9aa5ae";
 constexpr const char* kProbabilityColour = "#005fa8";
 constexpr const char* kRoundCaption =
-    "The score is the share of the gap that a small step promises, on training runs. Held-out RMSE is after "
-    "the "
-    "fit. Probabilities are among the candidates of the round.";
+    "Score: share of the gap that a small step would close, on training runs. Held-out RMSE: after the fit. "
+    "Probabilities are among the candidates of the round.";
 constexpr std::size_t kUnfittedRows = 5;  // of a round; the others are named in one sentence
 constexpr std::size_t kShapes = 3;
 constexpr double kConcentratedLift = 1.2;  // lift below which an error is everywhere
 
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
-  return text;
+std::string listed(const std::vector<std::string>& parts) {
+  return joined(parts, ", ", " and ");
 }
 
 std::string times_text(double ratio) {
@@ -42,7 +38,7 @@ std::string where_sentence(const GapFinding& finding) {
   const GapRegime& regime = finding.where.front();
   const double lift = regime.share_of_excess_error / regime.share_of_time;
   if (!(lift >= kConcentratedLift)) return "The disagreement is spread over all situations.";
-  return "Worst " + regime_words(regime.name, finding.force_drive) + ": " +
+  return "Worst " + regime_label(regime.name, finding.force_drive) + ": " +
          percent_text(regime.share_of_time) + " of the time, " + percent_text(regime.share_of_excess_error) +
          " of the excess error (" + times_text(lift) + " its share).";
 }
@@ -57,12 +53,12 @@ const char* remark(const GapCandidate& candidate, bool is_adopted) {
 }
 
 std::string candidate_row(const GapCandidate& c, int decimals, bool is_adopted) {
-  return std::string(c.chosen && is_adopted ? "<tr class=\"chosen\">" : "<tr>") +
-         name_cell(candidate_words(c), c.name, c.chosen) +
-         text_cell(c.kind == CandidateKind::Effect ? "effect" : "parameter") +
-         bar_cell(c.score, kScoreColour) + number_cell(fixed(c.held_out_rmse, decimals)) +
-         (c.fitted ? bar_cell(c.probability, kProbabilityColour) : text_cell("")) + "<td class=\"level\">" +
-         remark(c, is_adopted) + "</td></tr>\n";
+  return row({name_cell(candidate_label(c), c.name, c.chosen),
+              text_cell(c.kind == CandidateKind::Effect ? "effect" : "parameter"),
+              bar_cell(c.score, kScoreColour), number_cell(c.held_out_rmse, decimals),
+              c.fitted ? bar_cell(c.probability, kProbabilityColour) : text_cell(""),
+              fmt::format("<td class=\"level\">{}</td>", remark(c, is_adopted))},
+             c.chosen && is_adopted ? "chosen" : "");
 }
 
 std::string round_table(const std::vector<GapCandidate>& ranked, int round, int decimals, bool is_adopted) {
@@ -73,7 +69,7 @@ std::string round_table(const std::vector<GapCandidate>& ranked, int round, int 
     if (c.fitted || c.chosen || ++unfitted <= kUnfittedRows) {
       rows += candidate_row(c, decimals, is_adopted);
     } else {
-      others.push_back(candidate_words(c));
+      others.push_back(candidate_label(c));
     }
   const std::string heading = round == 1 ? "Round 1: what to add first"
                                          : fmt::format("Round {}: what to add to the choice so far", round);
@@ -81,33 +77,33 @@ std::string round_table(const std::vector<GapCandidate>& ranked, int round, int 
       "<h3>" + heading + "</h3>\n" +
       table(round == 1 ? kRoundCaption : "",
             {"Candidate", "Kind", "Score", ">Held-out RMSE<br />mm", "Probability", "Outcome"}, rows);
-  if (!others.empty()) html += paragraph("Also ruled out by the score test: " + joined(others) + ".");
+  if (!others.empty()) html += paragraph("Also ruled out by the score test: " + listed(others) + ".");
   if (std::none_of(ranked.begin(), ranked.end(), [](const GapCandidate& c) { return c.chosen; }))
-    html += paragraph("None of them was good enough to enter.");
+    html += paragraph("None of them met the criterion to enter.");
   return html;
 }
 
 std::string confusion_sentence(const FoundEffect& effect) {
-  const std::string name = name_words(effect.name);
+  const std::string name = readable_name(effect.name);
   if (effect.confused_with.empty())
     return "No other candidate predicts these data as well as " + name + " (probability " +
            fixed(effect.probability, 2) + ").";
   std::vector<std::string> others;
   for (const GapProbability& other : effect.confused_with)
-    others.push_back(explanation_words(other.name) + " (" + fixed(other.probability, 2) + ")");
+    others.push_back(explanation_label(other.name) + " (" + fixed(other.probability, 2) + ")");
   const std::string best = name + " (probability " + fixed(effect.probability, 2) + ")";
   if (effect.probability > 0.95)
-    return best + " predicts the held-out runs best, but " + joined(others) + " cannot be excluded by them.";
-  return "By the held-out runs, " + best + " cannot be told apart from " + joined(others) + ".";
+    return best + " predicts the held-out runs best, but they do not exclude " + listed(others) + ".";
+  return "On the held-out runs, " + best + " is indistinguishable from " + listed(others) + ".";
 }
 
 std::string experiment_sentence(const GapFinding& finding) {
   const NextExperiment& next = finding.next;
   if (next.name.empty()) return {};
   std::vector<std::string> separated;
-  for (const std::string& name : next.separates) separated.push_back(explanation_words(name));
-  std::string text = "The next experiment should be: " + name_words(next.name) + ".";
-  if (separated.size() > 1) text += " It separates " + joined(separated) + ".";
+  for (const std::string& name : next.separates) separated.push_back(explanation_label(name));
+  std::string text = "The next experiment should be: " + readable_name(next.name) + ".";
+  if (separated.size() > 1) text += " It separates " + listed(separated) + ".";
   if (!next.sentence.empty()) return text + " " + next.sentence;
   if (!(next.difference > 0)) return text;
   text += " Simulated there, their predictions differ by " +
@@ -122,12 +118,12 @@ std::string regime_row(const GapRegime& regime, int decimals, bool force_drive) 
   const std::string change = !std::isfinite(less) ? "–"
                              : less >= 0          ? percent_text(less) + " less"
                                                   : "▲ " + percent_text(-less) + " more";
-  return "<tr>" + name_cell(regime_words(regime.name, force_drive), regime.name) +
-         number_cell(percent_text(regime.share_of_time)) +
-         number_cell(percent_text(regime.share_of_excess_error)) +
-         number_cell(fixed(regime.share_of_excess_error / regime.share_of_time, 1)) +
-         number_cell(fixed(regime.rmse_before, decimals)) + number_cell(fixed(regime.rmse_after, decimals)) +
-         number_cell(change) + "</tr>\n";
+  return row({name_cell(regime_label(regime.name, force_drive), regime.name),
+              number_cell(percent_text(regime.share_of_time)),
+              number_cell(percent_text(regime.share_of_excess_error)),
+              number_cell(regime.share_of_excess_error / regime.share_of_time, 1),
+              number_cell(regime.rmse_before, decimals), number_cell(regime.rmse_after, decimals),
+              number_cell(change)});
 }
 
 }  // namespace
@@ -168,15 +164,14 @@ std::string gap_closer_section(const GapFinding& finding) {
 
 std::string gap_shapes_section(const GapFinding& finding) {
   if (finding.shapes.empty()) return {};
-  std::string html =
-      paragraph("What the model leaves over depends most on " + name_words(finding.shapes.front().quantity) +
-                (finding.verdict == GapVerdict::Unexplained
-                     ? ". Whoever looks for its cause should begin with a term of this shape."
-                     : "."));
+  std::string html = paragraph(
+      "The residual depends most on " + readable_name(finding.shapes.front().quantity) +
+      (finding.verdict == GapVerdict::Unexplained ? ". A term of this shape is the first to look for."
+                                                  : "."));
   for (std::size_t i = 0; i < std::min(kShapes, finding.shapes.size()); ++i)
     html += figure(
         shape_figure(finding.shapes[i]),
-        escaped("The mean residual against " + name_words(finding.shapes[i].quantity) + " accounts for " +
+        escaped("The mean residual against " + readable_name(finding.shapes[i].quantity) + " accounts for " +
                 percent_text(finding.shapes[i].share_explained) + " of the residual's variance."));
   return section("The shape of the residual", html);
 }
@@ -188,7 +183,7 @@ std::string gap_candidates_section(const GapFinding& finding) {
   std::string html;
   for (const auto& [round, ranked] : rounds)
     html += round_table(ranked, round, decimals_for(finding.noise_floor), adopted(finding));
-  return section("What was tried", html);
+  return section("Candidates", html);
 }
 
 std::string gap_regimes_section(const GapFinding& finding) {
@@ -196,11 +191,10 @@ std::string gap_regimes_section(const GapFinding& finding) {
   std::string rows;
   for (const GapRegime& regime : finding.where)
     rows += regime_row(regime, decimals_for(finding.noise_floor), finding.force_drive);
-  return section("Situation by situation",
-                 table("All runs together. Lift: share of excess error over share of time.",
-                       {"Situation", ">Time", ">Excess error", ">Lift", ">RMSE before<br />mm",
-                        ">RMSE after<br />mm", ">Change"},
-                       rows));
+  return section("By situation", table("All runs together. Lift: share of excess error over share of time.",
+                                       {"Situation", ">Time", ">Excess error", ">Lift",
+                                        ">RMSE before<br />mm", ">RMSE after<br />mm", ">Change"},
+                                       rows));
 }
 
 std::string gap_doubts_section(const GapFinding& finding) {
@@ -211,7 +205,7 @@ std::string gap_doubts_section(const GapFinding& finding) {
     html += "<p><strong>" + escaped(experiment) + "</strong></p>\n";
   else if (!finding.next.sentence.empty() && finding.verdict != GapVerdict::NoGap)
     html += paragraph(finding.next.sentence);
-  return section("What could not be told apart", html);
+  return section("Indistinguishable explanations", html);
 }
 
 }  // namespace biopsy::report

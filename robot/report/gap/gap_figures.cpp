@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/plot/svg_bars.hpp"
@@ -16,7 +15,7 @@ namespace {
 const Stroke kMeasured{"#1d262e", 1.2, ""};
 const Stroke kOldModel{"#b85c00", 1.7, "6 3"};
 const Stroke kNewModel{"#005fa8", 1.5, ""};
-constexpr const char* kTellingTint = "#f7cf7a";
+constexpr const char* kStrongTint = "#f7cf7a";
 constexpr const char* kTints[] = {"#dce9f5", "#eceff1", "#dcefe3", "#efe3f0",
                                   "#c9d8e2", "#f3ead9", "#d5dcd6"};
 
@@ -27,21 +26,6 @@ constexpr int kGapColumns = 375;        // four points each: at most 1500 a line
 constexpr std::size_t kManySpans = 25;  // beyond this a shaded run is a blur and gets a closer look
 constexpr double kCloser = 0.1;         // share of the run
 constexpr std::size_t kRegimesInBars = 5;
-
-struct Range {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-
-  void include(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  Range widened() const {
-    if (!(high >= low)) return {0, 1};
-    const double room = high > low ? 0.06 * (high - low) : std::max(0.1 * std::abs(high), 1e-3);
-    return {low - room, high + room};
-  }
-};
 
 using Values = std::vector<double>;
 
@@ -68,20 +52,6 @@ ChartLine line(const Chart& chart, const Values& time, const Values& values, std
   return drawn;
 }
 
-ChartPanel panel(std::string y_title, double height, std::vector<ChartLine> lines) {
-  ChartPanel made;
-  made.y_title = std::move(y_title);
-  made.height_px = height;
-  Range range;
-  for (const ChartLine& drawn : lines)
-    for (const Vertex& v : drawn.points) range.include(v.y);
-  range = range.widened();
-  made.y_low = range.low;
-  made.y_high = range.high;
-  made.lines = std::move(lines);
-  return made;
-}
-
 Chart over_time(const GapTrace& trace) {
   Chart chart;
   chart.x_title = "Time in run " + trace.run + (trace.held_out ? ", held out (s)" : ", used to fit (s)");
@@ -99,16 +69,16 @@ void add_noise_levels(ChartPanel& residual_panel, double noise) {
 }
 
 std::string regime_name(const GapFinding& finding, std::size_t index) {
-  return index < finding.regime_names.size() ? regime_words(finding.regime_names[index], finding.force_drive)
+  return index < finding.regime_names.size() ? regime_label(finding.regime_names[index], finding.force_drive)
                                              : "elsewhere";
 }
 
 // The regime of this run that concentrates the error most: the strongest tint is its.
-std::string telling_regime(const GapFinding& finding, const std::vector<ChartShade>& shades) {
+std::string most_affected_regime(const GapFinding& finding, const std::vector<ChartShade>& shades) {
   for (const GapRegime& regime : finding.where)
     for (const ChartShade& shade : shades)
       if (regime.share_of_excess_error > regime.share_of_time &&
-          shade.name == regime_words(regime.name, finding.force_drive))
+          shade.name == regime_label(regime.name, finding.force_drive))
         return shade.name;
   return {};
 }
@@ -128,10 +98,10 @@ std::vector<ChartShade> shades_of(const GapFinding& finding, const GapTrace& tra
     const double to = std::min(trace.time[std::min(next, count - 1)], chart.x_high);
     if (to > from) shade_named(regime_name(finding, trace.regime[i])).spans.push_back({from, to});
   }
-  const std::string telling = telling_regime(finding, shades);
+  const std::string affected = most_affected_regime(finding, shades);
   std::size_t next_tint = 0;
   for (ChartShade& shade : shades)
-    shade.colour = shade.name == telling ? kTellingTint : kTints[next_tint++ % std::size(kTints)];
+    shade.colour = shade.name == affected ? kStrongTint : kTints[next_tint++ % std::size(kTints)];
   return shades;
 }
 
@@ -140,11 +110,11 @@ Chart where_chart(const GapFinding& finding, const GapTrace& trace, const ChartS
   chart.x_low = span.x_from;
   chart.x_high = span.x_to;
   const bool force = finding.force_drive;
-  chart.panels = {
-      panel(force ? "Force (N)" : "Input (kV)", kInput_px,
-            {line(chart, trace.time, trace.input, "", kMeasured)}),
-      panel("Residual (mm)", kResidual_px,
-            {line(chart, trace.time, residual(trace, trace.before), "measured − old model", kMeasured)})};
+  chart.panels = {autoscaled_panel(force ? "Force (N)" : "Input (kV)", kInput_px,
+                                   {line(chart, trace.time, trace.input, "", kMeasured)}),
+                  autoscaled_panel("Residual (mm)", kResidual_px,
+                                   {line(chart, trace.time, residual(trace, trace.before),
+                                         "measured − old model", kMeasured)})};
   add_noise_levels(chart.panels[1], finding.noise_floor);
   chart.shades = shades_of(finding, trace, chart);
   return chart;
@@ -234,7 +204,7 @@ std::string shares_figure(const GapFinding& finding) {
   chart.series = {{"share of time", "#9aa5ae"}, {"share of excess error", "#005fa8"}};
   for (const GapRegime& regime : finding.where) {
     if (chart.rows.size() == kRegimesInBars) break;
-    chart.rows.push_back({regime_words(regime.name, finding.force_drive),
+    chart.rows.push_back({regime_label(regime.name, finding.force_drive),
                           {100 * regime.share_of_time, 100 * regime.share_of_excess_error}});
   }
   return render(chart);
@@ -258,15 +228,15 @@ std::string overlay_figure(const GapFinding& finding) {
     displacement.push_back(line(chart, time, trace->after, "new model", kNewModel));
     gaps.push_back(line(chart, time, residual(*trace, trace->after), "measured − new model", kNewModel));
   }
-  chart.panels = {panel("Displacement (mm)", kDisplacement_px, std::move(displacement)),
-                  panel("Residual (mm)", kResidual_px, std::move(gaps))};
+  chart.panels = {autoscaled_panel("Displacement (mm)", kDisplacement_px, std::move(displacement)),
+                  autoscaled_panel("Residual (mm)", kResidual_px, std::move(gaps))};
   add_noise_levels(chart.panels[1], finding.noise_floor);
   return render(chart);
 }
 
 std::string shape_figure(const ResidualShape& shape) {
   if (shape.at.size() < 2 || shape.mean.size() != shape.at.size()) return {};
-  const std::string quantity = name_words(shape.quantity);
+  const std::string quantity = readable_name(shape.quantity);
   Chart chart;
   chart.title = "Mean residual against " + quantity;
   chart.description = "Measured minus model, averaged over all moments with the same " + quantity + ".";
@@ -274,12 +244,12 @@ std::string shape_figure(const ResidualShape& shape) {
   chart.note = percent_text(shape.share_explained) + " of the residual's variance";
   chart.x_low = shape.at.front();
   chart.x_high = std::max(shape.at.back(), chart.x_low + 1e-12);
-  chart.panels = {
-      panel("Mean (mm)", 150, {line(chart, shape.at, shape.mean, "mean of measured − model", kNewModel)})};
+  chart.panels = {autoscaled_panel(
+      "Mean (mm)", 150, {line(chart, shape.at, shape.mean, "mean of measured − model", kNewModel)})};
   chart.panels[0].levels = {{0, "0"}};
   if (shape.count.size() == shape.at.size()) {
-    chart.panels.push_back(
-        panel("Count", 60, {line(chart, shape.at, shape.count, "measurements behind each mean", kMeasured)}));
+    chart.panels.push_back(autoscaled_panel(
+        "Count", 60, {line(chart, shape.at, shape.count, "measurements behind each mean", kMeasured)}));
     chart.panels.back().y_low = 0;
   }
   return render(chart);

@@ -1,14 +1,16 @@
-#include "robot/report/gap/gap_html.hpp"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "robot/common/files/whole_file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/gap/gap_labels.hpp"
+#include "robot/report/gap/gap_report.hpp"
 #include "robot/report/gap/gap_sections.hpp"
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
+#include "robot/report/markup/html_markup.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -18,21 +20,18 @@ std::string key_figures(const GapFinding& f) {
   for (const double rmse : {f.rmse_before, f.rmse_after})
     if (std::isfinite(rmse) && rmse > 0) smallest = smallest > 0 ? std::min(smallest, rmse) : rmse;
   const int decimals = decimals_for(smallest);
-  const bool gap = f.verdict != GapVerdict::NoGap;  // the share closed of nothing is no figure
-  std::string html = "<dl class=\"figures\">\n" +
-                     markup::key_figure("RMSE before", fixed(f.rmse_before, decimals, "mm")) +
-                     markup::key_figure("RMSE after", fixed(f.rmse_after, decimals, "mm")) +
-                     markup::key_figure(f.noise_given ? "Noise floor, given" : "Noise floor, estimated",
-                                        fixed(f.noise_floor, decimals, "mm"));
-  if (gap) html += markup::key_figure("Gap closed", percent_text(f.gap_closed));
+  std::vector<std::pair<std::string, std::string>> figures{
+      {"RMSE before", fixed(f.rmse_before, decimals, "mm")},
+      {"RMSE after", fixed(f.rmse_after, decimals, "mm")},
+      {f.noise_given ? "Noise floor, given" : "Noise floor, estimated",
+       fixed(f.noise_floor, decimals, "mm")}};
+  if (f.verdict != GapVerdict::NoGap) figures.emplace_back("Gap closed", percent_text(f.gap_closed));
   for (const FoundEffect& effect : f.effects)
-    html += markup::key_figure(
-        f.effects.size() == 1 ? "Probability" : "Probability, " + escaped(name_words(effect.name)),
+    figures.emplace_back(
+        f.effects.size() == 1 ? "Probability" : "Probability, " + escaped(readable_name(effect.name)),
         fixed(effect.probability, 2));
-  return html +
-         markup::key_figure("Judged on", std::to_string(f.held_out_runs.size()) + " held-out run" +
-                                             (f.held_out_runs.size() == 1 ? "" : "s")) +
-         "</dl>\n";
+  figures.emplace_back("Judged on", counted(f.held_out_runs.size(), "held-out run"));
+  return markup::key_figures(figures);
 }
 
 bool unsafe(const GapFinding& finding) {
@@ -40,48 +39,53 @@ bool unsafe(const GapFinding& finding) {
                      [](const MarginChange& m) { return !m.ok; });
 }
 
-// What the new truth does to the safety margins belongs on the first sheet, whichever way it goes.
+// Margins that change belong on the first sheet, whichever way they go.
 std::string safety(const GapFinding& f) {
   if (unsafe(f)) {
-    std::string html =
-        "<div class=\"finding\"><p class=\"alarm\">■ A safety margin does not hold with the new "
-        "model</p>\n<ul>\n";
+    std::vector<std::string> lost;
     for (const MarginChange& m : f.margins)
-      if (!m.ok) html += "<li>" + escaped(margin_finding(m)) + "</li>\n";
-    return html + "</ul></div>\n";
+      if (!m.ok) lost.push_back(margin_finding(m));
+    return "<div class=\"finding\">" + markup::alarm("A safety margin does not hold with the new model") +
+           markup::list(lost) + "</div>\n";
   }
+  std::string text;
   if (!f.margins.empty())
-    return "<p class=\"safety\">✓ Safety margins: all " + std::to_string(f.margins.size()) +
-           " hold with the new model.</p>\n";
-  if (f.verdict == GapVerdict::NoGap || f.force_drive) return {};
-  if (f.verdict == GapVerdict::Unexplained)
-    return "<p class=\"safety\">▲ The model stays as it was: rehearsals with it do not know what is "
-           "missing.</p>\n";
-  return "<p class=\"safety\">▲ The safety margins were not rechecked with the new model.</p>\n";
+    text = fmt::format("✓ Safety margins: all {} hold with the new model.", f.margins.size());
+  else if (f.verdict == GapVerdict::NoGap || f.force_drive)
+    return {};
+  else if (f.verdict == GapVerdict::Unexplained)
+    text = "▲ The model is unchanged: rehearsals with it do not include what is missing.";
+  else
+    text = "▲ The safety margins were not rechecked with the new model.";
+  return "<p class=\"safety\">" + text + "</p>\n";
 }
 
 std::string verdict_section(const GapFinding& f) {
-  const std::string verdict(word(f.verdict));
-  return "<section class=\"verdict gap" + std::string(unsafe(f) ? " unsafe" : "") +
-         "\">\n<h2>Verdict <span class=\"badge " + verdict + "\">" + std::string(badge_word(f.verdict)) +
-         "</span></h2>\n<p class=\"sentence\">" + escaped(f.sentence) + "</p>\n" + key_figures(f) +
-         safety(f) +
-         (f.warnings.empty()
-              ? ""
-              : "<p class=\"safety\">▲ " + std::to_string(f.warnings.size()) +
-                    (f.warnings.size() == 1 ? " warning" : " warnings") + " at the end.</p>\n") +
-         "</section>\n";
+  std::string warnings;
+  if (!f.warnings.empty())
+    warnings = "<p class=\"safety\">▲ " + counted(f.warnings.size(), "warning") + " at the end.</p>\n";
+  return fmt::format(
+      "<section class=\"verdict gap{}\">\n<h2>Verdict <span class=\"badge {}\">{}</span></h2>\n<p "
+      "class=\"sentence\">{}</p>\n{}{}{}</section>\n",
+      unsafe(f) ? " unsafe" : "", label(f.verdict), badge_label(f.verdict), escaped(f.sentence),
+      key_figures(f), safety(f), warnings);
 }
 
 }  // namespace
 
 std::string gap_html(const GapFinding& f) {
-  return markup::page_head("Model gap – " + f.dataset, markup::kGapStyle) +
-         "<body>\n<main>\n<h1>Model gap: " + escaped(f.dataset) + "</h1>\n" + verdict_section(f) +
-         gap_where_section(f) + gap_overlay_section(f) + gap_closer_section(f) + gap_effects_section(f) +
-         gap_parameters_section(f) + gap_shapes_section(f) + gap_candidates_section(f) +
-         gap_doubts_section(f) + gap_regimes_section(f) + gap_diff_section(f) + gap_margins_section(f) +
-         gap_method_section(f) + "</main>\n</body>\n</html>\n";
+  return markup::page(
+      {.title = "Model gap – " + f.dataset, .heading = "Model gap: " + f.dataset, .style = markup::kGapStyle},
+      verdict_section(f) + gap_where_section(f) + gap_overlay_section(f) + gap_closer_section(f) +
+          gap_effects_section(f) + gap_parameters_section(f) + gap_shapes_section(f) +
+          gap_candidates_section(f) + gap_doubts_section(f) + gap_regimes_section(f) + gap_diff_section(f) +
+          gap_margins_section(f) + gap_method_section(f));
+}
+
+void save_gap(const GapFinding& f, const std::filesystem::path& folder) {
+  atomic_write(folder / "model.toml", f.model_after);
+  atomic_write(folder / "report.html", gap_html(f));
+  atomic_write(folder / "gap.json", gap_json(f));  // last: its presence means that the rest is there
 }
 
 }  // namespace biopsy::report

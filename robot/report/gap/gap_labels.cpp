@@ -3,18 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <tuple>
 
 #include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
-#include "robot/common/statistics.hpp"
+#include "robot/common/text_layout.hpp"
 
 namespace biopsy::report {
 namespace {
 
 struct Named {
-  std::string_view name, words;
+  std::string_view name, label;
 };
+
+// In the order of GapVerdict.
+constexpr std::array kVerdicts{Named{"no_gap", "✓ No gap"}, Named{"parameter", "◆ Parameter off"},
+                               Named{"effect", "● Effect found"}, Named{"unexplained", "? Unexplained"}};
+static_assert(kVerdicts.size() == static_cast<std::size_t>(GapVerdict::Unexplained) + 1);
 
 constexpr std::array kRegimes{
     Named{"after_reversal", "after a polarity reversal"},
@@ -35,11 +40,11 @@ constexpr std::array kRegimes{
 };
 
 struct BaselineName {
-  std::string_view name, words, unit;
+  std::string_view name, label, unit;
   double per_si;
 };
 
-// The names of [baseline] in model files (docs/model.md, section 1).
+// The names of [baseline] in model files (docs/explanation/model.md, section 1).
 constexpr std::array kBaseline{
     BaselineName{"K", "gain of the drive circuit", "", 1},
     BaselineName{"tau", "time constant of the leakage", "s", 1},
@@ -109,65 +114,55 @@ bool known(double std) {
   return std::isfinite(std) && std > 0;
 }
 
+// What is not known counts as the worst, so that the order is one.
+double or_worst(double value) {
+  return std::isfinite(value) ? value : std::numeric_limits<double>::max();
+}
+
+auto rank(const GapCandidate& c) {
+  return std::tuple(c.round, !c.chosen, !c.fitted, or_worst(-c.probability), or_worst(c.held_out_rmse),
+                    or_worst(-c.score));
+}
+
 }  // namespace
 
-std::string_view word(GapVerdict verdict) {
-  switch (verdict) {
-    case GapVerdict::NoGap:
-      return "no_gap";
-    case GapVerdict::Parameter:
-      return "parameter";
-    case GapVerdict::Effect:
-      return "effect";
-    case GapVerdict::Unexplained:
-      return "unexplained";
-  }
-  return "unknown";
+std::string_view label(GapVerdict verdict) {
+  return kVerdicts[static_cast<std::size_t>(verdict)].name;
 }
 
-std::string_view badge_word(GapVerdict verdict) {
-  switch (verdict) {
-    case GapVerdict::NoGap:
-      return "✓ No gap";
-    case GapVerdict::Parameter:
-      return "◆ Parameter off";
-    case GapVerdict::Effect:
-      return "● Effect found";
-    case GapVerdict::Unexplained:
-      return "? Unexplained";
-  }
-  return "unknown";
+std::string_view badge_label(GapVerdict verdict) {
+  return kVerdicts[static_cast<std::size_t>(verdict)].label;
 }
 
-std::string name_words(std::string_view name) {
-  std::string words(name);
-  std::replace(words.begin(), words.end(), '_', ' ');
-  for (const std::string_view person : {"coulomb", "stribeck"})
-    if (words.starts_with(person)) words[0] = static_cast<char>(words[0] - 'a' + 'A');
-  return words;
+std::string readable_name(std::string_view name) {
+  std::string text(name);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  for (const std::string_view proper : {"coulomb", "stribeck"})
+    if (text.starts_with(proper)) text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
 }
 
-std::string explanation_words(std::string_view name) {
-  return baseline_quantity(name).words;
+std::string explanation_label(std::string_view name) {
+  return baseline_quantity(name).label;
 }
 
-std::string regime_words(std::string_view name, bool force_drive) {
+std::string regime_label(std::string_view name, bool force_drive) {
   if (force_drive && name == "after_reversal") return "after the motion turns around";
   const auto* found =
       std::find_if(kRegimes.begin(), kRegimes.end(), [&](const Named& n) { return n.name == name; });
-  if (found != kRegimes.end()) return std::string(found->words);
+  if (found != kRegimes.end()) return std::string(found->label);
   for (const std::string_view prefix : {"run:", "run_"})  // a run's name stays as its owner wrote it
     if (name.starts_with(prefix)) {
       name.remove_prefix(prefix.size());
       while (name.starts_with(' ')) name.remove_prefix(1);
       return "in run " + std::string(name);
     }
-  return name_words(name);
+  return readable_name(name);
 }
 
-std::string candidate_words(const GapCandidate& candidate) {
-  return candidate.kind == CandidateKind::Effect ? name_words(candidate.name)
-                                                 : explanation_words(candidate.name);
+std::string candidate_label(const GapCandidate& candidate) {
+  return candidate.kind == CandidateKind::Effect ? readable_name(candidate.name)
+                                                 : explanation_label(candidate.name);
 }
 
 ReadableQuantity effect_quantity(std::string_view name) {
@@ -175,19 +170,18 @@ ReadableQuantity effect_quantity(std::string_view name) {
   std::size_t first_unit = tokens.size();
   while (first_unit > 1 && is_unit(tokens[first_unit - 1])) --first_unit;
   const std::vector<std::string> unit(tokens.begin() + static_cast<std::ptrdiff_t>(first_unit), tokens.end());
-  std::string words;
-  for (std::size_t i = 0; i < first_unit; ++i) words += (i ? " " : "") + tokens[i];
-  return {words, unit_text(unit), 1.0};
+  tokens.resize(first_unit);
+  return {joined(tokens, " "), unit_text(unit), 1.0};
 }
 
 ReadableQuantity baseline_quantity(std::string_view name) {
   for (const BaselineName& known_name : kBaseline)
     if (known_name.name == name)
-      return {std::string(known_name.words), std::string(known_name.unit), known_name.per_si};
+      return {std::string(known_name.label), std::string(known_name.unit), known_name.per_si};
   const std::size_t dot = name.find('.');  // of an effect that the model had: EFFECT.PARAMETER
-  if (dot == std::string_view::npos) return {name_words(name), "", 1.0};
+  if (dot == std::string_view::npos) return {readable_name(name), "", 1.0};
   ReadableQuantity quantity = effect_quantity(name.substr(dot + 1));
-  quantity.words = name_words(name.substr(0, dot)) + ", " + quantity.words;
+  quantity.label = readable_name(name.substr(0, dot)) + ", " + quantity.label;
   return quantity;
 }
 
@@ -211,6 +205,12 @@ std::string percent_text(double share) {
   const double percent = 100.0 * share;
   const bool fine = std::abs(percent) < 10 || (percent > 99 && percent < 100);
   return fixed(percent, fine ? 1 : 0, "%");
+}
+
+std::vector<GapCandidate> ranked_candidates(std::vector<GapCandidate> candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const GapCandidate& a, const GapCandidate& b) { return rank(a) < rank(b); });
+  return candidates;
 }
 
 }  // namespace biopsy::report

@@ -1,26 +1,31 @@
-// The words people read for the names a GapFinding carries, and its numbers in readable units.
+// What people read for the names that a GapFinding carries, and its numbers in readable units.
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sim/gap/gap_finding.hpp"
 
 namespace biopsy::report {
 
-std::string_view word(GapVerdict verdict);        // as in gap.json: "no_gap"
-std::string_view badge_word(GapVerdict verdict);  // for people: "Nothing is missing"
+std::string_view label(GapVerdict verdict);        // as in gap.json: "no_gap"
+std::string_view badge_label(GapVerdict verdict);  // for people: "✓ No gap"
 
-std::string name_words(std::string_view name);  // "coulomb_friction" -> "Coulomb friction"
+std::string readable_name(std::string_view name);  // "coulomb_friction" -> "Coulomb friction"
 // The same, but what a letter of the baseline stands for: "c_s" -> "viscous damping of the slider".
-std::string explanation_words(std::string_view name);
+std::string explanation_label(std::string_view name);
 // "after_reversal" -> "after a polarity reversal"; of the motion where a force drives.
-std::string regime_words(std::string_view name, bool force_drive = false);
-std::string candidate_words(const GapCandidate& candidate);
+std::string regime_label(std::string_view name, bool force_drive = false);
+std::string candidate_label(const GapCandidate& candidate);
 
-// What a parameter is called, the unit people read it in, and that unit's count in one unit of the file.
+// In reading order: by round; in it the chosen one, then the fitted ones by probability and held-out RMSE,
+// then the others by score.
+std::vector<GapCandidate> ranked_candidates(std::vector<GapCandidate> candidates);
+
+// A parameter's label, the unit in which people read it, and how many of that unit are one unit of the file.
 struct ReadableQuantity {
-  std::string words, unit;
+  std::string label, unit;
   double per_file_unit = 1.0;
 };
 ReadableQuantity effect_quantity(std::string_view name);    // "speed_mm_s" -> speed, mm/s

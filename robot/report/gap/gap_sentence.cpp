@@ -1,31 +1,33 @@
-#include "robot/report/gap/gap_sentence.hpp"
-
 #include <fmt/format.h>
 
 #include <vector>
 
+#include "robot/common/text_layout.hpp"
 #include "robot/report/gap/gap_labels.hpp"
+#include "robot/report/gap/gap_report.hpp"
 
 namespace biopsy::report {
 namespace {
 
-constexpr double kConcentratedShare = 1.3;  // share of error over share of time that is worth a word
+constexpr double kConcentratedShare = 1.3;  // share of error over share of time that is mentioned
 constexpr std::size_t kMostNumbers = 4;
 
 std::string with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() ? number : number + " " + unit;
 }
 
+std::string estimate(const ReadableQuantity& q, double value, double std) {
+  return with_unit(estimate_text(value * q.per_file_unit, std * q.per_file_unit), q.unit);
+}
+
 std::string numbers_of(const FoundEffect& effect) {
-  std::vector<std::string> words;
+  std::vector<std::string> numbers;
   for (const GapEstimate& p : effect.parameters) {
-    if (words.size() == kMostNumbers) break;
+    if (numbers.size() == kMostNumbers) break;
     const ReadableQuantity q = effect_quantity(p.name);
-    words.push_back(
-        fmt::format("{} {}", q.words,
-                    with_unit(estimate_text(p.value * q.per_file_unit, p.std * q.per_file_unit), q.unit)));
+    numbers.push_back(q.label + " " + estimate(q, p.value, p.std));
   }
-  return fmt::format("{}", fmt::join(words, ", "));
+  return joined(numbers);
 }
 
 std::string concentrated(const GapFinding& finding) {
@@ -34,35 +36,31 @@ std::string concentrated(const GapFinding& finding) {
   if (first.share_of_time <= 0.0 || first.share_of_excess_error < kConcentratedShare * first.share_of_time)
     return "";
   return fmt::format(" It is concentrated {}: {:.0f} % of the error in {:.0f} % of the time.",
-                     regime_words(first.name, finding.force_drive), 100.0 * first.share_of_excess_error,
+                     regime_label(first.name, finding.force_drive), 100.0 * first.share_of_excess_error,
                      100.0 * first.share_of_time);
 }
 
 std::string effect_sentence(const GapFinding& finding) {
   std::string out;
   for (const FoundEffect& effect : finding.effects)
-    out += fmt::format("{} {}: {}. ", effect.sentence, name_words(effect.name), numbers_of(effect));
+    out += fmt::format("{} {}: {}. ", effect.sentence, readable_name(effect.name), numbers_of(effect));
   return out + fmt::format("{} {:.0f} % of the disagreement, on runs that were not used for fitting.{}",
                            finding.effects.size() > 1 ? "Together they explain" : "That explains",
                            100.0 * finding.gap_closed, concentrated(finding));
 }
 
 std::string parameter_sentence(const GapFinding& finding) {
-  std::vector<std::string> words;
+  std::vector<std::string> changes;
   for (const ChangedParameter& p : finding.parameters_changed) {
-    if (words.size() == kMostNumbers) break;
+    if (changes.size() == kMostNumbers) break;
     const ReadableQuantity q = baseline_quantity(p.name);
-    words.push_back(
-        fmt::format("{} ({}) is {} and not {}", p.name, q.words,
-                    with_unit(estimate_text(p.after * q.per_file_unit, p.std * q.per_file_unit), q.unit),
-                    with_unit(fmt::format("{:.4g}", p.before * q.per_file_unit), q.unit)));
+    changes.push_back(fmt::format("{} ({}) is {} and not {}", p.name, q.label, estimate(q, p.after, p.std),
+                                  with_unit(fmt::format("{:.4g}", p.before * q.per_file_unit), q.unit)));
   }
-  const std::string what =
-      words.empty() ? "small errors of calibration" : fmt::format("{}", fmt::join(words, ", "));
   return fmt::format(
       "Nothing is missing in the model, but its numbers are off: {}. That explains {:.0f} % of the "
       "disagreement.",
-      what, 100.0 * finding.gap_closed);
+      changes.empty() ? "small errors of calibration" : joined(changes), 100.0 * finding.gap_closed);
 }
 
 std::string unexplained_sentence(const GapFinding& finding) {
@@ -72,7 +70,7 @@ std::string unexplained_sentence(const GapFinding& finding) {
       finding.rmse_before, finding.noise_floor, concentrated(finding));
   if (!finding.shapes.empty())
     out += fmt::format(" It depends most on {}, which accounts for {:.0f} % of its variance.",
-                       name_words(finding.shapes.front().quantity),
+                       readable_name(finding.shapes.front().quantity),
                        100.0 * finding.shapes.front().share_explained);
   return out;
 }

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include "robot/report/plot/figure_svg.hpp"
 #include "robot/report/plot/svg_chart.hpp"
 
 namespace biopsy::report {
@@ -32,6 +35,19 @@ std::vector<Vertex> decimated(const std::vector<Vertex>& points, double x_low, d
   return kept;
 }
 
+ChartPanel autoscaled_panel(std::string y_title, double height_px, std::vector<ChartLine> lines) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const ChartLine& line : lines)
+    for (const Vertex& v : line.points)
+      if (std::isfinite(v.y)) low = std::min(low, v.y), high = std::max(high, v.y);
+  ChartPanel panel{.y_title = std::move(y_title), .height_px = height_px, .lines = std::move(lines)};
+  if (!(high >= low)) return panel;
+  const double room = high > low ? 0.06 * (high - low) : std::max(0.1 * std::abs(high), 1e-3);
+  panel.y_low = low - room;
+  panel.y_high = high + room;
+  return panel;
+}
+
 std::vector<double> round_ticks(double low, double high, int count) {
   if (!(high > low)) return {low};
   const double rough = (high - low) / std::max(count, 1);
@@ -45,6 +61,21 @@ std::vector<double> round_ticks(double low, double high, int count) {
   std::vector<double> ticks;
   const double first = std::ceil(low / step - 1e-9), last = std::floor(high / step + 1e-9);
   for (double n = first; n <= last; ++n) ticks.push_back(n * step + 0.0);
+  return ticks;
+}
+
+LogarithmicTicks logarithmic_ticks(double low, double high) {
+  LogarithmicTicks ticks;
+  if (!(low > 0.0) || !(high > low) || !std::isfinite(high)) return ticks;
+  const bool few = high / low < 150.0;  // room for a number at 2 and 5 as well
+  const double first = std::floor(std::log10(low)), last = std::floor(std::log10(high * (1.0 + 1e-9)));
+  for (double decade = first; decade <= last; ++decade)
+    for (int factor = 1; factor <= 9; ++factor) {
+      const double tick = factor * std::pow(10.0, decade);
+      if (tick < low * (1.0 - 1e-9) || tick > high * (1.0 + 1e-9)) continue;
+      ticks.all.push_back(tick);
+      if (factor == 1 || (few && (factor == 2 || factor == 5))) ticks.named.push_back(tick);
+    }
   return ticks;
 }
 

@@ -1,13 +1,10 @@
 #include "robot/report/plot/figure_svg.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/plot/svg_chart.hpp"
 
 namespace biopsy::report {
@@ -21,25 +18,10 @@ constexpr std::size_t kMostLines = 4;  // of a title
 
 // Told apart by people who see few colours, and in grey print by their order of darkness. Red is for alarms.
 constexpr std::array kColours{"#005fa8", "#b85c00", "#0a6b4f", "#5b2a73", "#8b959d", "#1d262e"};
-constexpr const char* kDashedColour = "#1d262e";
 constexpr std::array kDashes{"7 4", "2 3", "10 3 2 3"};
 
 double text_width(const std::string& text) {
-  const auto letters = std::count_if(text.begin(), text.end(), [](char b) { return (b & 0xC0) != 0x80; });
-  return kFigureLetter * static_cast<double>(letters);
-}
-
-std::vector<std::string> wrapped(const std::string& text, double width) {
-  std::vector<std::string> lines(1);
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word = text.substr(at, end - at);
-    at = end + 1;
-    if (!lines.back().empty() && text_width(lines.back() + " " + word) > width) lines.emplace_back();
-    lines.back() += (lines.back().empty() ? "" : " ") + word;
-  }
-  if (lines.size() > kMostLines) lines.resize(kMostLines);
-  return lines;
+  return kFigureLetter * static_cast<double>(display_width(text));
 }
 
 // Points that a reader can tell apart. Where x never falls: first, lowest, highest and last of each column.
@@ -58,63 +40,63 @@ std::vector<Vertex> thinned(const std::vector<Vertex>& points, double from, doub
 
 class Panel {
  public:
-  Panel(const FigurePanel& panel, const FigureSize& size) : panel_(panel), size_(size) {}
-
-  std::string finished() {
-    place();
-    draw_head();
-    draw_axes();
-    put(R"(<svg x="{0:.1f}" y="{1:.1f}" width="{2:.1f}" height="{3:.1f}" viewBox="{0:.1f} {1:.1f} {2:.1f} {3:.1f}">)",
-        kLeft, top_, plot_width_, size_.plot_height);  // clips what leaves the panel
-    for (const bool dashed : {false, true})            // a target is seen on what follows it
-      for (std::size_t i = 0; i < panel_.curves.size(); ++i)
-        if (panel_.curves[i].dashed == dashed) draw_curve(i);
-    put("</svg>");
-    for (std::size_t i = 0; i < panel_.curves.size(); ++i) draw_marks(i);  // whole ones also on the frame
-    draw_legend();
-    svg_ += "</svg>";
-    return std::move(svg_);
+  Panel(const FigurePanel& panel, const FigureSize& size) : panel_(panel), width_(size.width) {
+    place(size.plot_height);
   }
+  std::string finished() const;
 
  private:
-  template <class... Values>
-  void put(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(svg_), format, std::forward<Values>(values)...);
-    svg_ += '\n';
-  }
-
   double scaled(double x) const { return panel_.logarithmic_x ? std::log10(x) : x; }  // NaN or -inf: a gap
   double to_px_x(double x) const {
     const double low = scaled(panel_.x_low), high = scaled(panel_.x_high);
-    return kLeft + plot_width_ * (scaled(x) - low) / (high > low ? high - low : 1.0);
+    return plot_.left + plot_.width * (scaled(x) - low) / (high > low ? high - low : 1.0);
   }
   double to_px_y(double y) const {
     const double range = panel_.y_high - panel_.y_low;
-    return top_ + size_.plot_height * (panel_.y_high - y) / (range > 0.0 ? range : 1.0);
+    return plot_.top + plot_.height * (panel_.y_high - y) / (range > 0.0 ? range : 1.0);
   }
   std::string ink(std::size_t curve) const;
 
-  void place();
-  void draw_head();
-  void draw_axes();
-  void draw_x_ticks();
-  void draw_curve(std::size_t curve);
-  void draw_marks(std::size_t curve);
+  void place(double plot_height);
+  void draw_axes(SvgWriter& svg) const;
+  void draw_curve(SvgWriter& svg, std::size_t curve) const;
+  void draw_marks(SvgWriter& svg, std::size_t curve) const;
+  void draw_mark(SvgWriter& svg, Vertex at, std::size_t curve) const;
+  void draw_legend(SvgWriter& svg) const;
   std::vector<std::vector<Vertex>> pieces(const FigureCurve& curve) const;
-  void draw_legend();
 
   const FigurePanel& panel_;
-  const FigureSize size_;
-  std::string svg_;
+  double width_;
+  PlotArea plot_;
   std::vector<std::string> title_;
   std::vector<Vertex> names_;  // where each curve's legend entry begins; x below 0: none
-  double plot_width_ = 0, top_ = 0, height_ = 0;
 };
 
-void Panel::place() {
-  plot_width_ = size_.width - kLeft - kRight;
-  title_ = wrapped(panel_.title, size_.width - 16);
-  Vertex at{kLeft, panel_.title.empty() ? 6 : 4 + kTitleRow * static_cast<double>(title_.size())};
+std::string Panel::finished() const {
+  SvgWriter svg({.css_class = "panel",
+                 .width = width_,
+                 .height = plot_.bottom() + kBelow,
+                 .font_size = 14,
+                 .title = panel_.title,
+                 .description = panel_.y_title + " against " + panel_.x_title});
+  for (std::size_t i = 0; i < title_.size(); ++i)
+    svg.text({8, 18 + kTitleRow * static_cast<double>(i)}, title_[i], R"(font-weight="bold")");
+  draw_axes(svg);
+  svg.begin_clip(plot_);
+  for (const bool dashed : {false, true})  // a target is seen on what follows it
+    for (std::size_t i = 0; i < panel_.curves.size(); ++i)
+      if (panel_.curves[i].dashed == dashed) draw_curve(svg, i);
+  svg.end_clip();
+  for (std::size_t i = 0; i < panel_.curves.size(); ++i) draw_marks(svg, i);  // whole ones also on the frame
+  draw_legend(svg);
+  return svg.finished();
+}
+
+void Panel::place(double plot_height) {
+  if (!panel_.title.empty())
+    title_ = wrapped(panel_.title, static_cast<std::size_t>((width_ - 16) / kFigureLetter));
+  title_.resize(std::min(title_.size(), kMostLines));
+  Vertex at{kLeft, title_.empty() ? 6 : 4 + kTitleRow * static_cast<double>(title_.size())};
   bool any = false;
   for (const FigureCurve& curve : panel_.curves) {
     if (curve.name.empty()) {
@@ -122,62 +104,35 @@ void Panel::place() {
       continue;
     }
     const double width = kSwatch + 6 + text_width(curve.name) + 16;
-    if (at.x > kLeft && at.x + width > size_.width) at = {kLeft, at.y + kLegendRow};
+    if (at.x > kLeft && at.x + width > width_) at = {kLeft, at.y + kLegendRow};
     names_.push_back(at);
     at.x += width;
     any = true;
   }
-  top_ = at.y + (any ? kLegendRow : 0) + 6;
-  height_ = top_ + size_.plot_height + kBelow;
+  plot_ = {kLeft, at.y + (any ? kLegendRow : 0) + 6, width_ - kLeft - kRight, plot_height};
 }
 
 std::string Panel::ink(std::size_t curve) const {
   std::size_t before = 0;  // curves of its kind before it
   for (std::size_t i = 0; i < curve; ++i) before += panel_.curves[i].dashed == panel_.curves[curve].dashed;
   if (panel_.curves[curve].dashed)
-    return fmt::format(R"(stroke="{}" stroke-width="1.4" stroke-dasharray="{}")", kDashedColour,
+    return fmt::format(R"(stroke="{}" stroke-width="1.4" stroke-dasharray="{}")", kInk,
                        kDashes[before % kDashes.size()]);
   return fmt::format(R"(stroke="{}" stroke-width="1.6")", kColours[before % kColours.size()]);
 }
 
-void Panel::draw_head() {
-  put(R"(<svg xmlns="http://www.w3.org/2000/svg" class="panel" role="img" viewBox="0 0 {:.0f} {:.0f}" )"
-      R"(font-family="'DejaVu Sans',Arial,sans-serif" font-size="14" fill="#1d262e">)",
-      size_.width, height_);
-  put("<title>{}</title><desc>{} against {}</desc>", escaped(panel_.title), escaped(panel_.y_title),
-      escaped(panel_.x_title));
-  put(R"(<rect width="{:.0f}" height="{:.0f}" fill="#ffffff"/>)", size_.width, height_);
-  for (std::size_t i = 0; i < title_.size() && !panel_.title.empty(); ++i)
-    put(R"(<text x="8" y="{:.1f}" font-weight="bold">{}</text>)", 18 + kTitleRow * static_cast<double>(i),
-        escaped(title_[i]));
-}
-
-void Panel::draw_axes() {
-  const double bottom = top_ + size_.plot_height;
-  for (const double y : round_ticks(panel_.y_low, panel_.y_high, 5)) {
-    put(R"(<path d="M{:.1f} {:.1f}h{:.1f}" stroke="#d3d8dc"/>)", kLeft, to_px_y(y), plot_width_);
-    put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end">{:g}</text>)", kLeft - 7, to_px_y(y) + 4.5, y);
-  }
-  draw_x_ticks();
-  put(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="none" stroke="#5d6a75"/>)", kLeft,
-      top_, plot_width_, size_.plot_height);
-  put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{}</text>)", kLeft + plot_width_ / 2, bottom + 40,
-      escaped(panel_.x_title));
-  put(R"svg(<text transform="translate(16 {:.1f}) rotate(-90)" text-anchor="middle">{}</text>)svg",
-      top_ + size_.plot_height / 2, escaped(panel_.y_title));
-}
-
-void Panel::draw_x_ticks() {
+void Panel::draw_axes(SvgWriter& svg) const {
+  for (const double y : round_ticks(panel_.y_low, panel_.y_high, 5)) svg.y_tick(plot_, to_px_y(y), y);
   LogarithmicTicks ticks;
   if (panel_.logarithmic_x)
     ticks = logarithmic_ticks(panel_.x_low, panel_.x_high);
   else
-    ticks.all = ticks.named = round_ticks(panel_.x_low, panel_.x_high, static_cast<int>(plot_width_ / 65));
-  for (const double x : ticks.all)
-    put(R"(<path d="M{:.1f} {:.1f}v{:.1f}" stroke="#d3d8dc"/>)", to_px_x(x), top_, size_.plot_height);
-  for (const double x : ticks.named)
-    put(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{:g}</text>)", to_px_x(x),
-        top_ + size_.plot_height + 19, x);
+    ticks.all = ticks.named = round_ticks(panel_.x_low, panel_.x_high, static_cast<int>(plot_.width / 65));
+  for (const double x : ticks.all) svg.x_grid(plot_, to_px_x(x));
+  for (const double x : ticks.named) svg.x_number(to_px_x(x), plot_.bottom() + 19, x);
+  svg.frame(plot_);
+  svg.text({plot_.left + plot_.width / 2, plot_.bottom() + 40}, panel_.x_title, R"(text-anchor="middle")");
+  svg.y_title(plot_, 16, panel_.y_title);
 }
 
 // The curve in units of the picture, parted where a value is missing.
@@ -193,40 +148,34 @@ std::vector<std::vector<Vertex>> Panel::pieces(const FigureCurve& curve) const {
   return parts;
 }
 
-void Panel::draw_curve(std::size_t i) {
+void Panel::draw_curve(SvgWriter& svg, std::size_t i) const {
   if (panel_.curves[i].marks) return;
-  for (const std::vector<Vertex>& piece : pieces(panel_.curves[i])) {
-    if (piece.empty()) continue;
-    svg_ += R"(<path fill="none" stroke-linejoin="round" d=")";
-    char command = 'M';
-    for (const Vertex& v : thinned(piece, kLeft, kLeft + plot_width_)) {
-      fmt::format_to(std::back_inserter(svg_), "{}{:.1f} {:.1f}", command, v.x, v.y);
-      command = 'L';
-    }
-    put("\" {}/>", ink(i));
-  }
+  for (const std::vector<Vertex>& piece : pieces(panel_.curves[i]))
+    svg.polyline(thinned(piece, plot_.left, plot_.right()), ink(i));
 }
 
-void Panel::draw_marks(std::size_t i) {
+void Panel::draw_mark(SvgWriter& svg, Vertex at, std::size_t curve) const {
+  svg.put(R"(<circle cx="{:.1f}" cy="{:.1f}" r="3.6" fill="#ffffff" {}/>)", at.x, at.y, ink(curve));
+}
+
+void Panel::draw_marks(SvgWriter& svg, std::size_t i) const {
   if (!panel_.curves[i].marks) return;
-  const double right = kLeft + plot_width_ + kNearest, bottom = top_ + size_.plot_height + kNearest;
   for (const std::vector<Vertex>& piece : pieces(panel_.curves[i]))
     for (const Vertex& v : piece)
-      if (v.x > kLeft - kNearest && v.x < right && v.y > top_ - kNearest && v.y < bottom)
-        put(R"(<circle cx="{:.1f}" cy="{:.1f}" r="3.6" fill="#ffffff" {}/>)", v.x, v.y, ink(i));
+      if (v.x > plot_.left - kNearest && v.x < plot_.right() + kNearest && v.y > plot_.top - kNearest &&
+          v.y < plot_.bottom() + kNearest)
+        draw_mark(svg, v, i);
 }
 
-void Panel::draw_legend() {
+void Panel::draw_legend(SvgWriter& svg) const {
   for (std::size_t i = 0; i < panel_.curves.size(); ++i) {
     const Vertex at = names_[i];
     if (at.x < 0) continue;
     if (panel_.curves[i].marks)
-      put(R"(<circle cx="{:.1f}" cy="{:.1f}" r="3.6" fill="#ffffff" {}/>)", at.x + kSwatch / 2, at.y + 9,
-          ink(i));
+      draw_mark(svg, {at.x + kSwatch / 2, at.y + 9}, i);
     else
-      put(R"(<path d="M{:.1f} {:.1f}h{:.1f}" fill="none" {}/>)", at.x, at.y + 9, kSwatch, ink(i));
-    put(R"(<text x="{:.1f}" y="{:.1f}">{}</text>)", at.x + kSwatch + 6, at.y + 14,
-        escaped(panel_.curves[i].name));
+      svg.path(SvgWriter::line(at.x, at.y + 9, 'h', kSwatch), R"(fill="none" )" + ink(i));
+    svg.text({at.x + kSwatch + 6, at.y + 14}, panel_.curves[i].name);
   }
 }
 

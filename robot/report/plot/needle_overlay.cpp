@@ -1,15 +1,13 @@
 #include "robot/report/plot/needle_overlay.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 
 #include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/plot/png.hpp"
+#include "robot/report/plot/svg_writer.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -24,14 +22,10 @@ constexpr double kLabelStep = 20;       // between lines of labels
 constexpr double kOverlayLetter = 9.8;  // generous width of a letter at 16 units
 constexpr double kClosestView_mm = 10.0;
 
-struct Spot {
-  double x = 0, y = 0;
-};
-
 // A square window of the slice shown at (left, top) on the sheet.
 class View {
  public:
-  View(const Picture& slice, const SliceGeometry& geometry, Spot corner_px, double size_px, Spot at)
+  View(const Picture& slice, const SliceGeometry& geometry, Vertex corner_px, double size_px, Vertex at)
       : slice_(slice),
         geometry_(geometry),
         corner_(corner_px),
@@ -39,15 +33,15 @@ class View {
         scale_(kViewSize / size_px),
         size_px_(size_px) {}
 
-  Spot on_sheet(double depth_mm) const {
+  Vertex on_sheet(double depth_mm) const {
     const double along_px = depth_mm / geometry_.mm_per_pixel;
     return {at_.x + (geometry_.entry_x_px + geometry_.axis_dx * along_px - corner_.x) * scale_,
             at_.y + (geometry_.entry_y_px + geometry_.axis_dy * along_px - corner_.y) * scale_};
   }
   double units_per_mm() const { return scale_ / geometry_.mm_per_pixel; }
   double width_mm() const { return size_px_ * geometry_.mm_per_pixel; }
-  Spot at() const { return at_; }
-  Spot axis() const { return {geometry_.axis_dx, geometry_.axis_dy}; }
+  Vertex at() const { return at_; }
+  Vertex axis() const { return {geometry_.axis_dx, geometry_.axis_dy}; }
   std::string image() const {
     const int x = static_cast<int>(std::floor(corner_.x)), y = static_cast<int>(std::floor(corner_.y));
     const int size = static_cast<int>(std::ceil(size_px_)) + 1;
@@ -61,16 +55,16 @@ class View {
  private:
   const Picture& slice_;
   const SliceGeometry& geometry_;
-  Spot corner_, at_;
+  Vertex corner_, at_;
   double scale_, size_px_;
 };
 
-View whole_view(const Picture& slice, const SliceGeometry& geometry, Spot at) {
+View whole_view(const Picture& slice, const SliceGeometry& geometry, Vertex at) {
   const double size = std::max(slice.width, slice.height);
   return {slice, geometry, {(slice.width - size) / 2, (slice.height - size) / 2}, size, at};
 }
 
-View close_view(const Picture& slice, const SliceGeometry& geometry, double depth_mm, Spot at) {
+View close_view(const Picture& slice, const SliceGeometry& geometry, double depth_mm, Vertex at) {
   const double size = std::max(kClosestView_mm, 2.4 * depth_mm) / geometry.mm_per_pixel;
   const double middle_px = 0.5 * depth_mm / geometry.mm_per_pixel;
   return {slice,
@@ -82,91 +76,88 @@ View close_view(const Picture& slice, const SliceGeometry& geometry, double dept
 }
 
 struct Label {
-  Spot point;  // what it names
+  Vertex point;  // what it names
   std::string text;
 };
 
+// Every drawing and every text has a black outline below it, so that it shows on bright tissue too.
+constexpr const char* kOutlined = R"(stroke="#000000" stroke-width="3" paint-order="stroke")";
+
 class Sheet {
  public:
-  Sheet(double width, double height, const OverlayText& text) : width_(width), height_(height), text_(text) {
-    put(R"(<svg xmlns="http://www.w3.org/2000/svg" class="needle" role="img" viewBox="0 0 {:.0f} {:.0f}" )"
-        R"(font-family="'DejaVu Sans',Arial,sans-serif" font-size="16" fill="#ffffff">)",
-        width, height);
-    put("<title>{}</title>", escaped(text.title));
-    put(R"(<rect width="{:.0f}" height="{:.0f}" fill="#000000"/>)", width, height);
-  }
+  Sheet(double width, double height, const OverlayText& text)
+      : svg_({.css_class = "needle",
+              .width = width,
+              .height = height,
+              .font_size = 16,
+              .ground = "#000000",
+              .ink = "#ffffff",
+              .title = text.title}),
+        note_at_{width - 8, height - 10},
+        note_(text.note) {}
 
   std::string finished() {
-    if (!text_.note.empty())
-      put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke" )"
-          R"(text-anchor="end" font-weight="bold">{}</text>)",
-          width_ - 8, height_ - 10, escaped(text_.note));
-    return svg_ + "</svg>";
+    svg_.text(note_at_, note_, fmt::format(R"({} text-anchor="end" font-weight="bold")", kOutlined));
+    return svg_.finished();
   }
 
-  void add_image(const View& view) { svg_ += view.image() + "\n"; }
+  void add_image(const View& view) { svg_.put("{}", view.image()); }
   void add_path(const View& view, double depth_mm);
   void add_entry(const View& view);
   void add_target(const View& view, double depth_mm);
   void add_tip(const View& view, const DepthCheck& check);
   void add_tick(const View& view, double depth_mm);
   void add_scale_bar(const View& view);
-  void add_frame(Spot corner, double size);
+  void add_frame(Vertex corner, double size);
   void add_labels(const View& view, std::vector<Label> labels, double left);
   void add_lines(const View& view, const std::vector<std::string>& lines);
   void add_sides(const View& view, const SliceGeometry& geometry);
 
  private:
-  template <class... Values>
-  void put(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(svg_), format, std::forward<Values>(values)...);
-    svg_ += '\n';
-  }
-  // Every drawing has a black outline below it, so that it shows on bright tissue too.
   void put_outlined(const std::string& shape, const char* colour, double width) {
-    put(R"(<path d="{0}" fill="none" stroke="#000000" stroke-width="{1}"/><path d="{0}" fill="none" stroke="{2}" )"
-        R"(stroke-width="{3}"/>)",
-        shape, width + 2, colour, width);
+    for (const auto& [ink, broad] : {std::pair("#000000", width + 2), std::pair(colour, width)})
+      svg_.path(shape, fmt::format(R"(fill="none" stroke="{}" stroke-width="{}")", ink, broad));
   }
 
-  std::string svg_;
-  double width_, height_;
-  OverlayText text_;
+  SvgWriter svg_;
+  Vertex note_at_;
+  std::string note_;
 };
 
+std::string across(Vertex p, Vertex axis, double half_length) {
+  return fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", p.x - half_length * axis.y, p.y + half_length * axis.x,
+                     p.x + half_length * axis.y, p.y - half_length * axis.x);
+}
+
 void Sheet::add_path(const View& view, double depth_mm) {
-  const Spot from = view.on_sheet(0), to = view.on_sheet(depth_mm);
+  const Vertex from = view.on_sheet(0), to = view.on_sheet(depth_mm);
   put_outlined(fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", from.x, from.y, to.x, to.y), kPath, 1.6);
 }
 
 void Sheet::add_entry(const View& view) {
-  const Spot p = view.on_sheet(0);
+  const Vertex p = view.on_sheet(0);
   put_outlined(fmt::format("M{:.1f} {:.1f}a7 7 0 1 0 14 0a7 7 0 1 0 -14 0", p.x - 7, p.y), kEntry, 2);
 }
 
 void Sheet::add_target(const View& view, double depth_mm) {
-  const Spot p = view.on_sheet(depth_mm);
+  const Vertex p = view.on_sheet(depth_mm);
   put_outlined(fmt::format("M{:.1f} {:.1f}l20 20m0 -20l-20 20", p.x - 10, p.y - 10), kTarget, 2);
 }
 
 void Sheet::add_tip(const View& view, const DepthCheck& check) {
-  const double spread = 2 * check.sigma.value;
-  const Spot tip = view.on_sheet(check.depth.value), axis = view.axis();
+  const Vertex tip = view.on_sheet(check.depth.value);
   std::string bar;
-  for (const double depth : {check.depth.value - spread, check.depth.value + spread}) {
-    const Spot end = view.on_sheet(depth);
-    bar += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}M{:.1f} {:.1f}L{:.1f} {:.1f}", tip.x, tip.y, end.x, end.y,
-                       end.x - 6 * axis.y, end.y + 6 * axis.x, end.x + 6 * axis.y, end.y - 6 * axis.x);
+  for (const double spread : {-2 * check.sigma.value, 2 * check.sigma.value}) {
+    const Vertex end = view.on_sheet(check.depth.value + spread);
+    bar +=
+        fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", tip.x, tip.y, end.x, end.y) + across(end, view.axis(), 6);
   }
   put_outlined(bar, "#ffffff", 1.6);
-  put(R"(<circle cx="{:.1f}" cy="{:.1f}" r="3.5" fill="#ffffff" stroke="#000000"/>)", tip.x, tip.y);
+  svg_.put(R"(<circle cx="{:.1f}" cy="{:.1f}" r="3.5" fill="#ffffff" stroke="#000000"/>)", tip.x, tip.y);
 }
 
 void Sheet::add_tick(const View& view, double depth_mm) {
-  const Spot p = view.on_sheet(depth_mm), axis = view.axis();
-  put_outlined(fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", p.x - 11 * axis.y, p.y + 11 * axis.x,
-                           p.x + 11 * axis.y, p.y - 11 * axis.x),
-               kPath, 1.6);
+  put_outlined(across(view.on_sheet(depth_mm), view.axis(), 11), kPath, 1.6);
 }
 
 // About a quarter of the view, in round millimetres.
@@ -176,14 +167,11 @@ void Sheet::add_scale_bar(const View& view) {
   const double x = view.at().x + 14, y = view.at().y + kViewSize - 14;
   put_outlined(fmt::format("M{:.1f} {:.1f}v6h{:.1f}v-6", x, y - 6, length * view.units_per_mm()), "#ffffff",
                1.6);
-  put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke">{:g} mm</text>)",
-      x, y - 11, length);
+  svg_.text({x, y - 11}, fmt::format("{:g} mm", length), kOutlined);
 }
 
-void Sheet::add_frame(Spot corner, double size) {
-  put(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="none" stroke="#ffffff" )"
-      R"(stroke-dasharray="4 3"/>)",
-      corner.x, corner.y, size, size);
+void Sheet::add_frame(Vertex corner, double size) {
+  svg_.rect({corner.x, corner.y, size, size}, R"(fill="none" stroke="#ffffff" stroke-dasharray="4 3")");
 }
 
 // A column of texts from x = `left`, in the order of their points, a line apart, each with a leader to its
@@ -192,33 +180,31 @@ void Sheet::add_labels(const View& view, std::vector<Label> labels, double left)
   std::stable_sort(labels.begin(), labels.end(),
                    [](const auto& a, const auto& b) { return a.point.y < b.point.y; });
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const Spot point = labels[i].point;
+    const Vertex point = labels[i].point;
     const double rows = static_cast<double>(labels.size() - 1), row = static_cast<double>(i);
     const double fanned = point.y + kLabelStep * (row - rows / 2) + 5;  // spread around the points
     const double lowest = view.at().y + kViewSize - 40 - kLabelStep * (rows - row);
     const double y = std::min(fanned, lowest);
-    put(R"(<path d="M{:.1f} {:.1f}L{:.1f} {:.1f}H{:.1f}" fill="none" stroke="#ffffff" stroke-opacity="0.8"/>)",
-        point.x + 15, point.y, left - 20, y - 5.5, left - 4);
-    put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke">{}</text>)",
-        left, y, escaped(labels[i].text));
+    svg_.path(fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}H{:.1f}", point.x + 15, point.y, left - 20, y - 5.5,
+                          left - 4),
+              R"(fill="none" stroke="#ffffff" stroke-opacity="0.8")");
+    svg_.text({left, y}, labels[i].text, kOutlined);
   }
 }
 
 // Lines in the upper left corner, away from the needle, which runs through the middle.
 void Sheet::add_lines(const View& view, const std::vector<std::string>& lines) {
   for (std::size_t i = 0; i < lines.size(); ++i)
-    put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke">{}</text>)",
-        view.at().x + 10, view.at().y + 22 + kLabelStep * static_cast<double>(i), escaped(lines[i]));
+    svg_.text({view.at().x + 10, view.at().y + 22 + kLabelStep * static_cast<double>(i)}, lines[i],
+              kOutlined);
 }
 
 // The patient's sides at the edges of the view.
 void Sheet::add_sides(const View& view, const SliceGeometry& geometry) {
   const double middle = kViewSize / 2, edge = kViewSize - 10;
   const auto letters = [&](double x, double y, const char* anchor, const std::string& side) {
-    if (!side.empty())
-      put(R"(<text x="{:.1f}" y="{:.1f}" stroke="#000000" stroke-width="3" paint-order="stroke" )"
-          R"(text-anchor="{}" font-weight="bold">{}</text>)",
-          view.at().x + x, view.at().y + y, anchor, escaped(side));
+    svg_.text({view.at().x + x, view.at().y + y}, side,
+              fmt::format(R"({} text-anchor="{}" font-weight="bold")", kOutlined, anchor));
   };
   letters(8, middle + 5, "start", geometry.left);
   letters(edge, middle + 5, "end", geometry.right);
@@ -228,7 +214,7 @@ void Sheet::add_sides(const View& view, const SliceGeometry& geometry) {
 
 double widest(const std::vector<Label>& labels) {
   std::size_t letters = 0;
-  for (const Label& label : labels) letters = std::max(letters, label.text.size());
+  for (const Label& label : labels) letters = std::max(letters, display_width(label.text));
   return kOverlayLetter * static_cast<double>(letters);
 }
 
@@ -264,7 +250,7 @@ std::string planning_overlay(const Picture& slice, const SliceGeometry& geometry
     sheet.add_scale_bar(*view);
   }
   sheet.add_sides(whole, geometry);
-  const Spot middle = whole.on_sheet(target / 2);
+  const Vertex middle = whole.on_sheet(target / 2);
   const double frame = close.width_mm() * whole.units_per_mm();
   sheet.add_frame({middle.x - frame / 2, middle.y - frame / 2}, frame);
   for (std::size_t i = 1; i < plan.layers.size(); ++i)

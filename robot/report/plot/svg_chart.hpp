@@ -1,16 +1,12 @@
-// A small chart writer: panels and a state diagram over one shared x axis, as an SVG that prints well and
-// needs no script. It knows nothing of needles. All text is escaped; coordinates are rounded, so equal input
-// gives equal bytes.
+// Panels and a state diagram over one shared x axis, as an SVG that prints well and needs no script.
 #pragma once
 
 #include <string>
 #include <vector>
 
-namespace biopsy::report {
+#include "robot/report/plot/svg_writer.hpp"
 
-struct Vertex {
-  double x = 0, y = 0;
-};
+namespace biopsy::report {
 
 struct Stroke {
   std::string colour = "#22303c";
@@ -40,10 +36,10 @@ struct ChartPanel {
   std::string y_title;  // with its unit
   double height_px = 200;
   double y_low = 0, y_high = 1;
-  std::vector<ChartLine> lines;
-  std::vector<ChartLevel> levels;
-  std::vector<ChartDot> dots;
-  std::string dots_name;  // legend entry of the dots
+  std::vector<ChartLine> lines = {};
+  std::vector<ChartLevel> levels = {};
+  std::vector<ChartDot> dots = {};
+  std::string dots_name = {};  // legend entry of the dots
 };
 
 struct ChartSpan {
@@ -91,9 +87,12 @@ struct Chart {
 
 std::string render(const Chart& chart);
 
-// chart_points.cpp. At most four points a column: first, lowest, highest, last. A spike of one sample
-// survives.
+// chart_points.cpp. At most four points a column: first, lowest, highest, last; so a spike of one sample is
+// kept.
 std::vector<Vertex> decimated(const std::vector<Vertex>& points, double x_low, double x_high, int columns);
+
+// Lines with their y range, widened by 6 %; what is not finite does not count.
+ChartPanel autoscaled_panel(std::string y_title, double height_px, std::vector<ChartLine> lines);
 
 // Round numbers (1, 2 or 5 times a power of ten) from low to high, about `count` of them.
 std::vector<double> round_ticks(double low, double high, int count);

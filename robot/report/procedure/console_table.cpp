@@ -1,5 +1,3 @@
-#include "robot/report/procedure/console_table.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,9 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
@@ -15,23 +15,12 @@ namespace {
 
 enum class Side { Left, Right };
 
-// Letters as a terminal shows them: UTF-8 continuation bytes take no room.
-std::size_t letters(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char byte) { return (byte & 0xC0) != 0x80; }));
-}
-
-std::string padded(const std::string& text, std::size_t width, Side side) {
-  const std::string room(width - std::min(width, letters(text)), ' ');
-  return side == Side::Left ? text + room : room + text;
-}
-
 class Columns {
  public:
   explicit Columns(std::vector<Side> sides) : sides_(std::move(sides)), widths_(sides_.size(), 0) {}
 
   void add(std::vector<std::string> cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) widths_[i] = std::max(widths_[i], letters(cells[i]));
+    for (std::size_t i = 0; i < cells.size(); ++i) widths_[i] = std::max(widths_[i], display_width(cells[i]));
     rows_.push_back(std::move(cells));
   }
 
@@ -40,7 +29,8 @@ class Columns {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       std::string line;
       for (std::size_t i = 0; i < rows_[r].size(); ++i)
-        line.append("  ").append(padded(rows_[r][i], widths_[i], sides_[i]));
+        line += "  " + (sides_[i] == Side::Left ? padded_right(rows_[r][i], widths_[i])
+                                                : padded_left(rows_[r][i], widths_[i]));
       line.erase(line.find_last_not_of(' ') + 1);
       text.append(r == 0 ? heading_start : "").append(line).append(r == 0 ? heading_end : "").append("\n");
     }
@@ -57,30 +47,30 @@ struct Ink {
   const char *bold, *alarm, *plain;
 };
 
-Ink ink(bool colour) {
+Ink ink_for(bool colour) {
   return colour ? Ink{"\033[1m", "\033[1;31m", "\033[0m"} : Ink{"", "", ""};
 }
 
-std::string joined(std::initializer_list<std::string> parts) {
-  std::string text;
+std::string known_parts(const std::vector<std::string>& parts) {
+  std::vector<std::string> known;
   for (const std::string& part : parts)
-    if (!part.empty()) text += (text.empty() ? "" : ", ") + plain(part);
-  return text.empty() ? "–" : text;
+    if (!part.empty()) known.push_back(plain(part));
+  return known.empty() ? "–" : joined(known);
 }
 
 std::string layer_list(const Plan& plan) {
-  std::string text;
+  std::vector<std::string> layers;
   for (const Layer& layer : plan.layers)
-    text += (text.empty() ? "" : " | ") + plain(layer.name) + " " + fixed(layer.from.value, 2) + " to " +
-            fixed(layer.to.value, 2);
-  return text.empty() ? "–" : text + " mm";
+    layers.push_back(plain(layer.name) + " " + fixed(layer.from.value, 2) + " to " +
+                     fixed(layer.to.value, 2));
+  return layers.empty() ? "–" : joined(layers, " | ") + " mm";
 }
 
-std::string what_was_planned(const RunRecord& record) {
+std::string plan_lines(const RunRecord& record) {
   const SeriesIdentity& series = record.series;
-  std::string text = "  Patient  " + joined({person_name(series.patient_name), series.patient_id}) +
-                     "\n  Series   " +
-                     joined({series.modality, series.description, series.date, record.image_source}) + "\n";
+  std::string text =
+      "  Patient  " + known_parts({person_name(series.patient_name), series.patient_id}) + "\n  Series   " +
+      known_parts({series.modality, series.description, series.date, record.image_source}) + "\n";
   for (const std::string& warning : record.image_warnings) text += "  Warning  " + plain(warning) + "\n";
   if (!record.plan) return text;
   const Point target = ras_from_lps(record.plan->target.p_ST);
@@ -92,27 +82,25 @@ std::string what_was_planned(const RunRecord& record) {
          "  Layers   " + layer_list(*record.plan) + "\n";
 }
 
-std::string image_words(const StepResult& stage) {
-  if (!stage.check) return "–";
-  std::string verdict(word(stage.check->verdict));
-  if (!stage.check->tip_found) return verdict;
-  return fmt::format("{} ± {} {}", fixed(stage.check->depth.value, 2), fixed(stage.check->sigma.value, 2),
+std::string image_text(const StepResult& step) {
+  if (!step.check) return "–";
+  std::string verdict(label(step.check->verdict));
+  if (!step.check->tip_found) return verdict;
+  return fmt::format("{} ± {} {}", fixed(step.check->depth.value, 2), fixed(step.check->sigma.value, 2),
                      verdict);
 }
 
-std::string stage_lines(const RunRecord& record, const Ink& ink) {
-  std::vector<StepResult> stages = record.stages;
-  if (stages.empty() && record.plan)
-    for (const InsertionStep& stage : record.plan->stages) stages.emplace_back().stage = stage;
-  if (stages.empty()) return {};
+std::string step_lines(const RunRecord& record, const Ink& ink) {
+  const std::vector<StepResult> steps = driven_or_planned_steps(record);
+  if (steps.empty()) return {};
   Columns columns({Side::Right, Side::Left, Side::Right, Side::Right, Side::Right, Side::Right, Side::Right,
                    Side::Left, Side::Left});
-  columns.add({"No", "Stage", "Plan mm", "mm/s", "Reached s", "Laser mm", "RMSE mm", "Image mm", "Layer"});
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    const StepResult& s = stages[i];
-    columns.add({std::to_string(i + 1), std::string(word(s.stage.kind)), fixed(s.stage.depth.value, 2),
+  columns.add({"No", "Step", "Plan mm", "mm/s", "Reached s", "Laser mm", "RMSE mm", "Image mm", "Layer"});
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const StepResult& s = steps[i];
+    columns.add({std::to_string(i + 1), std::string(label(s.stage.kind)), fixed(s.stage.depth.value, 2),
                  fixed(s.stage.speed.value, 2), s.reached ? fixed(s.reached_s, 2) : "not",
-                 fixed(s.depth_mm, 3), fixed(s.rmse_settled_mm, 3), image_words(s),
+                 fixed(s.depth_mm, 3), fixed(s.rmse_settled_mm, 3), image_text(s),
                  s.layer_at_tip.empty() ? "–" : plain(s.layer_at_tip)});
   }
   return columns.lines(ink.bold, ink.plain) + "\n";
@@ -144,21 +132,20 @@ std::string trip_lines(const RunRecord& record, const Ink& ink) {
   std::string text;
   for (const Trip& trip : record.trips)
     text += fmt::format("  {}Trip{} at {}, {}: {}\n", ink.alarm, ink.plain, fixed(trip.time_s, 3, "s"),
-                        word(trip.stop), plain(trip.reason));
+                        label(trip.stop), plain(trip.reason));
   return text.empty() ? text : text + "\n";
 }
 
 }  // namespace
 
 std::string console_table(const RunRecord& record, bool colour) {
-  const Ink letters_of = ink(colour);
+  const Ink ink = ink_for(colour);
   const bool alarm = record.outcome == Outcome::Stopped;
-  return fmt::format("{}{}{}{}\n\n", letters_of.bold, record.simulated ? "SIMULATED  " : "",
-                     plain(record.title), letters_of.plain) +
-         what_was_planned(record) + "\n" + stage_lines(record, letters_of) + limit_lines(record, letters_of) +
-         trip_lines(record, letters_of) +
-         fmt::format("{}{}{}\n", alarm ? letters_of.alarm : letters_of.bold, plain(verdict_sentence(record)),
-                     letters_of.plain);
+  return fmt::format("{}{}{}{}\n\n", ink.bold, record.simulated ? "SIMULATED  " : "", plain(record.title),
+                     ink.plain) +
+         plan_lines(record) + "\n" + step_lines(record, ink) + limit_lines(record, ink) +
+         trip_lines(record, ink) +
+         fmt::format("{}{}{}\n", alarm ? ink.alarm : ink.bold, plain(verdict_sentence(record)), ink.plain);
 }
 
 }  // namespace biopsy::report

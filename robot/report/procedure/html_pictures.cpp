@@ -4,18 +4,17 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
+#include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/needle_overlay.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
-#include "robot/report/procedure/run_figure.hpp"
 
 namespace biopsy::report {
 namespace {
 
-std::string figure(const std::string& picture, const std::string& caption) {
-  return "<figure>\n" + picture + "\n<figcaption>" + escaped(caption) + "</figcaption>\n</figure>\n";
-}
+using markup::facts, markup::figure, markup::paragraph, markup::section;
 
 std::string image(const Picture& picture, const std::string& alt) {
   return "<img src=\"" + png_data_uri(picture) + "\" alt=\"" + escaped(alt) + "\" />";
@@ -33,8 +32,7 @@ std::string planning_picture(const RunRecord& record) {
   return figure(planning_overlay(slice, *record.planning_geometry, *record.plan,
                                  overlay_text(record, "Planning slice with entry, path, layers and target")),
                 "Left: slice through the needle. Right: the dashed square enlarged. Cyan ring: entry; "
-                "yellow: path, with a "
-                "tick at each layer boundary; magenta cross: target.");
+                "yellow: path, with a tick at each layer boundary; magenta cross: target.");
 }
 
 std::string point(const Point& p) {
@@ -42,76 +40,66 @@ std::string point(const Point& p) {
 }
 
 std::string plan_facts(const Plan& plan) {
-  const auto row = [](const std::string& name, const std::string& value) {
-    return "<tr><th scope=\"row\">" + name + "</th><td>" + escaped(value) + "</td></tr>\n";
-  };
-  std::string layers;
+  std::vector<std::string> layers;
   for (const Layer& layer : plan.layers)
-    layers += (layers.empty() ? "" : "; ") + layer.name + " " + fixed(layer.from.value, 2) + " to " +
-              fixed(layer.to.value, 2, "mm");
+    layers.push_back(layer.name + " " + fixed(layer.from.value, 2) + " to " + fixed(layer.to.value, 2, "mm"));
   const bool registered = plan.registration_fre_mm > 0;
-  return "<table class=\"facts\">\n<tbody>\n" + row("Target depth", fixed(plan.target_depth.value, 2, "mm")) +
-         row("Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")) +
-         row("Target beside the axis", fixed(plan.axis_offset.value, 2, "mm")) +
-         row("Entry, R, A, S", point(ras_from_lps(plan.target.p_SE))) +
-         row("Target, R, A, S", point(ras_from_lps(plan.target.p_ST))) +
-         row("Layers along the path", layers.empty() ? "–" : layers) +
-         row("Robot to scanner", registered ? "registered: FRE " + fixed(plan.registration_fre_mm, 2, "mm") +
-                                                  ", expected error at the target " +
-                                                  fixed(plan.registration_tre_mm, 2, "mm")
-                                            : "transform as given") +
-         "</tbody>\n</table>\n";
+  return facts({{"Target depth", fixed(plan.target_depth.value, 2, "mm")},
+                {"Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")},
+                {"Target beside the axis", fixed(plan.axis_offset.value, 2, "mm")},
+                {"Entry, R, A, S", point(ras_from_lps(plan.target.p_SE))},
+                {"Target, R, A, S", point(ras_from_lps(plan.target.p_ST))},
+                {"Layers along the path", joined(layers, "; ")},
+                {"Robot to scanner",
+                 registered ? "registered: FRE " + fixed(plan.registration_fre_mm, 2, "mm") +
+                                  ", expected error at the target " + fixed(plan.registration_tre_mm, 2, "mm")
+                            : "transform as given"}});
 }
 
 std::string stage_picture(const RunRecord& record, const StepResult& stage, bool after,
                           const std::string& title) {
   const Picture& slice = after ? stage.after : stage.before;
   if (slice.width == 0) return {};
-  if (!stage.geometry) return figure(image(slice, title), title + ".");
+  if (!stage.geometry) return figure(image(slice, title), escaped(title) + ".");
   TipDepths depths{stage.stage.depth, stage.stage.depth, after && stage.check ? &*stage.check : nullptr};
   if (stage.check && stage.check->tip_found) depths.shown = std::max(depths.shown, stage.check->depth);
-  return figure(tip_overlay(slice, *stage.geometry, depths, overlay_text(record, title)), title + ".");
+  return figure(tip_overlay(slice, *stage.geometry, depths, overlay_text(record, title)),
+                escaped(title) + ".");
 }
 
 std::string stage_pictures(const RunRecord& record, std::size_t index) {
   const StepResult& stage = record.stages[index];
   if (stage.before.width == 0 && stage.after.width == 0) return {};
-  std::string html = fmt::format("<h3>InsertionStep {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
-                                 word(stage.stage.kind), fixed(stage.stage.depth.value, 2, "mm"));
-  html += stage_picture(record, stage, false, fmt::format("InsertionStep {}, before", index + 1));
-  html += stage_picture(record, stage, true,
-                        fmt::format("InsertionStep {}, after, registered to before", index + 1));
+  std::string html = fmt::format("<h3>Step {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
+                                 label(stage.stage.kind), fixed(stage.stage.depth.value, 2, "mm"));
+  html += stage_picture(record, stage, false, fmt::format("Step {}, before", index + 1));
+  html += stage_picture(record, stage, true, fmt::format("Step {}, after, registered to before", index + 1));
   html += "</div>\n";
-  if (stage.check) html += "<p>" + escaped(stage.check->reason) + "</p>\n";
+  if (stage.check) html += paragraph(stage.check->reason);
   return html;
 }
 
 }  // namespace
 
 std::string plan_section(const RunRecord& record) {
-  const std::string content = planning_picture(record) + (record.plan ? plan_facts(*record.plan) : "");
-  return content.empty() ? "" : "<section>\n<h2>Plan</h2>\n" + content + "</section>\n";
+  return section("Plan", planning_picture(record) + (record.plan ? plan_facts(*record.plan) : ""));
 }
 
 std::string figure_section(const RunRecord& record) {
-  const std::string chart = run_figure(record);
-  if (chart.empty()) return {};
-  return "<section>\n<h2>Run</h2>\n" +
-         figure(chart,
-                "Depth against plan, drive voltage with the permit's envelope, and the supervisor's states. "
-                "Shaded: the "
-                "stages. Dotted: image taken. Dashed level lines: layer boundaries and target.") +
-         "</section>\n";
+  return section("Run", figure(run_figure(record),
+                               "Depth against plan, drive voltage with the permit's envelope, and the "
+                               "supervisor's states. Shaded: the steps. Dotted: image taken. Dashed level "
+                               "lines: layer boundaries and target."));
 }
 
 std::string images_section(const RunRecord& record) {
   std::string content;
   for (std::size_t i = 0; i < record.stages.size(); ++i) content += stage_pictures(record, i);
-  if (content.empty()) return {};
-  return "<section>\n<h2>Images before and after</h2>\n" + content +
-         "<p>Cyan ring: entry; magenta cross: planned depth; white dot: tip as found in the image, with a "
-         "bar of ± 2 "
-         "standard deviations.</p>\n</section>\n";
+  if (!content.empty())
+    content += paragraph(
+        "Cyan ring: entry; magenta cross: planned depth; white dot: tip as found in the image, with a bar of "
+        "± 2 standard deviations.");
+  return section("Images before and after", content);
 }
 
 }  // namespace biopsy::report

@@ -15,6 +15,10 @@ std::string limits_section(const RunRecord& record);
 std::string trips_section(const RunRecord& record);
 std::string provenance_section(const RunRecord& record);
 
+// run_figure.cpp: depth against plan, drive voltage with its envelope and the supervisor's states on one time
+// axis, with the steps shaded and images and trips marked.
+std::string run_figure(const RunRecord& record);
+
 // html_pictures.cpp
 std::string plan_section(const RunRecord& record);
 std::string figure_section(const RunRecord& record);

@@ -6,7 +6,7 @@
 #include "robot/common/encoding.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/markup/html_markup.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
 #include "robot/report/procedure/verdict.hpp"
@@ -14,21 +14,17 @@
 namespace biopsy::report {
 namespace {
 
-using markup::facts, markup::section, markup::table, markup::text_cell;
+using markup::facts, markup::number_cell, markup::row, markup::section, markup::table, markup::text_cell;
 
-std::string number_cell(double value, int decimals) {
-  return markup::number_cell(fixed(value, decimals));
-}
-
-std::string stage_row(const StepResult& result, std::size_t number) {
-  const InsertionStep& stage = result.stage;
-  return fmt::format("<tr><td class=\"n\">{}</td><td><strong>{}</strong><br />{}</td>", number,
-                     word(stage.kind), escaped(stage.why)) +
-         number_cell(stage.depth.value, 2) + number_cell(stage.speed.value, 2) +
-         number_cell(stage.v_max.value * 1e-3, 2) +
-         (result.reached ? number_cell(result.reached_s, 2) : "<td class=\"n\">not reached</td>") +
-         number_cell(result.depth_mm, 3) + number_cell(result.rmse_settled_mm, 3) +
-         number_cell(result.overshoot_mm, 3) + text_cell(result.layer_at_tip) + "</tr>\n";
+std::string step_row(const StepResult& result, std::size_t number) {
+  const InsertionStep& step = result.stage;
+  return row({number_cell(std::to_string(number)),
+              fmt::format("<td><strong>{}</strong><br />{}</td>", label(step.kind), escaped(step.why)),
+              number_cell(step.depth.value, 2), number_cell(step.speed.value, 2),
+              number_cell(step.v_max.value * 1e-3, 2),
+              result.reached ? number_cell(result.reached_s, 2) : number_cell("not reached"),
+              number_cell(result.depth_mm, 3), number_cell(result.rmse_settled_mm, 3),
+              number_cell(result.overshoot_mm, 3), text_cell(result.layer_at_tip)});
 }
 
 std::string verdict_cell(const DepthCheck& check) {
@@ -51,13 +47,13 @@ std::string triple_cell(const double (&values)[3]) {
 std::string check_row(const StepResult& result, std::size_t number) {
   const DepthCheck& check = *result.check;
   const double depth = check.tip_found ? check.depth.value : kUnknown;
-  return fmt::format("<tr><td class=\"n\">{}</td>", number) + verdict_cell(check) + number_cell(depth, 2) +
-         number_cell(check.tip_found ? check.sigma.value : kUnknown, 2) +
-         number_cell(depth - result.depth_mm, 2) + triple_cell(check.shift_mm) +
-         triple_cell(check.rotation_deg) + number_cell(check.registration_score, 3) +
-         number_cell(check.contrast_to_noise, 1) + "<td>" + escaped(check.reason) +
-         (result.hv_switching_during_image ? " The drive switched while the image was taken." : "") +
-         "</td></tr>\n";
+  const std::string switching =
+      result.hv_switching_during_image ? " The drive switched while the image was taken." : "";
+  return row({number_cell(std::to_string(number)), verdict_cell(check), number_cell(depth, 2),
+              number_cell(check.tip_found ? check.sigma.value : kUnknown, 2),
+              number_cell(depth - result.depth_mm, 2), triple_cell(check.shift_mm),
+              triple_cell(check.rotation_deg), number_cell(check.registration_score, 3),
+              number_cell(check.contrast_to_noise, 1), text_cell(check.reason + switching)});
 }
 
 // Grey up to the value, a tick at the limit; red and beyond the tick where the limit was passed.
@@ -73,13 +69,12 @@ std::string limit_bar(double percent) {
 
 std::string limit_row(const LimitUse& use) {
   const double percent = used_percent(use);
-  const std::string share = std::isfinite(percent) ? fixed(percent, 0) + " %" : "–";
   const std::string note = percent > 100.0   ? "<span class=\"alarm\">■ beyond the limit</span>"
                            : percent >= 90.0 ? "<strong>▲ close to the limit</strong>"
                                              : "";
-  return "<tr>" + text_cell(use.name) + number_cell(use.used, 2) + number_cell(use.limit, 2) +
-         text_cell(use.unit) + "<td>" + limit_bar(percent) + "</td><td class=\"n\">" + share + "</td><td>" +
-         note + "</td></tr>\n";
+  return row({text_cell(use.name), number_cell(use.used, 2), number_cell(use.limit, 2), text_cell(use.unit),
+              "<td>" + limit_bar(percent) + "</td>", number_cell(fixed(percent, 0, "%")),
+              "<td>" + note + "</td>"});
 }
 
 }  // namespace
@@ -94,26 +89,20 @@ std::string patient_section(const RunRecord& record) {
                             {"Series UID", series.series_uid},
                             {"Study UID", series.study_uid},
                             {"Read from", record.image_source}});
-  if (!record.image_warnings.empty()) {
-    html += "<h3>Warnings from reading the image</h3>\n<ul>\n";
-    for (const std::string& warning : record.image_warnings) html += "<li>▲ " + escaped(warning) + "</li>\n";
-    html += "</ul>\n";
-  }
+  if (!record.image_warnings.empty())
+    html += "<h3>▲ Warnings from reading the image</h3>\n" + markup::list(record.image_warnings);
   return section("Patient and image", html);
 }
 
 std::string stages_section(const RunRecord& record) {
-  std::vector<StepResult> stages = record.stages;
-  if (stages.empty() && record.plan)
-    for (const InsertionStep& stage : record.plan->stages)
-      stages.emplace_back().stage = stage;  // planned, never driven
-  if (stages.empty()) return {};
+  const std::vector<StepResult> steps = driven_or_planned_steps(record);
+  if (steps.empty()) return {};
   std::string rows;
-  for (std::size_t i = 0; i < stages.size(); ++i) rows += stage_row(stages[i], i + 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) rows += step_row(steps[i], i + 1);
   return section(
-      "Stages",
-      table("RMSE is the depth against the stage's target once settled; overshoot is beyond it.",
-            {">No.", "Stage", ">Planned<br />mm", ">Speed<br />mm/s", ">Drive limit<br />kV",
+      "Steps",
+      table("RMSE: depth against the step's target once settled. Overshoot: beyond that target.",
+            {">No.", "Step", ">Planned<br />mm", ">Speed<br />mm/s", ">Drive limit<br />kV",
              ">Reached<br />s", ">Laser<br />mm", ">RMSE<br />mm", ">Overshoot<br />mm", "Layer at tip"},
             rows));
 }
@@ -125,13 +114,12 @@ std::string checks_section(const RunRecord& record) {
   if (rows.empty()) return {};
   return section(
       "Image checks",
-      table(
-          "Depth of the tip found in the image alone; the check never sees the laser. Shift and rotation of "
-          "the patient from before to after, axes L, P, S.",
-          {">Stage", "Verdict", ">Depth<br />mm", ">Std. dev.<br />mm", ">Image − laser<br />mm",
-           "Shift<br />mm", "Rotation<br />deg", ">Registration<br />score", ">Contrast<br />to noise",
-           "Reason"},
-          rows));
+      table("Depth of the tip found in the image alone; the check does not use the laser. Shift and rotation "
+            "of the patient from before to after, axes L, P, S.",
+            {">Step", "Verdict", ">Depth<br />mm", ">Std. dev.<br />mm", ">Image − laser<br />mm",
+             "Shift<br />mm", "Rotation<br />deg", ">Registration<br />score", ">Contrast<br />to noise",
+             "Reason"},
+            rows));
 }
 
 std::string limits_section(const RunRecord& record) {
@@ -144,21 +132,23 @@ std::string limits_section(const RunRecord& record) {
 }
 
 std::string trips_section(const RunRecord& record) {
-  if (record.trips.empty()) return section("Trips", "<p>None.</p>\n");
+  if (record.trips.empty()) return section("Trips", markup::paragraph("None."));
   std::string rows;
-  for (std::size_t i = 0; i < record.trips.size(); ++i)
-    rows += fmt::format("<tr><td class=\"n alarm\">{}</td>", i + 1) + number_cell(record.trips[i].time_s, 3) +
-            text_cell(std::string(word(record.trips[i].stop))) + text_cell(record.trips[i].reason) +
-            "</tr>\n";
+  for (std::size_t i = 0; i < record.trips.size(); ++i) {
+    const Trip& trip = record.trips[i];
+    rows += row({fmt::format("<td class=\"n alarm\">{}</td>", i + 1), number_cell(trip.time_s, 3),
+                 text_cell(std::string(label(trip.stop))), text_cell(trip.reason)});
+  }
   return section(
       "Trips", table("Stop categories as in IEC 60204-1.", {">No.", ">Time<br />s", "Stop", "Reason"}, rows));
 }
 
 std::string provenance_section(const RunRecord& record) {
   std::vector<std::pair<std::string, std::string>> rows{{"Seed", std::to_string(record.seed)}};
-  if (record.plan) rows.emplace_back("Plan seal, SHA-256", hex(record.plan->seal));
+  if (record.plan)
+    rows.emplace_back("Plan seal, SHA-256", fmt::format("{:02x}", fmt::join(record.plan->seal, "")));
   rows.insert(rows.end(), record.provenance.begin(), record.provenance.end());
-  return section("How to get this report again", facts(rows));
+  return section("How to reproduce this report", facts(rows));
 }
 
 }  // namespace biopsy::report

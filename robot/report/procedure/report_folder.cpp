@@ -1,9 +1,6 @@
-#include "robot/report/procedure/report_folder.hpp"
-
+#include "robot/common/files/whole_file.hpp"
 #include "robot/report/plot/png.hpp"
-#include "robot/report/procedure/report_html.hpp"
-#include "robot/report/procedure/report_json.hpp"
-#include "robot/report/procedure/run_csv.hpp"
+#include "robot/report/procedure/report.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -15,15 +12,16 @@ void save_if_any(const Picture& picture, const std::filesystem::path& path) {
 }  // namespace
 
 void save_report(const RunRecord& record, const std::filesystem::path& folder) {
-  if (!record.samples.empty()) save_run_csv(record, folder / "run.csv");
+  if (!record.samples.empty()) atomic_write(folder / "run.csv", run_csv(record));
   save_if_any(record.planning_slice, folder / "planning.png");
   for (std::size_t i = 0; i < record.stages.size(); ++i) {
     const std::string stage = "stage-" + std::to_string(i + 1);
     save_if_any(record.stages[i].before, folder / (stage + "-before.png"));
     save_if_any(record.stages[i].after, folder / (stage + "-after.png"));
   }
-  save_report_html(record, folder / "report.html");
-  save_report_json(record, folder / "report.json");  // last: who finds it finds the rest too
+  atomic_write(folder / "report.html", report_html(record));
+  atomic_write(folder / "report.json",
+               report_json(record));  // last: its presence means that the rest is there
 }
 
 }  // namespace biopsy::report

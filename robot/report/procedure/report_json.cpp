@@ -1,26 +1,18 @@
-#include "robot/report/procedure/report_json.hpp"
-
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
+#include "robot/report/markup/json_values.hpp"
 #include "robot/report/procedure/labels.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "robot/report/procedure/verdict.hpp"
 
 namespace biopsy::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int kLengthDecimals = 4;  // 0.1 um: ten times finer than the laser's count
 
 Json number(double value, int decimals = kLengthDecimals) {
-  return std::isfinite(value) ? Json(rounded(value, decimals)) : Json(nullptr);
-}
-
-Json text(const std::string& value) {
-  return value.empty() ? Json(nullptr) : Json(value);
+  return json_number(std::isfinite(value) ? rounded(value, decimals) : value);
 }
 
 Json triple(const double (&values)[3]) {
@@ -29,7 +21,7 @@ Json triple(const double (&values)[3]) {
 
 Json check_json(const DepthCheck& check) {
   return {
-      {"verdict", word(check.verdict)},
+      {"verdict", label(check.verdict)},
       {"reason", check.reason},
       {"tip_found", check.tip_found},
       {"depth_mm", number(check.tip_found ? check.depth.value : kUnknown)},
@@ -44,62 +36,50 @@ Json check_json(const DepthCheck& check) {
 Json stage_json(const StepResult& result, std::size_t index) {
   return {
       {"number", index + 1},
-      {"kind", word(result.stage.kind)},
+      {"kind", label(result.stage.kind)},
       {"depth_mm", number(result.stage.depth.value)},
       {"speed_mm_s", number(result.stage.speed.value)},
       {"v_max_kV", number(result.stage.v_max.value * 1e-3)},
       {"dwell_s", number(result.stage.dwell.count())},
       {"image_confirms", result.stage.image_confirms},
-      {"why", text(result.stage.why)},
+      {"why", json_text(result.stage.why)},
       {"reached", result.reached},
       {"reached_s", number(result.reached ? result.reached_s : kUnknown)},
       {"depth_reached_mm", number(result.depth_mm)},
       {"rmse_settled_mm", number(result.rmse_settled_mm)},
       {"overshoot_mm", number(result.overshoot_mm)},
-      {"layer_at_tip", text(result.layer_at_tip)},
+      {"layer_at_tip", json_text(result.layer_at_tip)},
       {"image_s", number(result.image_s)},
       {"hv_switching_during_image", result.hv_switching_during_image},
-      {"image", text(result.image_path)},
+      {"image", json_text(result.image_path)},
       {"check", result.check ? check_json(*result.check) : Json(nullptr)},
   };
 }
 
-Json stages_json(const std::vector<StepResult>& stages) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < stages.size(); ++i) list.push_back(stage_json(stages[i], i));
-  return list;
+Json trip_json(const Trip& trip) {
+  return {{"time_s", number(trip.time_s)}, {"stop", label(trip.stop)}, {"reason", trip.reason}};
 }
 
-Json trips_json(const std::vector<Trip>& trips) {
-  Json list = Json::array();
-  for (const Trip& trip : trips)
-    list.push_back({{"time_s", number(trip.time_s)}, {"stop", word(trip.stop)}, {"reason", trip.reason}});
-  return list;
-}
-
-Json limits_json(const std::vector<LimitUse>& limits) {
-  Json list = Json::array();
-  for (const LimitUse& use : limits)
-    list.push_back({{"name", use.name},
-                    {"used", number(use.used)},
-                    {"limit", number(use.limit)},
-                    {"unit", use.unit},
-                    {"used_percent", number(used_percent(use), 1)}});
-  return list;
+Json limit_json(const LimitUse& use) {
+  return {{"name", use.name},
+          {"used", number(use.used)},
+          {"limit", number(use.limit)},
+          {"unit", use.unit},
+          {"used_percent", number(used_percent(use), 1)}};
 }
 
 Json series_json(const RunRecord& record) {
   const SeriesIdentity& series = record.series;
   return {
-      {"source", text(record.image_source)},
-      {"patient_name", text(series.patient_name)},
-      {"patient_id", text(series.patient_id)},
-      {"study_uid", text(series.study_uid)},
-      {"series_uid", text(series.series_uid)},
-      {"frame_of_reference_uid", text(series.frame_of_reference_uid)},
-      {"modality", text(series.modality)},
-      {"description", text(series.description)},
-      {"date", text(series.date)},
+      {"source", json_text(record.image_source)},
+      {"patient_name", json_text(series.patient_name)},
+      {"patient_id", json_text(series.patient_id)},
+      {"study_uid", json_text(series.study_uid)},
+      {"series_uid", json_text(series.series_uid)},
+      {"frame_of_reference_uid", json_text(series.frame_of_reference_uid)},
+      {"modality", json_text(series.modality)},
+      {"description", json_text(series.description)},
+      {"date", json_text(series.date)},
   };
 }
 
@@ -108,19 +88,22 @@ Json interface_json(const RunRecord& record) {
   const bool moved = record.outcome != Outcome::Refused;
   const auto run_figure = [&](double value) { return number(moved ? value : kUnknown); };
   return {
-      {"outcome", word(record.outcome)},
-      {"refusal", text(record.refusal)},
+      {"outcome", label(record.outcome)},
+      {"refusal", json_text(record.refusal)},
       {"target_depth_mm", number(record.plan ? record.plan->target_depth.value : kUnknown)},
       {"final_depth_mm", run_figure(record.final_depth_mm)},
       {"image_depth_mm", run_figure(record.image_depth_mm)},
       {"image_depth_sigma_mm", run_figure(record.image_depth_sigma_mm)},
-      {"layer_at_tip", moved ? text(record.layer_at_tip) : Json(nullptr)},
+      {"layer_at_tip", moved ? json_text(record.layer_at_tip) : Json(nullptr)},
       {"rmse_settled_mm", run_figure(record.rmse_settled_mm)},
       {"rmse_all_mm", run_figure(record.rmse_all_mm)},
       {"overshoot_mm", run_figure(record.overshoot_mm)},
       {"peak_kV", run_figure(record.peak_kV)},
-      {"trips", trips_json(record.trips)},
-      {"stages", stages_json(record.stages)},
+      {"trips", json_list(record.trips, trip_json)},
+      {"stages", json_list(record.stages,
+                           [&](const StepResult& step) {
+                             return stage_json(step, static_cast<std::size_t>(&step - record.stages.data()));
+                           })},
       {"simulated_s", number(record.simulated_s)},
       {"wall_s", number(record.wall_s)},
   };
@@ -131,22 +114,18 @@ Json interface_json(const RunRecord& record) {
 std::string report_json(const RunRecord& record) {
   Json report = interface_json(record);
   const DepthCheck* check = last_check(record);
-  report["image_depth_verdict"] = check ? Json(word(check->verdict)) : Json(nullptr);
+  report["image_depth_verdict"] = check ? Json(label(check->verdict)) : Json(nullptr);
   report["title"] = record.title;
   report["verdict"] = verdict_sentence(record);
-  report["remedy"] = text(record.remedy);
+  report["remedy"] = json_text(record.remedy);
   report["simulated"] = record.simulated;
   report["seed"] = record.seed;
   report["series"] = series_json(record);
   report["warnings"] = record.image_warnings;
-  report["limits"] = limits_json(record.limits);
+  report["limits"] = json_list(record.limits, limit_json);
   report["provenance"] = Json::object();
   for (const auto& [name, value] : record.provenance) report["provenance"][name] = value;
-  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-void save_report_json(const RunRecord& record, const std::filesystem::path& path) {
-  atomic_write(path, report_json(record));
+  return json_file(report);
 }
 
 }  // namespace biopsy::report

@@ -1,5 +1,3 @@
-#include "robot/report/procedure/run_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/report/plot/svg_chart.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::report {
@@ -111,7 +110,7 @@ std::vector<ChartState> supervisor_states(const RunRecord& record) {
   std::vector<ChartState> states;
   for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold,
                           Mode::Retract, Mode::Trip, Mode::Lock}) {
-    ChartState state{std::string(word(mode)), mode == Mode::Trip || mode == Mode::Lock,
+    ChartState state{std::string(label(mode)), mode == Mode::Trip || mode == Mode::Lock,
                      spans(record, [mode](const Sample& s) { return s.mode == mode; })};
     if (!state.spans.empty()) states.push_back(std::move(state));
   }
@@ -129,7 +128,7 @@ std::vector<ChartBand> stage_bands(const RunRecord& record) {
     if (times.empty()) continue;
     const InsertionStep& stage = record.stages[i].stage;
     bands.push_back({{times.front().x_from, times.back().x_to},
-                     fmt::format("{} {} to {}", i + 1, word(stage.kind), fixed(stage.depth.value, 2, "mm")),
+                     fmt::format("{} {} to {}", i + 1, label(stage.kind), fixed(stage.depth.value, 2, "mm")),
                      std::to_string(i + 1)});
   }
   return bands;

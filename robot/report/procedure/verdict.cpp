@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "robot/common/number_text.hpp"
+#include "robot/common/text_layout.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -41,8 +42,7 @@ std::string with_remedy(const RunRecord& record, const std::string& fallback) {
 
 std::string planned_only(const Plan& plan) {
   return "Planned, not run: target " + fixed(plan.target_depth.value, 2, "mm") + " in " +
-         plan.layer_at(plan.target_depth) + ", " + counted(plan.stages.size(), "stage") +
-         ". Nothing moved.";
+         plan.layer_at(plan.target_depth) + ", " + counted(plan.stages.size(), "step") + ". Nothing moved.";
 }
 
 }  // namespace
@@ -66,6 +66,13 @@ const DepthCheck* last_check(const RunRecord& record) {
   for (auto result = record.stages.rbegin(); result != record.stages.rend(); ++result)
     if (result->check) return &*result->check;
   return nullptr;
+}
+
+std::vector<StepResult> driven_or_planned_steps(const RunRecord& record) {
+  std::vector<StepResult> steps = record.stages;
+  if (steps.empty() && record.plan)
+    for (const InsertionStep& step : record.plan->stages) steps.emplace_back().stage = step;
+  return steps;
 }
 
 double used_percent(const LimitUse& use) {

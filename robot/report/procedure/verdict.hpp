@@ -1,7 +1,9 @@
-// What the run came to, in one sentence for a person; the same in HTML, JSON and on the console.
+// The result of a run in one sentence, the same in HTML, JSON and on the console; and what is derived from
+// it.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "robot/report/procedure/run_record.hpp"
 
@@ -13,6 +15,9 @@ std::string verdict_sentence(const RunRecord& record);
 
 // The depth check of the last stage that has one; nullptr where none was made.
 const DepthCheck* last_check(const RunRecord& record);
+
+// The steps that were driven; where none was, the planned ones without results.
+std::vector<StepResult> driven_or_planned_steps(const RunRecord& record);
 
 // Share of the limit that was used, in percent; unknown where the limit is not positive.
 double used_percent(const LimitUse& use);

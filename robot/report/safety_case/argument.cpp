@@ -1,9 +1,9 @@
-#include "robot/report/safety_case/argument.hpp"
-
 #include <fmt/format.h>
 
 #include <set>
 
+#include "robot/common/text_layout.hpp"
+#include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 
 namespace biopsy::safety_case {
@@ -13,21 +13,9 @@ constexpr std::size_t kWidth = 44;  // characters of a line in a box
 
 // A text as a label of graphviz: broken into lines, quoted.
 std::string label(const std::string& title, const std::string& text) {
-  std::string out = title, line;
-  const auto end_line = [&] {
-    if (!line.empty()) out += "\\n" + line;
-    line.clear();
-  };
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word = text.substr(at, end - at);
-    if (line.size() + word.size() + 1 > kWidth) end_line();
-    line += (line.empty() ? "" : " ") + word;
-    at = end + 1;
-  }
-  end_line();
   std::string quoted;
-  for (const char c : out) quoted += c == '"' ? std::string("\\\"") : std::string(1, c);
+  for (const char c : title + "\\n" + joined(wrapped(text, kWidth), "\\n"))
+    quoted += c == '"' ? std::string("\\\"") : std::string(1, c);
   return "\"" + quoted + "\"";
 }
 
@@ -65,9 +53,9 @@ std::string solution_text(const Source& source, const std::vector<Finding>& find
   const Finding* finding = finding_of(findings, source.id);
   if (finding == nullptr) return "not run";
   std::string text;
-  for (const Bar& bar : source.bars)
-    if (const auto figure = finding->figures.find(bar.figure); figure != finding->figures.end())
-      text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", bar.name, figure->second);
+  for (const Criterion& criterion : source.criteria)
+    if (const auto figure = finding->figures.find(criterion.figure); figure != finding->figures.end())
+      text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", criterion.name, figure->second);
   return text.empty() ? source.title : text;
 }
 
@@ -80,20 +68,18 @@ std::string argument_dot(const SafetyCase& safety_case, const std::vector<Findin
   drawing.node("C-1",
                "software and simulated stage of this build; what is not covered is listed in the report",
                "shape=box style=\"rounded,filled\"");
-  drawing.node("S-1", "over every hazard that was found, each with what is done against it",
-               "shape=parallelogram");
+  drawing.node("S-1", "argument over every identified hazard and its risk controls", "shape=parallelogram");
   drawing.link("G-1", "C-1", " [arrowhead=empty]");
   drawing.link("G-1", "S-1");
   for (const Hazard& hazard : safety_case.hazards) {
-    drawing.node(hazard.id, hazard.name + " is found and answered in time", "shape=box");
+    drawing.node(hazard.id, hazard.name + " is detected and controlled in time", "shape=box");
     drawing.link("S-1", hazard.id);
     for (const std::string& requirement : hazard.requirements) drawing.link(hazard.id, requirement);
   }
   for (const Requirement& requirement : safety_case.requirements) {
     drawing.node(requirement.id, first_clause(requirement.text), "shape=box");
     const std::size_t tests = tests_for(findings, requirement.id).size();
-    drawing.node("Sn " + requirement.id, fmt::format("{} {}", tests, tests == 1 ? "test" : "tests"),
-                 "shape=circle margin=0.02");
+    drawing.node("Sn " + requirement.id, counted(tests, "test"), "shape=circle margin=0.02");
     drawing.link(requirement.id, "Sn " + requirement.id);
     for (const std::string& proof : requirement.proofs) drawing.link(requirement.id, proof);
   }

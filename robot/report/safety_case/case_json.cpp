@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 
@@ -11,13 +11,16 @@ namespace {
 
 using nlohmann::json;
 
-json bar_json(const Source& source, const Bar& bar, const Finding* finding) {
-  json out{{"name", bar.name}, {"evidence", source.id}, {"figure", bar.figure}, {"unit", bar.unit}};
-  if (bar.at_least) out["at_least"] = *bar.at_least;
-  if (bar.at_most) out["at_most"] = *bar.at_most;
-  const bool has = finding != nullptr && finding->figures.contains(bar.figure);
-  out["value"] = has ? json(finding->figures.at(bar.figure)) : json(nullptr);
-  out["met"] = has && is_met(bar, *finding);
+json criterion_json(const Source& source, const Criterion& criterion, const Finding* finding) {
+  json out{{"name", criterion.name},
+           {"evidence", source.id},
+           {"figure", criterion.figure},
+           {"unit", criterion.unit}};
+  if (criterion.at_least) out["at_least"] = *criterion.at_least;
+  if (criterion.at_most) out["at_most"] = *criterion.at_most;
+  const bool has = finding != nullptr && finding->figures.contains(criterion.figure);
+  out["value"] = has ? json(finding->figures.at(criterion.figure)) : json(nullptr);
+  out["met"] = has && is_met(criterion, *finding);
   return out;
 }
 
@@ -66,9 +69,9 @@ std::string case_json(const SafetyCase& safety_case, const std::vector<Finding>&
       {"not_covered", safety_case.not_covered},
       {"open", safety_case.open_items}};
   for (const Source& source : safety_case.sources)
-    for (const Bar& bar : source.bars) {
-      out["bars"].push_back(bar_json(source, bar, finding_of(findings, source.id)));
-      out["figures"][bar.name] = out["bars"].back()["value"];
+    for (const Criterion& criterion : source.criteria) {
+      out["bars"].push_back(criterion_json(source, criterion, finding_of(findings, source.id)));
+      out["figures"][criterion.name] = out["bars"].back()["value"];
     }
   for (const Gap& gap : gaps) out["gaps"].push_back({{"where", gap.where}, {"what", gap.what}});
   for (const Hazard& hazard : safety_case.hazards) out["hazards"].push_back(hazard_json(hazard));
@@ -87,7 +90,7 @@ std::string case_sentence(const SafetyCase& safety_case, const std::vector<Findi
                   report::counted(safety_case.requirements.size(), "requirement"),
                   report::counted(tests, "test"), report::counted(findings.size(), "evidence program"));
   if (!gaps.empty())
-    return fmt::format("The case does not hold: {} in {}.", report::counted(gaps.size(), "gap"), scope);
+    return fmt::format("The case does not hold: {} in {}.", counted(gaps.size(), "gap"), scope);
   if (build.quick) return fmt::format("No gap in the short subset: {}. It releases nothing.", scope);
   return fmt::format("The case holds for this build: {}, no gap.", scope);
 }

@@ -14,7 +14,7 @@ template <class Items>
 Ids ids_of(const Items& items, std::vector<Gap>& gaps) {
   Ids ids;
   for (const auto& item : items)
-    if (!ids.insert(item.id).second) gaps.push_back({item.id, "stands in the case twice"});
+    if (!ids.insert(item.id).second) gaps.push_back({item.id, "appears twice in the case"});
   return ids;
 }
 
@@ -59,16 +59,17 @@ bool is_asked_for(const Source& source, const Build& build) {
 void check_source(const Source& source, const Finding* finding, const Build& build, std::vector<Gap>& gaps) {
   if (finding == nullptr) return gaps.push_back({source.id, "no evidence"});
   if (finding->code != build.code)
-    gaps.push_back({source.id, fmt::format("evidence of {} is of other code than this", finding->date)});
+    gaps.push_back({source.id, fmt::format("evidence of {} is of other code", finding->date)});
   if (!finding->passed) gaps.push_back({source.id, "failed"});
   if (!build.quick && finding->quick) gaps.push_back({source.id, "only the short subset was run"});
   if (build.quick) return;
-  for (const Bar& bar : source.bars)
-    if (!is_met(bar, *finding)) {
-      const auto figure = finding->figures.find(bar.figure);
+  for (const Criterion& criterion : source.criteria)
+    if (!is_met(criterion, *finding)) {
+      const auto figure = finding->figures.find(criterion.figure);
       gaps.push_back({source.id, figure == finding->figures.end()
-                                     ? fmt::format("has no figure {}", bar.figure)
-                                     : fmt::format("{} is {:g}, outside its bar", bar.name, figure->second)});
+                                     ? fmt::format("has no figure {}", criterion.figure)
+                                     : fmt::format("{} is {:g}, outside its acceptance criterion",
+                                                   criterion.name, figure->second)});
     }
 }
 
@@ -109,11 +110,12 @@ std::vector<Gap> gaps_in_evidence(const SafetyCase& safety_case, const std::vect
   return gaps;
 }
 
-bool is_met(const Bar& bar, const Finding& finding) {
-  const auto figure = finding.figures.find(bar.figure);
+bool is_met(const Criterion& criterion, const Finding& finding) {
+  const auto figure = finding.figures.find(criterion.figure);
   if (figure == finding.figures.end()) return false;
   const double value = figure->second;
-  return (!bar.at_least || value >= *bar.at_least) && (!bar.at_most || value <= *bar.at_most);
+  return (!criterion.at_least || value >= *criterion.at_least) &&
+         (!criterion.at_most || value <= *criterion.at_most);
 }
 
 const Finding* finding_of(const std::vector<Finding>& findings, const std::string& source) {

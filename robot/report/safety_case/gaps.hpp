@@ -1,4 +1,4 @@
-// Holds the case's links in both directions, and its evidence to its bars.
+// Checks the links of the case in both directions, and its evidence against the acceptance criteria.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,13 @@ std::vector<Gap> gaps_in_argument(const SafetyCase& safety_case);
 
 // Between the case and what was found for `build`: a requirement without a passed test that names it, a test
 // that names no requirement of the case, a hazard's test that did not pass or names none of its requirements,
-// a proof that is missing, stale, failed or below its bar. In a quick build the sources outside the subset
-// are not asked for, and bars are not judged.
+// a proof that is missing, stale, failed or below its criterion. In a quick build the sources outside the
+// subset are not asked for, and criteria are not judged.
 std::vector<Gap> gaps_in_evidence(const SafetyCase& safety_case, const std::vector<Finding>& findings,
                                   const Build& build);
 
-// Whether the figure of this bar is there and reaches it.
-bool is_met(const Bar& bar, const Finding& finding);
+// Whether the figure exists and meets the criterion.
+bool is_met(const Criterion& criterion, const Finding& finding);
 
 const Finding* finding_of(const std::vector<Finding>& findings, const std::string& source);
 

@@ -1,4 +1,4 @@
-// The safety case as values: what is claimed, what was found, and where the two do not meet.
+// The safety case as values: claim, evidence, and the gaps between them.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct Requirement {
   std::vector<std::string> proofs;  // ids of sources
 };
 
-// One figure of a source and what it must reach; `name` is its name in the case.
-struct Bar {
+// Acceptance criterion: one figure of a source and its limits; `name` is its name in the case.
+struct Criterion {
   std::string name, figure, unit;
   std::optional<double> at_least, at_most;
 };
@@ -43,7 +43,7 @@ struct Source {
   std::vector<std::string> command;
   std::vector<std::string> quick, full;  // added for the short subset, and for the whole
   bool in_quick = true;
-  std::vector<Bar> bars;
+  std::vector<Criterion> criteria;
 };
 
 struct SafetyCase {
@@ -62,7 +62,7 @@ struct TestResult {
 
 using Row = std::map<std::string, std::string>;  // column -> text
 
-// What one source said.
+// The result of one source.
 struct Finding {
   std::string source;        // its id
   std::string date, commit;  // when, and the commit it was built from
@@ -75,7 +75,7 @@ struct Finding {
   std::vector<TestResult> tests{};
 };
 
-// Where the case does not hold: what stands alone, failed, or is missing.
+// Where the case does not hold: an item without a link, a failure, or missing evidence.
 struct Gap {
   std::string where, what;
 };
@@ -83,7 +83,7 @@ struct Gap {
 // What this case is about.
 struct Build {
   std::string date, commit, code, version;
-  bool quick = false;    // the short subset: its bars are not judged, and it releases nothing
+  bool quick = false;    // the short subset: its criteria are not judged, and it releases nothing
   double seconds = 0.0;  // to gather all evidence
 };
 

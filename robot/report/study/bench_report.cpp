@@ -7,9 +7,8 @@
 
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/plot/html_markup.hpp"
+#include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/svg_chart.hpp"
-#include "robot/report/procedure/html_sections.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -34,17 +33,9 @@ std::string outcome_of(const BenchRunRecord& run) {
 
 ChartPanel panel_of(const BenchRunRecord& run, const std::string& title, const std::vector<double>& values,
                     double height) {
-  ChartPanel panel;
-  panel.y_title = title;
-  panel.height_px = height;
   std::vector<Vertex> points;
   for (std::size_t i = 0; i < values.size(); ++i) points.push_back({run.time_s[i], values[i]});
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double room = std::max(0.06 * (*high - *low), 1e-3);
-  panel.y_low = *low - room;
-  panel.y_high = *high + room;
-  panel.lines = {{"", {}, decimated(points, 0.0, seconds_of(run), kBenchColumns)}};
-  return panel;
+  return autoscaled_panel(title, height, {{"", {}, decimated(points, 0.0, seconds_of(run), kBenchColumns)}});
 }
 
 std::string picture_of(const BenchRunRecord& run) {
@@ -64,12 +55,11 @@ std::string picture_of(const BenchRunRecord& run) {
 std::string table_of(const BenchRecord& record) {
   std::string rows;
   for (const BenchRunRecord& run : record.runs)
-    rows += "<tr>" + markup::name_cell(run.name, run.name) + markup::text_cell(run.what) +
-            markup::number_cell(fixed(run.weight_g, 0)) + markup::number_cell(fixed(seconds_of(run), 1)) +
-            markup::number_cell(fixed(largest(run.drive_kV), 2)) +
-            markup::number_cell(fixed(run.expected_mm, 1)) +
-            markup::number_cell(fixed(largest(run.displacement_mm), 2)) + markup::text_cell(outcome_of(run)) +
-            "</tr>\n";
+    rows += markup::row(
+        {markup::name_cell(run.name, run.name), markup::text_cell(run.what),
+         markup::number_cell(run.weight_g, 0), markup::number_cell(seconds_of(run), 1),
+         markup::number_cell(largest(run.drive_kV), 2), markup::number_cell(run.expected_mm, 1),
+         markup::number_cell(largest(run.displacement_mm), 2), markup::text_cell(outcome_of(run))});
   return markup::table(
       "", {"Run", "What", ">Weight, g", ">Time, s", ">Drive, kV", ">Expected, mm", ">Travel, mm", "Outcome"},
       rows);
@@ -92,10 +82,9 @@ std::string bench_html(const BenchRecord& record) {
                       record.sensor_noise_mm > 0.0 ? fixed(record.sensor_noise_mm, 4, "mm") : ""}});
   const std::string banner =
       record.simulated ? "<p class=\"simulated\"><strong>SIMULATED</strong> No stage moved.</p>\n" : "";
-  return markup::page_head(record.title, markup::kGapStyle) + "<body>\n" + banner + "<main>\n<h1>" +
-         escaped(record.title) + "</h1>\n" + markup::section("What was done", facts + notes) +
-         markup::section("Runs", table_of(record)) + markup::section("Pictures", pictures) +
-         "</main>\n</body>\n</html>\n";
+  return markup::page({.title = record.title, .style = markup::kGapStyle, .banner = banner},
+                      markup::section("Experiments", facts + notes) +
+                          markup::section("Runs", table_of(record)) + markup::section("Pictures", pictures));
 }
 
 std::string bench_console(const BenchRecord& record) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "robot/common/number_text.hpp"
@@ -96,17 +97,8 @@ std::string verdict_text(const PaperRow& row) {
 }
 
 std::string kind_name(RowKind kind) {
-  switch (kind) {
-    case RowKind::Number:
-      return "number";
-    case RowKind::AtMost:
-      return "at_most";
-    case RowKind::Trend:
-      return "trend";
-    case RowKind::Shown:
-      return "shown";
-  }
-  return {};
+  constexpr std::array kNames{"number", "at_most", "trend", "shown"};  // in the order of RowKind
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 std::string three_digits(double value) {

@@ -1,9 +1,9 @@
-#include "robot/report/study/reproduction_console.hpp"
-
 #include <fmt/format.h>
 
 #include "robot/common/sanitize_text.hpp"
+#include "robot/common/text_layout.hpp"
 #include "robot/report/study/paper_score.hpp"
+#include "robot/report/study/reproduction_report.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -16,14 +16,6 @@ struct Ink {
 
 Ink ink(bool colour) {
   return colour ? Ink{"\033[1m", "\033[1;31m", "\033[90m", "\033[0m"} : Ink{"", "", "", ""};
-}
-
-// At most `most` bytes, cut between letters.
-std::string shortened(const std::string& text, std::size_t most) {
-  if (text.size() <= most) return text;
-  std::size_t end = most - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
-  return text.substr(0, end) + "...";
 }
 
 std::string line_of(const PaperRow& row, const Ink& letters) {

@@ -1,17 +1,16 @@
-#include "robot/report/study/reproduction_html.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
+#include "robot/common/files/whole_file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/figure_svg.hpp"
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/study/paper_score.hpp"
+#include "robot/report/study/reproduction_report.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -19,11 +18,7 @@ namespace {
 using markup::number_cell, markup::section, markup::table, markup::text_cell;
 
 constexpr const char* kStyle = R"css(
-.verdict .sentence { font-size: 1.45rem; line-height: 1.35; font-weight: bold; }
 .verdict .bar-line { margin-top: 10px; font-size: 1rem; }
-.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(380px, 1fr)); gap: 10px 16px; align-items: end; }
-.panels.lone { grid-template-columns: minmax(380px, 720px); }
-.panels figure { margin: 0; }
 p { max-width: 62em; margin: 6px 0 10px; }
 td.n, th.n { padding-left: 8px; }
 td.verdict-cell { white-space: nowrap; }
@@ -33,9 +28,8 @@ tr.shown td { color: #5d6a75; background: #e9ecee; }
 code { overflow-wrap: anywhere; font-size: .9rem; }
 pre { background: #fff; border: 1px solid #aab1b7; padding: 6px 10px; margin: 6px 0 12px; white-space: pre-wrap; }
 @media print {
-  .panels { grid-template-columns: 1fr 1fr; } .panels.lone { grid-template-columns: 125mm; }
   tr.missed td, tr.shown td { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-  .figure-section p { break-after: avoid; } .panels { break-inside: avoid; }
+  .figure-section p { break-after: avoid; }
 }
 )css";
 
@@ -51,10 +45,11 @@ std::string row_class(const PaperRow& row) {
 }
 
 std::string table_row(const PaperRow& row) {
-  return "<tr class=\"" + row_class(row) + "\"><td class=\"quantity\">" + escaped(row.quantity) + "</td>" +
-         number_cell(paper_text(row)) + number_cell(ours_text(row)) + number_cell(band_text(row)) +
-         "<td class=\"verdict-cell\">" + verdict_text(row) + "</td><td class=\"note\">" + escaped(row.note) +
-         "</td></tr>\n";
+  return markup::row({"<td class=\"quantity\">" + escaped(row.quantity) + "</td>",
+                      number_cell(paper_text(row)), number_cell(ours_text(row)), number_cell(band_text(row)),
+                      "<td class=\"verdict-cell\">" + verdict_text(row) + "</td>",
+                      "<td class=\"note\">" + escaped(row.note) + "</td>"},
+                     row_class(row));
 }
 
 std::string rows_table(const PaperFigure& figure) {
@@ -67,13 +62,10 @@ std::string rows_table(const PaperFigure& figure) {
 }
 
 std::string panels(const PaperFigure& figure) {
-  if (figure.panels.empty()) return {};
-  const bool lone = figure.panels.size() == 1;
-  std::string html = fmt::format("<div class=\"panels{}\">\n", lone ? " lone" : "");
-  const FigureSize size = lone ? FigureSize{720, 280} : FigureSize{};
-  for (const FigurePanel& panel : figure.panels)
-    html += "<figure>\n" + figure_svg(panel, size) + "\n</figure>\n";
-  return html + "</div>\n";
+  const FigureSize size = figure.panels.size() == 1 ? FigureSize{720, 280} : FigureSize{};
+  std::vector<std::string> svgs;
+  for (const FigurePanel& panel : figure.panels) svgs.push_back(figure_svg(panel, size));
+  return markup::panels(svgs);
 }
 
 std::string figure_section(const PaperFigure& figure) {
@@ -91,38 +83,37 @@ std::string glance_section(const Reproduction& r) {
   for (const PaperFigure& figure : r.figures) {
     const PaperScore score = score_of(figure);
     const bool all = score.numbers_ok == score.numbers && score.trends_ok == score.trends;
-    rows += std::string("<tr class=\"") + (all ? "reached" : "missed") + "\">" +
-            text_cell(figure_name(figure)) + text_cell(figure.title) +
-            number_cell(share(score.numbers_ok, score.numbers)) +
-            number_cell(share(score.trends_ok, score.trends)) + "</tr>\n";
+    rows += markup::row({text_cell(figure_name(figure)), text_cell(figure.title),
+                         number_cell(share(score.numbers_ok, score.numbers)),
+                         number_cell(share(score.trends_ok, score.trends))},
+                        all ? "reached" : "missed");
   }
   return section("At a glance", table("", {"Figure", "Experiment", ">Numbers", ">Trends"}, rows));
 }
 
-// A part of the bar, and what is missed in any case: a part that is passed makes no miss less.
-std::string bar_line(bool passed, const std::string& what, std::size_t missed, std::size_t of) {
+// A part of the acceptance criterion, and what is missed in any case.
+std::string criterion_line(bool passed, const std::string& what, std::size_t missed, std::size_t of) {
   std::string line = passed ? "✓ Passed: " + what : "<span class=\"alarm\">■ Not passed: " + what + "</span>";
   if (missed > 0)
-    line +=
-        fmt::format(". <span class=\"alarm\">■ {} of {} missed; each says why in its row</span>", missed, of);
+    line += fmt::format(". <span class=\"alarm\">■ {} of {} missed; the reason stands in each row</span>",
+                        missed, of);
   return "<p class=\"bar-line\">" + line + ".</p>\n";
 }
 
 std::string verdict_section(const Reproduction& r) {
   const PaperScore score = score_of(r);
   const bool passes = score.enough_numbers() && score.every_trend();
-  return std::string("<section class=\"verdict") + (passes ? "" : " doubted") +
-         "\">\n<p class=\"sentence\">" + escaped(score_sentence(score)) + ".</p>\n" +
-         bar_line(score.enough_numbers(), "nine numbers of ten within their band",
-                  score.numbers - score.numbers_ok, score.numbers) +
-         bar_line(score.every_trend(), "every trend as stated", score.trends - score.trends_ok,
-                  score.trends) +
-         "<p class=\"bar-line\">Model: " + escaped(r.model) + ". Everything is simulated; it took " +
-         escaped(fixed(r.seconds, 1, "s")) + ".</p>\n" +
-         (r.left_out.empty() ? std::string()
-                             : fmt::format("<p class=\"bar-line alarm\">■ Interrupted: without {}.</p>\n",
-                                           fmt::join(r.left_out, ", "))) +
-         "</section>\n";
+  return markup::verdict_section(
+      passes ? "" : "doubted", score_sentence(score) + ".",
+      criterion_line(score.enough_numbers(), "90 % of the numbers within their band",
+                     score.numbers - score.numbers_ok, score.numbers) +
+          criterion_line(score.every_trend(), "every trend as stated", score.trends - score.trends_ok,
+                         score.trends) +
+          fmt::format("<p class=\"bar-line\">Model: {}. Everything is simulated; computed in {}.</p>\n",
+                      escaped(r.model), fixed(r.seconds, 1, "s")) +
+          (r.left_out.empty() ? std::string()
+                              : fmt::format("<p class=\"bar-line alarm\">■ Interrupted: without {}.</p>\n",
+                                            fmt::join(r.left_out, ", "))));
 }
 
 // A word of a command line as a shell takes it.
@@ -142,43 +133,47 @@ std::string gap_command(const PaperFigure& figure, const std::string& model) {
 }
 
 std::string finding(const PaperFigure& figure, const std::string& model) {
-  std::string items;
+  std::vector<std::string> missed;
   for (const PaperRow& row : figure.rows)
     if (is_missed(row))
-      items += "<li>" +
-               escaped(fmt::format("{}: paper {}, ours {}. {}", row.quantity, paper_text(row), ours_text(row),
-                                   row.note)) +
-               "</li>\n";
-  if (items.empty()) return {};
-  return "<h3>" + escaped(figure_name(figure)) + "</h3>\n<ul>\n" + items + "</ul>\n<pre><code>" +
+      missed.push_back(
+          fmt::format("{}: paper {}, ours {}. {}", row.quantity, paper_text(row), ours_text(row), row.note));
+  if (missed.empty()) return {};
+  return "<h3>" + escaped(figure_name(figure)) + "</h3>\n" + markup::list(missed) + "<pre><code>" +
          escaped(gap_command(figure, model)) + "</code></pre>\n";
 }
 
-// Which effect is missing is a question to a measurement, not to this page.
 std::string findings_section(const Reproduction& r) {
   std::string html;
   for (const PaperFigure& figure : r.figures) html += finding(figure, r.model);
   if (html.empty()) return {};
   return section(
       "Findings, for the gap workflow",
-      "<p>What the model does not reach. Which effect it lacks only a measurement can say: record the "
-      "experiment "
-      "on your own stage as a data set (measured/figure-… stands for yours), and this command names the "
-      "effect or "
-      "the parameter that explains it. Open loop: under a control loop, as in Fig. 9, the stage does not "
-      "show what it "
-      "does by itself, and <code>biopsy characterise staircase dc load</code> is what answers for it.</p>\n" +
+      "<p>Numbers and trends that the model does not reach. Only a measurement can show which effect it "
+      "lacks: "
+      "record the experiment on your own stage as a data set (in place of measured/figure-…), and the "
+      "command "
+      "identifies the effect or the parameter that explains it. Record in open loop: a control loop, as in "
+      "Fig. "
+      "9, masks the behaviour of the stage; use <code>biopsy characterise staircase dc load</code> "
+      "instead.</p>\n" +
           html);
 }
 
 }  // namespace
 
 std::string reproduction_html(const Reproduction& r) {
-  std::string html = markup::page_head("The paper, reproduced", kStyle) +
-                     "<body>\n<main>\n<h1>The paper's experiments, reproduced</h1>\n" + verdict_section(r) +
-                     glance_section(r);
+  std::string html = verdict_section(r) + glance_section(r);
   for (const PaperFigure& figure : r.figures) html += figure_section(figure);
-  return html + findings_section(r) + "</main>\n</body>\n</html>\n";
+  return markup::page(
+      {.title = "The paper, reproduced", .heading = "The paper's experiments, reproduced", .style = kStyle},
+      html + findings_section(r));
+}
+
+void save_reproduction(const Reproduction& reproduction, const std::filesystem::path& folder) {
+  atomic_write(folder / "report.html", reproduction_html(reproduction));
+  atomic_write(folder / "reproduce.json",
+               reproduction_json(reproduction));  // last: its presence means that the rest is there
 }
 
 }  // namespace biopsy::report

@@ -1,30 +1,26 @@
 #include "robot/report/study/study_html.hpp"
 
 #include "robot/common/sanitize_text.hpp"
+#include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/figure_svg.hpp"
-#include "robot/report/plot/html_markup.hpp"
-#include "robot/report/procedure/html_sections.hpp"
 
 namespace biopsy::report {
 namespace {
 
 constexpr const char* kStyle = R"css(
-.verdict .sentence { font-size: 1.45rem; line-height: 1.35; font-weight: bold; }
-.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(380px, 1fr)); gap: 10px 16px; align-items: end; }
-.panels figure { margin: 0; }
 td.n, th.n { padding-left: 8px; }
-@media print { .panels { grid-template-columns: 1fr 1fr; } section h2 { break-after: avoid; } }
+@media print { section h2 { break-after: avoid; } }
 )css";
 
 std::string table_section(const StudyTable& table) {
   std::string rows;
   for (const std::vector<std::string>& row : table.rows) {
-    rows += "<tr>";
+    std::vector<std::string> cells;
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool number = i < table.columns.size() && table.columns[i].starts_with('>');
-      rows += number ? markup::number_cell(row[i]) : markup::text_cell(row[i]);
+      cells.push_back(number ? markup::number_cell(row[i]) : markup::text_cell(row[i]));
     }
-    rows += "</tr>\n";
+    rows += markup::row(cells);
   }
   std::vector<std::string> columns;
   for (const std::string& column : table.columns)
@@ -41,13 +37,12 @@ std::string pictures(const std::vector<FigurePanel>& panels) {
 }  // namespace
 
 std::string study_html(const StudyPage& page) {
-  std::string html = markup::page_head(page.title, kStyle) + "<body>\n<main>\n<h1>" + escaped(page.title) +
-                     "</h1>\n<section class=\"verdict" + (page.doubted ? " doubted" : "") +
-                     "\">\n<p class=\"sentence\">" + escaped(page.sentence) + "</p>\n";
-  for (const std::string& remark : page.remarks) html += markup::paragraph(remark);
-  html += "</section>\n";
-  for (const StudyTable& table : page.tables) html += table_section(table);
-  return html + pictures(page.panels) + "</main>\n</body>\n</html>\n";
+  std::string remarks, tables;
+  for (const std::string& remark : page.remarks) remarks += markup::paragraph(remark);
+  for (const StudyTable& table : page.tables) tables += table_section(table);
+  return markup::page({.title = page.title, .style = kStyle},
+                      markup::verdict_section(page.doubted ? "doubted" : "", page.sentence, remarks) +
+                          tables + pictures(page.panels));
 }
 
 }  // namespace biopsy::report

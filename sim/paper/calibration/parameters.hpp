@@ -12,7 +12,7 @@ namespace biopsy::sim::calibration {
 struct Parameter {
   std::string name;    // as in files: "K", "stribeck_friction.sliding_N", "film.pi25.tau", "joint.mass_g"
   double low, high;    // file units
-  double nominal;      // mean of the prior: docs/model.md or the effect's page
+  double nominal;      // mean of the prior: docs/explanation/model.md or the effect's page
   double start;        // of the search: from the paper and earlier searches
   double doubt;        // std of the prior: of ln(value), or of a share
   bool share = false;  // normal prior, may be 0; all others have a lognormal one

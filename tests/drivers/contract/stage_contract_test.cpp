@@ -1,5 +1,5 @@
 // What every needle stage promises, whether it is simulated or stands in a laboratory (here: the driver of
-// the NI board on a board that is not there). docs/hardware.md: what this cannot prove.
+// the NI board on a board that is not there). docs/how-to/commission-a-stage.md: what this cannot prove.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> documents() {
   std::vector<fs::path> files{kSource / "README.md"};
-  for (const auto& entry : fs::directory_iterator(kSource / "docs"))
+  for (const auto& entry : fs::recursive_directory_iterator(kSource / "docs"))
     if (entry.path().extension() == ".md") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
@@ -84,7 +84,7 @@ class Document : public testing::TestWithParam<fs::path> {
   // A copy of the examples and the models, as they lie in the repository.
   void SetUp() override {
     fs::remove_all(folder_);
-    fs::create_directories(folder_ / "docs");
+    fs::create_directories(folder_ / "docs/reference");  // biopsy effects --markdown writes there
     fs::create_directories(folder_ / "sim");
     fs::copy(kSource / "docs/examples", folder_ / "docs/examples", fs::copy_options::recursive);
     fs::copy(kSource / "sim/models", folder_ / "sim/models", fs::copy_options::recursive);
@@ -220,7 +220,7 @@ std::string section_of(const std::string& text, const std::string& name) {
 
 // Read off the sources: an effect that the library forgot is found here.
 TEST(Documents, DescribeEveryEffectWithItsParametersAndTheirRanges) {
-  const std::string page = prose_of("effects.md");
+  const std::string page = prose_of("reference/effects.md");
   const std::regex parameter(R"rx("(\w+)",\s*&\w+::\w+,\s*[-\d.e]+,\s*([-\d.e]+),\s*([-\d.e]+))rx");
   int parameters = 0;
   for (const auto& file : fs::recursive_directory_iterator(kSource / "sim/effects")) {
@@ -228,7 +228,7 @@ TEST(Documents, DescribeEveryEffectWithItsParametersAndTheirRanges) {
     if (file.is_directory() || name.starts_with("effect")) continue;
     const std::string source = file_content(file.path());
     const std::string section = section_of(page, name);
-    EXPECT_FALSE(section.empty()) << name << " is not in docs/effects.md";
+    EXPECT_FALSE(section.empty()) << name << " is not in docs/reference/effects.md";
     for (std::sregex_iterator match(source.begin(), source.end(), parameter), end; match != end;
          ++match, ++parameters) {
       const std::string row = row_of(section, "`" + (*match)[1].str() + "`"),
@@ -243,13 +243,13 @@ TEST(Documents, DescribeEveryEffectWithItsParametersAndTheirRanges) {
 TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
   const Outcome answer = biopsy("effects --markdown");
   EXPECT_EQ(answer.code, 0);
-  EXPECT_TRUE(answer.text == prose_of("effects.md"))
-      << "docs/effects.md is not what the program prints; renew "
-         "it: biopsy effects --markdown > docs/effects.md";
+  EXPECT_TRUE(answer.text == prose_of("reference/effects.md"))
+      << "docs/reference/effects.md is not what the program prints; renew "
+         "it: biopsy effects --markdown > docs/reference/effects.md";
 }
 
 TEST(Documents, DescribeTheThresholdsOfTheDepthCheck) {
-  const std::string page = prose_of("depth-check.md");
+  const std::string page = prose_of("explanation/depth-check.md");
   const imaging::DepthCheckSettings check;
   const imaging::TipSettings tip;
   const auto expect_row = [&](const std::string& name, double value, const std::string& unit) {
@@ -271,7 +271,7 @@ TEST(Documents, DescribeTheThresholdsOfTheDepthCheck) {
 }
 
 TEST(Documents, DescribeEveryStateAndTransition) {
-  const std::string safety_page = prose_of("safety.md");
+  const std::string safety_page = prose_of("reference/supervisor.md");
   for (const safety::Transition& way : safety::kTransitions) {
     const std::string row = row_of(safety_page, std::string(safety::name_of(way.from)));
     const std::string cell =

@@ -1,4 +1,5 @@
-// The workflow of docs/gap.md: from measured runs to a better model to a rehearsal with it.
+// The workflow of docs/how-to/find-missing-effects.md: from measured runs to a better model to a rehearsal
+// with it.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -94,7 +95,7 @@ TEST_F(GapExample, RehearsesTheReferencePlansWithBothModels) {
 }
 
 TEST_F(GapExample, TheReferenceDescribesEveryFieldOfGapJson) {
-  expect_documented(json_of(in("first/gap.json")), file_content(kSource / "docs/reference.md"));
+  expect_documented(json_of(in("first/gap.json")), file_content(kSource / "docs/reference/commands.md"));
 }
 
 TEST_F(GapExample, FindsNothingMoreInTheSameData) {
@@ -122,8 +123,8 @@ TEST_F(GapExample, TheNextDryRunUsesTheAcceptedModel) {
     }
 }
 
-// Without tissue only the stage's own friction holds the loop (docs/model.md): the friction that was found
-// makes the difference between a rehearsal that is stopped and one that arrives.
+// Without tissue only the stage's own friction holds the loop (docs/explanation/model.md): the friction that
+// was found makes the difference between a rehearsal that is stopped and one that arrives.
 TEST_F(GapExample, WhatWasFoundDecidesWhetherARehearsalArrives) {
   const std::string air = "dry-run " + (kSource / "docs/examples/air.toml").string() + " --model ";
   EXPECT_EQ(biopsy(air + in("stage.toml.1").string() + " --out " + in("old").string()).code, 3);

@@ -163,14 +163,14 @@ TEST(Registry, PrintsEveryResultAsJsonAndNothingElse) {
 }
 
 TEST(Registry, IsWhatTheReferencePrints) {
-  const std::string reference = file_content(kSource / "docs/reference.md"), begin = "<!-- commands -->\n",
+  const std::string reference = file_content(kSource / "docs/reference/commands.md"), begin = "<!-- commands -->\n",
                     end = "<!-- end of commands -->";
   const std::size_t from = reference.find(begin), to = reference.find(end);
   ASSERT_NE(from, std::string::npos);
   ASSERT_NE(to, std::string::npos);
   EXPECT_TRUE(reference.substr(from + begin.size(), to - from - begin.size()) ==
               robot::reference_markdown(CommandLine()))
-      << "docs/reference.md is not what the program prints: ./dev docs renews it";
+      << "docs/reference/commands.md is not what the program prints: ./dev docs renews it";
   EXPECT_EQ(standard_output("help --markdown").text, robot::reference_markdown(CommandLine()));
 }
 

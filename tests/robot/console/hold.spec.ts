@@ -1,55 +1,54 @@
-// Hold to run: whatever takes the hand, the eye or the page away holds the needle, and only a new press goes on.
+// Hold to run: losing pointer, focus or page holds the needle, and only a new press continues.
 import { expect, type Locator, type Page, test } from '@playwright/test'
 
 import { note } from './figures'
-import { Person } from './person'
-import { PlainBrowser } from './plain_browser'
+import { PageOperator } from './page_operator'
+import { DevtoolsBrowser } from './devtools_browser'
 import { Robot } from './robot'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())
 test.afterAll(() => robot.stop())
 
-// A needle that moves because the button is held.
-async function inserting(page: Page): Promise<Person> {
-  const person = new Person(page, robot.url)
-  await person.armed()
-  await person.moving()
-  return person
+async function inserting(page: Page): Promise<PageOperator> {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
+  await operator.moving()
+  return operator
 }
 
-test('letting go holds, and going on takes a new press with a token of its own', async ({ page }) => {
-  const person = await inserting(page)
+test('releasing holds the needle, and continuing takes a new press with its own token', async ({ page }) => {
+  const operator = await inserting(page)
   await page.mouse.up()
-  await person.isHeld()
+  await operator.isHeld()
   const before = robot.presses().length
-  await person.moving()
+  await operator.moving()
   await page.mouse.up()
-  await person.isHeld()
+  await operator.isHeld()
   const used = robot.presses()
   expect(used.length).toBeGreaterThan(before)
   expect(new Set(used).size).toBe(used.length)
 })
 
-test('a page that freezes for 700 ms holds, and its late beats move nothing', async ({ page }) => {
-  const person = await inserting(page)
+test('a page frozen for 700 ms holds the needle, and its late heartbeats have no effect', async ({ page }) => {
+  const operator = await inserting(page)
   const frozen = await page.evaluate(() => {
     const at = Date.now()
     for (const until = performance.now() + 700; performance.now() < until; );
     return at
   })
   note({ frozen_page_to_hold_ms: await robot.msToMode(frozen, 'hold') })
-  await person.isHeld()
+  await operator.isHeld()
   expect(robot.modesSince(frozen)).not.toContain('active')
-  await expect(person.insertButton()).toHaveAttribute('aria-pressed', 'false') // nobody believes it is still held
+  await expect(operator.insertButton()).toHaveAttribute('aria-pressed', 'false')
   await page.mouse.up()
 })
 
-test('a tab that is hidden holds', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
+test('a hidden tab holds the needle', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
   await page.close()
-  const browser = new PlainBrowser()
+  const browser = new DevtoolsBrowser()
   try {
     await browser.open(robot.url)
     await browser.until(`document.body.dataset.image === 'shown'`)
@@ -71,26 +70,26 @@ test('a tab that is hidden holds', async ({ page }) => {
   }
 })
 
-test('a window that loses the keyboard holds', async ({ page }) => {
-  const person = await inserting(page)
+test('a window without keyboard focus holds the needle', async ({ page }) => {
+  const operator = await inserting(page)
   await page.evaluate(() => window.dispatchEvent(new Event('blur')))
-  await person.isHeld()
+  await operator.isHeld()
   await page.mouse.up()
 })
 
-test('a pointer that is lost holds', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
+test('a lost pointer holds the needle', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
   await page.evaluate(() => {
     window.addEventListener('pointerdown', (event) => (document.body.dataset.pointer = String(event.pointerId)), true)
   })
-  // Caught at once, or by the first movement: the browser tells the loss of the second only.
-  for (const caught of [false, true]) {
-    await person.moving()
-    if (caught) await page.mouse.move(...(await middle(person.insertButton())))
+  // Captured at once, or by the first movement: the browser reports the loss of the second only.
+  for (const captured of [false, true]) {
+    await operator.moving()
+    if (captured) await page.mouse.move(...(await middle(operator.insertButton())))
     await loseThePointer(page)
-    await page.mouse.move(900, 500) // the loss is told with the next event
-    await person.isHeld()
+    await page.mouse.move(900, 500) // the loss is reported with the next event
+    await operator.isHeld()
     await page.mouse.up()
   }
 })
@@ -104,48 +103,48 @@ const loseThePointer = (page: Page) =>
   page.evaluate(() => {
     const button = [...document.querySelectorAll('button')].find((one) => one.textContent === 'Hold to insert')!
     const pointer = Number(document.body.dataset.pointer)
-    if (!button.hasPointerCapture(pointer)) throw new Error('the button had not caught the pointer')
+    if (!button.hasPointerCapture(pointer)) throw new Error('the button had not captured the pointer')
     button.releasePointerCapture(pointer)
   })
 
-test('a double click is two presses, and nothing goes on after it', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
+test('a double click is two presses, and motion does not continue after it', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
   const before = robot.presses().length
-  await person.insertButton().dblclick({ delay: 20 })
-  await person.isHeld()
+  await operator.insertButton().dblclick({ delay: 20 })
+  await operator.isHeld()
   expect(robot.presses().length - before).toBeLessThanOrEqual(2)
 })
 
-test('a key that repeats is one press', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
+test('a repeating key is one press', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
   const before = robot.presses().length
-  await person.insertButton().focus()
+  await operator.insertButton().focus()
   for (let n = 0; n < 20; ++n) await page.keyboard.down('Enter') // from the second on: a repeat
   await page.keyboard.up('Enter')
-  await person.isHeld()
+  await operator.isHeld()
   expect(robot.presses().length - before).toBe(1)
 })
 
-test('a page whose clock is wrong by hours works the same', async ({ page }) => {
+test('a page clock that is wrong by hours has no effect', async ({ page }) => {
   await page.addInitScript(() => {
     const wall = Date.now
     Date.now = () => wall() + 3_600_000
     const monotonic = performance.now.bind(performance)
     performance.now = () => monotonic() + 7.2e6
   })
-  const person = await inserting(page)
+  const operator = await inserting(page)
   await page.mouse.up()
-  await person.isHeld()
+  await operator.isHeld()
 })
 
-test('a page whose clock jumps while the button is held holds', async ({ page }) => {
-  const person = await inserting(page)
+test('a page clock that jumps while the button is held holds the needle', async ({ page }) => {
+  const operator = await inserting(page)
   await page.evaluate(() => {
     const monotonic = performance.now.bind(performance)
     performance.now = () => monotonic() - 60_000
   })
-  await person.isHeld()
+  await operator.isHeld()
   await page.mouse.up()
 })

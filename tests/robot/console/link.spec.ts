@@ -1,93 +1,93 @@
-// Page, link and console fail one by one while the needle moves: it is held, and who looks at the page knows.
+// Page, connection and console fail one by one while the needle moves: it is held, and the page shows the failure.
 import { expect, test } from '@playwright/test'
 
-import { Cable } from './cable'
+import { TcpProxy } from './tcp_proxy'
 import { note } from './figures'
-import { Person } from './person'
+import { PageOperator } from './page_operator'
 import { pause, Robot } from './robot'
 
-const kLetBack_ms = 11_000 // the bus gives a process up after 10 s; a hold does not last longer either
+const kRetract_ms = 11_000 // the bus considers a process lost after 10 s; a hold does not last longer either
 
 let robot: Robot
-let cable: Cable
+let proxy: TcpProxy
 test.beforeEach(async () => {
   robot = new Robot()
   await robot.start()
-  cable = await Cable.to(robot.url)
+  proxy = await TcpProxy.to(robot.url)
 })
 test.afterEach(async () => {
-  await cable.remove()
+  await proxy.remove()
   await robot.stop()
 })
 
-async function saysLost(person: Person): Promise<void> {
-  await expect(person.mode()).toContainText('NO LINK')
-  await expect(person.alarm()).toContainText('E-100')
+async function expectConnectionLost(operator: PageOperator): Promise<void> {
+  await expect(operator.mode()).toContainText('NO LINK')
+  await expect(operator.alarm()).toContainText('E-100')
   for (const name of [/^Arm/, 'Hold to insert', 'Retract', 'Reset'])
-    await expect(person.button(name)).toHaveAttribute('aria-disabled', 'true')
-  await expect(person.insertButton()).toHaveAttribute('aria-pressed', 'false')
+    await expect(operator.button(name)).toHaveAttribute('aria-disabled', 'true')
+  await expect(operator.insertButton()).toHaveAttribute('aria-pressed', 'false')
 }
 
-test('a link that is cut holds, and the page says so until it is back', async ({ page }) => {
-  const person = new Person(page, cable.url)
-  await person.armed()
-  await person.moving()
+test('a closed connection holds the needle, and the page shows it until reconnected', async ({ page }) => {
+  const operator = new PageOperator(page, proxy.url)
+  await operator.armed()
+  await operator.moving()
   const at = Date.now()
-  cable.cut()
+  proxy.cut()
   note({ cut_link_to_hold_ms: await robot.msToMode(at, 'hold') })
-  await saysLost(person)
+  await expectConnectionLost(operator)
   await page.mouse.up()
-  cable.plugIn()
-  await expect(person.mode()).not.toContainText('NO LINK')
-  await person.isHeld()
+  proxy.reopen()
+  await expect(operator.mode()).not.toContainText('NO LINK')
+  await operator.isHeld()
   expect(robot.modesSince(at)).not.toContain('active')
 })
 
-test('a link that goes silent holds, and what arrives late moves nothing', async ({ page }) => {
-  const person = new Person(page, cable.url)
-  await person.armed()
-  await person.moving()
+test('a stalled connection holds the needle, and late messages have no effect', async ({ page }) => {
+  const operator = new PageOperator(page, proxy.url)
+  await operator.armed()
+  await operator.moving()
   const at = Date.now()
-  cable.goSilent()
+  proxy.stall()
   note({ silent_link_to_hold_ms: await robot.msToMode(at, 'hold') })
   await expect(page.locator('[data-tile^=large] [data-name=tip]')).toHaveAttribute('data-old', 'true')
   await expect(page.locator('[data-name=Depth]')).toHaveText('OLD')
-  await saysLost(person)
-  cable.speakAgain()
-  await expect(person.mode()).not.toContainText('NO LINK')
-  await person.isHeld()
+  await expectConnectionLost(operator)
+  proxy.resume()
+  await expect(operator.mode()).not.toContainText('NO LINK')
+  await operator.isHeld()
   expect(robot.modesSince(at)).not.toContain('active')
   await page.mouse.up()
 })
 
-test('a console that hangs holds, and its late beats move nothing', async ({ page }) => {
-  const person = new Person(page, cable.url)
-  await person.armed()
-  await person.moving()
+test('a console that does not respond holds the needle, and its late heartbeats have no effect', async ({ page }) => {
+  const operator = new PageOperator(page, proxy.url)
+  await operator.armed()
+  await operator.moving()
   const console_ = robot.pid('biopsy-console')
   const at = Date.now()
   process.kill(console_, 'SIGSTOP')
   note({ hanging_console_to_hold_ms: await robot.msToMode(at, 'hold') })
-  await saysLost(person)
+  await expectConnectionLost(operator)
   process.kill(console_, 'SIGCONT')
-  await expect(person.mode()).not.toContainText('NO LINK')
-  await person.isHeld()
+  await expect(operator.mode()).not.toContainText('NO LINK')
+  await operator.isHeld()
   expect(robot.modesSince(at)).not.toContain('active')
   await page.mouse.up()
 })
 
-test('a console that is killed leaves a needle that is held, then without voltage', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
-  await person.moving()
+test('a killed console leaves the needle held, then without voltage', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
+  await operator.moving()
   const at = Date.now()
   process.kill(robot.pid('biopsy-console'), 'SIGKILL')
   note({ killed_console_to_hold_ms: await robot.msToMode(at, 'hold') })
-  await saysLost(person)
+  await expectConnectionLost(operator)
   await page.mouse.up()
-  await pause(kLetBack_ms / 2) // it is waited for longer than for other records
+  await pause(kRetract_ms / 2) // longer than the wait for other records
   const off_ms = await robot.msToZero(at)
   note({ killed_console_to_0V_ms: off_ms })
-  expect(off_ms).toBeLessThanOrEqual(kLetBack_ms)
+  expect(off_ms).toBeLessThanOrEqual(kRetract_ms)
   expect(robot.modesSince(at)).not.toContain('active')
 })

@@ -1,4 +1,4 @@
-// What a page may say, and what is refused before anybody thinks about it.
+// Messages of the page, read strictly, and the parts of the server that need no socket.
 #include <gtest/gtest.h>
 
 #include "planner/imaging/io/read_volume.hpp"
@@ -7,8 +7,8 @@
 #include "robot/console/server/lease.hpp"
 #include "robot/console/server/nifti_bytes.hpp"
 #include "robot/console/server/origin_policy.hpp"
-#include "robot/console/server/outbox.hpp"
 #include "robot/console/server/picked_point.hpp"
+#include "robot/console/server/send_queue.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
 #include "sim/scanner/phantom.hpp"
 #include "tests/scratch_folder.hpp"
@@ -19,14 +19,14 @@ namespace {
 constexpr const char* kPoint =
     R"({"type":"SetPoint","id":1,"mark":"Entry","series_uid":"1.2","voxel":[1,2,3],"ras_mm":[4,5,6]})";
 
-TEST(ConsoleMessages, AWholeMessageIsRead) {
+TEST(ConsoleMessages, ReadsACompleteMessage) {
   const commands::Any any = command_from_json(kPoint);
   const auto& point = std::get<commands::SetPoint>(any);
   EXPECT_EQ(point.mark, Mark::Entry);
   EXPECT_EQ(point.voxel[2], 3.0);
 }
 
-TEST(ConsoleMessages, WhatTheIdlDoesNotSayIsRefused) {
+TEST(ConsoleMessages, RefusesWhatTheIdlDoesNotAllow) {
   const char* wrong[] = {
       "",
       "[]",
@@ -47,7 +47,7 @@ TEST(ConsoleMessages, WhatTheIdlDoesNotSayIsRefused) {
   for (const char* text : wrong) EXPECT_THROW(command_from_json(text), MessageFault) << text;
 }
 
-TEST(ConsoleMessages, AnyCutOrChangedByteIsReadOrRefusedNeverMore) {
+TEST(ConsoleMessages, EveryTruncatedOrChangedMessageIsReadOrRefused) {
   const std::string whole = kPoint;
   for (std::size_t n = 0; n < whole.size(); ++n)
     for (const char other : {'\0', '"', '{', '9', '\xff'}) {
@@ -62,7 +62,7 @@ TEST(ConsoleMessages, AnyCutOrChangedByteIsReadOrRefusedNeverMore) {
     }
 }
 
-TEST(PickedPoint, IsComputedFromTheVoxelAndRefusedWhereThePageMeansAnotherPlace) {
+TEST(PickedPoint, IsComputedFromTheVoxelAndRefusedWhereThePageDisagrees) {
   Volume image;
   image.grid.size = {10, 20, 30};
   image.grid.X_SI.linear() =
@@ -88,7 +88,7 @@ TEST(PickedPoint, IsComputedFromTheVoxelAndRefusedWhereThePageMeansAnotherPlace)
   EXPECT_TRUE(std::holds_alternative<std::string>(shown_at(0.0)));
 }
 
-TEST(NiftiBytes, AreReadBackByThePlannersOwnReaderAtTheSamePlace) {
+TEST(NiftiBytes, AreReadBackAtTheSamePosition) {
   sim::PhantomSettings small;
   small.size_mm = {6.0, 8.0, 5.0};
   const Volume image = sim::paper_phantom(small).image;
@@ -100,26 +100,26 @@ TEST(NiftiBytes, AreReadBackByThePlannersOwnReaderAtTheSamePlace) {
   EXPECT_LT((back.grid.X_SI.matrix() - image.grid.X_SI.matrix()).norm(), 1e-4);
 }
 
-TEST(OriginPolicy, LetInOnlyThisServersOwnPageWithItsToken) {
-  const OriginPolicy rules(8080, "0123");
+TEST(OriginPolicy, AcceptsOnlyItsOwnPageWithTheToken) {
+  const OriginPolicy policy(8080, "0123");
   const auto request = [](std::string_view host, std::string_view origin, std::string_view target) {
     return Request{host, origin, target};
   };
-  EXPECT_TRUE(rules.is_addressed_to_us(request("127.0.0.1:8080", "", "/")));
-  EXPECT_TRUE(rules.is_addressed_to_us(request("localhost:8080", "http://localhost:8080", "/")));
+  EXPECT_TRUE(policy.is_addressed_to_us(request("127.0.0.1:8080", "", "/")));
+  EXPECT_TRUE(policy.is_addressed_to_us(request("localhost:8080", "http://localhost:8080", "/")));
   for (const char* host :
        {"", "127.0.0.1", "127.0.0.1:80", "evil.example:8080", "127.0.0.1.evil.example:8080"})
-    EXPECT_FALSE(rules.is_addressed_to_us(request(host, "", "/"))) << host;
+    EXPECT_FALSE(policy.is_addressed_to_us(request(host, "", "/"))) << host;
   for (const char* origin :
        {"null", "http://evil.example", "https://127.0.0.1:8080", "http://127.0.0.1:8081"})
-    EXPECT_FALSE(rules.is_addressed_to_us(request("127.0.0.1:8080", origin, "/"))) << origin;
-  EXPECT_FALSE(rules.is_from_our_page(request("127.0.0.1:8080", "", "/live")));
-  EXPECT_TRUE(rules.has_token(request("", "", "/live?t=0123")));
+    EXPECT_FALSE(policy.is_addressed_to_us(request("127.0.0.1:8080", origin, "/"))) << origin;
+  EXPECT_FALSE(policy.is_from_our_page(request("127.0.0.1:8080", "", "/live")));
+  EXPECT_TRUE(policy.has_token(request("", "", "/live?t=0123")));
   for (const char* target : {"/live", "/live?t=", "/live?t=012", "/live?t=01234", "/live?t=0124"})
-    EXPECT_FALSE(rules.has_token(request("", "", target))) << target;
+    EXPECT_FALSE(policy.has_token(request("", "", target))) << target;
 }
 
-TEST(OriginPolicy, TokensAreLongAndNeverTheSame) {
+TEST(OriginPolicy, TokensAreLongAndUnique) {
   EXPECT_EQ(new_token().size(), 32U);
   EXPECT_NE(new_token(), new_token());
 }
@@ -131,41 +131,39 @@ TEST(RateLimit, AllowsABurstAndThenAHundredASecond) {
   EXPECT_NEAR(allowed, 300, 2);
 }
 
-TEST(Lease, OneControlsUntilItLeaves) {
+TEST(Lease, OneControlsUntilItReleases) {
   Lease lease;
   EXPECT_TRUE(lease.take(1));
   EXPECT_FALSE(lease.take(2));
-  EXPECT_FALSE(lease.leave(2));
-  EXPECT_TRUE(lease.leave(1));
+  EXPECT_FALSE(lease.release(2));
+  EXPECT_TRUE(lease.release(1));
   EXPECT_TRUE(lease.take(2));
 }
 
-TEST(Outbox, ASlowPageLosesPlotsButNoAnswer) {
-  Outbox outbox;
+TEST(SendQueue, DropsPlotDataOnASlowConnectionButNoAnswer) {
+  SendQueue queue;
   const auto text = std::make_shared<const std::string>(1'000, 'x');
-  for (int n = 0; n < 1'000; ++n) outbox.put(text, Worth::MayBeLost);
-  const std::size_t lost = outbox.lost();
-  EXPECT_GT(lost, 900U);
-  for (int n = 0; n < 100; ++n) outbox.put(text, Worth::MustArrive);
-  EXPECT_EQ(outbox.lost(), lost);
-  EXPECT_FALSE(outbox.overflows());
+  const std::size_t fit = SendQueue::kBestEffortMax_bytes / text->size() + 1;
+  for (int n = 0; n < 1'000; ++n) queue.push(text, Reliability::BestEffort);
+  for (int n = 0; n < 100; ++n) queue.push(text, Reliability::Reliable);
+  EXPECT_FALSE(queue.overflows());
   std::size_t sent = 0;
-  for (; !outbox.empty(); outbox.pop()) ++sent;
-  EXPECT_EQ(sent, 1'100U - lost);
+  for (; !queue.empty(); queue.pop()) ++sent;
+  EXPECT_EQ(sent, fit + 100U);
 }
 
-TEST(TelemetryBatch, ASpikeOfOneTickSurvives) {
+TEST(TelemetryBatch, KeepsASpikeOfOneTick) {
   TelemetryBatch batch;
-  std::optional<events::Telemetry> told;
+  std::optional<events::Telemetry> message;
   for (int n = 0; n < kBatch_ticks; ++n) {
-    EXPECT_FALSE(told);
-    told = batch.add({static_cast<double>(n), n == 7 ? 9.0 : 1.0, 1.0, n == 13 ? -8.0 : 2.0, 6.0});
+    EXPECT_FALSE(message);
+    message = batch.add({static_cast<double>(n), n == 7 ? 9.0 : 1.0, 1.0, n == 13 ? -8.0 : 2.0, 6.0});
   }
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->depth_high, 9.0);
-  EXPECT_EQ(told->depth_low, 1.0);
-  EXPECT_EQ(told->drive_low, -8.0);
-  EXPECT_EQ(told->drive_high, 2.0);
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->depth_high, 9.0);
+  EXPECT_EQ(message->depth_low, 1.0);
+  EXPECT_EQ(message->drive_low, -8.0);
+  EXPECT_EQ(message->drive_high, 2.0);
 }
 
 }  // namespace

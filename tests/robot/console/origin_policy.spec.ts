@@ -1,34 +1,34 @@
-// Who may do what: one page controls, others watch and may stop; what is not the page's own is refused in words.
+// One page controls, others watch and may stop; requests from elsewhere and malformed messages are refused with a reason.
 import { expect, test } from '@playwright/test'
 
-import { Person } from './person'
+import { PageOperator } from './page_operator'
 import { Robot } from './robot'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())
 test.afterAll(() => robot.stop())
 
-test('a spent token, a wrong place and a strange message are refused in words', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.open()
-  await person.openSeries()
+test('a used token, a wrong position and a malformed message are refused with a reason', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await operator.openSeries()
   const answers = await page.evaluate(async () => {
     const link = window.tap.newest()
-    const heard: { id: number; code: string; what: string; robot_did: string; to_do: string }[] = []
-    const asks = [
+    const answers: { id: number; code: string; what: string; robot_did: string; to_do: string }[] = []
+    const commands = [
       { type: 'Press', id: 901, button: 'Insert', token: 7, page_ms: 1 },
       { type: 'SetPoint', id: 902, mark: 'Entry', series_uid: 'another', voxel: [1, 1, 1], ras_mm: [0, 0, 0] },
       { type: 'OpenSeries', id: 903, series_uid: 'another' },
       { type: 'Stop' },
       'garbage',
     ]
-    return new Promise<typeof heard>((resolve) => {
+    return new Promise<typeof answers>((resolve) => {
       link.addEventListener('message', (event) => {
         const message = JSON.parse(event.data)
-        if (message.type === 'Answer' && (message.id === 0 || message.id > 900)) heard.push(message)
-        if (heard.length === asks.length) resolve(heard)
+        if (message.type === 'Answer' && (message.id === 0 || message.id > 900)) answers.push(message)
+        if (answers.length === commands.length) resolve(answers)
       })
-      for (const ask of asks) link.send(JSON.stringify(ask))
+      for (const command of commands) link.send(JSON.stringify(command))
     })
   })
   expect(answers.map((one) => one.code)).toEqual(['E-107', 'E-103', 'E-102', 'E-110', 'E-110'])
@@ -40,9 +40,9 @@ test('a spent token, a wrong place and a strange message are refused in words', 
 })
 
 test('a second page watches and may stop; it controls once the first is closed', async ({ page, context }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
-  const watcher = new Person(await context.newPage(), robot.url)
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
+  const watcher = new PageOperator(await context.newPage(), robot.url)
   await watcher.open()
   for (const name of [/^Arm/, 'Hold to insert', 'Retract'])
     await expect(watcher.button(name)).toHaveAttribute('aria-disabled', 'true')
@@ -64,7 +64,7 @@ test('a second page watches and may stop; it controls once the first is closed',
   await watcher.page.mouse.down()
   await watcher.is('Trip')
   await watcher.page.mouse.up()
-  await person.is('Trip')
+  await operator.is('Trip')
 
   await page.close()
   await watcher.click('Take control')

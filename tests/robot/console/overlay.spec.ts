@@ -1,14 +1,14 @@
-// What is drawn over the image lies where it is in the patient, in mm: against the voxels of the file that the page
-// shows, not against the page's own arithmetic.
+// Positions drawn over the image, in mm of the patient: checked against the voxels of the file that the page shows, not
+// against the page's own arithmetic.
 import { expect, type Page, test } from '@playwright/test'
 
 import { note, round } from './figures'
-import { distance, Person, type Vec3 } from './person'
+import { distance, PageOperator, type Vec3 } from './page_operator'
 import { Robot } from './robot'
-import { heard, standStill } from './tap'
+import { lastEvent, freezePage } from './tap'
 
 const kNear_mm = 0.1
-const kVoxel_mm = 0.25 // of the phantom; the comparison of pictures is good to two thirds of it
+const kVoxel_mm = 0.25 // of the phantom; the comparison of images resolves two thirds of it
 const kPatch_px = 150 // to each side
 const kStep_px = 6
 const kSearch_px = 6
@@ -24,7 +24,7 @@ interface Nifti {
 }
 
 async function readVolume(page: Page): Promise<Nifti> {
-  const { volume } = await heard(page, 'Opened')
+  const { volume } = await lastEvent(page, 'Opened')
   const url = new URL(robot.url)
   const answer = await page.request.get(`${url.origin}${volume}${url.search}`)
   const bytes = await answer.body()
@@ -115,13 +115,13 @@ async function axes(page: Page, { rows }: Nifti): Promise<[Vec3, Vec3]> {
 }
 
 test('the marks lie on the voxels they mean, in each plane', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.planned()
-  await person.clickAt('target')
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await operator.clickAt('target')
   const volume = await readVolume(page)
   const fits: number[] = []
   for (const plane of ['axial', 'coronal', 'sagittal']) {
-    await person.button(plane).click()
+    await operator.button(plane).click()
     await expect(page.locator(`[data-tile="large ${plane}"]`)).toBeAttached()
     const scale = await pixelsPerMm(page)
     const target = await drawn(page, 'target')
@@ -130,7 +130,7 @@ test('the marks lie on the voxels they mean, in each plane', async ({ page }) =>
     // Beside it the same voxels must be seen as in the file. Where else would the picture fit as well?
     const [across, down] = await axes(page, volume)
     const centre = voxelAt(volume, target.mm)
-    const shown = voxelAt(volume, await person.mm('crosshair')) // whose slice it is
+    const shown = voxelAt(volume, await operator.mm('crosshair')) // whose slice it is
     for (let n = 0; n < 3; ++n) if (across[n] === 0 && down[n] === 0) centre[n] = shown[n]!
     const grey = await greyOf(page)
     const places: [number, number][] = []
@@ -160,10 +160,10 @@ test('the marks lie on the voxels they mean, in each plane', async ({ page }) =>
 })
 
 test('the live tip lies on the path at its depth, and hollow once it is old', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.planned()
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
   const depth = 1.5
-  await standStill(page, { mode: 'Active', step: 'Insert', depth })
+  await freezePage(page, { mode: 'Active', step: 'Insert', depth })
   const [entry, target, tip] = await Promise.all(['entry', 'target', 'tip'].map((name) => drawn(page, name)))
   expect(Math.abs(distance(tip!.mm, entry!.mm) - depth)).toBeLessThan(kNear_mm)
   expect(distance(tip!.mm, entry!.mm) + distance(tip!.mm, target!.mm)).toBeCloseTo(distance(entry!.mm, target!.mm), 2)
@@ -179,24 +179,24 @@ test('the live tip lies on the path at its depth, and hollow once it is old', as
 })
 
 test('wheel and arrows move by what they say', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.planned()
-  await person.clickAt('target')
-  const spacing = (await heard(page, 'Opened')).series.spacing[0]
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await operator.clickAt('target')
+  const spacing = (await lastEvent(page, 'Opened')).series.spacing[0]
   const moved = async (key: string) => {
-    const from = await person.mm('crosshair')
+    const from = await operator.mm('crosshair')
     await page.keyboard.press(key)
-    await expect.poll(async () => distance(await person.mm('crosshair'), from)).toBeGreaterThan(0)
-    return distance(await person.mm('crosshair'), from)
+    await expect.poll(async () => distance(await operator.mm('crosshair'), from)).toBeGreaterThan(0)
+    return distance(await operator.mm('crosshair'), from)
   }
   await page.locator('canvas[tabindex]').focus()
   expect(await moved('ArrowRight')).toBeCloseTo(spacing, 2)
   expect(await moved('Shift+ArrowUp')).toBeCloseTo(0.1, 2)
-  const start = await person.mm('crosshair')
+  const start = await operator.mm('crosshair')
   // The first turn of the wheel also goes to the middle of a voxel.
   await page.mouse.wheel(0, 100)
-  await expect.poll(async () => distance(await person.mm('crosshair'), start)).toBeGreaterThan(0)
-  const before = await person.mm('crosshair')
+  await expect.poll(async () => distance(await operator.mm('crosshair'), start)).toBeGreaterThan(0)
+  const before = await operator.mm('crosshair')
   await page.mouse.wheel(0, 100)
-  await expect.poll(async () => distance(await person.mm('crosshair'), before)).toBeCloseTo(spacing, 2)
+  await expect.poll(async () => distance(await operator.mm('crosshair'), before)).toBeCloseTo(spacing, 2)
 })

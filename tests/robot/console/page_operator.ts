@@ -1,20 +1,20 @@
-// What a person does on the page. Waits for what the page shows, never for time.
+// Operates the page as a person does. Waits for what the page shows, never for time.
 import { expect, type Locator, type Page } from '@playwright/test'
 
 import { pause } from './robot'
-import { heard, nextModes, roundTrip, tap } from './tap'
+import { lastEvent, nextModes, roundTrip, tap } from './tap'
 
 export type Vec3 = [number, number, number]
 export const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
-// Where the built-in phantom truly is: of `biopsy dry-run gap`, R, A, S in mm.
+// True position in the built-in phantom of `biopsy dry-run gap`, R, A, S in mm.
 export const kEntry: Vec3 = [-4.396, 33.092, 51.854]
 export const kGapDepth_mm = 2.5
 
-const kSlow = { timeout: 30_000 } // on a machine that does something else as well
+const kSlow = { timeout: 30_000 } // on a loaded machine
 const kPresses = 20
 
-export class Person {
+export class PageOperator {
   acts = 0 // deliberate ones
   constructor(readonly page: Page, readonly url: string) {}
 
@@ -81,14 +81,14 @@ export class Person {
       if (await box.isChecked()) continue
       ++this.acts
       await box.click()
-      await expect(box).toBeChecked() // by the server's word, not the page's
+      await expect(box).toBeChecked() // confirmed by the server
     }
   }
   async confirmPlan(): Promise<void> {
     await this.click('Confirm this plan')
     await this.tickAll()
   }
-  // A host that stalls takes the hand off a held button, as it should; a person then presses again.
+  // A stalling host releases a held button, as it should; the operator then presses again.
   async again(button: Locator, reached: () => Promise<boolean>): Promise<void> {
     ++this.acts
     for (let presses = 0; presses < kPresses && !(await reached()); ++presses) {
@@ -99,10 +99,10 @@ export class Person {
       }
       await button.hover()
       await this.page.mouse.down()
-      let lives = true
-      while (lives && !(await reached())) {
+      let alive = true
+      while (alive && !(await reached())) {
         await pause(20)
-        lives = (await button.getAttribute('aria-pressed')) === 'true'
+        alive = (await button.getAttribute('aria-pressed')) === 'true'
       }
       await this.page.mouse.up()
     }
@@ -113,7 +113,7 @@ export class Person {
     await this.again(this.button(/^Arm/), async () => (await this.modeNow()) === 'Armed')
   }
   // To the end of the stage and its image. A robot on a machine that stalls trips by itself (its clock stood still),
-  // as it should; a person then begins the run again.
+  // as it should; the operator then starts the run again.
   async insert(stageEnded = async () => {}): Promise<void> {
     const acts = this.acts
     const over = this.page.locator('.confirm')
@@ -128,7 +128,7 @@ export class Person {
       await this.recover()
       await this.arm()
     }
-    throw new Error('no run came to its end')
+    throw new Error('no run was completed')
   }
   // From a run that is over, or a robot that tripped meanwhile, to one that can be armed. Without its plan and all three
   // checks nothing is reset; and the end of a run takes the checks back when it was Ready for a moment.
@@ -141,25 +141,25 @@ export class Person {
     }).toPass({ timeout: 60_000 })
   }
 
-  // From whatever the test before has left to a plan that is shown,
+  // From the state that the previous test left to a displayed plan,
   async planned(): Promise<void> {
     await this.open()
-    const { mode, step } = await heard(this.page, 'State')
+    const { mode, step } = await lastEvent(this.page, 'State')
     if (['Armed', 'Active', 'Hold'].includes(mode)) await this.button('Retract').click()
     await (step === 'Image' ? this.openSeries() : this.imageShown())
-    if ((await heard(this.page, 'Planned')).entry.length === 0) await this.setPoints()
+    if ((await lastEvent(this.page, 'Planned')).entry.length === 0) await this.setPoints()
   }
   // and to a robot that is ready.
   async ready(): Promise<void> {
     await this.planned()
-    if (!(await heard(this.page, 'Planned')).confirmed) await this.click('Confirm this plan')
+    if (!(await lastEvent(this.page, 'Planned')).confirmed) await this.click('Confirm this plan')
     await this.recover()
   }
   async armed(): Promise<void> {
     await this.ready()
     await this.arm()
   }
-  // Until the supervisor takes it: the key counts once the needle is back.
+  // Until the supervisor accepts it: the key counts once the needle is back.
   async reset(): Promise<void> {
     await expect(async () => {
       await this.button('Reset').click({ timeout: 1000 })
@@ -188,6 +188,6 @@ export class Person {
     await roundTrip(this.page)
     const modes = await nextModes(this.page, 6)
     expect(modes).not.toContain('Active')
-    expect((await heard(this.page, 'State')).stage_done).toBe(false)
+    expect((await lastEvent(this.page, 'State')).stage_done).toBe(false)
   }
 }

@@ -6,7 +6,7 @@ const baselines = process.env.BASELINES ?? 'baselines'
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium'
 
 // Headless Chromium draws the image with SwiftShader: the same bytes in every run of one browser on one kind of
-// processor. There pictures are compared to the last pixel; with another one a fiftieth of them may differ a little.
+// processor. There pictures are compared to the last pixel; with another one 2 % of them may differ slightly.
 function drawsAsTheBaselines(): boolean {
   const browser = execFileSync(chromium, ['--version'], { encoding: 'utf8' }).trim()
   const processor = /^model name[^:]*: (.*)$/m.exec(readFileSync('/proc/cpuinfo', 'utf8'))?.[1] ?? 'unknown'
@@ -18,7 +18,7 @@ export default defineConfig({
   testDir: '.',
   testIgnore: process.env.SOAK_MINUTES ? [] : ['soak.spec.ts'],
   workers: 1, // the robot runs in real time
-  retries: 2, // a host that stalls may stop a robot; it may not do so again and again
+  retries: 2, // a stalling host may stop a robot, but not repeatedly
   maxFailures: 1,
   timeout: 120_000,
   globalTimeout: process.env.SOAK_MINUTES ? 0 : 480_000,

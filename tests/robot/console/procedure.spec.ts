@@ -6,8 +6,8 @@ import { gzipSync } from 'node:zlib'
 import { type Browser, expect, type Page, test } from '@playwright/test'
 
 import { note, round } from './figures'
-import { distance, kEntry, kGapDepth_mm, Person } from './person'
-import { everybodyCanUse } from './readable'
+import { distance, kEntry, kGapDepth_mm, PageOperator } from './page_operator'
+import { expectAccessible } from './accessibility'
 import { pause, Robot } from './robot'
 
 const kActsMax = 12
@@ -18,20 +18,20 @@ const robot = new Robot()
 test.beforeAll(() => robot.start())
 test.afterAll(() => robot.stop())
 
-// Share of one processor core: of the page's own thread, and of all of the browser with its drawing in software.
+// Share of one processor core: of the page's own thread, and of the whole browser including software rendering.
 async function load(page: Page, browser: Browser): Promise<{ page: number; browser: number }> {
   const thread = await page.context().newCDPSession(page)
   const whole = await browser.newBrowserCDPSession()
   await thread.send('Performance.enable')
-  const look = async () => {
+  const measure = async () => {
     const { metrics } = await thread.send('Performance.getMetrics')
     const of = (name: string) => metrics.find((metric) => metric.name === name)!.value
     const { processInfo } = await whole.send('SystemInfo.getProcessInfo')
     return { at: of('Timestamp'), page: of('TaskDuration'), browser: processInfo.reduce((sum, one) => sum + one.cpuTime, 0) }
   }
-  const from = await look()
+  const from = await measure()
   await pause(5000) // a figure, not a state
-  const to = await look()
+  const to = await measure()
   const share = (name: 'page' | 'browser') => (100 * (to[name] - from[name])) / (to.at - from.at)
   return { page: round(share('page')), browser: round(share('browser')) }
 }
@@ -52,7 +52,7 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   await context.addInitScript(() => {
     window.print = () => void (document.documentElement.dataset.printed = 'yes') // a dialog nobody would close
   })
-  const person = new Person(page, robot.url)
+  const operator = new PageOperator(page, robot.url)
   const shoot = async (name: string) => {
     if (!process.env.PICTURES) return
     mkdirSync(process.env.PICTURES, { recursive: true })
@@ -60,7 +60,7 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   }
 
   // Image: the sample opens with one click, and nothing else can be pressed but STOP.
-  await person.open()
+  await operator.open()
   const ready_s = await page.evaluate(() => performance.now() / 1000)
   note({ page_ready_s: round(ready_s, 2) })
   expect(ready_s).toBeLessThanOrEqual(kReadyMax_s)
@@ -68,49 +68,49 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   await expect(page.getByText('built-in sample case')).toBeVisible()
   await expect(page.locator('button:not([aria-disabled=true])')).toHaveText([/^Open the sample/, 'STOP'])
   await shoot('1-image')
-  await everybodyCanUse(page)
-  await person.openSeries()
+  await expectAccessible(page)
+  await operator.openSeries()
 
   // Plan
-  await person.setPoints()
-  expect(distance(await person.mm('entry'), kEntry)).toBeLessThan(0.3)
+  await operator.setPoints()
+  expect(distance(await operator.mm('entry'), kEntry)).toBeLessThan(0.3)
   const depth = parseFloat((await page.locator('[data-name=planned-depth]').textContent())!)
   note({ planned_depth_error_mm: round(Math.abs(depth - kGapDepth_mm), 2) })
   expect(Math.abs(depth - kGapDepth_mm)).toBeLessThan(0.3)
   await shoot('2-plan')
-  await everybodyCanUse(page)
+  await expectAccessible(page)
   const busy = await load(page, browser)
   note({ page_cpu_percent: busy.page, browser_cpu_percent: busy.browser })
 
   // Check, arm, insert, confirm
-  await person.confirmPlan()
-  await person.is('Ready')
+  await operator.confirmPlan()
+  await operator.is('Ready')
   await shoot('3-check')
-  await person.arm()
+  await operator.arm()
   await shoot('4-arm')
-  await person.insert(() => shoot('5-insert'))
+  await operator.insert(() => shoot('5-insert'))
   await expect(page.locator('[data-name=verdict]')).toHaveText('accept', { timeout: 30_000 })
   const error = parseFloat((await page.locator('[data-name=error]').textContent())!)
   expect(Math.abs(error)).toBeLessThan(0.3)
   await shoot('6-confirm')
-  await person.click('Accept this depth')
+  await operator.click('Accept this depth')
   await expect(page.locator('[aria-current=step]')).toContainText(/Accepted|The run is over/)
-  note({ acts: person.acts })
-  expect(person.acts).toBeLessThanOrEqual(kActsMax)
-  if (['Hold', 'Armed', 'Active'].includes((await person.modeNow())!)) await person.button('Retract').click()
+  note({ acts: operator.acts })
+  expect(operator.acts).toBeLessThanOrEqual(kActsMax)
+  if (['Hold', 'Armed', 'Active'].includes((await operator.modeNow())!)) await operator.button('Retract').click()
 
   // The report, to read and on paper
   const link = page.getByRole('link', { name: /Accepted. Open the report/ })
   await expect(link).toBeVisible({ timeout: 30_000 })
   await shoot('7-report')
-  await everybodyCanUse(page)
+  await expectAccessible(page)
   const opening = page.waitForEvent('popup')
   await page.getByRole('button', { name: /Print the report/ }).click()
   const printed = await opening
   await expect(printed.locator('html[data-printed=yes]')).toBeAttached()
   await expect(printed.locator('body')).toContainText(/simulated/i)
   await expect(printed.locator('body')).toContainText(/completed/i)
-  await everybodyCanUse(printed, ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'])
+  await expectAccessible(printed, ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'])
   await printed.emulateMedia({ media: 'print' })
   await expect(printed.locator('.watermark')).toBeVisible()
   const pdf = (await printed.pdf({ preferCSSPageSize: true })).toString('latin1')

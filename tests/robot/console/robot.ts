@@ -1,4 +1,4 @@
-// A robot with its console, brought up for one test file, and what its log says of it afterwards.
+// A robot with its console, started for one test file, and its procedure log.
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process'
 import { closeSync, existsSync, mkdtempSync, openSync, readFileSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
@@ -22,15 +22,15 @@ export class Robot {
   url = ''
   private up?: ChildProcess
 
-  // `words`: the case, as for `biopsy up`.
-  constructor(private words = ['gap']) {}
+  // `given`: the case, as for `biopsy up`.
+  constructor(private given = ['gap']) {}
 
   async start(): Promise<void> {
-    const domain = 30 + (process.pid % 200) // robots of other builds on this machine have theirs
-    const words = ['up', ...this.words, '--console', '--without-security', '--domain', String(domain), '--out', this.folder]
-    const said = openSync(join(this.folder, '..', `${this.name()}.txt`), 'w')
-    this.up = spawn(kProgram, words, { stdio: ['ignore', said, said] })
-    closeSync(said)
+    const domain = 30 + (process.pid % 200) // other builds on this machine use others
+    const args = ['up', ...this.given, '--console', '--without-security', '--domain', String(domain), '--out', this.folder]
+    const output = openSync(join(this.folder, '..', `${this.name()}.txt`), 'w')
+    this.up = spawn(kProgram, args, { stdio: ['ignore', output, output] })
+    closeSync(output)
     await this.until(() => existsSync(this.address()) && readFileSync(this.address(), 'utf8').includes('http'), kStart_ms)
     this.url = readFileSync(this.address(), 'utf8').trim()
   }
@@ -50,7 +50,7 @@ export class Robot {
     return Number(children.split('\n').find((line) => line.includes(program.slice(0, 15)))!.trim().split(' ')[0])
   }
   // What `up` printed.
-  said(): string {
+  output(): string {
     return readFileSync(`${this.folder}.txt`, 'utf8')
   }
 
@@ -63,7 +63,7 @@ export class Robot {
       return at ? [{ at: Date.parse(at.replace(' ', 'T') + 'Z'), kind: kind!, body: JSON.parse(body!) }] : []
     })
   }
-  // The first record from `moment` on that is `wanted`; waits for it, for it is written in groups.
+  // The first record from `moment` on that is `wanted`; waits for it, since records are written in groups.
   async logged(moment: number, wanted: (entry: Entry) => boolean): Promise<Entry> {
     let found: Entry | undefined
     await this.until(() => (found = this.log().find((entry) => entry.at >= moment && wanted(entry))) !== undefined, kReply_ms)
@@ -80,25 +80,25 @@ export class Robot {
   modesSince(moment: number): string[] {
     return this.log().flatMap(({ at, kind, body }) => (at >= moment && kind === 'state change' ? [body.mode] : []))
   }
-  // What was asked of the console, and what it answered.
-  acts(): { asked: string; answer: string }[] {
+  // Commands to the console, and its answers.
+  commands(): { asked: string; answer: string }[] {
     const all = execFileSync('sh', ['-c', `cat ${this.folder}/console/*/console-acts.jsonl`]).toString()
     return all.trim().split('\n').map((line) => JSON.parse(line))
   }
   // Tokens of presses of the insert button that were accepted.
   presses(): number[] {
-    return this.acts().flatMap(({ asked, answer }) => {
-      const said = answer === 'done' && asked.includes('"Insert"') ? JSON.parse(asked) : {}
-      return said.type === 'Press' ? [said.token] : []
+    return this.commands().flatMap(({ asked, answer }) => {
+      const command = answer === 'done' && asked.includes('"Insert"') ? JSON.parse(asked) : {}
+      return command.type === 'Press' ? [command.token] : []
     })
   }
 
   private address = () => join(this.folder, 'console.url')
   private name = () => this.folder.split('/').at(-1)!
-  private async until(reached: () => boolean, patience_ms: number): Promise<void> {
+  private async until(reached: () => boolean, timeout_ms: number): Promise<void> {
     for (const from = Date.now(); !reached(); await pause(50)) {
-      if (this.up!.exitCode !== null) throw new Error(`the robot ended: ${this.said()}`)
-      if (Date.now() - from > patience_ms) throw new Error(`the robot did not get there: ${this.said()}`)
+      if (this.up!.exitCode !== null) throw new Error(`the robot ended: ${this.output()}`)
+      if (Date.now() - from > timeout_ms) throw new Error(`the robot did not get there: ${this.output()}`)
     }
   }
 }

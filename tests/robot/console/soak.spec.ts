@@ -1,10 +1,10 @@
-// For SOAK_MINUTES the page looks at a robot that is ready: it does not grow, and still stops at once afterwards.
+// For SOAK_MINUTES the page shows a ready robot: its memory does not grow, and STOP works afterwards.
 import { readFileSync } from 'node:fs'
 
 import { expect, test } from '@playwright/test'
 
 import { note, round } from './figures'
-import { Person } from './person'
+import { PageOperator } from './page_operator'
 import { pause, Robot } from './robot'
 
 const kMinutes = Number(process.env.SOAK_MINUTES)
@@ -15,14 +15,14 @@ const robot = new Robot()
 test.beforeAll(() => robot.start())
 test.afterAll(() => robot.stop())
 
-test('hours do not make it grow', async ({ page }) => {
+test('memory of page and console does not grow', async ({ page }) => {
   test.setTimeout((kMinutes + 5) * 60_000)
-  const person = new Person(page, robot.url)
-  await person.ready()
+  const operator = new PageOperator(page, robot.url)
+  await operator.ready()
   const browser = await page.context().newCDPSession(page)
   await browser.send('Performance.enable')
   const server = robot.pid('biopsy-console')
-  const look = async () => {
+  const measure = async () => {
     await browser.send('HeapProfiler.collectGarbage')
     const { metrics } = await browser.send('Performance.getMetrics')
     const of = (name: string) => metrics.find((metric) => metric.name === name)!.value
@@ -30,9 +30,9 @@ test('hours do not make it grow', async ({ page }) => {
     return { heap_MB: of('JSHeapUsedSize') / 1e6, nodes: of('Nodes'), server_MB: Number(resident) / 1e3 }
   }
   await pause(kMinutes * 60_000 * kWarm_share)
-  const from = await look()
+  const from = await measure()
   await pause(kMinutes * 60_000 * (1 - kWarm_share))
-  const to = await look()
+  const to = await measure()
   note({
     soak_minutes: kMinutes,
     soak_page_heap_MB: [round(from.heap_MB), round(to.heap_MB)],
@@ -42,8 +42,8 @@ test('hours do not make it grow', async ({ page }) => {
   expect(to.heap_MB - from.heap_MB).toBeLessThan(kGrowthMax_MB)
   expect(to.server_MB - from.server_MB).toBeLessThan(kGrowthMax_MB)
   expect(to.nodes - from.nodes).toBeLessThan(200)
-  await expect(person.mode()).not.toContainText('NO LINK')
-  await person.button('STOP').hover()
+  await expect(operator.mode()).not.toContainText('NO LINK')
+  await operator.button('STOP').hover()
   await page.mouse.down()
-  await person.is('Trip')
+  await operator.is('Trip')
 })

@@ -1,17 +1,16 @@
-// How the page looks in each of its states: the same picture to the last pixel, and nothing in it that some person
-// could not read or use. The image, the plan and the page are real; the robot stands still in a state written here.
-// The pictures are those of Debian's Chromium with the fonts of fonts-dejavu-core; `./dev browser states
-// --update-snapshots` makes them anew.
+// Screenshot and accessibility of every state of the page. Image, plan and page are real; the robot's state is given
+// here. The baselines are those of Debian's Chromium with fonts-dejavu-core; renew them with `./dev browser states
+// --update-snapshots=all`.
 import { execFileSync } from 'node:child_process'
 import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
 
 import { expect, type Page, test } from '@playwright/test'
 
-import { kGapDepth_mm, Person } from './person'
-import { everybodyCanUse } from './readable'
+import { kGapDepth_mm, PageOperator } from './page_operator'
+import { expectAccessible } from './accessibility'
 import { kProgram, Robot } from './robot'
-import { heard, type Message, standStill } from './tap'
+import { lastEvent, type Message, freezePage } from './tap'
 
 const robot = new Robot()
 let checked: Message // of a rehearsal on a virtual clock: the same pictures each time
@@ -41,7 +40,7 @@ const kNoTip = { verdict: 'unsure', reason: 'No needle was found in the image.',
 
 const kHeld = { mode: 'Hold', step: 'Confirm', stage_done: true, hold_left: 7.5, depth: 2.5, drive: 1.9, disabled: no({ ...kHot, judge: '', insert: 'The plan is done: look at the image, then Retract.' }) }
 
-// Name, State, what was told besides, and whether its picture is kept.
+// Name, State, further events, and whether a baseline is kept.
 type Scene = { name: string; state: Record<string, unknown>; more?: () => Message[]; kept?: boolean }
 const kScenes: Scene[] = [
   { name: 'check', state: { mode: 'Safe', step: 'Check', disabled: no({ ...kCold, arm: 'Tick all three checks first.' }) }, kept: true },
@@ -59,47 +58,47 @@ const kScenes: Scene[] = [
   { name: 'silent', state: { mode: 'Hold', step: 'Insert', measured: false, alarms: [{ ...kAlarm, code: 'E-121', what: 'The robot is silent.' }], disabled: kHot } },
 ]
 
-// What no robot and no clock decides: how old the link is.
-async function looksTheSame(page: Page, name: string): Promise<void> {
+// The age of the last message is masked: it depends on the machine.
+async function expectBaseline(page: Page, name: string): Promise<void> {
   await expect(page.locator('[data-name=Link]')).toHaveText('0 ms')
   await expect(page).toHaveScreenshot(`${name}.png`, { mask: [page.locator('[data-name=Link]')], timeout: 30_000 })
 }
 
 test('Image: the page before anything is open', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.open()
-  await standStill(page, { mode: 'Safe', step: 'Image' })
-  await looksTheSame(page, 'image')
-  await everybodyCanUse(page)
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await freezePage(page, { mode: 'Safe', step: 'Image' })
+  await expectBaseline(page, 'image')
+  await expectAccessible(page)
 })
 
 test('Plan: before and after the points are set', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.open()
-  await person.openSeries()
-  await everybodyCanUse(page)
-  await person.setPoints()
-  await standStill(page, { mode: 'Safe', step: 'Plan', disabled: no({ ...kCold, arm: 'Confirm the plan first.', plan: '' }) })
-  await looksTheSame(page, 'plan')
-  await everybodyCanUse(page)
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await operator.openSeries()
+  await expectAccessible(page)
+  await operator.setPoints()
+  await freezePage(page, { mode: 'Safe', step: 'Plan', disabled: no({ ...kCold, arm: 'Confirm the plan first.', plan: '' }) })
+  await expectBaseline(page, 'plan')
+  await expectAccessible(page)
 })
 
 for (const { name, state, more, kept } of kScenes)
   test(`${name}: ${JSON.stringify(state.mode as string)}`, async ({ page }) => {
-    const person = new Person(page, robot.url)
-    await person.planned()
-    const planned = { ...(await heard(page, 'Planned')), confirmed: true }
-    await standStill(page, state, [planned, ...(more?.() ?? [])])
-    await expect(person.mode()).toHaveAttribute('data-mode', state.mode as string)
-    if (kept) await looksTheSame(page, name)
-    await everybodyCanUse(page)
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    const planned = { ...(await lastEvent(page, 'Planned')), confirmed: true }
+    await freezePage(page, state, [planned, ...(more?.() ?? [])])
+    await expect(operator.mode()).toHaveAttribute('data-mode', state.mode as string)
+    if (kept) await expectBaseline(page, name)
+    await expectAccessible(page)
   })
 
 test('a plan that is refused says why and what to do', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.planned()
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
   const refused = { refusal: 'the target lies behind the longest needle', remedy: 'choose a nearer target', stages: [], layers: [] }
-  await standStill(page, { mode: 'Safe', step: 'Plan' }, [{ ...(await heard(page, 'Planned')), ...refused }])
+  await freezePage(page, { mode: 'Safe', step: 'Plan' }, [{ ...(await lastEvent(page, 'Planned')), ...refused }])
   await expect(page.locator('[data-name=refusal]')).toContainText('No plan: the target lies behind the longest needle')
-  await everybodyCanUse(page)
+  await expectAccessible(page)
 })

@@ -2,7 +2,7 @@
 import { expect, test } from '@playwright/test'
 
 import { note, spread } from './figures'
-import { Person } from './person'
+import { PageOperator } from './page_operator'
 import { Robot } from './robot'
 
 const kStopMax_ms = 100
@@ -13,8 +13,8 @@ test.beforeAll(() => robot.start())
 test.afterAll(() => robot.stop())
 
 // When the browser got the event, ms since 1970: `event.timeStamp` is that of the input, not of its handler.
-async function noteInput(person: Person, type: 'pointerdown' | 'keydown'): Promise<void> {
-  await person.page.evaluate((name) => {
+async function noteInput(operator: PageOperator, type: 'pointerdown' | 'keydown'): Promise<void> {
+  await operator.page.evaluate((name) => {
     delete document.body.dataset.input
     window.addEventListener(
       name,
@@ -23,25 +23,25 @@ async function noteInput(person: Person, type: 'pointerdown' | 'keydown'): Promi
     )
   }, type)
 }
-const inputAt = async (person: Person) => Number(await person.page.locator('body').getAttribute('data-input'))
+const inputAt = async (operator: PageOperator) => Number(await operator.page.locator('body').getAttribute('data-input'))
 
 test('STOP takes the voltage off a moving needle within 100 ms of the click', async ({ page }) => {
   test.setTimeout(300_000)
-  const person = new Person(page, robot.url)
+  const operator = new PageOperator(page, robot.url)
   const times: number[] = []
   for (let n = 0; n < kStops; ++n) {
-    await (n === 0 ? person.armed() : rearm(person))
-    await person.insertButton().focus()
+    await (n === 0 ? operator.armed() : rearm(operator))
+    await operator.insertButton().focus()
     await expect(async () => {
       await page.keyboard.up('Enter')
-      await page.keyboard.down('Enter') // the mouse is for STOP
-      await expect(person.mode()).toHaveAttribute('data-mode', 'Active', { timeout: 1000 })
+      await page.keyboard.down('Enter') // the mouse is needed for STOP
+      await expect(operator.mode()).toHaveAttribute('data-mode', 'Active', { timeout: 1000 })
     }).toPass()
-    await noteInput(person, 'pointerdown')
-    await person.button('STOP').hover()
+    await noteInput(operator, 'pointerdown')
+    await operator.button('STOP').hover()
     await page.mouse.down()
-    await person.is('Trip')
-    times.push(await robot.msToZero(await inputAt(person)))
+    await operator.is('Trip')
+    times.push(await robot.msToZero(await inputAt(operator)))
     await page.mouse.up()
     await page.keyboard.up('Enter')
   }
@@ -49,30 +49,30 @@ test('STOP takes the voltage off a moving needle within 100 ms of the click', as
   for (const ms of times) expect(ms).toBeLessThanOrEqual(kStopMax_ms)
 })
 
-async function rearm(person: Person): Promise<void> {
-  await person.reset()
-  await person.tickAll()
-  await person.is('Ready')
-  await person.arm()
+async function rearm(operator: PageOperator): Promise<void> {
+  await operator.reset()
+  await operator.tickAll()
+  await operator.is('Ready')
+  await operator.arm()
 }
 
-test('Esc does the same, says so, and Reset is needed after', async ({ page }) => {
-  const person = new Person(page, robot.url)
-  await person.armed()
-  await person.moving()
-  await noteInput(person, 'keydown')
+test('Esc does the same, with an alarm, and Reset is needed afterwards', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
+  await operator.moving()
+  await noteInput(operator, 'keydown')
   await page.keyboard.press('Escape')
-  await person.is('Trip')
-  expect(await robot.msToZero(await inputAt(person))).toBeLessThanOrEqual(kStopMax_ms)
+  await operator.is('Trip')
+  expect(await robot.msToZero(await inputAt(operator))).toBeLessThanOrEqual(kStopMax_ms)
   await page.mouse.up()
-  await expect(person.alarm()).toContainText('E-120')
-  await expect(person.alarm()).toContainText('STOP was pressed')
-  await expect(person.button(/^Arm/)).toHaveAttribute('aria-disabled', 'true')
-  await person.reset()
+  await expect(operator.alarm()).toContainText('E-120')
+  await expect(operator.alarm()).toContainText('STOP was pressed')
+  await expect(operator.button(/^Arm/)).toHaveAttribute('aria-disabled', 'true')
+  await operator.reset()
 })
 
-test('STOP and the other buttons are whole and in view on small screens', async ({ page }) => {
-  await new Person(page, robot.url).open()
+test('STOP and the other buttons are complete and visible on small screens', async ({ page }) => {
+  await new PageOperator(page, robot.url).open()
   for (const [width, height] of [[1280, 720], [1366, 768], [1600, 900], [1700, 800]] as const) {
     await page.setViewportSize({ width, height })
     const buttons = page.locator('.acts .act button, .acts .stopping button')

@@ -1,5 +1,5 @@
-// Between the page and its link: what was heard and said can be looked at, and the page can be made to stand still in
-// a state that is written down here, so that a picture of it is the same in every run.
+// Between the page and its WebSocket: records the events, and can freeze the page in a given state, so that a
+// screenshot is the same in every run.
 import type { Page } from '@playwright/test'
 
 export type Message = { type: string } & Record<string, any>
@@ -7,11 +7,11 @@ export type Message = { type: string } & Record<string, any>
 declare global {
   interface Window {
     tap: {
-      links: WebSocket[]
-      heard: Map<string, Message> // the last of each type
+      sockets: WebSocket[]
+      events: Map<string, Message> // the last of each type
       states: number
-      still: boolean
-      told(message: Message): void
+      frozen: boolean
+      inject(message: Message): void
       newest(): WebSocket
     }
   }
@@ -22,58 +22,58 @@ export async function tap(page: Page): Promise<void> {
   await page.addInitScript(() => {
     if (window.tap) return
     const Real = window.WebSocket
-    const links: WebSocket[] = []
-    let hear: ((event: MessageEvent) => void) | null = null
+    const sockets: WebSocket[] = []
+    let deliver: ((event: MessageEvent) => void) | null = null
     window.tap = {
-      links,
-      heard: new Map(),
+      sockets,
+      events: new Map(),
       states: 0,
-      still: false,
-      told: (message) => hear!(new MessageEvent('message', { data: JSON.stringify(message) })),
-      newest: () => links.at(-1)!,
+      frozen: false,
+      inject: (message) => deliver!(new MessageEvent('message', { data: JSON.stringify(message) })),
+      newest: () => sockets.at(-1)!,
     }
     window.WebSocket = class extends Real {
       constructor(url: string | URL) {
         super(url)
-        links.push(this)
+        sockets.push(this)
       }
       override set onmessage(listener: (event: MessageEvent) => void) {
-        hear = listener
+        deliver = listener
         this.addEventListener('message', (event) => {
-          if (window.tap.still) return
+          if (window.tap.frozen) return
           const message = JSON.parse(event.data)
-          window.tap.heard.set(message.type, message)
+          window.tap.events.set(message.type, message)
           listener(event)
           if (message.type === 'State') ++window.tap.states
         })
       }
       override send(data: string) {
-        if (!window.tap.still) super.send(data)
+        if (!window.tap.frozen) super.send(data)
       }
     }
   })
 }
 
-// From now on the page hears only this: the State it heard last, with what is given here, every 20 ms; and 30 s of
-// plots made of sines. What it says goes nowhere. The robot never learns of it.
-export async function standStill(page: Page, given: Record<string, unknown>, more: Message[] = []): Promise<void> {
+// From now on the page receives only this: its last State with the given fields, every 20 ms, and 30 s of plots made of
+// sines. Its commands are dropped.
+export async function freezePage(page: Page, given: Record<string, unknown>, more: Message[] = []): Promise<void> {
   await page.evaluate(
     ([state, messages]) => {
       const tap = window.tap
-      tap.still = true
-      const last = tap.heard.get('State')!
+      tap.frozen = true
+      const last = tap.events.get('State')!
       const quiet = { depth: 0, drive: 0, hold_left: 0, armed_left: 0, ticks_left: 0, arm_held: 0, held: [], alarms: [], measured: true }
       const now = { ...last, ...quiet, controller: true, controlled: true, ...(state as object) } as Message
-      for (const message of messages as Message[]) tap.told(message)
+      for (const message of messages as Message[]) tap.inject(message)
       for (let n = 0; n <= 1500; ++n) {
         const depth = 1 + Math.sin(n / 100)
         const drive = 2 * Math.sin(n / 10)
-        tap.told({
+        tap.inject({
           type: 'Telemetry', time: n * 20, depth_low: depth, depth_high: depth + 0.05, setpoint: 1.2,
           drive_low: drive - 0.5, drive_high: drive + 0.5, envelope: 3,
         })
       }
-      const again = () => tap.told(now)
+      const again = () => tap.inject(now)
       again()
       const timers = window as unknown as { stillTimer: number }
       clearInterval(timers.stillTimer)
@@ -83,22 +83,22 @@ export async function standStill(page: Page, given: Record<string, unknown>, mor
   )
 }
 
-export const heard = (page: Page, type: string): Promise<Message> =>
-  page.evaluate((name) => window.tap.heard.get(name)!, type)
+export const lastEvent = (page: Page, type: string): Promise<Message> =>
+  page.evaluate((name) => window.tap.events.get(name)!, type)
 
-// Everything that the page has said until now has been answered or counts for nothing.
+// Everything that the page has sent until now has been answered or has no effect.
 export async function roundTrip(page: Page): Promise<void> {
   await page.evaluate(() => {
-    const link = window.tap.newest()
+    const socket = window.tap.newest()
     return new Promise<void>((resolve) => {
       const answered = (event: MessageEvent) => {
         const message = JSON.parse(event.data)
         if (message.type !== 'Answer' || message.id !== 4_000_000_000) return
-        link.removeEventListener('message', answered)
+        socket.removeEventListener('message', answered)
         resolve()
       }
-      link.addEventListener('message', answered)
-      link.send('{"type":"TakeControl","id":4000000000}')
+      socket.addEventListener('message', answered)
+      socket.send('{"type":"TakeControl","id":4000000000}')
     })
   })
 }
@@ -111,7 +111,7 @@ export async function nextModes(page: Page, count: number): Promise<string[]> {
       await new Promise((resolve) => setTimeout(resolve, 5))
       if (window.tap.states === seen) continue
       seen = window.tap.states
-      modes.push(window.tap.heard.get('State')!.mode)
+      modes.push(window.tap.events.get('State')!.mode)
     }
     return modes
   }, count)

@@ -1,4 +1,4 @@
-// The bytes that are hashed and signed are those of docs/log.md.
+// The bytes that are hashed and signed are those of docs/reference/procedure-log.md.
 #include "robot/recorder/chain.hpp"
 
 #include <gtest/gtest.h>

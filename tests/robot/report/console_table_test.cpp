@@ -1,5 +1,3 @@
-#include "robot/report/procedure/console_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,7 +7,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sanitize_text.hpp"
-#include "robot/report/procedure/report_folder.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "tests/robot/report/example_run.hpp"
 
 namespace biopsy::report {
@@ -61,7 +59,7 @@ TEST(ConsoleTable, APlanThatWasNeverRunDoesNotClaimToBeCompleted) {
   record.outcome = Outcome::Completed;
   record.plan = example_run().plan;
   EXPECT_EQ(last_line(console_table(record, false)),
-            "Planned, not run: target 3.50 mm in liver, 2 stages. Nothing moved.");
+            "Planned, not run: target 3.50 mm in liver, 2 steps. Nothing moved.");
 }
 
 TEST(OutsideText, KeepsLettersOfEveryAlphabet) {

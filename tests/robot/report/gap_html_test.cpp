@@ -1,10 +1,9 @@
-#include "robot/report/gap/gap_html.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cctype>
 #include <limits>
 
+#include "robot/report/gap/gap_report.hpp"
 #include "tests/count_of.hpp"
 #include "tests/robot/report/gap_example.hpp"
 #include "tests/robot/report/html_balance.hpp"
@@ -72,7 +71,7 @@ TEST(GapHtml, ParametersHaveIntervalsInReadableUnits) {
 
 TEST(GapHtml, CandidatesAreRankedChosenFirstAndTheUnfittedSaySo) {
   const std::string html = gap_html(example_effect());
-  const std::string tried = html.substr(html.find("<h2>What was tried</h2>"));
+  const std::string tried = html.substr(html.find("<h2>Candidates</h2>"));
   EXPECT_EQ(count_of(tried, "<tr class=\"chosen\">"), 1U);
   EXPECT_LT(tried.find("<code>coulomb_friction"), tried.find("<code>stribeck_friction"));
   EXPECT_LT(tried.find("<code>stribeck_friction"), tried.find("backlash"));
@@ -80,21 +79,21 @@ TEST(GapHtml, CandidatesAreRankedChosenFirstAndTheUnfittedSaySo) {
   EXPECT_TRUE(
       holds(tried, "Also ruled out by the score test: pouch creep, charge retention and time constant"));
   EXPECT_TRUE(holds(tried, "Round 2: what to add to the choice so far"));
-  EXPECT_TRUE(holds(tried, "None of them was good enough to enter."));
+  EXPECT_TRUE(holds(tried, "None of them met the criterion to enter."));
 }
 
 TEST(GapHtml, SaysWhatCouldNotBeToldApartAndWhatWould) {
   GapFinding finding = example_effect();
-  EXPECT_TRUE(holds(gap_html(finding), "Stribeck friction (0.02) cannot be excluded"));
+  EXPECT_TRUE(holds(gap_html(finding), "they do not exclude Stribeck friction (0.02)"));
   EXPECT_TRUE(holds(gap_html(finding),
                     "The next experiment should be: slow triangle. It separates Coulomb friction and "
                     "Stribeck friction."));
   EXPECT_TRUE(holds(gap_html(finding), "4.3 times the scatter of a reading"));
   finding.effects[0].probability = 0.52;
   finding.effects[0].confused_with[0].probability = 0.48;
-  EXPECT_TRUE(holds(gap_html(finding), "cannot be told apart from Stribeck friction (0.48)"));
+  EXPECT_TRUE(holds(gap_html(finding), "is indistinguishable from Stribeck friction (0.48)"));
   finding.effects[0].confused_with[0].name = "c_s";
-  EXPECT_TRUE(holds(gap_html(finding), "cannot be told apart from viscous damping of the slider (0.48)"));
+  EXPECT_TRUE(holds(gap_html(finding), "is indistinguishable from viscous damping of the slider (0.48)"));
   finding.next.sentence.clear();
   EXPECT_TRUE(holds(gap_html(finding), "differ by 0.043 mm RMS, 4.3 times the noise"));
   finding.effects[0].confused_with.clear();
@@ -112,8 +111,8 @@ TEST(GapHtml, ShowsTheModelChangeLineByLine) {
 
 TEST(GapHtml, NoGapReadsWellWithoutEmptySectionsOrFiguresThatMeanNothing) {
   const std::string html = gap_html(example_no_gap());
-  for (const char* absent : {"Gap closed", "What was tried", "The effect that was found", "not rechecked",
-                             "could not be told apart", "parameters that changed", "class=\"alarm\""})
+  for (const char* absent : {"Gap closed", "<h2>Candidates", "Effect found", "not rechecked",
+                             "Indistinguishable", "parameters that changed", "class=\"alarm\""})
     EXPECT_FALSE(holds(html, absent)) << absent;
   EXPECT_TRUE(holds(html, "nothing is missing"));
   EXPECT_TRUE(holds(html, "<h2>Measurement and model</h2>"));
@@ -126,7 +125,7 @@ TEST(GapHtml, UnexplainedDrawsTheResidualAgainstWhatItDependsOnMost) {
   EXPECT_TRUE(holds(html, "<title>Mean residual against position</title>"));
   EXPECT_TRUE(holds(html, "<title>Mean residual against speed</title>"));
   EXPECT_TRUE(holds(html, "estimated from the data"));
-  EXPECT_TRUE(holds(html, "rehearsals with it do not know what is missing"));
+  EXPECT_TRUE(holds(html, "rehearsals with it do not include what is missing"));
 }
 
 TEST(GapHtml, ACandidateThatHelpedButWasNotAdoptedIsNotCalledChosen) {

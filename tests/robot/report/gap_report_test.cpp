@@ -10,10 +10,7 @@
 #include <sstream>
 
 #include "robot/common/config_error.hpp"
-#include "robot/report/gap/gap_candidates.hpp"
-#include "robot/report/gap/gap_console.hpp"
 #include "robot/report/gap/gap_diff.hpp"
-#include "robot/report/gap/gap_json.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "tests/robot/report/gap_example.hpp"
 #include "tests/scratch_folder.hpp"
@@ -151,14 +148,14 @@ TEST(LineDiff, KeepsBothTextsAndAsManyCommonLinesAsThereAre) {
 }
 
 TEST(GapWords, NamesAreWordsForPeople) {
-  EXPECT_EQ(name_words("coulomb_friction"), "Coulomb friction");
-  EXPECT_EQ(regime_words("after_reversal"), "after a polarity reversal");
-  EXPECT_EQ(regime_words("run:ramp_50g"), "in run ramp_50g");
-  EXPECT_EQ(regime_words("after_a_hiccup"), "after a hiccup");  // unknown ones still read
+  EXPECT_EQ(readable_name("coulomb_friction"), "Coulomb friction");
+  EXPECT_EQ(regime_label("after_reversal"), "after a polarity reversal");
+  EXPECT_EQ(regime_label("run:ramp_50g"), "in run ramp_50g");
+  EXPECT_EQ(regime_label("after_a_hiccup"), "after a hiccup");  // unknown ones still read
   EXPECT_EQ(effect_quantity("speed_mm_s").unit, "mm/s");
   EXPECT_EQ(effect_quantity("coulomb_N_per_mm").unit, "N/mm");
   EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").unit, "N s/m/mm");
-  EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").words, "viscous");
+  EXPECT_EQ(effect_quantity("viscous_N_s_per_m_per_mm").label, "viscous");
   EXPECT_EQ(effect_quantity("coefficient_N_s2_per_m2").unit, "N s²/m²");
   EXPECT_EQ(effect_quantity("rate_um_per_s").unit, "µm/s");
   EXPECT_EQ(effect_quantity("gain").unit, "");

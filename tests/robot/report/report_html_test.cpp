@@ -1,11 +1,10 @@
-#include "robot/report/procedure/report_html.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
 #include <set>
 
+#include "robot/report/procedure/report.hpp"
 #include "tests/count_of.hpp"
 #include "tests/robot/report/example_run.hpp"
 #include "tests/robot/report/html_balance.hpp"
@@ -104,11 +103,11 @@ TEST(ReportHtml, RefusalAndStopSayWhyAndWhatToDo) {
 }
 
 TEST(ReportHtml, RaisesAnAlarmWhenACompletedRunIsNotConfirmedByItsLastImage) {
-  EXPECT_EQ(report_html(example_run()).find("The last image check says"), std::string::npos);
+  EXPECT_EQ(report_html(example_run()).find("Last depth check"), std::string::npos);
   RunRecord record = example_run();
   record.stages[1].check->verdict = DepthVerdict::Reject;
   record.stages[1].check->reason = "tip 1.3 mm short of the target";
-  EXPECT_NE(report_html(record).find("The last image check says reject: tip 1.3 mm short of the target"),
+  EXPECT_NE(report_html(record).find("Last depth check: reject. tip 1.3 mm short of the target"),
             std::string::npos);
 }
 

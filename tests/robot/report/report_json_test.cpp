@@ -1,9 +1,8 @@
-#include "robot/report/procedure/report_json.hpp"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "robot/report/procedure/report.hpp"
 #include "tests/robot/report/example_run.hpp"
 
 namespace biopsy::report {

@@ -1,10 +1,9 @@
-#include "robot/report/procedure/run_csv.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <sstream>
 
+#include "robot/report/procedure/report.hpp"
 #include "tests/robot/report/example_run.hpp"
 
 namespace biopsy::report {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/report/procedure/run_figure.hpp"
+#include "robot/report/procedure/html_sections.hpp"
 #include "tests/robot/report/example_run.hpp"
 
 namespace biopsy::report {

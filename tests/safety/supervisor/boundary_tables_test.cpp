@@ -22,7 +22,7 @@ namespace biopsy::safety {
 namespace {
 
 std::string section(const std::string& title) {
-  std::ifstream file(source_dir() / "docs/safety.md");
+  std::ifstream file(source_dir() / "docs/reference/supervisor.md");
   std::stringstream text;
   text << file.rdbuf();
   const std::string all = text.str();

@@ -42,8 +42,8 @@ class Score {
  public:
   void add(const HiddenCase& hidden, const Answer& answer);
 
-  // The figures of docs/gap.md. Nothing hidden: any effect or `unexplained` is a false alarm; without
-  // parameter errors `parameter` is one too.
+  // The figures of docs/how-to/find-missing-effects.md. Nothing hidden: any effect or `unexplained` is a
+  // false alarm; without parameter errors `parameter` is one too.
   Share right_first, right_or_tied, invented, false_alarm, both_names, one_name, parameter_found, unexplained,
       confident_wrong, inside_interval;
   std::vector<double> gap_closed, seconds;  // closed: something of the library was hidden

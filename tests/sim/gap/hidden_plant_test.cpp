@@ -1,4 +1,4 @@
-// The hidden generator against closed forms: an independent implementation of docs/model.md.
+// The hidden generator against closed forms: an independent implementation of docs/explanation/model.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -9,7 +9,8 @@
 
 namespace biopsy::sim::paper {
 
-// The stage of docs/model.md without any effect, and the films and mechanisms of sim/models/paper.toml.
+// The stage of docs/explanation/model.md without any effect, and the films and mechanisms of
+// sim/models/paper.toml.
 inline PaperModel bare_paper_model() {
   const std::filesystem::path models = source_dir() / "sim/models";
   return read_paper_model(models / "baseline.toml", models / "paper.toml");

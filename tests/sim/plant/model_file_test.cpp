@@ -11,7 +11,7 @@
 namespace biopsy::sim {
 namespace {
 
-void expect_reference_values(const Baseline& b) {  // docs/model.md, section 1
+void expect_reference_values(const Baseline& b) {  // docs/explanation/model.md, section 1
   EXPECT_EQ(b.drive, Drive::Stack);
   EXPECT_EQ(b.K, 0.80);
   EXPECT_EQ(b.tau, 6.9);

@@ -6,7 +6,7 @@
 namespace biopsy::sim {
 namespace {
 
-// The table of docs/model.md.
+// The table of docs/explanation/model.md.
 constexpr double kK = 0.80, kTau = 6.9, kEpsFilm = 3.4, kFilm = 100e-6, kL0 = 0.060, kV0 = 1.9e-7,
                  kH0 = 0.35e-3;
 constexpr double kN = 11, kTauH = 0.030, kSpring = 140, kSpringDamping = 0.05, kSlider = 0.60;

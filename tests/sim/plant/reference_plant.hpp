@@ -1,6 +1,6 @@
-// The baseline of docs/model.md, section 1, written a second time from the page alone: explicit Euler-Heun in
-// steps of a few microseconds, the algebraic loop through the spring's damper solved by iteration. Slow,
-// plain, and sharing no line with sim/plant/plant.cpp: what both agree on is the page.
+// The baseline of docs/explanation/model.md, section 1, written a second time from the page alone: explicit
+// Euler-Heun in steps of a few microseconds, the algebraic loop through the spring's damper solved by
+// iteration. Slow, plain, and sharing no line with sim/plant/plant.cpp: what both agree on is the page.
 #pragma once
 
 #include <vector>

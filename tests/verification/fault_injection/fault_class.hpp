@@ -33,8 +33,8 @@ struct FaultClass {
   safety::HazardSet instead = 0;                 // as strict and explained by the same fault
   Reaction reaction = Reaction::Off;
   std::int32_t detect_ms = 1, react_ms = 10;  // both from the first sample that shows it, that one counted
-  std::int32_t row = 1;                       // samples in a row that show it, as docs/safety.md counts
-  std::vector<Mode> modes;                    // in which it may begin
+  std::int32_t row = 1;     // samples in a row that show it, as docs/reference/supervisor.md counts
+  std::vector<Mode> modes;  // in which it may begin
   bool (*fits)(const Glimpse&) = [](const Glimpse&) { return true; };
   Corruptors (*inject)(Draw& draw, Procedure& procedure, const Line& now) = nullptr;
   bool moves_needle = false;  // the fault itself is a force on the needle: it, not the drive, makes the depth

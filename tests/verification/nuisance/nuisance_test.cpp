@@ -17,7 +17,8 @@ Workshop workshop() {
 TEST(Nuisance, AnHourOfHealthyProceduresHasNoTrip) {
   const Shift day = work(workshop(), 1.0, 11, {}, [](double) {});
   EXPECT_EQ(day.trips, 0);
-  EXPECT_LE(day.unexpected_stops, 1);  // one is known: a stage that a puncture overshot, docs/safety-case.md
+  EXPECT_LE(day.unexpected_stops,
+            1);  // one is known: a stage that a puncture overshot, docs/explanation/verification.md
   for (const Alarm& alarm : day.alarms)
     std::cout << "procedure " << alarm.procedure << " at " << alarm.at_s << " s: " << alarm.what << '\n';
   EXPECT_GT(day.releases, 20);

@@ -1,7 +1,7 @@
 // Before and after, side by side: detected tip, planned target, error and confidence. No default answer.
 import type { Checked, Judgement } from './generated/messages'
-import { ask, withToken } from './link'
-import { checked, state, welcome, whyNot } from './robot'
+import { send, withToken } from './link'
+import { checked, state, welcome, disabledReason } from './robot'
 
 // Both pictures have the same pixels.
 function Picture(props: { of: Checked; after: boolean }) {
@@ -42,20 +42,20 @@ function Picture(props: { of: Checked; after: boolean }) {
 }
 
 function Buttons(props: { of: Checked }) {
-  const why = whyNot.value || state.value?.disabled.judge || ''
+  const why = disabledReason.value || state.value?.disabled.judge || ''
   const sure = props.of.verdict === 'accept'
   const whyNotAccept = why || (sure ? '' : 'The image does not show the tip where it should be.')
-  const judge = (judgement: Judgement) => void ask({ type: 'Judge', stage: props.of.stage, judgement })
+  const judge = (judgement: Judgement) => void send({ type: 'Judge', stage: props.of.stage, judgement })
   return (
     <div class="row">
       <button aria-disabled={whyNotAccept !== ''} title={whyNotAccept} onClick={() => judge('Accept')}>
         Accept this depth
       </button>
       <button aria-disabled={why !== ''} title={why} onClick={() => judge('Adjust')}>
-        Adjust: let back, plan again
+        Adjust: retract, plan again
       </button>
       <button aria-disabled={why !== ''} title={why} onClick={() => judge('Reject')}>
-        Reject: let back, end
+        Reject: retract, end
       </button>
       {whyNotAccept && <span data-name="why-not-accept">{whyNotAccept}</span>}
     </div>
@@ -79,7 +79,7 @@ function Report(props: { path: string; completed: boolean }) {
   )
 }
 
-// Stopped or let back before the end of a stage.
+// Stopped or retracted before the end of a step.
 function NoImage(props: { path: string }) {
   return (
     <div class="confirm" role="status">
@@ -95,12 +95,12 @@ export function ConfirmView() {
   const last = checked.value.at(-1)
   if (now?.step !== 'Confirm') return null
   if (!last && now.report) return <NoImage path={now.report} />
-  if (!last && now.mode !== 'Hold' && now.scanner === 'Idle') return null // the tip on its way back is to be seen
+  if (!last && now.mode !== 'Hold' && now.scanner === 'Idle') return null // the image shows the retracting tip
   if (!last || (now.scanner !== 'Idle' && !now.report))
     return (
       <div class="confirm" role="status">
         <h2>{now.scanner === 'Checking' ? 'Looking for the tip in the new image…' : 'The scanner takes the image…'}</h2>
-        {now.hold_left > 0 && <p>The needle is held for {Math.ceil(now.hold_left)} s more, then let back.</p>}
+        {now.hold_left > 0 && <p>The needle is held for {Math.ceil(now.hold_left)} s more, then retracted.</p>}
       </div>
     )
   return (
@@ -135,7 +135,7 @@ export function ConfirmView() {
       </dl>
       <p>{last.reason}</p>
       {now.hold_left > 0 && (
-        <p data-name="hold-left">The needle is held for {Math.ceil(now.hold_left)} s more, then let back.</p>
+        <p data-name="hold-left">The needle is held for {Math.ceil(now.hold_left)} s more, then retracted.</p>
       )}
       {now.report ? <Report path={now.report} completed={now.completed} /> : <Buttons of={last} />}
     </div>

@@ -1,15 +1,15 @@
-// A button that acts only while it is held. Whatever takes the hand or the page away lets it go; going on takes a
-// new press with a new token, which the server gives out once.
+// Hold-to-run button. Losing the pointer, the focus, the page or the connection releases it; continuing takes a new
+// press with a new token, which the server issues once.
 import { effect, signal } from '@preact/signals'
 
 import type { Button } from './generated/messages'
-import { ask, onLost, say } from './link'
+import { onConnectionLost, post, send } from './link'
 import { isOld, state } from './robot'
 
 const kBeat_ms = 25
 
 export const held = signal<Button | null>(null)
-const kTaken_ms = 500 // by then the server says that it is held
+const kConfirmed_ms = 500 // by then the server has confirmed the press
 
 let token = 0
 let timer = 0
@@ -21,33 +21,33 @@ export function press(button: Button): void {
   pressedAt = performance.now()
   token = state.value.token
   const mine = token
-  void ask({ type: 'Press', button, token, page_ms: performance.now() }).then((answer) => {
-    if (!answer.done && token === mine) letGo()
+  void send({ type: 'Press', button, token, page_ms: performance.now() }).then((answer) => {
+    if (!answer.done && token === mine) release()
   })
-  timer = window.setInterval(() => say({ type: 'Beat', token: mine, page_ms: performance.now() }), kBeat_ms)
+  timer = window.setInterval(() => post({ type: 'Beat', token: mine, page_ms: performance.now() }), kBeat_ms)
 }
 
-export function letGo(): void {
+export function release(): void {
   if (!held.value) return
   window.clearInterval(timer)
-  say({ type: 'Release', token })
+  post({ type: 'Release', token })
   held.value = null
 }
 
-// The server ended the press (a beat was late): the button springs out, so that nobody believes it is held.
+// The server ended the press (a heartbeat was late): the button is released on the page too.
 effect(() => {
-  const taken = state.value?.held.length
-  if (!taken && held.peek() && performance.now() - pressedAt > kTaken_ms) letGo()
+  const confirmed = state.value?.held.length
+  if (!confirmed && held.peek() && performance.now() - pressedAt > kConfirmed_ms) release()
 })
 
-// What the page shows is old: nobody can hold by that.
+// No motion on outdated values.
 effect(() => {
-  if (isOld.value) letGo()
+  if (isOld.value) release()
 })
 
-window.addEventListener('pointerup', letGo) // wherever the pointer is by then
-window.addEventListener('pointercancel', letGo)
-window.addEventListener('blur', letGo)
-window.addEventListener('pagehide', letGo)
-document.addEventListener('visibilitychange', () => document.hidden && letGo())
-onLost(letGo)
+window.addEventListener('pointerup', release) // wherever the pointer is by then
+window.addEventListener('pointercancel', release)
+window.addEventListener('blur', release)
+window.addEventListener('pagehide', release)
+document.addEventListener('visibilitychange', () => document.hidden && release())
+onConnectionLost(release)

@@ -1,18 +1,18 @@
-// The image, and what is done on it: crosshair by click, wheel and arrows; Set entry and Set target commit it.
+// The image: crosshair by click, wheel and arrow keys; Set entry and Set target commit it.
 import { effect, signal } from '@preact/signals'
 import { useEffect, useRef } from 'preact/hooks'
 
 import type { Mark, Series, Step } from './generated/messages'
 import { add, kPlanes, length, ras, voxelOf } from './geometry'
-import { ask, withToken } from './link'
+import { send, withToken } from './link'
 import { Overlay } from './overlay'
-import { opened, state, welcome, whyNot, type Vec3 } from './robot'
+import { opened, state, welcome, disabledReason, type Vec3 } from './robot'
 import { arrange, crosshair, large, moveTo, showVolume, tiles } from './viewer'
 
 const kFine_mm = 0.1
-const kPlanning: Step[] = ['Plan', 'Check', 'Arm'] // until then a person may think again
+const kPlanning: Step[] = ['Plan', 'Check', 'Arm'] // steps in which points may be changed
 
-const choosing = signal(false) // the list is shown again, to open another
+const choosing = signal(false) // shows the list again, to open another series
 effect(() => {
   if (opened.value) choosing.value = false
 })
@@ -21,7 +21,7 @@ function setPoint(mark: Mark): void {
   const series = opened.value?.series
   if (!series || !crosshair.value) return
   const voxel = voxelOf(series.ras_from_voxel, crosshair.value)
-  void ask({ type: 'SetPoint', mark, series_uid: series.series_uid, voxel, ras_mm: crosshair.value })
+  void send({ type: 'SetPoint', mark, series_uid: series.series_uid, voxel, ras_mm: crosshair.value })
 }
 
 // Along the large view: one voxel, or 0.1 mm with Shift.
@@ -44,7 +44,7 @@ function nudge(event: KeyboardEvent): void {
 }
 
 function Picking() {
-  const why = whyNot.value
+  const why = disabledReason.value
   const several = (welcome.value?.series.length ?? 0) > 1
   return (
     <>
@@ -113,10 +113,10 @@ function OpenButton(props: { series: Series; sample: boolean }) {
   const { series } = props
   const reading = state.value?.reading ?? ''
   const why =
-    whyNot.value || series.problem || (reading && (reading === series.series_uid ? 'It is being read…' : 'Wait.'))
+    disabledReason.value || series.problem || (reading && (reading === series.series_uid ? 'It is being read…' : 'Wait.'))
   const open = () => {
     if (opened.value?.series.series_uid === series.series_uid) choosing.value = false
-    else void ask({ type: 'OpenSeries', series_uid: series.series_uid })
+    else void send({ type: 'OpenSeries', series_uid: series.series_uid })
   }
   return (
     <li>
@@ -133,7 +133,7 @@ function OpenButton(props: { series: Series; sample: boolean }) {
   )
 }
 
-// Where a person begins.
+// The first view.
 function SeriesList() {
   const found = welcome.value
   if (!found) return <div class="empty">Waiting for the console…</div>

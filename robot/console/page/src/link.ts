@@ -1,4 +1,4 @@
-// The one WebSocket to the server: messages in become signals, asks go out with a number and come back answered.
+// The WebSocket to the server: events become signals; commands are sent with an id and answered.
 import { batch } from '@preact/signals'
 
 import type { Answer, Command, Event } from './generated/messages'
@@ -8,34 +8,34 @@ type WithId = Extract<Command, { id: number }>
 type WithoutId<T> = T extends { id: number } ? Omit<T, 'id'> : never
 
 const token = new URLSearchParams(location.search).get('t') ?? ''
-const kAgain_ms = 1000
+const kReconnect_ms = 1000
 
 let socket: WebSocket | null = null
 let lastId = 0
 const waiting = new Map<number, (answer: Answer) => void>()
-const whenLost: (() => void)[] = []
+const lostHandlers: (() => void)[] = []
 
 export const withToken = (path: string) => `${path}?t=${token}`
-export const onLost = (act: () => void) => void whenLost.push(act)
+export const onConnectionLost = (handler: () => void) => void lostHandlers.push(handler)
 
 export function connect(): void {
   open()
-  setInterval(() => void (robot.linkAge.value = 50 * Math.floor((performance.now() - robot.heardAt) / 50)), 50)
+  setInterval(() => void (robot.linkAge.value = 50 * Math.floor((performance.now() - robot.lastMessageAt) / 50)), 50)
 }
 
 function open(): void {
   socket = new WebSocket(`ws://${location.host}/live?t=${token}`)
   socket.onopen = () => void (robot.connected.value = true)
-  socket.onmessage = (event) => hear(JSON.parse(event.data as string) as Event)
-  socket.onclose = lose
+  socket.onmessage = (event) => onEvent(JSON.parse(event.data as string) as Event)
+  socket.onclose = onClose
 }
 
-function lose(): void {
+function onClose(): void {
   robot.connected.value = false
-  for (const act of whenLost) act()
+  for (const handler of lostHandlers) handler()
   for (const answer of waiting.values()) answer(unanswered)
   waiting.clear()
-  setTimeout(open, kAgain_ms)
+  setTimeout(open, kReconnect_ms)
 }
 
 const unanswered: Answer = {
@@ -43,13 +43,13 @@ const unanswered: Answer = {
   done: false,
   code: 'E-100',
   what: 'The console does not answer.',
-  robot_did: 'It holds the needle, then lets it back by itself.',
+  robot_did: 'It holds the needle, then retracts it automatically.',
   to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
 }
 
-function hear(message: Event): void {
+function onEvent(message: Event): void {
   batch(() => {
-    robot.heard()
+    robot.noteMessage()
     switch (message.type) {
       case 'Welcome':
         robot.welcome.value = message
@@ -65,7 +65,7 @@ function hear(message: Event): void {
         robot.state.value = message
         break
       case 'Telemetry':
-        robot.remember(message)
+        robot.appendTelemetry(message)
         break
       case 'Checked':
         robot.checked.value = [...robot.checked.value.filter((c) => c.stage !== message.stage), message]
@@ -79,11 +79,11 @@ function hear(message: Event): void {
   })
 }
 
-// Sent at once or not at all: what waits for a link would act when nobody expects it any more.
-export function ask(message: WithoutId<WithId>): Promise<Answer> {
+// Sent at once or not at all: a delayed command would act when nobody expects it.
+export function send(message: WithoutId<WithId>): Promise<Answer> {
   const id = ++lastId
   return new Promise((resolve) => {
-    if (!say({ ...message, id } as Command)) {
+    if (!post({ ...message, id } as Command)) {
       robot.refused.value = unanswered
       return resolve(unanswered)
     }
@@ -91,7 +91,8 @@ export function ask(message: WithoutId<WithId>): Promise<Answer> {
   })
 }
 
-export function say(message: Command): boolean {
+// Without an answer. False: there is no connection.
+export function post(message: Command): boolean {
   if (socket?.readyState !== WebSocket.OPEN) return false
   socket.send(JSON.stringify(message))
   return true

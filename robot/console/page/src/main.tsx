@@ -1,6 +1,6 @@
 import { render } from 'preact'
 
-import { Acts } from './acts'
+import { ActionBar } from './action_bar'
 import { ConfirmView } from './confirm_view'
 import { ImageView } from './image_view'
 import { connect } from './link'
@@ -20,7 +20,7 @@ render(
     <PlanPanel>
       <Plots />
     </PlanPanel>
-    <Acts />
+    <ActionBar />
   </div>,
   document.getElementById('page')!,
 )

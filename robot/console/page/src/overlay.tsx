@@ -1,5 +1,5 @@
-// What is drawn over the image: entry, target, path, the live tip, proposals of the case, scale bars. SVG, so that a
-// test can read every place in mm from the page. Dashed: in front of or behind the slice that is shown.
+// Drawn over the image: entry, target, path, live tip, points proposed by the case, scale bars. SVG, so that a test can
+// read every position in mm from the page. Dashed: in front of or behind the displayed slice.
 import { add, length, letterOf, minus, project, type Tile } from './geometry'
 import { crosshair, tiles } from './viewer'
 import { isOld, opened, plan, planned, state, type Vec3 } from './robot'
@@ -36,12 +36,12 @@ function Path(props: { tile: Tile; from: Vec3; to: Vec3 }) {
   )
 }
 
-// Hollow and "OLD" once nobody knows any more where it is.
+// Hollow and "OLD" while the position is outdated.
 function Tip(props: { tile: Tile; from: Vec3; to: Vec3 }) {
   const known = state.value
   if (!known?.measured) return null
   const way = minus(props.to, props.from)
-  const tip = add(props.from, way, Math.round(50 * known.depth) / 50 / length(way)) // no repainting for noise
+  const tip = add(props.from, way, Math.round(50 * known.depth) / 50 / length(way)) // no repaint for noise
   const { x, y, off } = project(props.tile, tip)
   const radius = (2 * kTipSigma_mm) / length(props.tile.right)
   return (
@@ -57,7 +57,7 @@ function Tip(props: { tile: Tile; from: Vec3; to: Vec3 }) {
   )
 }
 
-// Which side of the patient lies where.
+// Sides of the patient.
 function Letters(props: { tile: Tile }) {
   const { left, top, width, height, right, down } = props.tile
   const [x, y] = [left + width / 2, top + height / 2]
@@ -80,7 +80,7 @@ function Letters(props: { tile: Tile }) {
 
 function Scale(props: { tile: Tile }) {
   const { tile } = props
-  const mm = 10 / length(tile.right) + 82 < tile.width / 2 ? 10 : 5 // the letter in the middle stays free
+  const mm = 10 / length(tile.right) + 82 < tile.width / 2 ? 10 : 5 // leaves room for the letter in the middle
   const wide = mm / length(tile.right)
   const [x, y] = [tile.left + tile.width - wide - 68, tile.top + tile.height - 12]
   return (

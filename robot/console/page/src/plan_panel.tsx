@@ -1,17 +1,17 @@
-// What was planned: points, depth, layers, stages, limits; and the three ticks before arming.
+// The plan: points, depth, layers, steps, limits; and the three checks before arming.
 import type { Tick } from './generated/messages'
 import { mm, ras } from './geometry'
-import { ask } from './link'
-import { opened, plan, planned, state, whyNot, type Vec3 } from './robot'
+import { send } from './link'
+import { opened, plan, planned, state, disabledReason, type Vec3 } from './robot'
 
 function Points() {
-  const told = planned.value
+  const current = planned.value
   return (
     <dl>
       <dt>Entry</dt>
-      <dd data-name="entry">{told?.entry[0] ? `${ras(told.entry[0].ras as Vec3)} mm` : 'not set'}</dd>
+      <dd data-name="entry">{current?.entry[0] ? `${ras(current.entry[0].ras as Vec3)} mm` : 'not set'}</dd>
       <dt>Target</dt>
-      <dd data-name="target">{told?.target[0] ? `${ras(told.target[0].ras as Vec3)} mm` : 'not set'}</dd>
+      <dd data-name="target">{current?.target[0] ? `${ras(current.target[0].ras as Vec3)} mm` : 'not set'}</dd>
       {plan.value && (
         <>
           <dt>Depth</dt>
@@ -101,9 +101,9 @@ function Checks() {
           <input
             type="checkbox"
             checked={state.value?.ticks[n] ?? false}
-            disabled={whyNot.value !== ''}
+            disabled={disabledReason.value !== ''}
             onChange={(event) =>
-              void ask({ type: 'SetTick', tick, on: event.currentTarget.checked, seal: now.seal })
+              void send({ type: 'SetTick', tick, on: event.currentTarget.checked, seal: now.seal })
             }
           />
           {text}
@@ -115,18 +115,18 @@ function Checks() {
 }
 
 export function PlanPanel(props: { children?: preact.ComponentChildren }) {
-  const told = planned.value
+  const current = planned.value
   const now = state.value
   const over = now?.step === 'Confirm' && now.report !== '' // another run of the same plan begins with its checks
   const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || over)
-  const why = whyNot.value || now?.disabled.plan || ''
+  const why = disabledReason.value || now?.disabled.plan || ''
   return (
     <section class="plan" aria-label="plan">
       <h2>Plan</h2>
       <Points />
-      {told?.refusal && (
+      {current?.refusal && (
         <p role="status" data-name="refusal">
-          <b>No plan:</b> {told.refusal}. {told.remedy}
+          <b>No plan:</b> {current.refusal}. {current.remedy}
         </p>
       )}
       {!opened.value && <p>Open a series, then set entry and target.</p>}
@@ -140,7 +140,7 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
             <button
               aria-disabled={why !== ''}
               title={why}
-              onClick={() => void ask({ type: 'ConfirmPlan', seal: plan.value!.seal })}
+              onClick={() => void send({ type: 'ConfirmPlan', seal: plan.value!.seal })}
             >
               Confirm this plan
             </button>

@@ -1,5 +1,5 @@
-// 30 s of depth against plan and of voltage in its envelope. Every 20 ms has its lowest and its highest value, so a
-// spike of one millisecond is drawn.
+// 30 s of depth against plan and of voltage in its envelope. Each 20 ms has its minimum and maximum, so a spike of one
+// millisecond is drawn.
 import 'uplot/dist/uPlot.min.css'
 
 import { useEffect, useRef } from 'preact/hooks'
@@ -19,7 +19,7 @@ function options(title: string, unit: string, low: number, series: uPlot.Series[
   const axis = { stroke: kInk, font: '16px DejaVu Sans, sans-serif', grid: { stroke: '#b4babf' } }
   return {
     width: 530,
-    height: 128, // two of them below the three checks
+    height: 128, // two of them fit below the three checks
     title,
     legend: { show: false },
     cursor: { show: false },
@@ -29,7 +29,7 @@ function options(title: string, unit: string, low: number, series: uPlot.Series[
   }
 }
 
-// One column of pixels is three batches: lowest, then highest.
+// One column of pixels shows three batches: minimum, then maximum.
 function columns(of: 'depth' | 'drive'): Columns {
   const now = telemetry.at(-1)?.time ?? 0
   const all: Columns = of === 'depth' ? [[], [], []] : [[], [], [], []]

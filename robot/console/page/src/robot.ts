@@ -1,4 +1,4 @@
-// What is known of the robot, as signals: set by the link alone, read by the parts of the page.
+// The state of the robot as signals: set by link.ts only, read by the components.
 import { computed, signal } from '@preact/signals'
 
 import type { Answer, Checked, Opened, Planned, State, Telemetry, Welcome } from './generated/messages'
@@ -14,33 +14,33 @@ export const refused = signal<Answer | null>(null) // the last refusal, until so
 
 // The link
 export const connected = signal(false)
-export let heardAt = 0 // performance.now() of the last message
+export let lastMessageAt = 0 // performance.now(), ms
 export const linkAge = signal(0) // ms, in steps
-export const heard = () => void (heardAt = performance.now())
+export const noteMessage = () => void (lastMessageAt = performance.now())
 export const kOld_ms = 200
-const kLost_ms = 2500 // a robot that is silent lets the console speak once a second
+const kLost_ms = 2500 // without data from the robot the console sends once a second
 
 export const isOld = computed(() => !connected.value || linkAge.value > kOld_ms)
-// A cable that is cut does not close the socket: silence says it too.
+// A pulled cable does not close the socket: missing messages count as well.
 export const linked = computed(() => connected.value && linkAge.value < kLost_ms)
 export const controls = computed(() => linked.value && (state.value?.controller ?? false))
 export const plan = computed(() => (planned.value?.stages.length ? planned.value : null))
 
-// The last 30 s of plots; not signals: they are drawn by their own clock.
+// The last 30 s of plots; not signals, since they are drawn on a timer.
 export const kPlot_ms = 30_000
 export const telemetry: Telemetry[] = []
 
-export function remember(sample: Telemetry): void {
+export function appendTelemetry(sample: Telemetry): void {
   const last = telemetry.at(-1)
-  if (last && sample.time < last.time) telemetry.length = 0 // another stage process: its own clock
+  if (last && sample.time < last.time) telemetry.length = 0 // a new stage process has its own clock
   telemetry.push(sample)
   let old = 0
   while (telemetry[old]!.time < sample.time - kPlot_ms) ++old
-  if (old > 100) telemetry.splice(0, old) // now and then, not each time
+  if (old > 100) telemetry.splice(0, old) // seldom, since it moves the whole array
 }
 
-// Why the page cannot act at all; empty: it can.
-export const whyNot = computed(() => {
+// Why every button is disabled; empty: they are not.
+export const disabledReason = computed(() => {
   if (!linked.value) return 'No link to the console.'
   if (!controls.value) return 'Another page controls the robot; this one watches.'
   return ''

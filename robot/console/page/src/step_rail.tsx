@@ -1,4 +1,4 @@
-// Where we are. The supervisor decides the step; the page only shows it, and what to do in it.
+// The current step, decided by the server, and what to do in it.
 import type { Step } from './generated/messages'
 import { planned, state } from './robot'
 

@@ -2,7 +2,7 @@
 import type { Mode } from './generated/messages'
 import { isOld, linkAge, linked, opened, refused, state, welcome } from './robot'
 
-// A word, a shape and, for the two that stop, the only colour.
+// A label, a shape and, for the two stopped modes, the only saturated colour.
 const kShapes: Record<Mode, string> = {
   Boot: 'M4,14h20',
   Safe: 'M14,4a10,10 0 1,0 .1,0z',
@@ -64,7 +64,7 @@ export function AlarmLine() {
     severity: 'Alarm',
     code: 'E-100',
     what: 'No link to the console.',
-    robot_did: 'The robot holds the needle, then lets it back by itself.',
+    robot_did: 'The robot holds the needle, then retracts it automatically.',
     to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
   }
   const asked = refused.value && { severity: 'Notice', ...refused.value }

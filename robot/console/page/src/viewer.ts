@@ -1,4 +1,4 @@
-// The only file that knows the image viewer (NiiVue 0.69). Everything here is R, A, S in mm.
+// The only file that uses the image viewer (NiiVue 0.69). Points are R, A, S in mm.
 import { Niivue, SLICE_TYPE } from '@niivue/niivue'
 import { signal } from '@preact/signals'
 
@@ -18,7 +18,7 @@ export async function showVolume(canvas: HTMLCanvasElement, url: string): Promis
   const shown = new Niivue({
     isRadiologicalConvention: true,
     dragAndDropEnabled: false,
-    isOrientationTextVisible: false, // ours are on all four sides and easier to read
+    isOrientationTextVisible: false, // overlay.tsx draws them on all four sides
     show3Dcrosshair: false,
     crosshairColor: [0.2, 0.85, 0.3, 0.8],
     crosshairWidth: 1,
@@ -74,7 +74,7 @@ const mmOf = (frac: Vec3): Vec3 => {
   return [p[0]!, p[1]!, p[2]!]
 }
 
-// Asks the viewer for three points of its tile: whatever it does inside, this is where it shows them.
+// From three points of the tile as the viewer maps them, independent of its internal layout.
 function tileOf(n: number): Tile | null {
   const slice = viewer!.screenSlices[n]!
   const ratio = viewer!.uiData.dpr ?? 1

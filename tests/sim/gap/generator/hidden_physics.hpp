@@ -1,6 +1,6 @@
-// The hidden truth of a test: numbers of the baseline (docs/model.md, section 1) and of what is added to it.
-// SI. Written apart from sim/ on purpose: other parametrisations, so that agreement with sim/ means
-// something.
+// The hidden truth of a test: numbers of the baseline (docs/explanation/model.md, section 1) and of what is
+// added to it. SI. Written apart from sim/ on purpose: other parametrisations, so that agreement with sim/
+// means something.
 #pragma once
 
 #include <cstdint>

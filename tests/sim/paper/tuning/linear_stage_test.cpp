@@ -81,7 +81,7 @@ TEST(LinearStage, IsUnstableBeyondItsGainMargin) {
   EXPECT_FALSE(holds(stage, scaled(1.02 * most)));
 }
 
-// docs/model.md: the paper's gains do not hold the bare baseline, a spring with a damping ratio of
+// docs/explanation/model.md: the paper's gains do not hold the bare baseline, a spring with a damping ratio of
 // 0.1.
 TEST(LinearStage, ThePapersGainsDoNotHoldTheBareBaseline) {
   EXPECT_FALSE(holds(linearised(PlantModel{}, 2.5), {}));
