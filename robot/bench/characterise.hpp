@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/report/study/bench_record.hpp"
+#include "robot/report/study/bench_report.hpp"
 
 namespace biopsy::robot {
 

@@ -35,7 +35,7 @@ bool is_group(const CommandLine::Entry& entry) {
 }
 
 // Markdown for a terminal: without the marks of code; a link, relative to docs/reference, becomes "text (docs/...)".
-std::string plain(const std::string& markdown) {
+std::string for_terminal(const std::string& markdown) {
   static const std::regex kUp(R"(\[([^\]]+)\]\(\.\./([a-z/-]+\.md)[^)]*\))"),
       kBeside(R"(\[([^\]]+)\]\(([a-z-]+\.md)[^)]*\))"), kAnchor(R"(\[([^\]]+)\]\(#[^)]*\))");
   std::string text = std::regex_replace(markdown, kUp, "$1 (docs/$2)");
@@ -96,7 +96,7 @@ std::string table(const std::vector<std::pair<std::string, std::string>>& rows) 
   for (const auto& [name, text] : rows) {
     out += fmt::format("  {:<{}}", name, width);
     if (name.size() > width) out += "\n" + std::string(width + 2, ' ');
-    out += "  " + wrapped(plain(text), width + 4, width + 4) + "\n";
+    out += "  " + wrapped(for_terminal(text), width + 4, width + 4) + "\n";
   }
   return out;
 }
@@ -110,7 +110,7 @@ std::string examples_of(const Command& command) {
 std::string help_text(const CommandLine& line, const CommandLine::Entry& entry) {
   const Command& command = *entry.command;
   std::string text = fmt::format("{}\n\n{}\n", usage(entry), command.summary);
-  if (!command.description.empty()) text += "\n" + wrapped(plain(command.description), 0, 0) + "\n";
+  if (!command.description.empty()) text += "\n" + wrapped(for_terminal(command.description), 0, 0) + "\n";
   if (is_group(entry)) {
     std::vector<std::pair<std::string, std::string>> parts;
     for (const CommandLine::Entry& part : line.entries)
@@ -130,7 +130,7 @@ std::string help_text(const CommandLine& line, const CommandLine::Entry& entry) 
     for (const OutputFile& file : command.outputs) files.emplace_back(file.name, file.content);
     text += "\nFiles written:\n" + table(files);
   }
-  return text + examples_of(command) + "\n" + wrapped("Exit code: " + plain(command.exit_codes), 0, 0) +
+  return text + examples_of(command) + "\n" + wrapped("Exit code: " + for_terminal(command.exit_codes), 0, 0) +
          ".\n";
 }
 

@@ -33,13 +33,13 @@ Requirement requirement_from(TomlTable table) {
   return {table.text("id"), table.text("text"), table.texts("proofs")};
 }
 
-Criterion bar_from(TomlTable table) {
-  Criterion bar{table.text("name"), table.text("figure"), table.text("unit"), {}, {}};
-  if (table.has("at_least")) bar.at_least = table.number("at_least", -kAnyFigure, kAnyFigure);
-  if (table.has("at_most")) bar.at_most = table.number("at_most", -kAnyFigure, kAnyFigure);
-  if (!bar.at_least && !bar.at_most)
-    throw ConfigError("a bar without a limit", table.where(), "add at_least or at_most");
-  return bar;
+Criterion criterion_from(TomlTable table) {
+  Criterion criterion{table.text("name"), table.text("figure"), table.text("unit"), {}, {}};
+  if (table.has("at_least")) criterion.at_least = table.number("at_least", -kAnyFigure, kAnyFigure);
+  if (table.has("at_most")) criterion.at_most = table.number("at_most", -kAnyFigure, kAnyFigure);
+  if (!criterion.at_least && !criterion.at_most)
+    throw ConfigError("a criterion without a limit", table.where(), "add at_least or at_most");
+  return criterion;
 }
 
 SourceKind kind_of(TomlTable& table) {
@@ -61,7 +61,7 @@ Source source_from(TomlTable table) {
   if (table.has("quick")) source.quick = table.texts("quick");
   if (table.has("full")) source.full = table.texts("full");
   if (table.has("in_quick")) source.in_quick = table.flag("in_quick");
-  for (TomlTable& bar : table.tables("bars")) source.bars.push_back(bar_from(bar));
+  for (TomlTable& criterion : table.tables("bars")) source.criteria.push_back(criterion_from(criterion));
   return source;
 }
 

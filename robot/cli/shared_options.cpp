@@ -12,7 +12,7 @@ CLI::Validator in_range(double low, double high, const std::string& unit) {
   std::erase(range, '+');  // 9e+15
   return CLI::Validator(
       [low, high, range](std::string& typed) {
-        const auto value = imaging::strict_number(typed);
+        const auto value = strict_number(typed);
         return value && *value >= low && *value <= high
                    ? std::string()
                    : fmt::format("`{}` is not a number in the range {}", typed, range);

@@ -47,8 +47,8 @@ std::vector<std::string> score_row(const std::string& name, const std::string& w
   return {name,
           where,
           fmt::format("{:.3f} mm", s.settled_rmse),
-          report::fixed(s.overshoot, 1, "%"),
-          report::fixed(s.undershoot, 1, "%"),
+          fixed(s.overshoot, 1, "%"),
+          fixed(s.undershoot, 1, "%"),
           fmt::format("{:.2f} s", s.settling),
           fmt::format("{:.3f} mm", s.sine_rmse),
           fmt::format("{:.1f} kV", s.highest),
@@ -154,7 +154,7 @@ std::string tuning_sentence(const Tuning& tuning) {
   const Judged &paper = tuning.judged.at(0), &tuned = tuning.judged.at(1);
   const std::string wanted = fmt::format(
       "{:.0f} dB and {:.0f}° on the model and on {} drawn from its uncertainty", tuning.wanted.gain_dB,
-      tuning.wanted.phase_degrees, report::counted(static_cast<std::size_t>(tuning.stages), "stage"));
+      tuning.wanted.phase_degrees, counted(static_cast<std::size_t>(tuning.stages), "stage"));
   const std::string gains =
       fmt::format("K_p = {:.2f} kV/mm and K_i = {:.2f} kV/(mm s)", kp(tuned), ki_per_second(tuned));
   const std::string papers =
@@ -182,7 +182,7 @@ report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {
           model, fmt::join(tuning.varied, ", "),
           tuning.assumed ? " (by 10 %: the model file gives no standard deviations)" : "",
           tuning.correlated ? "with the file's correlations" : "independently",
-          report::counted(static_cast<std::size_t>(tuning.refused), "further draw") +
+          counted(static_cast<std::size_t>(tuning.refused), "further draw") +
               (tuning.refused == 1 ? " was" : " were")),
       "Margins are those of the stage without friction, play and tissue, for motions that are large against "
       "both; "

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <vector>
 
+#include "robot/common/config_error.hpp"
 #include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sha256.hpp"

@@ -25,7 +25,4 @@ std::string shortened(const std::string& text, std::size_t most);
 std::string joined(const std::vector<std::string>& parts, std::string_view between = ", ");
 std::string joined(const std::vector<std::string>& parts, std::string_view between, std::string_view last);
 
-// "1 stage", "2 stages".
-std::string counted(std::size_t count, const std::string& noun);
-
 }  // namespace biopsy

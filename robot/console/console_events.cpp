@@ -52,7 +52,7 @@ events::Planned planned_of(const PreparedCase& prepared, const std::optional<Poi
   }
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Direction axis_S = plan.X_SR.linear().col(2);
-  planned.seal = planner::hex(plan.seal);
+  planned.seal = hex(plan.seal);
   planned.confirmed = confirmed;
   planned.depth = plan.target_depth.value;
   planned.angle = std::asin(std::clamp(std::abs(axis_S.z()), 0.0, 1.0)) * 180.0 / std::numbers::pi;
@@ -80,8 +80,8 @@ events::Checked checked_of(std::size_t stage, const report::StepResult& result) 
   checked.sigma = check.sigma.value;
   checked.error = check.tip_found ? check.depth.value - result.stage.depth.value : 0.0;
   checked.confidence = check.registration_score;
-  checked.before_png = report::base64(report::png_bytes(result.before));
-  checked.after_png = report::base64(report::png_bytes(result.after));
+  checked.before_png = base64(report::png_bytes(result.before));
+  checked.after_png = base64(report::png_bytes(result.after));
   checked.width = static_cast<std::uint32_t>(result.after.width);
   checked.height = static_cast<std::uint32_t>(result.after.height);
   if (result.geometry) {

@@ -149,25 +149,25 @@ void ConsoleLoop::send_changes() {
 }
 
 void ConsoleLoop::step() {
-  World world;
+  OperatorInputs inputs;
   {
     const std::lock_guard lock(mutex_);
-    world = session_.inputs(now_in_us());
+    inputs = session_.inputs(now_in_us());
   }
   const std::optional<CycleSample> cycle = robot_.tick(inputs);
   const std::int64_t now_us = now_in_us();
   const std::lock_guard lock(mutex_);
-  if (beat) {
-    session_.update(*beat, now_us);
-    const Measurement& measured = beat->tick.measurement;
+  if (cycle) {
+    session_.update(*cycle, now_us);
+    const Measurement& measured = cycle->record.measurement;
     const auto batch = batch_.add({static_cast<double>(measured.time_us) * 1e-3, measured.depth_um * 1e-3,
-                                   beat->setpoint.value, measured.monitor_mV * 1e-6,
-                                   beat->tick.supervisor.permit.v_max_mV * 1e-6});
+                                   cycle->setpoint.value, measured.monitor_mV * 1e-6,
+                                   cycle->record.supervisor.permit.v_max_mV * 1e-6});
     if (batch) server_->send_to_all(text_of(*batch), Reliability::BestEffort);
   } else {
     session_.mark_silent();
   }
-  if (beat && ++ticks_ % (kSendChanges_us / 1000) != 0) return;
+  if (cycle && ++ticks_ % (kSendChanges_us / 1000) != 0) return;
   send_changes();
   send_states(now_us);
 }

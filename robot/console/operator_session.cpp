@@ -65,7 +65,7 @@ bool OperatorSession::hv_permitted() const {
 }
 
 bool OperatorSession::is_displayed(const std::string& seal) const {
-  return plan() != nullptr && planner::hex(plan()->seal) == seal;
+  return plan() != nullptr && hex(plan()->seal) == seal;
 }
 
 // The first confirmation is that of the plan, the second that of the three checks. Without both the
@@ -89,7 +89,7 @@ void OperatorSession::unconfirm() {
   ++version_;
 }
 
-World OperatorSession::inputs(std::int64_t now_us) {
+OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   now_us_ = now_us;
   if (button_ == console::Button::Arm && hold_.held_for_us(now_us) >= kArmHold_us) {
     hold_.cancel();
@@ -116,7 +116,7 @@ World OperatorSession::inputs(std::int64_t now_us) {
 
 void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   const Mode before = seen_.supervisor.permit.mode;
-  seen_ = sample.tick;
+  seen_ = sample.record;
   measured_ = true;
   silent_ = false;
   now_us_ = now_us;
@@ -158,7 +158,7 @@ void OperatorSession::update_run(const CycleSample& sample, Mode before) {
     ++version_;
   }
   if (!run_ || run_->ended) return;
-  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(sample, world_);
+  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(sample, inputs_);
   run_->moved = run_->moved || mode == Mode::Active;
   update_image();
   if (hv_permitted()) {
@@ -258,7 +258,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   const safety::SupervisorOutput& supervisor = seen_.supervisor;
   events::State state;
   state.seq = ++seq_;
-  state.mode = static_cast<console::Mode>(supervisor.permit.mode);
+  state.mode = supervisor.permit.mode;
   state.step = step();
   state.controller = lease_.is_held_by(client);
   state.controlled = lease_.is_held();

@@ -38,7 +38,7 @@ class OperatorSession {
                                                 std::int64_t now_us);
 
   // Robot
-  World inputs(std::int64_t now_us);
+  OperatorInputs inputs(std::int64_t now_us);
   void update(const CycleSample& sample, std::int64_t now_us);
   void mark_silent() { silent_ = true; }  // no tick for a second
 

@@ -13,8 +13,7 @@
 #include "robot/common/ras_point.hpp"
 #include "robot/procedure/prepared_case.hpp"
 #include "robot/procedure/provenance.hpp"
-#include "robot/report/procedure/console_table.hpp"
-#include "robot/report/procedure/report_folder.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/tissue/tissue.hpp"
 
@@ -68,8 +67,8 @@ void refuse_outside(const PreparedCase& prepared) {
     if (!point || lies_inside(prepared.image.grid, *point)) continue;
     const Point ras = ras_from_lps(*point);
     throw ConfigError(
-        fmt::format("the {} at R, A, S {}, {}, {} mm lies outside the image", name, report::fixed(ras.x(), 1),
-                    report::fixed(ras.y(), 1), report::fixed(ras.z(), 1)),
+        fmt::format("the {} at R, A, S {}, {}, {} mm lies outside the image", name, fixed(ras.x(), 1),
+                    fixed(ras.y(), 1), fixed(ras.z(), 1)),
         prepared.given.image.string(),
         "`biopsy image` prints where its first and last voxel lie; give a point between them");
   }

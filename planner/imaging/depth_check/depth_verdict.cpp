@@ -84,7 +84,7 @@ DepthJudgement against_plan(double depth, double sigma_mm, const DepthCheckSetti
   const double off = depth - s.expected->value;
   if (std::abs(off) <= s.tolerance.value)
     return {Accept, format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm.", depth,
-                           report::rounded(off, 2), s.expected->value)};
+                           rounded(off, 2), s.expected->value)};
   if (std::abs(off) > s.tolerance.value + 2.0 * sigma_mm)
     return {Reject, format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", depth,
                            std::abs(off), off > 0.0 ? "deeper than" : "short of", s.expected->value)};

@@ -12,7 +12,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
@@ -135,8 +135,8 @@ void write_models(const Calibration& result, const sim::ModelNotes& given, const
   sim::ModelNotes stage_notes = notes;
   std::erase_if(stage_notes.values, [](const auto& entry) { return !is_of_stage(entry.first); });
   if (!result.interrupted) stage_notes.correlations = correlations_of_stage(result);
-  report::atomic_write(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
-  report::atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
+  atomic_write(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
+  atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
 }
 
 Json row_json(const PaperRow& row) {
@@ -212,7 +212,7 @@ std::string result_text(const Calibration& result, double seconds) {
   if (result.kept_start) text += "nothing better was found than the start, the result of earlier searches\n";
   if (result.interrupted) text += "interrupted: the best until then, without standard deviations\n";
   return text + fmt::format("{}, {:.0f} s\n",
-                            report::counted(static_cast<std::size_t>(result.evaluations), "evaluation"),
+                            counted(static_cast<std::size_t>(result.evaluations), "evaluation"),
                             seconds);
 }
 
@@ -252,7 +252,7 @@ Result run(const Options& given, const Context& context) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   const std::string json = json_text(result, options, seconds);
   write_models(result, given_notes, options);
-  report::atomic_write(options.out / "calibration.json", json);
+  atomic_write(options.out / "calibration.json", json);
   return {.text = result_text(result, seconds) + runs_text(result, options) +
                   fmt::format(
                       "\nstage:  {}\nfilms:  {}\nvalues: {}\n", (options.out / "calibrated.toml").string(),

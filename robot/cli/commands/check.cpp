@@ -10,10 +10,10 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
-#include "robot/common/typed_point.hpp"
+#include "robot/common/ras_point.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/labels.hpp"
 
@@ -45,7 +45,7 @@ void declare(CLI::App& app, Options& options) {
 
 nlohmann::ordered_json as_json(const DepthCheck& result) {
   nlohmann::ordered_json json;
-  json["verdict"] = std::string(report::word(result.verdict));
+  json["verdict"] = std::string(report::label(result.verdict));
   json["reason"] = result.reason;
   json["tip_found"] = result.tip_found;
   json["image_depth_mm"] = nullptr;
@@ -70,22 +70,22 @@ void check_patients(const Volume& before, const Volume& after) {
 
 std::string text_of(const DepthCheck& result) {
   const auto three = [](const auto& v) {
-    return fmt::format("{}, {}, {}", report::fixed(v[0], 2), report::fixed(v[1], 2), report::fixed(v[2], 2));
+    return fmt::format("{}, {}, {}", fixed(v[0], 2), fixed(v[1], 2), fixed(v[2], 2));
   };
-  std::string text = fmt::format("verdict   {}\nreason    {}\n", report::word(result.verdict), result.reason);
+  std::string text = fmt::format("verdict   {}\nreason    {}\n", report::label(result.verdict), result.reason);
   if (result.tip_found)
-    text += fmt::format("depth     {}, standard deviation {}\n", report::fixed(result.depth.value, 2, "mm"),
-                        report::fixed(result.sigma.value, 2, "mm"));
+    text += fmt::format("depth     {}, standard deviation {}\n", fixed(result.depth.value, 2, "mm"),
+                        fixed(result.sigma.value, 2, "mm"));
   return text + fmt::format(
                     "motion    shift {} mm; turn {} degrees (LPS)\n"
                     "match     {} after registration; contrast to noise {}\n",
                     three(result.shift_mm), three(result.rotation_deg),
-                    report::fixed(result.registration_score, 3), report::fixed(result.contrast_to_noise, 1));
+                    fixed(result.registration_score, 3), fixed(result.contrast_to_noise, 1));
 }
 
 Result run(const Options& options, const Context&) {
-  const Point p_SE = typed_point("--entry", options.entry);
-  const Point axis_S = typed_point("--axis", options.axis);
+  const Point p_SE = parse_ras_point("--entry", options.entry);
+  const Point axis_S = parse_ras_point("--axis", options.axis);
   const double length = axis_S.norm();
   if (length < 1e-6) throw ConfigError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
   const Volume before = imaging::read_volume(options.before, options.before_series);
@@ -106,7 +106,7 @@ Result run(const Options& options, const Context&) {
   if (!options.out.empty()) {
     report::save_png(pictures.before.picture, options.out / "before.png");
     report::save_png(pictures.after.picture, options.out / "after.png");
-    report::atomic_write(options.out / "check.json", json);
+    atomic_write(options.out / "check.json", json);
     text += fmt::format("pictures  {}\n", options.out.string());
   }
   return {.text = text, .json = json};

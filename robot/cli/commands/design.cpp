@@ -8,7 +8,7 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
-#include "robot/report/study/design_html.hpp"
+#include "robot/report/study/design_report.hpp"
 #include "sim/paper/design/design_study.hpp"
 #include "sim/plant/model_file.hpp"
 
@@ -44,7 +44,7 @@ Result run(const Options& options, const Context& context) {
   report::save_design(study, options.out);
   std::string text = report::design_console(study);
   if (study.interrupted)
-    text += fmt::format("interrupted after {}\n", report::counted(study.evaluated, "design"));
+    text += fmt::format("interrupted after {}\n", counted(study.evaluated, "design"));
   text += fmt::format("\nreport:  {}\ndesigns: {}\n", (options.out / "report.html").string(),
                       (options.out / "design.json").string());
   return {.text = text, .json = report::design_json(study)};

@@ -12,7 +12,7 @@
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
-#include "robot/report/procedure/report_json.hpp"
+#include "robot/report/procedure/report.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -70,8 +70,8 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
     std::optional<std::string> ended;
-    const Robot robot = [&](const World& world) -> std::optional<CycleSample> {
-      std::optional<CycleSample> sample = session.robot().tick(world);
+    const Robot robot = [&](const OperatorInputs& inputs) -> std::optional<CycleSample> {
+      std::optional<CycleSample> sample = session.robot().tick(inputs);
       if (!ended) ended = session.launcher().ended();
       return sample;
     };
@@ -86,7 +86,7 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
   for (const std::string& line : trouble) log.error("{}", line);
   Result result = finished(record, prepared, options.procedure.out, started);
   result.text += fmt::format("procedure log: {}\n", log_file);
-  if (lost > 0) result.text += fmt::format("{} missing in the report\n", report::counted(lost, "tick"));
+  if (lost > 0) result.text += fmt::format("{} missing in the report\n", counted(lost, "tick"));
   return result;
 }
 

@@ -10,13 +10,10 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/recheck.hpp"
-#include "robot/report/gap/gap_console.hpp"
-#include "robot/report/gap/gap_json.hpp"
 #include "robot/report/gap/gap_report.hpp"
-#include "robot/report/gap/gap_sentence.hpp"
 #include "sim/gap/find_gap.hpp"
 #include "sim/gap/fit/unknowns.hpp"
 #include "sim/gap/select/evidence_runs.hpp"
@@ -71,7 +68,7 @@ void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, 
                       *options.window, run.name, run.period),
           "--window", "give a longer window");
   }
-  sim::gap::prepare(dataset, model, options.window, sim::gap::Grain::Coarse);
+  sim::gap::prepare(dataset, model, options.window, sim::gap::Sampling::Coarse);
 }
 
 // For one line of a terminal.
@@ -111,7 +108,7 @@ bool is_better(const GapFinding& finding) {
 }
 
 void add_recheck(GapFinding& finding, const Options& options, ProgressLine& line) {
-  report::atomic_write(options.out / "model.toml", finding.model_after);
+  atomic_write(options.out / "model.toml", finding.model_after);
   const Recheck checked = recheck(
       options.model, options.out / "model.toml", finding.noise_floor,
       [&line](double share, const std::string& what) { line.show(0.92 + 0.08 * share, "margins: " + what); });

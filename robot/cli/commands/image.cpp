@@ -73,11 +73,11 @@ std::string volume_text(const Volume& volume) {
   const SeriesIdentity& id = volume.identity;
   const Extent extent = extent_of(volume);
   const auto point = [](const Point& p) {
-    return fmt::format("{}, {}, {} mm (R, A, S)", report::fixed(p.x(), 3), report::fixed(p.y(), 3),
-                       report::fixed(p.z(), 3));
+    return fmt::format("{}, {}, {} mm (R, A, S)", fixed(p.x(), 3), fixed(p.y(), 3),
+                       fixed(p.z(), 3));
   };
   std::string text =
-      fmt::format("format       {}, {}\n", volume.format, report::counted(volume.files.size(), "file"));
+      fmt::format("format       {}, {}\n", volume.format, counted(volume.files.size(), "file"));
   text += fmt::format("patient      {} ({})\nseries       {} {}\n             {}\n", id.patient_name,
                       id.patient_id, id.modality, id.description, id.series_uid);
   text += fmt::format("size         {} x {} x {} voxels\n", grid.size.x(), grid.size.y(), grid.size.z());

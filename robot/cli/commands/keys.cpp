@@ -13,7 +13,7 @@
 #include "robot/common/sanitize_text.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
-#include "robot/security/whole_set.hpp"
+#include "robot/security/key_set.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -53,8 +53,8 @@ std::string table_text(const std::vector<security::FileVerdict>& verdicts, const
   std::size_t file_width = 4, subject_width = 7;
   std::vector<std::string> files, subjects;
   for (const security::FileVerdict& verdict : verdicts) {
-    files.push_back(report::plain(verdict.file.lexically_relative(folder).string()));
-    subjects.push_back(report::plain(verdict.subject));
+    files.push_back(plain(verdict.file.lexically_relative(folder).string()));
+    subjects.push_back(plain(verdict.subject));
     file_width = std::max(file_width, files.back().size());
     subject_width = std::max(subject_width, subjects.back().size());
   }
@@ -83,8 +83,8 @@ Result init(const Options& options, const Context&) {
   std::string roles;
   Json list = Json::array();
   for (const security::Role role : security::kRoles) {
-    roles += fmt::format(" {}", security::name_of(role));
-    list.push_back(security::name_of(role));
+    roles += fmt::format(" {}", name_of(role));
+    list.push_back(name_of(role));
   }
   std::string text = fmt::format(
       "made:  {}\nfor:  {}\n       and keys that sign the procedure log and the commissioning record\nuntil: "

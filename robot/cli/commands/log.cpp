@@ -7,7 +7,7 @@
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/recorder/log_csv.hpp"
@@ -63,8 +63,8 @@ std::string sentence(const Verdict& verdict) {
     return fmt::format(
         "The log is intact: {}, each as it was written and in its place, and the head is signed.\n"
         "Log {}, last hash {}.\n",
-        report::counted(head->count, "record"), hex(head->id), hex(head->last_hash));
-  return fmt::format("THE LOG IS NOT INTACT: {}.\n", report::plain(std::get<Flaw>(verdict).what));
+        counted(head->count, "record"), hex(head->id), hex(head->last_hash));
+  return fmt::format("THE LOG IS NOT INTACT: {}.\n", plain(std::get<Flaw>(verdict).what));
 }
 
 nlohmann::ordered_json as_json(const Verdict& verdict) {
@@ -77,7 +77,7 @@ nlohmann::ordered_json as_json(const Verdict& verdict) {
   return {{"intact", false},
           {"flaw", word(flaw.kind)},
           {"record", flaw.record},
-          {"what", report::plain(flaw.what)}};
+          {"what", plain(flaw.what)}};
 }
 
 int exit_code(const Verdict& verdict) {
@@ -86,15 +86,15 @@ int exit_code(const Verdict& verdict) {
 
 std::string row_text(const Record& record) {
   return fmt::format("{:>7}  {:.23}  {:<11}  {:<15}  {}\n", record.seq, recorder::utc_text(record.utc_ns),
-                     report::plain(record.source), report::plain(record.kind), report::plain(record.body));
+                     plain(record.source), plain(record.kind), plain(record.body));
 }
 
 nlohmann::ordered_json record_json(const Record& record) {
   return {{"record", record.seq},
           {"time_utc", recorder::utc_text(record.utc_ns)},
-          {"source", report::plain(record.source)},
-          {"kind", report::plain(record.kind)},
-          {"body", report::plain(record.body)}};
+          {"source", plain(record.source)},
+          {"kind", plain(record.kind)},
+          {"body", plain(record.body)}};
 }
 
 std::string dumped(const nlohmann::ordered_json& json) {
@@ -129,7 +129,7 @@ Result export_csv(const Options& options, const Context&) {
   std::string csv(recorder::kCsvHeader);
   const Verdict verdict =
       recorder::verify(options.log, key_for(options), [&](const Record& record) { csv += csv_line(record); });
-  report::atomic_write(options.csv, csv);
+  atomic_write(options.csv, csv);
   return {.exit_code = exit_code(verdict),
           .text = sentence(verdict) + fmt::format("table        {}\n", options.csv.string()),
           .json = dumped({{"csv", options.csv.string()}, {"verdict", as_json(verdict)}})};

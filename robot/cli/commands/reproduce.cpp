@@ -10,8 +10,6 @@
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
-#include "robot/report/study/reproduction_console.hpp"
-#include "robot/report/study/reproduction_json.hpp"
 #include "robot/report/study/reproduction_report.hpp"
 
 namespace biopsy::robot {

@@ -14,7 +14,6 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/subprocess.hpp"
-#include "robot/report/safety_case/argument.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/finding_json.hpp"
 #include "robot/report/safety_case/gaps.hpp"

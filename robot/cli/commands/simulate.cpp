@@ -9,7 +9,7 @@
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/progress.hpp"
 #include "sim/plant/model_file.hpp"
 
@@ -58,8 +58,8 @@ Result run(const Options& options, const Context&) {
     }
   }
   for (const sim::RecordedRun& run : simulated.runs)
-    report::atomic_write(options.out / run.file, sim::run_csv(run, drive));
-  report::atomic_write(options.out / "dataset.toml", sim::dataset_toml(simulated));
+    atomic_write(options.out / run.file, sim::run_csv(run, drive));
+  atomic_write(options.out / "dataset.toml", sim::dataset_toml(simulated));
   text += fmt::format("\nsimulated data set: {}\n", options.out.string());
   return {.text = text,
           .json = nlohmann::ordered_json{{"dataset", options.out.string()}, {"runs", runs}}.dump(2) + "\n"};

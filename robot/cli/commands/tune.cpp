@@ -11,7 +11,7 @@
 #include "robot/cli/tuning_report.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/progress.hpp"
 
 namespace biopsy::robot {
@@ -82,8 +82,8 @@ Result run(const Options& options, const Context& context) {
   std::string text = page.sentence + "\n";
   for (const report::StudyTable& table : page.tables) text += text_of(table);
   if (options.out.empty()) return {.text = text, .json = json};
-  report::atomic_write(options.out / "report.html", report::study_html(page));
-  report::atomic_write(options.out / "tune.json", json);
+  atomic_write(options.out / "report.html", report::study_html(page));
+  atomic_write(options.out / "tune.json", json);
   text += fmt::format("\nreport:  {}\nnumbers: {}\n", (options.out / "report.html").string(),
                       (options.out / "tune.json").string());
   return {.text = text, .json = json};

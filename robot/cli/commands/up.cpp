@@ -21,7 +21,7 @@
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
-#include "robot/report/procedure/report_json.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
 
@@ -80,7 +80,7 @@ std::string relay_text(const digital_io::IoReader& lines) {
                                : "interlock open  ";
 }
 
-std::string board_text(const std::array<Health, kProcesses>& board, const std::optional<CycleSample>& beat,
+std::string board_text(const std::array<Health, kCount<Process>>& board, const std::optional<CycleSample>& cycle,
                        const digital_io::IoReader& lines) {
   std::string text = relay_text(lines);
   for (const Process process :
@@ -91,14 +91,14 @@ std::string board_text(const std::array<Health, kProcesses>& board, const std::o
                                           health.overruns);
     if (!health.note.empty()) text += fmt::format("({})  ", health.note);
   }
-  if (beat)
-    text += fmt::format("| {}{}{} | {}, {}", safety::name_of(beat->tick.supervisor.permit.mode),
-                        beat->tick.supervisor.worst == safety::Hazard::None ? "" : ": ",
-                        beat->tick.supervisor.worst == safety::Hazard::None
+  if (cycle)
+    text += fmt::format("| {}{}{} | {}, {}", safety::name_of(cycle->record.supervisor.permit.mode),
+                        cycle->record.supervisor.worst == safety::Hazard::None ? "" : ": ",
+                        cycle->record.supervisor.worst == safety::Hazard::None
                             ? std::string_view()
-                            : safety::name_of(beat->tick.supervisor.worst),
-                        report::fixed(beat->tick.measurement.depth_um * 1e-3, 2, "mm"),
-                        report::fixed(beat->tick.measurement.monitor_mV * 1e-6, 2, "kV"));
+                            : safety::name_of(cycle->record.supervisor.worst),
+                        fixed(cycle->record.measurement.depth_um * 1e-3, 2, "mm"),
+                        fixed(cycle->record.measurement.monitor_mV * 1e-6, 2, "kV"));
   return text;
 }
 
@@ -193,13 +193,13 @@ Ending run_without_console(const Options& options, const PreparedCase& prepared,
                           session.settings().keys.empty() ? "WITHOUT security" : "secured"));
   ProgressLine line;
   std::optional<std::string> ended;
-  std::optional<CycleSample> beat;
+  std::optional<CycleSample> cycle;
   std::int64_t ticks = 0;
   const digital_io::IoReader lines(session.settings().lines);
   while (!signals.came() && !ended) {
-    World nobody;  // the E-stop is released, no key is turned
-    beat = session.robot().tick(nobody);
-    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), beat, lines));
+    const OperatorInputs nobody = OperatorInputs::idle();  // the E-stop is released, no key is turned
+    cycle = session.robot().tick(nobody);
+    if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), cycle, lines));
     ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;

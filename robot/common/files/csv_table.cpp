@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/common/strict_number.hpp"
 
 namespace biopsy {
 namespace {

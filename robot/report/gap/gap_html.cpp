@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/common/text_layout.hpp"

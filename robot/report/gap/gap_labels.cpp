@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "robot/common/number_text.hpp"
+#include "robot/common/statistics.hpp"
 #include "robot/common/text_layout.hpp"
 
 namespace biopsy::report {

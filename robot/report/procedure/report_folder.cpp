@@ -1,4 +1,4 @@
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/report.hpp"
 

@@ -127,7 +127,7 @@ std::string rows_table(const std::string& name, const std::vector<Row>& rows) {
   std::vector<std::string> headings;
   headings.reserve(columns.size());
   for (const std::string& column : columns) headings.push_back(escaped(column));
-  return "<details><summary>" + escaped(name) + fmt::format(", {}</summary>\n", report::counted(rows.size(), "row")) +
+  return "<details><summary>" + escaped(name) + fmt::format(", {}</summary>\n", counted(rows.size(), "row")) +
          markup::table("", headings, out) + "</details>\n";
 }
 

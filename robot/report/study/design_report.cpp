@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/markup/json_values.hpp"

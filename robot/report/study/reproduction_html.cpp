@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "robot/common/files/whole_file.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/report/markup/html_markup.hpp"

@@ -158,7 +158,7 @@ DesignStudy study_designs(const PlantModel& known, const std::string& name, cons
   if (study.interrupted)
     study.assumed.insert(study.assumed.begin(),
                          fmt::format("The search was interrupted after {}: others may be better.",
-                                     report::counted(study.evaluated, "design")));
+                                     counted(study.evaluated, "design")));
   study.panels = {panel("Stroke against stack height", study, kHeight, kStroke),
                   panel("Stroke against ripple", study, kRipple, kStroke),
                   panel("Stroke against breakdown margin", study, kMargin, kStroke),

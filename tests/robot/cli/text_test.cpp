@@ -28,11 +28,11 @@ TEST(ClosestNames, PutsTheClosestFirstAndLeavesTheRestOut) {
 }
 
 TEST(NumberText, CountsAndRoundsAsPeopleWrite) {
-  EXPECT_EQ(report::counted(0, "row"), "0 rows");
-  EXPECT_EQ(report::counted(1, "row"), "1 row");
-  EXPECT_EQ(report::counted(2, "row"), "2 rows");
-  EXPECT_EQ(report::fixed(-0.004, 2, "mm"), "0.00 mm");
-  EXPECT_EQ(report::fixed(-0.006, 2, "mm"), "-0.01 mm");
+  EXPECT_EQ(counted(0, "row"), "0 rows");
+  EXPECT_EQ(counted(1, "row"), "1 row");
+  EXPECT_EQ(counted(2, "row"), "2 rows");
+  EXPECT_EQ(fixed(-0.004, 2, "mm"), "0.00 mm");
+  EXPECT_EQ(fixed(-0.006, 2, "mm"), "-0.01 mm");
 }
 
 TEST(TimeLeft, IsThatOfTheSamePace) {
