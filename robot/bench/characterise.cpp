@@ -132,8 +132,7 @@ std::string intention_text(const Session& session) {
   text += fmt::format(
       "\n{}, {:.0f} s under voltage, largest expected travel {:.1f} mm; the supervisor ends a run "
       "beyond {:.1f} mm\n",
-      counted(session.runs.size(), "run"), seconds, travel,
-      session.plans.front().limits.depth_max.value);
+      counted(session.runs.size(), "run"), seconds, travel, session.plans.front().limits.depth_max.value);
   for (const std::string& note : session.notes) text += note + "\n";
   return text + "nothing was moved\n";
 }

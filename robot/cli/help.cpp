@@ -34,7 +34,8 @@ bool is_group(const CommandLine::Entry& entry) {
   return !entry.run;
 }
 
-// Markdown for a terminal: without the marks of code; a link, relative to docs/reference, becomes "text (docs/...)".
+// Markdown for a terminal: without the marks of code; a link, relative to docs/reference, becomes "text
+// (docs/...)".
 std::string for_terminal(const std::string& markdown) {
   static const std::regex kUp(R"(\[([^\]]+)\]\(\.\./([a-z/-]+\.md)[^)]*\))"),
       kBeside(R"(\[([^\]]+)\]\(([a-z-]+\.md)[^)]*\))"), kAnchor(R"(\[([^\]]+)\]\(#[^)]*\))");
@@ -130,8 +131,8 @@ std::string help_text(const CommandLine& line, const CommandLine::Entry& entry) 
     for (const OutputFile& file : command.outputs) files.emplace_back(file.name, file.content);
     text += "\nFiles written:\n" + table(files);
   }
-  return text + examples_of(command) + "\n" + wrapped("Exit code: " + for_terminal(command.exit_codes), 0, 0) +
-         ".\n";
+  return text + examples_of(command) + "\n" +
+         wrapped("Exit code: " + for_terminal(command.exit_codes), 0, 0) + ".\n";
 }
 
 std::string program_help(const CommandLine& line) {

@@ -37,7 +37,8 @@ std::vector<fs::path> code_files(const fs::path& tree) {
 
 std::string code_fingerprint(const fs::path& tree) {
   if (!fs::exists(tree / "safety"))
-    throw ConfigError("the source tree is not there", tree.string(), "run ./dev safety-case in a source tree");
+    throw ConfigError("the source tree is not there", tree.string(),
+                      "run ./dev safety-case in a source tree");
   std::string all;
   for (const fs::path& file : code_files(tree)) {
     const std::string bytes = read_file(file);

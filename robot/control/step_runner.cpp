@@ -41,8 +41,8 @@ RunnerState judge(RunnerState state, const InsertionStep& stage, Millimetres dep
   return state;
 }
 
-// In a hold the amplitude is constant: regulation could only lower it, by each sample's noise a little further. A needle that
-// jumped beyond its step is regulated back.
+// In a hold the amplitude is constant: regulation could only lower it, by each sample's noise a little
+// further. A needle that jumped beyond its step is regulated back.
 RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& stage, Millimetres depth,
                  Volts envelope) {
   const Volts ceiling = std::min(state.loop.amplitude, envelope);

@@ -66,11 +66,10 @@ void refuse_outside(const PreparedCase& prepared) {
        {std::pair("entry", prepared.given.p_SE), std::pair("target", prepared.given.p_ST)}) {
     if (!point || lies_inside(prepared.image.grid, *point)) continue;
     const Point ras = ras_from_lps(*point);
-    throw ConfigError(
-        fmt::format("the {} at R, A, S {}, {}, {} mm lies outside the image", name, fixed(ras.x(), 1),
-                    fixed(ras.y(), 1), fixed(ras.z(), 1)),
-        prepared.given.image.string(),
-        "`biopsy image` prints where its first and last voxel lie; give a point between them");
+    throw ConfigError(fmt::format("the {} at R, A, S {}, {}, {} mm lies outside the image", name,
+                                  fixed(ras.x(), 1), fixed(ras.y(), 1), fixed(ras.z(), 1)),
+                      prepared.given.image.string(),
+                      "`biopsy image` prints where its first and last voxel lie; give a point between them");
   }
 }
 

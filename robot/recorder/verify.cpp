@@ -117,13 +117,13 @@ std::optional<Flaw> flaw_of(const Record& record, bool well_formed, const LogHea
 
 std::optional<Flaw> flaw_of_end(const LogHead& chain, const LogHead& head) {
   if (chain.count < head.count)
-    return Flaw{FlawKind::RecordsCutOff, chain.count + 1,
-                fmt::format("{} signed, {} there: the end is missing", counted(head.count, "record"),
-                            chain.count)};
+    return Flaw{
+        FlawKind::RecordsCutOff, chain.count + 1,
+        fmt::format("{} signed, {} there: the end is missing", counted(head.count, "record"), chain.count)};
   if (chain.count > head.count)
-    return Flaw{FlawKind::RecordAdded, head.count + 1,
-                fmt::format("{} signed, {} there: the end was added", counted(head.count, "record"),
-                            chain.count)};
+    return Flaw{
+        FlawKind::RecordAdded, head.count + 1,
+        fmt::format("{} signed, {} there: the end was added", counted(head.count, "record"), chain.count)};
   if (chain.last_hash != head.last_hash)
     return Flaw{FlawKind::Rewritten, chain.count,
                 "the records are not those that were signed: the chain ends in another hash"};

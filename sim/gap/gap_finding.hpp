@@ -91,7 +91,7 @@ struct GapFinding {
   std::string sentence;  // the verdict in words
   std::string dataset;   // its title
   bool force_drive = false;
-  bool interrupted = false;  // before the search was complete
+  bool interrupted = false;          // before the search was complete
   std::vector<FoundEffect> effects;  // in the order found, the strongest first
   std::vector<ChangedParameter> parameters_changed;
   double rmse_before = 0.0, rmse_after = 0.0, noise_floor = 0.0;  // held-out runs

@@ -1,5 +1,5 @@
-// Values of [baseline] in a model file, under the names of docs/reference/model-files.md: the table that reading, writing and
-// fitting share. SI units. `T` is accepted in files and not used.
+// Values of [baseline] in a model file, under the names of docs/reference/model-files.md: the table that
+// reading, writing and fitting share. SI units. `T` is accepted in files and not used.
 #pragma once
 
 #include <algorithm>

@@ -19,7 +19,8 @@ using TissueTable = std::map<std::string, TissueLayer>;
 // positions. Throws ConfigError naming file and line.
 TissueTable read_tissues(const std::filesystem::path& file);
 
-// The layers of a plan as tissue in the plant. A name that is not in the table becomes `unknown`. Throws ConfigError where a path has more layers than the plant holds.
+// The layers of a plan as tissue in the plant. A name that is not in the table becomes `unknown`. Throws
+// ConfigError where a path has more layers than the plant holds.
 std::vector<TissueLayer> tissue_along(std::span<const Layer> layers, const TissueTable& table);
 
 }  // namespace biopsy::sim

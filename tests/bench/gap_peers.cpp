@@ -18,7 +18,7 @@ using sim::gap::Hypothesis;
 
 constexpr double kMm = 1e3;
 constexpr int kIterations = 25;
-constexpr double kHelps = 0.95;  // held-out RMSE after over before
+constexpr double kHelps = 0.95;   // held-out RMSE after over before
 constexpr std::size_t kFits = 6;  // of each round, the most promising by the score test
 constexpr int kMostEffects = 3, kMostRounds = 5;
 

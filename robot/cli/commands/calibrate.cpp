@@ -11,8 +11,8 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
@@ -212,8 +212,7 @@ std::string result_text(const Calibration& result, double seconds) {
   if (result.kept_start) text += "nothing better was found than the start, the result of earlier searches\n";
   if (result.interrupted) text += "interrupted: the best until then, without standard deviations\n";
   return text + fmt::format("{}, {:.0f} s\n",
-                            counted(static_cast<std::size_t>(result.evaluations), "evaluation"),
-                            seconds);
+                            counted(static_cast<std::size_t>(result.evaluations), "evaluation"), seconds);
 }
 
 // A measured run that is not followed is a finding, as a row of the paper is.
@@ -263,26 +262,27 @@ Result run(const Options& given, const Context& context) {
 }  // namespace
 
 Command calibrate_command() {
-  return {.name = "calibrate",
-          .summary = "one parameter set for all of the paper's figures",
-          .description =
-              "Searches the parameters of the stage, within plausible ranges, for the set that reaches "
-              "most of the paper's rows. Measured runs given by `--data` count beside the paper's. "
-              "Nothing in sim/models is touched: copy both models there to adopt them. The same seed "
-              "and number of evaluations give the same result.",
-          .long_examples = {"biopsy calibrate --out out/calibrated",
-                            "biopsy calibrate --data measured --out out/calibrated"},
-          .exit_codes =
-              "0, 2 for unusable input, 130 where Ctrl-C ended the search; the best set until then is "
-              "written, without standard deviations",
-          .outputs = {{"calibrated.toml",
-                       "the [model](model-files.md#model), with standard deviations, correlations and sources"},
-                      {"paper.toml", "the other films and the joint"},
-                      {"calibration.json", "[the numbers for programs](#calibrationjson)"}},
-          .replaces_earlier_run = true,
-          .json = "the content of [calibration.json](#calibrationjson)",
-          .interruptible = true,
-          .declare = with_options(declare, run)};
+  return {
+      .name = "calibrate",
+      .summary = "one parameter set for all of the paper's figures",
+      .description =
+          "Searches the parameters of the stage, within plausible ranges, for the set that reaches "
+          "most of the paper's rows. Measured runs given by `--data` count beside the paper's. "
+          "Nothing in sim/models is touched: copy both models there to adopt them. The same seed "
+          "and number of evaluations give the same result.",
+      .long_examples = {"biopsy calibrate --out out/calibrated",
+                        "biopsy calibrate --data measured --out out/calibrated"},
+      .exit_codes =
+          "0, 2 for unusable input, 130 where Ctrl-C ended the search; the best set until then is "
+          "written, without standard deviations",
+      .outputs = {{"calibrated.toml",
+                   "the [model](model-files.md#model), with standard deviations, correlations and sources"},
+                  {"paper.toml", "the other films and the joint"},
+                  {"calibration.json", "[the numbers for programs](#calibrationjson)"}},
+      .replaces_earlier_run = true,
+      .json = "the content of [calibration.json](#calibrationjson)",
+      .interruptible = true,
+      .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

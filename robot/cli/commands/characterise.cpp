@@ -24,11 +24,11 @@ void declare(CLI::App& app, Options& options) {
   add_device_options(app, bench.device, options.hardware);
   add(app, "--keys FOLDER", bench.keys, "real stage: the set whose commissioning key signed its record",
       "the user's own");
-  add_model(
-      app, bench.model,
-      "[model](model-files.md#model) of the simulated stage; of a real stage only its tau counts, for the rest "
-      "between runs, and the default is sim/models/calibrated.toml",
-      "sim/models/rehearsal.toml");
+  add_model(app, bench.model,
+            "[model](model-files.md#model) of the simulated stage; of a real stage only its tau counts, for "
+            "the rest "
+            "between runs, and the default is sim/models/calibrated.toml",
+            "sim/models/rehearsal.toml");
   add(app, "--weight-g GRAMS", bench.weight_g,
       "weight on the fixture; on a real stage the one with which the laser's zero was taken", "50")
       ->check(in_range(0, 300, "g"));
@@ -42,7 +42,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--dry-run", bench.dry_run, "print what would be done; nothing moves");
   app.add_flag("--bench", bench.bench, "confirm: no patient, no needle. Without it nothing moves");
   app.add_flag("--weights-by-hand", bench.weights_by_hand,
-               "real stage: a person lays weights on [under voltage](../how-to/measure-a-stage.md#on-a-real-stage), for "
+               "real stage: a person lays weights on [under "
+               "voltage](../how-to/measure-a-stage.md#on-a-real-stage), for "
                "`load` and `impact`");
   add_out(app, bench.out, "the data set; required unless `--dry-run`");
 }
@@ -92,7 +93,8 @@ Command characterise_command() {
       .summary = "experiments on a stage without patient and needle, for gap",
       .description =
           "Plays voltages open loop under the supervisor and stores a [data set]"
-          "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the supervisor "
+          "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the "
+          "supervisor "
           "stops is kept and marked.",
       .examples = {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact"},
       .exit_codes =

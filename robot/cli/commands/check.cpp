@@ -9,8 +9,8 @@
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/ras_point.hpp"
@@ -72,15 +72,16 @@ std::string text_of(const DepthCheck& result) {
   const auto three = [](const auto& v) {
     return fmt::format("{}, {}, {}", fixed(v[0], 2), fixed(v[1], 2), fixed(v[2], 2));
   };
-  std::string text = fmt::format("verdict   {}\nreason    {}\n", report::label(result.verdict), result.reason);
+  std::string text =
+      fmt::format("verdict   {}\nreason    {}\n", report::label(result.verdict), result.reason);
   if (result.tip_found)
     text += fmt::format("depth     {}, standard deviation {}\n", fixed(result.depth.value, 2, "mm"),
                         fixed(result.sigma.value, 2, "mm"));
   return text + fmt::format(
                     "motion    shift {} mm; turn {} degrees (LPS)\n"
                     "match     {} after registration; contrast to noise {}\n",
-                    three(result.shift_mm), three(result.rotation_deg),
-                    fixed(result.registration_score, 3), fixed(result.contrast_to_noise, 1));
+                    three(result.shift_mm), three(result.rotation_deg), fixed(result.registration_score, 3),
+                    fixed(result.contrast_to_noise, 1));
 }
 
 Result run(const Options& options, const Context&) {
@@ -119,7 +120,8 @@ Command check_command() {
           .summary = "depth of the needle from two images, before and after insertion",
           .description =
               "Registers the images, looks for what changed along the expected path and says "
-              "accept, reject or unsure: [depth check](../explanation/depth-check.md). Two images of two patients "
+              "accept, reject or unsure: [depth check](../explanation/depth-check.md). Two images of two "
+              "patients "
               "are refused.",
           .examples = {"biopsy check --before out/gap/planning --after out/gap/images/stage-1 "
                        "--entry -4.396,33.092,51.854 --axis -0.936,0.036,-0.349 --json"},

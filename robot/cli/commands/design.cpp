@@ -21,7 +21,8 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  add_model(app, options.model, "[model](model-files.md#model) of the paper's stack", "sim/models/calibrated.toml");
+  add_model(app, options.model, "[model](model-files.md#model) of the paper's stack",
+            "sim/models/calibrated.toml");
   add_seed(app, options.seed, "the search");
   add_out(app, options.out, "the report")->required();
 }
@@ -43,8 +44,7 @@ Result run(const Options& options, const Context& context) {
   }
   report::save_design(study, options.out);
   std::string text = report::design_console(study);
-  if (study.interrupted)
-    text += fmt::format("interrupted after {}\n", counted(study.evaluated, "design"));
+  if (study.interrupted) text += fmt::format("interrupted after {}\n", counted(study.evaluated, "design"));
   text += fmt::format("\nreport:  {}\ndesigns: {}\n", (options.out / "report.html").string(),
                       (options.out / "design.json").string());
   return {.text = text, .json = report::design_json(study)};

@@ -27,10 +27,10 @@ struct Options {
 
 void declare_dry_run(CLI::App& app, Options& options) {
   add_procedure_options(app, options.procedure);
-  CLI::Option* live =
-      app.add_flag("--live", options.live,
-                   "through the [live robot's](../how-to/live.md) processes over DDS, in real time, instead of one "
-                   "virtual clock");
+  CLI::Option* live = app.add_flag(
+      "--live", options.live,
+      "through the [live robot's](../how-to/live.md) processes over DDS, in real time, instead of one "
+      "virtual clock");
   add_live_options(app, options.network, live);
 }
 

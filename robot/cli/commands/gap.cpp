@@ -9,8 +9,8 @@
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/procedure/recheck.hpp"
 #include "robot/report/gap/gap_report.hpp"
@@ -178,7 +178,8 @@ Command gap_command() {
       .description =
           "Compares the model with every run of the data set, says where they disagree and which effect or "
           "parameter explains it, and shows on runs it did not use how far that closes the gap: [finding "
-          "what a model is missing](../how-to/find-missing-effects.md). The same data and model give the same answer; nothing in it is "
+          "what a model is missing](../how-to/find-missing-effects.md). The same data and model give the "
+          "same answer; nothing in it is "
           "random. A data set or model that lies in the place of the answer is refused.",
       .examples = {"biopsy gap docs/examples/gap --model docs/examples/gap/stage.toml --out "
                    "out/gap-example --no-recheck"},
@@ -186,9 +187,11 @@ Command gap_command() {
       .exit_codes =
           "0 for any verdict, \"unexplained\" included; 2 for unusable input; 130 where Ctrl-C "
           "ended the search, with what was found until then written",
-      .outputs = {{"report.html", "the report for people; [how to read it](../how-to/find-missing-effects.md#3-read-the-report)"},
-                  {"gap.json", "[the answer for programs](#gapjson)"},
-                  {"model.toml", "the better model. Where nothing was found, the model that was given"}},
+      .outputs =
+          {{"report.html",
+            "the report for people; [how to read it](../how-to/find-missing-effects.md#3-read-the-report)"},
+           {"gap.json", "[the answer for programs](#gapjson)"},
+           {"model.toml", "the better model. Where nothing was found, the model that was given"}},
       .replaces_earlier_run = true,
       .json = "the content of [gap.json](#gapjson)",
       .interruptible = true,

@@ -108,8 +108,7 @@ std::string text_of(const sim::IdentifiedCircuit& found) {
                       found.misfit);
   for (const sim::CircuitRun& run : found.runs)
     text += fmt::format("  {:<28} {}, {:.1f} s after the first, offset {:.3g} +- {:.1g} uA\n", run.name,
-                        counted(run.steps, "step"), run.after_step, 1e6 * run.offset,
-                        1e6 * run.offset_std);
+                        counted(run.steps, "step"), run.after_step, 1e6 * run.offset, 1e6 * run.offset_std);
   for (const std::string& warning : found.warnings) text += fmt::format("warning: {}\n", warning);
   return text;
 }

@@ -73,8 +73,7 @@ std::string volume_text(const Volume& volume) {
   const SeriesIdentity& id = volume.identity;
   const Extent extent = extent_of(volume);
   const auto point = [](const Point& p) {
-    return fmt::format("{}, {}, {} mm (R, A, S)", fixed(p.x(), 3), fixed(p.y(), 3),
-                       fixed(p.z(), 3));
+    return fmt::format("{}, {}, {} mm (R, A, S)", fixed(p.x(), 3), fixed(p.y(), 3), fixed(p.z(), 3));
   };
   std::string text =
       fmt::format("format       {}, {}\n", volume.format, counted(volume.files.size(), "file"));

@@ -12,8 +12,8 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/sanitize_text.hpp"
 #include "robot/security/key_files.hpp"
-#include "robot/security/make_keys.hpp"
 #include "robot/security/key_set.hpp"
+#include "robot/security/make_keys.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -129,7 +129,8 @@ Result check(const Options& options, const Context&) {
 Command keys_group() {
   return {.name = "keys",
           .summary = "identities and permissions on the robot's bus",
-          .description = "What they are, who may write what, renewing, revoking: [keys](../how-to/manage-keys.md)."};
+          .description =
+              "What they are, who may write what, renewing, revoking: [keys](../how-to/manage-keys.md)."};
 }
 
 Command keys_init_command() {

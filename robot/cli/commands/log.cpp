@@ -74,10 +74,7 @@ nlohmann::ordered_json as_json(const Verdict& verdict) {
             {"log_id", hex(head->id)},
             {"last_hash", hex(head->last_hash)}};
   const Flaw& flaw = std::get<Flaw>(verdict);
-  return {{"intact", false},
-          {"flaw", word(flaw.kind)},
-          {"record", flaw.record},
-          {"what", plain(flaw.what)}};
+  return {{"intact", false}, {"flaw", word(flaw.kind)}, {"record", flaw.record}, {"what", plain(flaw.what)}};
 }
 
 int exit_code(const Verdict& verdict) {

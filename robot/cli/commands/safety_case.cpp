@@ -161,7 +161,8 @@ Command safety_case_command() {
   return {.name = "safety-case",
           .summary = "hazards, requirements, argument and evidence of this build",
           .description =
-              "Runs every test and proof that the [safety case](../explanation/verification.md) names (about a quarter "
+              "Runs every test and proof that the [safety case](../explanation/verification.md) names (about "
+              "a quarter "
               "of an hour). Fails on a requirement without fresh evidence, a test that names an unknown "
               "requirement, a broken link, a figure outside its acceptance criterion. `./dev "
               "safety-case` builds what it needs and runs it.",

@@ -8,8 +8,8 @@
 
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "sim/plant/model_file.hpp"
 

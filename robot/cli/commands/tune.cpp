@@ -10,8 +10,8 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/cli/tuning_report.hpp"
 #include "robot/common/files/data_folder.hpp"
-#include "robot/common/files/output_folder.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 
 namespace biopsy::robot {

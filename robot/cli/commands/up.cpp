@@ -51,12 +51,11 @@ void declare(CLI::App& app, Options& options) {
       add(app, "--seconds S", options.seconds, "end by itself after this time; 0: on Ctrl-C", "0")
           ->check(in_range(0.0, 1e6, "s"));
   CLI::Option* prepare =
-      app.add_flag(
-             "--prepare", options.prepare,
-             "write the run folder and start nothing: [an installed system](../how-to/install.md)")
+      app.add_flag("--prepare", options.prepare,
+                   "write the run folder and start nothing: [an installed system](../how-to/install.md)")
           ->excludes(seconds);
-  CLI::Option* console =
-      app.add_flag("--console", options.console, "serve the operator's page, the [console](../tutorials/clinician.md)");
+  CLI::Option* console = app.add_flag("--console", options.console,
+                                      "serve the operator's page, the [console](../tutorials/clinician.md)");
   app.add_flag("--open", options.open, "open that page in the desktop's browser")
       ->needs(console)
       ->excludes(prepare);
@@ -80,8 +79,8 @@ std::string relay_text(const digital_io::IoReader& lines) {
                                : "interlock open  ";
 }
 
-std::string board_text(const std::array<Health, kCount<Process>>& board, const std::optional<CycleSample>& cycle,
-                       const digital_io::IoReader& lines) {
+std::string board_text(const std::array<Health, kCount<Process>>& board,
+                       const std::optional<CycleSample>& cycle, const digital_io::IoReader& lines) {
   std::string text = relay_text(lines);
   for (const Process process :
        {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {

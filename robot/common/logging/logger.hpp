@@ -1,4 +1,5 @@
-// Diagnostic messages of all programs: docs/reference/diagnostic-log.md. The tamper-evident procedure log is robot/recorder.
+// Diagnostic messages of all programs: docs/reference/diagnostic-log.md. The tamper-evident procedure log is
+// robot/recorder.
 //
 // A call formats its message, puts it into a bounded queue and returns: it waits for no disk and no terminal.
 // A full queue drops its oldest message, and the number dropped is logged. A call may allocate and takes a

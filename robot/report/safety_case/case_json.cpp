@@ -85,10 +85,9 @@ std::string case_sentence(const SafetyCase& safety_case, const std::vector<Findi
                           const std::vector<Gap>& gaps, const Build& build) {
   std::size_t tests = 0;
   for (const Finding& finding : findings) tests += finding.tests.size();
-  const std::string scope =
-      fmt::format("{}, {}, {}, {}", counted(safety_case.hazards.size(), "hazard"),
-                  counted(safety_case.requirements.size(), "requirement"),
-                  counted(tests, "test"), counted(findings.size(), "evidence program"));
+  const std::string scope = fmt::format("{}, {}, {}, {}", counted(safety_case.hazards.size(), "hazard"),
+                                        counted(safety_case.requirements.size(), "requirement"),
+                                        counted(tests, "test"), counted(findings.size(), "evidence program"));
   if (!gaps.empty())
     return fmt::format("The case does not hold: {} in {}.", counted(gaps.size(), "gap"), scope);
   if (build.quick) return fmt::format("No gap in the short subset: {}. It releases nothing.", scope);

@@ -182,7 +182,8 @@ PaperFigure beyond(const PaperModel& model) {
                    beside("return to zero", paper.back, "above a bias", biased.back, kEnd)};
   add_rows(figure, "feed-forward", paper, fed,
            "inverse of the film's static curve, with hysteresis, added to PI");
-  add_rows(figure, "feed-forward, permittivity off by 10 %", paper, off, "the same from a model with that error");
+  add_rows(figure, "feed-forward, permittivity off by 10 %", paper, off,
+           "the same from a model with that error");
   add_rows(figure, fmt::format("target limited to {:.0f} mm/s", kSpeed), paper, limited,
            fmt::format("feed-forward; RMSE is against the limited target, where 6 mm take {:.1f} s, delay "
                        "against the step: a limited target is followed closely, with a delay",

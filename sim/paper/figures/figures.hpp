@@ -9,8 +9,8 @@
 
 namespace biopsy::sim::paper {
 
-// Row of the printed stiffness, a slip of units (docs/explanation/model.md): no model can reach it together with Fig. 11,
-// so calibration leaves it out.
+// Row of the printed stiffness, a slip of units (docs/explanation/model.md): no model can reach it together
+// with Fig. 11, so calibration leaves it out.
 inline constexpr std::string_view kSpringQuantity = "stiffness of the series spring as printed";
 
 PaperFigure figure_2(const PaperModel& model);   // leakage: closed form against simulation

@@ -163,8 +163,8 @@ TEST(Registry, PrintsEveryResultAsJsonAndNothingElse) {
 }
 
 TEST(Registry, IsWhatTheReferencePrints) {
-  const std::string reference = file_content(kSource / "docs/reference/commands.md"), begin = "<!-- commands -->\n",
-                    end = "<!-- end of commands -->";
+  const std::string reference = file_content(kSource / "docs/reference/commands.md"),
+                    begin = "<!-- commands -->\n", end = "<!-- end of commands -->";
   const std::size_t from = reference.find(begin), to = reference.find(end);
   ASSERT_NE(from, std::string::npos);
   ASSERT_NE(to, std::string::npos);

@@ -1,9 +1,10 @@
+#include "robot/report/study/design_report.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "robot/report/study/design_report.hpp"
 #include "tests/count_of.hpp"
 #include "tests/scratch_folder.hpp"
 

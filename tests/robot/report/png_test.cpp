@@ -42,7 +42,6 @@ TEST(Png, GivesTheSameBytesEveryTimeAndNoneForAnEmptyPicture) {
   EXPECT_EQ(png_bytes(Picture{}), "");
 }
 
-
 TEST(Crop, CopiesPixelsAndIsBlackBeyondTheEdges) {
   const Picture whole = colourful(10, 8);
   for (const auto& [x, y] : {std::pair{-3, -2}, {4, 5}, {0, 0}, {20, 20}, {-30, 1}}) {

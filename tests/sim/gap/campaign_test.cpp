@@ -1,4 +1,5 @@
-// A dozen hidden cases, some of each kind, through the whole search. `./dev bench gap` runs all of them, and its peers beside it.
+// A dozen hidden cases, some of each kind, through the whole search. `./dev bench gap` runs all of them, and
+// its peers beside it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,8 +48,7 @@ std::vector<HiddenCase> everyday_cases() {
 Answer answer_to(const HiddenCase& hidden) {
   const auto begin = std::chrono::steady_clock::now();
   const sim::PlantModel model = sim::parse_model(baseline_model(hidden), "model.toml");
-  Answer answer =
-      answer_of(sim::gap::find_gap(make_hidden(hidden), model, {}).finding);
+  Answer answer = answer_of(sim::gap::find_gap(make_hidden(hidden), model, {}).finding);
   answer.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return answer;
 }

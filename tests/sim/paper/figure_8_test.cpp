@@ -46,8 +46,8 @@ TEST(Figure8, ThePrintedStiffnessHasItsOwnRow) {
   EXPECT_NEAR(row_about(figure, "sag of the spring")->paper, 35.0, 0.1);
 }
 
-// Calibration uses brief experiments. With friction a plate approaches its level slowly; a run cut short before
-// that sees twice the ripple. A margin of 1 is 1 % of the level.
+// Calibration uses brief experiments. With friction a plate approaches its level slowly; a run cut short
+// before that sees twice the ripple. A margin of 1 is 1 % of the level.
 TEST(Figure8, TheBriefExperimentSeesTheRippleOfTheWholeOne) {
   const std::filesystem::path models = source_dir() / "sim/models";
   PaperModel model = read_paper_model(models / "calibrated.toml", models / "paper.toml");

@@ -156,22 +156,26 @@ TEST_F(DatasetFolder, RefusesFilesThatAreNotThereOrNotInTheFolder) {
   };
   const std::string toml = (folder.path() / "dataset.toml").string();
   expect_refusal(refusal([&] { read(kCsv, Drive::Stack, with_file("b.csv")); }),
-              (folder.path() / "b.csv").string(), "cannot be read");
+                 (folder.path() / "b.csv").string(), "cannot be read");
   for (const std::string escape : {"../a.csv", "/etc/passwd", "sub/../a.csv", "./a.csv", ""})
     expect_refusal(refusal([&] { read(kCsv, Drive::Stack, with_file(escape)); }), toml + ":1",
-                "data set's folder");
+                   "data set's folder");
   for (const std::string folder_name : {"..", "."})
     EXPECT_NE(refusal([&] { read(kCsv, Drive::Stack, with_file(folder_name)); }), "accepted") << folder_name;
 }
 
 TEST_F(DatasetFolder, RefusesADescriptionThatLacksSomething) {
   const std::string toml = (folder.path() / "dataset.toml").string();
-  const auto text_of = [&](const std::string& text) { return refusal([&] { read(kCsv, Drive::Stack, text); }); };
+  const auto text_of = [&](const std::string& text) {
+    return refusal([&] { read(kCsv, Drive::Stack, text); });
+  };
   expect_refusal(text_of("title = \"t\"\n"), toml, "no [[run]]");
   expect_refusal(text_of("[[run]]\nfile = \"a.csv\"\n"), toml + ":1", "`name` is missing");
   expect_refusal(text_of("[[run]]\nname = \"a\"\n"), toml + ":1", "`file` is missing");
-  expect_refusal(text_of("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = -5\n"), toml + ":4", "`weight_g`");
-  expect_refusal(text_of("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = nan\n"), toml + ":4", "`weight_g`");
+  expect_refusal(text_of("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = -5\n"), toml + ":4",
+                 "`weight_g`");
+  expect_refusal(text_of("[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_g = nan\n"), toml + ":4",
+                 "`weight_g`");
   expect_refusal(text_of("sensor_noise_mm = -1\n"), toml + ":1", "`sensor_noise_mm`");
   expect_refusal(text_of("run = 3\n"), toml + ":1", "`run` is not a list of tables");
   expect_refusal(text_of("[[run]\n"), toml + ":1", "");
@@ -179,15 +183,15 @@ TEST_F(DatasetFolder, RefusesADescriptionThatLacksSomething) {
 
 TEST_F(DatasetFolder, RefusesAWeightInAnotherUnit) {
   expect_refusal(refusal([&] {
-                read(kCsv, Drive::Stack, "[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_kg = 0.05\n");
-              }),
-              (folder.path() / "dataset.toml").string() + ":4", "`weight_kg`");
+                   read(kCsv, Drive::Stack, "[[run]]\nname = \"a\"\nfile = \"a.csv\"\nweight_kg = 0.05\n");
+                 }),
+                 (folder.path() / "dataset.toml").string() + ":4", "`weight_kg`");
 }
 
 TEST(Dataset, FolderWithoutADescriptionIsRefused) {
   const ScratchFolder folder;
   expect_refusal(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),
-              "no dataset.toml");
+                 "no dataset.toml");
 }
 
 }  // namespace

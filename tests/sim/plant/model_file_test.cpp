@@ -94,7 +94,8 @@ struct Refused {
 class ModelFileRefuses : public testing::TestWithParam<Refused> {};
 
 TEST_P(ModelFileRefuses, NamingFileLineAndReason) {
-  expect_refusal(refusal([] { parse_model(GetParam().text, "m.toml"); }), GetParam().place, GetParam().reason);
+  expect_refusal(refusal([] { parse_model(GetParam().text, "m.toml"); }), GetParam().place,
+                 GetParam().reason);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -153,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ModelFile, ThatIsNotThereIsRefusedByItsName) {
   expect_refusal(refusal([] { read_model("/nowhere/model.toml"); }),
-              "/nowhere/model.toml: ", "cannot be read");
+                 "/nowhere/model.toml: ", "cannot be read");
   const ScratchFolder folder;
   expect_refusal(refusal([&] { read_model(folder.path()); }), folder.path().string(), "cannot be read");
 }
@@ -162,13 +163,13 @@ TEST(TissueFile, RefusesWhatItCannotUse) {
   const ScratchFolder folder;
   folder.write("none.toml", "[tissue.muscle]\n");
   expect_refusal(refusal([&] { read_tissues(folder.path() / "none.toml"); }),
-              (folder.path() / "none.toml:1").string(), "is missing");
+                 (folder.path() / "none.toml:1").string(), "is missing");
   const std::string text = read_file(models_folder() / "tissues.toml");
   const auto unknown = text.find("[tissue.unknown]");
   ASSERT_NE(unknown, std::string::npos);
   folder.write("known.toml", text.substr(0, unknown));
   expect_refusal(refusal([&] { read_tissues(folder.path() / "known.toml"); }),
-              (folder.path() / "known.toml").string(), "[tissue.unknown]");
+                 (folder.path() / "known.toml").string(), "[tissue.unknown]");
 }
 
 TEST(Tissue, RefusesAPathOfMoreLayersThanThePlantHolds) {

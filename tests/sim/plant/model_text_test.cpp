@@ -190,7 +190,9 @@ TEST(ModelText, AChangeLeavesTheSourcesOfEverythingElse) {
 
 TEST(ModelText, RefusesAModelThatCouldNotBeReadBack) {
   PlantModel model;
-  const auto refused = [&](const ModelNotes& notes = {}) { return refusal([&] { model_toml(model, notes); }); };
+  const auto refused = [&](const ModelNotes& notes = {}) {
+    return refusal([&] { model_toml(model, notes); });
+  };
   model.baseline.k = -3.0;
   expect_refusal(refused(), "the model to be written", "`k` = -3 is outside");
   model.baseline.k = std::nan("");
@@ -210,11 +212,11 @@ TEST(ModelText, RefusesAModelThatCouldNotBeReadBack) {
 
 TEST(ModelFile, RefusesAnUnknownNameBesideAValue) {
   expect_refusal(refusal([] { parse_model("[baseline]\n\nk = { value = 140, sdt = 3 }\n", "m.toml"); }),
-              "m.toml:3: ", "unknown name `sdt`");
+                 "m.toml:3: ", "unknown name `sdt`");
   expect_refusal(refusal([] { parse_model("[baseline]\nk = { value = 140, std = -3 }\n", "m.toml"); }),
-              "m.toml:2: ", "`std` = -3 is outside");
+                 "m.toml:2: ", "`std` = -3 is outside");
   expect_refusal(refusal([] { parse_model("[baseline]\nk = { value = 140, source = 3 }\n", "m.toml"); }),
-              "m.toml:2: ", "`source` is not a text");
+                 "m.toml:2: ", "`source` is not a text");
 }
 
 TEST(BaselineEntries, HoldTheReferenceAndPlainMechanics) {

@@ -28,7 +28,8 @@ struct Corruptors {
   std::function<void(safety::Situation&)> input;               // inside of it
   std::function<void(DriveRequest&)> request;                  // inside the controller
   std::function<void(robot::GateInputs&)> delivery;            // on the way to the gate
-  // Whether this sample shows the fault by the limit that docs/reference/supervisor.md states. Empty: every one does.
+  // Whether this sample shows the fault by the limit that docs/reference/supervisor.md states. Empty: every
+  // one does.
   std::function<bool(const Sight&)> shows;
 };
 

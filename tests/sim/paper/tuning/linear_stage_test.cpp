@@ -48,7 +48,9 @@ TEST(LinearStage, RespondsAsThePlantDoesToASmallSine) {
   for (const double depth : {2.0, 6.0}) {
     const LinearStage linear = linearised(model, depth);
     for (const double hertz : {0.5, 2.0, 5.0, 10.0})
-      EXPECT_NEAR(std::abs(simulated_response(model, depth, hertz) / response(linear, 2.0 * pi * hertz) - 1.0), 0.0, 0.01)
+      EXPECT_NEAR(
+          std::abs(simulated_response(model, depth, hertz) / response(linear, 2.0 * pi * hertz) - 1.0), 0.0,
+          0.01)
           << depth << " mm, " << hertz << " Hz";
   }
 }
@@ -81,8 +83,8 @@ TEST(LinearStage, IsUnstableBeyondItsGainMargin) {
   EXPECT_FALSE(holds(stage, scaled(1.02 * most)));
 }
 
-// docs/explanation/model.md: the paper's gains do not hold the bare baseline, a spring with a damping ratio of
-// 0.1.
+// docs/explanation/model.md: the paper's gains do not hold the bare baseline, a spring with a damping ratio
+// of 0.1.
 TEST(LinearStage, ThePapersGainsDoNotHoldTheBareBaseline) {
   EXPECT_FALSE(holds(linearised(PlantModel{}, 2.5), {}));
 }
