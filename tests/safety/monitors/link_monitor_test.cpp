@@ -1,25 +1,23 @@
-// The watch over the links, tick by tick, at the edges of every limit.
+// The link monitor, tick by tick, at the edges of every limit.
 #include <gtest/gtest.h>
 
-#include "tests/safety/link_bench.hpp"
+#include "tests/safety/monitor_bench.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
-using Bench = LinkBench;
-
-TEST(Links, AreSoundWhenEverythingIsInOrder) {
-  Bench bench;
+TEST(LinkMonitor, LinksAreSoundWhenEverythingIsInOrder) {
+  LinkBench bench;
   EXPECT_EQ(bench.found, 0U) << name_of(worst_of(bench.found));
   EXPECT_TRUE(bench.tick().fresh);
 }
 
-TEST(Clocks, MayTakeStepsOfOneMicrosecondToFiveMilliseconds) {
+TEST(LinkMonitor, ClocksMayTakeStepsOfOneMicrosecondToFiveMilliseconds) {
   verifies("R-05");
   for (const std::int64_t step_us : {-1, 0, 1, 5'000, 5'001}) {
     const bool sound = step_us == 1 || step_us == 5'000;
-    Bench ours, stages;
+    LinkBench ours, stages;
     ours.advance(), stages.advance();
     ours.seen.now_us += step_us - 1'000;
     stages.seen.measurement.time_us += step_us - 1'000;
@@ -29,22 +27,22 @@ TEST(Clocks, MayTakeStepsOfOneMicrosecondToFiveMilliseconds) {
   }
 }
 
-TEST(Clocks, OfTheStageAreJudgedBetweenNeighbouringMeasurementsOnly) {
-  Bench bench;
+TEST(LinkMonitor, ClocksOfTheStageAreJudgedBetweenNeighbouringMeasurementsOnly) {
+  LinkBench bench;
   bench.tick();
   bench.seen.measurement.time_us += 9'000, ++bench.seen.measurement.seq;  // one was lost
   bench.tick();
   EXPECT_FALSE(bench.names(Hazard::ClockJump));
-  Bench first;
-  first.watch.seq = 0, first.watch.stage_us = 0;
+  LinkBench first;
+  first.monitor.seq = 0, first.monitor.stage_us = 0;
   first.seen.measurement.seq = 0;
   first.tick();
   EXPECT_FALSE(first.names(Hazard::ClockJump)) << "the first one has no neighbour";
 }
 
-TEST(Measurements, AreStaleAfterMoreThanThreeTicks) {
+TEST(LinkMonitor, MeasurementsAreStaleAfterMoreThanThreeTicks) {
   verifies("R-18");
-  Bench bench;
+  LinkBench bench;
   const std::uint32_t last = bench.seen.measurement.seq;
   for (const bool stale : {false, false, false, true, true}) {
     bench.advance();
@@ -56,118 +54,43 @@ TEST(Measurements, AreStaleAfterMoreThanThreeTicks) {
   EXPECT_FALSE(bench.names(Hazard::SensorStale));
 }
 
-TEST(Measurements, OutOfOrderAreForgivenOnceAndNotTwice) {
+TEST(LinkMonitor, MeasurementsOutOfOrderAreForgivenOnceAndNotTwice) {
   verifies("R-26");
-  Bench bench;
+  LinkBench bench;
   const auto skip = [&] { ++bench.seen.measurement.seq, bench.tick(); };
   skip();
   EXPECT_FALSE(bench.names(Hazard::MessageOrder));
-  EXPECT_EQ(bench.watch.order_score, 2);
+  EXPECT_EQ(bench.monitor.order_score, 2);
   bench.tick();
-  EXPECT_EQ(bench.watch.order_score, 1);
+  EXPECT_EQ(bench.monitor.order_score, 1);
   skip();
   EXPECT_TRUE(bench.names(Hazard::MessageOrder));
-  EXPECT_EQ(bench.watch.order_score, 3);
+  EXPECT_EQ(bench.monitor.order_score, 3);
   skip();
-  EXPECT_EQ(bench.watch.order_score, 4) << "bounded";
+  EXPECT_EQ(bench.monitor.order_score, 4) << "bounded";
   for (int left = 3; left >= 0; --left) {
     bench.tick();
-    EXPECT_EQ(bench.watch.order_score, left);
+    EXPECT_EQ(bench.monitor.order_score, left);
   }
   EXPECT_FALSE(bench.names(Hazard::MessageOrder));
   bench.tick();
-  EXPECT_EQ(bench.watch.order_score, 0);
+  EXPECT_EQ(bench.monitor.order_score, 0);
 }
 
-TEST(Measurements, OfARestartedStageAreTakenUpWhenItWasSilentAndTheDriveIsOff) {
+TEST(LinkMonitor, MeasurementsOfARestartedStageAreTakenUpWhenItWasSilentAndTheDriveIsOff) {
   for (const auto& [mode, silent] : {std::pair{Mode::Safe, 4}, {Mode::Safe, 3}, {Mode::Hold, 4}}) {
-    Bench bench;
+    LinkBench bench;
     bench.seen.permit.mode = mode;
-    bench.watch.stale_ticks = silent;
+    bench.monitor.stale_ticks = silent;
     bench.advance();
     bench.seen.measurement.seq = 1;
     EXPECT_EQ(bench.observe().fresh, mode == Mode::Safe && silent == 4);
   }
 }
 
-TEST(Answers, MayBeFivePermitsOldAndNotSix) {
-  verifies("R-10");
-  for (const std::uint32_t age : {0U, 1U, 5U, 6U}) {
-    Bench bench;
-    bench.watch.answered_seq = bench.seen.permit.seq - 8;
-    bench.watch.answer_score = 1;
-    bench.advance();
-    bench.answer(bench.seen.permit.seq - age);
-    bench.observe();
-    EXPECT_EQ(bench.watch.answer_score, age == 6 ? 3 : 0) << age;
-    EXPECT_EQ(bench.names(Hazard::WrongAnswer), age == 6) << age;
-  }
-}
-
-TEST(Answers, OfTheSameNumberAsBeforeAreNeitherNewNorWrong) {
-  verifies("R-10");
-  Bench bench;
-  bench.watch.answer_score = 2;
-  const std::uint32_t last = bench.seen.permit.seq;
-  bench.advance();
-  bench.answer(last);
-  bench.observe();
-  EXPECT_EQ(bench.watch.answer_score, 2);
-  bench.advance();
-  bench.answer(last - 1);
-  bench.observe();
-  EXPECT_EQ(bench.watch.answer_score, 4) << "older than one already given";
-  EXPECT_EQ(bench.watch.answered_seq, last);
-}
-
-TEST(Answers, ThatDoNotComeAreWrongAfterFivePermits) {
-  verifies("R-10");
-  Bench bench;
-  const Measurement old = bench.seen.measurement;
-  for (int silent = 1; silent <= 7; ++silent) {
-    bench.advance();
-    bench.seen.measurement = old;
-    bench.observe();
-    EXPECT_EQ(bench.watch.answer_score, silent < 6 ? 0 : silent == 6 ? 2 : 4) << silent;
-  }
-}
-
-TEST(Answers, AreHeldAgainstTheModeOfThePermitTheyAnswer) {
-  verifies("R-10");
-  Bench bench;
-  for (int i = 0; i < 40; ++i) {
-    const Mode before = bench.seen.permit.mode;
-    bench.advance();
-    bench.seen.permit.mode = i % 3 == 0 ? Mode::Hold : Mode::Active;
-    const Mode now = bench.seen.permit.mode;
-    bench.seen.permit.mode = before;
-    bench.answer(bench.seen.permit.seq - 1);
-    bench.seen.permit.mode = now;
-    bench.observe();
-    ASSERT_FALSE(bench.names(Hazard::WrongAnswer)) << i;
-    ASSERT_EQ(bench.watch.answer_score, 0) << i;
-  }
-}
-
-TEST(Answers, AreAllRightUpToTheFirstPermitAndThereIsNoneBefore) {
-  Bench bench;
-  bench.watch.answered_seq = 0, bench.watch.answer_score = 0;
-  bench.seen.permit.seq = 0;
-  bench.tick();
-  EXPECT_EQ(bench.watch.answered_seq, 1U) << "permit 1 was answered";
-  bench.watch.answered_seq = 0;
-  bench.advance();
-  bench.answer(0);
-  bench.observe();
-  EXPECT_EQ(bench.watch.answer_score, 2) << "number 0 answers nothing";
-  bench.seen.permit.seq = 0;
-  bench.observe();
-  EXPECT_TRUE(bench.names(Hazard::WrongAnswer));
-}
-
-TEST(Controller, IsSilentAfterMoreThanThreeMeasurementsWithoutARequest) {
+TEST(LinkMonitor, ControllerIsSilentAfterMoreThanThreeMeasurementsWithoutARequest) {
   verifies("R-25");
-  Bench bench;
+  LinkBench bench;
   const DriveRequest last = bench.seen.request;
   for (const bool silent : {false, false, false, true, true}) {
     bench.advance();
@@ -179,9 +102,9 @@ TEST(Controller, IsSilentAfterMoreThanThreeMeasurementsWithoutARequest) {
   EXPECT_FALSE(bench.names(Hazard::ControllerSilent));
 }
 
-TEST(Controller, IsNotSilentWhereThereWasNothingToAnswer) {
+TEST(LinkMonitor, ControllerIsNotSilentWhereThereWasNothingToAnswer) {
   verifies("R-25");
-  Bench bench;
+  LinkBench bench;
   const DriveRequest last = bench.seen.request;
   const Measurement old = bench.seen.measurement;
   for (int i = 0; i < 10; ++i) {
@@ -192,9 +115,9 @@ TEST(Controller, IsNotSilentWhereThereWasNothingToAnswer) {
   }
 }
 
-TEST(Controller, ThatAnswersLateIsThereThoughNothingWasMeasured) {
-  Bench bench;
-  bench.watch.silent_ticks = 4;
+TEST(LinkMonitor, ControllerThatAnswersLateIsThereThoughNothingWasMeasured) {
+  LinkBench bench;
+  bench.monitor.silent_ticks = 4;
   const Measurement old = bench.seen.measurement;
   bench.advance();
   bench.seen.measurement = old;
@@ -202,10 +125,10 @@ TEST(Controller, ThatAnswersLateIsThereThoughNothingWasMeasured) {
   EXPECT_FALSE(bench.names(Hazard::ControllerSilent));
 }
 
-TEST(EStop, ContactsMayDifferForTwentyTicksAndAreLatchedAtTheNext) {
+TEST(LinkMonitor, EStopContactsMayDifferForTwentyTicksAndAreLatchedAtTheNext) {
   verifies("R-03", "R-04");
   for (const bool a_opens : {true, false}) {
-    Bench bench;
+    LinkBench bench;
     (a_opens ? bench.seen.estop_a_closed : bench.seen.estop_b_closed) = false;
     for (int i = 0; i < 20; ++i) {
       bench.tick();
@@ -224,8 +147,8 @@ TEST(EStop, ContactsMayDifferForTwentyTicksAndAreLatchedAtTheNext) {
   }
 }
 
-TEST(EStop, ContactsThatAgreeAgainInTimeStartTheCountAnew) {
-  Bench bench;
+TEST(LinkMonitor, EStopContactsThatAgreeAgainInTimeStartTheCountAnew) {
+  LinkBench bench;
   for (int round = 0; round < 3; ++round) {
     bench.seen.estop_a_closed = false;
     for (int i = 0; i < 20; ++i) bench.tick();
@@ -235,11 +158,11 @@ TEST(EStop, ContactsThatAgreeAgainInTimeStartTheCountAnew) {
   }
 }
 
-TEST(Tissue, MayBeUnlikeThePlanForNinetyNineTicks) {
+TEST(LinkMonitor, TissueMayBeUnlikeThePlanForNinetyNineTicks) {
   verifies("R-27", "R-32");
   for (const std::int32_t residual_um : {-1, 0, 500, 501}) {
     const bool unlike = residual_um == -1 || residual_um == 501;
-    Bench bench;
+    LinkBench bench;
     bench.seen.tissue_residual_um = residual_um;
     for (int tick = 1; tick <= 1'102; ++tick) {
       bench.tick();
@@ -249,45 +172,32 @@ TEST(Tissue, MayBeUnlikeThePlanForNinetyNineTicks) {
   }
 }
 
-TEST(Patient, MayMoveTwoMillimetres) {
-  verifies("R-33");
-  for (const std::int32_t motion_um : {-1, 0, 2'000, 2'001}) {
-    Bench bench;
-    bench.seen.patient_motion_um = motion_um;
-    bench.tick();
-    EXPECT_EQ(bench.found, motion_um == -1 || motion_um == 2'001 ? bit(Hazard::PatientMotion) : 0)
-        << motion_um;
-  }
+TEST(LinkMonitor, PatientMotionLogAndWritersHaveTheirLimits) {
+  verifies("R-11", "R-28", "R-33");
+  struct Limit {
+    std::int32_t SupervisorInputs::*value;
+    Hazard hazard;
+    std::int32_t low, high;
+  };
+  for (const Limit& limit : {Limit{&SupervisorInputs::patient_motion_um, Hazard::PatientMotion, 0, 2'000},
+                             Limit{&SupervisorInputs::log_backlog_ms, Hazard::LogBacklog, 0, 1'000},
+                             Limit{&SupervisorInputs::writers, Hazard::SecondWriter, 1, 1}})
+    for (const std::int32_t value : {-1, limit.low - 1, limit.low, limit.high, limit.high + 1}) {
+      LinkBench bench;
+      bench.seen.*limit.value = value;
+      bench.tick();
+      const bool sound = value >= limit.low && value <= limit.high;
+      EXPECT_EQ(bench.found, sound ? 0 : bit(limit.hazard)) << name_of(limit.hazard) << ' ' << value;
+    }
 }
 
-TEST(Log, MayBeASecondBehind) {
-  verifies("R-28");
-  for (const std::int32_t backlog_ms : {-1, 0, 1'000, 1'001}) {
-    Bench bench;
-    bench.seen.log_backlog_ms = backlog_ms;
-    bench.tick();
-    EXPECT_EQ(bench.found, backlog_ms == -1 || backlog_ms == 1'001 ? bit(Hazard::LogBacklog) : 0)
-        << backlog_ms;
-  }
-}
-
-TEST(Writers, AreOne) {
-  verifies("R-11");
-  for (const std::int32_t writers : {-1, 0, 1, 2}) {
-    Bench bench;
-    bench.seen.writers = writers;
-    bench.tick();
-    EXPECT_EQ(bench.found, writers == 1 ? 0 : bit(Hazard::SecondWriter)) << writers;
-  }
-}
-
-TEST(Seals, AreThoseOfThisPlanAndConfigurationWhetherTheirNumbersAreLargerOrSmaller) {
+TEST(LinkMonitor, SealsAreThoseOfThisPlanAndConfigurationWhetherTheirNumbersAreLargerOrSmaller) {
   verifies("R-12", "R-13", "R-30");
   for (const std::uint64_t off : {std::uint64_t{1}, ~std::uint64_t{0}}) {
-    Bench plan, config, first, second;
+    LinkBench plan, config, first, second;
     plan.seen.plan_tag += off, config.seen.config_tag += off;
     first.seen.confirmed_tag[0] += off, second.seen.confirmed_tag[1] += off;
-    for (Bench* bench : {&plan, &config, &first, &second}) bench->tick();
+    for (LinkBench* bench : {&plan, &config, &first, &second}) bench->tick();
     EXPECT_EQ(plan.found, bit(Hazard::PlanChanged));
     EXPECT_EQ(config.found, bit(Hazard::ConfigChanged));
     EXPECT_EQ(first.found, bit(Hazard::PlanUnconfirmed));
@@ -295,9 +205,9 @@ TEST(Seals, AreThoseOfThisPlanAndConfigurationWhetherTheirNumbersAreLargerOrSmal
   }
 }
 
-TEST(Seals, OfZeroAreNone) {
+TEST(LinkMonitor, SealsOfZeroAreNone) {
   verifies("R-12", "R-13", "R-30");
-  Bench bench;
+  LinkBench bench;
   bench.plan.plan_tag = bench.plan.config_tag = bench.seen.plan_tag = bench.seen.config_tag = 0;
   bench.seen.confirmed_tag = {0, 0};
   bench.tick();
@@ -309,15 +219,85 @@ TEST(Seals, OfZeroAreNone) {
   EXPECT_EQ(bench.found, 0U) << "one is a seal like any other";
 }
 
-TEST(Plan, IsJudgedAnewWhileNothingMoves) {
+TEST(LinkMonitor, PlanIsJudgedAnewWhileNothingMoves) {
   verifies("R-29");
-  Bench bench;
+  LinkBench bench;
   bench.plan.depth_max_um = 4;
   bench.tick();
   EXPECT_FALSE(bench.names(Hazard::PlanImplausible)) << "in motion its tag stands for it";
   bench.seen.permit.mode = Mode::Safe;
   bench.tick();
   EXPECT_TRUE(bench.names(Hazard::PlanImplausible));
+}
+
+TEST(LinkMonitor, ControllerMayMissTwoPeriodsWithinAHundredTicksAndNotThree) {
+  verifies("R-24");
+  LinkBench bench;
+  const auto miss = [&](std::uint32_t periods) { bench.seen.request.overruns += periods, bench.tick(); };
+  miss(2);
+  EXPECT_FALSE(bench.names(Hazard::LoopOverrun));
+  EXPECT_EQ(bench.monitor.miss_score, 199);
+  miss(1);
+  EXPECT_TRUE(bench.names(Hazard::LoopOverrun));
+  EXPECT_EQ(bench.monitor.miss_score, 298);
+  miss(2);
+  EXPECT_EQ(bench.monitor.miss_score, 399) << "bounded";
+  LinkBench three;
+  three.seen.request.overruns += 3, three.tick();
+  EXPECT_EQ(three.monitor.miss_score, 399);
+  LinkBench slow;
+  slow.monitor.miss_score = 1;
+  slow.tick();
+  EXPECT_EQ(slow.monitor.miss_score, 0);
+  slow.tick();
+  EXPECT_EQ(slow.monitor.miss_score, 0);
+}
+
+TEST(LinkMonitor, StageMayLeaveOutPeriodsTwiceWithinAHundredTicksAndNotThreeTimes) {
+  verifies("R-24");
+  const auto step = [](LinkBench& bench, std::int64_t step_us) {
+    bench.seen.measurement.time_us += step_us - 1'000, bench.seen.now_us += step_us - 1'000;
+    bench.tick();
+  };
+  const auto score_after = [&](std::int64_t step_us) {
+    LinkBench bench;
+    step(bench, step_us);
+    return bench.monitor.miss_score;
+  };
+  EXPECT_EQ(score_after(1), 0);
+  EXPECT_EQ(score_after(1'749), 0) << "late, and the next tick still had its own period";
+  EXPECT_EQ(score_after(1'750), 99);
+  EXPECT_EQ(score_after(5'000), 99) << "one stall, however long: that is R-18's";
+  EXPECT_EQ(score_after(5'001), 0) << "a jump of the clock says nothing of periods";
+  LinkBench bench;
+  for (int i = 0; i < 2; ++i) step(bench, 2'000);
+  EXPECT_FALSE(bench.names(Hazard::LoopOverrun));
+  step(bench, 2'000);
+  EXPECT_TRUE(bench.names(Hazard::LoopOverrun)) << "500 Hz";
+}
+
+TEST(LinkMonitor, StageMissesNoPeriodByALostMessageOrBeforeItsFirst) {
+  verifies("R-24");
+  LinkBench lost;
+  ++lost.seen.measurement.seq, lost.seen.measurement.time_us += 2'000;
+  lost.tick();
+  EXPECT_EQ(lost.monitor.miss_score, 0) << "the loss is counted where messages are";
+  LinkBench first;
+  first.monitor.seq = 0, first.seen.measurement.seq = 0, first.seen.measurement.time_us += 3'000;
+  first.tick();
+  EXPECT_EQ(first.monitor.miss_score, 0);
+}
+
+TEST(LinkMonitor, ControllerCountsItsFirstRequestAsTheBeginning) {
+  LinkBench bench;
+  bench.monitor.request_seq = 0;
+  bench.seen.request.overruns = 50;
+  bench.tick();
+  EXPECT_EQ(bench.monitor.miss_score, 0);
+  EXPECT_EQ(bench.monitor.overruns, 50U);
+  bench.monitor.request_seq = bench.seen.request.seq = 1, bench.seen.request.overruns = 52;
+  bench.tick();
+  EXPECT_EQ(bench.monitor.miss_score, 199) << "after number 1 it counts";
 }
 
 }  // namespace

@@ -1,33 +1,14 @@
-// What one step makes of one state, field by field: everything a permit and an output say.
+// What one step makes of one state, field by field.
 #include <gtest/gtest.h>
 
 #include "safety/challenge.hpp"
 #include "safety/decide.hpp"
-#include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
-#include "tests/safety/rig.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
-
-Situation healthy() {
-  Situation input;
-  input.now_us = 123'456;
-  input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
-  input.self_test = SelfTest::Passed;
-  return input;
-}
-
-SupervisorState in(Mode mode) {
-  SupervisorState state = started(3);
-  state.mode = mode;
-  state.token = 10;
-  state.held_mV = 5'000'000;
-  state.epoch = 4, state.seq = 70;
-  state.arm_was_down = state.reset_was_down = false;
-  return state;
-}
 
 // An input that leaves the mode as it is.
 Situation steady(Mode mode) {
@@ -43,7 +24,7 @@ std::pair<SupervisorState, SupervisorOutput> stays(Mode mode) {
   return result;
 }
 
-TEST(Permits, SayWhoseTheyAreAndWhatTheyAreFor) {
+TEST(Supervisor, PermitsSayWhoseTheyAreAndWhatTheyAreFor) {
   const Permit permit = stays(Mode::Active).second.permit;
   EXPECT_EQ(permit.session, 3U);
   EXPECT_EQ(permit.epoch, 4U);
@@ -56,7 +37,7 @@ TEST(Permits, SayWhoseTheyAreAndWhatTheyAreFor) {
   EXPECT_EQ(permit.challenge, challenge_of(3, 71));
 }
 
-TEST(Permits, OfEachModeAllowWhatItsLineInTheTableOfStatesSays) {
+TEST(Supervisor, PermitsOfEachModeAllowWhatItsLineInTheTableOfStatesSays) {
   const PlanFacts plan = three_stage_plan();
   struct Allowed {
     Mode mode;
@@ -86,7 +67,7 @@ TEST(Permits, OfEachModeAllowWhatItsLineInTheTableOfStatesSays) {
   }
 }
 
-TEST(Outputs, FeedTheInterlockAndAllowImagesInTheirModesOnly) {
+TEST(Supervisor, OutputsFeedTheInterlockAndAllowImagesInTheirModesOnly) {
   for (std::size_t i = 0; i < kModes; ++i) {
     const auto mode = static_cast<Mode>(i);
     const SupervisorOutput output = stays(mode).second;
@@ -97,7 +78,7 @@ TEST(Outputs, FeedTheInterlockAndAllowImagesInTheirModesOnly) {
   }
 }
 
-TEST(Outputs, NameTheEventAndPassOnThatAnImageWasDisturbed) {
+TEST(Supervisor, OutputsNameTheEventAndPassOnThatAnImageWasDisturbed) {
   Situation input = healthy();
   input.evidence.image_disturbed = true;
   input.stop = StopCategory::C1Ramp;
@@ -106,7 +87,7 @@ TEST(Outputs, NameTheEventAndPassOnThatAnImageWasDisturbed) {
   EXPECT_TRUE(output.image_disturbed);
 }
 
-TEST(Stages, BeyondTheCountOfThePlanAllowNothingThoughNumbersStandThere) {
+TEST(Supervisor, StagesBeyondTheCountOfThePlanAllowNothingThoughNumbersStandThere) {
   PlanFacts plan = three_stage_plan();
   plan.stage_count = 1;
   for (const std::uint32_t stage : {1U, 2U}) {
@@ -116,7 +97,7 @@ TEST(Stages, BeyondTheCountOfThePlanAllowNothingThoughNumbersStandThere) {
   }
 }
 
-TEST(Stages, WithANegativeEnvelopeOrSlewAllowNone) {
+TEST(Supervisor, StagesWithANegativeEnvelopeOrSlewAllowNone) {
   for (const std::int32_t value : {-1, 0}) {
     PlanFacts plan = three_stage_plan();
     plan.stages[0].v_max_mV = plan.stages[0].slew_up_mV_per_tick = value;
@@ -126,7 +107,7 @@ TEST(Stages, WithANegativeEnvelopeOrSlewAllowNone) {
   }
 }
 
-TEST(Stages, StartOverFromTheFirstAtEveryArming) {
+TEST(Supervisor, StagesStartOverFromTheFirstAtEveryArming) {
   SupervisorState state = in(Mode::Ready);
   state.stage = 2, state.stage_done = true;
   Situation input = healthy();
@@ -137,7 +118,7 @@ TEST(Stages, StartOverFromTheFirstAtEveryArming) {
   EXPECT_FALSE(next.stage_done);
 }
 
-TEST(Reasons, OutliveTheEndOfARampButNotAReset) {
+TEST(Supervisor, ReasonsOutliveTheEndOfARampButNotAReset) {
   SupervisorState state = in(Mode::Retract);
   state.reason = Hazard::PopThrough;
   EXPECT_EQ(step(three_stage_plan(), state, healthy()).first.reason, Hazard::PopThrough);
@@ -150,7 +131,7 @@ TEST(Reasons, OutliveTheEndOfARampButNotAReset) {
   EXPECT_EQ(next.reason, Hazard::None);
 }
 
-TEST(Epochs, BeginWithATripOrALockAndWithNothingElse) {
+TEST(Supervisor, EpochsBeginWithATripOrALockAndWithNothingElse) {
   Situation input = healthy();
   input.evidence.clear &= ~bit(Hazard::ResidualCharge);
   EXPECT_EQ(step(three_stage_plan(), in(Mode::Ready), input).first.epoch, 5U) << "ready to lock";
@@ -159,7 +140,7 @@ TEST(Epochs, BeginWithATripOrALockAndWithNothingElse) {
   EXPECT_EQ(step(three_stage_plan(), in(Mode::Boot), healthy()).first.epoch, 4U) << "boot to safe";
 }
 
-TEST(Envelopes, OfAHoldNeverBeginBelowZeroOrAboveTheStage) {
+TEST(Supervisor, EnvelopesOfAHoldNeverBeginBelowZeroOrAboveTheStage) {
   std::int32_t ceiling_mV = 8'000'000;
   const auto held = [&](std::int32_t drive_mV) {
     Situation input = healthy();
@@ -178,7 +159,7 @@ TEST(Envelopes, OfAHoldNeverBeginBelowZeroOrAboveTheStage) {
   EXPECT_EQ(held(1), 0);
 }
 
-TEST(Envelopes, OfARampThatIsOverStayAtZero) {
+TEST(Supervisor, EnvelopesOfARampThatIsOverStayAtZero) {
   Situation input = healthy();
   input.evidence.zero_volts = false;
   for (const std::int32_t ticks : {kRamp_ticks - 1, kRamp_ticks, kRamp_ticks + 40}) {
@@ -188,7 +169,7 @@ TEST(Envelopes, OfARampThatIsOverStayAtZero) {
   }
 }
 
-TEST(HoldToRun, AMessageWithoutATokenKeepsNothingAlive) {
+TEST(Supervisor, HoldToRunAMessageWithoutATokenKeepsNothingAlive) {
   SupervisorState state = in(Mode::Active);
   state.token = 0, state.ticks_since_held = 7;
   Situation input = healthy();
@@ -199,7 +180,7 @@ TEST(HoldToRun, AMessageWithoutATokenKeepsNothingAlive) {
   EXPECT_EQ(step(three_stage_plan(), state, input).first.ticks_since_held, 0);
 }
 
-TEST(Refusals, OfALockAreTheSameForEveryRequest) {
+TEST(Supervisor, RefusalsOfALockAreTheSameForEveryRequest) {
   const auto refusal = [](const Situation& input) {
     return step(three_stage_plan(), in(Mode::Lock), input).second.refusal;
   };
@@ -209,15 +190,6 @@ TEST(Refusals, OfALockAreTheSameForEveryRequest) {
   reset.local_reset = true;
   arm.local_arm = true;
   for (const Situation& input : {press, remote, reset, arm}) EXPECT_EQ(refusal(input), Refusal::Locked);
-}
-
-TEST(Refusals, AreToldInWords) {
-  for (int refusal = 0; refusal <= static_cast<int>(Refusal::PlanDone); ++refusal)
-    EXPECT_GT(name_of(static_cast<Refusal>(refusal)).size(), 3U) << refusal;
-  for (std::size_t event = 0; event < kEvents; ++event)
-    EXPECT_GT(name_of(static_cast<Event>(event)).size(), 3U) << event;
-  for (std::size_t mode = 0; mode < kModes; ++mode)
-    EXPECT_GT(name_of(static_cast<Mode>(mode)).size(), 3U) << mode;
 }
 
 TEST(Permissiveness, RanksTheModesFromLockToActive) {

@@ -1,42 +1,15 @@
-// Which event a step names and what it answers to a request, at the edges of times, tokens and stages.
+// The event of a step and the answer to a request, at the edges of times, tokens and stages.
 #include <gtest/gtest.h>
 
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
-#include "tests/safety/rig.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
-// One step from a mode, everything healthy; a test spoils what it is about.
-struct Moment {
-  PlanFacts plan = three_stage_plan();
-  SupervisorState state = started(3);
-  Situation input;
-
-  explicit Moment(Mode mode) {
-    state.mode = mode;
-    state.token = 10;
-    state.arm_was_down = state.reset_was_down = false;
-    input.evidence.clear = kAllHazards;
-    input.evidence.zero_volts = mode != Mode::Retract;
-    input.evidence.needle_home = true;
-    input.self_test = SelfTest::Passed;
-  }
-  Event event() const { return step(plan, state, input).second.event; }
-  Refusal refusal() const { return step(plan, state, input).second.refusal; }
-  Mode mode() const { return next().mode; }
-  SupervisorState next() const { return step(plan, state, input).first; }
-};
-
-Moment motion(Mode mode, std::uint32_t token, bool held) {
-  Moment moment(mode);
-  moment.input.motion = {token, held};
-  return moment;
-}
-
-TEST(Events, OfReadyTellALossOfHealthFromAStopThatWasAsked) {
+TEST(Supervisor, EventsOfReadyTellALossOfHealthFromAStopThatWasAsked) {
   verifies("R-33");
   Moment moved(Mode::Ready), asked(Mode::Ready);
   moved.input.evidence.clear &= ~bit(Hazard::PatientMotion);
@@ -45,7 +18,7 @@ TEST(Events, OfReadyTellALossOfHealthFromAStopThatWasAsked) {
   EXPECT_EQ(asked.event(), Event::Stop);
 }
 
-TEST(Events, OfAnImmediateStopAndOfARampAreNamedAsSuchWhereverTheDriveMayBeOn) {
+TEST(Supervisor, EventsOfAnImmediateStopAndOfARampAreNamedAsSuchWhereverTheDriveMayBeOn) {
   for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
     Moment moment(mode);
     moment.input.stop = StopCategory::C0Off;
@@ -56,7 +29,7 @@ TEST(Events, OfAnImmediateStopAndOfARampAreNamedAsSuchWhereverTheDriveMayBeOn) {
   EXPECT_EQ(Moment(static_cast<Mode>(9)).event(), Event::Fault) << "a mode that does not exist";
 }
 
-TEST(Events, OfAControllerThatIsDoneEndTheMotionAndTheHold) {
+TEST(Supervisor, EventsOfAControllerThatIsDoneEndTheMotionAndTheHold) {
   for (const Mode mode : {Mode::Active, Mode::Hold}) {
     Moment moment(mode);
     moment.input.request.finished = true;
@@ -65,7 +38,7 @@ TEST(Events, OfAControllerThatIsDoneEndTheMotionAndTheHold) {
   }
 }
 
-TEST(Events, OfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) {
+TEST(Supervisor, EventsOfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) {
   struct Limit {
     Mode mode;
     std::int32_t ticks;
@@ -84,7 +57,7 @@ TEST(Events, OfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) {
   }
 }
 
-TEST(HoldToRun, EndsAfterAHundredTicksOfSilence) {
+TEST(Supervisor, HoldToRunEndsAfterAHundredTicksOfSilence) {
   for (const std::int32_t ticks : {99, 100, 101}) {
     Moment moment(Mode::Active);
     moment.state.ticks_since_held = ticks;
@@ -92,9 +65,9 @@ TEST(HoldToRun, EndsAfterAHundredTicksOfSilence) {
   }
 }
 
-TEST(HoldToRun, CountsTheTicksSinceAButtonThatIsNewEnoughWasHeldUpToItsLimit) {
+TEST(Supervisor, HoldToRunCountsTheTicksSinceAButtonThatIsNewEnoughWasHeldUpToItsLimit) {
   const auto ticks = [](std::int32_t before, std::uint32_t token, bool held) {
-    Moment moment = motion(Mode::Armed, token, held);
+    Moment moment(Mode::Armed, token, held);
     moment.state.ticks_since_held = before;
     return moment.next().ticks_since_held;
   };
@@ -106,31 +79,31 @@ TEST(HoldToRun, CountsTheTicksSinceAButtonThatIsNewEnoughWasHeldUpToItsLimit) {
   EXPECT_EQ(ticks(100, 10, false), 100);
 }
 
-TEST(Hold, RemembersNoVoltageBelowZero) {
+TEST(Supervisor, HoldToRunEndsWithItsOwnButtonOrANewerOneAndNotWithAnOlderOne) {
+  EXPECT_EQ(Moment(Mode::Active, 9, false).event(), Event::None);
+  EXPECT_EQ(Moment(Mode::Active, 9, true).event(), Event::None);
+  EXPECT_EQ(Moment(Mode::Active, 10, true).event(), Event::None);
+  EXPECT_EQ(Moment(Mode::Active, 10, false).event(), Event::Stop);
+  EXPECT_EQ(Moment(Mode::Active, 11, false).event(), Event::Stop);
+  EXPECT_EQ(Moment(Mode::Active, 11, true).event(), Event::Stop);
+}
+
+TEST(Supervisor, HoldToRunBeginsWithATokenNeverSeenBefore) {
+  for (const std::uint32_t token : {9U, 10U, 11U}) {
+    const Moment press(Mode::Armed, token, true);
+    EXPECT_EQ(press.event(), token == 11 ? Event::Move : Event::None) << token;
+    EXPECT_EQ(press.refusal(), token == 11 ? Refusal::None : Refusal::TokenSpent) << token;
+  }
+}
+
+TEST(Supervisor, HoldRemembersNoVoltageBelowZero) {
   Moment moment(Mode::Active);
   moment.input.stop = StopCategory::C2Hold;
   moment.input.evidence.drive_mV = -5;
   EXPECT_EQ(moment.next().held_mV, 0);
 }
 
-TEST(HoldToRun, EndsWithItsOwnButtonOrANewerOneAndNotWithAnOlderOne) {
-  EXPECT_EQ(motion(Mode::Active, 9, false).event(), Event::None);
-  EXPECT_EQ(motion(Mode::Active, 9, true).event(), Event::None);
-  EXPECT_EQ(motion(Mode::Active, 10, true).event(), Event::None);
-  EXPECT_EQ(motion(Mode::Active, 10, false).event(), Event::Stop);
-  EXPECT_EQ(motion(Mode::Active, 11, false).event(), Event::Stop);
-  EXPECT_EQ(motion(Mode::Active, 11, true).event(), Event::Stop);
-}
-
-TEST(HoldToRun, BeginsWithATokenNeverSeenBefore) {
-  for (const std::uint32_t token : {9U, 10U, 11U}) {
-    const Moment press = motion(Mode::Armed, token, true);
-    EXPECT_EQ(press.event(), token == 11 ? Event::Move : Event::None) << token;
-    EXPECT_EQ(press.refusal(), token == 11 ? Refusal::None : Refusal::TokenSpent) << token;
-  }
-}
-
-TEST(Stages, AreReachedByTheRequestForTheOneInForceOnly) {
+TEST(Supervisor, StagesAreReachedByTheRequestForTheOneInForceOnly) {
   for (const std::uint32_t stage : {0U, 1U, 2U}) {
     Moment moment(Mode::Active);
     moment.state.stage = 1;
@@ -139,30 +112,30 @@ TEST(Stages, AreReachedByTheRequestForTheOneInForceOnly) {
   }
 }
 
-TEST(Stages, AreDoneWhenTheyAreReachedAndNotWhenTheMotionWasStopped) {
+TEST(Supervisor, StagesAreDoneWhenTheyAreReachedAndNotWhenTheMotionWasStopped) {
   Moment reached(Mode::Active), stopped(Mode::Active);
   reached.input.request.stage_reached = true;
   stopped.input.stop = StopCategory::C2Hold;
   EXPECT_TRUE(reached.next().stage_done);
-  EXPECT_TRUE(step(reached.plan, reached.state, reached.input).second.stage_done);
+  EXPECT_TRUE(reached.output().stage_done);
   EXPECT_EQ(stopped.event(), Event::Stop);
   EXPECT_FALSE(stopped.next().stage_done);
 }
 
-TEST(Stages, AreNeverAllowedMoreDepthThanThePlan) {
+TEST(Supervisor, StagesAreNeverAllowedMoreDepthThanThePlan) {
   verifies("R-31");
   Moment moment(Mode::Active);
   moment.plan.depth_max_um = 3'000;
-  EXPECT_EQ(step(moment.plan, moment.state, moment.input).second.permit.depth_max_um, 3'000);
+  EXPECT_EQ(moment.permit().depth_max_um, 3'000);
 }
 
 Moment end_of_stage(std::uint32_t stage) {
-  Moment moment = motion(Mode::Hold, 11, true);
+  Moment moment(Mode::Hold, 11, true);
   moment.state.stage = stage, moment.state.stage_done = true;
   return moment;
 }
 
-TEST(GoingOn, NeedsTheAcceptanceOfThisVeryStage) {
+TEST(Supervisor, GoingOnNeedsTheAcceptanceOfThisVeryStage) {
   for (const std::uint32_t accepted : {0U, 1U, 2U}) {
     Moment moment = end_of_stage(1);
     moment.input.depth_accepted = true, moment.input.accepted_stage = accepted;
@@ -171,25 +144,25 @@ TEST(GoingOn, NeedsTheAcceptanceOfThisVeryStage) {
   }
 }
 
-TEST(GoingOn, TakesUpTheNextStageAtTheEndOfOneAndTheSameInside) {
+TEST(Supervisor, GoingOnTakesUpTheNextStageAtTheEndOfOneAndTheSameInside) {
   Moment end = end_of_stage(1), inside = end_of_stage(1);
   end.input.depth_accepted = true, end.input.accepted_stage = 1;
   inside.state.stage_done = false;
   EXPECT_EQ(end.next().stage, 2U);
   EXPECT_FALSE(end.next().stage_done);
-  EXPECT_EQ(step(end.plan, end.state, end.input).second.stage, 2U);
+  EXPECT_EQ(end.output().stage, 2U);
   EXPECT_EQ(inside.event(), Event::Move) << "nothing has to be accepted there";
   EXPECT_EQ(inside.next().stage, 1U);
 }
 
-TEST(GoingOn, WaitsUntilNothingAsksForAStop) {
-  Moment moment = motion(Mode::Hold, 11, true);
+TEST(Supervisor, GoingOnWaitsUntilNothingAsksForAStop) {
+  Moment moment(Mode::Hold, 11, true);
   moment.input.stop = StopCategory::C2Hold;
   EXPECT_EQ(moment.event(), Event::None);
   EXPECT_EQ(moment.refusal(), Refusal::Unhealthy);
 }
 
-TEST(GoingOn, EndsWithTheLastStageOfThePlanAndWithTheRoomForStages) {
+TEST(Supervisor, GoingOnEndsWithTheLastStageOfThePlanAndWithTheRoomForStages) {
   for (const std::uint32_t stage : {2U, 3U, 5U})
     EXPECT_EQ(end_of_stage(stage).refusal(), Refusal::PlanDone) << stage;
   for (const std::uint32_t count : {32U, 33U}) {
@@ -201,8 +174,8 @@ TEST(GoingOn, EndsWithTheLastStageOfThePlanAndWithTheRoomForStages) {
   }
 }
 
-TEST(Refusals, AreNoneForWhatIsDoneWhateverElseIsAsked) {
-  Moment arm(Mode::Ready), reset(Mode::Trip), press = motion(Mode::Armed, 11, true);
+TEST(Supervisor, RefusalsAreNoneForWhatIsDoneWhateverElseIsAsked) {
+  Moment arm(Mode::Ready), reset(Mode::Trip), press(Mode::Armed, 11, true);
   arm.input.local_arm = reset.input.local_reset = true;
   for (const bool remote : {false, true}) {
     for (Moment* moment : {&arm, &reset, &press}) {
@@ -212,21 +185,21 @@ TEST(Refusals, AreNoneForWhatIsDoneWhateverElseIsAsked) {
   }
 }
 
-TEST(Refusals, OfAPressSayNotArmedWhereNothingCanMoveHoweverOldItIs) {
+TEST(Supervisor, RefusalsOfAPressSayNotArmedWhereNothingCanMoveHoweverOldItIs) {
   for (const Mode mode : {Mode::Safe, Mode::Ready, Mode::Trip})
     for (const std::uint32_t token : {9U, 10U, 11U})
-      EXPECT_EQ(motion(mode, token, true).refusal(), Refusal::NotArmed) << name_of(mode) << ' ' << token;
-  EXPECT_EQ(motion(Mode::Active, 11, true).refusal(), Refusal::NotArmed) << "a second button";
+      EXPECT_EQ(Moment(mode, token, true).refusal(), Refusal::NotArmed) << name_of(mode) << ' ' << token;
+  EXPECT_EQ(Moment(Mode::Active, 11, true).refusal(), Refusal::NotArmed) << "a second button";
 }
 
-TEST(Refusals, AreNoneWhereNothingIsAsked) {
+TEST(Supervisor, RefusalsAreNoneWhereNothingIsAsked) {
   for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active}) {
-    EXPECT_EQ(motion(mode, 0, true).refusal(), Refusal::None) << "no button at all";
-    EXPECT_EQ(motion(mode, 10, false).refusal(), Refusal::None) << "a release";
-    EXPECT_EQ(motion(mode, 11, false).refusal(), Refusal::None) << "a release";
+    EXPECT_EQ(Moment(mode, 0, true).refusal(), Refusal::None) << "no button at all";
+    EXPECT_EQ(Moment(mode, 10, false).refusal(), Refusal::None) << "a release";
+    EXPECT_EQ(Moment(mode, 11, false).refusal(), Refusal::None) << "a release";
   }
-  EXPECT_EQ(motion(Mode::Active, 10, true).refusal(), Refusal::None) << "the button that moves it";
-  EXPECT_EQ(motion(Mode::Active, 9, true).refusal(), Refusal::None) << "one that came late";
+  EXPECT_EQ(Moment(Mode::Active, 10, true).refusal(), Refusal::None) << "the button that moves it";
+  EXPECT_EQ(Moment(Mode::Active, 9, true).refusal(), Refusal::None) << "one that came late";
 }
 
 }  // namespace

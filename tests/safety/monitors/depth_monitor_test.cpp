@@ -1,4 +1,4 @@
-// The watch over the depth, sample by sample and to the micrometre, against arithmetic done another way.
+// The depth monitor, sample by sample and to the micrometre, against arithmetic done another way.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,39 +6,14 @@
 #include <random>
 #include <vector>
 
-#include "safety/monitors/depth_monitor.hpp"
-#include "tests/safety/rig.hpp"
+#include "tests/safety/monitor_bench.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
-struct Bench {
-  PlanFacts plan = three_stage_plan();
-  DepthMonitor watch;
-  SupervisorInputs seen;
-  bool zero_volts = false;
-
-  explicit Bench(Mode mode = Mode::Active) {
-    seen.permit.mode = mode;
-    seen.permit.depth_max_um = 1'000'000;
-    seen.measurement.laser_valid = true;
-  }
-  HazardSet sample(std::int32_t depth_um) {
-    seen.measurement.depth_um = depth_um;
-    ++seen.measurement.laser_code;
-    return update(plan, watch, seen, true, zero_volts).found;
-  }
-  HazardSet samples(int count, std::int32_t depth_um) {
-    HazardSet found = 0;
-    for (int i = 0; i < count; ++i) found = sample(depth_um);
-    return found;
-  }
-  bool names(Hazard hazard) const { return (watch.found & bit(hazard)) != 0; }
-};
-
 // Eight samples at one depth, then eight `rise_um` deeper: a known velocity.
-std::int32_t move(Bench& bench, std::int32_t from_um, std::int32_t rise_um) {
+std::int32_t move(DepthBench& bench, std::int32_t from_um, std::int32_t rise_um) {
   bench.samples(20, from_um);
   bench.samples(8, from_um + rise_um);
   return from_um + rise_um;
@@ -80,34 +55,34 @@ TEST(DriveWindow, KnowsTheLeastAndMostOfTenBlocksAndTheOneUnderWay) {
   }
 }
 
-TEST(StoppingPoint, IsDepthPlusWayOfReactionPlusWayOfBraking) {
+TEST(DepthMonitor, StoppingPointIsDepthPlusWayOfReactionPlusWayOfBraking) {
   verifies("R-16");
   for (const std::int32_t rise_um :
        {0, 1, 8, 13, 64, 200, 201, 999, 2'048, 4'000, 100'000, 127'999, 128'000}) {
     for (const std::int32_t odd : {0, 1}) {
-      Bench bench;
+      DepthBench bench;
       bench.samples(20, -rise_um);
       bench.samples(7, 0);
       const std::int32_t last = -odd;  // makes every sum of eight possible
       const std::int64_t v = (std::int64_t{8} * rise_um + last) * 125 / 8;
       const std::int64_t stopping = v > 0 ? last + v * 5 / 1'000 + v * v / 10'000'000 : last;
       bench.plan.depth_max_um = static_cast<std::int32_t>(stopping);
-      bench.watch.over_ticks = 1;
+      bench.monitor.over_ticks = 1;
       bench.sample(last);
       EXPECT_FALSE(bench.names(Hazard::OverDepth)) << rise_um;
-      bench = Bench{};
+      bench = DepthBench{};
       bench.samples(20, -rise_um);
       bench.samples(7, 0);
       bench.plan.depth_max_um = static_cast<std::int32_t>(stopping - 1);
-      bench.watch.over_ticks = 1;
+      bench.monitor.over_ticks = 1;
       bench.sample(last);
       EXPECT_TRUE(bench.names(Hazard::OverDepth)) << rise_um;
     }
   }
 }
 
-TEST(StoppingPoint, OfANeedleThatComesBackIsWhereItIs) {
-  Bench bench;
+TEST(DepthMonitor, StoppingPointOfANeedleThatComesBackIsWhereItIs) {
+  DepthBench bench;
   const std::int32_t depth_um = move(bench, 4'500, -400);
   bench.plan.depth_max_um = depth_um;
   bench.samples(2, depth_um);
@@ -117,63 +92,51 @@ TEST(StoppingPoint, OfANeedleThatComesBackIsWhereItIs) {
   EXPECT_TRUE(bench.names(Hazard::OverDepth));
 }
 
-TEST(DepthLimits, TakeTwoSamplesOverThemAndNotOne) {
+TEST(DepthMonitor, DepthLimitsTakeTwoSamplesOverThemAndNotOne) {
   verifies("R-14", "R-16", "R-31");
-  Bench bench;
+  DepthBench bench;
   bench.seen.permit.depth_max_um = 3'600;
-  bench.samples(20, 3'600);
-  EXPECT_FALSE(bench.names(Hazard::StageDepth)) << "at the limit of the stage";
-  bench.watch = {};
-  bench.sample(3'601);
-  EXPECT_FALSE(bench.names(Hazard::StageDepth)) << "one sample";
-  bench.sample(3'601);
-  EXPECT_TRUE(bench.names(Hazard::StageDepth));
-  bench.watch = {};
-  bench.samples(20, 4'000);
-  EXPECT_FALSE(bench.names(Hazard::OverDepth)) << "at the limit of the plan";
-  bench.watch = {};
-  bench.sample(4'001);
-  EXPECT_FALSE(bench.names(Hazard::OverDepth)) << "one sample";
-  bench.sample(4'001);
-  EXPECT_TRUE(bench.names(Hazard::OverDepth));
-  bench.watch = {};
-  bench.samples(20, 5'000);
-  EXPECT_FALSE(bench.names(Hazard::HardOverDepth)) << "at the end of the margin";
-  bench.watch = {};
-  bench.sample(5'001);
-  EXPECT_FALSE(bench.names(Hazard::HardOverDepth)) << "one sample";
-  bench.sample(5'001);
-  EXPECT_TRUE(bench.names(Hazard::HardOverDepth));
+  for (const auto& [hazard, limit_um] :
+       {std::pair{Hazard::StageDepth, 3'600}, {Hazard::OverDepth, 4'000}, {Hazard::HardOverDepth, 5'000}}) {
+    bench.monitor = {};
+    bench.samples(20, limit_um);
+    EXPECT_FALSE(bench.names(hazard)) << "at the limit " << limit_um;
+    bench.monitor = {};
+    bench.sample(limit_um + 1);
+    EXPECT_FALSE(bench.names(hazard)) << "one sample over " << limit_um;
+    bench.sample(limit_um + 1);
+    EXPECT_TRUE(bench.names(hazard)) << limit_um;
+  }
 }
 
-TEST(DepthLimits, AStoppingPointMoreThanTwoMillimetresBeyondThePlanIsTheHardLimit) {
+TEST(DepthMonitor, DepthLimitsAStoppingPointMoreThanTwoMillimetresBeyondThePlanIsTheHardLimit) {
   verifies("R-14");
   for (const std::int32_t beyond_um : {0, 1}) {
-    Bench bench;
+    DepthBench bench;
     move(bench, 0, 2'048);  // 256 mm/s: 1280 um to react, 6553 um to stop
     bench.plan.depth_max_um = 2'048 + 1'280 + 6'553 - 2'000 - beyond_um;
-    bench.watch.history = {};
-    bench.watch.history.fill(0);
-    for (int i = 0; i < 7; ++i) bench.watch.history.push(2'048);
-    bench.watch.hard_ticks = 1;
+    bench.monitor.history = {};
+    bench.monitor.history.fill(0);
+    for (int i = 0; i < 7; ++i) bench.monitor.history.push(2'048);
+    bench.monitor.hard_ticks = 1;
     bench.sample(2'048);
     EXPECT_EQ(bench.names(Hazard::HardOverDepth), beyond_um == 1);
   }
 }
 
-TEST(DepthLimits, OfAStageHoldWhileItIsDrivenOnly) {
+TEST(DepthMonitor, DepthLimitsOfAStageHoldWhileItIsDrivenOnly) {
   for (const Mode mode : {Mode::Armed, Mode::Hold, Mode::Retract}) {
-    Bench bench(mode);
+    DepthBench bench(mode);
     bench.seen.permit.depth_max_um = 100;
     bench.samples(5, 200);
     EXPECT_FALSE(bench.names(Hazard::StageDepth));
   }
 }
 
-TEST(BreakThrough, IsMoreThanEightTenthsWithinTenTicksTwice) {
+TEST(DepthMonitor, BreakThroughIsMoreThanEightTenthsWithinTenTicksTwice) {
   verifies("R-17");
   for (const Mode mode : {Mode::Active, Mode::Hold}) {
-    Bench bench(mode);
+    DepthBench bench(mode);
     bench.samples(20, 100);
     bench.samples(5, 900);
     EXPECT_FALSE(bench.names(Hazard::PopThrough)) << "0.8 mm";
@@ -187,10 +150,10 @@ TEST(BreakThrough, IsMoreThanEightTenthsWithinTenTicksTwice) {
   }
 }
 
-TEST(FallingBack, IsFasterThanFiftyMillimetresASecond) {
+TEST(DepthMonitor, FallingBackIsFasterThanFiftyMillimetresASecond) {
   verifies("R-15");
   for (const Mode mode : {Mode::Active, Mode::Hold}) {
-    Bench bench(mode);
+    DepthBench bench(mode);
     move(bench, 3'000, -400);
     EXPECT_FALSE(bench.names(Hazard::FastDrop)) << "50 mm/s";
     bench.samples(20, 3'000);
@@ -200,10 +163,10 @@ TEST(FallingBack, IsFasterThanFiftyMillimetresASecond) {
   }
 }
 
-TEST(FallingBack, AndBreakingThroughCountOnlyWhereTheNeedleIsLifted) {
+TEST(DepthMonitor, FallingBackAndBreakingThroughCountOnlyWhereTheNeedleIsLifted) {
   for (const Mode mode :
        {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Retract, Mode::Trip, Mode::Lock}) {
-    Bench bench(mode);
+    DepthBench bench(mode);
     move(bench, 100, 1'000);
     EXPECT_FALSE(bench.names(Hazard::PopThrough)) << static_cast<int>(mode);
     move(bench, 3'000, -1'000);
@@ -211,15 +174,15 @@ TEST(FallingBack, AndBreakingThroughCountOnlyWhereTheNeedleIsLifted) {
   }
 }
 
-TEST(FrozenCode, IsTheSameForTwentyTicksWhileTheDriveMovesByMoreThanTwoHundredVolts) {
+TEST(DepthMonitor, FrozenCodeIsTheSameForTwentyTicksWhileTheDriveMovesByMoreThanTwoHundredVolts) {
   verifies("R-19");
   for (const std::int32_t drive_mV : {1'200'000, 1'200'001, -1'200'000, -1'200'001, 799'999, 800'000}) {
     const bool moved = std::abs(std::abs(drive_mV) - 1'000'000) > 200'000;
-    Bench bench;
+    DepthBench bench;
     bench.seen.measurement.command_mV = 1'000'000;
     bench.sample(500);
     bench.seen.measurement.command_mV = drive_mV;
-    const auto same_code = [&] { return update(bench.plan, bench.watch, bench.seen, true, false).found; };
+    const auto same_code = [&] { return update(bench.plan, bench.monitor, bench.seen, true, false).found; };
     for (int i = 0; i < 19; ++i) EXPECT_EQ(same_code() & bit(Hazard::SensorFrozen), 0U) << i;
     EXPECT_EQ(same_code() != 0, moved) << drive_mV;
     bench.seen.measurement.command_mV = 1'000'000;
@@ -228,20 +191,20 @@ TEST(FrozenCode, IsTheSameForTwentyTicksWhileTheDriveMovesByMoreThanTwoHundredVo
   }
 }
 
-TEST(FrozenCode, CountsTheDriveByItsAmountUpToItsLimit) {
+TEST(DepthMonitor, FrozenCodeCountsTheDriveByItsAmountUpToItsLimit) {
   for (const std::int32_t drive_mV : {-9'000'000, -8'000'001, -2, -1, 0, 1, 2, 8'000'001, 9'000'000}) {
-    Bench bench;
+    DepthBench bench;
     bench.seen.measurement.command_mV = drive_mV;
     bench.sample(0);
-    EXPECT_EQ(bench.watch.frozen_low_mV, std::min(std::abs(drive_mV), 8'000'000));
-    EXPECT_EQ(bench.watch.frozen_high_mV, std::min(std::abs(drive_mV), 8'000'000));
+    EXPECT_EQ(bench.monitor.frozen_low_mV, std::min(std::abs(drive_mV), 8'000'000));
+    EXPECT_EQ(bench.monitor.frozen_high_mV, std::min(std::abs(drive_mV), 8'000'000));
   }
 }
 
-TEST(Plausibility, ToleratesAMillimetreBesideTheBandAndMoreForFortyNineTicks) {
+TEST(DepthMonitor, PlausibilityToleratesAMillimetreBesideTheBandAndMoreForFortyNineTicks) {
   verifies("R-21");
   const auto ticks_until_named = [](std::int32_t depth_um) {
-    Bench bench(Mode::Ready);  // at 0 V: -0.1 to 0.1 mm
+    DepthBench bench(Mode::Ready);  // at 0 V: -0.1 to 0.1 mm
     for (int i = 1; i <= 200; ++i) {
       bench.sample(depth_um);
       if (bench.names(Hazard::OffsetOrScale)) return i;
@@ -254,39 +217,39 @@ TEST(Plausibility, ToleratesAMillimetreBesideTheBandAndMoreForFortyNineTicks) {
   EXPECT_EQ(ticks_until_named(-1'101), 50);
 }
 
-TEST(Plausibility, IsLookedUpAnewWhenTheDriveOrThePlanChanges) {
+TEST(DepthMonitor, PlausibilityIsLookedUpAnewWhenTheDriveOrThePlanChanges) {
   verifies("R-21");
-  Bench bench(Mode::Ready);
+  DepthBench bench(Mode::Ready);
   bench.sample(0);
-  EXPECT_EQ(bench.watch.range.high_um, 100);
+  EXPECT_EQ(bench.monitor.range.high_um, 100);
   bench.plan.bands[0].high_um = 300;
   bench.sample(0);
-  EXPECT_EQ(bench.watch.range.high_um, 100) << "the same plan has the same bands";
+  EXPECT_EQ(bench.monitor.range.high_um, 100) << "the same plan has the same bands";
   ++bench.plan.plan_tag;
   bench.sample(0);
-  EXPECT_EQ(bench.watch.range.high_um, 300);
+  EXPECT_EQ(bench.monitor.range.high_um, 300);
   bench.plan.bands[0].high_um = 200;
   bench.plan.plan_tag -= 2;
   bench.sample(0);
-  EXPECT_EQ(bench.watch.range.high_um, 200) << "a smaller tag is another plan as well";
+  EXPECT_EQ(bench.monitor.range.high_um, 200) << "a smaller tag is another plan as well";
   bench.seen.measurement.command_mV = 4'000'000;
   bench.sample(0);
-  EXPECT_EQ(bench.watch.range.low_um, -100) << "0 V was in the window";
-  EXPECT_EQ(bench.watch.range.high_um, 2'300);
+  EXPECT_EQ(bench.monitor.range.low_um, -100) << "0 V was in the window";
+  EXPECT_EQ(bench.monitor.range.high_um, 2'300);
   bench.samples(700, 2'000);
-  EXPECT_EQ(bench.watch.range.low_um, 1'700) << "and has left it";
+  EXPECT_EQ(bench.monitor.range.low_um, 1'700) << "and has left it";
   bench.seen.measurement.command_mV = 0;
   bench.sample(2'000);
-  EXPECT_EQ(bench.watch.range.low_um, -100);
-  EXPECT_EQ(bench.watch.range.high_um, 2'300);
+  EXPECT_EQ(bench.monitor.range.low_um, -100);
+  EXPECT_EQ(bench.monitor.range.high_um, 2'300);
 }
 
-TEST(NeedleHome, IsAboveOneMillimetreAndMissedAfterHalfASecondAtZeroVolts) {
+TEST(DepthMonitor, NeedleHomeIsAboveOneMillimetreAndMissedAfterHalfASecondAtZeroVolts) {
   verifies("R-02");
-  const auto home = [](Bench& bench) {
-    return update(bench.plan, bench.watch, bench.seen, false, true).needle_home;
+  const auto home = [](DepthBench& bench) {
+    return update(bench.plan, bench.monitor, bench.seen, false, true).needle_home;
   };
-  Bench bench(Mode::Safe);
+  DepthBench bench(Mode::Safe);
   bench.zero_volts = true;
   bench.sample(999);
   EXPECT_TRUE(home(bench));
@@ -300,12 +263,12 @@ TEST(NeedleHome, IsAboveOneMillimetreAndMissedAfterHalfASecondAtZeroVolts) {
   EXPECT_FALSE(bench.names(Hazard::NeedleNotBack)) << "the drive is on";
 }
 
-TEST(LaserDropout, IsThreeSamplesWithoutATargetAndTheNeedleIsNowhereThen) {
+TEST(DepthMonitor, LaserDropoutIsThreeSamplesWithoutATargetAndTheNeedleIsNowhereThen) {
   verifies("R-20");
-  Bench bench;
+  DepthBench bench;
   bench.samples(20, 100);
   bench.seen.measurement.laser_valid = false;
-  const auto lost = [&] { return update(bench.plan, bench.watch, bench.seen, true, false); };
+  const auto lost = [&] { return update(bench.plan, bench.monitor, bench.seen, true, false); };
   EXPECT_EQ(lost().found, 0U);
   EXPECT_TRUE(lost().needle_home) << "where it was seen last";
   const DepthFindings third = lost();
@@ -313,27 +276,27 @@ TEST(LaserDropout, IsThreeSamplesWithoutATargetAndTheNeedleIsNowhereThen) {
   EXPECT_FALSE(third.needle_home);
   bench.seen.measurement.laser_valid = true;
   EXPECT_EQ(bench.sample(3'000), 0U) << "found again elsewhere: no velocity is made of that";
-  EXPECT_EQ(bench.watch.history.velocity_um_per_s(), 0);
-  EXPECT_EQ(bench.watch.history.advance_um(), 0);
+  EXPECT_EQ(bench.monitor.history.velocity_um_per_s(), 0);
+  EXPECT_EQ(bench.monitor.history.advance_um(), 0);
 }
 
-TEST(LaserDropout, OfTwoSamplesKeepsTheHistory) {
-  Bench bench;
+TEST(DepthMonitor, LaserDropoutOfTwoSamplesKeepsTheHistory) {
+  DepthBench bench;
   bench.samples(20, 100);
   bench.seen.measurement.laser_valid = false;
-  for (int i = 0; i < 2; ++i) update(bench.plan, bench.watch, bench.seen, true, false);
+  for (int i = 0; i < 2; ++i) update(bench.plan, bench.monitor, bench.seen, true, false);
   bench.seen.measurement.laser_valid = true;
   bench.sample(400);
-  EXPECT_EQ(bench.watch.history.advance_um(), 300);
+  EXPECT_EQ(bench.monitor.history.advance_um(), 300);
 }
 
-TEST(Depth, OfASensorBeyondAMetreIsCutThere) {
-  Bench bench;
+TEST(DepthMonitor, DepthOfASensorBeyondAMetreIsCutThere) {
+  DepthBench bench;
   bench.sample(2'000'000);
-  EXPECT_EQ(bench.watch.history.newest, 8'000'000);
-  bench.watch = {};
+  EXPECT_EQ(bench.monitor.history.newest, 8'000'000);
+  bench.monitor = {};
   bench.sample(-2'000'000);
-  EXPECT_EQ(bench.watch.history.newest, -8'000'000);
+  EXPECT_EQ(bench.monitor.history.newest, -8'000'000);
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
-// Hold-to-run, stages and depth checks: what makes the needle go on, and what cannot.
+// Hold-to-run, steps and depth checks in the loop: what makes the needle go on, and what cannot.
 #include <gtest/gtest.h>
 
 #include "safety/types/thresholds.hpp"
 #include "tests/safety/rig.hpp"
+#include "tests/safety/situation.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
@@ -17,7 +18,7 @@ void reach(Rig& rig) {
   rig.run(2);
 }
 
-TEST(HoldToRun, StopsInTheTickOfTheRelease) {
+TEST(SafetyLoop, HoldToRunStopsInTheTickOfTheRelease) {
   verifies("R-41");
   Rig rig;
   EXPECT_TRUE(rig.go_hold());
@@ -25,7 +26,7 @@ TEST(HoldToRun, StopsInTheTickOfTheRelease) {
   EXPECT_EQ(rig.output.permit.slew_up_mV_per_tick, 0);
 }
 
-TEST(HoldToRun, StopsWhenTheConsoleFallsSilent) {
+TEST(SafetyLoop, HoldToRunStopsWhenTheConsoleFallsSilent) {
   verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -33,7 +34,7 @@ TEST(HoldToRun, StopsWhenTheConsoleFallsSilent) {
   EXPECT_EQ(rig.ticks_until([&] { return rig.state.mode == Mode::Hold; }, 1'000), kHeldTimeout_ticks + 1);
 }
 
-TEST(HoldToRun, ALateHeartbeatOfASpentTokenCannotRestartMotion) {
+TEST(SafetyLoop, HoldToRunALateHeartbeatOfASpentTokenCannotRestartMotion) {
   verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -52,7 +53,7 @@ TEST(HoldToRun, ALateHeartbeatOfASpentTokenCannotRestartMotion) {
   EXPECT_EQ(rig.state.mode, Mode::Active);
 }
 
-TEST(HoldToRun, APressWhileNotArmedIsSpentAndMustBeRepeated) {
+TEST(SafetyLoop, HoldToRunAPressWhileNotArmedIsSpentAndMustBeRepeated) {
   verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_ready());
@@ -68,7 +69,7 @@ TEST(HoldToRun, APressWhileNotArmedIsSpentAndMustBeRepeated) {
   EXPECT_EQ(rig.state.mode, Mode::Active);
 }
 
-TEST(HoldToRun, ASecondPressDuringMotionStopsIt) {
+TEST(SafetyLoop, HoldToRunASecondPressDuringMotionStopsIt) {
   verifies("R-41");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -79,7 +80,7 @@ TEST(HoldToRun, ASecondPressDuringMotionStopsIt) {
   EXPECT_EQ(rig.state.mode, Mode::Hold);
 }
 
-TEST(HoldToRun, AnOldTokenNeitherStopsNorFeedsTheMotion) {
+TEST(SafetyLoop, HoldToRunAnOldTokenNeitherStopsNorFeedsTheMotion) {
   Rig rig;
   ASSERT_TRUE(rig.go_hold());
   rig.press();
@@ -92,7 +93,7 @@ TEST(HoldToRun, AnOldTokenNeitherStopsNorFeedsTheMotion) {
   EXPECT_EQ(rig.state.mode, Mode::Hold);
 }
 
-TEST(Stages, EndInHoldAndGoOnWithAFreshPress) {
+TEST(SafetyLoop, StagesEndInHoldAndGoOnWithAFreshPress) {
   verifies("R-42");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -114,7 +115,7 @@ TEST(Stages, EndInHoldAndGoOnWithAFreshPress) {
   EXPECT_FALSE(rig.output.image_allowed);
 }
 
-TEST(Stages, WaitForTheDepthCheckOfThatVeryStage) {
+TEST(SafetyLoop, StagesWaitForTheDepthCheckOfThatVeryStage) {
   verifies("R-42");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -141,7 +142,7 @@ TEST(Stages, WaitForTheDepthCheckOfThatVeryStage) {
   EXPECT_EQ(rig.output.stage, 2U);
 }
 
-TEST(Stages, MayBeInterruptedAndResumedWithoutADepthCheck) {
+TEST(SafetyLoop, StagesMayBeInterruptedAndResumedWithoutADepthCheck) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   reach(rig);
@@ -160,7 +161,7 @@ TEST(Stages, MayBeInterruptedAndResumedWithoutADepthCheck) {
   EXPECT_EQ(rig.output.stage, 1U);
 }
 
-TEST(Stages, ThereIsNothingBehindTheLast) {
+TEST(SafetyLoop, StagesThereIsNothingBehindTheLast) {
   Rig rig;
   rig.depth_accepted = true;
   ASSERT_TRUE(rig.go_active());
@@ -173,7 +174,7 @@ TEST(Stages, ThereIsNothingBehindTheLast) {
   EXPECT_EQ(rig.state.mode, Mode::Hold);
 }
 
-TEST(Stages, AStageReachedBelongsToTheStageBeingDriven) {
+TEST(SafetyLoop, StagesAStageReachedBelongsToTheStageBeingDriven) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.on_request = [](DriveRequest& request) { request.stage = 2, request.stage_reached = true; };
@@ -181,7 +182,7 @@ TEST(Stages, AStageReachedBelongsToTheStageBeingDriven) {
   EXPECT_EQ(rig.state.mode, Mode::Active);
 }
 
-TEST(Stages, AFinishedPlanRetractsAndStartsOverFromTheFirstStage) {
+TEST(SafetyLoop, StagesAFinishedPlanRetractsAndStartsOverFromTheFirstStage) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   reach(rig);
@@ -197,7 +198,7 @@ TEST(Stages, AFinishedPlanRetractsAndStartsOverFromTheFirstStage) {
   EXPECT_FALSE(rig.output.stage_done);
 }
 
-TEST(Stages, NeverAllowMoreThanTheRobotsOwnLimits) {
+TEST(SafetyLoop, StagesNeverAllowMoreThanTheRobotsOwnLimits) {
   verifies("R-35");
   Rig rig;
   rig.plan.stages[0].v_max_mV = 20'000'000;
@@ -216,7 +217,13 @@ TEST(Stages, NeverAllowMoreThanTheRobotsOwnLimits) {
   EXPECT_EQ(step(rig.plan, state, input).second.permit.v_max_mV, 0) << "a stage the plan does not have";
 }
 
-TEST(Images, AreFlaggedWhenTheDriveSwitchesWhileTheyAreTaken) {
+TEST(SafetyLoop, ImagesAreSoundWhereNothingSwitched) {
+  Rig rig;
+  ASSERT_TRUE(rig.go_ready());
+  EXPECT_FALSE(rig.evidence.image_disturbed);
+}
+
+TEST(SafetyLoop, ImagesAreFlaggedWhenTheDriveSwitchesWhileTheyAreTaken) {
   verifies("R-49");
   Rig rig;
   ASSERT_TRUE(rig.go_active());

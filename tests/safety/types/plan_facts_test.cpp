@@ -1,19 +1,19 @@
 // The numbers of a plan at the edges of what the robot could mean, and the band between its points.
+#include "safety/types/plan_facts.hpp"
+
 #include <gtest/gtest.h>
 
-#include "safety/monitors/tissue_monitor.hpp"
 #include "safety/types/limits.hpp"
-#include "safety/types/plan_facts.hpp"
-#include "tests/safety/rig.hpp"
+#include "tests/safety/plan.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {
 namespace {
 
-template <class Spoil>
-bool is_plausible_with(Spoil spoil) {
+template <class Change>
+bool is_plausible_with(Change change) {
   PlanFacts plan = three_stage_plan();
-  spoil(plan);
+  change(plan);
   return is_plausible(plan);
 }
 
@@ -26,7 +26,40 @@ void expect_edges(std::int32_t low, std::int32_t high, Set set) {
     EXPECT_FALSE(is_plausible_with([&](PlanFacts& plan) { set(plan, value); })) << value;
 }
 
-TEST(PlanNumbers, OfDepthAndResidualEndAtTheStroke) {
+TEST(PlanFacts, AcceptTheTestPlanAndRefuseADefaultOne) {
+  EXPECT_TRUE(is_plausible(three_stage_plan()));
+  EXPECT_FALSE(is_plausible(PlanFacts{}));
+}
+
+TEST(PlanFacts, PlansFillTheRoomForStagesAndBandsAndNoMore) {
+  verifies("R-29");
+  PlanFacts plan = three_stage_plan();
+  plan.stages.fill(plan.stages[0]);
+  for (std::size_t i = 0; i < kMaxBands; ++i)
+    plan.bands[i] = {static_cast<std::int32_t>(i) * 250'000, static_cast<std::int32_t>(i),
+                     static_cast<std::int32_t>(i) + 50};
+  plan.stage_count = plan.band_count = 32;
+  EXPECT_TRUE(is_plausible(plan));
+  plan.stage_count = 33;
+  EXPECT_FALSE(is_plausible(plan));
+  plan.stage_count = 32, plan.band_count = 33;
+  EXPECT_FALSE(is_plausible(plan));
+  plan.band_count = 31;
+  EXPECT_EQ(plausible_depth(plan, 8'200'000, 8'200'000).low_um, 30) << "the last one that counts";
+}
+
+TEST(PlanFacts, HalfPeriodOfABenchPlanIsItsOwnBetweenItsEdges) {
+  verifies("R-23");
+  for (const auto& [declared, held_to] :
+       {std::pair{0, 250}, {49, 250}, {50, 50}, {2'500, 2'500}, {2'501, 250}}) {
+    PlanFacts plan = three_stage_plan();
+    plan.bench_half_period_ticks = declared;
+    EXPECT_EQ(half_period_ticks(plan), held_to) << declared;
+    EXPECT_EQ(is_plausible(plan), declared == 0 || declared == held_to) << declared;
+  }
+}
+
+TEST(PlanFacts, NumbersOfDepthAndResidualEndAtTheStroke) {
   verifies("R-29");
   const auto only_stage = [](PlanFacts& plan, std::int32_t depth_um) {
     plan.stage_count = 1, plan.stages[0].depth_max_um = 100;
@@ -36,7 +69,7 @@ TEST(PlanNumbers, OfDepthAndResidualEndAtTheStroke) {
   expect_edges(1, 12'000, [](PlanFacts& plan, std::int32_t um) { plan.tissue_residual_max_um = um; });
 }
 
-TEST(PlanNumbers, OfEveryStageHaveTheirEdges) {
+TEST(PlanFacts, NumbersOfEveryStageHaveTheirEdges) {
   verifies("R-29");
   for (const std::size_t i : {0U, 1U, 2U}) {
     expect_edges(100, 4'000, [i](PlanFacts& plan, std::int32_t um) { plan.stages[i].depth_max_um = um; });
@@ -46,7 +79,7 @@ TEST(PlanNumbers, OfEveryStageHaveTheirEdges) {
   }
 }
 
-TEST(PlanNumbers, OfEveryBandHaveTheirEdges) {
+TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
   verifies("R-29");
   expect_edges(0, 3'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[0].drive_mV = mV; });
   expect_edges(1, 7'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[1].drive_mV = mV; });
@@ -63,7 +96,7 @@ TEST(PlanNumbers, OfEveryBandHaveTheirEdges) {
   expect_edges(-12'000, 24'000, all_low);
 }
 
-TEST(PlanNumbers, OfNoStageReachBeyondTheDrivesThatTheBandKnows) {
+TEST(PlanFacts, NumbersOfNoStageReachBeyondTheDrivesThatTheBandKnows) {
   verifies("R-29");
   for (const std::size_t i : {0U, 1U, 2U})
     for (const std::int32_t mV : {7'600'000, 7'600'001})
@@ -74,23 +107,12 @@ TEST(PlanNumbers, OfNoStageReachBeyondTheDrivesThatTheBandKnows) {
           << i;
 }
 
-TEST(PlanNumbers, OfAPlanWithOneStageAndOneBandAreEnough) {
+TEST(PlanFacts, NumbersOfAPlanWithOneStageAndOneBandAreEnough) {
   EXPECT_TRUE(is_plausible_with(
       [](PlanFacts& plan) { plan.stage_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000; }));
 }
 
-TEST(HalfPeriod, OfABenchPlanIsItsOwnBetweenItsEdges) {
-  verifies("R-23");
-  for (const auto& [declared, held_to] :
-       {std::pair{0, 250}, {49, 250}, {50, 50}, {2'500, 2'500}, {2'501, 250}}) {
-    PlanFacts plan = three_stage_plan();
-    plan.bench_half_period_ticks = declared;
-    EXPECT_EQ(half_period_ticks(plan), held_to) << declared;
-    EXPECT_EQ(is_plausible(plan), declared == 0 || declared == held_to) << declared;
-  }
-}
-
-TEST(PlausibleBand, GoesThroughItsPointsAndStraightBetweenThem) {
+TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {
   verifies("R-21");
   const PlanFacts plan = three_stage_plan();
   const auto at = [&](std::int32_t mV) {
@@ -108,7 +130,7 @@ TEST(PlausibleBand, GoesThroughItsPointsAndStraightBetweenThem) {
   EXPECT_EQ(plausible_depth(plan, 1'000'000, 5'000'000).high_um, 2'825);
 }
 
-TEST(PlausibleBand, OfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
+TEST(PlanFacts, PlausibleBandOfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
   PlanFacts plan = three_stage_plan();
   plan.band_count = 0;
   EXPECT_EQ(plausible_depth(plan, 0, 4'000'000).low_um, 0);
@@ -125,24 +147,25 @@ TEST(PlausibleBand, OfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
   }
 }
 
-TEST(TissueMonitor, FollowsTheDriveByOneIn512) {
-  verifies("R-32");
-  TissueMonitor watch;
-  Measurement m;
-  m.command_mV = -512'000;
-  tissue_residual_um(three_stage_plan(), watch, m);
-  EXPECT_EQ(watch.mean_drive_mV, 1'000);
-  tissue_residual_um(three_stage_plan(), watch, m);
-  EXPECT_EQ(watch.mean_drive_mV, 1'998);
+TEST(PlanFacts, PlausibleBandsHaveToRiseAndAreReadFromTheFirstWhereTheyDoNot) {
+  verifies("R-21", "R-29");
+  PlanFacts plan = three_stage_plan();
+  plan.bands[1].drive_mV = 8'100'000;
+  EXPECT_FALSE(is_plausible(plan)) << "falling";
+  plan.bands[0] = {1'000'000, 5, 6};
+  EXPECT_EQ(plausible_depth(plan, 0, 0).low_um, 5) << "below the first";
+  plan.bands[1] = {4'000'000, 10, 20}, plan.bands[2] = {4'000'000, 70, 80};
+  EXPECT_EQ(plausible_depth(plan, 4'000'000, 4'000'000).high_um, 20) << "two at one drive";
 }
 
-TEST(TissueMonitor, GivesTheWayToTheNearerEdgeOfTheBandAndNothingInside) {
-  for (const auto& [depth_um, residual_um] :
-       {std::pair{-103, 3}, {-101, 1}, {-100, 0}, {0, 0}, {100, 0}, {101, 1}}) {
-    TissueMonitor watch;
-    Measurement m;
-    m.depth_um = depth_um;
-    EXPECT_EQ(tissue_residual_um(three_stage_plan(), watch, m), residual_um);
+TEST(PlanFacts, PlausibleBandsBeyondTheStrokeAreReadAsItsEnds) {
+  verifies("R-21");
+  PlanFacts plan = three_stage_plan();
+  for (const std::int32_t beyond_um : {-1, 0, 1, 1'000'000'000}) {
+    plan.bands[0] = {0, -12'000 - beyond_um, 24'000 + beyond_um};
+    const DepthRange range = plausible_depth(plan, 0, 0);
+    EXPECT_EQ(range.low_um, beyond_um < 0 ? -11'999 : -12'000);
+    EXPECT_EQ(range.high_um, beyond_um < 0 ? 23'999 : 24'000);
   }
 }
 

@@ -1,7 +1,7 @@
-// A plan for the bench may declare another rate of polarity than 2 Hz. Nothing else becomes looser, and
-// without somebody who says "no patient, no needle" it may do nothing at all.
+// A plan for the bench may declare another rate of polarity than 2 Hz; nothing else becomes looser.
 #include <gtest/gtest.h>
 
+#include "safety/monitors/debounce.hpp"
 #include "safety/types/thresholds.hpp"
 #include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
@@ -15,6 +15,17 @@ Rig bench_rig(std::int32_t declared, std::int32_t real) {
   rig.flip_ticks = real;
   rig.on_observation = [](SupervisorInputs& seen) { seen.bench_confirmed = true; };
   return rig;
+}
+
+TEST(BenchPlan, IsEveryPlanWithAHalfPeriodOfItsOwnEvenOneBelowZero) {
+  verifies("R-29", "R-30");
+  for (const std::int32_t half_period_ticks : {-1, 100}) {
+    Rig rig;
+    rig.plan.bench_half_period_ticks = half_period_ticks;
+    rig.run(50);
+    const HazardSet implausible = when(half_period_ticks < 0, Hazard::PlanImplausible);
+    EXPECT_EQ(rig.evidence.hazards(), implausible | bit(Hazard::PlanUnconfirmed)) << half_period_ticks;
+  }
 }
 
 TEST(BenchPlan, MayChangePolarityAtTheRateItDeclares) {
