@@ -5,8 +5,8 @@
 
 #include "tests/verification/fault_injection/campaign.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
-std::string story_of(const FaultClass& fault, const RunResult& result);
+std::string trace_text(const FaultClass& fault, const RunResult& result);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

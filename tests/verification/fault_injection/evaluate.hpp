@@ -7,7 +7,7 @@
 
 #include "tests/verification/fault_injection/fault_class.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 enum class Outcome : std::uint8_t {
   Detected,
@@ -29,9 +29,9 @@ struct Verdict {
 // Depth never beyond the plan's by more than this, |V| never above this.
 inline constexpr double kBeyondMax_mm = 2.0, kDriveMax_kV = 8.0;
 
-bool has_reacted(const FaultClass& fault, const Line& line);
-Verdict judge(const FaultClass& fault, std::span<const Line> lines, double target_mm);
+bool has_reacted(const FaultClass& fault, const TickRecord& line);
+Verdict evaluate(const FaultClass& fault, std::span<const TickRecord> lines, double target_mm);
 
 std::string_view name_of(Outcome outcome);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "safety/types/supervisor_inputs.hpp"
-#include "tests/verification/fault_injection/scene.hpp"
+#include "tests/verification/fault_injection/scenario.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 struct Alarm {
   std::uint64_t procedure = 0;
@@ -17,7 +17,7 @@ struct Alarm {
   std::string what;
 };
 
-struct Shift {
+struct HealthyRun {
   double hours = 0.0;
   std::int32_t procedures = 0, completed = 0, given_up = 0, stages = 0, releases = 0;
   std::int32_t trips = 0;             // into trip or lock
@@ -26,10 +26,11 @@ struct Shift {
   std::vector<Alarm> alarms;          // the first of each procedure
 };
 
-// Procedures of different scenes and people until `hours` are full. The same seed, the same day. `seeing`, if
-// given, may corrupt what the supervisor sees: a bench that cannot complain proves nothing.
-Shift work(const Workshop& workshop, double hours, std::uint64_t seed,
-           const std::function<void(safety::SupervisorInputs&)>& seeing,
-           const std::function<void(double share)>& progress);
+// Procedures of different scenarios and people until `hours` are full. The same seed, the same day.
+// `corrupt_inputs`, if given, may corrupt what the supervisor sees: a bench that cannot complain proves
+// nothing.
+HealthyRun run_healthy_procedures(const NominalModels& models, double hours, std::uint64_t seed,
+                                  const std::function<void(safety::SupervisorInputs&)>& corrupt_inputs,
+                                  const std::function<void(double share)>& progress);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -1,4 +1,4 @@
-#include "tests/verification/fault_injection/judge.hpp"
+#include "tests/verification/fault_injection/evaluate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,20 +6,20 @@
 
 #include "safety/types/transitions.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 constexpr std::size_t kNever = static_cast<std::size_t>(-1);
 
 template <class Is>
-std::size_t first_where(std::span<const Line> lines, std::size_t from, Is&& is) {
+std::size_t first_where(std::span<const TickRecord> lines, std::size_t from, Is&& is) {
   for (std::size_t i = from; i < lines.size(); ++i)
     if (is(lines[i])) return i;
   return kNever;
 }
 
 // The first of `row` samples in a row that show the fault.
-std::size_t first_shown(std::span<const Line> lines, std::int32_t row) {
+std::size_t first_shown(std::span<const TickRecord> lines, std::int32_t row) {
   std::int32_t count = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     count = lines[i].shown ? count + 1 : 0;
@@ -37,9 +37,9 @@ bool is_idle(Mode mode) {
   return !safety::hv_permitted(mode) && mode != Mode::Ready;
 }
 
-bool rises_after(std::span<const Line> lines, std::size_t reacted) {
+bool rises_after(std::span<const TickRecord> lines, std::size_t reacted) {
   std::int32_t lowest = std::abs(lines[reacted].command_mV);
-  for (const Line& line : lines.subspan(reacted)) {
+  for (const TickRecord& line : lines.subspan(reacted)) {
     if (line.event == safety::Event::Move) return false;  // a person pressed again, and may
     if (std::abs(line.command_mV) > lowest) return true;
     lowest = std::abs(line.command_mV);
@@ -49,7 +49,7 @@ bool rises_after(std::span<const Line> lines, std::size_t reacted) {
 
 }  // namespace
 
-bool has_reacted(const FaultClass& fault, const Line& line) {
+bool has_reacted(const FaultClass& fault, const TickRecord& line) {
   const bool gate_off = line.command_mV == 0 && !line.enabled;
   const bool stack_off = std::abs(line.output_kV) < 1e-3;
   switch (fault.reaction) {
@@ -69,18 +69,18 @@ bool has_reacted(const FaultClass& fault, const Line& line) {
   return false;
 }
 
-Verdict judge(const FaultClass& fault, std::span<const Line> lines, double target_mm) {
+Verdict evaluate(const FaultClass& fault, std::span<const TickRecord> lines, double target_mm) {
   Verdict verdict;
   const std::size_t shown = first_shown(lines, fault.row);
   const auto names = [&](safety::HazardSet set) {
-    return first_where(lines, 0, [&](const Line& line) { return (line.hazards & set) != 0; });
+    return first_where(lines, 0, [&](const TickRecord& line) { return (line.hazards & set) != 0; });
   };
   const bool unnamed = fault.hazard == safety::Hazard::None;
   const std::size_t begins = shown == kNever ? 0
                              : unnamed       ? shown
                                              : std::min(shown, names(bit(fault.hazard) | fault.instead));
   const std::size_t reacted =
-      first_where(lines, begins, [&](const Line& line) { return has_reacted(fault, line); });
+      first_where(lines, begins, [&](const TickRecord& line) { return has_reacted(fault, line); });
   const std::size_t own = unnamed ? reacted : names(bit(fault.hazard));
   const std::size_t other = names(fault.instead);
 
@@ -130,4 +130,4 @@ std::string_view name_of(Outcome outcome) {
   return "unknown";
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

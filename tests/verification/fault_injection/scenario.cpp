@@ -1,4 +1,4 @@
-#include "tests/verification/fault_injection/scene.hpp"
+#include "tests/verification/fault_injection/scenario.hpp"
 
 #include <array>
 #include <string>
@@ -9,7 +9,7 @@
 #include "robot/cycle/plan_facts.hpp"
 #include "sim/plant/model_file.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 void vary(Draw& draw, double& value, double share) {
@@ -79,27 +79,27 @@ planner::InsertionRequest draw_request(Draw& draw) {
 
 }  // namespace
 
-Workshop open_workshop(const std::filesystem::path& models) {
+NominalModels read_nominal_models(const std::filesystem::path& models) {
   return {sim::read_model(models / "rehearsal.toml"), sim::read_tissues(models / "tissues.toml")};
 }
 
-Scene draw_scene(const Workshop& workshop, std::uint64_t seed) {
+Scenario draw_scenario(const NominalModels& models, std::uint64_t seed) {
   Draw draw(seed);
   while (true) {
     const planner::InsertionRequest request = draw_request(draw);
     auto planned = planner::plan_insertion(request);
     if (!std::holds_alternative<Plan>(planned)) continue;  // refused with a reason: nothing to rehearse
-    Scene scene;
-    scene.plan = std::get<Plan>(std::move(planned));
-    scene.facts = robot::plan_facts(scene.plan, 1 + draw.bits() % 1'000'000);
-    scene.plant = workshop.stage;
-    scene.plant.weight = request.weight.value * 1e-3;
-    vary_stage(draw, scene.plant);
-    scene.plant.tissue = sim::tissue_along(scene.plan.layers, workshop.tissues);
-    for (sim::TissueLayer& layer : scene.plant.tissue) vary_tissue(draw, layer);
-    scene.noise_seed = draw.bits();
-    return scene;
+    Scenario scenario;
+    scenario.plan = std::get<Plan>(std::move(planned));
+    scenario.facts = robot::plan_facts(scenario.plan, 1 + draw.bits() % 1'000'000);
+    scenario.plant = models.stage;
+    scenario.plant.weight = request.weight.value * 1e-3;
+    vary_stage(draw, scenario.plant);
+    scenario.plant.tissue = sim::tissue_along(scenario.plan.layers, models.tissues);
+    for (sim::TissueLayer& layer : scenario.plant.tissue) vary_tissue(draw, layer);
+    scenario.noise_seed = draw.bits();
+    return scenario;
   }
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

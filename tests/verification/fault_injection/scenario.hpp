@@ -10,22 +10,22 @@
 #include "sim/tissue/tissue.hpp"
 #include "tests/verification/fault_injection/draw.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 // The nominal stage and tissues, read once.
-struct Workshop {
+struct NominalModels {
   sim::PlantModel stage;
   sim::TissueTable tissues;
 };
-Workshop open_workshop(const std::filesystem::path& models);
+NominalModels read_nominal_models(const std::filesystem::path& models);
 
-struct Scene {
+struct Scenario {
   Plan plan;
   safety::PlanFacts facts;
   sim::PlantModel plant;
   std::uint64_t noise_seed = 1;
 };
 
-Scene draw_scene(const Workshop& workshop, std::uint64_t seed);
+Scenario draw_scenario(const NominalModels& models, std::uint64_t seed);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection
