@@ -31,7 +31,7 @@ std::vector<ProcedureState> rehearse(const Scenario& scenario) {
   }
   for (std::size_t i = seen.size(); i-- > 1;)
     if (seen[i - 1].mode == seen[i].mode) seen[i - 1].left = seen[i].left + 1;
-  if (!sound.person().completed()) seen.clear();
+  if (!sound.simulated_operator().completed()) seen.clear();
   return seen;
 }
 

@@ -40,7 +40,7 @@ bool is_idle(Mode mode) {
 bool rises_after(std::span<const TickRecord> lines, std::size_t reacted) {
   std::int32_t lowest = std::abs(lines[reacted].command_mV);
   for (const TickRecord& line : lines.subspan(reacted)) {
-    if (line.event == safety::Event::Move) return false;  // a person pressed again, and may
+    if (line.event == safety::Event::Move) return false;  // a new press, which may
     if (std::abs(line.command_mV) > lowest) return true;
     lowest = std::abs(line.command_mV);
   }

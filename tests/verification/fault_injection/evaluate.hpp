@@ -1,4 +1,4 @@
-// What the lines of one corrupted run say about its class.
+// Outcome of one corrupted run: detected, late or missed, with its times and extremes.
 #pragma once
 
 #include <span>

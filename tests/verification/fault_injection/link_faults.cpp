@@ -53,7 +53,7 @@ Corruptors jump_clock(Draw& draw, Procedure&, const TickRecord&) {
   return corrupt;
 }
 
-// A driver whose arithmetic broke, that stands, that never answers, or that wrote another code than it says.
+// A driver whose arithmetic broke, that stands, that never answers, or whose output is not what it reports.
 Corruptors answer_wrong(Draw& draw, Procedure& procedure, const TickRecord&) {
   const std::int32_t way = draw.whole(0, 3);
   const auto flaw = static_cast<std::uint32_t>(draw.whole(1, std::numeric_limits<std::int32_t>::max() - 1));
@@ -83,7 +83,7 @@ Corruptors add_writer(Draw& draw, Procedure&, const TickRecord&) {
   return corrupt;
 }
 
-// Three periods missed within 100 ms: nothing is sent in them, and the next request says so.
+// Three periods missed within 100 ms: nothing is sent in them, and the next request reports them.
 Corruptors overrun(Draw& draw, Procedure& procedure, const TickRecord&) {
   const std::array<std::int32_t, 3> missed{0, draw.whole(2, 45), draw.whole(47, 94)};
   return {.request =

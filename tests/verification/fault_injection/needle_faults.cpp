@@ -1,5 +1,4 @@
-// What happens to the needle itself: held, dragged, struck, in tissue that nobody planned for, in a patient
-// that moves.
+// Faults of the needle: held, dragged, struck, in unplanned tissue, in a patient that moves.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

@@ -50,7 +50,7 @@ Procedure::Procedure(const Scenario& scenario)
     : scenario_(scenario),
       stage_(scenario, corruptors_),
       supervised_(scenario.plan, scenario.facts, stage_, {scenario.facts.plan_tag, scenario.facts.plan_tag}),
-      person_(scenario.plan) {
+      operator_(scenario.plan) {
   supervised_.wrap(*this);
   robot::load_plan(scenario.plan, controller_);
 }
@@ -58,9 +58,9 @@ Procedure::Procedure(const Scenario& scenario)
 TickRecord Procedure::tick() {
   line_ = {};
   line_.tick = supervised_.ticks();
-  robot::OperatorInputs world = person_.act(last_, line_.tick);
+  robot::OperatorInputs world = operator_.act(last_, line_.tick);
   robot::Environment environment = robot::Environment::healthy();
-  if (person_.wants_verdict()) person_.judge(DepthVerdict::Accept, "");
+  if (operator_.wants_verdict()) operator_.judge(DepthVerdict::Accept, "");
   if (corruptors_.world) corruptors_.world(world);
   if (corruptors_.environment) corruptors_.environment(environment);
   last_ = supervised_.run(world, environment,
@@ -73,7 +73,7 @@ TickRecord Procedure::tick() {
                             if (corruptors_.request) corruptors_.request(request);
                             return request;
                           });
-  person_.observe(last_);
+  operator_.observe(last_);
   if (last_.supervisor.interlock_pulse) stage_.pulse_from_supervisor();
   line_.mode = last_.supervisor.permit.mode;
   line_.hazards = last_.evidence.hazards();

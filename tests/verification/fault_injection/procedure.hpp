@@ -49,7 +49,7 @@ class BreakableStage final : public drivers::NeedleStage {
   safety::GatedVoltage asked_ = safety::GatedVoltage::off();
 };
 
-// Hears what the supervisor and the gate are given in a tick.
+// Gets what the supervisor and the gate are given in a tick.
 using Observer = std::function<void(const safety::PlanFacts&, const safety::SupervisorInputs&,
                                     const safety::Situation&, const robot::GateInputs&)>;
 
@@ -65,8 +65,8 @@ class Procedure final : private robot::FaultHooks {
   void observe(Observer observer) { observer_ = std::move(observer); }
   TickRecord tick();
 
-  bool over() const { return person_.done(); }
-  const robot::Operator& person() const { return person_; }
+  bool over() const { return operator_.done(); }
+  const robot::Operator& simulated_operator() const { return operator_; }
   const robot::CycleRecord& last() const { return last_; }
   const Scenario& scenario() const { return scenario_; }
   safety::PlanFacts& facts() { return supervised_.plan_facts(); }  // the supervisor's memory of the plan
@@ -81,7 +81,7 @@ class Procedure final : private robot::FaultHooks {
   BreakableStage stage_;
   robot::ControlCycle supervised_;
   robot::ControllerMemory controller_;
-  robot::Operator person_;
+  robot::Operator operator_;
   robot::CycleRecord last_;
   std::int32_t switched_from_mV_ = 0;
   Observer observer_;

@@ -1,4 +1,4 @@
-// One run as a timeline that a person can read.
+// One run as a timeline in text.
 #pragma once
 
 #include <string>

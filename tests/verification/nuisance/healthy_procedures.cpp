@@ -13,7 +13,7 @@
 namespace biopsy::fault_injection {
 namespace {
 
-constexpr std::int64_t kTicksMax = 300'000;  // five minutes: nobody is that slow
+constexpr std::int64_t kTicksMax = 300'000;  // five minutes: slower than any operator
 constexpr std::size_t kBlock = 32;           // procedures at once
 constexpr std::uint64_t kDays = 0x6461'7973, kOperators = 0x7065'6f70;
 
@@ -33,17 +33,17 @@ bool is_unasked(const TickRecord& line, Mode before) {
 HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::uint64_t number,
                          const std::function<void(safety::SupervisorInputs&)>& corrupt_inputs) {
   const Scenario scenario = draw_scenario(models, seed_of(seed, kDays, number));
-  VariedOperator person(scenario.plan, seed_of(seed, kOperators, number));
+  VariedOperator varied(scenario.plan, seed_of(seed, kOperators, number));
   Procedure procedure(scenario);
   Corruptors inputs;
-  inputs.world = [&](robot::OperatorInputs& world) { world = person.act(procedure.last()); };
+  inputs.world = [&](robot::OperatorInputs& world) { world = varied.act(procedure.last()); };
   inputs.observation = corrupt_inputs;
   procedure.corrupt(std::move(inputs));
   HealthyRun run;
   Mode before = Mode::Boot;
   std::int64_t ticks = 0;
   std::uint32_t stage = 0;
-  for (; ticks < kTicksMax && !person.done(); ++ticks) {
+  for (; ticks < kTicksMax && !varied.done(); ++ticks) {
     const TickRecord line = procedure.tick();
     stage = std::max(stage, line.stage);
     const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
@@ -60,11 +60,11 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
   }
   run.hours = static_cast<double>(ticks) / 3.6e6;
   run.procedures = 1;
-  run.completed = person.completed();
-  run.given_up = person.gave_up();
+  run.completed = varied.completed();
+  run.given_up = varied.gave_up();
   run.stages = static_cast<std::int32_t>(stage) + 1;
-  run.releases = person.releases();
-  if (!person.completed() && !person.gave_up() && run.alarms.empty())
+  run.releases = varied.releases();
+  if (!varied.completed() && !varied.gave_up() && run.alarms.empty())
     run.alarms.push_back({number, static_cast<double>(ticks) * 1e-3, "did not reach its target"});
   return run;
 }

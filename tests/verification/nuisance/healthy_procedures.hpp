@@ -26,7 +26,7 @@ struct HealthyRun {
   std::vector<Alarm> alarms;          // the first of each procedure
 };
 
-// Procedures of different scenarios and people until `hours` are full. The same seed, the same day.
+// Procedures of different scenarios and operators until `hours` are full. The same seed gives the same run.
 // `corrupt_inputs`, if given, may corrupt what the supervisor sees: a bench that cannot complain proves
 // nothing.
 HealthyRun run_healthy_procedures(const NominalModels& models, double hours, std::uint64_t seed,

@@ -1,5 +1,5 @@
-// A person with moods: slow or quick, lets go and presses again, waits on hold, takes images, sometimes gives
-// up half-way.
+// An operator drawn at random: slow or quick, releases and presses again, waits on hold, takes images,
+// sometimes gives up half-way.
 #pragma once
 
 #include <cstdint>
