@@ -6,23 +6,6 @@
 
 namespace biopsy::safety {
 
-PlanFacts three_stage_plan() {
-  PlanFacts plan;
-  plan.plan_tag = 0xB10B'0001;
-  plan.config_tag = 0xC0F1'6001;
-  plan.depth_max_um = 4'000;
-  plan.tissue_residual_max_um = 500;
-  plan.stage_count = 3;
-  plan.stages[0] = {3'600, 6'500'000, 20'000, false};
-  plan.stages[1] = {3'800, 7'000'000, 20'000, true};
-  plan.stages[2] = {4'000, 7'500'000, 20'000, true};
-  plan.band_count = 3;
-  plan.bands[0] = {0, -100, 100};
-  plan.bands[1] = {4'000'000, 1'700, 2'300};
-  plan.bands[2] = {8'000'000, 3'600, 4'400};
-  return plan;
-}
-
 Rig::Rig(std::uint32_t seed) : random_(seed) {}
 
 void Rig::sense() {
@@ -160,30 +143,16 @@ bool Rig::go_trip() {
 }
 
 bool Rig::go_to(Mode mode) {
-  switch (mode) {
-    case Mode::Boot:
-      return state.mode == Mode::Boot;
-    case Mode::Safe:
-      return ticks_until([this] { return state.mode == Mode::Safe; }, 100) <= 100;
-    case Mode::Ready:
-      return go_ready();
-    case Mode::Armed:
-      return go_armed();
-    case Mode::Active:
-      return go_active();
-    case Mode::Hold:
-      return go_hold();
-    case Mode::Retract:
-      return go_retract();
-    case Mode::Trip:
-      return go_trip();
-    case Mode::Lock:
-      on_input = [](Situation& input) { input.self_test = SelfTest::Failed; };
-      tick();
-      on_input = [](Situation&) {};
-      return state.mode == Mode::Lock;
+  constexpr bool (Rig::*kWays[])() = {nullptr,         nullptr,       &Rig::go_ready,   &Rig::go_armed,
+                                      &Rig::go_active, &Rig::go_hold, &Rig::go_retract, &Rig::go_trip};
+  if (mode == Mode::Safe) return ticks_until([this] { return state.mode == Mode::Safe; }, 100) <= 100;
+  if (mode == Mode::Lock) {
+    on_input = [](Situation& input) { input.self_test = SelfTest::Failed; };
+    tick();
+    on_input = [](Situation&) {};
   }
-  return false;
+  if (mode == Mode::Boot || mode == Mode::Lock) return state.mode == mode;
+  return (this->*kWays[static_cast<std::size_t>(mode)])();
 }
 
 }  // namespace biopsy::safety

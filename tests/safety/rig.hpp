@@ -11,12 +11,10 @@
 #include "safety/gate.hpp"
 #include "safety/monitors/evidence.hpp"
 #include "safety/supervisor.hpp"
-#include "safety/types/plan_facts.hpp"
+#include "tests/safety/plan.hpp"
 #include "tests/safety/situation.hpp"
 
 namespace biopsy::safety {
-
-PlanFacts three_stage_plan();
 
 class Rig {
  public:

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "safety/supervisor.hpp"
+#include "tests/safety/plan.hpp"
 
 namespace biopsy::safety {
 
@@ -18,5 +19,40 @@ inline std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, 
                                                          const Situation& situation) {
   return step(plan, state, situation, situation.evidence);
 }
+
+// All that a step needs to go on: no hazard, 5 kV on the stack, any rise allowed.
+inline Situation healthy() {
+  Situation input;
+  input.now_us = 123'456;
+  input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
+  input.self_test = SelfTest::Passed;
+  return input;
+}
+
+inline SupervisorState in(Mode mode) {
+  SupervisorState state = started(3);
+  state.mode = mode;
+  state.token = 10;
+  state.held_mV = 5'000'000;
+  state.epoch = 4, state.seq = 70;
+  state.arm_was_down = state.reset_was_down = false;
+  return state;
+}
+
+// One step of the three-stage plan, everything healthy; a test changes what it is about.
+struct Moment {
+  PlanFacts plan = three_stage_plan();
+  SupervisorState state;
+  Situation input = healthy();
+
+  explicit Moment(Mode mode) : state(in(mode)) { input.evidence.zero_volts = mode != Mode::Retract; }
+  Moment(Mode mode, std::uint32_t token, bool held) : Moment(mode) { input.motion = {token, held}; }
+  SupervisorState next() const { return step(plan, state, input).first; }
+  SupervisorOutput output() const { return step(plan, state, input).second; }
+  Event event() const { return output().event; }
+  Refusal refusal() const { return output().refusal; }
+  Permit permit() const { return output().permit; }
+  Mode mode() const { return next().mode; }
+};
 
 }  // namespace biopsy::safety

@@ -1,5 +1,5 @@
-// Hazard by hazard: each fault is put into a healthy run at full drive; the evidence must name it, within its
-// time, and the supervisor must answer with the stop that the table promises.
+// Hazard by hazard: each fault is put into a healthy run at full drive; the evidence names it within its
+// time, and the supervisor stops as the table says.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -163,10 +163,24 @@ std::string requirement_of(const testing::TestParamInfo<Fault>& fault) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, EveryHazard, testing::ValuesIn(kFaults), requirement_of);
 
+TEST(HazardTable, LocksOnWhatOnlyAServiceCanMend) {
+  verifies("R-01", "R-02");
+  EXPECT_EQ(locking_hazards(), bit(Hazard::ResidualCharge) | bit(Hazard::NeedleNotBack));
+}
+
 TEST(HazardTable, HasAFaultForEveryHazardButTheOneTestedOnPlans) {
   HazardSet tested = bit(Hazard::PlanImplausible);
   for (const Fault& fault : kFaults) tested |= bit(fault.hazard);
   EXPECT_EQ(tested, kAllHazards);
+}
+
+TEST(HazardTable, NamesTheWorstOfASet) {
+  EXPECT_EQ(worst_of(0), Hazard::None);
+  EXPECT_EQ(worst_of(bit(Hazard::PatientMotion) | bit(Hazard::SensorStale)), Hazard::SensorStale);
+  EXPECT_EQ(hazards_with(StopCategory::None), 0U);
+  EXPECT_EQ(hazards_with(StopCategory::C0Off) | hazards_with(StopCategory::C1Ramp) |
+                hazards_with(StopCategory::C2Hold),
+            kAllHazards);
 }
 
 TEST(Evidence, ProvesNothingFromNothing) {

@@ -10,21 +10,21 @@
 
 #include "tests/verification/cost/measured.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
-constexpr std::size_t kAround = 6;  // beats before and behind a change
+constexpr std::size_t kAround = 6;  // ticks before and behind a change
 
-// Which beats change something: found by running them once, uncounted.
+// Which ticks change something: found by running them once, uncounted.
 std::vector<bool> picked(const Stream& stream, std::size_t every) {
-  std::vector<bool> pick(stream.beats.size());
+  std::vector<bool> pick(stream.ticks.size());
   Carried carried;
   safety::HazardSet before = 0;
   safety::EvidenceMemory memory;
-  for (std::size_t k = 0; k < stream.beats.size(); ++k) {
+  for (std::size_t k = 0; k < stream.ticks.size(); ++k) {
     const Mode mode = carried.state.mode;
-    const safety::HazardSet hazards = safety::assess(stream.facts, memory, stream.beats[k].seen).hazards();
-    measured_step(stream.facts, carried, stream.beats[k]);
+    const safety::HazardSet hazards = safety::assess(stream.facts, memory, stream.ticks[k].seen).hazards();
+    measured_step(stream.facts, carried, stream.ticks[k]);
     const bool changed = mode != carried.state.mode || hazards != before;
     before = hazards;
     if (k % every == 0) pick[k] = true;
@@ -72,10 +72,10 @@ int be_counted(const std::filesystem::path& file, std::size_t every) {
     const std::vector<bool> pick = picked(stream, every);
     CALLGRIND_ZERO_STATS;
     Carried carried;
-    for (std::size_t k = 0; k < stream.beats.size(); ++k) {
+    for (std::size_t k = 0; k < stream.ticks.size(); ++k) {
       if (pick[k]) CALLGRIND_ZERO_STATS;
-      measured_step(stream.facts, carried, stream.beats[k]);
-      measured_gate(carried, stream.beats[k]);
+      measured_step(stream.facts, carried, stream.ticks[k]);
+      measured_gate(carried, stream.ticks[k]);
       if (pick[k]) CALLGRIND_DUMP_STATS;
     }
     CALLGRIND_ZERO_STATS;  // what was not picked is in no dump
@@ -83,4 +83,4 @@ int be_counted(const std::filesystem::path& file, std::size_t every) {
   return 0;
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -9,7 +9,7 @@
 
 #include "tests/verification/cost/stream.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 struct Counts {
   std::vector<std::int64_t> step, gate;  // of every call that was counted
@@ -20,8 +20,8 @@ struct Counts {
 std::optional<Counts> count_instructions(const std::filesystem::path& program,
                                          const std::filesystem::path& file, std::size_t every);
 
-// The other side, inside callgrind: all beats, counted one by one around each change of mode or hazards and
+// The other side, inside callgrind: all ticks, counted one by one around each change of mode or hazards and
 // at every `every`th besides.
 int be_counted(const std::filesystem::path& file, std::size_t every);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -3,7 +3,7 @@
 
 #include "tests/verification/cost/stream.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 // What both carry from tick to tick.
 struct Carried {
@@ -14,10 +14,10 @@ struct Carried {
 
 extern "C" {
 // One tick of the supervisor: evidence and step.
-void measured_step(const safety::PlanFacts& facts, Carried& carried, const Beat& beat);
-void measured_gate(Carried& carried, const Beat& beat);
-void empty_step(const safety::PlanFacts& facts, Carried& carried, const Beat& beat);
-void empty_gate(Carried& carried, const Beat& beat);
+void measured_step(const safety::PlanFacts& facts, Carried& carried, const TickInput& tick);
+void measured_gate(Carried& carried, const TickInput& tick);
+void empty_step(const safety::PlanFacts& facts, Carried& carried, const TickInput& tick);
+void empty_gate(Carried& carried, const TickInput& tick);
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

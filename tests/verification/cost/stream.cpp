@@ -9,10 +9,10 @@
 #include "safety/types/limits.hpp"
 #include "tests/safety/situation.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
-static_assert(std::is_trivially_copyable_v<Beat> && std::is_trivially_copyable_v<safety::PlanFacts>);
+static_assert(std::is_trivially_copyable_v<TickInput> && std::is_trivially_copyable_v<safety::PlanFacts>);
 
 safety::PlanFacts largest_plan() {
   safety::PlanFacts plan;
@@ -68,58 +68,58 @@ Permit any_permit(Draw& draw, std::uint32_t seq) {
 
 }  // namespace
 
-std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t classes) {
+std::vector<Stream> recorded_streams(const NominalModels& models, std::size_t classes) {
   std::vector<FaultClass> faults = all_faults();
   faults.resize(std::min(classes, faults.size()));
   std::vector<Stream> streams(faults.size());
   in_parallel(faults.size(), [&](std::size_t i) {
-    Campaign campaign{workshop};
-    campaign.tap = [&stream = streams[i]](const safety::PlanFacts& facts,
-                                          const safety::SupervisorInputs& seen,
-                                          const safety::Situation& asked, const robot::GateInputs& given) {
+    Campaign campaign{models};
+    campaign.observer = [&stream = streams[i]](
+                            const safety::PlanFacts& facts, const safety::SupervisorInputs& seen,
+                            const safety::Situation& asked, const robot::GateInputs& given) {
       stream.facts = facts;
-      Beat beat;
-      beat.seen = seen;
-      beat.asked = asked;
-      beat.permit_arrives = given.permit.seq != 0;
-      if (given.permit.seq != 0) beat.permit = given.permit;
-      if (given.request.seq != 0) beat.request = given.request;
-      beat.gate_us = given.now_us;
-      beat.writers = given.writers;
-      stream.beats.push_back(beat);
+      TickInput tick;
+      tick.seen = seen;
+      tick.asked = asked;
+      tick.permit_arrives = given.permit.seq != 0;
+      if (given.permit.seq != 0) tick.permit = given.permit;
+      if (given.request.seq != 0) tick.request = given.request;
+      tick.gate_us = given.now_us;
+      tick.writers = given.writers;
+      stream.ticks.push_back(tick);
     };
     run_one(campaign, faults[i], i);
   });
   return streams;
 }
 
-Stream random_stream(std::uint64_t seed, std::size_t beats) {
+Stream random_stream(std::uint64_t seed, std::size_t ticks) {
   Draw draw(seed);
   Stream stream{largest_plan(), {}};
-  Beat beat;
-  for (std::size_t k = 1; k <= beats; ++k) {
+  TickInput tick;
+  for (std::size_t k = 1; k <= ticks; ++k) {
     const auto seq = static_cast<std::uint32_t>(k);
-    beat.seen.now_us += draw.whole(0, 50) == 0 ? 7'000 : 1'000;
-    beat.seen.measurement = any_measurement(draw, beat.seen.measurement);
-    beat.seen.request.seq += draw.whole(0, 5) != 0;
-    beat.seen.request.overruns += draw.whole(0, 30) == 0;
-    beat.seen.permit = any_permit(draw, seq);
-    beat.seen.writers = 1;
-    beat.seen.estop_a_closed = draw.whole(0, 9) != 0;
-    beat.seen.estop_b_closed = draw.whole(0, 9) != 0;
-    beat.seen.log_backlog_ms = beat.seen.patient_motion_um = 0;
-    beat.seen.tissue_residual_um = draw.whole(0, 700);
-    beat.seen.plan_tag = beat.seen.config_tag = 1;
-    beat.seen.confirmed_tag = {1, 1};
-    beat.asked.now_us = beat.seen.now_us;
-    beat.asked.self_test = safety::SelfTest::Passed;
-    beat.asked.local_arm = draw.coin();
-    beat.asked.local_reset = draw.coin();
-    beat.asked.motion = {static_cast<std::uint32_t>(k / 3), draw.coin()};
-    beat.permit = any_permit(draw, seq);
-    beat.request = {.seq = seq, .wanted_mV = draw.whole(-9'000'000, 9'000'000)};
-    beat.gate_us = static_cast<std::int64_t>(k) * 1'000;
-    stream.beats.push_back(beat);
+    tick.seen.now_us += draw.whole(0, 50) == 0 ? 7'000 : 1'000;
+    tick.seen.measurement = any_measurement(draw, tick.seen.measurement);
+    tick.seen.request.seq += draw.whole(0, 5) != 0;
+    tick.seen.request.overruns += draw.whole(0, 30) == 0;
+    tick.seen.permit = any_permit(draw, seq);
+    tick.seen.writers = 1;
+    tick.seen.estop_a_closed = draw.whole(0, 9) != 0;
+    tick.seen.estop_b_closed = draw.whole(0, 9) != 0;
+    tick.seen.log_backlog_ms = tick.seen.patient_motion_um = 0;
+    tick.seen.tissue_residual_um = draw.whole(0, 700);
+    tick.seen.plan_tag = tick.seen.config_tag = 1;
+    tick.seen.confirmed_tag = {1, 1};
+    tick.asked.now_us = tick.seen.now_us;
+    tick.asked.self_test = safety::SelfTest::Passed;
+    tick.asked.local_arm = draw.coin();
+    tick.asked.local_reset = draw.coin();
+    tick.asked.motion = {static_cast<std::uint32_t>(k / 3), draw.coin()};
+    tick.permit = any_permit(draw, seq);
+    tick.request = {.seq = seq, .wanted_mV = draw.whole(-9'000'000, 9'000'000)};
+    tick.gate_us = static_cast<std::int64_t>(k) * 1'000;
+    stream.ticks.push_back(tick);
   }
   return stream;
 }
@@ -130,10 +130,10 @@ bool write_streams(const std::filesystem::path& file, const std::vector<Stream>&
     out.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
   };
   for (const Stream& stream : streams) {
-    const std::uint64_t count = stream.beats.size();
+    const std::uint64_t count = stream.ticks.size();
     put(&stream.facts, sizeof(stream.facts));
     put(&count, sizeof(count));
-    put(stream.beats.data(), count * sizeof(Beat));
+    put(stream.ticks.data(), count * sizeof(TickInput));
   }
   out.close();
   return static_cast<bool>(out);
@@ -147,11 +147,11 @@ std::vector<Stream> read_streams(const std::filesystem::path& file) {
   std::vector<Stream> streams;
   Stream stream;
   for (std::uint64_t count = 0; get(&stream.facts, sizeof(stream.facts)) && get(&count, sizeof(count));) {
-    stream.beats.resize(count);
-    if (!get(stream.beats.data(), count * sizeof(Beat))) break;
+    stream.ticks.resize(count);
+    if (!get(stream.ticks.data(), count * sizeof(TickInput))) break;
     streams.push_back(stream);
   }
   return streams;
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -10,9 +10,9 @@
 #include "tests/safety/situation.hpp"
 #include "tests/verification/fault_injection/campaign.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
-struct Beat {
+struct TickInput {
   safety::SupervisorInputs seen;
   safety::Situation asked;  // without the evidence
   Permit permit;            // as it arrives at the gate
@@ -24,16 +24,16 @@ struct Beat {
 
 struct Stream {
   safety::PlanFacts facts;
-  std::vector<Beat> beats;
+  std::vector<TickInput> ticks;
 };
 
 // One corrupted procedure of every class, from its beginning to the end of its reaction.
-std::vector<Stream> recorded_streams(const Workshop& workshop, std::size_t classes);
+std::vector<Stream> recorded_streams(const NominalModels& models, std::size_t classes);
 // The largest plan the supervisor holds, and everything it can be shown changing from tick to tick.
-Stream random_stream(std::uint64_t seed, std::size_t beats);
+Stream random_stream(std::uint64_t seed, std::size_t ticks);
 
 // Raw, for another process of the same build.
 bool write_streams(const std::filesystem::path& file, const std::vector<Stream>& streams);
 std::vector<Stream> read_streams(const std::filesystem::path& file);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

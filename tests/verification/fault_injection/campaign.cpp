@@ -12,31 +12,32 @@
 #include "safety/types/limits.hpp"
 #include "tests/safety/situation.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 constexpr std::int64_t kTicksMax = 120'000;  // two minutes of procedure
 constexpr std::size_t kWait_ticks = 20'000, kAfter_ticks = 350;
-constexpr std::uint64_t kScenes = 0x7363'656e;
+constexpr std::uint64_t kScenarios = 0x7363'656e;
 
-std::vector<Glimpse> rehearse(const Scene& scene) {
-  std::vector<Glimpse> seen;
-  Procedure sound(scene);
+std::vector<ProcedureState> rehearse(const Scenario& scenario) {
+  std::vector<ProcedureState> seen;
+  Procedure sound(scenario);
   std::int32_t steady = 0, before_mV = 0;
   for (std::int64_t k = 0; k < kTicksMax && !sound.over(); ++k) {
-    const Line line = sound.tick();
+    const TickRecord line = sound.tick();
     steady = std::abs(line.command_mV - before_mV) > limits::kZeroVolt_mV ? 0 : steady + 1;
     before_mV = line.command_mV;
     seen.push_back({line.mode, line.command_mV, line.seen_um, steady, 0});
   }
   for (std::size_t i = seen.size(); i-- > 1;)
     if (seen[i - 1].mode == seen[i].mode) seen[i - 1].left = seen[i].left + 1;
-  if (!sound.person().completed()) seen.clear();
+  if (!sound.simulated_operator().completed()) seen.clear();
   return seen;
 }
 
 // The tick before one at which the class may begin: first its mode, then any tick of it, all alike.
-std::optional<std::size_t> choose(Draw& draw, const FaultClass& fault, const std::vector<Glimpse>& seen) {
+std::optional<std::size_t> choose(Draw& draw, const FaultClass& fault,
+                                  const std::vector<ProcedureState>& seen) {
   const auto modes = static_cast<std::int32_t>(fault.modes.size());
   const std::int32_t first = draw.whole(0, modes - 1);
   for (std::int32_t i = 0; i < modes; ++i) {
@@ -56,22 +57,22 @@ std::uint64_t number_of(const std::string& text) {  // FNV-1a
   return hash;
 }
 
-void deafen(Corruptors& corrupt, safety::HazardSet deaf_to) {
-  if (deaf_to == 0) return;
-  corrupt.input = [deaf_to, before = std::move(corrupt.input)](safety::Situation& input) {
+void mask_hazards(Corruptors& corrupt, safety::HazardSet masked) {
+  if (masked == 0) return;
+  corrupt.input = [masked, before = std::move(corrupt.input)](safety::Situation& input) {
     if (before) before(input);
-    input.evidence.clear |= deaf_to;
+    input.evidence.clear |= masked;
   };
 }
 
-std::vector<Line> watch(Procedure& procedure, const FaultClass& fault) {
-  std::vector<Line> lines;
+std::vector<TickRecord> watch(Procedure& procedure, const FaultClass& fault) {
+  std::vector<TickRecord> lines;
   std::size_t done = 0;
   const safety::HazardSet names =
       fault.hazard == safety::Hazard::None ? 0 : bit(fault.hazard) | fault.instead;
   bool named = names == 0, shown = names != 0;
   while (lines.size() < kWait_ticks && (done == 0 || lines.size() < done + kAfter_ticks)) {
-    const Line line = procedure.tick();
+    const TickRecord line = procedure.tick();
     lines.push_back(line);
     named = named || (line.hazards & names) != 0;
     shown = shown || line.shown;
@@ -80,52 +81,52 @@ std::vector<Line> watch(Procedure& procedure, const FaultClass& fault) {
   return lines;
 }
 
-// The sound procedures of one run, made once for all classes: the first scene, and others where that one has
-// no moment for a class.
+// The sound procedures of one run, made once for all classes: the first scenario, and others where that one
+// has no moment for a class.
 class Rehearsals {
  public:
   Rehearsals(const Campaign& campaign, std::uint64_t run) : campaign_(campaign), run_(run) {}
 
   struct Moment {
-    const Scene& scene;
+    const Scenario& scenario;
     std::size_t tick;
   };
   Moment moment_for(const FaultClass& fault, Draw& draw) {
     for (std::size_t i = 0;; ++i) {
-      if (i == scenes_.size()) add();
-      if (const auto tick = choose(draw, fault, seen_[i])) return {scenes_[i], *tick};
+      if (i == scenarios_.size()) add();
+      if (const auto tick = choose(draw, fault, seen_[i])) return {scenarios_[i], *tick};
     }
   }
 
  private:
   void add() {
-    scenes_.push_back(
-        draw_scene(campaign_.workshop, seed_of(campaign_.seed ^ kScenes, scenes_.size(), run_)));
-    seen_.push_back(rehearse(scenes_.back()));
+    scenarios_.push_back(
+        draw_scenario(campaign_.models, seed_of(campaign_.seed ^ kScenarios, scenarios_.size(), run_)));
+    seen_.push_back(rehearse(scenarios_.back()));
   }
 
   const Campaign& campaign_;
   std::uint64_t run_;
-  std::deque<Scene> scenes_;
-  std::deque<std::vector<Glimpse>> seen_;
+  std::deque<Scenario> scenarios_;
+  std::deque<std::vector<ProcedureState>> seen_;
 };
 
 RunResult run_in(Rehearsals& rehearsals, const Campaign& campaign, const FaultClass& fault,
                  std::uint64_t run) {
   Draw draw(seed_of(campaign.seed, number_of(fault.id), run));
   const Rehearsals::Moment moment = rehearsals.moment_for(fault, draw);
-  Procedure procedure(moment.scene);
-  procedure.listen(campaign.tap);
-  Line line;
+  Procedure procedure(moment.scenario);
+  procedure.observe(campaign.observer);
+  TickRecord line;
   for (std::size_t k = 0; k <= moment.tick; ++k) line = procedure.tick();
   Corruptors corruptors = fault.inject(draw, procedure, line);
-  deafen(corruptors, campaign.deaf_to);
+  mask_hazards(corruptors, campaign.masked);
   procedure.corrupt(std::move(corruptors));
   RunResult result;
   result.mode = line.mode;
   result.tick = line.tick + 1;
   result.lines = watch(procedure, fault);
-  result.verdict = judge(fault, result.lines, moment.scene.plan.target_depth.value);
+  result.verdict = evaluate(fault, result.lines, moment.scenario.plan.target_depth.value);
   return result;
 }
 
@@ -184,4 +185,4 @@ std::vector<Tally> run_all(const Campaign& campaign, const std::vector<FaultClas
   return tallies;
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -6,27 +6,27 @@
 #include <string>
 #include <vector>
 
-#include "tests/verification/fault_injection/judge.hpp"
+#include "tests/verification/fault_injection/evaluate.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 struct RunResult {
   Verdict verdict;
-  Mode mode = Mode::Boot;   // in which the fault began
-  std::int64_t tick = 0;    // at which
-  std::vector<Line> lines;  // from that tick on
+  Mode mode = Mode::Boot;         // in which the fault began
+  std::int64_t tick = 0;          // at which
+  std::vector<TickRecord> lines;  // from that tick on
 };
 
-// `deaf_to`: hazards the supervisor is kept from hearing of, to show that this bench can fail.
+// `masked`: hazards the supervisor is kept from hearing of, to show that this bench can fail.
 struct Campaign {
-  const Workshop& workshop;
+  const NominalModels& models;
   std::uint64_t seed = 1;
-  safety::HazardSet deaf_to = 0;
-  Tap tap = {};  // hears what supervisor and gate are given; from one thread at a time
+  safety::HazardSet masked = 0;
+  Observer observer = {};  // hears what supervisor and gate are given; from one thread at a time
 };
 
-// One run of a class: a scene, its sound procedure to choose the moment from, and the same corrupted at that
-// moment. Depends on the seed, the class and `run` alone; all classes of a run share the scene.
+// One run of a class: a scenario, its sound procedure to choose the moment from, and the same corrupted at
+// that moment. Depends on the seed, the class and `run` alone; all classes of a run share the scenario.
 RunResult run_one(const Campaign& campaign, const FaultClass& fault, std::uint64_t run);
 
 struct Tally {
@@ -45,8 +45,8 @@ struct Tally {
 // Clopper and Pearson 1934, one-sided: the share p at which `most` or more of `runs` has 5 % probability.
 double lower_bound_95(std::int32_t hits, std::int32_t runs);
 
-// `progress` is told from several threads.
+// `progress` is events from several threads.
 std::vector<Tally> run_all(const Campaign& campaign, const std::vector<FaultClass>& faults, std::int32_t runs,
                            const std::function<void(double share)>& progress);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

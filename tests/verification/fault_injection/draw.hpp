@@ -5,7 +5,7 @@
 
 #include "sim/plant/seeded_noise.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 class Draw {
  public:
@@ -29,4 +29,4 @@ constexpr std::uint64_t seed_of(std::uint64_t seed, std::uint64_t kind, std::uin
   return sim::hashed(sim::hashed(seed, kind), run);
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -4,7 +4,7 @@
 
 #include "safety/types/limits.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 constexpr std::int32_t kC0_ms = 10;  // safety concept: C0 in all
@@ -12,9 +12,11 @@ constexpr std::int32_t kTick_ms = 1;
 
 }  // namespace
 
-FaultClass class_of(safety::Hazard hazard) {
+FaultClass class_of(safety::Hazard hazard, std::vector<Mode> modes, Inject inject) {
   const safety::HazardFacts& facts = safety::kHazardTable[static_cast<std::size_t>(hazard)];
   FaultClass fault;
+  fault.modes = std::move(modes);
+  fault.inject = inject;
   fault.id = facts.requirement;
   fault.what = facts.name.substr(5);
   fault.hazard = hazard;
@@ -45,4 +47,4 @@ std::vector<FaultClass> all_faults() {
   return all;
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -7,10 +7,10 @@
 
 #include "tests/verification/fault_injection/procedure.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 // A tick of the sound procedure, to choose the moment by.
-struct Glimpse {
+struct ProcedureState {
   Mode mode = Mode::Boot;
   std::int32_t drive_mV = 0, depth_um = 0;
   std::int32_t steady = 0;  // ticks since the drive last changed by more than 100 V
@@ -35,14 +35,21 @@ struct FaultClass {
   std::int32_t detect_ms = 1, react_ms = 10;  // both from the first sample that shows it, that one counted
   std::int32_t row = 1;     // samples in a row that show it, as docs/reference/supervisor.md counts
   std::vector<Mode> modes;  // in which it may begin
-  bool (*fits)(const Glimpse&) = [](const Glimpse&) { return true; };
-  Corruptors (*inject)(Draw& draw, Procedure& procedure, const Line& now) = nullptr;
+  bool (*fits)(const ProcedureState&) = [](const ProcedureState&) { return true; };
+  Corruptors (*inject)(Draw&, Procedure&, const TickRecord& now) = nullptr;
   bool moves_needle = false;  // the fault itself is a force on the needle: it, not the drive, makes the depth
   bool raises_drive = false;  // the fault itself is a voltage: judged is when it ends
 };
 
+using Inject = Corruptors (*)(Draw&, Procedure&, const TickRecord& now);
+
+inline const std::vector<Mode> kReadyOrDriven{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold,
+                                              Mode::Retract};
+inline const std::vector<Mode> kDriven{Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
+inline const std::vector<Mode> kInserted{Mode::Active, Mode::Hold};
+
 // A class with stop and times of the hazard's row in kHazardTable.
-FaultClass class_of(safety::Hazard hazard);
+FaultClass class_of(safety::Hazard hazard, std::vector<Mode> modes = {}, Inject inject = nullptr);
 
 std::vector<FaultClass> drive_faults();
 std::vector<FaultClass> needle_faults();
@@ -54,4 +61,4 @@ std::vector<FaultClass> message_faults();
 // All of them, in the order of their ids.
 std::vector<FaultClass> all_faults();
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

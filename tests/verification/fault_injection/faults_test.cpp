@@ -10,7 +10,7 @@
 #include "tests/verification/fault_injection/campaign.hpp"
 #include "tests/verification/fault_injection/trace_text.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 void PrintTo(const FaultClass& fault, std::ostream* out) {
   *out << fault.id << ' ' << fault.what;
@@ -18,8 +18,8 @@ void PrintTo(const FaultClass& fault, std::ostream* out) {
 
 namespace {
 
-const Workshop& workshop() {
-  static const Workshop kOpened = open_workshop(source_dir() / "sim/models");
+const NominalModels& models() {
+  static const NominalModels kOpened = read_nominal_models(source_dir() / "sim/models");
   return kOpened;
 }
 
@@ -33,17 +33,18 @@ TEST_P(EveryFault, IsDetectedAndStoppedInTimeWithinDepthAndVoltage) {
   constexpr std::int32_t kRuns = 12;
   const FaultClass& fault = GetParam();
   if (fault.hazard != safety::Hazard::None) verifies(fault.id.substr(0, 4));
-  const Campaign campaign{workshop()};
+  const Campaign campaign{models()};
   const Tally tally = tally_of(campaign, fault, kRuns);
-  EXPECT_TRUE(tally.holds()) << story_of(fault, run_one(campaign, fault, tally.bad.front())).substr(0, 4'000);
+  EXPECT_TRUE(tally.holds())
+      << trace_text(fault, run_one(campaign, fault, tally.bad.front())).substr(0, 4'000);
 }
 
-TEST_P(EveryFault, IsMissedByASupervisorThatIsDeafToIt) {
+TEST_P(EveryFault, IsMissedWhereItsHazardsAreMasked) {
   const FaultClass& fault = GetParam();
   if (fault.hazard == safety::Hazard::None) GTEST_SKIP() << "noticed without a detector";
-  Campaign deaf{workshop()};
-  deaf.deaf_to = bit(fault.hazard) | fault.instead;
-  EXPECT_FALSE(tally_of(deaf, fault, 2).holds());
+  Campaign masked_campaign{models()};
+  masked_campaign.masked = bit(fault.hazard) | fault.instead;
+  EXPECT_FALSE(tally_of(masked_campaign, fault, 2).holds());
 }
 
 std::string name_of_class(const testing::TestParamInfo<FaultClass>& fault) {
@@ -70,7 +71,7 @@ TEST(Coverage, Of299RunsWithoutAMissIs99PerCentAt95PerCentConfidence) {
 
 TEST(Injection, IsTheSameAgain) {
   const FaultClass fault = all_faults().front();
-  const Campaign campaign{workshop()};
+  const Campaign campaign{models()};
   const RunResult once = run_one(campaign, fault, 3), again = run_one(campaign, fault, 3);
   ASSERT_EQ(once.lines.size(), again.lines.size());
   EXPECT_EQ(once.tick, again.tick);
@@ -78,8 +79,8 @@ TEST(Injection, IsTheSameAgain) {
 }
 
 // A run by hand: shown from the third line, named in the fifth, off in the sixth.
-std::vector<Line> six_lines() {
-  std::vector<Line> lines(8);
+std::vector<TickRecord> six_lines() {
+  std::vector<TickRecord> lines(8);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     lines[i].mode = i < 5 ? Mode::Active : Mode::Trip;
     lines[i].shown = i >= 2;
@@ -92,10 +93,10 @@ std::vector<Line> six_lines() {
   return lines;
 }
 
-TEST(Judge, CountsFromTheFirstSampleThatShowsIt) {
+TEST(Evaluate, CountsFromTheFirstSampleThatShowsIt) {
   FaultClass fault = class_of(safety::Hazard::EStop);
   fault.detect_ms = 3, fault.react_ms = 4;
-  const Verdict verdict = judge(fault, six_lines(), 1.5);
+  const Verdict verdict = evaluate(fault, six_lines(), 1.5);
   EXPECT_EQ(verdict.outcome, Outcome::Detected);
   EXPECT_EQ(verdict.detect_ms, 3);
   EXPECT_EQ(verdict.react_ms, 4);
@@ -104,30 +105,30 @@ TEST(Judge, CountsFromTheFirstSampleThatShowsIt) {
   EXPECT_DOUBLE_EQ(verdict.highest_kV, 3.0);
 }
 
-TEST(Judge, CallsLateWhatIsLate) {
+TEST(Evaluate, CallsLateWhatIsLate) {
   FaultClass fault = class_of(safety::Hazard::EStop);
   fault.detect_ms = 2;
-  EXPECT_EQ(judge(fault, six_lines(), 1.5).outcome, Outcome::Late);
+  EXPECT_EQ(evaluate(fault, six_lines(), 1.5).outcome, Outcome::Late);
   fault.detect_ms = 3, fault.react_ms = 3;
-  EXPECT_EQ(judge(fault, six_lines(), 1.5).outcome, Outcome::Late);
+  EXPECT_EQ(evaluate(fault, six_lines(), 1.5).outcome, Outcome::Late);
 }
 
-TEST(Judge, CallsMissedWhatWasNeverNamedOrNeverStopped) {
+TEST(Evaluate, CallsMissedWhatWasNeverNamedOrNeverStopped) {
   FaultClass fault = class_of(safety::Hazard::EStop);
-  std::vector<Line> unnamed = six_lines(), driven = six_lines();
-  for (Line& line : unnamed) line.hazards = 0;
-  for (Line& line : driven) line.enabled = true;
-  EXPECT_EQ(judge(fault, unnamed, 1.5).outcome, Outcome::Missed);
-  EXPECT_EQ(judge(fault, driven, 1.5).outcome, Outcome::Missed);
+  std::vector<TickRecord> unnamed = six_lines(), driven = six_lines();
+  for (TickRecord& line : unnamed) line.hazards = 0;
+  for (TickRecord& line : driven) line.enabled = true;
+  EXPECT_EQ(evaluate(fault, unnamed, 1.5).outcome, Outcome::Missed);
+  EXPECT_EQ(evaluate(fault, driven, 1.5).outcome, Outcome::Missed);
 }
 
-TEST(Judge, SeesAVoltageThatComesBack) {
+TEST(Evaluate, SeesAVoltageThatComesBack) {
   FaultClass fault = class_of(safety::Hazard::EStop);
-  std::vector<Line> lines = six_lines();
-  EXPECT_FALSE(judge(fault, lines, 1.5).rose);
+  std::vector<TickRecord> lines = six_lines();
+  EXPECT_FALSE(evaluate(fault, lines, 1.5).rose);
   lines.back().command_mV = 1'000;
-  EXPECT_TRUE(judge(fault, lines, 1.5).rose);
+  EXPECT_TRUE(evaluate(fault, lines, 1.5).rose);
 }
 
 }  // namespace
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

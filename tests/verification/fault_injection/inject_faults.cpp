@@ -1,79 +1,35 @@
-// Fault injection on the virtual clock: every class of faults, many random runs, one table. Exit 0 if nothing
-// was missed, 3 if something was, 2 for bad usage.
-#include <fmt/format.h>
-
+// Every class of faults in many random procedures: what was detected, and how fast.
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
 
 #include "tests/source_dir.hpp"
+#include "tests/verification/evidence_program.hpp"
 #include "tests/verification/fault_injection/campaign.hpp"
-#include "tests/verification/fault_injection/evidence_file.hpp"
 #include "tests/verification/fault_injection/trace_text.hpp"
 
 namespace {
 
-using namespace biopsy::proof;
+using namespace biopsy::fault_injection;
 
 struct Options {
-  std::string json, only, story;
+  std::string only, trace;
+  bool quick = false;
   std::int32_t runs = 299;
   std::uint64_t seed = 1;
 };
 
-std::optional<Options> parse(int count, char** words) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    if (word == "--quick") {
-      options.runs = 12;
-      continue;
-    }
-    if (i + 1 == count) return std::nullopt;
-    const std::string value = words[++i];
-    try {
-      if (word == "--json")
-        options.json = value;
-      else if (word == "--class")
-        options.only = value;
-      else if (word == "--story")
-        options.story = value;
-      else if (word == "--runs")
-        options.runs = std::stoi(value);
-      else if (word == "--seed")
-        options.seed = std::stoull(value);
-      else
-        return std::nullopt;
-    } catch (const std::exception&) {
-      return std::nullopt;
-    }
-  }
-  return options.runs > 0 ? std::optional(options) : std::nullopt;
+const FaultClass& find(const std::vector<FaultClass>& faults, const std::string& id) {
+  const auto fault = std::ranges::find(faults, id, &FaultClass::id);
+  if (fault == faults.end())
+    throw biopsy::ConfigError("no such class of faults", id, "see the table of a run without options");
+  return *fault;
 }
 
-int usage() {
-  fmt::print(
-      stderr,
-      "inject_faults [--json FILE] [--quick] [--class R-nn] [--runs N] [--seed S] [--story CLASS:RUN]\n");
-  return 2;
-}
-
-const FaultClass* find(const std::vector<FaultClass>& faults, const std::string& id) {
-  for (const FaultClass& fault : faults)
-    if (fault.id == id) return &fault;
-  return nullptr;
-}
-
-int tell(const Campaign& campaign, const std::vector<FaultClass>& faults, const std::string& which) {
-  const std::size_t colon = which.find(':');
-  const FaultClass* fault = find(faults, which.substr(0, colon));
-  if (fault == nullptr || colon == std::string::npos) return usage();
-  const std::uint64_t run = std::strtoull(which.c_str() + colon + 1, nullptr, 10);
-  fmt::print("{}", story_of(*fault, run_one(campaign, *fault, run)));
-  return 0;
+// `which`: CLASS:RUN.
+void print_trace(const Campaign& campaign, const std::vector<FaultClass>& faults, const std::string& which) {
+  const std::size_t colon = std::min(which.find(':'), which.size() - 1);
+  const FaultClass& fault = find(faults, which.substr(0, colon));
+  fmt::print("{}", trace_text(fault, run_one(campaign, fault,
+                                             std::strtoull(which.c_str() + colon + 1, nullptr, 10))));
 }
 
 void print(const std::vector<Tally>& tallies) {
@@ -87,12 +43,12 @@ void print(const std::vector<Tally>& tallies) {
                t.coverage());
     if (t.too_deep + t.too_high + t.rose > 0)
       fmt::print("  deep {} high {} rose {}", t.too_deep, t.too_high, t.rose);
-    if (!t.bad.empty()) fmt::print("  see --story {}:{}", t.fault->id, t.bad.front());
+    if (!t.bad.empty()) fmt::print("  see --trace {}:{}", t.fault->id, t.bad.front());
     fmt::print("\n");
   }
 }
 
-nlohmann::json row(const Tally& t) {
+nlohmann::ordered_json row(const Tally& t) {
   return {{"class", t.fault->id},
           {"what", t.fault->what},
           {"runs", t.runs},
@@ -109,11 +65,11 @@ nlohmann::json row(const Tally& t) {
           {"fault_moves_needle", t.fault->moves_needle},
           {"highest_kV", t.highest_kV},
           {"coverage_lower_95", t.coverage()},
-          {"story_of_first_bad", t.bad.empty() ? "" : fmt::format("{}:{}", t.fault->id, t.bad.front())}};
+          {"trace_of_first_bad", t.bad.empty() ? "" : fmt::format("{}:{}", t.fault->id, t.bad.front())}};
 }
 
-nlohmann::json figures_of(const std::vector<Tally>& tallies, double seconds) {
-  nlohmann::json figures{{"classes", tallies.size()}, {"seconds", seconds}};
+nlohmann::ordered_json figures_of(const std::vector<Tally>& tallies, double seconds) {
+  nlohmann::ordered_json figures{{"classes", tallies.size()}, {"seconds", seconds}};
   std::int64_t runs = 0, misses = 0, late = 0, deep = 0, high = 0, rose = 0;
   double least = 1.0, driven_mm = 0.0;
   for (const Tally& t : tallies) {
@@ -134,30 +90,33 @@ nlohmann::json figures_of(const std::vector<Tally>& tallies, double seconds) {
   return figures;
 }
 
-}  // namespace
-
-int main(int count, char** words) {
-  const std::optional<Options> options = parse(count, words);
-  if (!options) return usage();
-  const Workshop workshop = open_workshop(biopsy::source_dir() / "sim/models");
-  const Campaign campaign{workshop, options->seed, 0};
+biopsy::EvidenceReport inject(const Options& options) {
+  const NominalModels models = read_nominal_models(biopsy::source_dir() / "sim/models");
+  const Campaign campaign{models, options.seed, 0};
   std::vector<FaultClass> faults = all_faults();
-  if (!options->story.empty()) return tell(campaign, faults, options->story);
-  if (!options->only.empty()) {
-    if (find(faults, options->only) == nullptr) return usage();
-    std::erase_if(faults, [&](const FaultClass& fault) { return fault.id != options->only; });
-  }
-  const auto begin = std::chrono::steady_clock::now();
-  const std::vector<Tally> tallies = run_all(campaign, faults, options->runs, [](double share) {
-    fmt::print(stderr, "\rinjecting faults: {:3.0f} %", 100.0 * share);
-  });
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!options.trace.empty()) return print_trace(campaign, faults, options.trace), biopsy::EvidenceReport{};
+  if (!options.only.empty()) faults = {find(faults, options.only)};
+  const biopsy::Stopwatch time;
+  const std::vector<Tally> tallies =
+      run_all(campaign, faults, options.quick ? 12 : options.runs,
+              [](double share) { fmt::print(stderr, "\rinjecting faults: {:3.0f} %", 100.0 * share); });
   fmt::print(stderr, "\n");
   print(tallies);
-  const bool passed = std::ranges::all_of(tallies, &Tally::holds);
-  nlohmann::json out{
-      {"tool", "inject_faults"}, {"passed", passed}, {"figures", figures_of(tallies, seconds)}};
-  for (const Tally& tally : tallies) out["tables"]["classes"].push_back(row(tally));
-  if (!options->json.empty() && !write_json(options->json, out)) return 2;
-  return passed ? 0 : 3;
+  biopsy::EvidenceReport report{.passed = std::ranges::all_of(tallies, &Tally::holds),
+                                .figures = figures_of(tallies, time.seconds())};
+  for (const Tally& tally : tallies) report.tables["classes"].push_back(row(tally));
+  return report;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Fault injection on the virtual clock: every class of faults, many random runs, one table"};
+  app.add_flag("--quick", options.quick, "12 runs of each class");
+  app.add_option("--class", options.only, "this class only, as R-06");
+  app.add_option("--runs", options.runs, "of each class")->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "of all random choices");
+  app.add_option("--trace", options.trace, "print one run tick by tick: CLASS:RUN");
+  return biopsy::evidence_program("inject_faults", app, argc, argv, [&] { return inject(options); });
 }

@@ -1,5 +1,4 @@
-// What happens to the needle itself: held, dragged, struck, in tissue that nobody planned for, in a patient
-// that moves.
+// Faults of the needle: held, dragged, struck, in unplanned tissue, in a patient that moves.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -7,7 +6,7 @@
 #include "safety/types/limits.hpp"
 #include "tests/verification/fault_injection/fault_class.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 using safety::bit;
@@ -24,7 +23,7 @@ auto hand(double x, double end, double speed) {
 }
 
 // Tissue or a jammed guide keeps the needle in when the drive goes.
-Corruptors hold_needle(Draw& draw, Procedure&, const Line& now) {
+Corruptors hold_needle(Draw& draw, Procedure&, const TickRecord& now) {
   Corruptors corrupt;
   const double at = draw.within(1.5e-3, std::max(1.6e-3, 1e-3 * now.depth_mm));
   corrupt.push_N = hand(1e-3 * now.depth_mm, at, 5e-3);
@@ -34,7 +33,7 @@ Corruptors hold_needle(Draw& draw, Procedure&, const Line& now) {
     if (way == 1) world.stop = StopCategory::C1Ramp;
     if (way == 2) world.finish = true;
   };
-  corrupt.shows = [quiet = 0](const Sight& s) mutable {  // 0 V is known after three quiet samples
+  corrupt.shows = [quiet = 0](const ObservedTick& s) mutable {  // 0 V is known after three quiet samples
     const Measurement& m = s.seen.measurement;
     const bool zero =
         std::abs(m.monitor_mV) <= limits::kZeroVolt_mV && std::abs(m.command_mV) <= limits::kZeroVolt_mV;
@@ -44,54 +43,50 @@ Corruptors hold_needle(Draw& draw, Procedure&, const Line& now) {
   return corrupt;
 }
 
-Corruptors drag_to(Draw& draw, const Line& now, double end_mm, double slow_mm_s, double fast_mm_s) {
-  Corruptors corrupt;
-  corrupt.push_N = hand(1e-3 * now.depth_mm, 1e-3 * end_mm, 1e-3 * draw.within(slow_mm_s, fast_mm_s));
-  return corrupt;
+Corruptors drag_to(Draw& draw, const TickRecord& now, double end_mm, double slow_mm_s, double fast_mm_s) {
+  return {.push_N = hand(1e-3 * now.depth_mm, 1e-3 * end_mm, 1e-3 * draw.within(slow_mm_s, fast_mm_s))};
 }
 
-Corruptors drag_far_beyond(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors drag_far_beyond(Draw& draw, Procedure& procedure, const TickRecord& now) {
   const std::int32_t limit_um = procedure.facts().depth_max_um;
   Corruptors corrupt = drag_to(draw, now, 1e-3 * limit_um + draw.within(1.15, 1.9), 5.0, 70.0);
-  corrupt.shows = [=](const Sight& s) {
+  corrupt.shows = [=](const ObservedTick& s) {
     return s.seen.measurement.depth_um > limit_um + limits::kDepthMargin_um;
   };
   return corrupt;
 }
 
-Corruptors drag_beyond(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors drag_beyond(Draw& draw, Procedure& procedure, const TickRecord& now) {
   const std::int32_t limit_um = procedure.facts().depth_max_um;
   Corruptors corrupt = drag_to(draw, now, 1e-3 * limit_um + draw.within(0.35, 0.8), 2.0, 60.0);
-  corrupt.shows = [=](const Sight& s) { return s.seen.measurement.depth_um > limit_um; };
+  corrupt.shows = [=](const ObservedTick& s) { return s.seen.measurement.depth_um > limit_um; };
   return corrupt;
 }
 
-Corruptors drag_beyond_stage(Draw& draw, Procedure& procedure, const Line& now) {
+Corruptors drag_beyond_stage(Draw& draw, Procedure& procedure, const TickRecord& now) {
   const auto& stage = procedure.facts().stages[now.stage];
   const double room_mm = 1e-3 * (procedure.facts().depth_max_um - stage.depth_max_um);
   Corruptors corrupt =
       drag_to(draw, now, 1e-3 * stage.depth_max_um + draw.within(0.25, std::min(0.45, room_mm)), 2.0, 40.0);
-  corrupt.shows = [](const Sight& s) {
+  corrupt.shows = [](const ObservedTick& s) {
     return s.seen.permit.mode == Mode::Active && s.seen.measurement.depth_um > s.seen.permit.depth_max_um;
   };
   return corrupt;
 }
 
 // Drive lost: a pushed needle falls as one without support, or faster.
-Corruptors drop(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors drop(Draw& draw, Procedure&, const TickRecord&) {
   const double push_N = draw.within(1.5, 5.0);
-  corrupt.push_N = [=](const sim::Motion&) { return push_N; };
-  corrupt.shows = [](const Sight& s) { return s.truth.v < -0.050; };
-  return corrupt;
+  return {.push_N = [=](const sim::Motion&) { return push_N; },
+          .shows = [](const ObservedTick& s) { return s.truth.v < -0.050; }};
 }
 
-Corruptors jerk(Draw& draw, Procedure&, const Line& now) {
+Corruptors jerk(Draw& draw, Procedure&, const TickRecord& now) {
   Corruptors corrupt;
   const double way_mm = draw.within(1.0, 1.7);
   corrupt.push_N =
       hand(1e-3 * now.depth_mm, 1e-3 * (now.depth_mm + way_mm), 1e-3 * draw.within(120.0, 300.0));
-  corrupt.shows = [past = std::vector<std::int32_t>{}](const Sight& s) mutable {
+  corrupt.shows = [past = std::vector<std::int32_t>{}](const ObservedTick& s) mutable {
     past.push_back(s.seen.measurement.depth_um);
     const std::size_t ten = past.size() > 10 ? past.size() - 11 : 0;
     return past.back() - past[ten] > 800;
@@ -100,7 +95,7 @@ Corruptors jerk(Draw& draw, Procedure&, const Line& now) {
 }
 
 // Tissue much stiffer than planned, building up within a second; or a model of it that is wrong.
-Corruptors stiffen(Draw& draw, Procedure&, const Line&) {
+Corruptors stiffen(Draw& draw, Procedure&, const TickRecord&) {
   Corruptors corrupt;
   if (draw.coin()) {
     const double most_N = draw.within(3.5, 6.0), rise_N = draw.within(1.0, 3.0) * 1e-3;
@@ -111,21 +106,19 @@ Corruptors stiffen(Draw& draw, Procedure&, const Line&) {
     const std::int32_t residual_um = draw.coin() ? draw.whole(501, 5'000) : -1;
     corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.tissue_residual_um = residual_um; };
   }
-  corrupt.shows = [](const Sight& s) {
+  corrupt.shows = [](const ObservedTick& s) {
     return s.seen.tissue_residual_um > 500 || s.seen.tissue_residual_um < 0;
   };
   return corrupt;
 }
 
-Corruptors move_patient(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors move_patient(Draw& draw, Procedure&, const TickRecord&) {
   const std::int32_t moved_um = draw.coin() ? draw.whole(2'001, 2'500) : draw.whole(2'500, 40'000);
   const std::int32_t seen_um = draw.within(0.0, 1.0) < 0.1 ? -1 : moved_um;  // negative: unknown
-  corrupt.world = [=](robot::OperatorInputs& world) { world.patient_motion_um = seen_um; };
-  return corrupt;
+  return {.world = [=](robot::OperatorInputs& world) { world.patient_motion_um = seen_um; }};
 }
 
-bool deep(const Glimpse& g) {
+bool deep(const ProcedureState& g) {
   return g.depth_um > 2'000;
 }
 
@@ -134,71 +127,54 @@ bool deep(const Glimpse& g) {
 std::vector<FaultClass> needle_faults() {
   const safety::HazardSet beyond = bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth);
 
-  FaultClass held = class_of(Hazard::NeedleNotBack);
+  FaultClass held = class_of(Hazard::NeedleNotBack, kInserted, hold_needle);
   held.row = 500;
-  held.modes = {Mode::Active, Mode::Hold};
   held.fits = deep;
-  held.inject = hold_needle;
   held.moves_needle = true;
 
-  FaultClass hard = class_of(Hazard::HardOverDepth);
+  FaultClass hard = class_of(Hazard::HardOverDepth, kInserted, drag_far_beyond);
   hard.row = 2;
-  hard.modes = {Mode::Active, Mode::Hold};
   hard.fits = deep;
-  hard.inject = drag_far_beyond;
   hard.instead = bit(Hazard::OverDepth);  // a slow one is off before it is that deep
   hard.moves_needle = true;
 
-  FaultClass over = class_of(Hazard::OverDepth);
+  FaultClass over = class_of(Hazard::OverDepth, kInserted, drag_beyond);
   over.row = 2;
-  over.modes = {Mode::Active, Mode::Hold};
   over.fits = deep;
-  over.inject = drag_beyond;
   over.instead = bit(Hazard::HardOverDepth) | bit(Hazard::PopThrough);
   over.moves_needle = true;
 
-  FaultClass stage = class_of(Hazard::StageDepth);
+  FaultClass stage = class_of(Hazard::StageDepth, {Mode::Active}, drag_beyond_stage);
   stage.row = 2;
-  stage.modes = {Mode::Active};
-  stage.fits = [](const Glimpse& g) { return g.depth_um > 300 && g.left > 500; };  // the slowest drag
-  stage.inject = drag_beyond_stage;
+  stage.fits = [](const ProcedureState& g) { return g.depth_um > 300 && g.left > 500; };  // the slowest drag
   // Dragged on slowly it is first unlike its tissue, or out at 0 V: the loop gives way.
   stage.instead =
       beyond | bit(Hazard::PopThrough) | bit(Hazard::SuspectTissueModel) | bit(Hazard::NeedleNotBack);
   stage.moves_needle = true;
 
-  FaultClass fall = class_of(Hazard::FastDrop);
-  fall.modes = {Mode::Active, Mode::Hold};
+  FaultClass fall = class_of(Hazard::FastDrop, kInserted, drop);
   fall.fits = deep;
-  fall.inject = drop;
   fall.moves_needle = true;
 
-  FaultClass pop = class_of(Hazard::PopThrough);
+  FaultClass pop = class_of(Hazard::PopThrough, kInserted, jerk);
   pop.row = 2;
-  pop.modes = {Mode::Active, Mode::Hold};
-  pop.fits = [](const Glimpse& g) { return g.depth_um > 500; };
-  pop.inject = jerk;
+  pop.fits = [](const ProcedureState& g) { return g.depth_um > 500; };
   pop.instead = beyond;
   pop.moves_needle = true;
 
-  FaultClass suspect = class_of(Hazard::SuspectTissueModel);
+  FaultClass suspect = class_of(Hazard::SuspectTissueModel, kInserted, stiffen);
   suspect.row = 100;
-  suspect.modes = {Mode::Active, Mode::Hold};
   suspect.fits = deep;
-  suspect.inject = stiffen;
   suspect.moves_needle = true;
 
-  FaultClass wrong = class_of(Hazard::WrongTissueModel);
+  FaultClass wrong = class_of(Hazard::WrongTissueModel, kInserted, stiffen);
   wrong.row = 1'100;
-  wrong.modes = suspect.modes;
   wrong.fits = deep;
-  wrong.inject = stiffen;
   wrong.moves_needle = true;
 
-  FaultClass patient = class_of(Hazard::PatientMotion);
-  patient.modes = {Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold};
-  patient.inject = move_patient;
+  FaultClass patient =
+      class_of(Hazard::PatientMotion, {Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold}, move_patient);
   return {held, hard, over, stage, fall, pop, suspect, wrong, patient};
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

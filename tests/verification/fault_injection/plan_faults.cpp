@@ -4,28 +4,24 @@
 #include "planner/plan/seal.hpp"
 #include "tests/verification/fault_injection/fault_class.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 using safety::bit;
 using safety::Hazard;
 
-const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
-
 // What is in use is not what was sealed: changed in memory, gone, or another one.
-Corruptors change_plan(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors change_plan(Draw& draw, Procedure&, const TickRecord&) {
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  corrupt.observation = [=](safety::SupervisorInputs& seen) {
+  return {.observation = [=](safety::SupervisorInputs& seen) {
     seen.plan_tag = gone ? 0 : seen.plan_tag ^ flaw;
-  };
-  return corrupt;
+  }};
 }
 
 // The same plan for another patient, image, pose or target, sealed anew.
-Corruptors take_another(Draw& draw, Procedure& procedure, const Line&) {
-  Plan other = procedure.scene().plan;
+Corruptors take_another(Draw& draw, Procedure& procedure, const TickRecord&) {
+  Plan other = procedure.scenario().plan;
   switch (draw.whole(0, 4)) {
     case 0:
       other.target.patient_id += "1";
@@ -44,31 +40,25 @@ Corruptors take_another(Draw& draw, Procedure& procedure, const Line&) {
   }
   planner::seal(other);
   const std::uint64_t tag = planner::plan_tag(other);
-  Corruptors corrupt;
-  corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.plan_tag = tag; };
-  return corrupt;
+  return {.observation = [=](safety::SupervisorInputs& seen) { seen.plan_tag = tag; }};
 }
 
-Corruptors tamper(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors tamper(Draw& draw, Procedure&, const TickRecord&) {
   const std::uint64_t flaw = std::uint64_t{1} << draw.whole(0, 63);
   const bool gone = draw.coin();
-  corrupt.observation = [=](safety::SupervisorInputs& seen) {
+  return {.observation = [=](safety::SupervisorInputs& seen) {
     seen.config_tag = gone ? 0 : seen.config_tag ^ flaw;
-  };
-  return corrupt;
+  }};
 }
 
-Corruptors unconfirm(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors unconfirm(Draw& draw, Procedure&, const TickRecord&) {
   const auto who = static_cast<std::size_t>(draw.whole(0, 1));
   const std::uint64_t shown = draw.coin() ? 0 : draw.bits();
-  corrupt.observation = [=](safety::SupervisorInputs& seen) { seen.confirmed_tag[who] = shown; };
-  return corrupt;
+  return {.observation = [=](safety::SupervisorInputs& seen) { seen.confirmed_tag[who] = shown; }};
 }
 
 // One kind of number in a wrong unit: millimetres or nanometres, volts or kilovolts.
-Corruptors slip_units(Draw& draw, Procedure& procedure, const Line&) {
+Corruptors slip_units(Draw& draw, Procedure& procedure, const TickRecord&) {
   safety::PlanFacts& facts = procedure.facts();
   const bool less = draw.coin();
   const auto slip = [less](std::int32_t& value) {
@@ -97,48 +87,43 @@ Corruptors slip_units(Draw& draw, Procedure& procedure, const Line&) {
 }
 
 // A controller that runs away, or asks in microvolts: the gate gives what the stage's envelope allows.
-Corruptors ask_too_much(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors ask_too_much(Draw& draw, Procedure&, const TickRecord&) {
   const std::int32_t asked_mV = draw.whole(8'000'000, 2'000'000'000);
-  corrupt.request = [=](DriveRequest& r) {
-    r.wanted_mV = r.wanted_mV < 0 ? -asked_mV : asked_mV;
-    r.stage_reached = false;
-  };
-  corrupt.shows = [](const Sight& s) {
-    return s.seen.permit.mode == Mode::Active && s.seen.measurement.depth_um > s.seen.permit.depth_max_um;
-  };
-  return corrupt;
-}
-
-FaultClass anywhere(Hazard hazard, Corruptors (*inject)(Draw&, Procedure&, const Line&)) {
-  FaultClass fault = class_of(hazard);
-  fault.modes = kEverywhere;
-  fault.inject = inject;
-  return fault;
+  return {.request =
+              [=](DriveRequest& r) {
+                r.wanted_mV = r.wanted_mV < 0 ? -asked_mV : asked_mV;
+                r.stage_reached = false;
+              },
+          .shows =
+              [](const ObservedTick& s) {
+                return s.seen.permit.mode == Mode::Active &&
+                       s.seen.measurement.depth_um > s.seen.permit.depth_max_um;
+              }};
 }
 
 }  // namespace
 
 std::vector<FaultClass> plan_faults() {
-  FaultClass other = anywhere(Hazard::PlanChanged, take_another);
+  FaultClass other = class_of(Hazard::PlanChanged, kReadyOrDriven, take_another);
   other.id += "/other";
   other.what = "another patient, image, pose or target";
 
-  FaultClass units = class_of(Hazard::PlanImplausible);
-  units.modes = {Mode::Ready};  // a plan is taken up at rest only; in motion its tag stands for it
-  units.inject = slip_units;
+  // a plan is taken up at rest only; in motion its tag stands for it
+  FaultClass units = class_of(Hazard::PlanImplausible, {Mode::Ready}, slip_units);
 
-  FaultClass runaway = class_of(Hazard::StageDepth);
+  FaultClass runaway = class_of(Hazard::StageDepth, {Mode::Active}, ask_too_much);
   runaway.id += "/runaway";
   runaway.what = "controller asks for far too much";
   runaway.row = 2;
-  runaway.modes = {Mode::Active};
-  runaway.inject = ask_too_much;
   // Where the controller wants nothing its sign is lost, and with it the wave.
   runaway.instead = bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth) | bit(Hazard::PopThrough) |
                     bit(Hazard::WrongFrequency) | bit(Hazard::PolarityStuck);
-  return {anywhere(Hazard::PlanChanged, change_plan),   other, anywhere(Hazard::ConfigChanged, tamper),
-          anywhere(Hazard::PlanUnconfirmed, unconfirm), units, runaway};
+  return {class_of(Hazard::PlanChanged, kReadyOrDriven, change_plan),
+          other,
+          class_of(Hazard::ConfigChanged, kReadyOrDriven, tamper),
+          class_of(Hazard::PlanUnconfirmed, kReadyOrDriven, unconfirm),
+          units,
+          runaway};
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -8,7 +8,7 @@
 #include "safety/types/limits.hpp"
 #include "tests/safety/situation.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 // The gate alone makes voltages; a broken amplifier does not ask it. The layout is that of GatedVoltage.
@@ -46,21 +46,21 @@ void BreakableStage::pulse_from_supervisor() {
   relay_ = safety::feed_from_supervisor(relay_, sound_.now_us());
 }
 
-Procedure::Procedure(const Scene& scene)
-    : scene_(scene),
-      stage_(scene, corruptors_),
-      supervised_(scene.plan, scene.facts, stage_, {scene.facts.plan_tag, scene.facts.plan_tag}),
-      person_(scene.plan) {
+Procedure::Procedure(const Scenario& scenario)
+    : scenario_(scenario),
+      stage_(scenario, corruptors_),
+      supervised_(scenario.plan, scenario.facts, stage_, {scenario.facts.plan_tag, scenario.facts.plan_tag}),
+      operator_(scenario.plan) {
   supervised_.wrap(*this);
-  robot::load_plan(scene.plan, controller_);
+  robot::load_plan(scenario.plan, controller_);
 }
 
-Line Procedure::tick() {
+TickRecord Procedure::tick() {
   line_ = {};
   line_.tick = supervised_.ticks();
-  robot::OperatorInputs world = person_.act(last_, line_.tick);
+  robot::OperatorInputs world = operator_.act(last_, line_.tick);
   robot::Environment environment = robot::Environment::healthy();
-  if (person_.wants_verdict()) person_.judge(DepthVerdict::Accept, "");
+  if (operator_.wants_verdict()) operator_.judge(DepthVerdict::Accept, "");
   if (corruptors_.world) corruptors_.world(world);
   if (corruptors_.environment) corruptors_.environment(environment);
   last_ = supervised_.run(world, environment,
@@ -73,7 +73,7 @@ Line Procedure::tick() {
                             if (corruptors_.request) corruptors_.request(request);
                             return request;
                           });
-  person_.observe(last_);
+  operator_.observe(last_);
   if (last_.supervisor.interlock_pulse) stage_.pulse_from_supervisor();
   line_.mode = last_.supervisor.permit.mode;
   line_.hazards = last_.evidence.hazards();
@@ -109,7 +109,7 @@ void Procedure::before_decision(safety::SupervisorInputs& inputs, safety::Eviden
 
 void Procedure::before_gate(robot::GateInputs& inputs) {
   if (corruptors_.delivery) corruptors_.delivery(inputs);
-  if (tap_) tap_(facts(), seen_, decided_on_, inputs);
+  if (observer_) observer_(facts(), seen_, decided_on_, inputs);
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -10,12 +10,12 @@
 #include "sim/simulated_stage.hpp"
 #include "tests/safety/situation.hpp"
 #include "tests/verification/fault_injection/corruptors.hpp"
-#include "tests/verification/fault_injection/scene.hpp"
+#include "tests/verification/fault_injection/scenario.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
 // One tick, as it is judged.
-struct Line {
+struct TickRecord {
   std::int64_t tick = 0;
   Mode mode = Mode::Boot;
   safety::HazardSet hazards = 0;
@@ -32,8 +32,8 @@ struct Line {
 
 class BreakableStage final : public drivers::NeedleStage {
  public:
-  BreakableStage(const Scene& scene, const Corruptors& corruptors)
-      : sound_(scene.plant, scene.noise_seed), corruptors_(corruptors) {}
+  BreakableStage(const Scenario& scenario, const Corruptors& corruptors)
+      : sound_(scenario.plant, scenario.noise_seed), corruptors_(corruptors) {}
 
   drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
@@ -49,26 +49,26 @@ class BreakableStage final : public drivers::NeedleStage {
   safety::GatedVoltage asked_ = safety::GatedVoltage::off();
 };
 
-// Hears what the supervisor and the gate are given in a tick.
-using Tap = std::function<void(const safety::PlanFacts&, const safety::SupervisorInputs&,
-                               const safety::Situation&, const robot::GateInputs&)>;
+// Gets what the supervisor and the gate are given in a tick.
+using Observer = std::function<void(const safety::PlanFacts&, const safety::SupervisorInputs&,
+                                    const safety::Situation&, const robot::GateInputs&)>;
 
 class Procedure final : private robot::FaultHooks {
  public:
-  // `scene` must outlive this.
-  explicit Procedure(const Scene& scene);
+  // `scenario` must outlive this.
+  explicit Procedure(const Scenario& scenario);
   Procedure(const Procedure&) = delete;
   Procedure& operator=(const Procedure&) = delete;
 
   // From the next tick on.
   void corrupt(Corruptors corruptors) { corruptors_ = std::move(corruptors); }
-  void listen(Tap tap) { tap_ = std::move(tap); }
-  Line tick();
+  void observe(Observer observer) { observer_ = std::move(observer); }
+  TickRecord tick();
 
-  bool over() const { return person_.done(); }
-  const robot::Operator& person() const { return person_; }
+  bool over() const { return operator_.done(); }
+  const robot::Operator& simulated_operator() const { return operator_; }
   const robot::CycleRecord& last() const { return last_; }
-  const Scene& scene() const { return scene_; }
+  const Scenario& scenario() const { return scenario_; }
   safety::PlanFacts& facts() { return supervised_.plan_facts(); }  // the supervisor's memory of the plan
 
  private:
@@ -76,18 +76,18 @@ class Procedure final : private robot::FaultHooks {
   void before_decision(safety::SupervisorInputs& inputs, safety::Evidence& evidence) override;
   void before_gate(robot::GateInputs& inputs) override;
 
-  const Scene& scene_;
+  const Scenario& scenario_;
   Corruptors corruptors_;
   BreakableStage stage_;
   robot::ControlCycle supervised_;
   robot::ControllerMemory controller_;
-  robot::Operator person_;
+  robot::Operator operator_;
   robot::CycleRecord last_;
   std::int32_t switched_from_mV_ = 0;
-  Tap tap_;
-  safety::SupervisorInputs seen_;  // of this tick, for the tap
+  Observer observer_;
+  safety::SupervisorInputs seen_;  // of this tick, for the observer
   safety::Situation decided_on_;
-  Line line_;
+  TickRecord line_;
 };
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -8,47 +8,40 @@
 #include "safety/types/limits.hpp"
 #include "tests/verification/fault_injection/fault_class.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 using safety::bit;
 using safety::Hazard;
 
-const std::vector<Mode> kEverywhere{Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract};
-
-Corruptors stop_measuring(Draw&, Procedure& procedure, const Line&) {
-  Corruptors corrupt;
-  corrupt.observation = [old = procedure.last().measurement](safety::SupervisorInputs& seen) {
+Corruptors stop_measuring(Draw&, Procedure& procedure, const TickRecord&) {
+  return {.observation = [old = procedure.last().measurement](safety::SupervisorInputs& seen) {
     seen.measurement = old;
-  };
-  return corrupt;
+  }};
 }
 
 // Shown once the voltage moved by more than 200 V over the same code.
-Corruptors freeze(Draw&, Procedure& procedure, const Line&) {
-  Corruptors corrupt;
+Corruptors freeze(Draw&, Procedure& procedure, const TickRecord&) {
   const Measurement old = procedure.last().measurement;
-  corrupt.reading = [=](drivers::SensorReading& r) {
-    r.depth_um = old.depth_um, r.laser_code = old.laser_code;
-  };
-  corrupt.shows = [low = std::numeric_limits<std::int32_t>::max(), high = 0](const Sight& s) mutable {
-    low = std::min(low, std::abs(s.seen.measurement.command_mV));
-    high = std::max(high, std::abs(s.seen.measurement.command_mV));
-    return high - low > 200'000;
-  };
-  return corrupt;
+  return {
+      .reading = [=](drivers::SensorReading& r) { r.depth_um = old.depth_um, r.laser_code = old.laser_code; },
+      .shows =
+          [low = std::numeric_limits<std::int32_t>::max(), high = 0](const ObservedTick& s) mutable {
+            low = std::min(low, std::abs(s.seen.measurement.command_mV));
+            high = std::max(high, std::abs(s.seen.measurement.command_mV));
+            return high - low > 200'000;
+          }};
 }
 
-Corruptors blind(Draw& draw, Procedure&, const Line&) {
-  Corruptors corrupt;
+Corruptors blind(Draw& draw, Procedure&, const TickRecord&) {
   const std::int32_t instead_um = draw.whole(-20'000, 20'000);  // anything stands in the register
   const bool keeps = draw.coin();
-  corrupt.reading = [=](drivers::SensorReading& r) {
-    r.laser_valid = false;
-    if (!keeps) r.depth_um = r.laser_code = instead_um;
-  };
-  corrupt.shows = [](const Sight& s) { return !s.seen.measurement.laser_valid; };
-  return corrupt;
+  return {.reading =
+              [=](drivers::SensorReading& r) {
+                r.laser_valid = false;
+                if (!keeps) r.depth_um = r.laser_code = instead_um;
+              },
+          .shows = [](const ObservedTick& s) { return !s.seen.measurement.laser_valid; }};
 }
 
 // Depths between which a sound stage lies at drives from low to high, by the plan's own table; um.
@@ -70,9 +63,8 @@ Range plausible(const Plan& plan, double lowest_V, double highest_V) {
 }
 
 // The laser's zero walks off, at once or within half a second, to where no stage could be.
-Corruptors shift(Draw& draw, Procedure& procedure, const Line& now) {
-  Corruptors corrupt;
-  const Plan& plan = procedure.scene().plan;
+Corruptors run(Draw& draw, Procedure& procedure, const TickRecord& now) {
+  const Plan& plan = procedure.scenario().plan;
   const double drive_V = std::abs(now.command_mV) * 1e-3;
   const Range sound = plausible(plan, drive_V, drive_V);
   const bool deeper = draw.coin();
@@ -80,47 +72,40 @@ Corruptors shift(Draw& draw, Procedure& procedure, const Line& now) {
       deeper ? sound.high + draw.within(1'200.0, 4'000.0) : sound.low - draw.within(1'200.0, 4'000.0);
   const double offset_um = seen_um - 1e3 * now.depth_mm;
   const double ticks = draw.coin() ? 1.0 : draw.within(1.0, 300.0);
-  corrupt.reading = [=, tick = 0.0](drivers::SensorReading& r) mutable {
-    tick = std::min(ticks, tick + 1.0);
-    r.depth_um += static_cast<std::int32_t>(offset_um * tick / ticks);
-    r.laser_code = r.depth_um;
-  };
-  corrupt.shows = [&plan, past = std::deque<double>{}](const Sight& s) mutable {
-    past.push_back(1e-3 * std::abs(s.seen.measurement.command_mV));
-    if (past.size() > 500) past.pop_front();
-    const auto [low, high] = std::ranges::minmax_element(past);
-    const Range range = plausible(plan, *low, *high);
-    const double depth_um = s.seen.measurement.depth_um;
-    return depth_um < range.low - 1'000.0 || depth_um > range.high + 1'000.0;
-  };
-  return corrupt;
+  return {.reading =
+              [=, tick = 0.0](drivers::SensorReading& r) mutable {
+                tick = std::min(ticks, tick + 1.0);
+                r.depth_um += static_cast<std::int32_t>(offset_um * tick / ticks);
+                r.laser_code = r.depth_um;
+              },
+          .shows =
+              [&plan, past = std::deque<double>{}](const ObservedTick& s) mutable {
+                past.push_back(1e-3 * std::abs(s.seen.measurement.command_mV));
+                if (past.size() > 500) past.pop_front();
+                const auto [low, high] = std::ranges::minmax_element(past);
+                const Range range = plausible(plan, *low, *high);
+                const double depth_um = s.seen.measurement.depth_um;
+                return depth_um < range.low - 1'000.0 || depth_um > range.high + 1'000.0;
+              }};
 }
 
 }  // namespace
 
 std::vector<FaultClass> sensor_faults() {
-  FaultClass stale = class_of(Hazard::SensorStale);
-  stale.modes = kEverywhere;
-  stale.inject = stop_measuring;
+  FaultClass stale = class_of(Hazard::SensorStale, kReadyOrDriven, stop_measuring);
 
-  FaultClass frozen = class_of(Hazard::SensorFrozen);
-  frozen.modes = {Mode::Active};
-  frozen.fits = [](const Glimpse& g) { return g.left > 100; };
-  frozen.inject = freeze;
+  FaultClass frozen = class_of(Hazard::SensorFrozen, {Mode::Active}, freeze);
+  frozen.fits = [](const ProcedureState& g) { return g.left > 100; };
 
-  FaultClass dropout = class_of(Hazard::LaserDropout);
+  FaultClass dropout = class_of(Hazard::LaserDropout, kReadyOrDriven, blind);
   dropout.row = 3;
-  dropout.modes = kEverywhere;
-  dropout.inject = blind;
 
-  FaultClass offset = class_of(Hazard::OffsetOrScale);
+  FaultClass offset = class_of(Hazard::OffsetOrScale, {Mode::Ready, Mode::Active, Mode::Hold}, run);
   offset.row = 50;
-  offset.modes = {Mode::Ready, Mode::Active, Mode::Hold};
-  offset.inject = shift;
   // A jump is first a needle that moved: far beyond the plan, or back faster than any can fall.
   offset.instead =
       bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth) | bit(Hazard::FastDrop) | bit(Hazard::PopThrough);
   return {stale, frozen, dropout, offset};
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

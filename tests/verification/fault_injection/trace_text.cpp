@@ -6,7 +6,7 @@
 
 #include "safety/types/transitions.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 std::string names_of(safety::HazardSet set) {
@@ -17,23 +17,23 @@ std::string names_of(safety::HazardSet set) {
 }
 
 // What is new in a line; empty if nothing is.
-std::string news(const Line& line, const Line* before, const FaultClass& fault) {
-  std::string told;
-  if (before == nullptr) told += "; the fault begins";
-  if (line.shown && (before == nullptr || !before->shown)) told += "; shown";
+std::string news(const TickRecord& line, const TickRecord* before, const FaultClass& fault) {
+  std::string events;
+  if (before == nullptr) events += "; the fault begins";
+  if (line.shown && (before == nullptr || !before->shown)) events += "; shown";
   if (before != nullptr && line.mode != before->mode)
-    told += fmt::format("; {} -> {}: {}", safety::name_of(before->mode), safety::name_of(line.mode),
-                        safety::name_of(line.event));
+    events += fmt::format("; {} -> {}: {}", safety::name_of(before->mode), safety::name_of(line.mode),
+                          safety::name_of(line.event));
   const safety::HazardSet was = before == nullptr ? 0 : before->hazards;
-  told += names_of(line.hazards & ~was);
+  events += names_of(line.hazards & ~was);
   if (has_reacted(fault, line) && (before == nullptr || !has_reacted(fault, *before)))
-    told += "; as promised";
-  return told.empty() ? told : told.substr(2);
+    events += "; as promised";
+  return events.empty() ? events : events.substr(2);
 }
 
 }  // namespace
 
-std::string story_of(const FaultClass& fault, const RunResult& result) {
+std::string trace_text(const FaultClass& fault, const RunResult& result) {
   const Verdict& v = result.verdict;
   std::string text = fmt::format(
       "{} {}\nbegins at {:.3f} s in {}\n{}: detected after {} ms (allowed {}), reaction after {} ms (allowed "
@@ -43,17 +43,17 @@ std::string story_of(const FaultClass& fault, const RunResult& result) {
       v.beyond_mm, v.highest_kV, v.rose ? "; the voltage ROSE after the stop" : "");
   text += fmt::format("{:>8} {:<8}{:>5}{:>9}{:>9}{:>10}{:>9}  {}\n", "ms", "mode", "stage", "gate kV",
                       "true kV", "laser mm", "true mm", "what is new");
-  const Line* before = nullptr;
+  const TickRecord* before = nullptr;
   for (std::size_t i = 0; i < result.lines.size(); ++i) {
-    const Line& line = result.lines[i];
-    const std::string told = news(line, before, fault);
-    if (!told.empty() || i < 12 || i % 100 == 0)
+    const TickRecord& line = result.lines[i];
+    const std::string events = news(line, before, fault);
+    if (!events.empty() || i < 12 || i % 100 == 0)
       text += fmt::format("{:>8} {:<8}{:>5}{:>9.3f}{:>9.3f}{:>10.3f}{:>9.3f}  {}\n", i + 1,
                           safety::name_of(line.mode), line.stage, line.command_mV * 1e-6, line.output_kV,
-                          line.seen_um * 1e-3, line.depth_mm, told);
+                          line.seen_um * 1e-3, line.depth_mm, events);
     before = &line;
   }
   return text;
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

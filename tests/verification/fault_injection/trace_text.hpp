@@ -1,12 +1,12 @@
-// One run as a timeline that a person can read.
+// One run as a timeline in text.
 #pragma once
 
 #include <string>
 
 #include "tests/verification/fault_injection/campaign.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
-std::string story_of(const FaultClass& fault, const RunResult& result);
+std::string trace_text(const FaultClass& fault, const RunResult& result);
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -1,10 +1,10 @@
-#include "subject.hpp"
+#include "tests/verification/model_checking/subject.hpp"
 
 #include <tuple>
 
 #include "tests/safety/situation.hpp"
 
-namespace biopsy::explore {
+namespace biopsy::model_checking {
 
 Subject shipped() {
   return {
@@ -21,4 +21,4 @@ Subject shipped() {
       }};
 }
 
-}  // namespace biopsy::explore
+}  // namespace biopsy::model_checking

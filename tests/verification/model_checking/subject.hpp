@@ -5,7 +5,7 @@
 #include "safety/supervisor.hpp"
 #include "tests/safety/situation.hpp"
 
-namespace biopsy::explore {
+namespace biopsy::model_checking {
 
 using safety::PlanFacts;
 using safety::Situation;
@@ -23,4 +23,4 @@ struct Subject {
 
 Subject shipped();
 
-}  // namespace biopsy::explore
+}  // namespace biopsy::model_checking

@@ -6,9 +6,9 @@
 #include "mutation.hpp"
 #include "relation_hash.hpp"
 #include "tests/safety/situation.hpp"
-#include "tests/verification/model_checking/explorer.hpp"
-#include "tests/verification/model_checking/gate_explorer.hpp"
-#include "tests/verification/model_checking/plans.hpp"
+#include "tests/verification/model_checking/supervisor/explorer.hpp"
+#include "tests/verification/model_checking/gate/gate_explorer.hpp"
+#include "tests/verification/model_checking/supervisor/plans.hpp"
 
 namespace biopsy::safety {
 namespace {
@@ -71,7 +71,7 @@ void step_and_note(const PlanFacts* plan, const SupervisorState* state, const Si
                    SupervisorState* next, SupervisorOutput* output) {
   const Stepped done = take([&] {
     Stepped stepped;
-    explore::shipped().step(plan, state, input, &stepped.next, &stepped.output);
+    model_checking::shipped().step(plan, state, input, &stepped.next, &stepped.output);
     return stepped;
   });
   *next = done.next, *output = done.output;
@@ -82,14 +82,14 @@ void gate_and_note(const GateState* state, const DriveRequest* request, const Pe
                    bool* hv_enabled, GateVerdict* verdict) {
   const Gated done = take([&] {
     Gated gated;
-    explore::shipped().gate(state, request, permit, now_us, writer_count, &gated.next, &gated.mV,
-                            &gated.hv_enabled, &gated.verdict);
+    model_checking::shipped().gate(state, request, permit, now_us, writer_count, &gated.next, &gated.mV,
+                                   &gated.hv_enabled, &gated.verdict);
     return gated;
   });
   *next = done.next, *mV = done.mV, *hv_enabled = done.hv_enabled, *verdict = done.verdict;
 }
 
-constexpr explore::Subject kSubject{step_and_note, gate_and_note};
+constexpr model_checking::Subject kSubject{step_and_note, gate_and_note};
 
 void begin(Hash& hash, std::vector<int>& suspects) {
   taken = &hash, alike = &suspects;
@@ -100,15 +100,15 @@ void begin(Hash& hash, std::vector<int>& suspects) {
 
 void walk_reachable_steps(Hash& hash, std::vector<int>& suspects) {
   begin(hash, suspects);
-  for (const explore::NamedPlan& plan : explore::few_plans()) {
-    const explore::Exploration walk = explore::Explorer(kSubject, plan.facts, {}).run();
+  for (const model_checking::NamedPlan& plan : model_checking::quick_plans()) {
+    const model_checking::Exploration walk = model_checking::Explorer(kSubject, plan.facts, {}).run();
     hash.add(walk.transitions, walk.states);
   }
 }
 
 void walk_reachable_gates(Hash& hash, std::vector<int>& suspects) {
   begin(hash, suspects);
-  const explore::GateExploration walk = explore::explore_gate(kSubject, true, 0);
+  const model_checking::GateExploration walk = model_checking::explore_gate(kSubject, true, 0);
   hash.add(walk.transitions, walk.states);
 }
 

@@ -5,17 +5,17 @@
 
 #include "tests/safety/verifies.hpp"
 #include "tests/source_dir.hpp"
-#include "tests/verification/nuisance/shift.hpp"
+#include "tests/verification/nuisance/healthy_procedures.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
-Workshop workshop() {
-  return open_workshop(source_dir() / "sim/models");
+NominalModels nominal_models() {
+  return read_nominal_models(source_dir() / "sim/models");
 }
 
 TEST(Nuisance, AnHourOfHealthyProceduresHasNoTrip) {
-  const Shift day = work(workshop(), 1.0, 11, {}, [](double) {});
+  const HealthyRun day = run_healthy_procedures(nominal_models(), 1.0, 11, {}, [](double) {});
   EXPECT_EQ(day.trips, 0);
   EXPECT_LE(day.unexpected_stops,
             1);  // one is known: a stage that a puncture overshot, docs/explanation/verification.md
@@ -25,22 +25,22 @@ TEST(Nuisance, AnHourOfHealthyProceduresHasNoTrip) {
   EXPECT_GT(day.given_up, 5);
 }
 
-TEST(Nuisance, ComplainsAboutASupervisorThatSeesWhatIsNotThere) {
-  const auto nervous = [](safety::SupervisorInputs& seen) {
+TEST(Nuisance, CountsAStopWithoutACause) {
+  const auto false_motion = [](safety::SupervisorInputs& seen) {
     if (seen.measurement.seq % 5'000 == 0) seen.patient_motion_um = 2'001;
   };
-  const Shift day = work(workshop(), 0.01, 1, nervous, [](double) {});
+  const HealthyRun day = run_healthy_procedures(nominal_models(), 0.01, 1, false_motion, [](double) {});
   EXPECT_GT(day.unexpected_stops, 0);
   EXPECT_FALSE(day.alarms.empty());
 }
 
 TEST(Nuisance, CountsATripAsATrip) {
-  const auto jumpy = [](safety::SupervisorInputs& seen) {
+  const auto second_writer = [](safety::SupervisorInputs& seen) {
     if (seen.measurement.seq == 4'000) seen.writers = 2;
   };
-  const Shift day = work(workshop(), 0.01, 1, jumpy, [](double) {});
+  const HealthyRun day = run_healthy_procedures(nominal_models(), 0.01, 1, second_writer, [](double) {});
   EXPECT_GT(day.trips + day.unexpected_stops, 0);
 }
 
 }  // namespace
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

@@ -2,7 +2,7 @@
 
 #include "robot/procedure/operator.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 namespace {
 
 constexpr double kGivesUp = 0.15;              // of all procedures
@@ -12,20 +12,20 @@ constexpr std::int32_t kForever = 1'000'000'000;
 
 }  // namespace
 
-VariedPerson::VariedPerson(const Plan& plan, std::uint64_t seed)
+VariedOperator::VariedOperator(const Plan& plan, std::uint64_t seed)
     : plan_(plan), draw_(seed), left_(draw_.whole(100, 3'000)) {
   gives_up_ = draw_.within(0.0, 1.0) < kGivesUp;
   quits_in_ = gives_up_ ? draw_.whole(1'000, 15'000) : kForever;
   by_stop_ = draw_.coin();
 }
 
-void VariedPerson::go(Step step, std::int32_t ticks) {
+void VariedOperator::go(Step step, std::int32_t ticks) {
   step_ = step;
   left_ = ticks;
 }
 
 // The stage is done: an image where the plan wants one, then on; at the last one, back.
-void VariedPerson::reach(const robot::CycleRecord& seen) {
+void VariedOperator::reach(const robot::CycleRecord& seen) {
   held_ = false;
   accepted_stage_ = seen.supervisor.stage;
   accepted_ = !plan_.stages[accepted_stage_].image_confirms;
@@ -36,7 +36,7 @@ void VariedPerson::reach(const robot::CycleRecord& seen) {
     go(completed_ ? Step::Withdraw : Step::Think, draw_.whole(150, 4'000));
 }
 
-void VariedPerson::insert(const robot::CycleRecord& seen) {
+void VariedOperator::insert(const robot::CycleRecord& seen) {
   const Mode mode = seen.supervisor.permit.mode;
   if (mode == Mode::Hold && seen.supervisor.stage_done && held_) return reach(seen);
   held_back_ = mode == Mode::Hold ? held_back_ + 1 : 0;
@@ -50,7 +50,7 @@ void VariedPerson::insert(const robot::CycleRecord& seen) {
   go(Step::Think, draw_.whole(150, 5'000));
 }
 
-void VariedPerson::watch(const robot::CycleRecord& seen) {
+void VariedOperator::watch(const robot::CycleRecord& seen) {
   const Mode mode = seen.supervisor.permit.mode;
   const bool stopped = mode == Mode::Retract || mode == Mode::Trip || mode == Mode::Lock;
   if (step_ != Step::Withdraw && step_ != Step::Done && (stopped || --quits_in_ == 0)) {
@@ -89,7 +89,7 @@ void VariedPerson::watch(const robot::CycleRecord& seen) {
   }
 }
 
-robot::OperatorInputs VariedPerson::act(const robot::CycleRecord& seen) {
+robot::OperatorInputs VariedOperator::act(const robot::CycleRecord& seen) {
   watch(seen);
   robot::OperatorInputs world = robot::OperatorInputs::idle();
   world.arm = step_ == Step::Arm;
@@ -102,4 +102,4 @@ robot::OperatorInputs VariedPerson::act(const robot::CycleRecord& seen) {
   return world;
 }
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

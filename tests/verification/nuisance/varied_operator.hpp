@@ -1,5 +1,5 @@
-// A person with moods: slow or quick, lets go and presses again, waits on hold, takes images, sometimes gives
-// up half-way.
+// An operator drawn at random: slow or quick, releases and presses again, waits on hold, takes images,
+// sometimes gives up half-way.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 #include "robot/cycle/run_cycle.hpp"
 #include "tests/verification/fault_injection/draw.hpp"
 
-namespace biopsy::proof {
+namespace biopsy::fault_injection {
 
-class VariedPerson {
+class VariedOperator {
  public:
-  VariedPerson(const Plan& plan, std::uint64_t seed);
+  VariedOperator(const Plan& plan, std::uint64_t seed);
 
   robot::OperatorInputs act(const robot::CycleRecord& seen);
 
@@ -39,4 +39,4 @@ class VariedPerson {
   std::int32_t releases_ = 0, held_back_ = 0;
 };
 
-}  // namespace biopsy::proof
+}  // namespace biopsy::fault_injection

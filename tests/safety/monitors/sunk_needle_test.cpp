@@ -1,0 +1,89 @@
+// A needle that sinks back while the drive stays is a fault of the laser.
+#include <gtest/gtest.h>
+
+#include "tests/safety/monitor_bench.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+// Whether a needle at this depth is found to have sunk back.
+bool sinks(DepthBench& bench, std::int32_t depth_um, std::int32_t drive_mV = 4'000'000) {
+  bench.seen.measurement.command_mV = drive_mV;
+  return (bench.sample(depth_um) & bit(Hazard::OffsetOrScale)) != 0;
+}
+
+// Stays at one depth; the tick in which that is named.
+int ticks_until_named(DepthBench& bench, std::int32_t depth_um, std::int32_t drive_mV = 4'000'000) {
+  for (int i = 1; i <= 40; ++i)
+    if (sinks(bench, depth_um, drive_mV)) return i;
+  return 0;
+}
+
+TEST(DepthMonitor, SunkNeedleIsNotBelievedOnceItIsMoreThanSixTenthsBackForTwentySamples) {
+  verifies("R-21");
+  for (const auto& [back_um, named_after] : {std::pair{600, 0}, {601, 20}, {900, 20}}) {
+    for (const Mode mode : {Mode::Active, Mode::Hold}) {
+      DepthBench bench(mode);
+      for (int i = 0; i < 30; ++i) EXPECT_FALSE(sinks(bench, 2'300));
+      EXPECT_EQ(ticks_until_named(bench, 2'300 - back_um), named_after) << back_um << name_of(mode);
+    }
+  }
+}
+
+TEST(DepthMonitor, SunkNeedleIsWhatABenchMeasures) {
+  verifies("R-21");
+  DepthBench bench;
+  bench.plan.bench_half_period_ticks = 250;
+  for (int i = 0; i < 30; ++i) sinks(bench, 2'300);
+  EXPECT_EQ(ticks_until_named(bench, 1'600), 0);
+}
+
+TEST(DepthMonitor, SunkNeedleIsMeasuredFromTheSurfaceWhereNothingWasSeenBefore) {
+  verifies("R-21");
+  DepthBench within, beyond;
+  EXPECT_EQ(ticks_until_named(within, -600, 0), 0);
+  EXPECT_EQ(ticks_until_named(beyond, -601, 0), 20);
+}
+
+TEST(DepthMonitor, SunkNeedleMayGoBackWhereTheDriveWasLoweredOrIsMeantToWithdrawIt) {
+  verifies("R-21");
+  for (const auto& [drive_mV, named_after] : {std::pair{3'799'999, 0}, {3'800'000, 20}, {-3'800'000, 20}}) {
+    DepthBench bench;
+    for (int i = 0; i < 30; ++i) sinks(bench, 2'300);
+    EXPECT_EQ(ticks_until_named(bench, 1'600, drive_mV), named_after) << drive_mV;
+  }
+  for (const Mode mode : {Mode::Armed, Mode::Retract, Mode::Ready}) {
+    DepthBench bench(mode);
+    for (int i = 0; i < 30; ++i) sinks(bench, 2'300);
+    EXPECT_EQ(ticks_until_named(bench, 1'600), 0) << name_of(mode);
+  }
+}
+
+TEST(DepthMonitor, SunkNeedleIsMeasuredFromADepthThatTwoSamplesShowed) {
+  verifies("R-21");
+  DepthBench bench;
+  for (int i = 0; i < 30; ++i) sinks(bench, 2'000);
+  sinks(bench, 2'900);
+  EXPECT_EQ(ticks_until_named(bench, 2'000), 0) << "one spike";
+  sinks(bench, 2'650);
+  sinks(bench, 2'650);
+  EXPECT_EQ(ticks_until_named(bench, 2'000), 20);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(sinks(bench, 2'000));
+  EXPECT_FALSE(sinks(bench, 2'600)) << "one sample back is enough";
+}
+
+TEST(DepthMonitor, FrozenCodeIsNoneThatFallsOrRises) {
+  verifies("R-19");
+  for (const std::int32_t step : {-1, 1}) {
+    DepthBench bench;
+    for (int i = 0; i < 60; ++i) {
+      bench.seen.measurement.laser_code += step - 1;  // and one more in sinks()
+      sinks(bench, 2'000, i * 20'000);
+      EXPECT_FALSE(bench.names(Hazard::SensorFrozen)) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace biopsy::safety

@@ -1,0 +1,206 @@
+// The event of a step and the answer to a request, at the edges of times, tokens and stages.
+#include <gtest/gtest.h>
+
+#include "safety/types/limits.hpp"
+#include "safety/types/thresholds.hpp"
+#include "tests/safety/situation.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+TEST(Supervisor, EventsOfReadyTellALossOfHealthFromAStopThatWasAsked) {
+  verifies("R-33");
+  Moment moved(Mode::Ready), asked(Mode::Ready);
+  moved.input.evidence.clear &= ~bit(Hazard::PatientMotion);
+  asked.input.stop = StopCategory::C2Hold;
+  EXPECT_EQ(moved.event(), Event::Unhealthy);
+  EXPECT_EQ(asked.event(), Event::Stop);
+}
+
+TEST(Supervisor, EventsOfAnImmediateStopAndOfARampAreNamedAsSuchWhereverTheDriveMayBeOn) {
+  for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
+    Moment moment(mode);
+    moment.input.stop = StopCategory::C0Off;
+    EXPECT_EQ(moment.event(), Event::Fault) << name_of(mode);
+    moment.input.stop = StopCategory::C1Ramp;
+    EXPECT_EQ(moment.event(), mode == Mode::Retract ? Event::None : Event::Ramp) << name_of(mode);
+  }
+  EXPECT_EQ(Moment(static_cast<Mode>(9)).event(), Event::Fault) << "a mode that does not exist";
+}
+
+TEST(Supervisor, EventsOfAControllerThatIsDoneEndTheMotionAndTheHold) {
+  for (const Mode mode : {Mode::Active, Mode::Hold}) {
+    Moment moment(mode);
+    moment.input.request.finished = true;
+    EXPECT_EQ(moment.event(), Event::Finished) << name_of(mode);
+    EXPECT_EQ(moment.mode(), Mode::Retract) << name_of(mode);
+  }
+}
+
+TEST(Supervisor, EventsOfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) {
+  struct Limit {
+    Mode mode;
+    std::int32_t ticks;
+    Event event;
+  };
+  for (const Limit& limit : {Limit{Mode::Boot, kBootMax_ticks, Event::Lockout},
+                             Limit{Mode::Armed, limits::kArmedMax_ms, Event::ArmedTooLong},
+                             Limit{Mode::Hold, limits::kHoldMax_ms, Event::HoldTooLong},
+                             Limit{Mode::Retract, limits::kRampTime_ms, Event::RampTooLong}}) {
+    Moment moment(limit.mode);
+    moment.input.self_test = SelfTest::Pending;
+    for (const std::int32_t late : {-1, 0, 1, 5}) {
+      moment.state.ticks_in_mode = limit.ticks - 1 + late;  // this tick is one more
+      EXPECT_EQ(moment.event(), late < 0 ? Event::None : limit.event) << name_of(limit.mode) << ' ' << late;
+    }
+  }
+}
+
+TEST(Supervisor, HoldToRunEndsAfterAHundredTicksOfSilence) {
+  for (const std::int32_t ticks : {99, 100, 101}) {
+    Moment moment(Mode::Active);
+    moment.state.ticks_since_held = ticks;
+    EXPECT_EQ(moment.event(), ticks < 100 ? Event::None : Event::Stop) << ticks;
+  }
+}
+
+TEST(Supervisor, HoldToRunCountsTheTicksSinceAButtonThatIsNewEnoughWasHeldUpToItsLimit) {
+  const auto ticks = [](std::int32_t before, std::uint32_t token, bool held) {
+    Moment moment(Mode::Armed, token, held);
+    moment.state.ticks_since_held = before;
+    return moment.next().ticks_since_held;
+  };
+  EXPECT_EQ(ticks(7, 9, true), 8);
+  EXPECT_EQ(ticks(7, 10, true), 0);
+  EXPECT_EQ(ticks(7, 11, true), 0);
+  EXPECT_EQ(ticks(7, 10, false), 8);
+  EXPECT_EQ(ticks(99, 10, false), 100);
+  EXPECT_EQ(ticks(100, 10, false), 100);
+}
+
+TEST(Supervisor, HoldToRunEndsWithItsOwnButtonOrANewerOneAndNotWithAnOlderOne) {
+  EXPECT_EQ(Moment(Mode::Active, 9, false).event(), Event::None);
+  EXPECT_EQ(Moment(Mode::Active, 9, true).event(), Event::None);
+  EXPECT_EQ(Moment(Mode::Active, 10, true).event(), Event::None);
+  EXPECT_EQ(Moment(Mode::Active, 10, false).event(), Event::Stop);
+  EXPECT_EQ(Moment(Mode::Active, 11, false).event(), Event::Stop);
+  EXPECT_EQ(Moment(Mode::Active, 11, true).event(), Event::Stop);
+}
+
+TEST(Supervisor, HoldToRunBeginsWithATokenNeverSeenBefore) {
+  for (const std::uint32_t token : {9U, 10U, 11U}) {
+    const Moment press(Mode::Armed, token, true);
+    EXPECT_EQ(press.event(), token == 11 ? Event::Move : Event::None) << token;
+    EXPECT_EQ(press.refusal(), token == 11 ? Refusal::None : Refusal::TokenSpent) << token;
+  }
+}
+
+TEST(Supervisor, HoldRemembersNoVoltageBelowZero) {
+  Moment moment(Mode::Active);
+  moment.input.stop = StopCategory::C2Hold;
+  moment.input.evidence.drive_mV = -5;
+  EXPECT_EQ(moment.next().held_mV, 0);
+}
+
+TEST(Supervisor, StagesAreReachedByTheRequestForTheOneInForceOnly) {
+  for (const std::uint32_t stage : {0U, 1U, 2U}) {
+    Moment moment(Mode::Active);
+    moment.state.stage = 1;
+    moment.input.request.stage = stage, moment.input.request.stage_reached = true;
+    EXPECT_EQ(moment.event(), stage == 1 ? Event::StageReached : Event::None) << stage;
+  }
+}
+
+TEST(Supervisor, StagesAreDoneWhenTheyAreReachedAndNotWhenTheMotionWasStopped) {
+  Moment reached(Mode::Active), stopped(Mode::Active);
+  reached.input.request.stage_reached = true;
+  stopped.input.stop = StopCategory::C2Hold;
+  EXPECT_TRUE(reached.next().stage_done);
+  EXPECT_TRUE(reached.output().stage_done);
+  EXPECT_EQ(stopped.event(), Event::Stop);
+  EXPECT_FALSE(stopped.next().stage_done);
+}
+
+TEST(Supervisor, StagesAreNeverAllowedMoreDepthThanThePlan) {
+  verifies("R-31");
+  Moment moment(Mode::Active);
+  moment.plan.depth_max_um = 3'000;
+  EXPECT_EQ(moment.permit().depth_max_um, 3'000);
+}
+
+Moment end_of_stage(std::uint32_t stage) {
+  Moment moment(Mode::Hold, 11, true);
+  moment.state.stage = stage, moment.state.stage_done = true;
+  return moment;
+}
+
+TEST(Supervisor, GoingOnNeedsTheAcceptanceOfThisVeryStage) {
+  for (const std::uint32_t accepted : {0U, 1U, 2U}) {
+    Moment moment = end_of_stage(1);
+    moment.input.depth_accepted = true, moment.input.accepted_stage = accepted;
+    EXPECT_EQ(moment.event(), accepted == 1 ? Event::Move : Event::None) << accepted;
+    EXPECT_EQ(moment.refusal(), accepted == 1 ? Refusal::None : Refusal::DepthNotAccepted) << accepted;
+  }
+}
+
+TEST(Supervisor, GoingOnTakesUpTheNextStageAtTheEndOfOneAndTheSameInside) {
+  Moment end = end_of_stage(1), inside = end_of_stage(1);
+  end.input.depth_accepted = true, end.input.accepted_stage = 1;
+  inside.state.stage_done = false;
+  EXPECT_EQ(end.next().stage, 2U);
+  EXPECT_FALSE(end.next().stage_done);
+  EXPECT_EQ(end.output().stage, 2U);
+  EXPECT_EQ(inside.event(), Event::Move) << "nothing has to be accepted there";
+  EXPECT_EQ(inside.next().stage, 1U);
+}
+
+TEST(Supervisor, GoingOnWaitsUntilNothingAsksForAStop) {
+  Moment moment(Mode::Hold, 11, true);
+  moment.input.stop = StopCategory::C2Hold;
+  EXPECT_EQ(moment.event(), Event::None);
+  EXPECT_EQ(moment.refusal(), Refusal::Unhealthy);
+}
+
+TEST(Supervisor, GoingOnEndsWithTheLastStageOfThePlanAndWithTheRoomForStages) {
+  for (const std::uint32_t stage : {2U, 3U, 5U})
+    EXPECT_EQ(end_of_stage(stage).refusal(), Refusal::PlanDone) << stage;
+  for (const std::uint32_t count : {32U, 33U}) {
+    Moment last = end_of_stage(30), beyond = end_of_stage(31);
+    last.plan.stage_count = beyond.plan.stage_count = count;
+    last.plan.stages[30].image_confirms = false;
+    EXPECT_EQ(last.event(), Event::Move) << count;
+    EXPECT_EQ(beyond.refusal(), Refusal::PlanDone) << count;
+  }
+}
+
+TEST(Supervisor, RefusalsAreNoneForWhatIsDoneWhateverElseIsAsked) {
+  Moment arm(Mode::Ready), reset(Mode::Trip), press(Mode::Armed, 11, true);
+  arm.input.local_arm = reset.input.local_reset = true;
+  for (const bool remote : {false, true}) {
+    for (Moment* moment : {&arm, &reset, &press}) {
+      moment->input.remote_arm = remote;
+      EXPECT_EQ(moment->refusal(), Refusal::None) << name_of(moment->event());
+    }
+  }
+}
+
+TEST(Supervisor, RefusalsOfAPressSayNotArmedWhereNothingCanMoveHoweverOldItIs) {
+  for (const Mode mode : {Mode::Safe, Mode::Ready, Mode::Trip})
+    for (const std::uint32_t token : {9U, 10U, 11U})
+      EXPECT_EQ(Moment(mode, token, true).refusal(), Refusal::NotArmed) << name_of(mode) << ' ' << token;
+  EXPECT_EQ(Moment(Mode::Active, 11, true).refusal(), Refusal::NotArmed) << "a second button";
+}
+
+TEST(Supervisor, RefusalsAreNoneWhereNothingIsAsked) {
+  for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active}) {
+    EXPECT_EQ(Moment(mode, 0, true).refusal(), Refusal::None) << "no button at all";
+    EXPECT_EQ(Moment(mode, 10, false).refusal(), Refusal::None) << "a release";
+    EXPECT_EQ(Moment(mode, 11, false).refusal(), Refusal::None) << "a release";
+  }
+  EXPECT_EQ(Moment(Mode::Active, 10, true).refusal(), Refusal::None) << "the button that moves it";
+  EXPECT_EQ(Moment(Mode::Active, 9, true).refusal(), Refusal::None) << "one that came late";
+}
+
+}  // namespace
+}  // namespace biopsy::safety

@@ -1,0 +1,132 @@
+// Absence means no: what nobody filled in proves nothing, allows nothing and has seen nothing.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "safety/gate.hpp"
+#include "safety/interlock.hpp"
+#include "safety/monitors/evidence.hpp"
+#include "safety/monitors/tissue_monitor.hpp"
+#include "safety/supervisor.hpp"
+#include "tests/safety/situation.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max();
+
+template <class... Values>
+bool are_zero(const Values&... values) {  // false for a bool
+  return ((values == Values{}) && ...);
+}
+
+TEST(Defaults, OfInputsHaveSeenNothingAndAskForNothing) {
+  const SupervisorInputs seen;
+  EXPECT_TRUE(are_zero(seen.now_us, seen.writers, seen.estop_a_closed, seen.estop_b_closed, seen.plan_tag,
+                       seen.config_tag, seen.bench_confirmed));
+  EXPECT_TRUE(seen.acquiring);
+  for (const std::int32_t unknown : {seen.log_backlog_ms, seen.patient_motion_um, seen.tissue_residual_um})
+    EXPECT_EQ(unknown, kUnknown);
+  const Situation input;
+  EXPECT_TRUE(are_zero(input.local_arm, input.local_reset, input.remote_arm, input.remote_reset,
+                       input.motion.token, input.motion.held, input.depth_accepted, input.accepted_stage));
+  EXPECT_EQ(input.self_test, SelfTest::Pending);
+}
+
+TEST(Defaults, OfEvidenceProveNothing) {
+  const Evidence evidence;
+  EXPECT_TRUE(are_zero(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.drive_mV));
+  EXPECT_TRUE(evidence.image_disturbed);
+}
+
+TEST(Defaults, OfASupervisorAreBootWithBothKeysTakenAsHeld) {
+  const SupervisorState state;
+  EXPECT_EQ(state.mode, Mode::Boot);
+  EXPECT_EQ(state.last_event, Event::None);
+  EXPECT_EQ(state.reason, Hazard::None);
+  EXPECT_TRUE(state.arm_was_down && state.reset_was_down);
+  EXPECT_EQ(state.epoch, 1U);
+  EXPECT_TRUE(are_zero(state.stage_done, state.session, state.seq, state.token, state.stage,
+                       state.ticks_in_mode, state.ticks_since_held, state.held_mV));
+  EXPECT_EQ(started(6).session, 6U);
+}
+
+TEST(Defaults, OfAnOutputAllowNothing) {
+  const SupervisorOutput output;
+  EXPECT_EQ(output.event, Event::None);
+  EXPECT_EQ(output.worst, Hazard::None);
+  EXPECT_EQ(output.reason, Hazard::None);
+  EXPECT_EQ(output.refusal, Refusal::Locked);
+  EXPECT_TRUE(are_zero(output.stage, output.stage_done, output.image_allowed, output.interlock_pulse));
+  EXPECT_TRUE(output.image_disturbed);
+}
+
+TEST(Defaults, OfAGateAreOffAndBoundToNobody) {
+  const GateState state;
+  EXPECT_TRUE(are_zero(state.permit_us, state.now_us, state.request_seq, state.drive_mV, state.enabled,
+                       state.started));
+  EXPECT_EQ(state.latched, GateVerdict::Granted);
+  const GateResult result{state};
+  EXPECT_EQ(result.verdict, GateVerdict::Refused);
+  EXPECT_TRUE(are_zero(result.answer, result.answered_seq, result.voltage.mV()));
+}
+
+TEST(Defaults, OfAPlanPlanNothing) {
+  const PlanFacts plan;
+  EXPECT_TRUE(are_zero(plan.plan_tag, plan.config_tag, plan.depth_max_um, plan.tissue_residual_max_um,
+                       plan.bench_half_period_ticks, plan.stage_count, plan.band_count));
+  const StepLimits step;
+  EXPECT_TRUE(are_zero(step.depth_max_um, step.v_max_mV, step.slew_up_mV_per_tick));
+  EXPECT_TRUE(step.image_confirms);
+  const PlausibleBand band;
+  EXPECT_TRUE(are_zero(band.drive_mV, band.low_um, band.high_um));
+  const DepthRange range;
+  EXPECT_TRUE(are_zero(range.low_um, range.high_um));
+}
+
+TEST(Defaults, OfTheLinkMonitorTakeAllForSilentAndNothingForProven) {
+  const LinkMonitor monitor;
+  EXPECT_TRUE(are_zero(monitor.clock_read, monitor.now_us, monitor.seq, monitor.stage_us, monitor.order_score,
+                       monitor.answered_seq, monitor.request_seq, monitor.overruns, monitor.miss_score,
+                       monitor.estop_differs_ticks, monitor.estop_latched, monitor.residual_ticks,
+                       monitor.plan_plausible));
+  for (const std::int32_t silent : {monitor.stale_ticks, monitor.silent_ticks, monitor.answer_score})
+    EXPECT_EQ(silent, 4);
+  EXPECT_TRUE(are_zero(LinkFindings{}.found, LinkFindings{}.fresh));
+}
+
+TEST(Defaults, OfTheVoltageMonitorHaveSeenNoZeroVolts) {
+  const VoltageMonitor monitor;
+  EXPECT_TRUE(are_zero(monitor.found, monitor.command_mV, monitor.over_ticks, monitor.arc_ticks,
+                       monitor.disagree_ticks, monitor.disobey_ticks, monitor.zero_ticks,
+                       monitor.nonzero_ticks, monitor.zero_volts, monitor.off_ticks, monitor.signed_mVms,
+                       monitor.total_mVms, monitor.wave_ticks, monitor.flips, monitor.tick, monitor.polarity,
+                       monitor.wrong_frequency, monitor.pull_V2, monitor.ceiling_mV));
+  const DriveFindings findings;
+  EXPECT_TRUE(are_zero(findings.found, findings.zero_volts, findings.drive_mV, findings.ceiling_mV));
+  EXPECT_TRUE(findings.image_disturbed);
+}
+
+TEST(Defaults, OfTheDepthMonitorHaveSeenNoTargetAndNoNeedleAtHome) {
+  const DepthMonitor monitor;
+  EXPECT_TRUE(are_zero(monitor.found, monitor.needle_home, monitor.history.next, monitor.history.newest,
+                       monitor.history.before, monitor.window.block, monitor.window.ticks,
+                       monitor.window.past_low_mV, monitor.window.past_high_mV, monitor.range_tag,
+                       monitor.deepest_um, monitor.sunk_ticks, monitor.over_ticks, monitor.hard_ticks,
+                       monitor.stage_ticks, monitor.pop_ticks, monitor.implausible_ticks,
+                       monitor.not_back_ticks, monitor.same_code_ticks, monitor.code, monitor.frozen_low_mV,
+                       monitor.frozen_high_mV));
+  EXPECT_EQ(monitor.range_low_mV, -1) << "no drive: the range is looked up at the first";
+  EXPECT_EQ(monitor.range_high_mV, -1);
+  EXPECT_EQ(monitor.dropout_ticks, 3);
+  EXPECT_TRUE(are_zero(DepthFindings{}.found, DepthFindings{}.needle_home));
+}
+
+TEST(Defaults, OfTheInterlockAndTheTissueMonitorAreEmpty) {
+  const Interlock interlock;
+  EXPECT_TRUE(are_zero(interlock.fed_by_supervisor, interlock.fed_by_driver, interlock.supervisor_us,
+                       interlock.driver_us, TissueMonitor{}.mean_drive_mV));
+}
+
+}  // namespace
+}  // namespace biopsy::safety

@@ -1,0 +1,173 @@
+// The numbers of a plan at the edges of what the robot could mean, and the band between its points.
+#include "safety/types/plan_facts.hpp"
+
+#include <gtest/gtest.h>
+
+#include "safety/types/limits.hpp"
+#include "tests/safety/plan.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+template <class Change>
+bool is_plausible_with(Change change) {
+  PlanFacts plan = three_stage_plan();
+  change(plan);
+  return is_plausible(plan);
+}
+
+// Accepts from `low` to `high` and nothing beside.
+template <class Set>
+void expect_edges(std::int32_t low, std::int32_t high, Set set) {
+  for (const std::int32_t value : {low, high})
+    EXPECT_TRUE(is_plausible_with([&](PlanFacts& plan) { set(plan, value); })) << value;
+  for (const std::int32_t value : {low - 1, high + 1})
+    EXPECT_FALSE(is_plausible_with([&](PlanFacts& plan) { set(plan, value); })) << value;
+}
+
+TEST(PlanFacts, AcceptTheTestPlanAndRefuseADefaultOne) {
+  EXPECT_TRUE(is_plausible(three_stage_plan()));
+  EXPECT_FALSE(is_plausible(PlanFacts{}));
+}
+
+TEST(PlanFacts, PlansFillTheRoomForStagesAndBandsAndNoMore) {
+  verifies("R-29");
+  PlanFacts plan = three_stage_plan();
+  plan.stages.fill(plan.stages[0]);
+  for (std::size_t i = 0; i < kMaxBands; ++i)
+    plan.bands[i] = {static_cast<std::int32_t>(i) * 250'000, static_cast<std::int32_t>(i),
+                     static_cast<std::int32_t>(i) + 50};
+  plan.stage_count = plan.band_count = 32;
+  EXPECT_TRUE(is_plausible(plan));
+  plan.stage_count = 33;
+  EXPECT_FALSE(is_plausible(plan));
+  plan.stage_count = 32, plan.band_count = 33;
+  EXPECT_FALSE(is_plausible(plan));
+  plan.band_count = 31;
+  EXPECT_EQ(plausible_depth(plan, 8'200'000, 8'200'000).low_um, 30) << "the last one that counts";
+}
+
+TEST(PlanFacts, HalfPeriodOfABenchPlanIsItsOwnBetweenItsEdges) {
+  verifies("R-23");
+  for (const auto& [declared, held_to] :
+       {std::pair{0, 250}, {49, 250}, {50, 50}, {2'500, 2'500}, {2'501, 250}}) {
+    PlanFacts plan = three_stage_plan();
+    plan.bench_half_period_ticks = declared;
+    EXPECT_EQ(half_period_ticks(plan), held_to) << declared;
+    EXPECT_EQ(is_plausible(plan), declared == 0 || declared == held_to) << declared;
+  }
+}
+
+TEST(PlanFacts, NumbersOfDepthAndResidualEndAtTheStroke) {
+  verifies("R-29");
+  const auto only_stage = [](PlanFacts& plan, std::int32_t depth_um) {
+    plan.stage_count = 1, plan.stages[0].depth_max_um = 100;
+    plan.depth_max_um = depth_um;
+  };
+  expect_edges(100, 12'000, only_stage);
+  expect_edges(1, 12'000, [](PlanFacts& plan, std::int32_t um) { plan.tissue_residual_max_um = um; });
+}
+
+TEST(PlanFacts, NumbersOfEveryStageHaveTheirEdges) {
+  verifies("R-29");
+  for (const std::size_t i : {0U, 1U, 2U}) {
+    expect_edges(100, 4'000, [i](PlanFacts& plan, std::int32_t um) { plan.stages[i].depth_max_um = um; });
+    expect_edges(100'000, 8'000'000, [i](PlanFacts& plan, std::int32_t mV) { plan.stages[i].v_max_mV = mV; });
+    expect_edges(1'000, 400'000,
+                 [i](PlanFacts& plan, std::int32_t mV) { plan.stages[i].slew_up_mV_per_tick = mV; });
+  }
+}
+
+TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
+  verifies("R-29");
+  expect_edges(0, 3'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[0].drive_mV = mV; });
+  expect_edges(1, 7'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[1].drive_mV = mV; });
+  expect_edges(7'500'000, 8'200'000, [](PlanFacts& plan, std::int32_t mV) { plan.bands[2].drive_mV = mV; });
+  for (const std::size_t i : {0U, 1U, 2U}) {
+    const std::int32_t high_um = three_stage_plan().bands[i].high_um,
+                       low_um = three_stage_plan().bands[i].low_um;
+    expect_edges(-12'000, high_um, [i](PlanFacts& plan, std::int32_t um) { plan.bands[i].low_um = um; });
+    expect_edges(low_um, 24'000, [i](PlanFacts& plan, std::int32_t um) { plan.bands[i].high_um = um; });
+  }
+  const auto all_low = [](PlanFacts& plan, std::int32_t um) {
+    plan.bands[2].low_um = plan.bands[2].high_um = um;
+  };
+  expect_edges(-12'000, 24'000, all_low);
+}
+
+TEST(PlanFacts, NumbersOfNoStageReachBeyondTheDrivesThatTheBandKnows) {
+  verifies("R-29");
+  for (const std::size_t i : {0U, 1U, 2U})
+    for (const std::int32_t mV : {7'600'000, 7'600'001})
+      EXPECT_EQ(is_plausible_with([&](PlanFacts& plan) {
+                  plan.bands[2].drive_mV = 7'600'000, plan.stages[i].v_max_mV = mV;
+                }),
+                mV == 7'600'000)
+          << i;
+}
+
+TEST(PlanFacts, NumbersOfAPlanWithOneStageAndOneBandAreEnough) {
+  EXPECT_TRUE(is_plausible_with(
+      [](PlanFacts& plan) { plan.stage_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000; }));
+}
+
+TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {
+  verifies("R-21");
+  const PlanFacts plan = three_stage_plan();
+  const auto at = [&](std::int32_t mV) {
+    const DepthRange range = plausible_depth(plan, mV, mV);
+    return std::pair{range.low_um, range.high_um};
+  };
+  EXPECT_EQ(at(-1), (std::pair{-100, 100}));
+  EXPECT_EQ(at(0), (std::pair{-100, 100}));
+  EXPECT_EQ(at(1'000'000), (std::pair{350, 650}));
+  EXPECT_EQ(at(4'000'000), (std::pair{1'700, 2'300}));
+  EXPECT_EQ(at(5'000'000), (std::pair{2'175, 2'825}));
+  EXPECT_EQ(at(8'000'000), (std::pair{3'600, 4'400}));
+  EXPECT_EQ(at(8'000'001), (std::pair{3'600, 4'400}));
+  EXPECT_EQ(plausible_depth(plan, 1'000'000, 5'000'000).low_um, 350);
+  EXPECT_EQ(plausible_depth(plan, 1'000'000, 5'000'000).high_um, 2'825);
+}
+
+TEST(PlanFacts, PlausibleBandOfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
+  PlanFacts plan = three_stage_plan();
+  plan.band_count = 0;
+  EXPECT_EQ(plausible_depth(plan, 0, 4'000'000).low_um, 0);
+  EXPECT_EQ(plausible_depth(plan, 0, 4'000'000).high_um, 0);
+  plan.band_count = 1;
+  EXPECT_EQ(plausible_depth(plan, 4'000'000, 4'000'000).high_um, 100);
+  for (std::size_t i = 0; i < kMaxBands; ++i)
+    plan.bands[i] = {static_cast<std::int32_t>(i) * 1'000, static_cast<std::int32_t>(i),
+                     static_cast<std::int32_t>(i) + 50};
+  for (const std::uint32_t count : {32U, 33U, 0xFFFF'FFFFU}) {
+    plan.band_count = count;
+    EXPECT_EQ(plausible_depth(plan, 99'000, 99'000).low_um, 31);
+    EXPECT_EQ(plausible_depth(plan, 30'500, 30'500).high_um, 80);
+  }
+}
+
+TEST(PlanFacts, PlausibleBandsHaveToRiseAndAreReadFromTheFirstWhereTheyDoNot) {
+  verifies("R-21", "R-29");
+  PlanFacts plan = three_stage_plan();
+  plan.bands[1].drive_mV = 8'100'000;
+  EXPECT_FALSE(is_plausible(plan)) << "falling";
+  plan.bands[0] = {1'000'000, 5, 6};
+  EXPECT_EQ(plausible_depth(plan, 0, 0).low_um, 5) << "below the first";
+  plan.bands[1] = {4'000'000, 10, 20}, plan.bands[2] = {4'000'000, 70, 80};
+  EXPECT_EQ(plausible_depth(plan, 4'000'000, 4'000'000).high_um, 20) << "two at one drive";
+}
+
+TEST(PlanFacts, PlausibleBandsBeyondTheStrokeAreReadAsItsEnds) {
+  verifies("R-21");
+  PlanFacts plan = three_stage_plan();
+  for (const std::int32_t beyond_um : {-1, 0, 1, 1'000'000'000}) {
+    plan.bands[0] = {0, -12'000 - beyond_um, 24'000 + beyond_um};
+    const DepthRange range = plausible_depth(plan, 0, 0);
+    EXPECT_EQ(range.low_um, beyond_um < 0 ? -11'999 : -12'000);
+    EXPECT_EQ(range.high_um, beyond_um < 0 ? 23'999 : 24'000);
+  }
+}
+
+}  // namespace
+}  // namespace biopsy::safety

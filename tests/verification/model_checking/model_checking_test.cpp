@@ -1,0 +1,163 @@
+// What the exploration claims, and that it would see what it looks for.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+#include "tests/safety/situation.hpp"
+#include "tests/source_dir.hpp"
+#include "tests/verification/model_checking/checks.hpp"
+#include "tests/verification/model_checking/gate/gate_explorer.hpp"
+#include "tests/verification/model_checking/seeded_bugs/find_violation.hpp"
+#include "tests/verification/model_checking/seeded_bugs/mutant_build.hpp"
+#include "tests/verification/model_checking/supervisor/counterexample.hpp"
+#include "tests/verification/model_checking/supervisor/equivalent_step.hpp"
+#include "tests/verification/model_checking/supervisor/explorer.hpp"
+#include "tests/verification/model_checking/supervisor/plans.hpp"
+
+namespace biopsy::model_checking {
+namespace {
+
+const MutantBuild kMutantBuild{source_dir(), binary_dir() / "generated", BIOPSY_CXX, BIOPSY_BENCH};
+
+const SeededBug& bug_named(std::string_view id) {
+  return *std::ranges::find(seeded_bugs(), id, &SeededBug::id);
+}
+
+// All counterexamples of what is broken, empty where nothing is.
+std::string broken_in(const Explorer& explorer, const PlanFacts& plan, const Exploration& exploration) {
+  std::string counterexamples;
+  for (std::size_t c = 0; c < kClaims; ++c)
+    if (exploration.claims[c].first)
+      counterexamples += counterexample_text(shipped(), plan, explorer, exploration, c);
+  return counterexamples;
+}
+
+TEST(Exploration, FindsNothingWrongInTheShippedSupervisor) {
+  for (const NamedPlan& plan : quick_plans()) {
+    Explorer explorer(shipped(), plan.facts, {Grain::Quick, 0, 0});
+    const Exploration exploration = explorer.run();
+    EXPECT_EQ(broken_in(explorer, plan.facts, exploration), "") << plan.name;
+    EXPECT_GT(exploration.transitions, 1'000'000U) << plan.name;
+  }
+}
+
+TEST(Exploration, ChecksEveryClaimAndReachesEveryTimeInEveryMode) {
+  Explorer explorer(shipped(), three_stages(0b010).facts, {Grain::Quick, 0, 0});
+  const Exploration exploration = explorer.run();
+  for (std::size_t c = 0; c < kClaims; ++c) EXPECT_GT(exploration.claims[c].checked, 0U) << name_of_claim(c);
+  const auto longest = [&](Mode mode) { return exploration.longest_ticks[static_cast<std::size_t>(mode)]; };
+  EXPECT_EQ(longest(Mode::Boot), 10'000);
+  EXPECT_EQ(longest(Mode::Armed), 30'000);
+  EXPECT_EQ(longest(Mode::Hold), 10'000);
+  EXPECT_EQ(longest(Mode::Retract), 300);
+}
+
+TEST(Exploration, FindsNothingWrongInTheShippedGate) {
+  const GateExploration exploration = explore_gate(shipped(), true, 0);
+  for (std::size_t c = 0; c < kGateInvariants; ++c) {
+    EXPECT_EQ(exploration.claims[c].counterexample, "") << kGateInvariantTable[c].name;
+    EXPECT_GT(exploration.claims[c].checked, 0U) << kGateInvariantTable[c].name;
+  }
+  EXPECT_GT(exploration.transitions, 1'000'000U);
+}
+
+TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
+  for (std::size_t mode = 0; mode < safety::kModes; ++mode) {
+    const InputSpace space(static_cast<Mode>(mode), Grain::Quick);
+    SupervisorState state = state_of(0);
+    state.token = kToken, state.stage = 1;
+    std::uint32_t visited = 0;
+    space.for_each(state, [&](std::uint32_t index, const Situation& input) {
+      ASSERT_EQ(index, visited++);
+      const Situation same = space.at(index, state);
+      ASSERT_EQ(input.evidence.clear, same.evidence.clear);
+      ASSERT_EQ(input.stop, same.stop);
+      ASSERT_EQ(input.motion.token, same.motion.token);
+      ASSERT_EQ(input.motion.held, same.motion.held);
+      ASSERT_EQ(input.request.stage, same.request.stage);
+      ASSERT_EQ(input.accepted_stage, same.accepted_stage);
+      ASSERT_EQ(input.remote_arm, same.remote_arm);
+    });
+    EXPECT_EQ(visited, space.size());
+  }
+}
+
+TEST(Exploration, AStateAndItsKeyAreTheSame) {
+  Explorer explorer(shipped(), three_stages(0b010).facts, {Grain::Quick, 0, 0});
+  const std::uint64_t states = explorer.run().states;
+  for (std::uint32_t i = 0; i < states; i += 7) {
+    const SupervisorState state = explorer.state(i);
+    ASSERT_EQ(key_of(state_of(key_of(state))), key_of(state));
+  }
+}
+
+TEST(EquivalentStep, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
+  const InputSpace space(Mode::Hold, Grain::Quick);
+  SupervisorState state = state_of(0);
+  state.mode = Mode::Hold, state.token = kToken, state.stage = 1;
+  safety::HazardSet seen = 0;
+  bool before = false, after = false;
+  for (std::uint32_t i = 0; i < space.size(); ++i) {
+    const Situation input = space.at(i, state);
+    const EquivalentStep equivalent = equivalent_step(state, input, i);
+    seen |= equivalent.input.evidence.hazards();
+    before = before || equivalent.input.accepted_stage < equivalent.state.stage;
+    after = after || equivalent.input.accepted_stage > equivalent.state.stage;
+    ASSERT_EQ(input.motion.token > state.token, equivalent.input.motion.token > equivalent.state.token);
+    ASSERT_EQ(input.motion.token == state.token, equivalent.input.motion.token == equivalent.state.token);
+    ASSERT_EQ(input.motion.token == 0, equivalent.input.motion.token == 0);
+  }
+  EXPECT_EQ(seen, safety::kAllHazards);
+  EXPECT_TRUE(before && after);
+}
+
+TEST(Counterexample, OfASeededBugIsATraceTickByTick) {
+  const SeededSubject subject(kMutantBuild, &bug_named("depth-check-of-any-stage"));
+  const Violations caught = find_violation(subject.get(), Part::Supervisor, {});
+  ASSERT_EQ(caught.claims, std::vector<std::string>{"depth-check"});
+  EXPECT_EQ(caught.counterexamples.front(),
+            R"(       0 ms  boot | 0 V measured -> safe (self-test passed)
+       1 ms  safe | 0 V measured -> ready (healthy and plan sealed)
+       2 ms  ready | 0 V measured, arm key turned -> armed (armed on the device), up to 0 V
+       3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), stage 1, up to 0 V, may rise
+       4 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 1 done, up to 0 V
+       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), stage 2, up to 0 V, may rise
+       6 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 2 done, up to 0 V
+       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another stage -> active (motion button pressed), stage 3, up to 0 V, may rise
+  broken:    depth-check: Past a stage that an image confirms only with the depth check of that very stage.
+)");
+}
+
+TEST(Counterexample, OfATimeLimitThatNeverEndsHasItsDuration) {
+  const SeededSubject subject(kMutantBuild, &bug_named("hold-limit-in-us"));
+  const Violations caught = find_violation(subject.get(), Part::Supervisor, {});
+  ASSERT_FALSE(caught.claims.empty());
+  EXPECT_NE(caught.counterexamples.front().find("for 10.000 s: hold"), std::string::npos)
+      << caught.counterexamples.front();
+}
+
+TEST(SeededBugs, AreEachFoundOnceInTheTextOfTheirFile) {
+  for (const SeededBug& bug : seeded_bugs()) {
+    const std::string source = read_file(source_dir() / "safety" / bug.file);
+    EXPECT_NE(with_bug(bug, source), source) << bug.id;
+    EXPECT_THROW(with_bug(bug, source + source), ConfigError) << bug.id;
+    EXPECT_THROW(with_bug(bug, ""), ConfigError) << bug.id;
+  }
+  EXPECT_GE(seeded_bugs().size(), 26U);
+}
+
+TEST(SeededBugs, OfTheGateAreCaught) {
+  const SeededSubject subject(kMutantBuild, &bug_named("permit-lives-on"));
+  EXPECT_EQ(find_violation(subject.get(), Part::Gate, {}).claims, std::vector<std::string>{"gate-life"});
+}
+
+TEST(SeededBugs, AnUnchangedCopyIsAsCleanAsTheShippedCode) {
+  const SeededSubject subject(kMutantBuild, nullptr);
+  EXPECT_TRUE(find_violation(subject.get(), Part::Gate, {}).claims.empty());
+  EXPECT_TRUE(find_violation(subject.get(), Part::Supervisor, {}).claims.empty());
+}
+
+}  // namespace
+}  // namespace biopsy::model_checking

@@ -1,0 +1,128 @@
+#include "tests/verification/model_checking/supervisor/equivalent_step.hpp"
+
+#include <algorithm>
+
+#include "tests/safety/situation.hpp"
+
+namespace biopsy::model_checking {
+namespace {
+
+using safety::Hazard;
+using safety::HazardSet;
+
+// SplitMix64: the differences are varied, and the same in every run.
+class Choice {
+ public:
+  explicit Choice(std::uint64_t number) : state_(number) {}
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9E37'79B9'7F4A'7C15ULL;
+    z = (z ^ (z >> 30)) * 0xBF58'476D'1CE4'E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D0'49BB'1331'11EBULL;
+    return z ^ (z >> 31);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+// The hazards with each class filled by some of its members, at least one.
+HazardSet other_members(HazardSet hazards, std::uint64_t choice) {
+  static const auto kClasses = [] {
+    std::array<HazardSet, kClassHazard.size()> classes{};
+    std::ranges::transform(kClassHazard, classes.begin(), class_of);
+    return classes;
+  }();
+  HazardSet others = 0;
+  for (const HazardSet members : kClasses) {
+    if ((hazards & members) == 0) continue;
+    const HazardSet chosen = members & choice;
+    others |= chosen != 0 ? chosen : members;
+  }
+  return others;
+}
+
+void vary_memory(SupervisorState& state, std::uint64_t choice) {
+  const Timer timer = timer_of(state.mode);
+  state.session += static_cast<std::uint32_t>(1U + (choice & 0xFFU));
+  state.epoch += static_cast<std::uint32_t>((choice >> 8U) & 0xFFU);
+  state.seq += static_cast<std::uint32_t>((choice >> 16U) & 0xFFFFU);
+  state.last_event = static_cast<safety::Event>((choice >> 32) % safety::kEvents);
+  state.reason = static_cast<Hazard>((choice >> 36) % safety::kHazards);
+  if (timer != Timer::InMode) state.ticks_in_mode = static_cast<std::int32_t>((choice >> 40) % 30'002);
+  if (timer != Timer::SinceHeld) state.ticks_since_held = static_cast<std::int32_t>((choice >> 20) % 101);
+  if (!remembers_arm_key(state.mode)) state.arm_was_down = ((choice >> 44U) & 1U) != 0;
+  if (!remembers_reset_key(state.mode)) state.reset_was_down = ((choice >> 45U) & 1U) != 0;
+  if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>((choice >> 12) % 8'000'001);
+}
+
+void vary_motion(SupervisorState& state, Situation& input, std::uint64_t choice) {
+  const auto shift = static_cast<std::uint32_t>(choice % 1'000'000);
+  if (state.token == 0) {
+    if (input.motion.token != 0) input.motion.token += shift;
+    return;
+  }
+  const bool older = input.motion.token < state.token;
+  if (input.motion.token != 0) input.motion.token += older ? shift / 2U : shift;
+  state.token += shift;
+}
+
+// How far another stage's number is off, modulo 2^32: the one before, the one after, or any.
+std::uint32_t other_by(std::uint64_t choice) {
+  if (choice % 4 == 0) return 0xFFFF'FFFFU;
+  return choice % 4 == 1 ? 1U : static_cast<std::uint32_t>(1U + (choice >> 2U) % 0xFFFF'FFFFU);
+}
+
+// Whatever decides nothing in this mode.
+void vary_input(const SupervisorState& state, Situation& input, std::uint64_t choice) {
+  const Mode mode = state.mode;
+  const bool moving = mode == Mode::Active || mode == Mode::Hold;
+  const auto chosen = [choice](unsigned bit) { return ((choice >> bit) & 1U) != 0; };
+  input.now_us = static_cast<std::int64_t>(choice >> 24);
+  input.remote_arm = !chosen(0) || chosen(1);
+  input.remote_reset = chosen(0);
+  input.evidence.image_disturbed = chosen(2);
+  input.request.seq = input.request.overruns = static_cast<std::uint32_t>(choice >> 3);
+  input.request.wanted_mV = input.request.setpoint_um = static_cast<std::int32_t>(choice >> 5);
+  const std::uint32_t other = other_by(choice >> 8U);
+  if (mode != Mode::Boot) input.self_test = static_cast<safety::SelfTest>((choice >> 10) % 3);
+  if (mode != Mode::Trip) input.evidence.needle_home = chosen(12);
+  if (!moving) {
+    input.request.stage_reached = chosen(13);
+    input.request.finished = chosen(14);
+    input.evidence.drive_mV = static_cast<std::int32_t>((choice >> 16) % 8'000'001);
+  }
+  if (!moving && mode != Mode::Armed)
+    input.evidence.ceiling_mV = static_cast<std::int32_t>((choice >> 20) % 8'000'001);
+  if (mode != Mode::Hold) input.depth_accepted = chosen(15);
+  if (input.request.stage != state.stage) input.request.stage = state.stage + other;
+  if (mode != Mode::Hold || input.accepted_stage != state.stage) input.accepted_stage = state.stage + other;
+}
+
+}  // namespace
+
+EquivalentStep equivalent_step(const SupervisorState& state, const Situation& input, std::uint64_t number) {
+  Choice choice(number);
+  EquivalentStep equivalent{state, input};
+  equivalent.input.evidence.clear =
+      safety::kAllHazards & ~other_members(input.evidence.hazards(), choice.next());
+  vary_memory(equivalent.state, choice.next());
+  vary_motion(equivalent.state, equivalent.input, choice.next());
+  vary_input(equivalent.state, equivalent.input, choice.next());
+  return equivalent;
+}
+
+bool has_equal_outcome(const SupervisorState& next, const SupervisorOutput& output,
+                       const SupervisorState& other_before, const SupervisorState& other_next,
+                       const SupervisorOutput& other_output) {
+  const Permit &permit = output.permit, &equivalent = other_output.permit;
+  return key_of(next) == key_of(other_next) && output.event == other_output.event &&
+         next.epoch - kEpoch == other_next.epoch - other_before.epoch && permit.mode == equivalent.mode &&
+         permit.stop == equivalent.stop && permit.hv_enable == equivalent.hv_enable &&
+         permit.v_max_mV == equivalent.v_max_mV &&
+         permit.slew_up_mV_per_tick == equivalent.slew_up_mV_per_tick &&
+         permit.depth_max_um == equivalent.depth_max_um &&
+         output.interlock_pulse == other_output.interlock_pulse &&
+         output.image_allowed == other_output.image_allowed;
+}
+
+}  // namespace biopsy::model_checking

@@ -1,0 +1,29 @@
+// The plans that are explored: first, middle and last stage are all that step can tell apart, so three
+// stages.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "safety/types/plan_facts.hpp"
+
+namespace biopsy::model_checking {
+
+struct NamedPlan {
+  std::string name;
+  safety::PlanFacts facts;
+};
+
+// Bit i of `confirms`: an image must confirm stage i.
+NamedPlan three_stages(unsigned confirms);
+// Its stages ask for more than the robot may do.
+NamedPlan over_limits();
+// No stage at all.
+NamedPlan empty();
+
+// Every combination of confirmations, and the two odd ones.
+std::vector<NamedPlan> all_plans();
+// One combination, and the two odd ones.
+std::vector<NamedPlan> quick_plans();
+
+}  // namespace biopsy::model_checking

@@ -1,0 +1,103 @@
+#include "tests/verification/nuisance/healthy_procedures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "robot/common/in_parallel.hpp"
+#include "safety/types/transitions.hpp"
+#include "tests/verification/fault_injection/procedure.hpp"
+#include "tests/verification/nuisance/varied_operator.hpp"
+
+namespace biopsy::fault_injection {
+namespace {
+
+constexpr std::int64_t kTicksMax = 300'000;  // five minutes: slower than any operator
+constexpr std::size_t kBlock = 32;           // procedures at once
+constexpr std::uint64_t kDays = 0x6461'7973, kOperators = 0x7065'6f70;
+
+// A layer gave way and the needle is truly well beyond the end of its stage, by more than half of what the
+// supervisor allows there: that hold has its reason.
+bool has_jumped(const TickRecord& line, const Plan& plan) {
+  constexpr double kHalfOvershoot_mm = 0.25;
+  return line.hazards == bit(safety::Hazard::StageDepth) &&
+         line.depth_mm > plan.stages[line.stage].depth.value + kHalfOvershoot_mm;
+}
+
+bool is_unasked(const TickRecord& line, Mode before) {
+  return line.mode != before && line.hazards != 0 && before != Mode::Boot;
+}
+
+// One procedure, as a run of one.
+HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::uint64_t number,
+                         const std::function<void(safety::SupervisorInputs&)>& corrupt_inputs) {
+  const Scenario scenario = draw_scenario(models, seed_of(seed, kDays, number));
+  VariedOperator varied(scenario.plan, seed_of(seed, kOperators, number));
+  Procedure procedure(scenario);
+  Corruptors inputs;
+  inputs.world = [&](robot::OperatorInputs& world) { world = varied.act(procedure.last()); };
+  inputs.observation = corrupt_inputs;
+  procedure.corrupt(std::move(inputs));
+  HealthyRun run;
+  Mode before = Mode::Boot;
+  std::int64_t ticks = 0;
+  std::uint32_t stage = 0;
+  for (; ticks < kTicksMax && !varied.done(); ++ticks) {
+    const TickRecord line = procedure.tick();
+    stage = std::max(stage, line.stage);
+    const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
+    const bool unasked = is_unasked(line, before) && !fell;
+    const bool stopped = unasked && !has_jumped(line, scenario.plan);
+    run.punctures_held += unasked && has_jumped(line, scenario.plan);
+    run.trips += fell;
+    run.unexpected_stops += stopped;
+    if ((fell || stopped) && run.alarms.empty())
+      run.alarms.push_back({number, static_cast<double>(ticks) * 1e-3,
+                            fmt::format("{} to {}: {}", safety::name_of(before), safety::name_of(line.mode),
+                                        safety::name_of(safety::worst_of(line.hazards)))});
+    before = line.mode;
+  }
+  run.hours = static_cast<double>(ticks) / 3.6e6;
+  run.procedures = 1;
+  run.completed = varied.completed();
+  run.given_up = varied.gave_up();
+  run.stages = static_cast<std::int32_t>(stage) + 1;
+  run.releases = varied.releases();
+  if (!varied.completed() && !varied.gave_up() && run.alarms.empty())
+    run.alarms.push_back({number, static_cast<double>(ticks) * 1e-3, "did not reach its target"});
+  return run;
+}
+
+HealthyRun joined(HealthyRun a, const HealthyRun& b) {
+  a.hours += b.hours;
+  a.procedures += b.procedures;
+  a.completed += b.completed;
+  a.given_up += b.given_up;
+  a.stages += b.stages;
+  a.releases += b.releases;
+  a.trips += b.trips;
+  a.unexpected_stops += b.unexpected_stops;
+  a.punctures_held += b.punctures_held;
+  a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
+  return a;
+}
+
+}  // namespace
+
+HealthyRun run_healthy_procedures(const NominalModels& models, double hours, std::uint64_t seed,
+                                  const std::function<void(safety::SupervisorInputs&)>& corrupt_inputs,
+                                  const std::function<void(double share)>& progress) {
+  HealthyRun day;
+  while (day.hours < hours) {
+    std::vector<HealthyRun> block(kBlock);
+    const auto first = static_cast<std::uint64_t>(day.procedures);
+    in_parallel(
+        kBlock, [&](std::size_t i) { block[i] = run_procedure(models, seed, first + i, corrupt_inputs); });
+    day = std::accumulate(block.begin(), block.end(), std::move(day), joined);
+    progress(day.hours / hours);
+  }
+  return day;
+}
+
+}  // namespace biopsy::fault_injection
