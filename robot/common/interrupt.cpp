@@ -39,6 +39,9 @@ Interrupt::~Interrupt() {
   waiting_.request_stop();
   waiting_.join();
   const sigset_t signals = both_signals();
+  constexpr timespec kNow{};
+  while (sigtimedwait(&signals, nullptr, &kNow) > 0) {  // came too late: the work is complete
+  }
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <cstdio>
 
 namespace biopsy {
@@ -12,9 +13,18 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kQuiet = 500ms;  // shorter work needs no bar
-constexpr auto kBetween = 100ms;
+constexpr auto kBetween = 200ms;
 constexpr int kBar = 24;
 constexpr double kFirstEstimate_s = 2.0, kFirstShare = 0.01;
+
+std::string bar_text(double share, double elapsed_s) {
+  if (share < 0.0) return {};
+  const double part = std::min(share, 1.0);
+  const int full = static_cast<int>(part * kBar);
+  const std::string left = time_left_text(share, elapsed_s);
+  return fmt::format("[{:=<{}}{: <{}}] {:3.0f} % {}{}", "", full, "", kBar - full, part * 100.0, left,
+                     left.empty() ? "" : "  ");
+}
 
 }  // namespace
 
@@ -26,28 +36,32 @@ std::string time_left_text(double share, double elapsed_s) {
                          : fmt::format("{:.1f} h left", left_s / 3600.0);
 }
 
-ProgressLine::ProgressLine()
-    : terminal_(isatty(STDERR_FILENO) == 1), started_(std::chrono::steady_clock::now()), last_(started_) {}
-
-ProgressLine::~ProgressLine() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+ProgressLine::ProgressLine() : started_(std::chrono::steady_clock::now()) {
+  if (isatty(STDERR_FILENO) == 1)
+    drawing_ = std::jthread([this](const std::stop_token& over) { draw_until(over); });
 }
 
+ProgressLine::~ProgressLine() = default;
+
 void ProgressLine::show(double share, const std::string& what) {
-  const auto now = std::chrono::steady_clock::now();
-  if (!terminal_ || now - started_ < kQuiet || now - last_ < kBetween) return;
-  last_ = now;
-  drawn_ = true;
-  std::string bar;
-  if (share >= 0.0) {
-    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kBar);
-    bar = fmt::format("[{:=<{}}{: <{}}] {:3.0f} % ", "", full, "", kBar - full,
-                      std::clamp(share, 0.0, 1.0) * 100.0);
-    const std::string left = time_left_text(share, std::chrono::duration<double>(now - started_).count());
-    if (!left.empty()) bar += left + "  ";
+  const std::scoped_lock lock(mutex_);
+  share_ = share;
+  what_ = what;
+}
+
+void ProgressLine::draw_until(const std::stop_token& over) {
+  std::condition_variable_any woken;
+  std::unique_lock lock(mutex_);
+  bool drawn = false;
+  for (auto pause = kQuiet; !woken.wait_for(lock, over, pause, [&] { return over.stop_requested(); });
+       pause = kBetween) {
+    if (what_.empty()) continue;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
+    fmt::print(stderr, "\r\033[K{}{}", bar_text(share_, elapsed.count()), what_);
+    std::fflush(stderr);
+    drawn = true;
   }
-  fmt::print(stderr, "\r\033[K{}{}", bar, what);
-  std::fflush(stderr);
+  if (drawn) fmt::print(stderr, "\r\033[K");
 }
 
 }  // namespace biopsy

@@ -47,6 +47,7 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
   record.image_source = prepared.given.phantom ? "built-in phantom" : prepared.given.image.string();
   record.image_warnings = prepared.image.warnings;
   record.seed = prepared.given.seed;
+  record.simulated_s = 0.0;
   if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) {
     record.outcome = report::Outcome::Refused;
     record.refusal = refusal->what;

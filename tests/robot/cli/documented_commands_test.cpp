@@ -143,7 +143,7 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Document, testing::ValuesIn(documents()), [](const auto& given) {
-  return std::regex_replace(fs::relative(given.param, kHouse).replace_extension().string(), std::regex("\\W"),
+  return std::regex_replace(fs::relative(given.param, kSource).replace_extension().string(), std::regex("\\W"),
                             "_");
 });
 

@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Work{{"design"}, "designs", "design.json"},
                     Work{{"calibrate"}, "searching", "calibration.json"},
                     Work{{"reproduce"}, "figure ", "reproduce.json"},
-                    Work{{"gap", "data", "--model", "data/stage.toml"}, "round 1", "gap.json"},
+                    Work{{"gap", "data", "--model", "data/stage.toml"}, "round 1: ", "gap.json"},
                     Work{{"characterise", "--bench"}, "%", "dataset.toml"}),
     [](const auto& given) {
       std::string name = given.param.words.front();

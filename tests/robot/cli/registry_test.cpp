@@ -150,8 +150,8 @@ TEST(Registry, PrintsEveryResultAsJsonAndNothingElse) {
     }
     seen.insert(command);
   }
-  EXPECT_EQ(standard_output("plan gap --json --out " + path("same")).text,
-            file_content(folder / "same/report.json"));
+  const std::string printed = standard_output("plan gap --json --out " + path("same")).text;
+  EXPECT_EQ(printed, file_content(folder / "same/report.json"));
   // The rest prints what its JSON file holds, or is shown in tests of its own (log), and takes minutes here.
   const std::set<std::string> elsewhere{"gap",         "calibrate", "design",     "tune",
                                         "safety-case", "log show",  "log verify", "log export"};
