@@ -11,6 +11,7 @@ class PulseOutput {
   // Toggles the level. Neither throws nor blocks for more than a tick; a line that failed keeps its level,
   // and the timer expires.
   virtual void pulse() = 0;
+  virtual bool failed() const { return false; }  // for good
 };
 
 }  // namespace biopsy::drivers

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/commissioning/signature.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/ed25519.hpp"
 #include "robot/common/files/file.hpp"
 
 namespace biopsy::commissioning {
@@ -11,12 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kAnew =
-    "take the stage into service: biopsy commission (docs/how-to/commission-a-stage.md)";
-// A record of tomorrow is a clock that was set wrong, now or then; an hour is a time zone's slip.
-constexpr std::chrono::hours kAhead{1};
+constexpr const char* kRemedy = "commission the stage: biopsy commission (docs/how-to/commission-a-stage.md)";
+constexpr std::chrono::hours kClockTolerance{1};
 
-std::string words(const Device& device) {
+std::string to_text(const Device& device) {
   return fmt::format("{} {} {}", device.kind, device.product, device.serial);
 }
 
@@ -27,24 +25,25 @@ Record load_commissioning(const fs::path& folder, const fs::path& public_key, co
   const fs::path file = folder / kRecordFile;
   const std::string place = file.string();
   if (!fs::exists(file) || !fs::exists(folder / kSignatureFile))
-    throw ConfigError("the stage has no record of commissioning", place, kAnew);
-  const std::string text = read_file(file, kAnew);
-  if (!is_signed(public_key, text, read_file(folder / kSignatureFile, kAnew)))
-    throw ConfigError("the record was changed after it was signed, or signed with another key", place, kAnew);
+    throw ConfigError("the stage has no record of commissioning", place, kRemedy);
+  const std::string text = read_file(file, kRemedy);
+  if (!is_signed_by(read_public_key(public_key), read_file(folder / kSignatureFile, kRemedy), text))
+    throw ConfigError("the record was changed after it was signed, or signed with another key", place,
+                      kRemedy);
   Record record = from_json(text, place);
   if (record.device != device)
     throw ConfigError(
-        fmt::format("is the record of {}; connected is {}", words(record.device), words(device)), place,
-        kAnew);
+        fmt::format("is the record of {}; connected is {}", to_text(record.device), to_text(device)), place,
+        kRemedy);
   if (record.config_sha256 != config_sha256)
-    throw ConfigError("the configuration was changed after commissioning", place, kAnew);
-  if (!record.passed()) throw ConfigError("the stage did not pass all steps of this version", place, kAnew);
+    throw ConfigError("the configuration was changed after commissioning", place, kRemedy);
+  if (!record.passed()) throw ConfigError("the stage did not pass all steps of this version", place, kRemedy);
   const std::chrono::sys_seconds made{std::chrono::seconds(record.made_unix_s)};
-  if (made > now + kAhead)
-    throw ConfigError("the record is of a day to come", place,
+  if (made > now + kClockTolerance)
+    throw ConfigError("the record is dated in the future", place,
                       "set this computer's clock, or commission anew");
   if (now > made + kGoodFor)
-    throw ConfigError(fmt::format("the record is older than {} days", kGoodFor.count()), place, kAnew);
+    throw ConfigError(fmt::format("the record is older than {} days", kGoodFor.count()), place, kRemedy);
   return record;
 }
 

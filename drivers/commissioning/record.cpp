@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
 constexpr std::int64_t kTooFar_s =
-    4'102'444'800;  // the year 2100: later ones are mistakes, and clocks count in ns
+    4'102'444'800;  // the year 2100: later dates are mistakes, and a clock in ns overflows in 2262
 
 Json json_of(const Figure& figure) {
   return {{"what", figure.what}, {"unit", figure.unit}, {"value", figure.value}, {"low", figure.low},
@@ -30,7 +30,7 @@ Json json_of(const StepRecord& step) {
   return {{"name", step.name}, {"passed", step.passed()}, {"note", step.note}, {"figures", figures}};
 }
 
-// JSON has no word for what could not be measured; it is written as null.
+// NaN is written as null: JSON has no NaN.
 double number_or_none(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
@@ -67,11 +67,10 @@ bool StepRecord::passed() const {
 }
 
 bool Record::passed() const {
-  const auto same = [](const Step& asked, const StepRecord& done) {
-    return done.name == asked.name && done.figures.size() == asked.limits.size() && done.passed();
+  const auto same = [](const Step& step, const StepRecord& done) {
+    return done.name == step.name && done.figures.size() == step.limits.size() && done.passed();
   };
-  const std::vector<Step>& asked = all_steps();
-  return std::equal(asked.begin(), asked.end(), steps.begin(), steps.end(), same);
+  return std::equal(all_steps().begin(), all_steps().end(), steps.begin(), steps.end(), same);
 }
 
 std::string to_json(const Record& record) {
@@ -97,9 +96,9 @@ Record from_json(std::string_view text, const std::string& place) {
     Record record = record_of(json);
     const bool dated = record.made_unix_s >= 0 && record.made_unix_s < kTooFar_s;
     if (dated && json.at("format").get<int>() == kFormat) return record;
-  } catch (const Json::exception&) {  // said below
+  } catch (const Json::exception&) {  // refused below
   }
-  throw ConfigError("is no record of commissioning that this version reads", place,
+  throw ConfigError("is no commissioning record that this version reads", place,
                     "commission the stage anew: biopsy commission");
 }
 

@@ -1,4 +1,4 @@
-// What was measured when a laboratory took its stage into service. Values, and their one form as a file.
+// The commissioning record: what was measured when the stage was taken into service, and its JSON form.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace biopsy::commissioning {
 
-// One measured number and what it was held to. NaN: could not be measured, and is not within anything.
+// A measured value and its limits. NaN: could not be measured; within no limits.
 struct Figure {
   std::string what, unit;
   double value = 0.0, low = 0.0, high = 0.0;
@@ -20,7 +20,7 @@ struct Figure {
 struct StepRecord {
   std::string name;
   std::vector<Figure> figures;
-  std::string note;  // what happened besides; empty: nothing
+  std::string note;  // remarks; may be empty
 
   bool passed() const;  // every figure was measured and is within its limits
 };
@@ -38,12 +38,12 @@ struct Record {
   std::string config_sha256;  // of the configuration file's bytes, 64 hexadecimal digits
   std::string software;       // version of the program
   std::int64_t made_unix_s = 0;
-  std::vector<StepRecord> steps;  // in the order done; ends with the first that did not pass
+  std::vector<StepRecord> steps;  // in order; the last may not have passed
 
-  bool passed() const;  // every step of this program's list was done and passed
+  bool passed() const;  // all_steps() were carried out and passed
 };
 
-// Whole text of commissioning.json. The date also stands there in words; made_unix_s is what counts.
+// Content of commissioning.json. Its "date" is for readers; made_unix_s counts.
 std::string to_json(const Record& record);
 
 // Throws ConfigError, naming `place`, for a text that is no such record.

@@ -1,5 +1,5 @@
-// What the steps of commissioning need: a stage that somebody drives for them under the supervisor, and a
-// operator at the bench. Both are other people's business (robot); a voltage is never made here.
+// Ports of the commissioning steps: a rig that drives the stage under the supervisor, and the operator at the
+// bench. Implemented in robot/bench; no voltage is made here.
 #pragma once
 
 #include <cstdint>
@@ -16,34 +16,34 @@ namespace biopsy::commissioning {
 struct Sample {
   drivers::SensorReading reading;
   std::int32_t command_mV = 0;  // on the converter when this was read
-  bool has_contacts = false;    // of the emergency stop, on this device
+  bool has_contacts = false;    // the emergency stop is wired to this device
   bool estop_a_closed = true, estop_b_closed = true;
-  std::int64_t late_us = 0;  // the tick began so long after it was due
-  std::int64_t work_us = 0;  // what reading and writing took
+  std::int64_t late_us = 0;  // start of the tick, after it was due
+  std::int64_t work_us = 0;  // duration of reading and writing
 };
 
 struct Drive {
   std::vector<Sample> samples;  // from the first at the level to the last before rest
-  std::string stopped_because;  // empty: nothing but the end of what was asked
+  std::string stopped_because;  // empty: ran to its end
 };
 
 class Rig {
  public:
   virtual ~Rig() = default;
 
-  // With the output off.
+  // One tick with the output off.
   virtual Sample rest() = 0;
-  // Under supervisor and gate: from rest to the level, there for up to so many ticks as long as `go_on` says
-  // so, and back to rest. At most 0.5 kV.
+  // Under supervisor and gate: from rest to the level (0.5 kV at most), there for `ticks` or until `go_on` is
+  // false, and back to rest.
   virtual Drive drive(std::int32_t level_mV, std::uint32_t ticks,
                       const std::function<bool(const Sample&)>& go_on) = 0;
-  // Whether the driver feeds the external interlock; it does unless told otherwise.
+  // Whether the driver feeds its half of the external interlock. Default: true.
   virtual void feed_interlock(bool feeding) = 0;
-  // Whether the supervisor feeds its half of it; likewise.
+  // Whether the supervisor feeds its half. Default: true.
   virtual void feed_supervisors_half(bool feeding) = 0;
 };
 
-// What an operator is asked to do with their hands.
+// What the operator does by hand.
 enum class Act : std::uint8_t { Prepare, LayBlock, RemoveBlock, PressEstopUnderVoltage, ReleaseEstop };
 
 class Operator {
@@ -51,7 +51,7 @@ class Operator {
   virtual ~Operator() = default;
   virtual void notify(const std::string& what) = 0;
   virtual bool confirm(Act act, const std::string& what) = 0;              // false: not done
-  virtual std::optional<double> enter_value(const std::string& what) = 0;  // a number; none: nothing usable
+  virtual std::optional<double> enter_value(const std::string& what) = 0;  // none: no usable number
 };
 
 }  // namespace biopsy::commissioning

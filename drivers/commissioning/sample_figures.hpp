@@ -1,4 +1,4 @@
-// Numbers from samples. All units as people read them: mm, kV, mA, us.
+// Statistics of samples, in mm, kV, mA and us.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ double mean(std::span<const Sample> samples, Quantity quantity);
 double deviation(std::span<const Sample> samples, Quantity quantity);  // one standard deviation
 double share(std::span<const Sample> samples, const std::function<bool(const Sample&)>& is);
 
-// Smallest number of different laser codes in any so many samples in a row.
+// Smallest number of different laser codes in consecutive windows of `window` samples.
 double fewest_codes(std::span<const Sample> samples, std::size_t window);
 
 // 1 kHz

@@ -14,9 +14,9 @@
 namespace biopsy::commissioning {
 namespace {
 
-constexpr double kNotSeen = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kSecond = 1'000;        // ticks
-constexpr std::size_t kSettle = 3 * kSecond;  // until the plate hangs still
+constexpr std::size_t kSettle = 3 * kSecond;  // until the plate is at rest
 constexpr std::int32_t kTestLevel_mV = 300'000;
 constexpr std::int32_t kLevels_mV[] = {200'000, 350'000, 500'000, -200'000, -350'000, -500'000};
 
@@ -45,14 +45,14 @@ Measured wiring(Rig& rig, Operator&) {
 
 Measured laser(Rig& rig, Operator& operator_) {
   const double zero_mm = mean(rest_for(rig, kSecond), depth_mm);
-  const bool laid = operator_.confirm(Act::LayBlock, "Lay a gauge block of 2 to 8 mm under plate A.");
+  const bool placed = operator_.confirm(Act::LayBlock, "Lay a gauge block of 2 to 8 mm under plate A.");
   rest_for(rig, kSettle);
   const double block_mm =
-      laid ? operator_.enter_value("Height of the block, mm").value_or(kNotSeen) : kNotSeen;
+      placed ? operator_.enter_value("Height of the block, mm").value_or(kNotMeasured) : kNotMeasured;
   const double read_mm = mean(rest_for(rig, kSecond), depth_mm);
-  const bool removed = operator_.confirm(Act::RemoveBlock, "Take the block away, let the plate sink back.");
+  const bool removed = operator_.confirm(Act::RemoveBlock, "Remove the block, let the plate sink back.");
   rest_for(rig, kSettle);
-  const double back_mm = removed ? mean(rest_for(rig, kSecond), depth_mm) : kNotSeen;
+  const double back_mm = removed ? mean(rest_for(rig, kSecond), depth_mm) : kNotMeasured;
   return {{zero_mm, block_mm, read_mm - zero_mm - block_mm, back_mm}, {}};
 }
 
@@ -76,7 +76,7 @@ Measured monitor_gain(Rig& rig, Operator&) {
     for (const Sample& sample : drive.samples)
       if (sample.command_mV == level_mV) steady.push_back(sample);
     if (!drive.stopped_because.empty() || steady.size() < 200)
-      return {{kNotSeen, kNotSeen, kNotSeen, kNotSeen},
+      return {{kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured},
               fmt::format("stopped at {:.2f} kV: {}", level_mV * 1e-6, drive.stopped_because)};
     steady.erase(steady.begin(), steady.begin() + 50);  // the stack charges
     commands.push_back(mean(steady, command_kV));
@@ -87,7 +87,8 @@ Measured monitor_gain(Rig& rig, Operator&) {
   return {{line.gain, line.offset, line.largest_residual, largest_mA}, {}};
 }
 
-// From when a half's pulse was last given to the first reading without voltage while it was still asked for.
+// Stops the pulse of one half of the interlock under voltage. Time: from its last pulse to the first reading
+// without voltage while the converter still gives it.
 Measured interlock_without(Rig& rig, void (Rig::*feed)(bool)) {
   std::uint32_t tick = 0;
   const Drive drive = rig.drive(kTestLevel_mV, 200, [&](const Sample& sample) {
@@ -95,14 +96,14 @@ Measured interlock_without(Rig& rig, void (Rig::*feed)(bool)) {
     return tick < 105 || has_voltage(sample);
   });
   (rig.*feed)(true);
-  if (drive.samples.size() < 100) return {{kNotSeen, kNotSeen}, drive.stopped_because};
+  if (drive.samples.size() < 100) return {{kNotMeasured, kNotMeasured}, drive.stopped_because};
   const Sample& last_fed = drive.samples[99];
   for (const Sample& sample : drive.samples)
     if (sample.reading.time_us > last_fed.reading.time_us && !has_voltage(sample) &&
         sample.command_mV == kTestLevel_mV)
       return {{monitor_kV(last_fed), ms_between(last_fed, sample)}, {}};
-  return {{monitor_kV(last_fed), kNotSeen},
-          "the voltage stayed until it was taken back: no interlock opened"};
+  return {{monitor_kV(last_fed), kNotMeasured},
+          "the voltage stayed until the program ended it: no interlock opened"};
 }
 
 Measured drivers_half(Rig& rig, Operator&) {
@@ -120,10 +121,10 @@ const Sample* first(const std::vector<Sample>& samples, bool (*is)(const Sample&
 }
 
 Measured emergency_stop(Rig& rig, Operator& operator_) {
-  const bool willing =
+  const bool agreed =
       operator_.confirm(Act::PressEstopUnderVoltage,
                         "The stage will be put to 0.3 kV for 20 s. Press the emergency stop in that time.");
-  if (!willing) return {{kNotSeen, kNotSeen}, "was not pressed"};
+  if (!agreed) return {{kNotMeasured, kNotMeasured}, "was not pressed"};
   const Drive drive = rig.drive(kTestLevel_mV, 20 * kSecond, has_voltage);
   const bool released = operator_.confirm(Act::ReleaseEstop, "Release the emergency stop.");
   const Sample* const gone = first(drive.samples, [](const Sample& s) { return !has_voltage(s); });
@@ -131,11 +132,11 @@ Measured emergency_stop(Rig& rig, Operator& operator_) {
       first(drive.samples, [](const Sample& s) { return s.has_contacts && !s.estop_a_closed; });
   const Sample* const b =
       first(drive.samples, [](const Sample& s) { return s.has_contacts && !s.estop_b_closed; });
-  if (!released || gone == nullptr) return {{kNotSeen, kNotSeen}, drive.stopped_because};
+  if (!released || gone == nullptr) return {{kNotMeasured, kNotMeasured}, drive.stopped_because};
   if (!gone->has_contacts && gone->command_mV == kTestLevel_mV)
-    return {{0.0, 0.0}, "the contacts are not on this device: only that the voltage went was seen"};
+    return {{0.0, 0.0}, "the contacts are not on this device: only the loss of voltage was measured"};
   if (a == nullptr || b == nullptr)
-    return {{kNotSeen, kNotSeen},
+    return {{kNotMeasured, kNotMeasured},
             "no contact of the emergency stop opened, or only one " + drive.stopped_because};
   const double skew_ms = ms_between(*a, *b);
   return {{ms_between(skew_ms >= 0.0 ? *a : *b, *gone), std::abs(skew_ms)}, {}};
@@ -143,7 +144,7 @@ Measured emergency_stop(Rig& rig, Operator& operator_) {
 
 std::vector<Step> listed() {
   const std::vector<Limit> half_limits{
-      {"voltage before", "kV", 0.28, 0.32, "without voltage nothing is shown"},
+      {"voltage before", "kV", 0.28, 0.32, "without voltage the interlock is not tested"},
       {"time until it is gone", "ms", 3.0, 23.0,
        "20 ms after the last pulse, a tick before and after, one of jitter"}};
   return {
@@ -162,10 +163,10 @@ std::vector<Step> listed() {
        wiring},
       {"laser zero and direction",
        "The plate rests on its stop, as when the needle waits. A gauge block of 2 to 8 mm is at hand.",
-       {{"depth at rest", "mm", -0.1, 0.1, "depth is promised to 0.1 mm; correct zero_V by what is read"},
-        {"gauge block", "mm", 2.0, 8.0, "less says little about the scale, more leaves the stroke"},
+       {{"depth at rest", "mm", -0.1, 0.1, "depth is promised to 0.1 mm; correct zero_V by this figure"},
+        {"gauge block", "mm", 2.0, 8.0, "less shows little of the scale, more leaves the stroke"},
         {"laser minus block", "mm", -0.1, 0.1, "depth is promised to 0.1 mm; a wrong sign shows here too"},
-        {"depth after the block", "mm", -0.5, 0.5, "friction may keep it there; 1 mm counts as withdrawn"}},
+        {"depth after the block", "mm", -0.5, 0.5, "friction may hold it; 1 mm counts as withdrawn"}},
        laser},
       {"loop rate",
        "Nothing is moved; no other heavy program runs on this computer. Takes 10 s.",
@@ -180,7 +181,8 @@ std::vector<Step> listed() {
        {{"gain of monitor over command", "1", 0.98, 1.02, "3 % apart ends every motion (R-08)"},
         {"offset", "kV", -0.02, 0.02, "a fifth of what counts as zero volts"},
         {"largest distance from the line", "kV", 0.0, 0.01, "monitor and command are one straight line"},
-        {"largest current while the voltage stands", "mA", 0.0, 0.25, "a sound stack takes next to nothing"}},
+        {"largest current while the voltage stands", "mA", 0.0, 0.25,
+         "leakage of a sound stack is far below"}},
        monitor_gain},
       {"interlock", "Both halves of the interlock are fed. The driver will stop its pulse at 0.3 kV.",
        half_limits, drivers_half},

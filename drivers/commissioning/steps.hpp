@@ -1,5 +1,5 @@
-// The steps of a first power-up, in order: from nothing that can hurt to small voltages. Every limit has its
-// reason; both are printed by `biopsy commission --dry-run` and stand in the record.
+// The steps of a first power-up, in order: without high voltage first, then up to 0.5 kV. Every limit has its
+// reason; both are printed by `biopsy commission --dry-run` and kept in the record.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ struct Measured {
 
 struct Step {
   std::string_view name;
-  std::string_view asks;  // of the operator, before anything is measured
+  std::string_view instruction;  // to the operator, before anything is measured
   std::vector<Limit> limits;
   Measured (*measure)(Rig&, Operator&);
 };

@@ -1,4 +1,4 @@
-// The independent interlock on the simulated lines: safety/interlock.hpp, fed by what the pulse counters do.
+// The independent interlock on the simulated digital I/O: safety/interlock.hpp, fed by the pulse counters.
 #pragma once
 
 #include <chrono>
@@ -10,24 +10,22 @@
 
 namespace biopsy::digital_io {
 
-// Twice as fast as what it listens to.
+// Twice as fast as the pulses.
 inline constexpr std::chrono::microseconds kRelayPeriod{500};
 
-// Times: CLOCK_MONOTONIC, ns. Starts open, whatever the relay did in an earlier life, and with the counters
-// as it finds them: only pulses from now on count.
+// Times: CLOCK_MONOTONIC, ns. Starts open, and only pulses from now on count.
 class InterlockRelay {
  public:
   // Throws ConfigError, see SharedIo.
   InterlockRelay(const std::filesystem::path& run_folder, std::int64_t now_ns);
 
-  // To be called every kRelayPeriod. A counter that moved since the last tick was fed, one that stands still
-  // was not, whatever its value. The feeding is dated to the last tick, the earliest it can have been: a
-  // pulse found after a stall of this process counts as old as the stall is long. And it closes only if it
-  // may stay closed until the next tick, for it cannot open sooner. So the 20 ms hold to the last, at the
-  // price of two periods.
+  // To be called every kRelayPeriod. A counter that changed since the last tick counts as a pulse at the time
+  // of the last tick, the earliest possible: after a stall of this process it is as old as the stall is long.
+  // The relay closes only if it may stay closed until the next tick. So 20 ms are never exceeded; up to two
+  // periods of them are lost.
   void tick(std::int64_t now_ns);
 
-  // Opens and forgets all feeding: the last act of a process that ends.
+  // Opens and discards all pulses so far: before the process ends.
   void open(std::int64_t now_ns);
 
   bool closed() const { return closed_; }

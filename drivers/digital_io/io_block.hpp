@@ -1,6 +1,6 @@
-// What stands in the shared memory that simulates the copper between processes: fixed layout, one block an
-// owner, each on a page of its own so that a process can be given the right to write its block and no other.
-// All zero = nobody drives: 0 V, HV off, relay open, keys not turned, E-stop contacts open.
+// Layout of the shared memory that simulates the digital I/O between processes: one block for each owner, on
+// a page of its own, so that a process may write its block only. All zero: 0 V, HV off, relay open, keys off,
+// E-stop contacts open.
 #pragma once
 
 #include <atomic>
@@ -13,14 +13,14 @@ namespace biopsy::digital_io {
 using Word = std::atomic<std::uint64_t>;
 using Nanoseconds = std::atomic<std::int64_t>;  // CLOCK_MONOTONIC, the same in every process of a machine
 static_assert(Word::is_always_lock_free && Nanoseconds::is_always_lock_free,
-              "a lock would be held for ever by a process that is killed inside it");
+              "a process that is killed would keep a lock");
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::uint64_t kMagic = 0x6c'79'73'70'6f'69'62'01;  // 01 "biopsyl", low byte first
 inline constexpr std::uint32_t kVersion = 1;
 
 // Written before the file gets its name, never after.
-struct alignas(kPage) Title {
+struct alignas(kPage) Header {
   std::uint64_t magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint32_t size = 0;  // of IoBlock, bytes
@@ -46,7 +46,7 @@ struct alignas(kPage) PanelInputs {
 };
 
 struct IoBlock {
-  Title title;
+  Header header;
   StageOutputs stage;
   SupervisorOutputs supervisor;
   InterlockOutputs interlock;
@@ -54,7 +54,7 @@ struct IoBlock {
 };
 static_assert(std::is_standard_layout_v<IoBlock> && sizeof(IoBlock) == 5 * kPage);
 
-// What the converter puts out and whether the amplifier may.
+// The converter's voltage and the amplifier's enable.
 struct ConverterOutput {
   std::int32_t mV = 0;  // signed high voltage
   bool hv_enabled = false;
@@ -67,11 +67,11 @@ struct RelayOutput {
   bool operator==(const RelayOutput&) const = default;
 };
 
-// Keys and buttons on the device, as levels. Both E-stop contacts closed = not pressed.
+// Keys and buttons on the device. Both E-stop contacts closed: not pressed.
 struct PanelLevels {
   bool arm_key = false, reset_key = false;
   bool estop_a_closed = false, estop_b_closed = false;
-  bool bench_key = false;  // nobody and no needle at the stage
+  bool bench_key = false;  // confirmed: no patient and no needle at the stage
   bool operator==(const PanelLevels&) const = default;
 };
 

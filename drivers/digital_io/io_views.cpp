@@ -14,36 +14,36 @@ void count_up(Word& counter) {
 
 }  // namespace
 
-StageIo::StageIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Stage) {
+StageIo::StageIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Stage) {
   write(safety::GatedVoltage::off());
 }
 
 void StageIo::write(const safety::GatedVoltage& voltage) {
-  lines_.block().stage.converter.store(packed(voltage.mV(), voltage.hv_enabled()), std::memory_order_release);
+  io_.block().stage.converter.store(packed(voltage.mV(), voltage.hv_enabled()), std::memory_order_release);
 }
 
 void StageIo::pulse() {
-  count_up(lines_.block().stage.pulses);
+  count_up(io_.block().stage.pulses);
 }
 
-SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Supervisor) {}
+SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Supervisor) {}
 
 void SupervisorIo::pulse() {
-  count_up(lines_.block().supervisor.pulses);
+  count_up(io_.block().supervisor.pulses);
 }
 
-PanelIo::PanelIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Panel) {
+PanelIo::PanelIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Panel) {
   set(PanelLevels{});
 }
 
 void PanelIo::set(const PanelLevels& levels) {
-  lines_.block().panel.levels.store(packed(levels), std::memory_order_release);
+  io_.block().panel.levels.store(packed(levels), std::memory_order_release);
 }
 
-InterlockIo::InterlockIo(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Interlock) {}
+InterlockIo::InterlockIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Interlock) {}
 
 void InterlockIo::write(const RelayOutput& output, std::int64_t now_ns) {
-  InterlockOutputs& block = lines_.block().interlock;
+  InterlockOutputs& block = io_.block().interlock;
   if (voltage_mV(block.load.load(std::memory_order_relaxed)) != output.load_mV) {
     block.changed_ns.store(now_ns, std::memory_order_relaxed);
     if (output.load_mV == 0) block.zero_ns.store(now_ns, std::memory_order_relaxed);
@@ -53,27 +53,27 @@ void InterlockIo::write(const RelayOutput& output, std::int64_t now_ns) {
   count_up(block.ticks);
 }
 
-IoReader::IoReader(const std::filesystem::path& run_folder) : lines_(run_folder, Owner::Nobody) {}
+IoReader::IoReader(const std::filesystem::path& run_folder) : io_(run_folder, Owner::None) {}
 
 ConverterOutput IoReader::converter() const {
-  const std::uint64_t word = lines_.block().stage.converter.load(std::memory_order_acquire);
+  const std::uint64_t word = io_.block().stage.converter.load(std::memory_order_acquire);
   return {voltage_mV(word), flag(word)};
 }
 
 std::uint64_t IoReader::stage_pulses() const {
-  return lines_.block().stage.pulses.load(std::memory_order_acquire);
+  return io_.block().stage.pulses.load(std::memory_order_acquire);
 }
 
 std::uint64_t IoReader::supervisor_pulses() const {
-  return lines_.block().supervisor.pulses.load(std::memory_order_acquire);
+  return io_.block().supervisor.pulses.load(std::memory_order_acquire);
 }
 
 PanelLevels IoReader::panel() const {
-  return panel_levels(lines_.block().panel.levels.load(std::memory_order_acquire));
+  return panel_levels(io_.block().panel.levels.load(std::memory_order_acquire));
 }
 
 RelayReading IoReader::relay() const {
-  const InterlockOutputs& block = lines_.block().interlock;
+  const InterlockOutputs& block = io_.block().interlock;
   RelayReading reading;
   const std::uint64_t load = block.load.load(std::memory_order_acquire);
   reading.output = {voltage_mV(load), flag(load)};

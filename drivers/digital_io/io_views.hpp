@@ -1,5 +1,5 @@
-// The lines as each process sees them: it can write its own and nothing else. Nothing here allocates, locks
-// or calls the system after construction. Constructors throw ConfigError, see SharedIo.
+// The shared digital I/O as each process sees it: a process writes its own block only. After construction
+// nothing here allocates, locks or makes a system call. Constructors throw ConfigError, see SharedIo.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace biopsy::digital_io {
 // The converter, the amplifier's HV enable and the stage's pulse to the interlock.
 class StageIo {
  public:
-  // Puts 0 V out: what stands on a converter after a crash is not to be trusted.
+  // Sets 0 V: the value that an earlier process left is not trusted.
   explicit StageIo(const std::filesystem::path& run_folder);
 
   void write(const safety::GatedVoltage& voltage);
   void pulse();  // once in every tick that went well
 
  private:
-  SharedIo lines_;
+  SharedIo io_;
 };
 
 class SupervisorIo final : public drivers::PulseOutput {
@@ -31,7 +31,7 @@ class SupervisorIo final : public drivers::PulseOutput {
   void pulse() override;  // in ticks whose SupervisorOutput::interlock_pulse is set
 
  private:
-  SharedIo lines_;
+  SharedIo io_;
 };
 
 class PanelIo {
@@ -42,28 +42,28 @@ class PanelIo {
   void set(const PanelLevels& levels);
 
  private:
-  SharedIo lines_;
+  SharedIo io_;
 };
 
 class InterlockIo {
  public:
   explicit InterlockIo(const std::filesystem::path& run_folder);
 
-  // One tick of the relay at `now_ns` (CLOCK_MONOTONIC). Times are written before the load they date: who
-  // sees a load of 0 also sees when it became 0.
+  // One tick of the relay at `now_ns` (CLOCK_MONOTONIC). Times are written before the load they belong to: a
+  // reader of a load of 0 also reads when it became 0.
   void write(const RelayOutput& output, std::int64_t now_ns);
 
  private:
-  SharedIo lines_;
+  SharedIo io_;
 };
 
-// What the interlock says of itself.
+// State of the relay, as its process wrote it.
 struct RelayReading {
   RelayOutput output;           // load_mV as it was in the relay's last tick
   std::int64_t changed_ns = 0;  // when load_mV last changed
   std::int64_t zero_ns = 0;     // when load_mV last became 0; 0 = never
   std::int64_t ticked_ns = 0;   // when it ticked last
-  std::uint64_t ticks = 0;      // over all lives of the interlock process
+  std::uint64_t ticks = 0;      // over all starts of the interlock process
 };
 
 // Reads all, writes nothing.
@@ -77,15 +77,13 @@ class IoReader {
   PanelLevels panel() const;
   RelayReading relay() const;
 
-  // The voltage on the stack at `now_ns`: the converter's while the relay is closed and HV enabled, else 0.
-  // A real relay that loses its supply falls open; a process that is killed or stopped leaves its last word
-  // in memory. So a relay whose last tick is not within kInterlock_us of now counts as open. (It may have
-  // ticked a little after `now_ns` was read, hence on either side.) Takes the converter as it is now, not as
-  // the relay last saw it: copper does not wait for a tick.
+  // The voltage on the stack at `now_ns`: the converter's present value while the relay is closed and HV
+  // enabled, else 0. A relay whose last tick is not within kInterlock_us of `now_ns` (on either side: it may
+  // have ticked since) counts as open, as a real one does that loses its supply.
   std::int32_t load_voltage_seen_mV(std::int64_t now_ns) const;
 
  private:
-  SharedIo lines_;
+  SharedIo io_;
 };
 
 }  // namespace biopsy::digital_io

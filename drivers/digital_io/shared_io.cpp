@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "lines";
-constexpr const char* kLayAnew = "stop the robot, then lay the lines anew with `biopsy up`";
+constexpr const char* kMakeAnew = "stop the robot, then make the file anew with `biopsy up`";
 
 class File {
  public:
@@ -43,41 +43,41 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
-// One byte of the file stands for one owner. The kernel lets go of it when the process is gone, however it
-// went.
-struct flock claim_of(Owner owner) {
-  struct flock claim {};
-  claim.l_type = F_WRLCK;
-  claim.l_whence = SEEK_SET;
-  claim.l_start = static_cast<off_t>(owner);
-  claim.l_len = owner == Owner::Nobody ? 0 : 1;  // 0: all of them
-  return claim;
+// One byte of the file is locked for each owner; the kernel unlocks it however the process ends.
+struct flock lock_of(Owner owner) {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = static_cast<off_t>(owner);
+  lock.l_len = owner == Owner::None ? 0 : 1;  // 0: all of them
+  return lock;
 }
 
 bool is_in_use(const fs::path& path) {
   const File file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  struct flock claim = claim_of(Owner::Nobody);
-  return file && ::fcntl(file.get(), F_OFD_GETLK, &claim) == 0 && claim.l_type != F_UNLCK;
+  struct flock lock = lock_of(Owner::None);
+  return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
 void check(const File& file, const fs::path& path) {
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) throw ConfigError(reason(errno), path.string(), kLayAnew);
+  if (::fstat(file.get(), &status) != 0) throw ConfigError(reason(errno), path.string(), kMakeAnew);
   if (!S_ISREG(status.st_mode) || status.st_size != static_cast<off_t>(sizeof(IoBlock)))
-    throw ConfigError("is not a file of electrical lines, or is cut short", path.string(), kLayAnew);
+    throw ConfigError("is not a file of digital I/O lines, or is truncated", path.string(), kMakeAnew);
   if ((status.st_mode & 077) != 0)
-    throw ConfigError("can be reached by other users", path.string(), "chmod 600, and ask who changed it");
-  Title title;
-  if (::pread(file.get(), &title, sizeof(Title), 0) != static_cast<ssize_t>(sizeof(Title)) ||
-      title.magic != kMagic)
-    throw ConfigError("is not a file of electrical lines", path.string(), kLayAnew);
-  if (title.version != kVersion || title.size != sizeof(IoBlock))
-    throw ConfigError("holds electrical lines of another version of this program", path.string(), kLayAnew);
+    throw ConfigError("is accessible to other users", path.string(),
+                      "chmod 600, and find out who changed it");
+  Header header;
+  if (::pread(file.get(), &header, sizeof(Header), 0) != static_cast<ssize_t>(sizeof(Header)) ||
+      header.magic != kMagic)
+    throw ConfigError("is not a file of digital I/O lines", path.string(), kMakeAnew);
+  if (header.version != kVersion || header.size != sizeof(IoBlock))
+    throw ConfigError("is of another version of this program", path.string(), kMakeAnew);
 }
 
 void* block_of(IoBlock* block, Owner owner) {
   switch (owner) {
-    case Owner::Nobody:
+    case Owner::None:
       return nullptr;
     case Owner::Stage:
       return &block->stage;
@@ -98,8 +98,7 @@ void create_shared_io(const fs::path& run_folder) {
   if (is_in_use(path))
     throw ConfigError("belongs to a robot that is running", path.string(),
                       "stop that one first, or use another run folder");
-  static const Title title{.size =
-                               sizeof(IoBlock)};  // static: no stray bytes of the stack between its members
+  static const Header header{.size = sizeof(IoBlock)};  // static: its padding is zero
   std::string temporary = (run_folder / ".lines-XXXXXX").string();
   const File file(::mkstemp(temporary.data()));  // mode 0600
   const auto give_up = [&](int error) {
@@ -108,32 +107,32 @@ void create_shared_io(const fs::path& run_folder) {
                       "give a run folder that exists, can be written and has space");
   };
   if (!file) give_up(errno);
-  // Reserved, not only promised: a full disk must not be noticed by a write to a mapped page.
+  // Allocated now: on a full disk a write to a mapped page would end the process.
   if (const int error = ::posix_fallocate(file.get(), 0, sizeof(IoBlock)); error != 0) give_up(error);
-  if (::pwrite(file.get(), &title, sizeof title, 0) != static_cast<ssize_t>(sizeof title)) give_up(errno);
+  if (::pwrite(file.get(), &header, sizeof header, 0) != static_cast<ssize_t>(sizeof header)) give_up(errno);
   if (std::rename(temporary.c_str(), path.c_str()) != 0) give_up(errno);
 }
 
 SharedIo::SharedIo(const fs::path& run_folder, Owner owner) {
   const fs::path path = run_folder / kName;
-  const int way = owner == Owner::Nobody ? O_RDONLY : O_RDWR;
+  const int way = owner == Owner::None ? O_RDONLY : O_RDWR;
   File file(::open(path.c_str(), way | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file)
     throw ConfigError("cannot be opened: " + reason(errno), path.string(),
-                      "lay the lines first, with `biopsy up`");
+                      "start the robot with `biopsy up`, which makes it");
   check(file, path);
-  struct flock claim = claim_of(owner);
-  if (owner != Owner::Nobody && ::fcntl(file.get(), F_OFD_SETLK, &claim) != 0)
-    throw ConfigError("another process drives these lines", path.string(),
+  struct flock lock = lock_of(owner);
+  if (owner != Owner::None && ::fcntl(file.get(), F_OFD_SETLK, &lock) != 0)
+    throw ConfigError("another process owns this block", path.string(),
                       "each process of the robot runs once; stop the other one");
   void* memory = ::mmap(nullptr, sizeof(IoBlock), PROT_READ, MAP_SHARED | MAP_POPULATE, file.get(), 0);
-  if (memory == MAP_FAILED) throw ConfigError("cannot be mapped: " + reason(errno), path.string(), kLayAnew);
+  if (memory == MAP_FAILED) throw ConfigError("cannot be mapped: " + reason(errno), path.string(), kMakeAnew);
   block_ = static_cast<IoBlock*>(memory);
   void* own = block_of(block_, owner);
   if (own != nullptr && ::mprotect(own, kPage, PROT_READ | PROT_WRITE) != 0) {
     const int error = errno;
     ::munmap(memory, sizeof(IoBlock));
-    throw ConfigError("cannot be written: " + reason(error), path.string(), kLayAnew);
+    throw ConfigError("cannot be written: " + reason(error), path.string(), kMakeAnew);
   }
   file_ = file.release();
 }

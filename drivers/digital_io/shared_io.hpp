@@ -1,5 +1,5 @@
-// The lines that are copper in a laboratory and, in simulation, a small file mapped by every process. One
-// process makes it; the others take hold of it, each with leave to write its own block.
+// The digital I/O lines between processes, simulated by a small file that every process maps. One process
+// makes it; each of the others may write its own block.
 #pragma once
 
 #include <filesystem>
@@ -8,28 +8,28 @@
 
 namespace biopsy::digital_io {
 
-// Lays new lines, all dead, as `run_folder`/lines (mode 0600). An older file is replaced: who still holds it
-// is cut off and feeds nobody. The folder should be in memory (tmpfs, as /run is): on a disk a write can wait
-// for the disk. Throws ConfigError: cannot be made, or a running process still owns block of the older file.
+// Makes the file `run_folder`/lines (mode 0600), all zero. An older file is replaced; processes that still
+// map it no longer reach the others. The folder should be in memory (tmpfs): on a disk a write can wait for
+// the disk. Throws ConfigError: cannot be made, or a running process still owns a block of the older file.
 void create_shared_io(const std::filesystem::path& run_folder);
 
-enum class Owner { Nobody, Stage, Supervisor, Interlock, Panel };
+enum class Owner { None, Stage, Supervisor, Interlock, Panel };
 
 class SharedIo {
  public:
-  // Takes hold of the lines in `run_folder`; as an owner, of that owner's block alone, until the process
-  // ends. Throws ConfigError: no such file, not ours or truncated, open to other users, another version, or
-  // another process owns these block.
+  // Maps the file in `run_folder`; an owner holds its block until the process ends. Throws ConfigError: no
+  // such file, of another kind or truncated, accessible to other users, another version, or another process
+  // owns this block.
   SharedIo(const std::filesystem::path& run_folder, Owner owner);
   ~SharedIo();
   SharedIo(const SharedIo&) = delete;
   SharedIo& operator=(const SharedIo&) = delete;
 
-  // A write to block of another owner is a bug; the page is read-only and the process ends by SIGSEGV.
+  // Another owner's block is read-only: a write to it ends the process by SIGSEGV.
   IoBlock& block() const { return *block_; }
 
  private:
-  int file_ = -1;  // open as long as owned: the claim hangs on it
+  int file_ = -1;  // open as long as owned: it holds the lock
   IoBlock* block_ = nullptr;
 };
 

@@ -100,7 +100,7 @@ Command read_command(TomlTable table) {
   command.kV_per_V = table.number("kV_per_V", 0.1, 10.0, "kV/V");
   command.highest_kV = table.number("highest_kV", 0.1, kMost_kV, "kV");
   if (command.highest_kV / command.kV_per_V > kBoard_V)
-    table.refuse("highest_kV", "is more than the board's 10 V can ask of the amplifier", "lower it");
+    table.refuse("highest_kV", "needs more than the board's 10 V", "lower it");
   return command;
 }
 

@@ -1,5 +1,4 @@
-// How sensors and amplifier are wired to the board and what their volts mean (TOML;
-// docs/how-to/commission-a-stage.md).
+// Wiring and scales of sensors and amplifier (TOML; docs/how-to/commission-a-stage.md).
 #pragma once
 
 #include <cstdint>
@@ -19,7 +18,7 @@ struct AnalogInput {
 
 struct Laser {
   AnalogInput input;
-  double zero_V = 0;                         // where the needle waits
+  double zero_V = 0;                         // at depth 0
   double mm_per_V = 0;                       // negative where the voltage falls as the needle goes deeper
   double valid_low_V = 0, valid_high_V = 0;  // outside: target out of range or too little light
 };
@@ -32,7 +31,7 @@ struct Monitor {
 struct Command {
   std::uint32_t number = 0;  // of ao0, ao1
   double kV_per_V = 0;       // the amplifier's gain
-  double highest_kV = 0;     // |command| never goes beyond, whatever the gate lets through; at most 8 kV
+  double highest_kV = 0;     // limit of |command|, below the gate's; at most 8 kV
 };
 
 // Lines of one port; bit = number of the line.
@@ -68,8 +67,8 @@ struct Config {
   std::optional<SupervisorPulse> supervisor_pulse;
 };
 
-// Throw ConfigError, with file and line, for what is missing, unknown, out of range, or cannot work together:
-// a monitor that could not show 8.2 kV, a laser that could not see a needle 2 mm beyond the stroke.
+// Throw ConfigError, with file and line, for entries that are missing, unknown, out of range or inconsistent:
+// a monitor that cannot show 8.2 kV, a laser that cannot measure 2 mm beyond the stroke.
 Config parse_config(const std::string& text, const std::string& name);
 Config read_config(const std::filesystem::path& file);
 

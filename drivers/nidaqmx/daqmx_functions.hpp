@@ -1,6 +1,6 @@
-// The C functions of NI-DAQmx that the stage uses, found at run time: the program builds, and everything but
-// this stage runs, where the vendor's driver is not installed. Types and constants as in NI's NIDAQmx.h for
-// 64-bit Linux.
+// The C functions of NI-DAQmx that the stage uses, loaded at run time: without the vendor's driver the
+// program builds, and everything but this stage runs. Types and constants as in NI's NIDAQmx.h for 64-bit
+// Linux.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +46,8 @@ struct DaqmxFunctions {
                                      std::uint32_t lines, std::uint32_t* reserved);
 };
 
-// `library`: a name for the system's search or a path. It is never unloaded: the vendor's driver has threads
-// of its own. Throws ConfigError, saying what to install, where it is absent or lacks a function.
+// `library`: a path, or a name for the system's search. Never unloaded: the vendor's driver has threads of
+// its own. Throws ConfigError where it is absent or lacks a function.
 DaqmxFunctions load_daqmx(const std::string& library);
 
 }  // namespace biopsy::nidaqmx

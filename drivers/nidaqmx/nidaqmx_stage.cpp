@@ -12,8 +12,7 @@
 namespace biopsy::nidaqmx {
 namespace {
 
-constexpr double kCodes =
-    65536.0;  // of 16 bits over the range: each code of the converter keeps one of its own
+constexpr double kCodes = 65536.0;  // of the 16-bit converter, over its range
 
 std::string channel(const Config& config, const char* kind, std::uint32_t number) {
   return fmt::format("{}/{}{}", config.device, kind, number);
@@ -25,13 +24,13 @@ std::string line(const Config& config, std::uint32_t port, std::uint32_t number)
 
 void add_input(const DaqmxFunctions& daqmx, Task& task, const Config& config, const AnalogInput& input) {
   const std::string name = channel(config, "ai", input.number);
-  demand(daqmx,
-         daqmx.create_ai_voltage_chan(task.handle(), name.c_str(), "", input.terminal, input.low_V,
-                                      input.high_V, kVolts, nullptr),
-         name);
+  require_success(daqmx,
+                  daqmx.create_ai_voltage_chan(task.handle(), name.c_str(), "", input.terminal, input.low_V,
+                                               input.high_V, kVolts, nullptr),
+                  name);
 }
 
-// Whole micrometres, millivolts or nanoamperes. A scale cannot carry a board's volts beyond these.
+// To whole micrometres, millivolts or nanoamperes.
 std::int32_t rounded(double value) {
   constexpr double kMost = 2e9;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -kMost, kMost)));
@@ -58,20 +57,21 @@ NidaqmxStage::~NidaqmxStage() {
 void NidaqmxStage::find_board() {
   std::array<char, 4096> text{};
   const auto size = static_cast<std::uint32_t>(text.size()) - 1;
-  demand(daqmx_, daqmx_.get_sys_dev_names(text.data(), size), "list of boards");
+  require_success(daqmx_, daqmx_.get_sys_dev_names(text.data(), size), "list of boards");
   const std::string present = fmt::format(", {},", text.data());
   if (present.find(fmt::format(" {},", config_.device)) == std::string::npos)
     throw ConfigError(fmt::format("there is no board of this name; there are: {}", text.data()),
                       config_.device,
                       "plug it in and see `nilsdev`, or correct `device` in the configuration");
-  demand(daqmx_, daqmx_.get_dev_product_type(config_.device.c_str(), text.data(), size), config_.device);
+  require_success(daqmx_, daqmx_.get_dev_product_type(config_.device.c_str(), text.data(), size),
+                  config_.device);
   product_ = text.data();
-  demand(daqmx_, daqmx_.get_dev_serial_num(config_.device.c_str(), &serial_), config_.device);
+  require_success(daqmx_, daqmx_.get_dev_serial_num(config_.device.c_str(), &serial_), config_.device);
   if (config_.serial && *config_.serial != serial_)
     throw ConfigError(fmt::format("this board's serial number is {}, not {}", serial_, *config_.serial),
                       config_.device, "connect the right board, or correct `serial` and commission anew");
-  demand(daqmx_, daqmx_.reset_device(config_.device.c_str()), config_.device + ", reset");
-  demand(daqmx_, daqmx_.self_test_device(config_.device.c_str()), config_.device + ", self test");
+  require_success(daqmx_, daqmx_.reset_device(config_.device.c_str()), config_.device + ", reset");
+  require_success(daqmx_, daqmx_.self_test_device(config_.device.c_str()), config_.device + ", self test");
 }
 
 void NidaqmxStage::connect() {
@@ -82,22 +82,24 @@ void NidaqmxStage::connect() {
 
   output_.emplace(daqmx_, "biopsy command");
   const std::string command = channel(config_, "ao", config_.command.number);
-  demand(daqmx_,
-         daqmx_.create_ao_voltage_chan(output_->handle(), command.c_str(), "", -kBoard_V, kBoard_V, kVolts,
-                                       nullptr),
-         command);
+  require_success(daqmx_,
+                  daqmx_.create_ao_voltage_chan(output_->handle(), command.c_str(), "", -kBoard_V, kBoard_V,
+                                                kVolts, nullptr),
+                  command);
   output_->start(command);
-  demand(daqmx_, daqmx_.write_analog_scalar_f64(output_->handle(), 0, config_.timeout_s, 0.0, nullptr),
-         command);
+  require_success(
+      daqmx_, daqmx_.write_analog_scalar_f64(output_->handle(), 0, config_.timeout_s, 0.0, nullptr), command);
 
   const Interlock& interlock = config_.interlock;
   std::string lines = line(config_, interlock.port, interlock.pulse_line);
   if (interlock.enable_line) lines += ", " + line(config_, interlock.port, *interlock.enable_line);
   lines_task_.emplace(daqmx_, "biopsy interlock");
-  demand(daqmx_, daqmx_.create_do_chan(lines_task_->handle(), lines.c_str(), "", kChanForAllLines), lines);
+  require_success(daqmx_, daqmx_.create_do_chan(lines_task_->handle(), lines.c_str(), "", kChanForAllLines),
+                  lines);
   lines_task_->start(lines);
-  demand(daqmx_, daqmx_.write_digital_scalar_u32(lines_task_->handle(), 0, config_.timeout_s, 0, nullptr),
-         lines);
+  require_success(daqmx_,
+                  daqmx_.write_digital_scalar_u32(lines_task_->handle(), 0, config_.timeout_s, 0, nullptr),
+                  lines);
 
   if (!config_.panel) return;
   const PanelInputs& panel = *config_.panel;
@@ -106,18 +108,18 @@ void NidaqmxStage::connect() {
        {panel.arm_line, panel.reset_line, panel.estop_a_line, panel.estop_b_line})
     contacts += (contacts.empty() ? "" : ", ") + line(config_, panel.port, contact);
   panel_task_.emplace(daqmx_, "biopsy panel");
-  demand(daqmx_, daqmx_.create_di_chan(panel_task_->handle(), contacts.c_str(), "", kChanForAllLines),
-         contacts);
+  require_success(
+      daqmx_, daqmx_.create_di_chan(panel_task_->handle(), contacts.c_str(), "", kChanForAllLines), contacts);
   panel_task_->start(contacts);
 }
 
 bool NidaqmxStage::is_good(Status status) {
   if (status >= 0) return true;
-  daqmx_.get_extended_error_info(trouble_.text.data(), static_cast<std::uint32_t>(trouble_.text.size()) - 1);
-  trouble_.status = status;
-  trouble_.trouble = trouble_of(status);
-  ++trouble_.count;
-  if (trouble_.trouble != Trouble::Stale && trouble_.trouble != Trouble::Overrun) stop_for_good();
+  daqmx_.get_extended_error_info(error_.text.data(), static_cast<std::uint32_t>(error_.text.size()) - 1);
+  error_.status = status;
+  ++error_.count;
+  const ErrorKind kind = error_kind(status);
+  if (kind != ErrorKind::Stale && kind != ErrorKind::Overrun) stop_for_good();
   return false;
 }
 
@@ -169,7 +171,7 @@ void NidaqmxStage::write(const safety::GatedVoltage& voltage) {
   const double command_V = on ? std::clamp(wanted_V, -most_V, most_V) : 0.0;
   const Status status =
       daqmx_.write_analog_scalar_f64(output_->handle(), 0, config_.timeout_s, command_V, nullptr);
-  // A reading may be missed now and then, a voltage may not: the converter holds what it held.
+  // Unlike a missed reading, a missed voltage stays on the converter.
   if (!is_good(status)) stop_for_good();
   write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_);
 }
@@ -179,7 +181,7 @@ void NidaqmxStage::write_lines(bool enabled, bool pulse) {
   std::uint32_t lines = lines_ & bit(config_.interlock.pulse_line);
   if (pulse) lines ^= bit(config_.interlock.pulse_line);
   if (enabled && config_.interlock.enable_line) lines |= bit(*config_.interlock.enable_line);
-  if (lines == lines_) return;  // a call saved
+  if (lines == lines_) return;
   if (is_good(daqmx_.write_digital_scalar_u32(lines_task_->handle(), 0, config_.timeout_s, lines, nullptr)))
     lines_ = lines;
   else

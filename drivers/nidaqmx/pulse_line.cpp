@@ -22,9 +22,9 @@ PulseLine::PulseLine(const Config& config)
       daqmx_(load_daqmx(config.library)),
       name_(fmt::format("{}/port{}/line{}", wired_.device, wired_.port, wired_.line)),
       task_(daqmx_, "biopsy supervisor") {
-  demand(daqmx_, daqmx_.create_do_chan(task_.handle(), name_.c_str(), "", kChanForAllLines), name_);
+  require_success(daqmx_, daqmx_.create_do_chan(task_.handle(), name_.c_str(), "", kChanForAllLines), name_);
   task_.start(name_);
-  demand(daqmx_, daqmx_.write_digital_scalar_u32(task_.handle(), 0, timeout_s_, 0, nullptr), name_);
+  require_success(daqmx_, daqmx_.write_digital_scalar_u32(task_.handle(), 0, timeout_s_, 0, nullptr), name_);
 }
 
 PulseLine::~PulseLine() {

@@ -1,5 +1,5 @@
-// The supervisor's pulse to its half of the external interlock: one output line, on a board that is not the
-// stage's. So it fails with the supervisor and not with the driver it guards.
+// The supervisor's pulse to its half of the external interlock: one output line of a board of its own, so
+// that a failure of the stage's board does not affect it.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@ namespace biopsy::nidaqmx {
 
 class PulseLine final : public drivers::PulseOutput {
  public:
-  // Takes the line of `[supervisor_pulse]` and puts it low. Throws ConfigError where the configuration has
-  // none or the board does not give it.
+  // Opens the line of `[supervisor_pulse]` and sets it low. Throws ConfigError where the configuration has
+  // none or the board refuses.
   explicit PulseLine(const Config& config);
   ~PulseLine() override;  // low
 
   void pulse() override;
-  bool failed() const { return failed_; }  // for good: the board said no once
+  bool failed() const override { return failed_; }
 
  private:
   SupervisorPulse wired_;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "drivers/nidaqmx/trouble.hpp"
+#include "drivers/nidaqmx/error_kind.hpp"
 
 namespace biopsy::nidaqmx {
 
@@ -11,9 +11,9 @@ class Task {
  public:
   // Throws ConfigError. `daqmx` must outlive this.
   Task(const DaqmxFunctions& daqmx, const std::string& name) : daqmx_(daqmx) {
-    demand(daqmx, daqmx.create_task(name.c_str(), &handle_), "task " + name);
+    require_success(daqmx, daqmx.create_task(name.c_str(), &handle_), "task " + name);
   }
-  ~Task() {  // errors cannot be answered any more
+  ~Task() {  // errors are ignored: nothing follows
     daqmx_.stop_task(handle_);
     daqmx_.clear_task(handle_);
   }
@@ -22,10 +22,10 @@ class Task {
 
   TaskHandle handle() const { return handle_; }
 
-  // Takes the resources, so that a board in use elsewhere is refused here and not in the first tick.
+  // Reserves the board: one in use elsewhere is refused here, not in the first tick.
   void start(const std::string& where) {
-    demand(daqmx_, daqmx_.task_control(handle_, kTaskCommit), where);
-    demand(daqmx_, daqmx_.start_task(handle_), where);
+    require_success(daqmx_, daqmx_.task_control(handle_, kTaskCommit), where);
+    require_success(daqmx_, daqmx_.start_task(handle_), where);
   }
 
  private:

@@ -15,7 +15,7 @@ namespace {
 constexpr double kMoved_mm = 1.0;   // a run that expects less does not lift
 constexpr double kAtRest_mm = 0.2;  // between two runs' beginnings: ten times the laser's noise
 
-// Where plate A stood before the first voltage. mm
+// Position of plate A before the first voltage, mm.
 double began_at(const report::BenchRunRecord& run) {
   double sum = 0.0;
   std::size_t rest = 0;
@@ -39,8 +39,8 @@ void note_the_beginning(report::BenchRecord& record) {
   const double began = began_at(run), first = began_at(record.runs.front());
   if (std::abs(began - first) > kAtRest_mm)
     record.notes.push_back(
-        fmt::format("{} began {:+.2f} mm from where {} began: something has stayed of what was done before.",
-                    run.name, began - first, record.runs.front().name));
+        fmt::format("{} began {:+.2f} mm from where {} began: an earlier run has left an offset.", run.name,
+                    began - first, record.runs.front().name));
 }
 
 void note_the_travel(report::BenchRecord& record, Volts highest, double drive_scale) {
@@ -54,14 +54,13 @@ void note_the_travel(report::BenchRecord& record, Volts highest, double drive_sc
     if (travel > kMuch * run.expected_mm) much += (much.empty() ? "" : ", ") + run.name;
   }
   if (!little.empty())
-    record.notes.push_back(
-        fmt::format("Lifted less than a third of what was expected, and says little: {}. Friction has the "
-                    "better of these voltages, or the stack needs more{}.",
-                    little, next_scale(highest, drive_scale)));
+    record.notes.push_back(fmt::format(
+        "Lifted less than a third of the expected travel, so these runs contain little information: {}. "
+        "Friction holds the stage at these voltages, or the stack needs more{}.",
+        little, next_scale(highest, drive_scale)));
   if (!much.empty())
     record.notes.push_back(
-        fmt::format("Lifted more than one and a half times what was expected: {}. Look at the weight on the "
-                    "fixture{}.",
+        fmt::format("Lifted more than 1.5 times the expected travel: {}. Check the weight on the fixture{}.",
                     much, drive_scale > 1.0 ? ", and take a smaller --drive-scale" : ""));
 }
 

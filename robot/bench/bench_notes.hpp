@@ -1,4 +1,4 @@
-// What a reader of bench data has to know, as sentences of the report.
+// Notes of a bench report: conditions under which its data must be read.
 #pragma once
 
 #include "robot/common/units.hpp"
@@ -6,7 +6,7 @@
 
 namespace biopsy::robot {
 
-// Where the last run began, if elsewhere than the first: something stayed of what was done before.
+// Where the last run began, if elsewhere than the first.
 void note_the_beginning(report::BenchRecord& record);
 
 // Which runs lifted far less or far more than expected, and which --drive-scale could follow. `highest`: of

@@ -18,7 +18,7 @@ struct BenchResult {
   sim::RecordedRun recorded;
   std::string stopped_because;       // empty: the program was played to its end
   double stopped_s = 0.0;            // when it was stopped
-  std::vector<std::string> remarks;  // what a reader of the rows has to know
+  std::vector<std::string> remarks;  // on the rows
 };
 
 // Keys of a real device, as of its last reading.
@@ -27,21 +27,20 @@ struct BenchKeys {
 };
 
 struct Bench {
-  drivers::NeedleStage& stage;           // at rest, and discharged once it has rested
-  std::function<void(double)> push;      // N on plate A, from the next voltage on; stays at a stop
-  std::function<void(double)> played;    // told now and then which share of the program
-  std::function<BenchKeys()> keys = {};  // turned by hand; none: the script turns them
+  drivers::NeedleStage& stage;                // at rest, and discharged once it has rested
+  std::function<void(double)> push;           // N on plate A, from the next voltage on; stays at a stop
+  std::function<void(double)> show_progress;  // which share of the program was played
+  std::function<BenchKeys()> keys = {};       // turned by hand; none: the script turns them
   drivers::PulseOutput* supervisor_pulse = nullptr;  // to the interlock; none: there is none
-  Seconds rest{0.0};                       // at 0 V beforehand, until what an earlier run left is gone
-  std::function<void()> ask_for_key = {};  // told when that is over and the key may be turned
-  std::function<bool()> stop = {};         // somebody wants it to end: withdraws as at any stop
+  Seconds rest{0.0};                       // at 0 V beforehand, until the effect of an earlier run is gone
+  std::function<void()> request_key = {};  // once that is over and the key may be turned
+  std::function<bool()> stop = {};         // true: withdraws as at any stop
 };
 
-// Arms, holds the button while the program plays, then withdraws; gives up at whatever ends the motion before
-// the program does. A real key counts from when it was asked for, and once it was seen open. Recorded to the
-// last tick, with the voltage that the gate really put out: from the end of the rest, with a real key from
-// when it was turned, and nobody's hand is at the stage any more. `plan`: made for this run by
-// planner::plan_bench. `config_tag` is never 0.
+// Plays the run's program as BenchOperator arms, holds and withdraws; gives up at whatever ends the motion
+// before the program does. Recorded to the last tick, with the voltage that the gate really put out: from the
+// end of the rest or, with a real key, from when it was turned and all hands are off the stage. `plan`: made
+// for this run by planner::plan_bench. `config_tag` is never 0.
 BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t config_tag, const Bench& bench);
 
 }  // namespace biopsy::robot

@@ -39,7 +39,7 @@ std::optional<double> TerminalOperator::enter_value(const std::string& what) {
       std::size_t end = 0;
       const double value = std::stod(line, &end);
       if (end == line.size() && std::isfinite(value)) return value;
-    } catch (const std::logic_error&) {  // no number, or one that no double holds: asked again
+    } catch (const std::logic_error&) {  // no number, or out of range: asked again
     }
   }
 }
@@ -55,18 +55,18 @@ void SimulatedBench::write(const safety::GatedVoltage& voltage) {
   stage_.write(powered ? voltage : safety::GatedVoltage::off());
 }
 
-StageTrimmings SimulatedBench::trimmings() {
+StageConnections SimulatedBench::connections() {
   return {.estop =
               [this] {
-                return StageTrimmings::Contacts{pressed_ticks_ == 0, pressed_ticks_ <= kContactLag_ticks};
+                return StageConnections::Contacts{pressed_ticks_ == 0, pressed_ticks_ <= kContactLag_ticks};
               },
           .feed_interlock = [this](bool feeding) { feeding_ = feeding; },
           .supervisor_pulse = &supervisors_half_};
 }
 
 bool SimulatedOperator::confirm(Act act, const std::string& what) {
-  if (always_agrees_) asked_.notify("  " + what);
-  if (!always_agrees_ && !asked_.confirm(act, what)) return false;
+  if (always_agrees_) terminal_.notify("  " + what);
+  if (!always_agrees_ && !terminal_.confirm(act, what)) return false;
   switch (act) {
     case Act::Prepare:
       break;
@@ -88,7 +88,7 @@ bool SimulatedOperator::confirm(Act act, const std::string& what) {
 
 std::optional<double> SimulatedOperator::enter_value(const std::string& what) {
   const double height_mm = std::round(bench_.true_depth_mm() * 100.0) / 100.0;
-  asked_.notify(fmt::format("  {}: {:.2f} (simulated)", what, height_mm));
+  terminal_.notify(fmt::format("  {}: {:.2f} (simulated)", what, height_mm));
   return height_mm;
 }
 

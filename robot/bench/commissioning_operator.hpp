@@ -1,5 +1,4 @@
-// Who answers the questions of commissioning: somebody at a terminal, and, where the stage is simulated,
-// hands that are as well.
+// Operators of commissioning: at a terminal, and simulated where the stage is.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +13,7 @@
 
 namespace biopsy::robot {
 
-// Asks "done? y/n" and for numbers; the end of the input is a no.
+// Asks "done? [y/n]" and for numbers; the end of the input counts as no.
 class TerminalOperator final : public commissioning::Operator {
  public:
   TerminalOperator(std::istream& in, std::ostream& out) : in_(in), out_(out) {}
@@ -28,8 +27,8 @@ class TerminalOperator final : public commissioning::Operator {
   std::ostream& out_;
 };
 
-// The simulated stage with what surrounds it on a bench: the interlock of safety/interlock.hpp, an emergency
-// stop with two contacts, a hand.
+// The simulated stage on a bench: with the interlock of safety/interlock.hpp, an emergency stop with two
+// contacts, and a force on plate A.
 class SimulatedBench final : public drivers::NeedleStage {
  public:
   explicit SimulatedBench(const sim::PlantModel& model, std::uint64_t seed);
@@ -37,7 +36,7 @@ class SimulatedBench final : public drivers::NeedleStage {
   drivers::SensorReading read() override { return stage_.read(); }
   void write(const safety::GatedVoltage& voltage) override;
 
-  StageTrimmings trimmings();
+  StageConnections connections();
   void lift(double force_N) { stage_.push(-force_N); }
   double true_depth_mm() const { return stage_.truth().motion.x * 1e3; }
   void press_estop_under_voltage() { press_at_ = kPressAfter_ticks; }
@@ -63,19 +62,19 @@ class SimulatedBench final : public drivers::NeedleStage {
   int pressed_ticks_ = 0;
 };
 
-// Does on the simulated bench what an operator is asked to do, once `asked` has agreed.
+// Acts on the simulated bench once `terminal` has confirmed, or at once if `always_agrees`.
 class SimulatedOperator final : public commissioning::Operator {
  public:
-  SimulatedOperator(SimulatedBench& bench, commissioning::Operator& asked, bool always_agrees)
-      : bench_(bench), asked_(asked), always_agrees_(always_agrees) {}
+  SimulatedOperator(SimulatedBench& bench, commissioning::Operator& terminal, bool always_agrees)
+      : bench_(bench), terminal_(terminal), always_agrees_(always_agrees) {}
 
-  void notify(const std::string& what) override { asked_.notify(what); }
+  void notify(const std::string& what) override { terminal_.notify(what); }
   bool confirm(commissioning::Act act, const std::string& what) override;
   std::optional<double> enter_value(const std::string& what) override;
 
  private:
   SimulatedBench& bench_;
-  commissioning::Operator& asked_;
+  commissioning::Operator& terminal_;
   bool always_agrees_;
 };
 

@@ -1,5 +1,5 @@
-// Drives a stage for the steps of commissioning: small voltages, each under a supervisor of its own and
-// behind the gate, as every other motion.
+// Drives a stage for the steps of commissioning: 0.5 kV at most, each drive under a supervisor of its own and
+// behind the gate.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace biopsy::robot {
 
-// What a stage has besides its port, and time. All optional.
-struct StageTrimmings {
+// What a stage has besides reading and writing. All optional.
+struct StageConnections {
   struct Contacts {
     bool a_closed = false, b_closed = false;
   };
@@ -28,7 +28,7 @@ struct StageTrimmings {
 class SupervisedRig final : public commissioning::Rig {
  public:
   // `stage` must outlive this.
-  SupervisedRig(drivers::NeedleStage& stage, StageTrimmings trimmings);
+  SupervisedRig(drivers::NeedleStage& stage, StageConnections connections);
 
   commissioning::Sample rest() override;
   commissioning::Drive drive(std::int32_t level_mV, std::uint32_t ticks,
@@ -37,11 +37,11 @@ class SupervisedRig final : public commissioning::Rig {
   void feed_supervisors_half(bool feeding) override { supervisor_feeds_ = feeding; }
 
  private:
-  // Waits for the next tick, does it, and adds contacts and times to what it saw.
+  // Waits for the next tick, acts, and adds contacts and times to the sample.
   commissioning::Sample in_tick(const std::function<commissioning::Sample()>& act);
 
   drivers::NeedleStage& stage_;
-  StageTrimmings trimmings_;
+  StageConnections connections_;
   Plan plan_;
   safety::PlanFacts facts_;
   std::optional<realtime::TickClock> clock_;

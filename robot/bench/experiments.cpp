@@ -16,22 +16,22 @@ using control::VoltageSegment;
 
 constexpr std::uint32_t kRamp_ticks = 1'000;  // to the working voltage and back
 constexpr std::uint32_t kRest_ticks = 500;    // at 0 V behind the last ramp
-constexpr std::uint32_t kHand_ticks = 6'000;  // for a weight by hand: told, laid on within 3 s, settled
+constexpr std::uint32_t kHand_ticks = 6'000;  // for a weight by hand: asked for, laid on within 3 s, settled
 constexpr double kGram_N = 9.81e-3;
-constexpr Millimetres kStillUp{0.5};  // however hard it is pushed
-constexpr Millimetres kWorking{5.0};  // paper IV.E: where the impacts happened
-// Of the 50 mm/s that R-15 takes for a lost drive, seven tenths: a healthy stage stays below, friction or
-// not.
+constexpr Millimetres kStillUp{0.5};  // least depth under a push
+constexpr Millimetres kWorking{5.0};  // paper IV.E: depth of the impacts
+// 70 % of the 50 mm/s at which R-15 reports a lost drive: a healthy stage stays below, with friction or
+// without.
 constexpr double kFastest_mm_s = 35.0;
 
 std::uint32_t ticks_of(Seconds time) {
   return static_cast<std::uint32_t>(std::lround(time / kTick));
 }
 
-// The planner's nominal stage, under a voltage that is so many times higher.
-class InsertionStep {
+// The planner's nominal stage; voltages are scaled by drive_scale, pushes by push_scale.
+class ScaledStage {
  public:
-  explicit InsertionStep(const BenchSetup& setup)
+  explicit ScaledStage(const BenchSetup& setup)
       : nominal_(setup.weight),
         weight_(setup.weight),
         scale_(setup.drive_scale),
@@ -47,21 +47,20 @@ class InsertionStep {
   Millimetres depth(Volts amplitude, double push_N = 0.0) const {
     return nominal_.depth(amplitude / scale_, push_N);
   }
-  // How far the plate follows when a change of polarity lets the films' voltage jump.
+  // How far the plate follows the jump of the films' voltage at a change of polarity.
   Millimetres jump(Volts amplitude, const planner::FilmShare& share) const {
     return nominal_.depth_on_films(share.start * amplitude / scale_) -
            nominal_.depth_on_films(share.end * amplitude / scale_);
   }
   Millimetres largest_jump() const { return Millimetres(kFastest_mm_s / nominal_.speed_after_voltage()); }
-  // The push after which plate A settles as much lower as it may jump.
+  // The push that lowers plate A by the largest allowed jump.
   double largest_push(Volts amplitude) const {
     const Millimetres lowest = depth(amplitude) - Millimetres(kFastest_mm_s / nominal_.speed_after_push());
     double push_N = 0.0;
     while (depth(amplitude, push_N + 1e-3) > lowest) push_N += 1e-3;
     return push_scale_ * push_N;
   }
-  // One that ends after so long: what its momentum makes plate A, before the spring has a say, may be as
-  // fast.
+  // A push that ends before the spring acts: its momentum may make plate A kFastest_mm_s fast.
   double largest_blow(Volts amplitude, Seconds lasts) const {
     const double momentum_N = nominal_.plate_a_kg() * kFastest_mm_s * 1e-3 / lasts.count();
     return std::max(push_scale_ * momentum_N, largest_push(amplitude));
@@ -89,7 +88,7 @@ BenchRun dc_run(const std::string& name, const std::string& what, const VoltageP
   VoltageProgram program = shape;
   program.half_period_ticks = 0;
   program.sign = sign;
-  program.hold_from_tick = program.segments.front().ticks + 2;  // a hold lets nothing rise: first the top
+  program.hold_from_tick = program.segments.front().ticks + 2;  // the voltage cannot rise in a hold
   return {.name = named(name, setup.weight),
           .what = fmt::format("{:+.2f} kV DC {}, in a hold of the supervisor",
                               sign * control::highest(program).value * 1e-3, what),
@@ -98,34 +97,33 @@ BenchRun dc_run(const std::string& name, const std::string& what, const VoltageP
           .loads = {}};
 }
 
-// As steep as the gate allows, and too low to lift: nothing moves, and the current tells R, C1 and C2.
+// As steep as the gate allows and too low to lift: the current alone identifies R, C1 and C2.
 VoltageProgram electrical_step(const BenchSetup& setup) {
   constexpr double kShareOfLift = 0.75;
   constexpr std::uint32_t kStand_ticks = 8'000;
   const auto step_ticks = static_cast<std::uint32_t>(std::ceil(25.0 * setup.drive_scale));
-  const Volts amplitude = kShareOfLift * InsertionStep(setup).drive(Millimetres(0.01));
+  const Volts amplitude = kShareOfLift * ScaledStage(setup).drive(Millimetres(0.01));
   return {.segments = {{step_ticks, Volts(0), amplitude},
                        {kStand_ticks, amplitude, amplitude},
                        {step_ticks, amplitude, Volts(0)},
                        {kRest_ticks, Volts(0), Volts(0)}}};
 }
 
-// After T of DC the films hold a charge that lifts on its own once the voltage is gone, K (1 - exp(-T / tau))
-// of it: after 8 s a stage a little stronger than nominal stays up, and R-02 locks. 4 s and a slow way down
-// leave 0.45 K, which lifts nothing.
+// After a time T of DC the films retain the charge K (1 - exp(-T / tau)), which lifts without voltage: after
+// 8 s a stage slightly stronger than nominal stays up, and R-02 locks. 4 s and a slow ramp down leave 0.45 K,
+// which lifts nothing.
 std::vector<BenchRun> dc_runs(const BenchSetup& setup) {
   constexpr std::uint32_t kStand_ticks = 4'000, kDown_ticks = 4'000;
-  VoltageProgram lifting = hold_at(InsertionStep(setup).drive(kWorking), kStand_ticks);
+  VoltageProgram lifting = hold_at(ScaledStage(setup).drive(kWorking), kStand_ticks);
   lifting.segments[2].ticks = kDown_ticks;
   return {dc_run("dc-step", "for 8 s, too low to lift", electrical_step(setup), 1, setup),
           dc_run("dc-plus", "for 4 s and down in 4 s", lifting, 1, setup),
           dc_run("dc-minus", "for 4 s and down in 4 s", lifting, -1, setup)};
 }
 
-// As high as the working voltage, but no higher than a change of polarity, which lets the films' voltage
-// jump, can be followed without a swing.
+// The working voltage, or less where the plate would swing at a change of polarity.
 Volts amplitude_for(Seconds half_period, const BenchSetup& setup) {
-  const InsertionStep stage(setup);
+  const ScaledStage stage(setup);
   const planner::FilmShare share = planner::film_share(half_period);
   const Volts most = stage.drive(kWorking), stride(10.0);
   const Millimetres largest_jump = stage.largest_jump();
@@ -136,7 +134,7 @@ Volts amplitude_for(Seconds half_period, const BenchSetup& setup) {
 
 std::vector<BenchRun> frequency_runs(const BenchSetup& setup) {
   std::vector<BenchRun> runs;
-  for (const double hertz : {10.0, 5.0, 2.0, 1.0, 0.5, 0.2}) {  // the gentlest first
+  for (const double hertz : {10.0, 5.0, 2.0, 1.0, 0.5, 0.2}) {  // the least demanding first
     const Seconds half_period(0.5 / hertz);
     const Volts amplitude = amplitude_for(half_period, setup);
     const Seconds stand = std::max(Seconds(4.0), 6.0 * half_period);
@@ -162,7 +160,7 @@ BenchRun staircase_run(const BenchSetup& setup) {
     now = next;
   };
   for (const double depth : {1.5, 3.0, 4.5, 6.0, 7.5, 6.0, 4.5, 3.0, 1.5})
-    step_to(InsertionStep(setup).drive(Millimetres(depth)));
+    step_to(ScaledStage(setup).drive(Millimetres(depth)));
   step_to(Volts(0));
   return {.name = named("staircase", setup.weight),
           .what = fmt::format("2 Hz, five steps up to {:.2f} kV and down again",
@@ -173,13 +171,13 @@ BenchRun staircase_run(const BenchSetup& setup) {
 }
 
 std::vector<BenchRun> staircase_runs(const BenchSetup& setup) {
-  constexpr Grams kMore{50.0};  // what depends on the load comes apart only where the load changes
+  constexpr Grams kMore{50.0};  // effects of the load are identifiable only where it changes
   BenchSetup other = setup;
   other.weight += setup.weight + kMore <= planner::kWeightMax ? kMore : -kMore;
   return {staircase_run(setup), staircase_run(other)};
 }
 
-// What is laid on by hand comes in whole grams.
+// Weights are whole grams.
 double pushed_with(const BenchSetup& setup, double push_N) {
   return setup.by_hand ? std::floor(grams_of(push_N)) * kGram_N : push_N;
 }
@@ -191,7 +189,7 @@ std::string to_text(const BenchSetup& setup, double push_N) {
 
 std::vector<BenchRun> load_runs(const BenchSetup& setup) {
   const std::uint32_t stand_ticks = setup.by_hand ? kHand_ticks : 1'500;
-  const InsertionStep stage(setup);
+  const ScaledStage stage(setup);
   const Volts amplitude = stage.drive(kWorking);
   const double push_N = pushed_with(setup, stage.largest_push(amplitude));
   BenchRun run{.name = named("load", setup.weight),
@@ -213,9 +211,9 @@ std::vector<BenchRun> load_runs(const BenchSetup& setup) {
 }
 
 std::vector<BenchRun> impact_runs(const BenchSetup& setup) {
-  const InsertionStep stage(setup);
+  const ScaledStage stage(setup);
   const Volts amplitude = stage.drive(kWorking);
-  // A blow that ends when plate A swings back adds a second swing to the first. No hand is as quick.
+  // A blow that ends as plate A swings back excites it twice; by hand none is that short.
   const double share = setup.by_hand ? 1.0 : 0.7;
   const std::uint32_t apart_ticks = setup.by_hand ? 2 * kHand_ticks : 2'000;
   const std::vector<std::uint32_t> lasts =
@@ -239,6 +237,12 @@ std::vector<BenchRun> impact_runs(const BenchSetup& setup) {
   return {run};
 }
 
+void check_range(double value, double low, double high, const char* what, const char* option,
+                 const char* remedy) {
+  if (!(value >= low && value <= high))
+    throw ConfigError(fmt::format("{:g} {} is outside {:g} to {:g}", value, what, low, high), option, remedy);
+}
+
 std::string list_of_names() {
   std::string list;
   for (const Experiment& experiment : experiments())
@@ -249,7 +253,7 @@ std::string list_of_names() {
 }  // namespace
 
 const std::vector<Experiment>& experiments() {
-  // The first run that is stopped ends them all: what asks most of an unknown stage comes last.
+  // The first run that is stopped ends the session: the most demanding experiment is last.
   static const std::vector<Experiment> list{
       {"dc", "one polarity held: how far the displacement falls (paper, Fig. 6)", dc_runs},
       {"staircase", "up and down in steps, with two weights: hysteresis (Fig. 8b)", staircase_runs},
@@ -260,18 +264,12 @@ const std::vector<Experiment>& experiments() {
 }
 
 std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const BenchSetup& setup) {
-  if (!(setup.weight >= Grams(0) && setup.weight <= planner::kWeightMax))
-    throw ConfigError(fmt::format("a weight of {:g} g is outside 0 to {:.0f} g", setup.weight.value,
-                                  planner::kWeightMax.value),
-                      "--weight-g", "put less on the fixture");
-  if (!(setup.drive_scale >= 1.0 && setup.drive_scale <= planner::kDriveScaleMax))
-    throw ConfigError(fmt::format("{:g} times the nominal voltage is outside 1 to {:g}", setup.drive_scale,
-                                  planner::kDriveScaleMax),
-                      "--drive-scale", "measure with 1 first; the report says how far the stage went");
-  if (!(setup.push_scale >= 1.0 && setup.push_scale <= kPushScaleMax))
-    throw ConfigError(
-        fmt::format("{:g} times the nominal push is outside 1 to {:g}", setup.push_scale, kPushScaleMax),
-        "--push-scale", "measure with 1 first; the report says whether the depth showed it");
+  check_range(setup.weight.value, 0.0, planner::kWeightMax.value, "g on the fixture", "--weight-g",
+              "put less on the fixture");
+  check_range(setup.drive_scale, 1.0, planner::kDriveScaleMax, "times the nominal voltage", "--drive-scale",
+              "measure with 1 first; the report shows how far the stage went");
+  check_range(setup.push_scale, 1.0, kPushScaleMax, "times the nominal push", "--push-scale",
+              "measure with 1 first; the report shows whether the depth followed it");
   for (const std::string& name : names)
     if (std::none_of(experiments().begin(), experiments().end(),
                      [&](const auto& e) { return e.name == name; }))

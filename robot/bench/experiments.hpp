@@ -21,12 +21,12 @@ struct BenchSetup {
   Grams weight{};            // on the fixture
   double drive_scale = 1.0;  // how many times the nominal stage's voltage it needs for a depth
   double push_scale = 1.0;   // how many times the nominal stage's push it bears without a swing
-  bool by_hand = false;      // a push is a small weight, laid on and lifted off by somebody who is told when
+  bool by_hand = false;      // a push is a small weight, laid on and lifted off by the operator on request
 };
 
 struct BenchRun {
   std::string name;  // "staircase-50g": also the name of its file
-  std::string what;  // for a person
+  std::string what;  // a sentence for the operator
   BenchSetup setup;
   control::VoltageProgram program;
   std::vector<LoadStep> loads;
@@ -45,10 +45,10 @@ std::vector<BenchRun> runs_of(const std::vector<std::string>& names, const Bench
 
 inline constexpr double kPushScaleMax = 10.0;
 
-// What a run asks its plan for.
+// Input of planner::plan_bench.
 planner::BenchRequest bench_request(const BenchRun& run);
 
-double grams_of(double push_N);  // the weight that pushes so
+double grams_of(double push_N);  // mass whose weight is this push
 
 // N on plate A in this tick of the program.
 double push_at(const BenchRun& run, std::uint32_t tick);

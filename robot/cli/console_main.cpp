@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/library_messages.hpp"
 #include "robot/cli/log_options.hpp"
 #include "robot/cli/shared_options.hpp"
@@ -38,7 +39,7 @@ void serve(const Options& options) {
   realtime::StopSignals signals;
   const fs::path folder = fs::absolute(options.run_folder);
   const live::LiveSettings settings = live::read_settings(folder);
-  const bool simulated = settings.device == "sim";
+  const bool simulated = drivers::is_simulated(settings.device);
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   const fs::path own = folder / "console" / fmt::format("{:%Y%m%dT%H%M%S}", fmt::gmtime(now));
   robot::PreparedCase opened =

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/strict_number.hpp"
 
@@ -69,18 +72,23 @@ void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live) {
     for (CLI::Option* option : all) option->needs(live);
 }
 
+void add_device(CLI::App& app, std::string& device) {
+  const std::vector<std::string> names(drivers::kStageDevices.begin(), drivers::kStageDevices.end());
+  add(app, "--device NAME", device, fmt::format("the stage: `{}`", fmt::join(names, "` or `")), names[0])
+      ->check(CLI::IsMember(names));
+}
+
 void add_device_options(CLI::App& app, std::string& device, HardwareOptions& hardware) {
-  add(app, "--device NAME", device, "the stage: `sim` or `nidaqmx`", "sim")
-      ->check(CLI::IsMember({"sim", "nidaqmx"}));
+  add_device(app, device);
   add(app, "--device-config FILE", hardware.config, "real stage: channels and scales (TOML)");
   add(app, "--commissioning FOLDER", hardware.commissioning, "real stage: folder of `biopsy commission`");
 }
 
 void check_device_options(const std::string& device, const HardwareOptions& hardware) {
-  if (device != "sim" && (hardware.config.empty() || hardware.commissioning.empty()))
+  if (!drivers::is_simulated(device) && (hardware.config.empty() || hardware.commissioning.empty()))
     throw ConfigError("a real stage without --device-config or --commissioning", "command line",
                       "give both; `biopsy commission` makes the record");
-  if (device == "sim" && (!hardware.config.empty() || !hardware.commissioning.empty()))
+  if (drivers::is_simulated(device) && (!hardware.config.empty() || !hardware.commissioning.empty()))
     throw ConfigError("--device-config or --commissioning for the simulated stage, which has neither",
                       "command line", "leave them out, or add --device nidaqmx");
 }

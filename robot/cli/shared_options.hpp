@@ -47,6 +47,7 @@ void add_procedure_options(CLI::App& app, ProcedureOptions& options);
 // has a meaning, or null.
 void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live);
 
+void add_device(CLI::App& app, std::string& device);
 // --device, --device-config and --commissioning: the last two belong to a real stage.
 void add_device_options(CLI::App& app, std::string& device, HardwareOptions& hardware);
 // Throws ConfigError where they do not fit together.

@@ -2,17 +2,14 @@
 
 #include <openssl/evp.h>
 
-#include <cstdio>
-#include <cstdlib>
+#include "robot/common/logging/logger.hpp"
 
 namespace biopsy {
 
 Sha256 sha256(std::span<const std::byte> bytes) {
   Sha256 digest{};
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1) {
-    std::fputs("SHA-256 is not available in this build of OpenSSL\n", stderr);
-    std::abort();
-  }
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1)
+    logging::fatal(logging::Component::Security, "this build of OpenSSL has no SHA-256");
   return digest;
 }
 

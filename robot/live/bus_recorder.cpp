@@ -247,7 +247,7 @@ void BusRecorder::follow_liveliness(std::int64_t now_us) {
 }
 
 void BusRecorder::report_itself(std::int64_t now_us) {
-  heartbeat_.note(recorder_.trouble());
+  heartbeat_.note(recorder_.last_error());
   heartbeat_.beat(now_us);
   if (now_us - reported_us_ < kReportEvery_us) return;
   reported_us_ = now_us;

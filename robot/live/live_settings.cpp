@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sha256.hpp"
@@ -129,9 +130,7 @@ LiveSettings parse_settings(const std::string& text, const std::string& name) {
   settings.keys = from.text("keys");
   settings.network = from.text("network");
   settings.device = from.text("device");
-  if (settings.device != "sim" && settings.device != "nidaqmx")
-    throw ConfigError(fmt::format("there is no device \"{}\"", settings.device), name,
-                      "there are sim and nidaqmx");
+  drivers::check_stage_device(settings.device, name);
   settings.device_config = from.text("device_config");
   settings.commissioning = from.text("commissioning");
   settings.commissioning_key = from.text("commissioning_key");

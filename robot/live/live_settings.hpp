@@ -6,22 +6,23 @@
 #include <string>
 #include <vector>
 
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/msg/plan.hpp"
 
 namespace biopsy::live {
 
 struct LiveSettings {
-  std::uint32_t domain = 0;                 // of DDS, 0 to 230
-  std::uint32_t robot = 1;                  // key of its messages
-  std::filesystem::path keys;               // folder of `biopsy keys init`; empty: without security
-  std::string network;                      // interface; empty: loopback
-  std::string device = "sim";               // or "nidaqmx"
-  std::filesystem::path device_config;      // of the hardware,
-  std::filesystem::path commissioning;      // the folder of its commissioning record,
-  std::filesystem::path commissioning_key;  // and the public key that this is signed with
-  std::filesystem::path log;                // the procedure log
-  std::filesystem::path log_key;            // private key that signs it (PEM)
-  std::filesystem::path lines;              // folder of the simulated digital I/O, in memory
+  std::uint32_t domain = 0;                       // of DDS, 0 to 230
+  std::uint32_t robot = 1;                        // whose messages
+  std::filesystem::path keys;                     // folder of `biopsy keys init`; empty: without security
+  std::string network;                            // interface; empty: loopback
+  std::string device{drivers::kStageDevices[0]};  // one of kStageDevices
+  std::filesystem::path device_config;            // of the hardware,
+  std::filesystem::path commissioning;            // the folder of its commissioning record,
+  std::filesystem::path commissioning_key;        // and the public key that this is signed with
+  std::filesystem::path log;                      // the procedure log
+  std::filesystem::path log_key;                  // private key that signs it (PEM)
+  std::filesystem::path lines;                    // folder of the simulated digital I/O, in memory
   int fifo_priority = 0;  // SCHED_FIFO of the control processes, 0 to 90; 0: ordinary scheduling
   // of the simulated stage
   std::filesystem::path model, tissues;

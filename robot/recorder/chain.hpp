@@ -1,5 +1,5 @@
-// The chain through the records and the head that is signed. Serialised as the plan's seal: integers 64 bits,
-// little-endian; texts with a 64-bit length before them; identities and hashes as they are.
+// The hash chain of the records, and the signed head. Serialisation: integers 64 bits, little-endian; texts
+// with a 64-bit length before them; identities and hashes as they are.
 //
 //   first    = SHA-256( "biopsy-log-1", log id [16], public key [32] )
 //   hash     = SHA-256( "biopsy-log-record-1", previous [32], seq, utc_ns, mono_us, source, kind, body )
@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "robot/recorder/log_keys.hpp"
+#include "robot/common/ed25519.hpp"
 #include "robot/recorder/record.hpp"
 
 namespace biopsy::recorder {

@@ -1,5 +1,4 @@
-// An SQLite connection and its statements, closed when they go out of scope. Results are SQLite's codes: the
-// reader makes findings of them, the writer a reason to try again.
+// An SQLite connection and its statements, closed when they go out of scope. Results are SQLite's codes.
 #pragma once
 
 #include <sqlite3.h>
@@ -16,7 +15,7 @@ namespace biopsy::recorder {
 
 class Database {
  public:
-  // `uri` as SQLite takes it, "file:..." with the path encoded. Look at `code` before anything else.
+  // `uri` as SQLite takes it, "file:..." with the path encoded. Check `code` first.
   Database(const std::string& uri, int flags, int* code);
 
   int execute(const char* sql);
@@ -34,7 +33,7 @@ class Database {
 
 class Statement {
  public:
-  // SQL that does not fit the file gives a statement whose step() fails.
+  // For SQL that does not fit the file, step() fails.
   Statement(const Database& database, const char* sql);
 
   // From 1, as in SQL.
@@ -44,10 +43,10 @@ class Statement {
 
   // SQLITE_ROW, SQLITE_DONE or an error.
   int step();
-  // Runs it to its end, ready to be bound anew.
+  // Runs it to its end and resets it.
   bool finish();
 
-  // From 0; nothing where the column is of another type, or the bytes are not as many.
+  // From 0; empty where the column has another type, or another number of bytes.
   std::optional<std::int64_t> integer(int column) const;
   std::optional<std::string> text(int column) const;
   bool bytes(int column, std::span<std::uint8_t> to) const;
@@ -60,7 +59,7 @@ class Statement {
   int prepared_;
 };
 
-// "file:/a%20b" of a path: what SQLite would take for options is encoded.
+// "file:/a%20b" of a path: characters with a meaning in URIs are encoded.
 std::string database_uri(const std::string& path);
 
 }  // namespace biopsy::recorder

@@ -1,4 +1,4 @@
-// A record as a line of CSV (RFC 4180): everything that is hashed, as it was hashed.
+// A record as a line of CSV (RFC 4180), with every field that is hashed.
 #pragma once
 
 #include <cstdint>

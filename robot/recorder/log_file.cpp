@@ -9,16 +9,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kWalHeader_bytes = 32;  // shorter or no longer: nothing was committed to it
+constexpr std::uintmax_t kWalHeader_bytes = 32;  // not longer: nothing was committed to it
 
-// Three ways, because SQLite's read-only mode alone would make, fill or delete files beside the log:
-//  - WAL and shared memory: a live log, read under the writer's locks, or that of a killed recorder. (Of a
-//  WAL
-//    that is a header and nothing else SQLite 3.40 says "locking protocol" then, after 10 s.)
-//  - WAL alone: a copy. The index that shared memory would hold is built on the heap instead, which SQLite
-//  does
-//    for exclusive connections; the VFS without locks grants that to a read-only one.
-//  - nothing in the WAL: the file alone is the log.
+// Three cases, because SQLite's read-only mode alone would create, fill or delete files beside the log:
+//  - WAL and shared memory: a live log, read under the writer's locks, or that of a killed recorder. (With a
+//    WAL that is only a header SQLite 3.40 fails with "locking protocol" after 10 s.)
+//  - WAL alone: a copy. Its index is built on the heap, which SQLite does for exclusive connections; the VFS
+//    without locks allows that for a read-only one.
+//  - no WAL: the file alone is the log.
 std::string reading_options(const fs::path& log) {
   std::error_code absent;
   const std::uintmax_t size = fs::file_size(wal_of(log), absent);
@@ -46,7 +44,7 @@ Database open_for_reading(const fs::path& log, int* code) {
   database.configure(SQLITE_DBCONFIG_DEFENSIVE, 1);
   sqlite3_busy_timeout(database.handle(), 2000);
   if (options.ends_with("unix-none")) database.execute("PRAGMA locking_mode = EXCLUSIVE");
-  *code = database.execute("BEGIN");  // one snapshot, however long the reading takes
+  *code = database.execute("BEGIN");  // one snapshot for the whole reading
   return database;
 }
 

@@ -8,8 +8,7 @@
 
 namespace biopsy::recorder {
 
-// What sqlite_schema holds, ordered by name: these and nothing else. A trigger, view or column more and the
-// file is no procedure log.
+// All of sqlite_schema, ordered by name. With a further trigger, view or column the file is no procedure log.
 inline constexpr std::array<const char*, 2> kTables{
     "CREATE TABLE head(one INTEGER PRIMARY KEY, log_id BLOB NOT NULL, public_key BLOB NOT NULL, "
     "count INTEGER NOT NULL, last_hash BLOB NOT NULL, signature BLOB NOT NULL) STRICT",
@@ -17,14 +16,14 @@ inline constexpr std::array<const char*, 2> kTables{
     "source TEXT NOT NULL, kind TEXT NOT NULL, body TEXT NOT NULL, previous BLOB NOT NULL, "
     "hash BLOB NOT NULL) STRICT"};
 
-// A copy of the public key is laid beside a new log. To prove something, take the key from somewhere else.
+// A copy of the public key is written beside a new log. For evidence take the key from elsewhere.
 std::filesystem::path public_key_beside(const std::filesystem::path& log);
 
-// The last transactions may still stand in the log's "-wal" file.
+// The last transactions may still be in the log's "-wal" file.
 std::filesystem::path wal_of(const std::filesystem::path& log);
 
-// Leaves the log and the files beside it as they are, byte by byte, also while a recorder writes it or after
-// one was killed. `log` is canonical.
+// Changes no byte of the log and the files beside it, also while a recorder writes it or after one was
+// killed. `log`: canonical.
 Database open_for_reading(const std::filesystem::path& log, int* code);
 
 }  // namespace biopsy::recorder

@@ -1,10 +1,10 @@
-// Makes an empty log with its signed head, and lays the public key beside it. It appears under its name whole
-// or not at all. Throws ConfigError where the folder cannot be written.
+// Makes an empty log with its signed head, and a copy of the public key beside it. It appears under its name
+// whole or not at all. Throws ConfigError where the folder cannot be written.
 #pragma once
 
 #include <filesystem>
 
-#include "robot/recorder/log_keys.hpp"
+#include "robot/common/ed25519.hpp"
 
 namespace biopsy::recorder {
 

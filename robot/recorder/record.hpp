@@ -1,4 +1,4 @@
-// What stands in the procedure log: what a process gives to be written, and what is read back.
+// Records of the procedure log: as given to the recorder, and as read back.
 #pragma once
 
 #include <array>
@@ -22,17 +22,17 @@ enum class RecordKind : std::uint8_t {
   Alarm,
   Commissioning,
   ReceptionGap,  // messages that did not reach the recorder
-  RecordsLost,   // the recorder's own: the disk did not take them and memory was full
+  RecordsLost,   // of the recorder itself: writing failed and memory was full
 };
 inline constexpr std::size_t kRecordKinds = 13;
 
-// The word that is written and hashed: never change one, only add.
-constexpr const char* word(RecordKind kind) {
-  constexpr std::array<const char*, kRecordKinds> kWords{
+// Written and hashed: never change one, only add.
+constexpr const char* name_of(RecordKind kind) {
+  constexpr std::array<const char*, kRecordKinds> kNames{
       "process start",   "process stop",  "plan",         "operator act", "request",
       "request refused", "permit change", "state change", "depth check",  "alarm",
       "commissioning",   "reception gap", "records lost"};
-  return kWords[static_cast<std::size_t>(kind)];
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 // Urgent: transitions and trips, written at once. The others wait for their group.

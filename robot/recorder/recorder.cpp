@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBatch = 1024;  // records of one transaction: a little free space helps a little
+constexpr std::size_t kBatch = 1024;  // records of one transaction
 
 fs::path existing(const fs::path& log, const SigningKey& key) {
   if (!fs::exists(log)) make_log(log, key);
   return fs::canonical(log);
 }
 
-// Verified before it is opened to be written: what was tampered with stays as it was found.
+// Before it is opened for writing: a log that was altered stays as it was found.
 LogHead verified_head(const fs::path& log, const PublicKey& key) {
   const Verdict verdict = verify(log, key);
   if (const auto* flaw = std::get_if<Flaw>(&verdict))
@@ -62,11 +62,11 @@ void Recorder::append(Entry entry, Urgency urgency, std::int64_t now_us) noexcep
   Record record{.utc_ns = entry.utc_ns,
                 .mono_us = entry.mono_us,
                 .source = std::move(entry.source),
-                .kind = word(entry.kind),
+                .kind = name_of(entry.kind),
                 .body = std::move(entry.body)};
-  // Once one was lost so are the next, until their count is in its place: the order holds.
-  if (lost_ || used_bytes_ + cost(record) > memory_bytes_)
-    lose(record, urgency, now_us);
+  // After a dropped record the next are dropped too, until their number is written: the order holds.
+  if (dropped_ || used_bytes_ + cost(record) > memory_bytes_)
+    drop(record, urgency, now_us);
   else
     keep(std::move(record), now_us);
   if (urgency != Urgency::Urgent) return;
@@ -97,25 +97,25 @@ void Recorder::keep(Record record, std::int64_t arrived_us) {
   pending_.push_back({std::move(record), arrived_us});
 }
 
-void Recorder::lose(const Record& record, Urgency urgency, std::int64_t now_us) {
-  if (!lost_) lost_ = Lost{.first_utc_ns = record.utc_ns, .first_us = now_us};
-  lost_->records += 1;
-  lost_->urgent += urgency == Urgency::Urgent ? 1 : 0;
-  lost_->last_us = now_us;
+void Recorder::drop(const Record& record, Urgency urgency, std::int64_t now_us) {
+  if (!dropped_) dropped_ = Dropped{.first_utc_ns = record.utc_ns, .first_us = now_us};
+  dropped_->records += 1;
+  dropped_->urgent += urgency == Urgency::Urgent ? 1 : 0;
+  dropped_->last_us = now_us;
   write_drop_summary();
 }
 
-// Behind the last record that was kept, never before it.
+// After the last record that was kept.
 void Recorder::write_drop_summary() {
-  if (!lost_ || !pending_.empty()) return;
-  const Lost lost = *std::exchange(lost_, std::nullopt);
-  keep({.utc_ns = lost.first_utc_ns,
-        .mono_us = lost.first_us,
+  if (!dropped_ || !pending_.empty()) return;
+  const Dropped dropped = *std::exchange(dropped_, std::nullopt);
+  keep({.utc_ns = dropped.first_utc_ns,
+        .mono_us = dropped.first_us,
         .source = "recorder",
-        .kind = word(RecordKind::RecordsLost),
-        .body = fmt::format(R"({{"records":{},"urgent":{},"first_us":{},"last_us":{}}})", lost.records,
-                            lost.urgent, lost.first_us, lost.last_us)},
-       lost.first_us);
+        .kind = name_of(RecordKind::RecordsLost),
+        .body = fmt::format(R"({{"records":{},"urgent":{},"first_us":{},"last_us":{}}})", dropped.records,
+                            dropped.urgent, dropped.first_us, dropped.last_us)},
+       dropped.first_us);
 }
 
 void Recorder::write_all(std::int64_t now_us) {
@@ -130,7 +130,7 @@ void Recorder::write_all(std::int64_t now_us) {
     write_drop_summary();
   }
   urgent_ = false;
-  trouble_.clear();
+  last_error_.clear();
 }
 
 // Records and head in one transaction: on disk are both or neither.
@@ -143,7 +143,7 @@ bool Recorder::write_batch(std::ptrdiff_t records) {
     head_ = head;
     return true;
   }
-  if (sqlite3_errcode(database_.handle()) != SQLITE_OK) trouble_ = database_.message();
+  if (sqlite3_errcode(database_.handle()) != SQLITE_OK) last_error_ = database_.message();
   if (!sqlite3_get_autocommit(database_.handle())) database_.execute("ROLLBACK");
   return false;
 }
@@ -165,7 +165,7 @@ bool Recorder::insert(Record& record, LogHead& head) {
   return insert_.finish();
 }
 
-// Only from where this recorder left it: whoever else wrote here, two chains are never mixed.
+// Only from where this recorder left it: two chains are never mixed.
 bool Recorder::move_head(const LogHead& to) {
   const Signature signature = key_.sign(signed_bytes(to));
   move_head_.bind(1, static_cast<std::int64_t>(to.count));
@@ -175,15 +175,15 @@ bool Recorder::move_head(const LogHead& to) {
   move_head_.bind(5, head_.last_hash);
   if (!move_head_.finish()) return false;
   if (sqlite3_changes(database_.handle()) == 1) return true;
-  trouble_ = "somebody else wrote to the log";
+  last_error_ = "another program wrote to the log";
   return false;
 }
 
-// SQLite would go on writing to a file that has no name any more, and all would be lost with the process.
+// SQLite would go on writing to the unlinked file, which is lost when the process ends.
 bool Recorder::file_is_gone() {
   int moved = 0;
   sqlite3_file_control(database_.handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
-  if (moved) trouble_ = "the log's file was moved or deleted";
+  if (moved) last_error_ = "the log's file was moved or deleted";
   return moved != 0;
 }
 

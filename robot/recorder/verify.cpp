@@ -55,7 +55,7 @@ Verdict head_of(const Database& database, const PublicKey& key) {
   if (!whole) return Flaw{FlawKind::HeadAltered, 0, "the signed head is not there as it was written"};
   head.count = static_cast<std::uint64_t>(*count);
   if (named != key) return Flaw{FlawKind::OtherKey, 0, "the log names another key than the one given"};
-  if (!is_signed_by(key, signature, signed_bytes(head)))
+  if (!is_signed_by(key, view(signature), signed_bytes(head)))
     return Flaw{FlawKind::HeadAltered, 0, "the head was altered: its signature does not hold"};
   return head;
 }
@@ -111,7 +111,7 @@ std::optional<Flaw> flaw_of(const Record& record, bool well_formed, const LogHea
                 fmt::format("record {} was altered: its content does not give its hash", due)};
   if (record.previous != chain.last_hash)
     return Flaw{FlawKind::RecordOutOfPlace, due,
-                fmt::format("record {} does not follow what stands before it: records were exchanged", due)};
+                fmt::format("record {} does not follow the one before it: records were exchanged", due)};
   return std::nullopt;
 }
 

@@ -1,4 +1,4 @@
-// Looks through a whole log: is every record as it was written, in its place, and the head signed?
+// Verifies a whole log: every record unaltered and in its place, and the head signed.
 #pragma once
 
 #include <cstdint>
@@ -24,18 +24,18 @@ enum class FlawKind : std::uint8_t {
   Rewritten,         // a whole chain, but not the one that was signed
 };
 
-constexpr const char* word(FlawKind kind) {
-  constexpr std::array<const char*, 10> kWords{
+constexpr const char* name_of(FlawKind kind) {
+  constexpr std::array<const char*, 10> kNames{
       "not a log",      "damaged",        "other key",           "head altered",
       "record altered", "record missing", "record out of place", "records cut off",
       "record added",   "rewritten"};
-  return kWords[static_cast<std::size_t>(kind)];
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 struct Flaw {
   FlawKind kind = FlawKind::NotALog;
   std::uint64_t record = 0;  // where it shows; 0: the file or its head
-  std::string what;          // a sentence, for people
+  std::string what;          // a sentence
 };
 
 // The signed head of an intact log, or the first flaw.

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 #include <openssl/err.h>
 
-#include <cstdio>
-#include <cstdlib>
+#include <array>
+
+#include "robot/common/logging/logger.hpp"
 
 namespace biopsy::security {
 
@@ -28,9 +29,9 @@ std::string written(const Bio& bio) {
 
 void must(bool succeeded, const char* doing) {
   if (succeeded) return;
-  fmt::print(stderr, "OpenSSL could not {}\n", doing);
-  ERR_print_errors_fp(stderr);
-  std::abort();
+  std::array<char, 256> reason{};
+  ERR_error_string_n(ERR_get_error(), reason.data(), reason.size());
+  logging::fatal(logging::Component::Security, fmt::format("OpenSSL could not {}: {}", doing, reason.data()));
 }
 
 }  // namespace biopsy::security

@@ -32,7 +32,7 @@ const std::vector<Room> kRooms{
     {"robot/control", 2, {}},
     {"planner/plan", 3, {}},
     {"planner/imaging", 3, {}},
-    {"drivers", 3, {}},
+    {"drivers", 3, {"drivers/nidaqmx"}},  // the factory
     {"drivers/digital_io", 3, {"drivers"}},
     {"drivers/nidaqmx", 3, {"drivers"}},
     {"drivers/commissioning", 3, {"drivers"}},

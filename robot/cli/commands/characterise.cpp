@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
@@ -70,7 +71,7 @@ std::string json_of(const Characterisation& done, const CharacteriseOptions& opt
 
 Result run(const Options& given, const Context& context) {
   check_device_options(given.bench.device, given.hardware);
-  const bool real = given.bench.device != "sim";
+  const bool real = !drivers::is_simulated(given.bench.device);
   if (real && given.seed)
     throw ConfigError("--seed with a real stage, which has its own noise", "command line", "leave it out");
   if (!real && !given.bench.keys.empty())

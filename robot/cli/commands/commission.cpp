@@ -7,14 +7,13 @@
 #include <sstream>
 
 #include "drivers/commissioning/load_commissioning.hpp"
-#include "drivers/commissioning/signature.hpp"
-#include "drivers/commissioning/walk.hpp"
-#include "drivers/nidaqmx/nidaqmx_stage.hpp"
-#include "drivers/nidaqmx/pulse_line.hpp"
+#include "drivers/commissioning/run_steps.hpp"
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/bench/commissioning_operator.hpp"
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/ed25519.hpp"
 #include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
@@ -33,17 +32,16 @@ using commissioning::Record;
 constexpr std::uint64_t kSeed = 1;
 
 struct Options {
-  std::string device = "sim";  // or "nidaqmx"
-  fs::path config;             // channels and scales of the hardware (TOML)
-  fs::path key;                // private key that signs the record; empty: the one of `keys init`
-  fs::path out;                // folder for record and signature
+  std::string device{drivers::kStageDevices[0]};
+  fs::path config;  // channels and scales of the hardware (TOML)
+  fs::path key;     // private key that signs the record; empty: the one of `keys init`
+  fs::path out;     // folder for record and signature
   bool dry_run = false;
   bool yes = false;  // confirms every step: for rehearsals, simulated stage only
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "--device NAME", options.device, "the stage: `sim` or `nidaqmx`", "sim")
-      ->check(CLI::IsMember({"sim", "nidaqmx"}));
+  add_device(app, options.device);
   add(app, "--config FILE", options.config, "channels and scales of the hardware (TOML); for `nidaqmx`");
   add(app, "--key PEM", options.key, "private Ed25519 key that signs the record",
       "the one of `biopsy keys init`");
@@ -53,7 +51,7 @@ void declare(CLI::App& app, Options& options) {
 }
 
 void refuse_unusable(const Options& options) {
-  const bool hardware = options.device == "nidaqmx";
+  const bool hardware = !drivers::is_simulated(options.device);
   if (hardware && options.config.empty())
     throw ConfigError("the hardware's configuration is missing", "--config",
                       "copy drivers/nidaqmx/usb6211.toml, correct it to your laboratory and give it");
@@ -87,58 +85,57 @@ Record blank_record(const Options& options) {
 
 Record run_on_simulation(const Options& options, Record record, std::ostream& out) {
   SimulatedBench bench(sim::read_model(blank_case().rehearsal.model), kSeed);
-  record.device = {"sim", "simulated stage", 0};
-  SupervisedRig rig(bench, bench.trimmings());
+  record.device = {options.device, "simulated stage", 0};
+  SupervisedRig rig(bench, bench.connections());
   TerminalOperator terminal(std::cin, out);
   SimulatedOperator operator_(bench, terminal, options.yes);
   return commissioning::run_steps(std::move(record), rig, operator_);
 }
 
 Record run_on_hardware(const Options& options, Record record, std::ostream& out) {
-  const nidaqmx::Config config = nidaqmx::read_config(options.config);
-  nidaqmx::NidaqmxStage stage(config);
-  record.device = {"nidaqmx", stage.product(), stage.serial()};
-  nidaqmx::PulseLine supervisors_half(config);
-  StageTrimmings trimmings;
-  trimmings.real_time = true;
-  trimmings.supervisor_pulse = &supervisors_half;
-  trimmings.feed_interlock = [&](bool feeding) { stage.feed_interlock(feeding); };
-  if (stage.has_panel())
-    trimmings.estop = [&] {
-      return StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
+  const auto stage = drivers::make_hardware_stage(options.device, options.config);
+  record.device = {options.device, stage->product(), stage->serial()};
+  const auto supervisor_pulse = drivers::make_supervisor_pulse(options.device, options.config);
+  StageConnections connections;
+  connections.real_time = true;
+  connections.supervisor_pulse = supervisor_pulse.get();
+  connections.feed_interlock = [&](bool feeding) { stage->feed_interlock(feeding); };
+  if (stage->has_panel())
+    connections.estop = [&] {
+      return StageConnections::Contacts{stage->panel().estop_a_closed, stage->panel().estop_b_closed};
     };
   TerminalOperator operator_(std::cin, out);
-  operator_.notify(fmt::format("{} {}, serial number {}", config.device, stage.product(), stage.serial()));
+  operator_.notify(fmt::format("{} {}, serial number {}", options.device, stage->product(), stage->serial()));
   operator_.notify(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
-  SupervisedRig rig(stage, trimmings);
+  SupervisedRig rig(*stage, connections);
   record = commissioning::run_steps(std::move(record), rig, operator_);
-  if (stage.stopped())
-    operator_.notify(
-        fmt::format("  the board stopped: {} {}", stage.trouble().status, stage.trouble().text.data()));
+  if (stage->stopped())
+    operator_.notify(fmt::format("  the board stopped: {} {}", stage->last_error().status,
+                                 stage->last_error().text.data()));
   return record;
 }
 
 // The old signature first: a signature never lies beside a record it does not belong to.
-void store(const Record& record, const commissioning::SigningKey& key, const fs::path& folder) {
+void store(const Record& record, const SigningKey& key, const fs::path& folder) {
   const std::string text = commissioning::to_json(record);
   std::error_code absent;
   fs::remove(folder / commissioning::kSignatureFile, absent);
   atomic_write(folder / commissioning::kRecordFile, text);
-  atomic_write(folder / commissioning::kSignatureFile, key.sign(text));
+  atomic_write(folder / commissioning::kSignatureFile, std::string(view(key.sign(text))));
 }
 
 Result run(const Options& options, const Context& context) {
   if (options.dry_run)
-    return {.text = commissioning::description() + "nothing was moved\n",
-            .json = nlohmann::ordered_json{{"steps", commissioning::description()}}.dump(2) + "\n"};
+    return {.text = commissioning::describe_steps() + "nothing was moved\n",
+            .json = nlohmann::ordered_json{{"steps", commissioning::describe_steps()}}.dump(2) + "\n"};
   refuse_unusable(options);
   const Record blank = blank_record(options);
-  const commissioning::SigningKey key(key_of(options));  // before anybody has worked for nothing
+  const SigningKey key(key_of(options));  // an unusable key is refused before the steps
   make_output_folder(options.out, {options.config, options.key},
                      {commissioning::kRecordFile, commissioning::kSignatureFile});
   std::ostream& out = context.json ? std::cerr : std::cout;
-  const Record record =
-      options.device == "sim" ? run_on_simulation(options, blank, out) : run_on_hardware(options, blank, out);
+  const Record record = drivers::is_simulated(options.device) ? run_on_simulation(options, blank, out)
+                                                              : run_on_hardware(options, blank, out);
   store(record, key, options.out);
   return {.exit_code = record.passed() ? 0 : 3,
           .text = fmt::format("\n{}\nrecord: {}\n",

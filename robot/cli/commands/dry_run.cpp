@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/logging/log_session.hpp"
@@ -66,7 +67,8 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
   {
     ProgressLine line;
     line.show(-1.0, "starting the processes");
-    LiveSession session(options.network, "sim", {}, prepared, options.procedure.out);
+    LiveSession session(options.network, std::string(drivers::kStageDevices[0]), {}, prepared,
+                        options.procedure.out);
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
     std::optional<std::string> ended;

@@ -7,6 +7,8 @@
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/ed25519.hpp"
+#include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/number_text.hpp"
 #include "robot/common/sanitize_text.hpp"
@@ -46,16 +48,12 @@ void declare_export(CLI::App& app, Options& options) {
   add(app, "--csv FILE", options.csv, "the CSV file; written whole or not at all")->required();
 }
 
-recorder::PublicKey key_for(const Options& options) {
+PublicKey key_for(const Options& options) {
   if (!std::filesystem::exists(options.log))
     throw ConfigError("there is no such log", options.log.string(), "give the file of a procedure log");
-  return recorder::read_public_key(options.public_key.empty() ? recorder::public_key_beside(options.log)
-                                                              : options.public_key);
-}
-
-template <class Bytes>
-std::string hex(const Bytes& bytes) {
-  return fmt::format("{:02x}", fmt::join(bytes, ""));
+  return read_public_key(
+      options.public_key.empty() ? recorder::public_key_beside(options.log) : options.public_key,
+      "name the public key of the recorder that wrote the log, with --public-key");
 }
 
 std::string sentence(const Verdict& verdict) {
@@ -74,7 +72,8 @@ nlohmann::ordered_json as_json(const Verdict& verdict) {
             {"log_id", hex(head->id)},
             {"last_hash", hex(head->last_hash)}};
   const Flaw& flaw = std::get<Flaw>(verdict);
-  return {{"intact", false}, {"flaw", word(flaw.kind)}, {"record", flaw.record}, {"what", plain(flaw.what)}};
+  return {
+      {"intact", false}, {"flaw", name_of(flaw.kind)}, {"record", flaw.record}, {"what", plain(flaw.what)}};
 }
 
 int exit_code(const Verdict& verdict) {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "drivers/digital_io/io_views.hpp"
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
@@ -35,7 +36,7 @@ constexpr logging::Logger kLog{logging::Component::Cli};
 struct Options {
   ProcedureOptions procedure;
   LiveOptions live;
-  std::string device = "sim";  // or "nidaqmx"
+  std::string device{drivers::kStageDevices[0]};
   HardwareOptions hardware;
   bool prepare = false;    // write the run folder, start nothing
   double seconds = 0.0;    // 0: until Ctrl-C
@@ -222,7 +223,7 @@ Result run(const Options& options, const Context& context) {
   realtime::StopSignals signals;
   const auto started = Clock::now();
   check_device_options(options.device, options.hardware);
-  if (options.device != "sim" && !options.procedure.model.empty())
+  if (!drivers::is_simulated(options.device) && !options.procedure.model.empty())
     throw ConfigError("--model with a real stage, which is not simulated", "command line", "leave it out");
   const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
   const PreparedCase prepared = prepare_run(given, options.procedure.out, context.clearable);

@@ -42,9 +42,9 @@ struct State {
 
   std::chrono::milliseconds patience;
   std::shared_ptr<LogOutput> output;
-  std::shared_ptr<spdlog::details::thread_pool> queue;
   std::array<std::shared_ptr<spdlog::async_logger>, kComponentNames.size()> loggers;
   std::atomic<Level> lowest{Level::Off};
+  std::shared_ptr<spdlog::details::thread_pool> queue;  // last: its thread ends before what it uses
 };
 
 std::atomic<State*> active{nullptr};

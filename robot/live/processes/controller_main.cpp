@@ -7,7 +7,7 @@ namespace {
 
 using namespace biopsy;
 
-constexpr std::chrono::milliseconds kTimeout{10};
+constexpr std::chrono::milliseconds kTimeout{10};  // for a measurement, before the other topics are read
 
 void control_stage(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Controller);

@@ -1,5 +1,5 @@
-// biopsy-interlock RUN_FOLDER: the independent interlock on the simulated digital I/O. In a laboratory it is
-// a relay; here a process of its own.
+// biopsy-interlock FOLDER: the independent interlock on the simulated digital I/O in FOLDER. In a laboratory
+// it is a relay; here it is a process that uses nothing but that I/O, safety/interlock.hpp and a clock.
 #include <cstdint>
 #include <filesystem>
 
@@ -22,11 +22,10 @@ constexpr biopsy::logging::TickEvent kOverrun{biopsy::logging::Level::Info,
                                               "periods missed: {0:.0f}; woke {1:.0f} us late"};
 constexpr int kPriority = 80;  // above the loops it guards
 
-// Opens first, then reports. If killed, readers of the digital I/O count it as open after 20 ms.
-int guard(const std::filesystem::path& run_folder) {
+int guard(const std::filesystem::path& io_folder) {
   StopSignals stop;
   const ServiceNotice notice;
-  biopsy::digital_io::InterlockRelay relay(run_folder, monotonic_ns());
+  biopsy::digital_io::InterlockRelay relay(io_folder, monotonic_ns());
   LatencyHistogram lateness;
   biopsy::logging::TickLog tick_log(
       biopsy::logging::Component::Interlock);  // before its thread would get priority
@@ -34,7 +33,7 @@ int guard(const std::filesystem::path& run_folder) {
   kLog.info("open; {}", to_text(obtained));
   TickClock clock(biopsy::digital_io::kRelayPeriod);
   notice.ready();
-  std::int64_t told_us = 0;
+  std::int64_t stroked_us = 0;
   while (!stop.came()) {
     const Wake wake = clock.wait();
     relay.tick(wake.woke_ns);
@@ -43,9 +42,9 @@ int guard(const std::filesystem::path& run_folder) {
       tick_log.record(kOverrun, wake.woke_ns / 1'000, static_cast<double>(wake.missed),
                       static_cast<double>(wake.late_ns()) * 1e-3);
     const std::int64_t now_us = wake.woke_ns / 1'000;
-    if (notice.watchdog_us() && now_us - told_us > *notice.watchdog_us() / 2) {
+    if (notice.watchdog_us() && now_us - stroked_us > *notice.watchdog_us() / 2) {
       notice.watchdog();
-      told_us = now_us;
+      stroked_us = now_us;
     }
   }
   relay.open(monotonic_ns());

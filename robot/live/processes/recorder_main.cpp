@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kPeriod{10};
 void record(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Recorder);
   const live::LiveSettings& settings = process.settings();
-  recorder::SigningKey key(settings.log_key);
+  SigningKey key(settings.log_key);
   recorder::Recorder recorder(settings.log, std::move(key));
   std::optional<transport::ParticipantMonitor> participants;
   if (!settings.keys.empty()) participants.emplace(live::plain_settings(settings), process.bus());
@@ -33,9 +33,10 @@ void record(const std::filesystem::path& run_folder) {
   while (!process.stop_asked()) {
     scribe.turn(clock.wait().woke_ns / 1000);
     process.after_tick(now_us(), scribe.health());
-    if (recorder.trouble() != trouble)
-      kLog.warning("procedure log: {}", recorder.trouble().empty() ? "written again" : recorder.trouble());
-    trouble = recorder.trouble();
+    if (recorder.last_error() != trouble)
+      kLog.warning("procedure log: {}",
+                   recorder.last_error().empty() ? "written again" : recorder.last_error());
+    trouble = recorder.last_error();
   }
   scribe.turn(now_us());
   scribe.note(recorder::RecordKind::ProcessStop, "{}", now_us());

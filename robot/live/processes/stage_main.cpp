@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "robot/live/live_process.hpp"
-#include "robot/live/processes/hardware_stage.hpp"
-#include "robot/live/processes/wired_stage.hpp"
+#include "robot/live/processes/commissioned_stage.hpp"
+#include "robot/live/processes/io_stages.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/stage_loop.hpp"
 #include "robot/procedure/rehearsed_plant.hpp"
@@ -11,6 +11,9 @@
 namespace {
 
 using namespace biopsy;
+
+constexpr logging::TickEvent kDeviceError{logging::Level::Warning,
+                                          "the stage's driver reports error {0:.0f}; errors so far: {1:.0f}"};
 
 template <class AfterTick>
 void run(live::LiveProcess& process, live::StageLoop& loop, const AfterTick& after_tick) {
@@ -32,14 +35,14 @@ std::int32_t nanometres(double metres) {
   return static_cast<std::int32_t>(std::lround(metres * 1e9));
 }
 
-void run_simulated(live::LiveProcess& process, digital_io::StageIo& lines) {
+void run_simulated(live::LiveProcess& process, digital_io::StageIo& io) {
   const live::LiveSettings& settings = process.settings();
   const digital_io::IoReader relay(settings.lines);
   sim::SimulatedStage simulated(
       robot::rehearsed_plant(settings.model, settings.tissues, settings.layers, settings.weight_g),
       settings.seed);
-  robot::SimulatedNeedleStage stage(simulated, lines, relay);
-  live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
+  robot::SimulatedNeedleStage stage(simulated, io, relay);
+  live::StageLoop loop(process.bus(), stage, io, process.config_tag());
   transport::Writer<StageTruth> truths(process.bus());
   run(process, loop, [&] {
     const sim::PlantState& state = simulated.truth();
@@ -51,17 +54,22 @@ void run_simulated(live::LiveProcess& process, digital_io::StageIo& lines) {
   });
 }
 
-// Refuses to start without a valid commissioning record of this stage.
-void run_hardware(live::LiveProcess& process, digital_io::StageIo& lines) {
+// Refuses to start without the commissioning record of this very stage.
+void run_hardware(live::LiveProcess& process, digital_io::StageIo& io) {
   const live::LiveSettings& settings = process.settings();
-  const auto hardware =
-      robot::commissioned_stage(settings.device_config, settings.commissioning, settings.commissioning_key);
+  const auto hardware = robot::open_commissioned_stage(settings.device, settings.device_config,
+                                                       settings.commissioning, settings.commissioning_key);
   digital_io::PanelIo panel(settings.lines);
-  robot::HardwareNeedleStage stage(*hardware, lines);
-  live::StageLoop loop(process.bus(), stage, lines, process.config_tag());
+  robot::MirroredNeedleStage stage(*hardware, io);
+  live::StageLoop loop(process.bus(), stage, io, process.config_tag());
+  std::uint32_t errors = 0;
   run(process, loop, [&] {
-    if (hardware->trouble().count > 0) loop.heartbeat().note(hardware->trouble().text.data());
-    const nidaqmx::Panel& keys = hardware->panel();
+    const drivers::DeviceError& error = hardware->last_error();
+    if (error.count > 0) loop.heartbeat().note(error.text.data());
+    if (error.count != errors)
+      process.tick_log().record(kDeviceError, loop.measured().time_us, error.status, error.count);
+    errors = error.count;
+    const drivers::Panel keys = hardware->panel();
     panel.set({.arm_key = keys.arm,
                .reset_key = keys.reset,
                .estop_a_closed = keys.estop_a_closed,
@@ -72,11 +80,11 @@ void run_hardware(live::LiveProcess& process, digital_io::StageIo& lines) {
 
 void drive_stage(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Stage);
-  digital_io::StageIo lines(process.settings().lines);
-  if (process.settings().device == "sim")
-    run_simulated(process, lines);
+  digital_io::StageIo io(process.settings().lines);
+  if (drivers::is_simulated(process.settings().device))
+    run_simulated(process, io);
   else
-    run_hardware(process, lines);
+    run_hardware(process, io);
 }
 
 }  // namespace

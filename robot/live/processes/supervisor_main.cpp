@@ -1,7 +1,8 @@
 // biopsy-supervisor RUN_FOLDER: decides the permit.
-#include <optional>
+#include <array>
+#include <memory>
 
-#include "drivers/nidaqmx/pulse_line.hpp"
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/cycle/self_test.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/monotonic_session_id.hpp"
@@ -11,36 +12,58 @@
 namespace {
 
 using namespace biopsy;
+using logging::Level;
+using logging::TickEvent;
 
-// The supervisor's half of the interlock: the simulated digital I/O, and a hardware line where there is one.
-class Interlock final : public drivers::PulseOutput {
+constexpr TickEvent kBoardFailed{Level::Error,
+                                 "the board of the supervisor's pulse failed: the interlock is open"};
+// In the order of Mode.
+constexpr std::array kModes{
+    TickEvent{Level::Info, "mode boot"},    TickEvent{Level::Info, "mode safe"},
+    TickEvent{Level::Info, "mode ready"},   TickEvent{Level::Info, "mode armed"},
+    TickEvent{Level::Info, "mode active"},  TickEvent{Level::Info, "mode hold"},
+    TickEvent{Level::Info, "mode retract"}, TickEvent{Level::Info, "mode trip"},
+    TickEvent{Level::Info, "mode lock"},
+};
+
+// The supervisor's half of the interlock: the simulated digital I/O, and the board's line where there is one.
+class SupervisorPulse final : public drivers::PulseOutput {
  public:
-  explicit Interlock(const live::LiveSettings& settings) : lines_(settings.lines) {
-    if (settings.device == "nidaqmx") copper_.emplace(nidaqmx::read_config(settings.device_config));
+  explicit SupervisorPulse(const live::LiveSettings& settings) : io_(settings.lines) {
+    if (!drivers::is_simulated(settings.device))
+      board_ = drivers::make_supervisor_pulse(settings.device, settings.device_config);
   }
   void pulse() override {
-    lines_.pulse();
-    if (copper_) copper_->pulse();
+    io_.pulse();
+    if (board_) board_->pulse();
   }
-  bool failed() const { return copper_ && copper_->failed(); }
+  bool failed() const override { return board_ && board_->failed(); }
 
  private:
-  digital_io::SupervisorIo lines_;
-  std::optional<nidaqmx::PulseLine> copper_;
+  digital_io::SupervisorIo io_;
+  std::unique_ptr<drivers::PulseOutput> board_;
 };
 
 void supervise(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Supervisor);
-  Interlock interlock(process.settings());
+  SupervisorPulse pulse(process.settings());
   const digital_io::IoReader panel(process.settings().lines);
-  live::SupervisorLoop loop(process.bus(), interlock, panel, process.config_tag(),
+  live::SupervisorLoop loop(process.bus(), pulse, panel, process.config_tag(),
                             live::monotonic_session_id(run_folder / "session"), robot::self_test());
   process.start_ticking();
+  const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
+  bool failed = false;
+  Mode mode = loop.mode();
   while (!process.stop_asked()) {
     loop.turn();
-    if (interlock.failed())
+    if (pulse.failed())
       loop.heartbeat().note("the board of the supervisor's pulse failed: the interlock is open");
-    process.after_tick(realtime::monotonic_ns() / 1000, loop.heartbeat().health());
+    if (pulse.failed() && !failed) process.tick_log().record(kBoardFailed, now_us());
+    failed = pulse.failed();
+    if (loop.mode() != mode)
+      process.tick_log().record(kModes[static_cast<std::size_t>(loop.mode())], now_us());
+    mode = loop.mode();
+    process.after_tick(now_us(), loop.heartbeat().health());
   }
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "drivers/digital_io/shared_io.hpp"
+#include "drivers/needle_stage_factory.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
@@ -51,22 +52,22 @@ fs::path keys_for(const LiveOptions& options, const fs::path& folder, bool rehea
 live::LiveSettings settings_for(const LiveOptions& options, const std::string& device,
                                 const HardwareOptions& hardware, const PreparedCase& prepared,
                                 const fs::path& folder) {
-  if (device != "sim" && (hardware.config.empty() || hardware.commissioning.empty()))
+  if (!drivers::is_simulated(device) && (hardware.config.empty() || hardware.commissioning.empty()))
     throw ConfigError("a real stage without --device-config or --commissioning", "command line",
                       "give both; `biopsy commission` makes the record");
-  if (options.without_security && device != "sim")
+  if (options.without_security && !drivers::is_simulated(device))
     throw ConfigError("--without-security with a real stage", "command line",
                       "leave it away; `biopsy keys init` makes the keys");
   const Case& given = prepared.given;
   live::LiveSettings settings;
   settings.domain = options.domain;
-  const fs::path keys = keys_for(options, folder, device == "sim");
+  const fs::path keys = keys_for(options, folder, drivers::is_simulated(device));
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   security::check_set(keys, kStarted, now);  // before anything is started: each process checks its own again
   if (!options.without_security) settings.keys = fs::absolute(keys);
   settings.network = options.network;
   settings.device = device;
-  if (device != "sim") {
+  if (!drivers::is_simulated(device)) {
     settings.device_config = fs::absolute(hardware.config);
     settings.commissioning = fs::absolute(hardware.commissioning);
     settings.commissioning_key =
@@ -103,7 +104,8 @@ LiveSession::LiveSession(const LiveOptions& options, const std::string& device,
   config_tag_ = live::config_tag(folder_, settings_);
   if (person == Person::Here) {
     bus_ = std::make_unique<transport::Participant>(live::bus_settings(settings_, security::Role::Planner));
-    robot_ = std::make_unique<LiveRobot>(*bus_, device == "sim" ? settings_.lines : fs::path(), config_tag_);
+    robot_ = std::make_unique<LiveRobot>(*bus_, drivers::is_simulated(device) ? settings_.lines : fs::path(),
+                                         config_tag_);
   }
   launcher_.start();
 }

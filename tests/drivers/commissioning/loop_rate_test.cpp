@@ -1,11 +1,11 @@
-// Whether 1 kHz is held, judged on ticks that come as a test says.
+// The step that checks the loop rate, on ticks with given delays.
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <string>
 
 #include "drivers/commissioning/sample_figures.hpp"
-#include "drivers/commissioning/walk.hpp"
+#include "tests/robot/bench/commissioning_benches.hpp"
 
 namespace biopsy::commissioning {
 namespace {
@@ -31,16 +31,9 @@ class TimedRig final : public Rig {
   int tick_ = 0;
 };
 
-class Nobody final : public Operator {
- public:
-  void notify(const std::string&) override {}
-  bool confirm(Act, const std::string&) override { return true; }
-  std::optional<double> enter_value(const std::string&) override { return std::nullopt; }
-};
-
 std::string wrong_with(const std::function<void(int, Sample&)>& disturb) {
   TimedRig rig(disturb);
-  Nobody operator_;
+  SilentOperator operator_;
   for (const Step& step : all_steps()) {
     if (step.name != "loop rate") continue;
     const Measured measured = step.measure(rig, operator_);

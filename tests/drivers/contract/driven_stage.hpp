@@ -1,4 +1,4 @@
-// A stage behind the shipping gate, with permits made by hand: the way for a test to a voltage.
+// A stage behind the gate, with permits made by the test.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ class DrivenStage {
  public:
   explicit DrivenStage(drivers::NeedleStage& stage) : stage_(stage, 0) { tick(0, false); }
 
-  // One tick: reads, then puts out what is wanted, as far as the gate lets it.
+  // One tick: reads, then writes the requested voltage through the gate.
   Measurement tick(std::int32_t wanted_mV, bool enabled = true) {
     const Measurement measured = stage_.measure();
     now_us_ += 1'000;
@@ -29,7 +29,7 @@ class DrivenStage {
     return measured;
   }
 
-  // What is measured in the last of so many ticks.
+  // The measurement of the last tick.
   Measurement hold(std::int32_t wanted_mV, int ticks) {
     Measurement last;
     for (int k = 0; k < ticks; ++k) last = tick(wanted_mV);

@@ -1,4 +1,4 @@
-// The stage's configuration: what a person may write, and that nothing a person may write breaks the reader.
+// The stage's configuration file: accepted, refused, and mutated at random.
 #include "drivers/nidaqmx/config.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ std::string refusal_of_text(const std::string& text) {
   return sim::refusal([&] { parse_config(text, "stage.toml"); });
 }
 
-TEST(NidaqmxConfig, SampleIsReadAsItStands) {
+TEST(NidaqmxConfig, SampleIsAccepted) {
   const Config config = read_config(kSampleFile);
   EXPECT_EQ(config.device, "Dev1");
   EXPECT_EQ(config.laser.input.terminal, kRse);
@@ -71,6 +71,7 @@ TEST(NidaqmxConfig, EveryWrongEntryIsNamedWithItsLineAndARemedy) {
       {with("[laser]", "[lasers]"), "`laser` is missing"},
       {sample() + "\n[extra]\n", "unknown name `extra`"},
       {with("[laser]", "[[laser]]"), "not a table"},
+      {with("\"Dev2\"", "\"Dev1\""), "the stage's board"},
       {"", "`device` is missing"},
       {"device = ", "stage.toml:1"},
   };
@@ -79,7 +80,7 @@ TEST(NidaqmxConfig, EveryWrongEntryIsNamedWithItsLineAndARemedy) {
   }
 }
 
-TEST(NidaqmxConfig, FileThatIsNotThereIsRefused) {
+TEST(NidaqmxConfig, MissingFileIsRefused) {
   EXPECT_NE(sim::refusal([] { read_config("/nowhere/stage.toml"); }).find("usb6211.toml"), std::string::npos);
   EXPECT_NE(sim::refusal([] { read_config("/"); }), "accepted");
 }
@@ -107,7 +108,7 @@ void expect_in_range(const Config& config) {
   EXPECT_FALSE(config.device.empty());
 }
 
-// Bytes changed, cut out, doubled, and numbers and words of the file thrown together anew.
+// Bytes changed, removed and inserted, and values exchanged.
 std::string mutated(std::mt19937_64& random, std::string text) {
   const std::vector<std::string> words{
       "-1", "1e308",     "nan", "inf", "-inf",        "0x10", "\"\"",       "\"ai15\"", "\"line9\"", "[",
@@ -137,7 +138,7 @@ std::string mutated(std::mt19937_64& random, std::string text) {
   return text;
 }
 
-TEST(NidaqmxConfig, WhateverIsWrittenIsRefusedOrInRange) {
+TEST(NidaqmxConfig, MutatedFileIsRefusedOrInRange) {
   std::mt19937_64 random(20261121);
   const std::string text = sample();
   int accepted = 0, refused = 0;

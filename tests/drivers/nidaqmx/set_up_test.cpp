@@ -1,7 +1,7 @@
-// What the stage refuses before anything moves, and what it leaves behind.
+// Opening the stage: what is refused, and the state at start and end.
 #include <gtest/gtest.h>
 
-#include "tests/drivers/nidaqmx/stage_in_hand.hpp"
+#include "tests/drivers/nidaqmx/fake_board_config.hpp"
 #include "tests/sim/plant/refusal.hpp"
 
 namespace biopsy::nidaqmx {
@@ -13,31 +13,31 @@ std::string refusal_with(const Config& config) {
   return sim::refusal([&] { const NidaqmxStage stage(config, fake_now_us); });
 }
 
-bool says(const std::string& text, const std::string& part) {
+bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(NidaqmxSetUp, AbsentDriverSaysWhatToInstall) {
+TEST(NidaqmxSetUp, MissingDriverIsRefusedWithWhatToInstall) {
   Config config = laboratory();
   config.library = "/nowhere/libnidaqmx.so";
   const std::string refusal = refusal_with(config);
-  EXPECT_TRUE(says(refusal, "/nowhere/libnidaqmx.so")) << refusal;
-  EXPECT_TRUE(says(refusal, "install the NI-DAQmx driver")) << refusal;
+  EXPECT_TRUE(contains(refusal, "/nowhere/libnidaqmx.so")) << refusal;
+  EXPECT_TRUE(contains(refusal, "install the NI-DAQmx driver")) << refusal;
 }
 
 TEST(NidaqmxSetUp, DriverThatLacksFunctionsNamesThem) {
   Config config = laboratory();
   config.library = HOLLOW_NIDAQMX;
   const std::string refusal = refusal_with(config);
-  EXPECT_TRUE(says(refusal, "DAQmxReadAnalogF64")) << refusal;
-  EXPECT_FALSE(says(refusal, "DAQmxGetSysDevNames")) << refusal;
+  EXPECT_TRUE(contains(refusal, "DAQmxReadAnalogF64")) << refusal;
+  EXPECT_FALSE(contains(refusal, "DAQmxGetSysDevNames")) << refusal;
 }
 
-TEST(NidaqmxSetUp, UnknownBoardListsThoseThatAreThere) {
+TEST(NidaqmxSetUp, UnknownBoardIsRefusedWithTheListOfBoards) {
   fake_reset();
   Config config = laboratory();
   config.device = "Dev9";
-  EXPECT_TRUE(says(refusal_with(config), "Sim7, Dev1, Dev2"));
+  EXPECT_TRUE(contains(refusal_with(config), "Sim7, Dev1, Dev2"));
   config.device = "ev1";  // part of a name is no name
   EXPECT_NE(refusal_with(config), "accepted");
 }
@@ -48,10 +48,10 @@ TEST(NidaqmxSetUp, AnotherBoardThanTheNamedOneIsRefused) {
   config.serial = 30123456;
   EXPECT_EQ(refusal_with(config), "accepted");
   fake_reset()->serial = 7;
-  EXPECT_TRUE(says(refusal_with(config), "serial number is 7, not 30123456"));
+  EXPECT_TRUE(contains(refusal_with(config), "serial number is 7, not 30123456"));
 }
 
-TEST(NidaqmxSetUp, EveryStepThatFailsIsRefusedInTheDriversOwnWordsAndLeavesNoTask) {
+TEST(NidaqmxSetUp, EveryFailingStepIsRefusedWithTheDriversTextAndLeavesNoTask) {
   for (const char* function :
        {"DAQmxGetSysDevNames", "DAQmxGetDevProductType", "DAQmxGetDevSerialNum", "DAQmxResetDevice",
         "DAQmxSelfTestDevice", "DAQmxCreateTask", "DAQmxTaskControl", "DAQmxStartTask",
@@ -60,9 +60,9 @@ TEST(NidaqmxSetUp, EveryStepThatFailsIsRefusedInTheDriversOwnWordsAndLeavesNoTas
     fake_reset();
     fake_fail(function, -50103, -1);
     const std::string refusal = refusal_with(laboratory());
-    EXPECT_TRUE(says(refusal, "-50103")) << function << ": " << refusal;
-    EXPECT_TRUE(says(refusal, std::string("the test asked ") + function)) << refusal;
-    EXPECT_TRUE(says(refusal, "close every other program")) << refusal;
+    EXPECT_TRUE(contains(refusal, "-50103")) << function << ": " << refusal;
+    EXPECT_TRUE(contains(refusal, std::string("the test lets ") + function)) << refusal;
+    EXPECT_TRUE(contains(refusal, "close every other program")) << refusal;
     EXPECT_EQ(fake_board()->tasks, 0) << function;
   }
 }
@@ -83,14 +83,14 @@ TEST(NidaqmxSetUp, StartsAndEndsAtZeroVoltsWhateverTheConverterHeld) {
 
 TEST(NidaqmxSetUp, EveryKnownCodeHasItsMeaning) {
   for (const Status code : {-200077, -200170, -200220, -50103, -200022})
-    EXPECT_EQ(trouble_of(code), Trouble::Refused);
-  for (const Status code : {-201003, -200324, -50405, -50400}) EXPECT_EQ(trouble_of(code), Trouble::Gone);
-  for (const Status code : {-200279, -200278}) EXPECT_EQ(trouble_of(code), Trouble::Overrun);
-  EXPECT_EQ(trouble_of(-200284), Trouble::Stale);
-  EXPECT_EQ(trouble_of(-200088), Trouble::Fault);
-  EXPECT_EQ(trouble_of(-1), Trouble::Fault) << "what nobody knows is the worst";
-  EXPECT_EQ(trouble_of(0), Trouble::None);
-  EXPECT_EQ(trouble_of(200010), Trouble::None) << "a warning";
+    EXPECT_EQ(error_kind(code), ErrorKind::Refused);
+  for (const Status code : {-201003, -200324, -50405, -50400}) EXPECT_EQ(error_kind(code), ErrorKind::Gone);
+  for (const Status code : {-200279, -200278}) EXPECT_EQ(error_kind(code), ErrorKind::Overrun);
+  EXPECT_EQ(error_kind(-200284), ErrorKind::Stale);
+  EXPECT_EQ(error_kind(-200088), ErrorKind::Fault);
+  EXPECT_EQ(error_kind(-1), ErrorKind::Fault) << "an unknown code is the worst";
+  EXPECT_EQ(error_kind(0), ErrorKind::None);
+  EXPECT_EQ(error_kind(200010), ErrorKind::None) << "a warning";
 }
 
 }  // namespace

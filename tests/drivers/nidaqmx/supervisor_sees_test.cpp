@@ -1,16 +1,16 @@
-// What the shipping supervisor's detectors make of the driver's troubles.
+// How the supervisor's monitors detect the driver's errors.
 #include <gtest/gtest.h>
 
 #include "safety/monitors/evidence.hpp"
 #include "tests/drivers/contract/driven_stage.hpp"
-#include "tests/drivers/nidaqmx/stage_in_hand.hpp"
+#include "tests/drivers/nidaqmx/fake_board_config.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {
 
 using safety::Hazard;
 
-class WhatTheSupervisorSees : public testing::Test {
+class NidaqmxMonitors : public testing::Test {
  protected:
   void SetUp() override { see(50); }
 
@@ -34,11 +34,11 @@ class WhatTheSupervisorSees : public testing::Test {
   std::int64_t ticks_ = 0;
 };
 
-TEST_F(WhatTheSupervisorSees, HealthyTicksAreNeitherDropoutNorJump) {
+TEST_F(NidaqmxMonitors, HealthyTicksAreNeitherDropoutNorJump) {
   EXPECT_EQ(see(1) & (safety::bit(Hazard::LaserDropout) | safety::bit(Hazard::ClockJump)), 0U);
 }
 
-TEST_F(WhatTheSupervisorSees, TwoMissedReadingsAreForgivenAThirdIsNot) {
+TEST_F(NidaqmxMonitors, ThirdMissedReadingIsADropout) {
   fake_fail("DAQmxReadAnalogF64", -200284, 2);
   EXPECT_FALSE(sees(Hazard::LaserDropout, 2));
   EXPECT_FALSE(sees(Hazard::ClockJump, 1));
@@ -46,24 +46,24 @@ TEST_F(WhatTheSupervisorSees, TwoMissedReadingsAreForgivenAThirdIsNot) {
   EXPECT_TRUE(sees(Hazard::LaserDropout, 3));
 }
 
-TEST_F(WhatTheSupervisorSees, BoardThatIsGoneIsABrokenClockAtOnce) {
+TEST_F(NidaqmxMonitors, BoardThatIsGoneIsABrokenClockAtOnce) {
   fake_fail("DAQmxReadAnalogF64", -201003, -1);
   EXPECT_TRUE(sees(Hazard::ClockJump, 1));
 }
 
-TEST_F(WhatTheSupervisorSees, VoltageThatWasNotWrittenIsABrokenClockInTheNextTick) {
+TEST_F(NidaqmxMonitors, VoltageThatWasNotWrittenIsABrokenClockInTheNextTick) {
   fake_fail("DAQmxWriteAnalogScalarF64", -200284, 1);
   see(1);
   EXPECT_TRUE(sees(Hazard::ClockJump, 1));
 }
 
-TEST_F(WhatTheSupervisorSees, StuckLaserIsFrozenOnceTheVoltageMoves) {
+TEST_F(NidaqmxMonitors, StuckLaserIsFrozenOnceTheVoltageMoves) {
   board_.laser_stuck = true;
   driven_.hold(2'500'000, 1);
   EXPECT_TRUE(sees(Hazard::SensorFrozen, 25));
 }
 
-TEST_F(WhatTheSupervisorSees, OpenInterlockIsAMonitorThatDisagrees) {
+TEST_F(NidaqmxMonitors, OpenInterlockIsAMonitorThatDisagrees) {
   stage_.feed_interlock(false);
   EXPECT_TRUE(sees(Hazard::MonitorDisagrees, 25));
 }

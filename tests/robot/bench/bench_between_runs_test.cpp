@@ -1,4 +1,4 @@
-// What one stage brings from run to run, and a run that somebody ends.
+// Effects of one run on the next, and runs that are interrupted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ BenchResult played(const BenchRun& run, sim::SimulatedStage& stage, Seconds rest
   const auto plan = planner::plan_bench(bench_request(run));
   return run_on_bench(
       run, std::get<Plan>(plan), 1,
-      {.stage = stage, .push = [](double) {}, .played = [](double) {}, .rest = rest, .stop = stop});
+      {.stage = stage, .push = [](double) {}, .show_progress = [](double) {}, .rest = rest, .stop = stop});
 }
 
 double travel_mm(const BenchResult& result) {
@@ -41,7 +41,7 @@ BenchRun run_named(const std::string& name) {
 }
 
 // After one polarity the films keep a charge, which helps the other polarity's jump.
-TEST(BenchBetweenRuns, ARestMakesAUsedStageANewOne) {
+TEST(BenchBetweenRuns, ARestRemovesTheEffectOfTheRunBefore) {
   const BenchRun plus = run_named("dc-plus-50g"), minus = run_named("dc-minus-50g");
   const auto after = [&](Seconds rest, bool used) {
     sim::SimulatedStage stage(bench_model(), 3);
@@ -65,7 +65,6 @@ TEST(BenchBetweenRuns, TheRestIsNotPartOfTheRecord) {
               static_cast<double>(played(run, other, Seconds(0)).recorded.time.size()), 1000.0);
 }
 
-// Nobody is asked to turn a key after that.
 TEST(BenchBetweenRuns, StoppedInItsRestItNeverBegins) {
   const BenchRun run = run_named("staircase-50g");
   const auto plan = planner::plan_bench(bench_request(run));
@@ -75,16 +74,16 @@ TEST(BenchBetweenRuns, StoppedInItsRestItNeverBegins) {
   const BenchResult result = run_on_bench(run, std::get<Plan>(plan), 1,
                                           {.stage = stage,
                                            .push = [](double) {},
-                                           .played = [](double) {},
+                                           .show_progress = [](double) {},
                                            .rest = Seconds(20),
-                                           .ask_for_key = [&] { asked = true; },
+                                           .request_key = [&] { asked = true; },
                                            .stop = [&] { return ++ticks > 5'000; }});
   EXPECT_EQ(result.stopped_because, "interrupted");
   EXPECT_TRUE(result.recorded.time.empty());
   EXPECT_FALSE(asked);
 }
 
-TEST(BenchBetweenRuns, WhoeverStopsItGetsZeroVoltsAndWhatWasRecorded) {
+TEST(BenchBetweenRuns, InterruptedRunEndsAtZeroVoltsAndKeepsItsRows) {
   const BenchRun run = run_named("staircase-50g");
   for (const int after_ticks : {200, 1'000, 3'000, 12'000}) {
     sim::SimulatedStage stage(bench_model(), 3);

@@ -1,4 +1,4 @@
-// Weights that a hand lays on: late, slowly, and yet in the data when they really pushed.
+// Weights laid on by hand, late and slowly, are dated in the data when they began to push.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ sim::PlantModel stage_with(double friction_N, double weight_g) {
   return model;
 }
 
-// Does what it was asked for, a second or so later.
+// Lays on the requested weight a second or so later.
 class Hand {
  public:
   Hand(sim::SimulatedStage& stage, unsigned seed, double latest_s)
@@ -78,14 +78,14 @@ ByHand played_by_hand(const std::string& experiment, const sim::PlantModel& mode
   played.result = run_on_bench(run, std::get<Plan>(plan), 1,
                                {.stage = stage,
                                 .push = [&](double push_N) { hand.asked(push_N); },
-                                .played = [](double) {},
+                                .show_progress = [](double) {},
                                 .keys =
                                     [&] {
                                       hand.tick();
                                       const bool turned = stage.now_us() - 500'000 > asked_us;
                                       return BenchKeys{.arm = turned, .estop_closed = true};
                                     },
-                                .ask_for_key = [&] { asked_us = stage.now_us(); },
+                                .request_key = [&] { asked_us = stage.now_us(); },
                                 .stop = [&] { return static_cast<double>(stage.now_us()) > until_s * 1e6; }});
   played.began_s = hand.began_s;
   played.first_row_s = hand.now_s() - static_cast<double>(played.result.recorded.time.size()) * 1e-3;
@@ -138,18 +138,18 @@ std::size_t seen_in_three_loads(const sim::PlantModel& model, const BenchSetup& 
 }
 
 // Friction holds the smaller pushes, and is no reason to date the others wrongly.
-TEST(BenchByHand, OnAStageThatRubsWhatIsSeenIsWhereTheHandWas) {
-  EXPECT_GE(seen_in_three_loads(stage_with(0.05, 50.0), {.push_scale = 2.0}), 6U);
+TEST(BenchByHand, WithFrictionTheSeenPushesAreDatedRightly) {
+  EXPECT_GE(seen_in_three_loads(stage_with(0.05, 50.0), {.weight = Grams(50.0), .push_scale = 2.0}), 6U);
 }
 
 // The stage behind the paper's figures: guide, retained charge, a reading that is late.
-TEST(BenchByHand, OnTheCalibratedStageTheyAreSeenToo) {
+TEST(BenchByHand, OnTheCalibratedStageTheyAreSeen) {
   sim::PlantModel model = sim::read_model(source_dir() / "sim/models/calibrated.toml");
   model.weight = 0.050;
-  EXPECT_GE(seen_in_three_loads(model, {.drive_scale = 2.0, .push_scale = 2.5}), 9U);
+  EXPECT_GE(seen_in_three_loads(model, {.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5}), 9U);
 }
 
-// The needle's way back is no sign of a weight that was lifted off.
+// The withdrawal is not taken for a weight that was lifted off.
 TEST(BenchByHand, StoppedUnderAWeightItIsRecordedAsLyingThere) {
   for (const double until_s : {14.0, 18.3, 26.0}) {
     ByHand played = played_by_hand("load", stage_with(0.0, 50.0), 1, 1.0, {}, until_s);
@@ -163,8 +163,8 @@ TEST(BenchByHand, StoppedUnderAWeightItIsRecordedAsLyingThere) {
   }
 }
 
-// What the dates are for: the same forces played through the stage's own model give the same depth.
-TEST(BenchByHand, TheModelOfTheStageFollowsTheDatedPushesAndNotTheAsked) {
+// The dated forces, simulated with the stage's own model, give the same depth.
+TEST(BenchByHand, ModelFollowsTheDatedPushesNotTheRequested) {
   sim::PlantModel model = stage_with(0.0, 50.0);
   sim::RecordedRun run = played_by_hand("load", model, 4).result.recorded;
   model.effects.sensor_noise.reset();
@@ -174,7 +174,7 @@ TEST(BenchByHand, TheModelOfTheStageFollowsTheDatedPushesAndNotTheAsked) {
   EXPECT_GT(as_asked, 5.0 * rms_mm(run, model));
 }
 
-TEST(BenchByHand, WhatTheDepthDoesNotShowStaysAsAskedAndIsSaid) {
+TEST(BenchByHand, PushThatTheDepthDoesNotShowStaysAsRequested) {
   sim::RecordedRun run = played_by_hand("impact", stage_with(0.0, 50.0), 5).result.recorded;
   const std::vector<double> asked = run.external_force;
   std::ranges::fill(run.displacement, 0.0);
@@ -182,7 +182,7 @@ TEST(BenchByHand, WhatTheDepthDoesNotShowStaysAsAskedAndIsSaid) {
   EXPECT_EQ(pushes.size(), 6U);
   for (const HandPush& push : pushes) {
     EXPECT_FALSE(push.seen);
-    EXPECT_EQ(push.began_s, push.asked_s);
+    EXPECT_EQ(push.began_s, push.requested_s);
   }
   EXPECT_EQ(run.external_force, asked);
 }
@@ -193,11 +193,12 @@ TEST(BenchByHand, NoiseAndOscillationAreNoPush) {
     const BenchRun run = runs_of({"load"}, {.weight = Grams(50.0), .by_hand = true}).front();
     const auto plan = planner::plan_bench(bench_request(run));
     sim::SimulatedStage stage(stage_with(0.02, 50.0), seed);
-    BenchResult result = run_on_bench(run, std::get<Plan>(plan), 1,
-                                      {.stage = stage, .push = [](double) {}, .played = [](double) {}});
+    BenchResult result =
+        run_on_bench(run, std::get<Plan>(plan), 1,
+                     {.stage = stage, .push = [](double) {}, .show_progress = [](double) {}});
     const std::vector<HandPush> pushes = dated(result.recorded);
     EXPECT_EQ(pushes.size(), 4U) << result.stopped_because;
-    for (const HandPush& push : pushes) EXPECT_FALSE(push.seen) << seed << ": " << push.asked_s << " s";
+    for (const HandPush& push : pushes) EXPECT_FALSE(push.seen) << seed << ": " << push.requested_s << " s";
   }
 }
 

@@ -6,7 +6,7 @@
 #include "planner/plan/bench_plan.hpp"
 #include "robot/bench/bench_run.hpp"
 #include "robot/bench/experiments.hpp"
-#include "tests/drivers/nidaqmx/stage_in_hand.hpp"
+#include "tests/drivers/nidaqmx/fake_board_config.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -23,7 +23,7 @@ class BenchOnHardware : public testing::Test {
     int ticks = 0;
     const auto keys = [&] {
       if (++ticks == turned_after_ticks) board_.contacts |= 1U;  // the arm key
-      const nidaqmx::Panel& panel = stage_.panel();
+      const drivers::Panel panel = stage_.panel();
       return BenchKeys{panel.arm, panel.estop_a_closed && panel.estop_b_closed};
     };
     return run_on_bench(staircase, std::get<Plan>(plan), 1, {stage_, [](double) {}, [](double) {}, keys});
@@ -46,15 +46,15 @@ TEST_F(BenchOnHardware, PlaysAStaircaseOnceTheKeyIsTurned) {
 
 TEST_F(BenchOnHardware, WithoutAHandNothingEverMoves) {
   const BenchResult result = run(0);
-  EXPECT_EQ(result.stopped_because, "nobody turned the arm key");
+  EXPECT_EQ(result.stopped_because, "the arm key was not turned");
   EXPECT_EQ(board_.highest_V, 0.0);
 }
 
-// A key that was on before it was asked for arms nothing until it is turned off and on.
+// A key that was on before it was requested arms nothing until it is turned off and on.
 TEST_F(BenchOnHardware, AKeyThatIsLeftOnIsNoConsent) {
   board_.contacts |= 1U;
   const BenchResult result = run(0);
-  EXPECT_EQ(result.stopped_because, "nobody turned the arm key");
+  EXPECT_EQ(result.stopped_because, "the arm key was not turned");
   EXPECT_TRUE(result.recorded.time.empty());
   EXPECT_EQ(board_.highest_V, 0.0);
 }

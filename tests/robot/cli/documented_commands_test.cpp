@@ -143,8 +143,8 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Document, testing::ValuesIn(documents()), [](const auto& given) {
-  return std::regex_replace(fs::relative(given.param, kSource).replace_extension().string(), std::regex("\\W"),
-                            "_");
+  return std::regex_replace(fs::relative(given.param, kSource).replace_extension().string(),
+                            std::regex("\\W"), "_");
 });
 
 // How GitHub names the anchor of a heading.

@@ -20,7 +20,7 @@ class LogCommand : public testing::Test {
   void SetUp() override {
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
     security::make_keys(folder_ / "keys", 1, now, false);
-    recorder::Recorder recorder(log_, recorder::SigningKey(folder_ / "keys/recorder/signing_key.pem"));
+    recorder::Recorder recorder(log_, SigningKey(folder_ / "keys/recorder/signing_key.pem"));
     for (int n = 0; n < 5; ++n)
       recorder.append({n, n, "test", recorder::RecordKind::OperatorAct, "comma, \"quote\"\nand line"},
                       recorder::Urgency::Grouped, n);

@@ -43,7 +43,7 @@ TEST(BusRecorder, WritesDownWhatAProcessSaysWhateverTheBytes) {
   long_note += "\xC3\xA4";  // cut in the middle of a letter
   stage.note(long_note);
   EXPECT_TRUE(told(std::string(119, 'x')));
-  EXPECT_EQ(log.trouble(), "");
+  EXPECT_EQ(log.last_error(), "");
 }
 
 }  // namespace

@@ -10,15 +10,15 @@
 #include <string>
 
 #include "drivers/commissioning/load_commissioning.hpp"
-#include "drivers/commissioning/signature.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/ed25519.hpp"
 #include "robot/common/encoding.hpp"
 #include "robot/common/sha256.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
-#include "tests/robot/bench/benches.hpp"
+#include "tests/robot/bench/commissioning_benches.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 
@@ -43,19 +43,19 @@ struct Lab {
   // As `biopsy commission` does it, every step walked.
   void commission() const {
     commissioning::Laboratory laboratory;
-    commissioning::Record record = laboratory.walk();
+    commissioning::Record record = laboratory.run();
     record.device = {"nidaqmx", laboratory.stage.product(), laboratory.stage.serial()};
     record.config_sha256 = hex(sha256(file_content(hardware.config)));
     record.software = "biopsy of a test";
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     record.made_unix_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();
-    ASSERT_TRUE(record.passed()) << commissioning::told_all(record);
-    const commissioning::SigningKey key(
-        security::signing_files(options.keys, security::Signer::Commissioning).private_key);
+    ASSERT_TRUE(record.passed()) << commissioning::text_of(record);
+    const SigningKey key(security::signing_files(options.keys, security::Signer::Commissioning).private_key);
     const std::string text = commissioning::to_json(record);
     fs::create_directories(hardware.commissioning);
     std::ofstream(hardware.commissioning / commissioning::kRecordFile, std::ios::binary) << text;
-    std::ofstream(hardware.commissioning / commissioning::kSignatureFile, std::ios::binary) << key.sign(text);
+    std::ofstream(hardware.commissioning / commissioning::kSignatureFile, std::ios::binary)
+        << view(key.sign(text));
   }
 
   // What starting says; empty where the robot came up.

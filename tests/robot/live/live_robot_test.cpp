@@ -11,10 +11,10 @@
 #include "drivers/digital_io/io_views.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/ed25519.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/case.hpp"
 #include "robot/procedure/rehearsal.hpp"
-#include "robot/recorder/log_keys.hpp"
 #include "robot/recorder/verify.hpp"
 #include "tests/robot/live/in_time.hpp"
 #include "tests/robot/live/live_events.hpp"
@@ -77,7 +77,7 @@ TEST(LiveRobot, RehearsesAWholeProcedureAndWritesALogThatVerifies) {
     if (record.outcome != report::Outcome::Completed) return "the procedure was stopped: " + record.refusal;
     EXPECT_NEAR(record.final_depth_mm, 2.5, 0.1);
     EXPECT_EQ(record.layer_at_tip, "gap");
-    const recorder::PublicKey key = recorder::read_public_key(folder.path() / "procedure.log.sqlite.pub.pem");
+    const PublicKey key = read_public_key(folder.path() / "procedure.log.sqlite.pub.pem");
     const recorder::Verdict verdict = recorder::verify(folder.path() / "procedure.log.sqlite", key);
     const auto* head = std::get_if<recorder::LogHead>(&verdict);
     if (head != nullptr)

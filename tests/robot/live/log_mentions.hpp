@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "robot/recorder/log_keys.hpp"
+#include "robot/common/ed25519.hpp"
 #include "robot/recorder/verify.hpp"
 
 namespace biopsy::live_tests {
@@ -13,9 +13,9 @@ namespace biopsy::live_tests {
 inline bool tells_of(const std::filesystem::path& folder, const std::string& words) {
   bool told = false;
   const std::filesystem::path log = folder / "procedure.log.sqlite";
-  recorder::verify(
-      log, recorder::read_public_key(log.string() + ".pub.pem"),
-      [&](const recorder::Record& record) { told = told || record.body.find(words) != std::string::npos; });
+  recorder::verify(log, read_public_key(log.string() + ".pub.pem"), [&](const recorder::Record& record) {
+    told = told || record.body.find(words) != std::string::npos;
+  });
   return told;
 }
 

@@ -1,5 +1,4 @@
-// A disk that takes no more: records wait in memory, the backlog tells, and all is written once it takes
-// again.
+// A full disk: records wait in memory, the backlog grows, and all are written once there is space.
 #include <nlohmann/json.hpp>
 
 #include "robot/common/config_error.hpp"
@@ -24,14 +23,14 @@ TEST(FullDisk, RecordsWaitWithAGrowingBacklogAndAreAllWrittenWhenSpaceReturns) {
     }
     EXPECT_LT(recorder.written().count, 40U);
     EXPECT_GT(recorder.backlog_ms(2000 * kMs), 1000) << "the supervisor's limit";
-    EXPECT_FALSE(recorder.trouble().empty());
+    EXPECT_FALSE(recorder.last_error().empty());
     EXPECT_FALSE(recorder.flush(2000 * kMs));
     EXPECT_EQ(count_of(folder.verdict()), recorder.written().count) << "what is there is a valid prefix";
   }
   recorder.poll(2000 * kMs + kRetry_us);
   EXPECT_EQ(recorder.backlog_ms(3000 * kMs), 0);
-  EXPECT_TRUE(recorder.trouble().empty()) << recorder.trouble();
-  EXPECT_EQ(count_of(folder.verdict()), 2000U) << told(folder.verdict());
+  EXPECT_TRUE(recorder.last_error().empty()) << recorder.last_error();
+  EXPECT_EQ(count_of(folder.verdict()), 2000U) << text_of(folder.verdict());
   const auto records = records_of(folder.log, folder.public_key());
   ASSERT_EQ(records.size(), 2000U);
   for (std::int64_t n = 1; n <= 2000; ++n) ASSERT_EQ(records[n - 1].body, entry(n).body);
@@ -49,7 +48,7 @@ TEST(FullDisk, WhatMemoryCannotHoldIsCountedInItsPlace) {
   for (std::int64_t n = kLost + 1; n <= kLost + kAfter; ++n)
     recorder.append(entry(n), Urgency::Urgent, (n + 100) * kMs);
   const auto records = records_of(folder.log, folder.public_key());
-  ASSERT_EQ(told(folder.verdict()), "intact");
+  ASSERT_EQ(text_of(folder.verdict()), "intact");
   std::size_t kept = 0;
   while (kept < records.size() && records[kept].source != "recorder") {
     EXPECT_EQ(records[kept].body, entry(static_cast<std::int64_t>(kept) + 1).body);
@@ -58,7 +57,7 @@ TEST(FullDisk, WhatMemoryCannotHoldIsCountedInItsPlace) {
   ASSERT_GT(kept, 100U);
   // The first record after the disk took again found memory still full: it is the last of the lost.
   ASSERT_EQ(records.size(), kept + 1 + kAfter - 1);
-  EXPECT_EQ(records[kept].kind, word(RecordKind::RecordsLost));
+  EXPECT_EQ(records[kept].kind, name_of(RecordKind::RecordsLost));
   const auto lost = nlohmann::json::parse(records[kept].body);
   EXPECT_EQ(lost["records"], kLost + 1 - static_cast<std::int64_t>(kept));
   EXPECT_GT(lost["urgent"], 900);
@@ -89,7 +88,7 @@ TEST(FullDisk, ARecordLargerThanMemoryIsCountedAndTheNextIsWritten) {
   recorder.append(entry(2), Urgency::Urgent, 0);
   const auto records = records_of(folder.log, folder.public_key());
   ASSERT_EQ(records.size(), 2U);
-  EXPECT_EQ(records[0].kind, word(RecordKind::RecordsLost));
+  EXPECT_EQ(records[0].kind, name_of(RecordKind::RecordsLost));
   EXPECT_EQ(records[1].body, entry(2).body);
 }
 

@@ -1,4 +1,4 @@
-// kill -9 of a recorder at any moment: what it called written is there, and what is there is a valid prefix.
+// kill -9 of a recorder at any moment: records reported as written are there, and the log is a valid prefix.
 #include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,22 +14,22 @@
 namespace biopsy::recorder {
 namespace {
 
-// Appends as fast as it can and says after each commit how much is written; never returns.
+// Appends as fast as it can and reports the number of records after each commit; never returns.
 [[noreturn]] void record_until_killed(const LogFolder& folder, int round, int acknowledge) {
   Recorder recorder(folder.log, folder.key());
-  std::uint64_t told = 0;
-  const auto tell = [&] {
-    told = recorder.written().count;
-    if (::write(acknowledge, &told, sizeof(told)) != sizeof(told)) ::_exit(1);
+  std::uint64_t reported = 0;
+  const auto report = [&] {
+    reported = recorder.written().count;
+    if (::write(acknowledge, &reported, sizeof(reported)) != sizeof(reported)) ::_exit(1);
   };
-  tell();
+  report();
   std::mt19937 random(static_cast<unsigned>(round));
   for (std::int64_t n = 1;; ++n) {
     const std::string body = std::to_string(round) + ":" + std::to_string(n) + ":";
     recorder.append(entry(n, body + std::string(random() % 4000, '.')),
                     random() % 32 ? Urgency::Grouped : Urgency::Urgent, n * 1000);
     recorder.poll(n * 1000);
-    if (recorder.written().count != told) tell();
+    if (recorder.written().count != reported) report();
   }
 }
 
@@ -115,7 +115,7 @@ TEST(Kill, AtAnyMomentLeavesAValidPrefixWithAllThatWasAcknowledged) {
   EXPECT_GT(written, 1000U);
   Recorder recorder(folder->log, folder->key());
   recorder.append(entry(1, "200:1:"), Urgency::Urgent, 0);
-  EXPECT_TRUE(recorder.trouble().empty()) << "and the log goes on";
+  EXPECT_TRUE(recorder.last_error().empty()) << "and the log goes on";
 }
 
 TEST(Kill, ALogIsReadInAnyMomentWhileAnotherProcessWritesIt) {
@@ -126,7 +126,7 @@ TEST(Kill, ALogIsReadInAnyMomentWhileAnotherProcessWritesIt) {
   constexpr int kLeast = 20, kMost = 5'000;  // as many as it takes until something was written meanwhile
   for (int reading = 0; reading < kLeast || (before <= 100 && reading < kMost); ++reading) {
     const Verdict verdict = folder.verdict();
-    EXPECT_TRUE(is_intact(verdict)) << told(verdict);
+    EXPECT_TRUE(is_intact(verdict)) << text_of(verdict);
     EXPECT_GE(count_of(verdict), before);
     before = count_of(verdict);
   }

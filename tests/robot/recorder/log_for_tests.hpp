@@ -1,12 +1,9 @@
-// Keys, logs and ways to spoil them, for the claims about the recorder.
+// Logs of some records, and SQL that alters them.
 #pragma once
 
 #include <gtest/gtest.h>
-#include <openssl/evp.h>
-#include <openssl/pem.h>
 #include <sqlite3.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,6 +11,7 @@
 #include "robot/recorder/log_file.hpp"
 #include "robot/recorder/recorder.hpp"
 #include "robot/recorder/verify.hpp"
+#include "tests/key_files.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::recorder {
@@ -21,14 +19,6 @@ namespace biopsy::recorder {
 inline constexpr std::int64_t kMs = 1000;  // in us
 
 namespace fs = std::filesystem;
-
-inline void make_key(const fs::path& pem) {
-  EVP_PKEY* key = EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519");
-  std::FILE* file = std::fopen(pem.c_str(), "w");
-  PEM_write_PrivateKey(file, key, nullptr, nullptr, 0, nullptr, nullptr);
-  std::fclose(file);
-  EVP_PKEY_free(key);
-}
 
 inline Entry entry(std::int64_t n, std::string body = "") {
   constexpr std::int64_t kNovember2026_ns = 1'795'000'000'000'000'000;
@@ -40,9 +30,9 @@ inline Entry entry(std::int64_t n, std::string body = "") {
           .body = std::move(body)};
 }
 
-// A folder with a key and, where asked for, a closed log of some records.
+// A folder with a key and, with `records`, a closed log.
 struct LogFolder {
-  LogFolder() { make_key(scratch / "key.pem"); }
+  LogFolder() { make_key_files(scratch / "key.pem"); }
   explicit LogFolder(std::int64_t records) : LogFolder() { write(log, records); }
 
   SigningKey key() const { return SigningKey(scratch / "key.pem"); }
@@ -50,7 +40,7 @@ struct LogFolder {
   void write(const fs::path& file, std::int64_t records) const {
     Recorder recorder(file, key());
     for (std::int64_t n = 1; n <= records; ++n) recorder.append(entry(n), Urgency::Grouped, 0);
-    ASSERT_TRUE(recorder.flush(0)) << recorder.trouble();
+    ASSERT_TRUE(recorder.flush(0)) << recorder.last_error();
   }
   Verdict verdict() const { return verify(log, public_key()); }
 
@@ -73,12 +63,12 @@ inline std::uint64_t count_of(const Verdict& verdict) {
   return head ? head->count : 0;
 }
 
-inline std::string told(const Verdict& verdict) {
+inline std::string text_of(const Verdict& verdict) {
   const auto* flaw = std::get_if<Flaw>(&verdict);
-  return flaw ? std::string(word(flaw->kind)) + " " + std::to_string(flaw->record) : "intact";
+  return flaw ? std::string(name_of(flaw->kind)) + " " + std::to_string(flaw->record) : "intact";
 }
 
-// What a tamperer with the right tools does: SQL on the file, then closed so that no WAL remains.
+// SQL on the file, which is then closed so that no WAL remains.
 inline void tamper(const fs::path& log, const std::string& sql) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(log.c_str(), &database), SQLITE_OK);

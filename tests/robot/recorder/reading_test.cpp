@@ -36,7 +36,7 @@ void expect_read_untouched(const fs::path& folder, const fs::path& log, const Pu
                            std::uint64_t records) {
   const Snapshot before = snapshot(folder);
   const Verdict verdict = verify(log, key);
-  EXPECT_EQ(told(verdict), "intact");
+  EXPECT_EQ(text_of(verdict), "intact");
   EXPECT_EQ(count_of(verdict), records);
   EXPECT_TRUE(snapshot(folder) == before);
 }
@@ -48,7 +48,7 @@ TEST(Reading, ALiveLogIsReadAsOfItsLastCommitAndDoesNotHinderTheRecorder) {
     EXPECT_EQ(count_of(folder.verdict()), n);
     recorder.append(entry(1), Urgency::Grouped, 0);
     EXPECT_EQ(count_of(folder.verdict()), n) << "not yet committed";
-    ASSERT_TRUE(recorder.flush(0)) << recorder.trouble();
+    ASSERT_TRUE(recorder.flush(0)) << recorder.last_error();
   }
 }
 
@@ -104,7 +104,7 @@ void expect_prefix(const LogFolder& folder, const std::vector<Record>& written) 
   for (std::size_t n = 0; n < read.size(); ++n) ASSERT_EQ(hash_of(read[n]), written[n].hash);
 }
 
-TEST(Reading, ASpoiltOrCutWalGivesAnEarlierPrefixOrAFindingButNoOtherRecord) {
+TEST(Reading, AAlteredOrCutWalGivesAnEarlierPrefixOrAFindingButNoOtherRecord) {
   const LogFolder folder;
   write_and_die(folder, 12);
   const fs::path wal = wal_of(folder.log), shm = folder.log.string() + "-shm";
@@ -115,10 +115,10 @@ TEST(Reading, ASpoiltOrCutWalGivesAnEarlierPrefixOrAFindingButNoOtherRecord) {
   for (const bool shared : {true, false}) {
     if (!shared) fs::remove(shm);
     for (int trial = 0; trial < 200; ++trial) {
-      std::string spoilt = whole;
-      spoilt[random() % spoilt.size()] ^= static_cast<char>(1U << random() % 8);
+      std::string altered = whole;
+      altered[random() % altered.size()] ^= static_cast<char>(1U << random() % 8);
       fs::remove(wal);
-      write_content(wal, spoilt);
+      write_content(wal, altered);
       expect_prefix(folder, written);
     }
     for (std::size_t size = 0; size < whole.size(); size += size < 64 ? 1 : 397) {
@@ -134,7 +134,7 @@ TEST(Reading, AnEmptyFileIsNoLogAndCostsItsNeighbourNothing) {
   write_and_die(folder, 3);
   write_content(folder.log, "");
   const Snapshot before = snapshot(folder.scratch.path());
-  EXPECT_EQ(told(folder.verdict()), "not a log 0");
+  EXPECT_EQ(text_of(folder.verdict()), "not a log 0");
   EXPECT_TRUE(snapshot(folder.scratch.path()) == before);
 }
 

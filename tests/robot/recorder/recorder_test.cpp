@@ -1,4 +1,4 @@
-// When records reach the disk, and what happens on the way, in virtual time.
+// When records are written, and failures of writing, in virtual time.
 #include "robot/recorder/recorder.hpp"
 
 #include <random>
@@ -66,7 +66,7 @@ TEST(Recorder, WritesWhatItWasGivenByteByByte) {
     }
     ASSERT_TRUE(recorder.flush(0));
   }
-  ASSERT_TRUE(is_intact(folder.verdict())) << told(folder.verdict());
+  ASSERT_TRUE(is_intact(folder.verdict())) << text_of(folder.verdict());
   const auto read = records_of(folder.log, folder.public_key());
   ASSERT_EQ(read.size(), given.size());
   for (std::size_t n = 0; n < read.size(); ++n) {
@@ -74,7 +74,7 @@ TEST(Recorder, WritesWhatItWasGivenByteByByte) {
     EXPECT_EQ(read[n].utc_ns, given[n].utc_ns);
     EXPECT_EQ(read[n].mono_us, given[n].mono_us);
     EXPECT_EQ(read[n].source, given[n].source);
-    EXPECT_EQ(read[n].kind, word(given[n].kind));
+    EXPECT_EQ(read[n].kind, name_of(given[n].kind));
     EXPECT_EQ(read[n].body, given[n].body);
   }
 }
@@ -95,7 +95,7 @@ TEST(Recorder, AddsNothingToALogThatDoesNotVerifyAndLeavesItAsItIs) {
   const std::string before = file_content(folder.log);
   try {
     Recorder recorder(folder.log, folder.key());
-    FAIL() << "a spoilt log was opened";
+    FAIL() << "an altered log was opened";
   } catch (const ConfigError& error) {
     EXPECT_NE(error.what_is_wrong.find("record 7"), std::string::npos) << error.what();
     EXPECT_NE(error.remedy.find("move it aside"), std::string::npos);
@@ -105,7 +105,7 @@ TEST(Recorder, AddsNothingToALogThatDoesNotVerifyAndLeavesItAsItIs) {
 
 TEST(Recorder, RefusesALogOfAnotherKeyAnEmptyFileAndAFolder) {
   const LogFolder folder(2);
-  make_key(folder.scratch / "other.pem");
+  make_key_files(folder.scratch / "other.pem");
   EXPECT_THROW(Recorder(folder.log, SigningKey(folder.scratch / "other.pem")), ConfigError);
   folder.scratch.write("empty.log", "");
   EXPECT_THROW(Recorder(folder.scratch / "empty.log", folder.key()), ConfigError);
@@ -129,12 +129,12 @@ TEST(Recorder, ASecondRecorderOfOneLogIsRefused) {
   EXPECT_NO_THROW(Recorder(folder.log, folder.key()));
 }
 
-TEST(Recorder, NeverMixesTwoChainsWhereSomebodyElseWrites) {
+TEST(Recorder, NeverMixesTwoChainsWhereAnotherProgramWrites) {
   const LogFolder folder(2);
   Recorder recorder(folder.log, folder.key());
   tamper(folder.log, "UPDATE head SET count = 1");
   recorder.append(entry(3), Urgency::Urgent, 0);
-  EXPECT_EQ(recorder.trouble(), "somebody else wrote to the log");
+  EXPECT_EQ(recorder.last_error(), "another program wrote to the log");
   EXPECT_EQ(recorder.backlog_ms(1500 * kMs), 1500) << "the supervisor will stop the procedure";
   tamper(folder.log, "UPDATE head SET count = 2");
   recorder.poll(1500 * kMs);
@@ -148,14 +148,14 @@ TEST(Recorder, AFileThatWasMovedAwayIsABacklogAndNotASilentLoss) {
   fs::rename(folder.log, folder.scratch / "moved.log");
   recorder.append(entry(1), Urgency::Urgent, 0);
   EXPECT_EQ(recorder.written().count, 0U);
-  EXPECT_EQ(recorder.trouble(), "the log's file was moved or deleted");
+  EXPECT_EQ(recorder.last_error(), "the log's file was moved or deleted");
   EXPECT_FALSE(recorder.flush(0));
   fs::rename(folder.scratch / "moved.log", folder.log);
   recorder.poll(kRetry_us - 1);
-  EXPECT_EQ(recorder.written().count, 0U) << "a disk that fails is not asked all the time";
+  EXPECT_EQ(recorder.written().count, 0U) << "not before the retry time";
   recorder.poll(kRetry_us);
   EXPECT_EQ(recorder.written().count, 1U);
-  EXPECT_TRUE(recorder.trouble().empty());
+  EXPECT_TRUE(recorder.last_error().empty());
 }
 
 TEST(Recorder, LaysThePublicKeyBesideTheLogAndLeavesNoTemporaryFile) {
@@ -163,20 +163,6 @@ TEST(Recorder, LaysThePublicKeyBesideTheLogAndLeavesNoTemporaryFile) {
   EXPECT_EQ(read_public_key(public_key_beside(folder.log)), folder.public_key());
   for (const auto& file : fs::directory_iterator(folder.scratch.path()))
     EXPECT_EQ(file.path().string().find(".part"), std::string::npos) << file.path();
-}
-
-TEST(LogKeys, AFileThatHoldsNoSuchKeyIsRefused) {
-  const LogFolder folder(1);
-  EXPECT_THROW(SigningKey(folder.scratch / "absent.pem"), ConfigError);
-  EXPECT_THROW(SigningKey(public_key_beside(folder.log)), ConfigError) << "the public one";
-  EXPECT_THROW(read_public_key(folder.scratch / "key.pem"), ConfigError) << "the private one";
-  EXPECT_THROW(read_public_key(folder.log), ConfigError);
-  EVP_PKEY* other = EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256");
-  std::FILE* file = std::fopen((folder.scratch / "ec.pem").c_str(), "w");
-  PEM_write_PrivateKey(file, other, nullptr, nullptr, 0, nullptr, nullptr);
-  std::fclose(file);
-  EVP_PKEY_free(other);
-  EXPECT_THROW(SigningKey(folder.scratch / "ec.pem"), ConfigError);
 }
 
 }  // namespace

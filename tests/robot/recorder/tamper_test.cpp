@@ -1,5 +1,5 @@
-// Whatever is done to a log is found: bit by bit, record by record, and by somebody who knows the format but
-// has not the key.
+// Every alteration of a log is found: of bits, of records, and by a forger who knows the format but not the
+// key.
 #include <fmt/format.h>
 
 #include <random>
@@ -68,7 +68,7 @@ TEST(Tampering, OneFlippedBitInAnyColumnOfAnyRecordIsFound) {
       ASSERT_FALSE(is_intact(verdict)) << column << " of record " << row;
       // A number that now is too low moves its record to the front, so it shows there.
       if (column != "seq") {
-        EXPECT_EQ(std::get<Flaw>(verdict).record, row) << column << ": " << told(verdict);
+        EXPECT_EQ(std::get<Flaw>(verdict).record, row) << column << ": " << text_of(verdict);
       }
     }
 }
@@ -83,7 +83,7 @@ TEST(Tampering, OneFlippedBitInTheHeadIsFound) {
       ASSERT_TRUE(flip_bit(folder.log, "head", column, 1, random));
       const Verdict verdict = folder.verdict();
       ASSERT_FALSE(is_intact(verdict)) << column;
-      EXPECT_EQ(told(verdict), column == "public_key" ? "other key 0" : "head altered 0");
+      EXPECT_EQ(text_of(verdict), column == "public_key" ? "other key 0" : "head altered 0");
     }
 }
 
@@ -95,9 +95,9 @@ TEST(Tampering, AFlippedBitOfTheFileIsFoundOrTouchedNothingThatWasWritten) {
   int found = 0;
   constexpr int kTrials = 1500;
   for (int trial = 0; trial < kTrials; ++trial) {
-    std::string spoilt = whole;
-    spoilt[random() % spoilt.size()] ^= static_cast<char>(1U << random() % 8);
-    replace(folder.log, spoilt);
+    std::string altered = whole;
+    altered[random() % altered.size()] ^= static_cast<char>(1U << random() % 8);
+    replace(folder.log, altered);
     std::vector<Record> read;
     const Verdict verdict =
         verify(folder.log, folder.public_key(), [&](const Record& record) { read.push_back(record); });
@@ -125,7 +125,7 @@ TEST(Tampering, ATruncatedFileIsFoundWhereverItIsCut) {
   }
 }
 
-struct Deed {
+struct Alteration {
   std::string sql, finding;
 };
 
@@ -134,7 +134,7 @@ TEST(Tampering, DeletedSwappedMovedAndAddedRecordsAreNamed) {
   const LogFolder folder(kRecords);
   const std::string whole = file_content(folder.log);
   const std::string all = "utc_ns, mono_us, source, kind, body, previous, hash";
-  const std::vector<Deed> deeds{
+  const std::vector<Alteration> alterations{
       {"DELETE FROM record WHERE seq = 1", "record missing 1"},
       {"DELETE FROM record WHERE seq BETWEEN 17 AND 19", "record missing 17"},
       {"DELETE FROM record WHERE seq = 40", "records cut off 40"},
@@ -155,10 +155,10 @@ TEST(Tampering, DeletedSwappedMovedAndAddedRecordsAreNamed) {
       {"ALTER TABLE record ADD COLUMN note TEXT", "not a log 0"},
       {"DROP TABLE record", "not a log 0"},
   };
-  for (const Deed& deed : deeds) {
+  for (const Alteration& alteration : alterations) {
     replace(folder.log, whole);
-    tamper(folder.log, deed.sql);
-    EXPECT_EQ(told(folder.verdict()), deed.finding) << deed.sql;
+    tamper(folder.log, alteration.sql);
+    EXPECT_EQ(text_of(folder.verdict()), alteration.finding) << alteration.sql;
   }
 }
 
@@ -174,7 +174,7 @@ TEST(Tampering, AnEmptyTextMadeAnotherKindOfEmptyIsFound) {
   tamper(folder.log, schema + "replace(sql, ' STRICT', '')");
   tamper(folder.log, "UPDATE record SET body = x''");
   tamper(folder.log, schema + "sql || ' STRICT'");
-  EXPECT_EQ(told(folder.verdict()), "record altered 1");
+  EXPECT_EQ(text_of(folder.verdict()), "record altered 1");
 }
 
 std::string blob(const Sha256& hash) {
@@ -200,13 +200,13 @@ TEST(Tampering, AForgerWhoKnowsTheFormatIsFound) {
   const LogFolder folder(kRecords);
   const std::string whole = file_content(folder.log);
   forge(folder, 12, false, false);
-  EXPECT_EQ(told(folder.verdict()), "record out of place 13") << "its successor holds the old hash";
+  EXPECT_EQ(text_of(folder.verdict()), "record out of place 13") << "its successor holds the old hash";
   replace(folder.log, whole);
   forge(folder, 12, true, false);
-  EXPECT_EQ(told(folder.verdict()), "rewritten 40");
+  EXPECT_EQ(text_of(folder.verdict()), "rewritten 40");
   replace(folder.log, whole);
   forge(folder, 12, true, true);
-  EXPECT_EQ(told(folder.verdict()), "head altered 0");
+  EXPECT_EQ(text_of(folder.verdict()), "head altered 0");
 }
 
 TEST(Tampering, RecordsAndHeadsOfOtherTimesAndLogsAreFound) {
@@ -217,16 +217,16 @@ TEST(Tampering, RecordsAndHeadsOfOtherTimesAndLogsAreFound) {
   const std::string with_other =
       fmt::format("ATTACH '{}' AS other;", (folder.scratch / "other.log").string());
   const std::string take = with_other + "INSERT OR REPLACE INTO record SELECT * FROM other.record WHERE seq ";
-  for (const auto& [which, finding] : std::vector<Deed>{{"= 9", "record out of place 9"},
-                                                        {">= 9", "record out of place 9"},
-                                                        {"> 0", "record out of place 1"}}) {
+  for (const auto& [which, finding] : std::vector<Alteration>{{"= 9", "record out of place 9"},
+                                                              {">= 9", "record out of place 9"},
+                                                              {"> 0", "record out of place 1"}}) {
     replace(folder.log, whole);
     tamper(folder.log, take + which);
-    EXPECT_EQ(told(folder.verdict()), finding) << which;
+    EXPECT_EQ(text_of(folder.verdict()), finding) << which;
   }
   replace(folder.log, whole);
   tamper(folder.log, with_other + "INSERT OR REPLACE INTO head SELECT * FROM other.head");
-  EXPECT_EQ(told(folder.verdict()), "record out of place 1");
+  EXPECT_EQ(text_of(folder.verdict()), "record out of place 1");
 
   fs::copy_file(folder.log, folder.scratch / "early.log", fs::copy_options::overwrite_existing);
   replace(folder.log, whole);
@@ -234,15 +234,15 @@ TEST(Tampering, RecordsAndHeadsOfOtherTimesAndLogsAreFound) {
   folder.write(folder.log, 3);
   tamper(folder.log, fmt::format("ATTACH '{}' AS early; INSERT OR REPLACE INTO head SELECT * FROM early.head",
                                  (folder.scratch / "early.log").string()));
-  EXPECT_EQ(told(folder.verdict()), "record added 41");
+  EXPECT_EQ(text_of(folder.verdict()), "record added 41");
 }
 
 TEST(Tampering, ALogOfAnotherKeyIsNotTakenForThisOne) {
-  const LogFolder folder(kRecords), stranger(3);
-  EXPECT_EQ(told(verify(folder.log, stranger.public_key())), "other key 0");
-  // A whole log made by a stranger, that names our key as its own.
-  tamper(stranger.log, fmt::format("UPDATE head SET public_key = {}", blob(folder.public_key())));
-  EXPECT_EQ(told(verify(stranger.log, folder.public_key())), "head altered 0");
+  const LogFolder folder(kRecords), other(3);
+  EXPECT_EQ(text_of(verify(folder.log, other.public_key())), "other key 0");
+  // A whole log made by a other, that names our key as its own.
+  tamper(other.log, fmt::format("UPDATE head SET public_key = {}", blob(folder.public_key())));
+  EXPECT_EQ(text_of(verify(other.log, folder.public_key())), "head altered 0");
 }
 
 TEST(Tampering, RandomBytesAreNoLogAndAreRefusedWithASentence) {
@@ -257,7 +257,7 @@ TEST(Tampering, RandomBytesAreNoLogAndAreRefusedWithASentence) {
     const Verdict verdict = folder.verdict();
     ASSERT_FALSE(is_intact(verdict));
     const Flaw& flaw = std::get<Flaw>(verdict);
-    EXPECT_TRUE(flaw.kind == FlawKind::NotALog || flaw.kind == FlawKind::Damaged) << told(verdict);
+    EXPECT_TRUE(flaw.kind == FlawKind::NotALog || flaw.kind == FlawKind::Damaged) << text_of(verdict);
     EXPECT_FALSE(flaw.what.empty());
   }
   EXPECT_THROW((void)verify(folder.scratch / "absent.log", folder.public_key()), ConfigError);

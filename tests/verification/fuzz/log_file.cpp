@@ -10,7 +10,7 @@ FUZZ(log_file) {
   const std::filesystem::path file = as_file("procedure.log", bytes);
   reads_or_refuses([&] {
     const recorder::Verdict verdict = recorder::verify(
-        file, recorder::PublicKey{}, [](const recorder::Record& record) { recorder::csv_line(record); });
+        file, PublicKey{}, [](const recorder::Record& record) { recorder::csv_line(record); });
     claim(std::holds_alternative<recorder::Flaw>(verdict), "nobody holds the key of zeros");
   });
 }

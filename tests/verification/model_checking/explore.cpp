@@ -8,7 +8,8 @@ namespace {
 using namespace biopsy;
 
 struct Options {
-  model_checking::MutantBuild mutant_build{source_dir(), binary_dir() / "generated", BIOPSY_CXX, BIOPSY_BENCH};
+  model_checking::MutantBuild mutant_build{source_dir(), binary_dir() / "generated", BIOPSY_CXX,
+                                           BIOPSY_BENCH};
   bool quick = false, bugs = false, spin = false;
 };
 

@@ -6,8 +6,8 @@
 #include "mutation.hpp"
 #include "relation_hash.hpp"
 #include "tests/safety/situation.hpp"
-#include "tests/verification/model_checking/supervisor/explorer.hpp"
 #include "tests/verification/model_checking/gate/gate_explorer.hpp"
+#include "tests/verification/model_checking/supervisor/explorer.hpp"
 #include "tests/verification/model_checking/supervisor/plans.hpp"
 
 namespace biopsy::safety {

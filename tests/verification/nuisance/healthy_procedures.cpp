@@ -92,8 +92,8 @@ HealthyRun run_healthy_procedures(const NominalModels& models, double hours, std
   while (day.hours < hours) {
     std::vector<HealthyRun> block(kBlock);
     const auto first = static_cast<std::uint64_t>(day.procedures);
-    in_parallel(
-        kBlock, [&](std::size_t i) { block[i] = run_procedure(models, seed, first + i, corrupt_inputs); });
+    in_parallel(kBlock,
+                [&](std::size_t i) { block[i] = run_procedure(models, seed, first + i, corrupt_inputs); });
     day = std::accumulate(block.begin(), block.end(), std::move(day), joined);
     progress(day.hours / hours);
   }

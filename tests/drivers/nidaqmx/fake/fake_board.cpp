@@ -48,20 +48,20 @@ std::unique_ptr<Board> at_rest() {
 std::unique_ptr<Board> board = at_rest();
 std::map<void*, std::unique_ptr<BoardTask>> tasks;
 std::vector<Failure> failures;
-char words[256] = "all is well";
+char driver_text[256] = "no error";
 
-// A tick allocates nothing here either: a test counts what the driver allocates.
+// Allocates nothing: tests count the allocations of the driver.
 Status answer(Status status, const char* text, const char* function = "") {
-  std::snprintf(words, sizeof words, text, function);
+  std::snprintf(driver_text, sizeof driver_text, text, function);
   return status;
 }
 
-// What a test asked this function to say; 0 where nothing was asked.
+// The status that a test has set for this function; 0: none.
 Status failure_of(const char* function) {
   for (Failure& failure : failures) {
     if (failure.function != function || failure.times == 0) continue;
     if (failure.times > 0) --failure.times;
-    return answer(failure.status, "the test asked %s to fail", function);
+    return answer(failure.status, "the test lets %s fail", function);
   }
   return 0;
 }
@@ -71,7 +71,7 @@ BoardTask* task_of(void* handle) {
   return found == tasks.end() ? nullptr : found->second.get();
 }
 
-// The emergency stop cuts the amplifier off by itself, and its contacts tell of it.
+// The emergency stop switches the amplifier off by itself.
 bool is_pressed() {
   return (board->contacts & kEstopContacts) != kEstopContacts && board->dead_contacts != kEstopContacts;
 }
@@ -123,11 +123,14 @@ bool is_ours(const char* device) {
 
 }  // namespace
 
-#define FAIL_AS_ASKED(function) \
-  if (const Status asked = failure_of(function); asked != 0) return asked
+#define FAIL_AS_SET(function) \
+  if (const Status set = failure_of(function); set != 0) return set
 #define TASK_OR_FAIL(name, handle)         \
   BoardTask* const name = task_of(handle); \
   if (name == nullptr) return answer(kInvalidTask, "Task specified is invalid or does not exist.")
+#define ENTER(function, name, handle) \
+  FAIL_AS_SET(function);              \
+  TASK_OR_FAIL(name, handle)
 
 extern "C" {
 
@@ -152,27 +155,27 @@ std::int64_t fake_now_us() {
 }
 
 Status DAQmxGetExtendedErrorInfo(char* text, std::uint32_t size) {
-  return copy(words, text, size);
+  return copy(driver_text, text, size);
 }
 
 Status DAQmxGetSysDevNames(char* names, std::uint32_t size) {
-  FAIL_AS_ASKED("DAQmxGetSysDevNames");
+  FAIL_AS_SET("DAQmxGetSysDevNames");
   return copy("Sim7, Dev1, Dev2", names, size);
 }
 
 Status DAQmxGetDevProductType(const char*, char* text, std::uint32_t size) {
-  FAIL_AS_ASKED("DAQmxGetDevProductType");
+  FAIL_AS_SET("DAQmxGetDevProductType");
   return copy("USB-6211", text, size);
 }
 
 Status DAQmxGetDevSerialNum(const char*, std::uint32_t* serial) {
-  FAIL_AS_ASKED("DAQmxGetDevSerialNum");
+  FAIL_AS_SET("DAQmxGetDevSerialNum");
   *serial = board->serial;
   return 0;
 }
 
 Status DAQmxResetDevice(const char* device) {
-  FAIL_AS_ASKED("DAQmxResetDevice");
+  FAIL_AS_SET("DAQmxResetDevice");
   if (!is_ours(device)) return answer(kNoSuchDevice, "Device identifier is invalid.");
   board->output_V = 0.0;
   board->lines = 0;
@@ -180,12 +183,12 @@ Status DAQmxResetDevice(const char* device) {
 }
 
 Status DAQmxSelfTestDevice(const char*) {
-  FAIL_AS_ASKED("DAQmxSelfTestDevice");
+  FAIL_AS_SET("DAQmxSelfTestDevice");
   return 0;
 }
 
 Status DAQmxCreateTask(const char*, void** handle) {
-  FAIL_AS_ASKED("DAQmxCreateTask");
+  FAIL_AS_SET("DAQmxCreateTask");
   auto task = std::make_unique<BoardTask>();
   *handle = task.get();
   tasks[*handle] = std::move(task);
@@ -194,14 +197,12 @@ Status DAQmxCreateTask(const char*, void** handle) {
 }
 
 Status DAQmxTaskControl(void* handle, std::int32_t) {
-  FAIL_AS_ASKED("DAQmxTaskControl");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxTaskControl", task, handle);
   return static_cast<void>(task), 0;
 }
 
 Status DAQmxStartTask(void* handle) {
-  FAIL_AS_ASKED("DAQmxStartTask");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxStartTask", task, handle);
   task->started = true;
   return 0;
 }
@@ -221,8 +222,7 @@ Status DAQmxClearTask(void* handle) {
 
 Status DAQmxCreateAIVoltageChan(void* handle, const char* channel, const char*, std::int32_t terminal,
                                 double low, double high, std::int32_t units, const char*) {
-  FAIL_AS_ASKED("DAQmxCreateAIVoltageChan");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxCreateAIVoltageChan", task, handle);
   const std::set<std::int32_t> terminals{10083, 10078, 10106};
   if (std::strncmp(channel, "Dev1/ai", 7) != 0)
     return answer(kNoSuchChannel, "Physical channel does not exist.");
@@ -234,22 +234,19 @@ Status DAQmxCreateAIVoltageChan(void* handle, const char* channel, const char*, 
 
 Status DAQmxCreateAOVoltageChan(void* handle, const char* channel, const char*, double low, double high,
                                 std::int32_t units, const char*) {
-  FAIL_AS_ASKED("DAQmxCreateAOVoltageChan");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxCreateAOVoltageChan", task, handle);
   if (std::strcmp(channel, "Dev1/ao0") != 0)
     return answer(kNoSuchChannel, "Physical channel does not exist.");
   return units == 10348 && low == -10.0 && high == 10.0 ? 0 : answer(-200077, "Value not supported.");
 }
 
 Status DAQmxCreateDIChan(void* handle, const char*, const char*, std::int32_t) {
-  FAIL_AS_ASKED("DAQmxCreateDIChan");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxCreateDIChan", task, handle);
   return static_cast<void>(task), 0;
 }
 
 Status DAQmxCreateDOChan(void* handle, const char* lines, const char*, std::int32_t) {
-  FAIL_AS_ASKED("DAQmxCreateDOChan");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxCreateDOChan", task, handle);
   for (std::uint32_t line = 0; line < 4; ++line)
     if (std::strstr(lines, ("Dev1/port1/line" + std::to_string(line)).c_str()) != nullptr)
       task->lines |= 1U << line;
@@ -260,8 +257,7 @@ Status DAQmxCreateDOChan(void* handle, const char* lines, const char*, std::int3
 
 Status DAQmxReadAnalogF64(void* handle, std::int32_t samples, double, std::uint32_t, double* volts,
                           std::uint32_t size, std::int32_t* read, std::uint32_t*) {
-  FAIL_AS_ASKED("DAQmxReadAnalogF64");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxReadAnalogF64", task, handle);
   if (!task->started || samples != 1 || size < task->inputs.size())
     return answer(-200229, "Buffer is too small.");
   if (!board->laser_stuck) board->laser_stuck_V = laser_V();
@@ -271,15 +267,13 @@ Status DAQmxReadAnalogF64(void* handle, std::int32_t samples, double, std::uint3
 }
 
 Status DAQmxReadDigitalScalarU32(void* handle, double, std::uint32_t* lines, std::uint32_t*) {
-  FAIL_AS_ASKED("DAQmxReadDigitalScalarU32");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxReadDigitalScalarU32", task, handle);
   *lines = board->contacts;
   return static_cast<void>(task), 0;
 }
 
 Status DAQmxWriteAnalogScalarF64(void* handle, std::uint32_t, double, double volts, std::uint32_t*) {
-  FAIL_AS_ASKED("DAQmxWriteAnalogScalarF64");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxWriteAnalogScalarF64", task, handle);
   if (!(std::abs(volts) <= 10.0)) return answer(-200077, "Requested value is not supported.");
   board->output_V = volts;
   board->highest_V = std::max(board->highest_V, std::abs(volts));
@@ -288,8 +282,7 @@ Status DAQmxWriteAnalogScalarF64(void* handle, std::uint32_t, double, double vol
 }
 
 Status DAQmxWriteDigitalScalarU32(void* handle, std::uint32_t, double, std::uint32_t lines, std::uint32_t*) {
-  FAIL_AS_ASKED("DAQmxWriteDigitalScalarU32");
-  TASK_OR_FAIL(task, handle);
+  ENTER("DAQmxWriteDigitalScalarU32", task, handle);
   if (task->of_supervisor) {
     if (board->supervisor_high != ((lines & 1U) != 0)) board->supervisor_us = board->now_us;
     board->supervisor_high = (lines & 1U) != 0;

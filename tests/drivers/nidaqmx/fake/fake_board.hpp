@@ -1,5 +1,5 @@
-// A board that is not there: libnidaqmx.so of the tests, with the vendor's C interface, backed by the
-// simulated plant. Tests hold it in their hands through these functions and make it fail.
+// A fake board: libnidaqmx.so of the tests, with the vendor's C interface, backed by the simulated plant.
+// Tests reach it through these functions.
 #pragma once
 
 #include <atomic>
@@ -9,22 +9,22 @@
 
 namespace biopsy::fake {
 
-// Everything a test may look at or change; what a hand changes meanwhile is atomic. One board a process; the
-// laboratory of usb6211.toml: laser 1.5 V at rest and 2 mm/V, amplifier 1 kV/V, monitors 1 kV/V and 4 mA/V,
-// pulse on port1/line0, enable on port1/line1, keys and contacts on port0.
+// All state, for tests to read and change; what another thread changes is atomic. One board a process, wired
+// as in usb6211.toml: laser 1.5 V at rest and 2 mm/V, amplifier 1 kV/V, monitors 1 kV/V and 4 mA/V, pulse on
+// port1/line0, enable on port1/line1, keys and contacts on port0.
 struct Board {
   sim::PlantModel model;
   sim::PlantState plant;
   std::int64_t now_us = 0;  // 1 ms for each voltage written
 
-  std::atomic<double> output_V = 0.0;            // what stands on the converter
-  double highest_V = 0.0;                        // |that|, ever
+  std::atomic<double> output_V = 0.0;            // of the converter
+  double highest_V = 0.0;                        // largest |output_V|
   std::uint32_t lines = 0;                       // outputs
   std::atomic<std::uint32_t> contacts = 0b1100;  // inputs: keys up, emergency stop not pressed
   bool has_interlock = true;                     // fitted: the amplifier is on only while it is closed
   std::int64_t interlock_us = 20'000;
   std::int64_t pulse_us = -1'000'000;  // when the driver's pulse last changed
-  // The supervisor's half, on Dev2/port0/line0; until its first pulse somebody else feeds it.
+  // The supervisor's half, on Dev2/port0/line0; closed until its first pulse.
   bool has_supervisors_half = true;
   std::int64_t supervisor_us = -1;
   bool supervisor_high = false;

@@ -80,6 +80,7 @@ class LogFile : public testing::Test {
     settings.program = "biopsy-test";
     settings.file = file_;
     settings.stream = stream;
+    settings.patience = std::chrono::minutes(2);  // however slow the machine is
     return settings;
   }
   std::vector<std::string> lines() const { return lines_of(file_content(file_)); }

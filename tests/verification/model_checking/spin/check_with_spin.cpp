@@ -54,8 +54,9 @@ fs::path build(const MutantBuild& mutant_build, const std::string& name, const s
   fs::create_directories(folder);
   fs::copy_file(here / "spin/supervisor.pml", folder / "supervisor.pml",
                 fs::copy_options::overwrite_existing);
-  const std::string cxx = fmt::format("'{}' -std=c++20 -O2 -w -I'{}' -I'{}' -I'{}'", mutant_build.compiler.string(),
-                                      headers.string(), mutant_build.source.string(), mutant_build.generated.string());
+  const std::string cxx =
+      fmt::format("'{}' -std=c++20 -O2 -w -I'{}' -I'{}' -I'{}'", mutant_build.compiler.string(),
+                  headers.string(), mutant_build.source.string(), mutant_build.generated.string());
   run(fmt::format("spin {0} -a supervisor.pml && cc -O2 -w -DNOFAIR {1} -I'{2}/spin' -c pan.c && "
                   "{3} -c '{2}/spin/entry.cpp' && {3} -c '{2}/seeded_bugs/shared_object.cpp' && {3} pan.o "
                   "entry.o shared_object.o -o pan",

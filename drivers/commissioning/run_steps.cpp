@@ -1,4 +1,4 @@
-#include "drivers/commissioning/walk.hpp"
+#include "drivers/commissioning/run_steps.hpp"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 namespace biopsy::commissioning {
 namespace {
 
-StepRecord carried_out(const Step& step, Rig& rig, Operator& operator_) {
+StepRecord run_step(const Step& step, Rig& rig, Operator& operator_) {
   StepRecord record{std::string(step.name), {}, {}};
   Measured measured{std::vector<double>(step.limits.size(), std::numeric_limits<double>::quiet_NaN()),
                     "was not carried out"};
-  if (operator_.confirm(Act::Prepare, std::string(step.asks))) measured = step.measure(rig, operator_);
+  if (operator_.confirm(Act::Prepare, std::string(step.instruction))) measured = step.measure(rig, operator_);
   record.note = measured.note;
   for (std::size_t k = 0; k < step.limits.size(); ++k) {
     const Limit& limit = step.limits[k];
@@ -31,18 +31,18 @@ std::string with_unit(double value, const std::string& unit) {
 Record run_steps(Record record, Rig& rig, Operator& operator_) {
   for (const Step& step : all_steps()) {
     operator_.notify(fmt::format("\n{} of {}: {}", record.steps.size() + 1, all_steps().size(), step.name));
-    record.steps.push_back(carried_out(step, rig, operator_));
-    operator_.notify(notify(record.steps.back()));
+    record.steps.push_back(run_step(step, rig, operator_));
+    operator_.notify(to_text(record.steps.back()));
     if (!record.steps.back().passed()) break;
   }
   return record;
 }
 
-std::string description() {
+std::string describe_steps() {
   std::string text;
   for (std::size_t k = 0; k < all_steps().size(); ++k) {
     const Step& step = all_steps()[k];
-    text += fmt::format("{}. {}\n   {}\n", k + 1, step.name, step.asks);
+    text += fmt::format("{}. {}\n   {}\n", k + 1, step.name, step.instruction);
     for (const Limit& limit : step.limits)
       text += fmt::format("   - {}: {:g} to {}; {}\n", limit.what, limit.low,
                           with_unit(limit.high, std::string(limit.unit)), limit.why);
@@ -50,7 +50,7 @@ std::string description() {
   return text;
 }
 
-std::string notify(const StepRecord& step) {
+std::string to_text(const StepRecord& step) {
   std::string text;
   for (const Figure& figure : step.figures) {
     if (std::isnan(figure.value)) {

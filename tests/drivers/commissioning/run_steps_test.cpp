@@ -1,34 +1,33 @@
-// Taking a stage into service: a sound one passes every step, and each thing that may be wrong in a
-// laboratory is found by the step that is there for it.
+// A sound stage passes every step of commissioning; each fault is found by its step.
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "tests/robot/bench/benches.hpp"
+#include "tests/robot/bench/commissioning_benches.hpp"
 
 namespace biopsy::commissioning {
 namespace {
 
 TEST(Commissioning, SoundSimulatedStagePassesEveryStep) {
-  const Record record = SimulatedRoom().walk();
-  EXPECT_TRUE(record.passed()) << told_all(record);
+  const Record record = SimulatedCommissioning().run();
+  EXPECT_TRUE(record.passed()) << text_of(record);
   EXPECT_EQ(record.steps.size(), all_steps().size());
 }
 
 TEST(Commissioning, SoundLaboratoryPassesEveryStep) {
   Laboratory laboratory;
-  const Record record = laboratory.walk();
-  EXPECT_TRUE(record.passed()) << told_all(record);
+  const Record record = laboratory.run();
+  EXPECT_TRUE(record.passed()) << text_of(record);
   EXPECT_EQ(laboratory.board.output_V, 0.0);
 }
 
 TEST(Commissioning, SameStageSameFigures) {
-  EXPECT_EQ(to_json(SimulatedRoom().walk()), to_json(SimulatedRoom().walk()));
+  EXPECT_EQ(to_json(SimulatedCommissioning().run()), to_json(SimulatedCommissioning().run()));
 }
 
 TEST(Commissioning, NoStepGoesAboveHalfAKilovolt) {
   Laboratory laboratory;
-  laboratory.walk();
+  laboratory.run();
   EXPECT_LE(laboratory.board.highest_V, 0.5);
   EXPECT_GT(laboratory.board.highest_V, 0.49);
 }
@@ -41,11 +40,11 @@ struct Fault {
 
 class CommissioningFault : public testing::TestWithParam<Fault> {};
 
-TEST_P(CommissioningFault, IsFoundByItsStepAndEndsTheWalk) {
+TEST_P(CommissioningFault, IsFoundByItsStepWhichIsTheLast) {
   Laboratory laboratory;
   GetParam().make(laboratory);
-  const Record record = laboratory.walk();
-  EXPECT_EQ(ended_by(record), GetParam().found_by) << told_all(record);
+  const Record record = laboratory.run();
+  EXPECT_EQ(ended_by(record), GetParam().found_by) << text_of(record);
   EXPECT_FALSE(record.passed());
   EXPECT_EQ(laboratory.board.output_V, 0.0);
 }
@@ -90,25 +89,25 @@ TEST(Commissioning, EmergencyStopOnOtherLinesIsJudgedByTheVoltageAlone) {
   nidaqmx::Config config = nidaqmx::laboratory();
   config.panel.reset();
   Laboratory laboratory(config);
-  EXPECT_TRUE(laboratory.walk().passed());
+  EXPECT_TRUE(laboratory.run().passed());
 }
 
-TEST(Commissioning, EmergencyStopThatNobodyPressedIsNotPassed) {
+TEST(Commissioning, EmergencyStopThatIsNotPressedIsNotPassed) {
   Laboratory laboratory;
   laboratory.board.dead_contacts = 0b1100;
-  EXPECT_EQ(laboratory.walk().steps.back().name, "emergency stop");
+  EXPECT_EQ(laboratory.run().steps.back().name, "emergency stop");
 }
 
-TEST(Commissioning, WhatAPersonDidNotDoIsNotPassed) {
+TEST(Commissioning, StepThatTheOperatorDoesNotConfirmIsNotPassed) {
   for (const Act act : {Act::Prepare, Act::LayBlock, Act::RemoveBlock, Act::PressEstopUnderVoltage}) {
-    SimulatedRoom room;
-    room.listener.refuses = {act};
-    EXPECT_FALSE(room.walk().passed());
+    SimulatedCommissioning commissioning;
+    commissioning.operator_.refuses = {act};
+    EXPECT_FALSE(commissioning.run().passed());
   }
 }
 
-TEST(Commissioning, StepsTellTheirLimitsAndReasons) {
-  const std::string text = description();
+TEST(Commissioning, StepsAreDescribedWithLimitsAndReasons) {
+  const std::string text = describe_steps();
   for (const Step& step : all_steps()) {
     EXPECT_NE(text.find(step.name), std::string::npos);
     for (const Limit& limit : step.limits) {
@@ -120,9 +119,9 @@ TEST(Commissioning, StepsTellTheirLimitsAndReasons) {
 
 TEST(Commissioning, HardwareIsDrivenAMillisecondATick) {
   robot::SimulatedBench bench(quiet_model(), 1);
-  robot::StageTrimmings trimmings = bench.trimmings();
-  trimmings.real_time = true;
-  robot::SupervisedRig rig(bench, trimmings);
+  robot::StageConnections connections = bench.connections();
+  connections.real_time = true;
+  robot::SupervisedRig rig(bench, connections);
   const std::int64_t before_ns = realtime::monotonic_ns();
   for (int k = 0; k < 20; ++k) EXPECT_GE(rig.rest().late_us, 0);
   EXPECT_GE(realtime::monotonic_ns() - before_ns, 19'000'000) << "a machine may be slower, never faster";

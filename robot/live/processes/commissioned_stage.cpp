@@ -1,20 +1,21 @@
-#include "robot/live/processes/hardware_stage.hpp"
+#include "robot/live/processes/commissioned_stage.hpp"
 
 #include <chrono>
-#include <string>
 
 #include "drivers/commissioning/load_commissioning.hpp"
+#include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sha256.hpp"
 
 namespace biopsy::robot {
-std::unique_ptr<nidaqmx::NidaqmxStage> commissioned_stage(const std::filesystem::path& config,
-                                                          const std::filesystem::path& commissioning,
-                                                          const std::filesystem::path& public_key) {
-  auto stage = std::make_unique<nidaqmx::NidaqmxStage>(nidaqmx::read_config(config));
-  commissioning::load_commissioning(commissioning, public_key, {"nidaqmx", stage->product(), stage->serial()},
+
+std::unique_ptr<drivers::HardwareNeedleStage> open_commissioned_stage(
+    const std::string& device, const std::filesystem::path& config,
+    const std::filesystem::path& commissioning, const std::filesystem::path& public_key) {
+  auto stage = drivers::make_hardware_stage(device, config);
+  commissioning::load_commissioning(commissioning, public_key, {device, stage->product(), stage->serial()},
                                     hex(sha256(read_file(config))), std::chrono::system_clock::now());
   if (!stage->has_panel())
     throw ConfigError("no keys and no emergency stop are wired", config.string(),

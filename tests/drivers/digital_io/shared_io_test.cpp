@@ -1,4 +1,6 @@
-// The lines as a file: what is refused, what is dead, who may write what.
+// The shared I/O file: initial state, owners, and which files are refused.
+#include "drivers/digital_io/shared_io.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -11,7 +13,6 @@
 #include <string>
 
 #include "drivers/digital_io/io_views.hpp"
-#include "drivers/digital_io/shared_io.hpp"
 #include "robot/common/config_error.hpp"
 #include "tests/drivers/digital_io/high_voltage.hpp"
 #include "tests/scratch_folder.hpp"
@@ -33,26 +34,26 @@ std::string refusal_to_attach(const std::filesystem::path& folder) {
   return refusal([&] { const IoReader reader(folder); });
 }
 
-class Lines : public testing::Test {
+class SharedIoFile : public testing::Test {
  protected:
-  Lines() { create_shared_io(folder_.path()); }
+  SharedIoFile() { create_shared_io(folder_.path()); }
   std::filesystem::path file() const { return folder_ / "lines"; }
 
   ScratchFolder folder_;
 };
 
-TEST_F(Lines, AreDeadWhenLaid) {
+TEST_F(SharedIoFile, AreZeroWhenMade) {
   const IoReader reader(folder_.path());
   EXPECT_EQ(reader.converter(), ConverterOutput{});
   EXPECT_EQ(reader.panel(), PanelLevels{});
-  EXPECT_FALSE(reader.panel().estop_a_closed) << "an E-stop nobody drives is pressed";
+  EXPECT_FALSE(reader.panel().estop_a_closed) << "E-stop pressed";
   EXPECT_EQ(reader.relay().output, RelayOutput{});
   EXPECT_EQ(reader.relay().ticks, 0U);
   for (const std::int64_t now_ns : {0L, 1L, 1'000'000'000'000L})
     EXPECT_EQ(reader.load_voltage_seen_mV(now_ns), 0);
 }
 
-TEST_F(Lines, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
+TEST_F(SharedIoFile, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
   EXPECT_EQ(offsetof(IoBlock, stage), 1 * kPage);
   EXPECT_EQ(offsetof(IoBlock, supervisor), 2 * kPage);
   EXPECT_EQ(offsetof(IoBlock, interlock), 3 * kPage);
@@ -69,7 +70,7 @@ TEST_F(Lines, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1) << "nothing left over";
 }
 
-TEST_F(Lines, CarryWhatEachOwnerWrites) {
+TEST_F(SharedIoFile, CarryWhatEachOwnerWrites) {
   const IoReader reader(folder_.path());
   StageIo stage(folder_.path());
   SupervisorIo supervisor(folder_.path());
@@ -101,7 +102,7 @@ TEST_F(Lines, CarryWhatEachOwnerWrites) {
   EXPECT_EQ(reader.relay().ticks, 4U);
 }
 
-TEST(LineWords, KeepEveryVoltage) {
+TEST(IoWords, KeepEveryVoltage) {
   std::mt19937 random(5);
   std::uniform_int_distribution<std::int32_t> any(std::numeric_limits<std::int32_t>::min());
   for (int i = 0; i < 10'000; ++i) {
@@ -113,7 +114,7 @@ TEST(LineWords, KeepEveryVoltage) {
   }
 }
 
-TEST_F(Lines, StageThatStartsPutsOutZeroWhateverStoodThere) {
+TEST_F(SharedIoFile, StageStartsAtZeroVolts) {
   const IoReader reader(folder_.path());
   std::optional<StageIo> stage(folder_.path());
   stage->write(high_voltage(8'000'000));
@@ -122,10 +123,10 @@ TEST_F(Lines, StageThatStartsPutsOutZeroWhateverStoodThere) {
   EXPECT_EQ(reader.converter(), (ConverterOutput{8'000'000, true})) << "a converter holds its last value";
   stage.emplace(folder_.path());
   EXPECT_EQ(reader.converter(), ConverterOutput{});
-  EXPECT_EQ(reader.stage_pulses(), 1U) << "starting is not feeding";
+  EXPECT_EQ(reader.stage_pulses(), 1U) << "a start is no pulse";
 }
 
-TEST_F(Lines, PanelThatStartsHasNoKeyTurnedAndTheEStopPressed) {
+TEST_F(SharedIoFile, PanelStartsWithKeysOffAndTheEStopPressed) {
   const IoReader reader(folder_.path());
   std::optional<PanelIo> panel(folder_.path());
   panel->set({true, true, true, true, true});
@@ -135,22 +136,22 @@ TEST_F(Lines, PanelThatStartsHasNoKeyTurnedAndTheEStopPressed) {
   EXPECT_EQ(reader.panel(), PanelLevels{});
 }
 
-TEST_F(Lines, AreDrivenByOneProcessEach) {
+TEST_F(SharedIoFile, AreDrivenByOneProcessEach) {
   std::optional<StageIo> stage(folder_.path());
   const SupervisorIo supervisor(folder_.path());
-  EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "another process drives these lines");
+  EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "another process owns this block");
   stage.reset();
   EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "");
 }
 
-TEST_F(Lines, AreNotLaidAnewUnderARunningRobot) {
+TEST_F(SharedIoFile, AreNotMadeAnewUnderARunningRobot) {
   std::optional<InterlockIo> interlock(folder_.path());
   EXPECT_EQ(refusal([&] { create_shared_io(folder_.path()); }), "belongs to a robot that is running");
   interlock.reset();
   EXPECT_EQ(refusal([&] { create_shared_io(folder_.path()); }), "");
 }
 
-TEST_F(Lines, ReadersOfOldLinesSeeNothingOfNewOnes) {
+TEST_F(SharedIoFile, ReadersOfOldLinesSeeNothingOfNewOnes) {
   const IoReader old(folder_.path());
   create_shared_io(folder_.path());
   StageIo stage(folder_.path());
@@ -159,19 +160,19 @@ TEST_F(Lines, ReadersOfOldLinesSeeNothingOfNewOnes) {
   EXPECT_EQ(IoReader(folder_.path()).stage_pulses(), 1U);
 }
 
-TEST_F(Lines, OfAnotherOwnerCannotBeWrittenEvenByMistake) {
+TEST_F(SharedIoFile, OfAnotherOwnerCannotBeWrittenEvenByMistake) {
   const SharedIo lines(folder_.path(), Owner::Supervisor);
   lines.block().supervisor.pulses = 1;
   EXPECT_DEATH(lines.block().stage.pulses = 1, "");
   EXPECT_DEATH(lines.block().interlock.load = 1, "");
 }
 
-TEST_F(Lines, AreRefusedWhenMissingCutShortOrReachableByOthers) {
+TEST_F(SharedIoFile, AreRefusedWhenMissingOrAccessibleToOthers) {
   const ScratchFolder empty;
   EXPECT_NE(refusal_to_attach(empty.path()), "");
   EXPECT_NE(refusal([&] { create_shared_io(empty / "nowhere"); }), "");
   ::chmod(file().c_str(), 0660);
-  EXPECT_EQ(refusal_to_attach(folder_.path()), "can be reached by other users");
+  EXPECT_EQ(refusal_to_attach(folder_.path()), "is accessible to other users");
   ::chmod(file().c_str(), 0600);
   std::filesystem::rename(file(), folder_ / "elsewhere");
   std::filesystem::create_symlink(folder_ / "elsewhere", file());
@@ -181,12 +182,12 @@ TEST_F(Lines, AreRefusedWhenMissingCutShortOrReachableByOthers) {
   EXPECT_NE(refusal_to_attach(folder_.path()), "");
 }
 
-TEST_F(Lines, AreRefusedWithAnyBitOfTheirTitleWrongOrAnyOtherLength) {
+TEST_F(SharedIoFile, AreRefusedWithAWrongBitInTheHeaderOrAnotherLength) {
   const std::string sound = file_content(file());
   for (std::size_t bit = 0; bit < 16 * 8; ++bit) {
-    std::string spoiled = sound;
-    spoiled[bit / 8] = static_cast<char>(spoiled[bit / 8] ^ 1 << bit % 8);
-    write_content(file(), spoiled);
+    std::string corrupt = sound;
+    corrupt[bit / 8] = static_cast<char>(corrupt[bit / 8] ^ 1 << bit % 8);
+    write_content(file(), corrupt);
     EXPECT_NE(refusal_to_attach(folder_.path()), "") << "bit " << bit;
   }
   std::mt19937 random(6);

@@ -1,27 +1,26 @@
-// Stages to take into service: the simulated bench, and the laboratory's driver on the board that is not
-// there; persons who do what they are asked, or do not.
+// Stages to be commissioned: the simulated bench, and the NI-DAQmx driver on the fake board, each with an
+// operator.
 #pragma once
 
 #include <optional>
 #include <set>
 #include <string>
 
-#include "drivers/commissioning/walk.hpp"
+#include "drivers/commissioning/run_steps.hpp"
 #include "drivers/nidaqmx/pulse_line.hpp"
 #include "robot/bench/commissioning_operator.hpp"
 #include "robot/bench/commissioning_rig.hpp"
-#include "tests/drivers/nidaqmx/stage_in_hand.hpp"
+#include "tests/drivers/nidaqmx/fake_board_config.hpp"
 
 namespace biopsy::commissioning {
 
-// Hears everything, answers nothing: the other half of a simulated person.
-class Listener final : public Operator {
+// Confirms everything but what it refuses.
+class SilentOperator final : public Operator {
  public:
-  void notify(const std::string& what) override { heard += what + "\n"; }
+  void notify(const std::string&) override {}
   bool confirm(Act act, const std::string&) override { return !refuses.contains(act); }
   std::optional<double> enter_value(const std::string&) override { return std::nullopt; }
 
-  std::string heard;
   std::set<Act> refuses;
 };
 
@@ -31,17 +30,16 @@ inline sim::PlantModel quiet_model() {
   return model;
 }
 
-// The simulated bench with everything that belongs to it.
-struct SimulatedRoom {
+struct SimulatedCommissioning {
   robot::SimulatedBench bench{quiet_model(), 1};
-  robot::SupervisedRig rig{bench, bench.trimmings()};
-  Listener listener;
-  robot::SimulatedOperator operator_{bench, listener, false};
+  robot::SupervisedRig rig{bench, bench.connections()};
+  SilentOperator operator_;
+  robot::SimulatedOperator simulated{bench, operator_, false};
 
-  Record walk() { return run_steps({}, rig, operator_); }
+  Record run() { return run_steps({}, rig, simulated); }
 };
 
-// Hands at the board that is not there.
+// Acts on the fake board.
 class BoardOperator final : public Operator {
  public:
   explicit BoardOperator(fake::Board& board) : board_(board) {}
@@ -58,7 +56,7 @@ class BoardOperator final : public Operator {
     return block_mm.value_or(board_.plant.motion.x * 1e3);
   }
 
-  std::optional<double> block_mm;  // none: what it really is
+  std::optional<double> block_mm;  // as typed; none: the true height
 
  private:
   fake::Board& board_;
@@ -67,26 +65,26 @@ class BoardOperator final : public Operator {
 struct Laboratory {
   explicit Laboratory(nidaqmx::Config with = nidaqmx::laboratory()) : config(std::move(with)) {}
 
-  Record walk() {
-    robot::StageTrimmings trimmings;
-    trimmings.feed_interlock = [this](bool feeding) { stage.feed_interlock(feeding); };
+  Record run() {
+    robot::StageConnections connections;
+    connections.feed_interlock = [this](bool feeding) { stage.feed_interlock(feeding); };
     if (stage.has_panel())
-      trimmings.estop = [this] {
-        return robot::StageTrimmings::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
+      connections.estop = [this] {
+        return robot::StageConnections::Contacts{stage.panel().estop_a_closed, stage.panel().estop_b_closed};
       };
-    trimmings.supervisor_pulse = &supervisors_half;
-    robot::SupervisedRig rig(stage, trimmings);
+    connections.supervisor_pulse = &supervisor_pulse;
+    robot::SupervisedRig rig(stage, connections);
     return run_steps({}, rig, operator_);
   }
 
   fake::Board& board = *fake_reset();
   nidaqmx::Config config;
   nidaqmx::NidaqmxStage stage{config, fake_now_us};
-  nidaqmx::PulseLine supervisors_half{config};
+  nidaqmx::PulseLine supervisor_pulse{config};
   BoardOperator operator_{board};
 };
 
-// The step that ended a walk, and the first of its figures that is not right.
+// The last step, and the first of its figures outside its limits.
 inline std::string ended_by(const Record& record) {
   const StepRecord& last = record.steps.back();
   for (const Figure& figure : last.figures)
@@ -94,9 +92,9 @@ inline std::string ended_by(const Record& record) {
   return "passed";
 }
 
-inline std::string told_all(const Record& record) {
+inline std::string text_of(const Record& record) {
   std::string text;
-  for (const StepRecord& step : record.steps) text += step.name + "\n" + notify(step) + "\n";
+  for (const StepRecord& step : record.steps) text += step.name + "\n" + to_text(step) + "\n";
   return text;
 }
 

@@ -4,20 +4,19 @@
 #include <filesystem>
 #include <memory>
 
-#include "drivers/needle_stage.hpp"
-#include "drivers/nidaqmx/nidaqmx_stage.hpp"
+#include "drivers/hardware_needle_stage.hpp"
 #include "robot/common/units.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
 namespace biopsy::robot {
 
-// Throws ConfigError where the board, its configuration, its commissioning record or its keys are not as they
-// must be.
-std::unique_ptr<nidaqmx::NidaqmxStage> commissioned_stage(const std::filesystem::path& config,
-                                                          const std::filesystem::path& commissioning,
-                                                          const std::filesystem::path& public_key);
+// `device`: its name. Throws ConfigError where the device, its configuration, its commissioning record or its
+// panel is missing or wrong.
+std::unique_ptr<drivers::HardwareNeedleStage> open_commissioned_stage(
+    const std::string& device, const std::filesystem::path& config,
+    const std::filesystem::path& commissioning, const std::filesystem::path& public_key);
 
-// A real stage for loops that run as fast as they can: each tick waits for its millisecond.
+// For loops that run as fast as they can: each read() waits for its millisecond.
 class RealtimeNeedleStage final : public drivers::NeedleStage {
  public:
   explicit RealtimeNeedleStage(drivers::NeedleStage& stage) : stage_(stage), clock_(kTick) {}

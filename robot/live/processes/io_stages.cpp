@@ -1,4 +1,4 @@
-#include "robot/live/processes/wired_stage.hpp"
+#include "robot/live/processes/io_stages.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@ namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kTick_ns = std::chrono::nanoseconds(kTick).count();
-constexpr std::int64_t kCatchUp_ticks = 50;  // a longer stall is not made up for
+constexpr std::int64_t kCatchUp_ticks = 50;  // after a longer stall the rest of its time is left out
 
 }  // namespace
 
@@ -21,10 +21,10 @@ drivers::SensorReading SimulatedNeedleStage::read() {
 }
 
 void SimulatedNeedleStage::write(const safety::GatedVoltage& voltage) {
-  lines_.write(voltage);
+  io_.write(voltage);
   const std::int64_t now_ns = realtime::monotonic_ns();
-  const std::int64_t went_by = written_ns_ == 0 ? 1 : (now_ns - written_ns_ + kTick_ns / 2) / kTick_ns;
-  const std::int64_t ticks = std::clamp<std::int64_t>(went_by, 0, kCatchUp_ticks);
+  const std::int64_t elapsed = written_ns_ == 0 ? 1 : (now_ns - written_ns_ + kTick_ns / 2) / kTick_ns;
+  const std::int64_t ticks = std::clamp<std::int64_t>(elapsed, 0, kCatchUp_ticks);
   written_ns_ = written_ns_ == 0 || ticks == kCatchUp_ticks ? now_ns : written_ns_ + ticks * kTick_ns;
   const bool on = relay_.load_voltage_seen_mV(now_ns) != 0;
   for (std::int64_t tick = 0; tick < ticks; ++tick) stage_.write(on ? voltage : safety::GatedVoltage::off());

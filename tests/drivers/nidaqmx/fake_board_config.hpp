@@ -1,4 +1,4 @@
-// The stage's driver on the board that is not there.
+// The driver's configuration for the fake board.
 #pragma once
 
 #include "drivers/nidaqmx/nidaqmx_stage.hpp"

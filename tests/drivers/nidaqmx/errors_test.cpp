@@ -1,17 +1,18 @@
-// Errors in the tick: what the supervisor is shown, what stays on the converter, whether the interlock is
-// fed.
+// Errors in the tick: the reading, the converter and the pulse to the interlock.
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 
+#include "drivers/nidaqmx/pulse_line.hpp"
 #include "tests/drivers/contract/driven_stage.hpp"
-#include "tests/drivers/nidaqmx/stage_in_hand.hpp"
+#include "tests/drivers/nidaqmx/fake_board_config.hpp"
+#include "tests/robot/live/realtime/counting_allocator.hpp"
 
 namespace biopsy::nidaqmx {
 namespace {
 
-class NidaqmxTrouble : public testing::Test {
+class NidaqmxErrors : public testing::Test {
  protected:
   // 2 kV standing.
   void SetUp() override { driven_.hold(2'000'000, 50); }
@@ -31,36 +32,51 @@ class NidaqmxTrouble : public testing::Test {
   DrivenStage driven_{stage_};
 };
 
-TEST_F(NidaqmxTrouble, HealthyTicksFeedTheInterlock) {
+TEST(NidaqmxTick, TakesNoMemoryNotEvenForErrors) {
+  for (const Status status : {0, -200284, -201003, -200088}) {
+    fake_reset();
+    NidaqmxStage stage(laboratory(), fake_now_us);
+    PulseLine line(laboratory());
+    DrivenStage driven(stage);
+    fake_fail("DAQmxReadAnalogF64", status, -1);
+    const realtime::AllocationCount count;
+    driven.hold(3'000'000, 100);
+    for (int n = 0; n < 100; ++n) line.pulse();
+    EXPECT_EQ(count.so_far(), 0U) << status;
+    EXPECT_EQ(stage.last_error().count > 0, status != 0);
+  }
+}
+
+TEST_F(NidaqmxErrors, HealthyTicksFeedTheInterlock) {
   EXPECT_TRUE(is_fed());
   EXPECT_TRUE(is_fed());
   EXPECT_EQ(board_.output_V, 2.0);
   EXPECT_EQ(board_.lines & 0b10U, 0b10U) << "enabled";
 }
 
-TEST_F(NidaqmxTrouble, ReadingThatTimesOutIsNotRenewedAndTheNextOneIs) {
+TEST_F(NidaqmxErrors, ReadingThatTimesOutIsNotRenewedAndTheNextOneIs) {
   for (const Status late : {-200284, -200279, -200278}) {
     const drivers::SensorReading before = stage_.read();
     driven_.tick(2'000'000);
     fake_fail("DAQmxReadAnalogF64", late, 1);
     const drivers::SensorReading missed = stage_.read();
     EXPECT_FALSE(missed.laser_valid);
-    EXPECT_EQ(missed.laser_code, before.laser_code) << "told as it was";
+    EXPECT_EQ(missed.laser_code, before.laser_code) << "repeats the last";
     EXPECT_GT(missed.time_us, before.time_us) << "the clock is sound";
-    EXPECT_EQ(stage_.trouble().status, late);
+    EXPECT_EQ(stage_.last_error().status, late);
     EXPECT_TRUE(stage_.read().laser_valid);
     EXPECT_FALSE(stage_.stopped());
   }
 }
 
-TEST_F(NidaqmxTrouble, TickWithoutReadingDoesNotFeedTheInterlock) {
+TEST_F(NidaqmxErrors, TickWithoutReadingDoesNotFeedTheInterlock) {
   fake_fail("DAQmxReadAnalogF64", -200284, -1);
   EXPECT_FALSE(is_fed(5));
   fake_fail("DAQmxReadAnalogF64", 0, 0);
   EXPECT_TRUE(is_fed());
 }
 
-TEST_F(NidaqmxTrouble, UnreadablePanelCountsAsAMissedTick) {
+TEST_F(NidaqmxErrors, UnreadablePanelCountsAsAMissedTick) {
   EXPECT_TRUE(stage_.panel().estop_a_closed && stage_.panel().estop_b_closed);
   fake_fail("DAQmxReadDigitalScalarU32", -200284, 1);
   EXPECT_FALSE(stage_.read().laser_valid);
@@ -70,7 +86,7 @@ TEST_F(NidaqmxTrouble, UnreadablePanelCountsAsAMissedTick) {
   EXPECT_FALSE(stage_.panel().reset || stage_.panel().estop_b_closed);
 }
 
-TEST_F(NidaqmxTrouble, BoardThatIsGoneStopsForGood) {
+TEST_F(NidaqmxErrors, BoardThatIsGoneStopsForGood) {
   for (const Status gone : {-201003, -200324, -50405, -50400}) {
     SCOPED_TRACE(gone);
     fake::Board& board = *fake_reset();
@@ -81,7 +97,7 @@ TEST_F(NidaqmxTrouble, BoardThatIsGoneStopsForGood) {
     fake_fail("DAQmxReadAnalogF64", gone, 1);
     driven.tick(2'000'000);
     EXPECT_TRUE(stage.stopped());
-    EXPECT_EQ(stage.trouble().trouble, Trouble::Gone);
+    EXPECT_EQ(error_kind(stage.last_error().status), ErrorKind::Gone);
     EXPECT_EQ(board.output_V, 0.0) << "in the same tick, whatever the gate says";
     EXPECT_EQ(board.lines & 0b10U, 0U) << "not enabled";
     const std::uint32_t pulse = board.lines & 1U;
@@ -96,16 +112,16 @@ TEST_F(NidaqmxTrouble, BoardThatIsGoneStopsForGood) {
   }
 }
 
-TEST_F(NidaqmxTrouble, InvalidTaskIsAFaultAndKeepsTheDriversWords) {
+TEST_F(NidaqmxErrors, InvalidTaskIsAFaultAndKeepsTheDriversText) {
   fake_fail("DAQmxReadAnalogF64", -200088, 1);
   stage_.read();
   EXPECT_TRUE(stage_.stopped());
-  EXPECT_EQ(stage_.trouble().trouble, Trouble::Fault);
-  EXPECT_EQ(stage_.trouble().text.data(), std::string("the test asked DAQmxReadAnalogF64 to fail"));
-  EXPECT_EQ(stage_.trouble().count, 1U);
+  EXPECT_EQ(error_kind(stage_.last_error().status), ErrorKind::Fault);
+  EXPECT_EQ(stage_.last_error().text.data(), std::string("the test lets DAQmxReadAnalogF64 fail"));
+  EXPECT_EQ(stage_.last_error().count, 1U);
 }
 
-TEST_F(NidaqmxTrouble, VoltageThatCouldNotBeWrittenIsNotForgiven) {
+TEST_F(NidaqmxErrors, VoltageThatCouldNotBeWrittenStopsTheStage) {
   fake_fail("DAQmxWriteAnalogScalarF64", -200284, 1);
   EXPECT_FALSE(is_fed()) << "the converter still holds 2 V: the interlock must open";
   EXPECT_TRUE(stage_.stopped());
@@ -114,7 +130,7 @@ TEST_F(NidaqmxTrouble, VoltageThatCouldNotBeWrittenIsNotForgiven) {
   EXPECT_EQ(board_.output_V, 0.0) << "tried again until it works";
 }
 
-TEST_F(NidaqmxTrouble, ConverterThatCannotBeWrittenIsSwitchedOffByTheInterlock) {
+TEST_F(NidaqmxErrors, ConverterThatCannotBeWrittenIsSwitchedOffByTheInterlock) {
   fake_fail("DAQmxWriteAnalogScalarF64", -50405, -1);
   for (int k = 0; k < 10; ++k) driven_.tick(2'000'000);
   EXPECT_EQ(board_.output_V, 2.0) << "holds";
@@ -122,33 +138,33 @@ TEST_F(NidaqmxTrouble, ConverterThatCannotBeWrittenIsSwitchedOffByTheInterlock) 
   EXPECT_FALSE(closed);
 }
 
-TEST_F(NidaqmxTrouble, PulseThatCannotBeWrittenStopsTheStage) {
+TEST_F(NidaqmxErrors, PulseThatCannotBeWrittenStopsTheStage) {
   fake_fail("DAQmxWriteDigitalScalarU32", -200284, 1);
   driven_.tick(2'000'000);
   EXPECT_TRUE(stage_.stopped());
 }
 
-TEST_F(NidaqmxTrouble, StuckConverterRepeatsItsCodeForTheSupervisorToSee) {
+TEST_F(NidaqmxErrors, StuckConverterRepeatsItsCodeForTheSupervisorToSee) {
   stage_.read();
   board_.laser_stuck = true;
   const std::int32_t code = stage_.read().laser_code;
   for (int k = 0; k < 30; ++k) EXPECT_EQ(driven_.tick(2'000'000).laser_code, code);
 }
 
-TEST_F(NidaqmxTrouble, LaserOutOfItsRangeIsNotValid) {
+TEST_F(NidaqmxErrors, LaserOutOfItsRangeIsNotValid) {
   board_.laser_zero_V = 9.95;
   EXPECT_FALSE(stage_.read().laser_valid);
   board_.laser_zero_V = -5.0;
   EXPECT_FALSE(stage_.read().laser_valid);
 }
 
-TEST_F(NidaqmxTrouble, VoltsThatAreNoNumbersAreNoReading) {
+TEST_F(NidaqmxErrors, VoltsThatAreNoNumbersAreNoReading) {
   board_.laser_zero_V = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(stage_.read().laser_valid);
   EXPECT_FALSE(is_fed());
 }
 
-TEST_F(NidaqmxTrouble, ConfiguredLimitHoldsBelowTheGates) {
+TEST_F(NidaqmxErrors, ConfiguredLimitHoldsBelowTheGates) {
   Config config = laboratory();
   config.command.highest_kV = 1.0;
   fake::Board& board = *fake_reset();
@@ -158,7 +174,7 @@ TEST_F(NidaqmxTrouble, ConfiguredLimitHoldsBelowTheGates) {
   EXPECT_EQ(board.output_V, -1.0);
 }
 
-TEST_F(NidaqmxTrouble, CommissioningCanStopTheFeedAndTheInterlockOpens) {
+TEST_F(NidaqmxErrors, CommissioningCanStopTheFeedAndTheInterlockOpens) {
   stage_.feed_interlock(false);
   driven_.hold(2'000'000, 30);
   EXPECT_EQ(board_.output_V, 2.0) << "the driver itself goes on";

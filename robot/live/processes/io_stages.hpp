@@ -1,0 +1,45 @@
+// Needle stages of the stage process, coupled to the simulated digital I/O that all processes share.
+#pragma once
+
+#include <cstdint>
+
+#include "drivers/digital_io/io_views.hpp"
+#include "drivers/needle_stage.hpp"
+#include "sim/simulated_stage.hpp"
+
+namespace biopsy::robot {
+
+// The simulated stage in real time: one write() advances the plant by the milliseconds that went by since the
+// last. Its converter is the shared output; the stack gets that voltage through the interlock's relay only.
+class SimulatedNeedleStage final : public drivers::NeedleStage {
+ public:
+  SimulatedNeedleStage(sim::SimulatedStage& stage, digital_io::StageIo& io, const digital_io::IoReader& relay)
+      : stage_(stage), io_(io), relay_(relay) {}
+
+  drivers::SensorReading read() override;
+  void write(const safety::GatedVoltage& voltage) override;
+
+ private:
+  sim::SimulatedStage& stage_;
+  digital_io::StageIo& io_;
+  const digital_io::IoReader& relay_;
+  std::int64_t written_ns_ = 0;
+};
+
+// A hardware stage: its converter drives the amplifier itself, the shared output shows what was written.
+class MirroredNeedleStage final : public drivers::NeedleStage {
+ public:
+  MirroredNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& io) : stage_(stage), io_(io) {}
+
+  drivers::SensorReading read() override { return stage_.read(); }
+  void write(const safety::GatedVoltage& voltage) override {
+    stage_.write(voltage);
+    io_.write(voltage);
+  }
+
+ private:
+  drivers::NeedleStage& stage_;
+  digital_io::StageIo& io_;
+};
+
+}  // namespace biopsy::robot
