@@ -8,7 +8,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/procedure/case.hpp"
 #include "sim/plant/model_file.hpp"
 

@@ -9,10 +9,10 @@
 #include "robot/cli/help.hpp"
 #include "robot/cli/library_messages.hpp"
 #include "robot/cli/log_options.hpp"
-#include "robot/common/closest_names.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/interrupt.hpp"
 #include "robot/common/logging/log_session.hpp"
+#include "robot/common/text/closest_names.hpp"
 
 namespace biopsy::robot {
 namespace {

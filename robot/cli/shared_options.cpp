@@ -6,7 +6,7 @@
 
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/strict_number.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 namespace biopsy::robot {
 

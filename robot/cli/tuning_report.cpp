@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 
 namespace biopsy::robot {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sha256.hpp"
 #include "robot/common/subprocess.hpp"
+#include "robot/common/text/encoding.hpp"
 
 namespace biopsy {
 namespace {

@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "planner/plan/seal.hpp"
-#include "robot/common/encoding.hpp"
+#include "robot/common/text/encoding.hpp"
 #include "robot/console/server/picked_point.hpp"
-#include "robot/procedure/anatomical_orientation.hpp"
+#include "robot/procedure/images/anatomical_orientation.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/labels.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "planner/plan/seal.hpp"
-#include "robot/common/encoding.hpp"
+#include "robot/common/text/encoding.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/operator_run.hpp"

@@ -15,7 +15,7 @@
 #include "robot/console/server/hold_to_run.hpp"
 #include "robot/console/server/lease.hpp"
 #include "robot/msg/console_messages.hpp"
-#include "robot/procedure/confirmation_image.hpp"
+#include "robot/procedure/images/confirmation_image.hpp"
 #include "robot/procedure/run_notes.hpp"
 
 namespace biopsy::robot {

@@ -8,7 +8,7 @@
 
 #include "planner/plan/open_plan.hpp"
 #include "planner/plan/seal.hpp"
-#include "robot/common/encoding.hpp"
+#include "robot/common/text/encoding.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"

@@ -8,7 +8,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
-#include "robot/common/strict_number.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 namespace biopsy::live {
 

@@ -4,9 +4,9 @@
 
 #include <span>
 
-#include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sha256.hpp"
+#include "robot/common/text/encoding.hpp"
 
 namespace biopsy::robot {
 namespace {

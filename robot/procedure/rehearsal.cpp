@@ -4,14 +4,14 @@
 
 #include "planner/imaging/registration/reslice.hpp"
 #include "planner/plan/seal.hpp"
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/cycle/plan_facts.hpp"
-#include "robot/procedure/confirmation_image.hpp"
+#include "robot/procedure/images/confirmation_image.hpp"
+#include "robot/procedure/images/slice_geometry.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/rehearsed_plant.hpp"
 #include "robot/procedure/run_metrics.hpp"
 #include "robot/procedure/run_notes.hpp"
-#include "robot/procedure/slice_geometry.hpp"
 #include "sim/simulated_stage.hpp"
 
 namespace biopsy::robot {

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/recorder/log_file.hpp"
 
 namespace biopsy::recorder {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 
 namespace biopsy::imaging {
 

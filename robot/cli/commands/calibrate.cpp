@@ -13,8 +13,8 @@
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
 #include "sim/plant/model_text.hpp"
 

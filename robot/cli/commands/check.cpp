@@ -11,9 +11,9 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
-#include "robot/common/ras_point.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/ras_point.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/labels.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
-#include "robot/common/closest_names.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/text/closest_names.hpp"
 #include "sim/effects/effect_labels.hpp"
 #include "sim/plant/plant_model.hpp"
 

@@ -12,7 +12,7 @@
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/report/study/study_html.hpp"
 #include "sim/plant/model_text.hpp"
 

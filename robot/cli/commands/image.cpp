@@ -10,8 +10,8 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/output_folder.hpp"
-#include "robot/common/number_text.hpp"
-#include "robot/procedure/anatomical_orientation.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/procedure/images/anatomical_orientation.hpp"
 #include "robot/report/plot/png.hpp"
 
 namespace biopsy::robot {

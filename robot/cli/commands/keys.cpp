@@ -10,7 +10,7 @@
 
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/key_set.hpp"
 #include "robot/security/make_keys.hpp"

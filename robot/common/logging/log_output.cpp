@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 
 namespace biopsy::logging {
 namespace {

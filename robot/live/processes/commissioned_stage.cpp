@@ -5,9 +5,9 @@
 #include "drivers/commissioning/load_commissioning.hpp"
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/sha256.hpp"
+#include "robot/common/text/encoding.hpp"
 
 namespace biopsy::robot {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/gap/gap_diff.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/gap/gap_sections.hpp"

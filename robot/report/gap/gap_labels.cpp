@@ -6,9 +6,9 @@
 #include <limits>
 #include <tuple>
 
-#include "robot/common/number_text.hpp"
 #include "robot/common/statistics.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 
 namespace biopsy::report {
 namespace {

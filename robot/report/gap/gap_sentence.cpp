@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/gap/gap_report.hpp"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/report/gap/gap_labels.hpp"
 
 namespace biopsy::report::markup {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/plot/svg_chart.hpp"
 
 namespace biopsy::report {

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/plot/svg_writer.hpp"
 

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "robot/common/encoding.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/text/encoding.hpp"
 
 namespace biopsy::report {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/text_layout.hpp"
 
 namespace biopsy::report {
 namespace {

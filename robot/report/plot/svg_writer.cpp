@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 
 namespace biopsy::report {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/procedure/labels.hpp"
 #include "robot/report/procedure/report.hpp"
 #include "robot/report/procedure/verdict.hpp"

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/needle_overlay.hpp"
 #include "robot/report/plot/png.hpp"

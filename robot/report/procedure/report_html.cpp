@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/report/markup/json_values.hpp"
 #include "robot/report/procedure/labels.hpp"
 #include "robot/report/procedure/report.hpp"

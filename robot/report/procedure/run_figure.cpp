@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/report/plot/svg_chart.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"

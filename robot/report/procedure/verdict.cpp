@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 
 namespace biopsy::report {
 namespace {

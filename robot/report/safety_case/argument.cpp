@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "robot/common/number_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
 

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "robot/common/files/file.hpp"
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/markup/json_values.hpp"
 #include "robot/report/plot/figure_svg.hpp"

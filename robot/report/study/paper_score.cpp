@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 
 namespace biopsy::report {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "robot/common/sanitize_text.hpp"
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/sanitize_text.hpp"
+#include "robot/common/text/text_layout.hpp"
 #include "robot/report/study/paper_score.hpp"
 #include "robot/report/study/reproduction_report.hpp"
 

@@ -5,8 +5,8 @@
 #include <cctype>
 
 #include "robot/common/files/file.hpp"
-#include "robot/common/number_text.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/number_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/figure_svg.hpp"
 #include "robot/report/study/paper_score.hpp"

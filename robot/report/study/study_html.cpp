@@ -1,6 +1,6 @@
 #include "robot/report/study/study_html.hpp"
 
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/figure_svg.hpp"
 

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 
 namespace biopsy::sim::design {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <set>
 
-#include "robot/common/encoding.hpp"
+#include "robot/common/text/encoding.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::planner {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "robot/common/encoding.hpp"
 #include "robot/common/sha256.hpp"
+#include "robot/common/text/encoding.hpp"
 #include "sim/plant/model_file.hpp"
 #include "tests/robot/cli/command.hpp"
 #include "tests/robot/cli/documented_fields.hpp"

@@ -1,9 +1,9 @@
 // The small parts of what a command prints.
 #include <gtest/gtest.h>
 
-#include "robot/common/closest_names.hpp"
-#include "robot/common/number_text.hpp"
 #include "robot/common/progress.hpp"
+#include "robot/common/text/closest_names.hpp"
+#include "robot/common/text/number_text.hpp"
 
 namespace biopsy {
 namespace {

@@ -1,4 +1,4 @@
-#include "robot/common/strict_number.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/report/procedure/report.hpp"
 #include "tests/robot/report/example_run.hpp"
 

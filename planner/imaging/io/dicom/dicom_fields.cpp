@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/strict_number.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 namespace biopsy::imaging {
 

@@ -15,7 +15,7 @@
 #include "planner/imaging/io/dicom/dicom_fields.hpp"
 #include "planner/imaging/io/grid_rules.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/strict_number.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 namespace biopsy::imaging {
 namespace {

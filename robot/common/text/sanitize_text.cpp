@@ -1,4 +1,4 @@
-#include "robot/common/sanitize_text.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
-#include "robot/procedure/slice_geometry.hpp"
+#include "robot/procedure/images/slice_geometry.hpp"
 
-#include "robot/procedure/anatomical_orientation.hpp"
+#include "robot/procedure/images/anatomical_orientation.hpp"
 
 namespace biopsy::robot {
 

@@ -1,4 +1,4 @@
-#include "robot/common/encoding.hpp"
+#include "robot/common/text/encoding.hpp"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>

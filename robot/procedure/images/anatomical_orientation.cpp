@@ -1,4 +1,4 @@
-#include "robot/procedure/anatomical_orientation.hpp"
+#include "robot/procedure/images/anatomical_orientation.hpp"
 
 #include <fmt/format.h>
 

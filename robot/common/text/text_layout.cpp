@@ -1,4 +1,4 @@
-#include "robot/common/text_layout.hpp"
+#include "robot/common/text/text_layout.hpp"
 
 #include <algorithm>
 

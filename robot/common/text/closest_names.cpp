@@ -1,4 +1,4 @@
-#include "robot/common/closest_names.hpp"
+#include "robot/common/text/closest_names.hpp"
 
 #include <algorithm>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "robot/common/number_text.hpp"
+#include "robot/common/text/number_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "robot/common/ras_point.hpp"
+#include "robot/common/text/ras_point.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "robot/common/config_error.hpp"
-#include "robot/common/strict_number.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 namespace biopsy {
 

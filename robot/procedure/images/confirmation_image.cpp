@@ -1,4 +1,4 @@
-#include "robot/procedure/confirmation_image.hpp"
+#include "robot/procedure/images/confirmation_image.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "planner/imaging/io/read_volume.hpp"
-#include "robot/procedure/slice_geometry.hpp"
+#include "robot/procedure/images/slice_geometry.hpp"
 #include "sim/plant/seeded_noise.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/scanner.hpp"
