@@ -29,7 +29,7 @@ struct Aim {
 };
 
 // "3.1 mm left, 0.4 mm posterior": a patient direction in words; parts below 0.05 mm are left out.
-std::string in_words(const Eigen::Vector3d& lps_mm) {
+std::string direction_text(const Eigen::Vector3d& lps_mm) {
   constexpr const char* kToward[3][2] = {
       {"left", "right"}, {"posterior", "anterior"}, {"superior", "inferior"}};
   std::string text;
@@ -89,7 +89,7 @@ Refusal entry_elsewhere(const InsertionRequest& request) {
   return PlanRefusal{
       fmt::format(
           "the needle tip waits {:.1f} mm from the entry chosen on the image ({}), more than {:.1f} mm",
-          away.norm(), in_words(away), request.tolerances.entry_offset.value),
+          away.norm(), direction_text(away), request.tolerances.entry_offset.value),
       "choose the entry where the tip is, move the needle guide, or check the registration (is a point in "
       "LPS typed "
       "as RAS, or from another series?)"};
@@ -107,9 +107,9 @@ Refusal out_of_reach(const Aim& aim, const InsertionRequest& request) {
         fmt::format(
             "the target lies {:.1f} mm off the needle axis ({}), more than {:.1f} mm; the stage only moves "
             "along its axis",
-            aim.offset().value, in_words(sideways), request.tolerances.axis_offset.value),
+            aim.offset().value, direction_text(sideways), request.tolerances.axis_offset.value),
         fmt::format("move the needle guide {}, or re-aim it by {:.1f} degrees that way, and register again",
-                    in_words(sideways), turn_deg)};
+                    direction_text(sideways), turn_deg)};
   }
   if (aim.depth() < kTargetMin)
     return PlanRefusal{fmt::format("the target is {:.2f} mm in front of the tip, nearer than {:.1f} mm",

@@ -12,18 +12,18 @@ namespace biopsy::robot {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using sim::tuning::Judged, sim::tuning::Margins, sim::tuning::Score, sim::tuning::Tuning;
+using sim::tuning::EvaluatedGains, sim::tuning::Margins, sim::tuning::Score, sim::tuning::Tuning;
 
-double kp(const Judged& judged) {
-  return judged.gains.proportional_V_per_mm * 1e-3;
+double kp(const EvaluatedGains& evaluated) {
+  return evaluated.gains.proportional_V_per_mm * 1e-3;
 }
 
-double ki(const Judged& judged) {  // kV/mm a tick
-  return judged.gains.integral_V_per_mm_per_tick * 1e-3;
+double ki(const EvaluatedGains& evaluated) {  // kV/mm a tick
+  return evaluated.gains.integral_V_per_mm_per_tick * 1e-3;
 }
 
-double ki_per_second(const Judged& judged) {  // kV/(mm s)
-  return 1e3 * ki(judged);
+double ki_per_second(const EvaluatedGains& evaluated) {  // kV/(mm s)
+  return 1e3 * ki(evaluated);
 }
 
 std::string decibels(double value) {
@@ -57,7 +57,7 @@ std::vector<std::string> score_row(const std::string& name, const std::string& w
 
 report::StudyTable gains_table(const Tuning& tuning) {
   report::StudyTable table{"Gains", {"Controller", ">K_p, kV/mm", ">K_i, kV/(mm s)", "Feed-forward"}, {}};
-  for (const Judged& one : tuning.judged)
+  for (const EvaluatedGains& one : tuning.evaluated)
     table.rows.push_back(
         {one.name, fmt::format("{:.3f}", kp(one)), fmt::format("{:.2f}", ki_per_second(one)),
          one.feed ? fmt::format("from the model, target limited to {:.0f} mm/s", one.speed) : "none"});
@@ -67,7 +67,7 @@ report::StudyTable gains_table(const Tuning& tuning) {
 report::StudyTable margins_table(const Tuning& tuning) {
   report::StudyTable table{
       "Margins of the loop", {"Controller", "Depth", ">Gain", ">Phase", ">Crossover", "Closed loop"}, {}};
-  for (const Judged& one : tuning.judged) {
+  for (const EvaluatedGains& one : tuning.evaluated) {
     if (one.feed) continue;
     for (std::size_t i = 0; i < tuning.depths.size(); ++i)
       table.rows.push_back(margin_row(one.name, fmt::format("{:.0f} mm", tuning.depths[i]), one.at_depth[i]));
@@ -83,7 +83,7 @@ report::StudyTable scores_table(const Tuning& tuning) {
                            {}};
   table.rows.push_back(
       {"the paper's own stage", "measured", "0.077 mm", "< 10 %", "–", "1 s", "0.211 mm", "–", "–"});
-  for (const Judged& one : tuning.judged) {
+  for (const EvaluatedGains& one : tuning.evaluated) {
     table.rows.push_back(score_row(one.name, "the model", one.nominal));
     table.rows.push_back(score_row(one.name, "worst of all stages", one.worst));
   }
@@ -109,35 +109,35 @@ Json json_of(const Score& s) {
           {"cost", s.cost()}};
 }
 
-Json json_of(const Judged& judged, const std::vector<double>& depths) {
+Json json_of(const EvaluatedGains& evaluated, const std::vector<double>& depths) {
   Json at_depth = Json::array();
   for (std::size_t i = 0; i < depths.size(); ++i) {
-    Json entry = json_of(judged.at_depth[i]);
+    Json entry = json_of(evaluated.at_depth[i]);
     entry["depth_mm"] = depths[i];
     at_depth.push_back(entry);
   }
-  return {{"name", judged.name},
-          {"K_p_kV_per_mm", kp(judged)},
-          {"K_i_kV_per_mm_per_tick", ki(judged)},
-          {"feed_forward", judged.feed},
-          {"target_speed_mm_s", judged.feed ? Json(judged.speed) : Json(nullptr)},
+  return {{"name", evaluated.name},
+          {"K_p_kV_per_mm", kp(evaluated)},
+          {"K_i_kV_per_mm_per_tick", ki(evaluated)},
+          {"feed_forward", evaluated.feed},
+          {"target_speed_mm_s", evaluated.feed ? Json(evaluated.speed) : Json(nullptr)},
           {"margins", at_depth},
-          {"worst_margins", json_of(judged.worst_margins)},
-          {"score", json_of(judged.nominal)},
-          {"worst_score", json_of(judged.worst)}};
+          {"worst_margins", json_of(evaluated.worst_margins)},
+          {"score", json_of(evaluated.nominal)},
+          {"worst_score", json_of(evaluated.worst)}};
 }
 
 // What the margin costs.
-std::string price(const Judged& paper, const Judged& tuned) {
+std::string price(const EvaluatedGains& paper, const EvaluatedGains& tuned) {
   return fmt::format("On the model they follow the sine to {:.3f} mm, the paper's to {:.3f} mm.",
                      tuned.nominal.sine_rmse, paper.nominal.sine_rmse);
 }
 
 std::string with_feed(const Tuning& tuning) {
-  if (tuning.interrupted) return "Feed-forward was not judged: the search was interrupted.";
+  if (tuning.interrupted) return "Feed-forward was not evaluated: the search was interrupted.";
   std::string text =
       "With feed-forward, settled and on the sine, the paper's own stage reaching 0.077 and 0.211 mm:";
-  for (const Judged& one : tuning.judged)
+  for (const EvaluatedGains& one : tuning.evaluated)
     if (one.feed)
       text += fmt::format(
           " {} {:.3f} and {:.3f} mm on the model, {:.3f} and {:.3f} mm on the worst stage, with {} of "
@@ -151,7 +151,7 @@ std::string with_feed(const Tuning& tuning) {
 }  // namespace
 
 std::string tuning_sentence(const Tuning& tuning) {
-  const Judged &paper = tuning.judged.at(0), &tuned = tuning.judged.at(1);
+  const EvaluatedGains &paper = tuning.evaluated.at(0), &tuned = tuning.evaluated.at(1);
   const std::string wanted = fmt::format(
       "{:.0f} dB and {:.0f}° on the model and on {} drawn from its uncertainty", tuning.wanted.gain_dB,
       tuning.wanted.phase_degrees, counted(static_cast<std::size_t>(tuning.stages), "stage"));
@@ -197,7 +197,7 @@ report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {
 
 std::string tuning_json(const Tuning& tuning, const std::string& model, double seconds) {
   Json controllers = Json::array();
-  for (const Judged& one : tuning.judged) controllers.push_back(json_of(one, tuning.depths));
+  for (const EvaluatedGains& one : tuning.evaluated) controllers.push_back(json_of(one, tuning.depths));
   Json all = {
       {"model", model},
       {"met", tuning.met},

@@ -26,8 +26,8 @@ bool is_code(const fs::path& file) {
 
 std::vector<fs::path> code_files(const fs::path& tree) {
   std::vector<fs::path> files;
-  for (const char* room : {"robot", "safety", "planner", "drivers", "sim", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(tree / room))
+  for (const char* folder : {"robot", "safety", "planner", "drivers", "sim", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(tree / folder))
       if (entry.is_regular_file() && is_code(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;

@@ -59,7 +59,7 @@ events::Planned planned_of(const PreparedCase& prepared, const std::optional<Poi
   planned.axis_offset = plan.axis_offset.value;
   planned.depth_max = plan.limits.depth_max.value;
   planned.v_max = plan.limits.v_max.value * 1e-3;
-  planned.side = side_letters(-axis_S);
+  planned.side = anatomical_directions(-axis_S);
   for (const Layer& layer : plan.layers)
     planned.layers.push_back({layer.name, layer.from.value, layer.to.value});
   for (const InsertionStep& stage : plan.stages)

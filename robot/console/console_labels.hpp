@@ -5,6 +5,7 @@
 #include <string>
 
 #include "robot/cycle/run_cycle.hpp"
+#include "robot/msg/console_messages.hpp"
 
 namespace biopsy::robot {
 

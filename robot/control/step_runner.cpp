@@ -29,7 +29,7 @@ RunnerState enter_stage(RunnerState state, std::uint32_t stage) {
 }
 
 // The setpoint moves to the step's depth at the step's speed, never beyond.
-Millimetres walked(Millimetres from, const InsertionStep& stage) {
+Millimetres advanced(Millimetres from, const InsertionStep& stage) {
   const Millimetres stride = stage.speed * Seconds(kTick);
   return from + std::clamp(stage.depth - from, -stride, stride);
 }
@@ -70,7 +70,7 @@ RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
   } else {
     if (!state.raising) state.loop = pi_resume(gains, state.loop.amplitude, state.setpoint - depth);
     state.raising = true;
-    state.setpoint = walked(state.setpoint, stage);
+    state.setpoint = advanced(state.setpoint, stage);
     state.loop = pi_step(gains, state.loop, state.setpoint - depth, from_mV(permit.v_max_mV));
     state = judge(state, stage, depth);
   }

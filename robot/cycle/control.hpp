@@ -20,9 +20,9 @@ struct ControllerInputs {
 
 struct ControllerMemory {
   std::uint64_t config_tag = 0;
-  std::optional<Plan> plan;
+  std::optional<Plan> plan{};
   std::uint64_t plan_tag = 0;  // of `plan`; 0: none
-  control::RunnerState runner;
+  control::RunnerState runner{};
 };
 
 // The plan that is run from now on; none where its seal does not hold or it has no step. Requests keep their

@@ -1,5 +1,5 @@
 // What an operator and the surroundings of the robot contribute to a tick, and the messages and levels that
-// carry it. Lockstep and the operator's side of the live robot use the same functions. Default-constructed:
+// carry it. The simulated robot and the operator's side of the live robot use the same functions. Default-constructed:
 // unknown is bad.
 #pragma once
 

@@ -47,13 +47,13 @@ std::int32_t writer_count(const WriterCounts& counts);
 struct SupervisorMemory {
   std::uint64_t config_tag = 0;  // of the configuration at start
   safety::SelfTest self_test = safety::SelfTest::Pending;
-  safety::PlanFacts plan;        // none: plan_tag 0
+  safety::PlanFacts plan{};      // none: plan_tag 0
   std::uint64_t sealed_tag = 0;  // of the plan that was sent last, accepted or not; 0: seal broken
   std::array<std::uint64_t, 2> confirmed_tag{};  // that both confirmations were given for
-  safety::EvidenceMemory evidence;
-  safety::TissueMonitor tissue;
-  safety::SupervisorState state;
-  Permit permit;            // issued in the last tick
+  safety::EvidenceMemory evidence{};
+  safety::TissueMonitor tissue{};
+  safety::SupervisorState state{};
+  Permit permit{};          // issued in the last tick
   std::int64_t act_us = 0;  // arrival of the last operator act that was used
 };
 

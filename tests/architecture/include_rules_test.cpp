@@ -16,16 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kHouse = biopsy::source_dir();
+const fs::path kSource = biopsy::source_dir();
 
 // Layers from the ground up. A folder includes itself, any lower layer, and what is named beside it in its
 // own.
-struct Room {
+struct Layer {
   std::string folder;
   int layer;
   std::set<std::string> beside;
 };
-const std::vector<Room> kRooms{
+const std::vector<Layer> kLayers{
     {"robot/common", 0, {}},
     {"robot/msg", 1, {}},
     {"safety", 2, {}},
@@ -58,26 +58,26 @@ const std::vector<Room> kRooms{
     {"robot/cli", 9, {}},
 };
 
-const Room& room_named(const std::string& folder) {
-  return *std::find_if(kRooms.begin(), kRooms.end(), [&](const Room& room) { return room.folder == folder; });
+const Layer& room_named(const std::string& folder) {
+  return *std::find_if(kLayers.begin(), kLayers.end(), [&](const Layer& layer) { return layer.folder == folder; });
 }
 
 bool may_include(const std::string& from, const std::string& to) {
-  const Room &upper = room_named(from), &lower = room_named(to);
+  const Layer &upper = room_named(from), &lower = room_named(to);
   return from == to || lower.layer < upper.layer || upper.beside.contains(to);
 }
 
-std::string room_of(const std::string& path) {
+std::string layer_of(const std::string& path) {
   std::string best;
-  for (const Room& room : kRooms)
-    if (path.starts_with(room.folder + "/") && room.folder.size() > best.size()) best = room.folder;
+  for (const Layer& layer : kLayers)
+    if (path.starts_with(layer.folder + "/") && layer.folder.size() > best.size()) best = layer.folder;
   return best;
 }
 
 std::vector<fs::path> sources() {
   std::vector<fs::path> files;
   for (const char* top : {"robot", "safety", "planner", "drivers", "sim"})
-    for (const auto& entry : fs::recursive_directory_iterator(kHouse / top))
+    for (const auto& entry : fs::recursive_directory_iterator(kSource / top))
       if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp")
         files.push_back(entry.path());
   return files;
@@ -90,22 +90,22 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
-TEST(Architecture, EveryRoomIncludesOnlyWhatItMaySee) {
+TEST(Architecture, EveryFolderIncludesOnlyLowerLayers) {
   const std::regex include(R"re(^\s*#include\s+"([^"]+)")re");
   std::size_t seen_includes = 0;
   for (const fs::path& file : sources()) {
-    const std::string path = fs::relative(file, kHouse).string();
-    const std::string room = room_of(path);
-    ASSERT_FALSE(room.empty()) << path << " stands in no room of the house";
+    const std::string path = fs::relative(file, kSource).string();
+    const std::string layer = layer_of(path);
+    ASSERT_FALSE(layer.empty()) << path << " is in no folder with a layer";
     for (const std::string& line : lines_of(file)) {
       std::smatch match;
       if (!std::regex_search(line, match, include)) continue;
-      const std::string other = room_of(match[1]);
-      EXPECT_TRUE(fs::exists(kHouse / match[1].str()) ||
+      const std::string other = layer_of(match[1]);
+      EXPECT_TRUE(fs::exists(kSource / match[1].str()) ||
                   fs::exists(biopsy::binary_dir() / "generated" / match[1].str()))
           << path << " includes " << match[1] << ", not from the root";
       ASSERT_FALSE(other.empty()) << path << " includes " << match[1];
-      EXPECT_TRUE(may_include(room, other)) << path << " (" << room << ") includes " << match[1];
+      EXPECT_TRUE(may_include(layer, other)) << path << " (" << layer << ") includes " << match[1];
       ++seen_includes;
     }
   }
@@ -122,7 +122,7 @@ TEST(Architecture, NothingInTheTickLocksOrWritesALog) {
       R"(printf|fprintf|puts|cout|cerr|clog|syslog|sd_journal\w*)\b|fmt::print|logging::(Logger|write)|logging/logger\.hpp)");
   std::size_t judged = 0;
   for (const fs::path& file : sources()) {
-    const std::string path = fs::relative(file, kHouse).string();
+    const std::string path = fs::relative(file, kSource).string();
     if (!std::regex_search(path, tick) || path.starts_with("robot/console/")) continue;
     ++judged;
     for (std::string line : lines_of(file)) {
@@ -141,7 +141,7 @@ TEST(Architecture, SafetyUsesNoClockHeapInputOutputOrException) {
   const std::regex banned(
       R"(\b(throw|try|catch|new|delete|malloc|double|float|std::string\b|std::vector|static_cast<float>)\b)");
   for (const fs::path& file : sources()) {
-    if (room_of(fs::relative(file, kHouse).string()) != "safety") continue;
+    if (layer_of(fs::relative(file, kSource).string()) != "safety") continue;
     for (std::string line : lines_of(file)) {
       line = line.substr(0, line.find("//"));
       std::smatch match;
@@ -158,7 +158,7 @@ TEST(Architecture, OnlyTheGateMakesAVoltage) {
   biopsy::verifies("R-35");
   const std::regex made(R"(GatedVoltage\s*[({]\s*[^)}\s])");
   for (const fs::path& file : sources()) {
-    const std::string path = fs::relative(file, kHouse).string();
+    const std::string path = fs::relative(file, kSource).string();
     if (path == "safety/gate.cpp" || path == "safety/gate.hpp") continue;
     for (const std::string& line : lines_of(file))
       EXPECT_FALSE(std::regex_search(line, made)) << path << ": " << line;

@@ -1,5 +1,5 @@
 // A small lockstep loop for the tests: supervisor and gate as shipped around the simplest stage that behaves,
-// with one place to spoil every message. Depth follows |V| (0.5 mm/kV, first order in 20 ms) with 10 um of
+// with one place to corrupt every message. Depth follows |V| (0.5 mm/kV, first order in 20 ms) with 10 um of
 // laser noise; the monitor shows the command with 0.2 % noise; the controller climbs with the permit's slew
 // and changes polarity at 2 Hz.
 #pragma once

@@ -27,7 +27,7 @@ struct DepthCheckSettings {
   // Registered images of one patient by one sequence correlate above 0.9, a guidance scan with a planning
   // scan 0.8.
   double registration_min = 0.6;
-  // The void must beat chance, and beat what the images differ in beside the path.
+  // The void must be larger than chance, and than the differences of the images beside the path.
   double evidence_min = 8.0, evidence_over_control = 2.0;
   double loss_min = 0.25;          // less than this of the signal lost is no needle
   double darkest_min = 0.25;       // darker than this beside the rest, a bubble may pass for the tip
@@ -43,7 +43,7 @@ struct DepthJudgement {
 // ends.
 bool needle_seen(const TipFinding& tip, const DepthCheckSettings& settings);
 
-// Worst news first; Accept only when nothing speaks against it.
+// Worst news first; Accept only when nothing contradicts it.
 DepthJudgement judge_depth(const DepthReading& reading, const DepthCheckSettings& settings);
 
 }  // namespace biopsy::imaging

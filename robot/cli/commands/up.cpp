@@ -103,7 +103,7 @@ std::string board_text(const std::array<Health, kCount<Process>>& board,
 }
 
 // What the console must know to plan the same case.
-std::vector<std::string> console_words(const Options& options) {
+std::vector<std::string> console_arguments(const Options& options) {
   const ProcedureOptions& given = options.procedure;
   std::vector<std::string> words;
   if (!given.case_name.empty()) words.push_back(given.case_name);
@@ -161,7 +161,7 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
                       Person::AtTheConsole);
   const std::filesystem::path address = options.procedure.out / "console.url";
   std::filesystem::remove(address);
-  session.launcher().start(Process::Person, console_words(options));
+  session.launcher().start(Process::Person, console_arguments(options));
   const auto started = Clock::now();
   std::optional<std::string> ended;
   bool announced = false;

@@ -23,23 +23,23 @@ void record(const std::filesystem::path& run_folder) {
   recorder::Recorder recorder(settings.log, std::move(key));
   std::optional<transport::ParticipantMonitor> participants;
   if (!settings.keys.empty()) participants.emplace(live::plain_settings(settings), process.bus());
-  robot::BusRecorder scribe(process.bus(), recorder, process.config_tag(),
+  robot::BusRecorder bus_recorder(process.bus(), recorder, process.config_tag(),
                             participants ? &*participants : nullptr);
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
-  scribe.note(recorder::RecordKind::ProcessStart, "{}", now_us());
+  bus_recorder.note(recorder::RecordKind::ProcessStart, "{}", now_us());
   process.start_ticking();
   realtime::TickClock clock(kPeriod);
   std::string trouble;  // as logged
   while (!process.stop_asked()) {
-    scribe.turn(clock.wait().woke_ns / 1000);
-    process.after_tick(now_us(), scribe.health());
+    bus_recorder.turn(clock.wait().woke_ns / 1000);
+    process.after_tick(now_us(), bus_recorder.health());
     if (recorder.last_error() != trouble)
       kLog.warning("procedure log: {}",
                    recorder.last_error().empty() ? "written again" : recorder.last_error());
     trouble = recorder.last_error();
   }
-  scribe.turn(now_us());
-  scribe.note(recorder::RecordKind::ProcessStop, "{}", now_us());
+  bus_recorder.turn(now_us());
+  bus_recorder.note(recorder::RecordKind::ProcessStop, "{}", now_us());
   recorder.flush(now_us());
 }
 

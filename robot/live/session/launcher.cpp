@@ -120,12 +120,12 @@ std::vector<std::string> Launcher::stop() {
       wait_for(process, kPatience, status);
     }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-      trouble.push_back(fmt::format("{} {}{}", program_of(process), ending(status), last_words(process)));
+      trouble.push_back(fmt::format("{} {}{}", program_of(process), ending(status), last_message(process)));
   }
   return trouble;
 }
 
-std::string Launcher::last_words(Process process) const {
+std::string Launcher::last_message(Process process) const {
   std::istringstream file(read_file_if_present(run_folder_ / fmt::format("{}.txt", name_of(process))));
   std::string words;
   std::string last;
@@ -149,7 +149,7 @@ std::optional<std::string> Launcher::ended(Process process) {
   int status = 0;
   if (pid < 0 || waitpid(pid, &status, WNOHANG) != pid) return std::nullopt;
   pid = -1;
-  return fmt::format("{} {}{}", program_of(process), ending(status), last_words(process));
+  return fmt::format("{} {}{}", program_of(process), ending(status), last_message(process));
 }
 
 }  // namespace biopsy::robot

@@ -46,7 +46,7 @@ class Launcher {
   std::optional<std::string> ended(Process process);
 
  private:
-  std::string last_words(Process process) const;
+  std::string last_message(Process process) const;
   bool wait_for(Process process, std::chrono::milliseconds patience, int& status);
 
   std::filesystem::path run_folder_, lines_folder_, programs_;

@@ -27,7 +27,7 @@ std::vector<Share> shares(const Direction& lps) {
 
 }  // namespace
 
-std::string side_letters(const Direction& lps) {
+std::string anatomical_directions(const Direction& lps) {
   std::string out;
   const std::vector<Share> all = shares(lps);
   for (const Share& share : all)

@@ -9,7 +9,7 @@ namespace biopsy::robot {
 
 // The strongest letter first, and each other that has at least a quarter of it: "A" straight ahead, "AR"
 // oblique.
-std::string side_letters(const Direction& lps);
+std::string anatomical_directions(const Direction& lps);
 
 // The same with numbers, for a table: "R 0.98, A 0.17".
 std::string side_shares(const Direction& lps);

@@ -10,10 +10,10 @@ report::SliceGeometry geometry_of(const imaging::NeedleSlice& slice) {
                                  slice.axis_px.y(), slice.mm_per_pixel};
   const Direction right_S = slice.axis_px.x() * slice.frame.along + slice.across_px.x() * slice.frame.across;
   const Direction down_S = slice.axis_px.y() * slice.frame.along + slice.across_px.y() * slice.frame.across;
-  geometry.right = side_letters(right_S);
-  geometry.left = side_letters(-right_S);
-  geometry.bottom = side_letters(down_S);
-  geometry.top = side_letters(-down_S);
+  geometry.right = anatomical_directions(right_S);
+  geometry.left = anatomical_directions(-right_S);
+  geometry.bottom = anatomical_directions(down_S);
+  geometry.top = anatomical_directions(-down_S);
   return geometry;
 }
 

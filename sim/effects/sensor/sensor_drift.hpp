@@ -12,8 +12,8 @@ struct SensorDrift {
   double rate = 0.0;       // m/s at the beginning
   double settles = 100.0;  // s
 
-  double walked(double t) const { return rate * settles * -std::expm1(-t / settles); }
-  double read(double reading, const ReadingMoment& at) const { return reading + walked(at.time); }
+  double offset(double t) const { return rate * settles * -std::expm1(-t / settles); }
+  double read(double reading, const ReadingMoment& at) const { return reading + offset(at.time); }
 
   static constexpr EffectInfo info{
       "sensor_drift",

@@ -111,7 +111,7 @@ struct Individual {
   Genes genes;
   DesignedStack stack;
   std::size_t rank = 0;
-  double room = 0.0;  // to its neighbours of the same rank
+  double spacing = 0.0;  // to its neighbours of the same rank
 };
 
 // Rank: how many rounds of taking away the unbeaten it survives.
@@ -134,7 +134,7 @@ void rank(std::vector<Individual>& all) {
 
 void measure_room(std::vector<Individual>& all) {
   std::vector<std::size_t> order(all.size());
-  for (Individual& one : all) one.room = 0.0;
+  for (Individual& one : all) one.spacing = 0.0;
   for (std::size_t objective = 0; objective < 5; ++objective) {
     std::iota(order.begin(), order.end(), 0);
     const auto value = [&](std::size_t i) { return objectives(all[i].stack)[objective]; };
@@ -145,7 +145,7 @@ void measure_room(std::vector<Individual>& all) {
     for (std::size_t k = 0; k < order.size(); ++k) {
       const bool edge = k == 0 || k + 1 == order.size() || all[order[k - 1]].rank != all[order[k]].rank ||
                         all[order[k + 1]].rank != all[order[k]].rank;
-      all[order[k]].room += edge ? std::numeric_limits<double>::infinity()
+      all[order[k]].spacing += edge ? std::numeric_limits<double>::infinity()
                                  : (value(order[k + 1]) - value(order[k - 1])) / range;
     }
   }
@@ -155,7 +155,7 @@ void keep_best(std::vector<Individual>& all, std::size_t count) {
   rank(all);
   measure_room(all);
   std::stable_sort(all.begin(), all.end(), [](const Individual& a, const Individual& b) {
-    return a.rank != b.rank ? a.rank < b.rank : a.room > b.room;
+    return a.rank != b.rank ? a.rank < b.rank : a.spacing > b.spacing;
   });
   all.resize(std::min(count, all.size()));
 }

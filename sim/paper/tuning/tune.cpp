@@ -181,8 +181,8 @@ Candidate searched(const Family& family, const TuneOptions& options, const TuneP
   return best;
 }
 
-Judged judged(const Family& family, std::string name, const Driving& driving) {
-  Judged out{.name = std::move(name),
+EvaluatedGains evaluated(const Family& family, std::string name, const Driving& driving) {
+  EvaluatedGains out{.name = std::move(name),
              .gains = driving.gains,
              .feed = driving.feed_model != nullptr,
              .speed = driving.speed,
@@ -195,10 +195,10 @@ Judged judged(const Family& family, std::string name, const Driving& driving) {
 }
 
 // Feed-forward with the best of a few speed limits of the target.
-Judged judged_with_feed(const Family& family, const std::string& name, const PiGains& gains) {
-  std::optional<Judged> best;
+EvaluatedGains judged_with_feed(const Family& family, const std::string& name, const PiGains& gains) {
+  std::optional<EvaluatedGains> best;
   for (const double speed : kSpeeds) {
-    Judged here = judged(family, name, {gains, &family.model(), speed});
+    EvaluatedGains here = evaluated(family, name, {gains, &family.model(), speed});
     if (!best || here.worst.cost() < best->worst.cost()) best = std::move(here);
   }
   return *best;
@@ -216,7 +216,7 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
   const IsPlausible is_plausible =
       is_like_the_papers(model.model) ? IsPlausible(is_like_the_papers) : IsPlausible();
   UncertainStages uncertain = uncertain_stages(model, options.stages, options.seed, is_plausible);
-  if (options.stop.stop_requested()) uncertain.stages.clear();  // the model alone is judged in time
+  if (options.stop.stop_requested()) uncertain.stages.clear();  // the model alone is evaluated in time
   const Family family(model.model, uncertain.stages);
   if (progress) progress(0.1, "searching gains with the required margins");
   const Candidate best = searched(family, options, progress);
@@ -231,12 +231,12 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
   out.wanted = options.wanted;
   out.met = best.worst.meet(options.wanted);
   out.interrupted = options.stop.stop_requested();
-  out.judged.resize(out.interrupted ? 2 : 4);
-  in_parallel(out.judged.size(), [&](std::size_t i) {
+  out.evaluated.resize(out.interrupted ? 2 : 4);
+  in_parallel(out.evaluated.size(), [&](std::size_t i) {
     const PiGains gains = i % 2 == 0 ? PiGains{} : best.gains;
     const std::string name = i % 2 == 0 ? "paper's gains" : "tuned gains";
-    out.judged[i] =
-        i < 2 ? judged(family, name, {gains}) : judged_with_feed(family, name + ", feed-forward", gains);
+    out.evaluated[i] =
+        i < 2 ? evaluated(family, name, {gains}) : judged_with_feed(family, name + ", feed-forward", gains);
   });
   out.panels = tuning_panels(model.model, out);
   return out;

@@ -30,7 +30,7 @@ struct Score {
 // The worse of both, entry by entry.
 Score worse(const Score& a, const Score& b);
 
-struct Judged {
+struct EvaluatedGains {
   std::string name;
   control::PiGains gains;
   bool feed = false;              // feed-forward from the nominal model,
@@ -56,9 +56,9 @@ struct Tuning {
   int stages = 0;                   // drawn, besides the model
   int refused = 0;  // rejected draws: with the paper's gains they do not settle as its stage does
   Requirements wanted;
-  bool interrupted = false;    // before the search was complete; feed-forward is not judged then
+  bool interrupted = false;    // before the search was complete; feed-forward is not evaluated then
   bool met = false;            // the tuned gains have the margins on all stages; otherwise they come closest
-  std::vector<Judged> judged;  // the paper's gains, the tuned ones, each again with feed-forward
+  std::vector<EvaluatedGains> evaluated;  // the paper's gains, the tuned ones, each again with feed-forward
   std::vector<FigurePanel> panels;
 };
 

@@ -30,16 +30,16 @@ FigurePanel bode_panel(std::string title, std::string y_title) {
 
 // One loop, in both panels.
 void add_loop(FigurePanel& magnitude, FigurePanel& phase, const PlantModel& model, double depth,
-              const Judged& judged) {
+              const EvaluatedGains& evaluated) {
   FigureCurve size, angle;
-  size.name = angle.name = fmt::format("{}, {:.0f} mm", judged.name, depth);
-  size.dashed = angle.dashed = judged.gains.proportional_V_per_mm == control::PiGains{}.proportional_V_per_mm;
+  size.name = angle.name = fmt::format("{}, {:.0f} mm", evaluated.name, depth);
+  size.dashed = angle.dashed = evaluated.gains.proportional_V_per_mm == control::PiGains{}.proportional_V_per_mm;
   const LinearStage stage = linearised(model, depth);
   double before = -90.0;
   for (std::size_t i = 0; i < frequencies().size(); i += kEvery) {
     const double omega = frequencies()[i], hertz = omega / (2.0 * std::numbers::pi);
     if (hertz > kTo) break;
-    const std::complex<double> loop = response(stage, omega) * controller(judged.gains, omega);
+    const std::complex<double> loop = response(stage, omega) * controller(evaluated.gains, omega);
     double degrees = std::arg(loop) * 180.0 / std::numbers::pi;
     degrees -= 360.0 * std::round((degrees - before) / 360.0);
     before = degrees;
@@ -57,7 +57,7 @@ FigureCurve level(double y) {
 
 FigurePanel step_panel(const PlantModel& model, const Tuning& tuning) {
   FigurePanel panel;
-  for (const Judged& one : tuning.judged) {
+  for (const EvaluatedGains& one : tuning.evaluated) {
     const paper::Course course = steps(model, {one.gains, one.feed ? &model : nullptr, one.speed});
     if (panel.curves.empty()) {
       panel = paper::displacement_panel("2 to 8 mm and back", course, kSteps);
@@ -74,7 +74,7 @@ FigurePanel step_panel(const PlantModel& model, const Tuning& tuning) {
 std::vector<FigurePanel> tuning_panels(const PlantModel& model, const Tuning& tuning) {
   FigurePanel magnitude = bode_panel("open loop, magnitude", "dB");
   FigurePanel phase = bode_panel("open loop, phase", "degrees");
-  for (const Judged& one : tuning.judged) {
+  for (const EvaluatedGains& one : tuning.evaluated) {
     if (one.feed) continue;
     add_loop(magnitude, phase, model, tuning.depths.front(), one);
     add_loop(magnitude, phase, model, tuning.depths.back(), one);

@@ -60,7 +60,7 @@ class CommissioningRecord : public testing::Test {
     return sim::refusal([&] { load(now, device, config); });
   }
   void expect_refusal(const std::string& text, const std::string& reason) const {
-    sim::expect_says(text, folder_.path().string(), reason);
+    sim::expect_refusal(text, folder_.path().string(), reason);
   }
 
   ScratchFolder folder_;

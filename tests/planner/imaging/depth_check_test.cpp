@@ -124,9 +124,9 @@ TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
   good.tip.depth_mm = 20.0, good.tip.sigma_mm = 0.1;
   good.tip.low_mm = 19.8, good.tip.high_mm = 20.2;
   ASSERT_EQ(judge_depth(good, {}).verdict, DepthVerdict::Accept);
-  const auto verdict_after = [&](const auto& spoil) {
+  const auto verdict_after = [&](const auto& corrupt) {
     DepthReading reading = good;
-    spoil(reading);
+    corrupt(reading);
     return judge_depth(reading, {}).verdict;
   };
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.gap_mm = 3.0; }), DepthVerdict::Unsure);

@@ -36,12 +36,12 @@ TEST(NumberText, CountsAndRoundsAsPeopleWrite) {
 }
 
 TEST(TimeLeft, IsThatOfTheSamePace) {
-  EXPECT_EQ(robot::time_left_text(0.25, 10.0), "30 s left");
-  EXPECT_EQ(robot::time_left_text(0.1, 60.0), "9 min left");
-  EXPECT_EQ(robot::time_left_text(0.02, 600.0), "8.2 h left");
-  EXPECT_EQ(robot::time_left_text(0.5, 1.0), "") << "too early to say";
-  EXPECT_EQ(robot::time_left_text(-1.0, 60.0), "") << "nobody knows the share";
-  EXPECT_EQ(robot::time_left_text(0.001, 60.0), "");
+  EXPECT_EQ(time_left_text(0.25, 10.0), "30 s left");
+  EXPECT_EQ(time_left_text(0.1, 60.0), "9 min left");
+  EXPECT_EQ(time_left_text(0.02, 600.0), "8.2 h left");
+  EXPECT_EQ(time_left_text(0.5, 1.0), "") << "too early to say";
+  EXPECT_EQ(time_left_text(-1.0, 60.0), "") << "nobody knows the share";
+  EXPECT_EQ(time_left_text(0.001, 60.0), "");
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct Console {
     return answer && answer->done;
   }
   void receive(Mode mode, safety::Hazard worst) {
-    now_us += kReads_us;
+    now_us += kTick_us;
     session.inputs(now_us);
     CycleSample cycle{};
     cycle.record.supervisor.permit.mode = mode;

@@ -22,7 +22,7 @@ TEST(BusRecorder, WritesDownWhatAProcessSaysWhateverTheBytes) {
   const transport::Participant bus({kRecorderDomain, security::cyclone_xml({}), 1});
   const LogFolder folder;
   recorder::Recorder log(folder.log, folder.key());
-  BusRecorder scribe(bus, log, 1, nullptr);
+  BusRecorder bus_recorder(bus, log, 1, nullptr);
   live::Heartbeat stage(bus, Process::Stage, 1);
   const std::string said = "NI-DAQmx -200279: device is gone";
   stage.note(said);
@@ -31,7 +31,7 @@ TEST(BusRecorder, WritesDownWhatAProcessSaysWhateverTheBytes) {
     for (int turns = 0; turns < 1000; ++turns) {  // each asks once more; bounded, never waits for a time
       now_us += live::kHealthEvery_us;
       stage.beat(now_us);
-      scribe.turn(now_us);
+      bus_recorder.turn(now_us);
       for (const Record& record : recorder::records_of(folder.log, folder.public_key()))
         if (record.source == "stage" && record.body.find(part) != std::string::npos) return true;
       std::this_thread::yield();

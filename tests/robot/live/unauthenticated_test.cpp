@@ -64,7 +64,7 @@ Moved two_seconds(robot::LiveSession& session) {
   return moved;
 }
 
-// The needle moves on while the stranger shouts, and the log has `words` of it.
+// The needle moves on while an unauthenticated participant sends, and the log has `words` about it.
 void moves_on_and_logs(bool with_keys, const std::string& words) {
   on_a_steady_host([&]() -> std::string {
     const ScratchFolder folder;

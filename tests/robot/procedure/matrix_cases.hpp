@@ -24,7 +24,7 @@ inline const fs::path& patient_folder() {
     fs::create_directories(folder / "docs");
     fs::copy(source_dir() / "docs/examples", folder / "docs/examples", fs::copy_options::recursive);
     fs::copy(source_dir() / "sim", folder / "sim", fs::copy_options::recursive);
-    return stories::biopsy("dry-run liver --out " + (folder / "out/liver").string()).code == 0;
+    return cli_tests::biopsy("dry-run liver --out " + (folder / "out/liver").string()).code == 0;
   }();
   EXPECT_TRUE(made);
   return folder.path();

@@ -34,7 +34,7 @@ TEST_P(ProcedureMatrix, CompletesADryRunTwiceInOneFolder) {
   const ScratchFolder folder;
   for (int run = 1; run <= 2; ++run) {
     const auto answer =
-        stories::biopsy("dry-run " + case_file(GetParam().first) + " --out " + (folder / "out").string());
+        cli_tests::biopsy("dry-run " + case_file(GetParam().first) + " --out " + (folder / "out").string());
     ASSERT_EQ(answer.code, 0) << answer.text;
     EXPECT_EQ(folders_in(folder / "out/images"), static_cast<std::size_t>(GetParam().second))
         << "run " << run;
@@ -50,7 +50,7 @@ class ConsoleOperator {
                  [this](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                    send(plan, confirmed);
                  }) {
-    session_.came(kPage);
+    session_.connect(kPage);
     tick();
   }
 
@@ -99,7 +99,7 @@ class ConsoleOperator {
   static constexpr console::Client kPage = 1;
 
   bool command(const commands::Any& given) {
-    const auto answer = session_.ask(kPage, given, now_us_);
+    const auto answer = session_.handle(kPage, given, now_us_);
     return answer && answer->done;
   }
   void set_point(console::Mark mark, const Point& there) {
@@ -134,7 +134,7 @@ class ConsoleOperator {
       cycle.record = robot_->run_cycle(inputs);
     }
     seen_ = cycle.record;
-    session_.see(cycle, now_us_);
+    session_.update(cycle, now_us_);
   }
   bool ticks_until(const std::function<bool()>& reached, int most) {
     for (int i = 0; i < most; ++i) {
@@ -170,7 +170,7 @@ class ConsoleOperator {
         << "stage " << stage;
     CycleSample same;
     same.record = seen_;
-    while (scanner() == console::Scanner::Checking) std::this_thread::yield(), session_.see(same, now_us_);
+    while (scanner() == console::Scanner::Checking) std::this_thread::yield(), session_.update(same, now_us_);
   }
 
   ScratchFolder folder_;

@@ -85,7 +85,7 @@ Reproduction example_reproduction() {
   PaperFigure beyond{"beyond", "sine with feed-forward", "Beside PI.", {}, {}};
   beyond.rows = {row("RMSE of the sine", RowKind::Shown, 0.211, 0.0912, true, "costs 0.4 kV")};
   beyond.rows.front().figure = "beyond";
-  return {"sim/models/my stage.toml", {a, b, beyond}, 12.34};
+  return {"sim/models/my stage.toml", {a, b, beyond}, {}, 12.34};
 }
 
 }  // namespace biopsy::report

@@ -27,7 +27,7 @@ void make_sound(Wire& field, Bytes bytes) {
 }
 
 template <class Value, class Wire>
-void claim_sound(const Value& value, const Wire& wire) {
+void claim_field_sound(const Value& value, const Wire& wire) {
   if constexpr (std::is_enum_v<Value>)
     claim(static_cast<std::size_t>(value) < kCount<Value>, "a code that exists");
   if constexpr (std::is_same_v<Value, std::string>)
@@ -46,7 +46,7 @@ void there_and_back(Bytes bytes) {
   on_each_field([&](auto pair) { make_sound(wire.*pair.wire, bytes); });
   Message first, second;
   transport::decode(wire, first);
-  on_each_field([&](auto pair) { claim_sound(first.*pair.value, wire.*pair.wire); });
+  on_each_field([&](auto pair) { claim_field_sound(first.*pair.value, wire.*pair.wire); });
   transport::encode(first, again);
   transport::decode(again, second);
   claim(first == second, "there and back is the same");

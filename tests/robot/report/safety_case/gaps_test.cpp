@@ -45,7 +45,7 @@ std::vector<Gap> gaps_of(const Whole& w) {
 
 struct Damage {
   const char* name;
-  std::function<void(Whole&)> spoil;
+  std::function<void(Whole&)> corrupt;
   const char* where;  // of a gap that must be found
 };
 
@@ -54,7 +54,7 @@ class SafetyCaseDamage : public testing::TestWithParam<Damage> {};
 TEST_P(SafetyCaseDamage, IsFoundAndSaysWhere) {
   Whole w = whole();
   ASSERT_TRUE(gaps_of(w).empty());
-  GetParam().spoil(w);
+  GetParam().corrupt(w);
   const std::vector<Gap> gaps = gaps_of(w);
   ASSERT_FALSE(gaps.empty());
   bool said = false;

@@ -12,13 +12,13 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // Amplitudes are shares of the run's top voltage. hz = 0: DC with the given sign. swing: sine on the
 // amplitude.
-struct Piece {
+struct ProgramSegment {
   double seconds, from, to;
   double hz = 2.0, sign = 1.0;
   double swing = 0.0, swing_hz = 0.5;
   double push = 0.0;  // N, down
 };
-using Pieces = std::vector<Piece>;
+using ProgramSegments = std::vector<ProgramSegment>;
 
 // About 6 mm of stroke unloaded; heavier loads get what the amplifier can give.
 double top_voltage(double weight) {
@@ -26,13 +26,13 @@ double top_voltage(double weight) {
   return std::min(3000.0, 2450.0 * std::sqrt(load / 1.08));
 }
 
-Program played(const Pieces& pieces, double weight, double period, double length, Dice& dice) {
+Program played(const ProgramSegments& pieces, double weight, double period, double length, Dice& dice) {
   Program out{period, weight, {}, {}};
   const double top = top_voltage(weight) * dice.between(0.97, 1.03);
   out.input.assign(static_cast<std::size_t>(0.4 * length / period), 0.0);
   out.push.assign(out.input.size(), 0.0);
   double phase = 0.0;
-  for (const Piece& piece : pieces) {
+  for (const ProgramSegment& piece : pieces) {
     const double seconds = piece.seconds * length * dice.between(0.9, 1.1), level = dice.between(0.97, 1.03);
     const auto rows = static_cast<std::size_t>(seconds / period);
     for (std::size_t i = 0; i < rows; ++i) {
@@ -50,27 +50,27 @@ Program played(const Pieces& pieces, double weight, double period, double length
   return out;
 }
 
-Pieces ramp() {
+ProgramSegments ramp() {
   return {{1, 0, 0.6},       {6, 0.6, 1.0},    {3, 1.0, 1.0},   {6, 1.0, 0.62},
           {1, 0.62, 0.9, 0}, {3, 0.9, 0.9, 0}, {1, 0.9, 0.0, 0}};
 }
-Pieces staircase() {
-  Pieces out{{0.5, 0.0, 0.65}};
+ProgramSegments staircase() {
+  ProgramSegments out{{0.5, 0.0, 0.65}};
   for (const double level : {0.65, 0.75, 0.85, 0.95, 1.0, 0.9, 0.8, 0.7}) out.push_back({2.0, level, level});
   out.push_back({4.0, 0.85, 0.85, 0.0, -1.0});
   out.push_back({2.0, 0.0, 0.0});
   return out;
 }
-Pieces direct() {
+ProgramSegments direct() {
   return {{1, 0, 0.9, 0},      {5, 0.9, 0.9, 0},       {1, 0.9, 0, 0},        {1, 0, 0},
           {1, 0, 0.95, 0, -1}, {5, 0.95, 0.95, 0, -1}, {1, 0.95, 0.3, 0, -1}, {1, 0.4, 0.7},
           {3, 0.8, 0.8},       {0.5, 0.8, 0.95, 0},    {5, 0.95, 0.95, 0}};
 }
-Pieces sweep() {
+ProgramSegments sweep() {
   return {{1, 0.3, 0.75},   {5, 0.75, 0.75, 0.2}, {3, 0.85, 0.85, 0.5}, {3, 0.95, 0.95, 1},
           {3, 0.8, 0.8, 2}, {3, 0.95, 0.95, 5},   {3, 0.7, 0.7, 5},     {4, 0.85, 0.85, 0.5}};
 }
-Pieces pushed() {
+ProgramSegments pushed() {
   return {{1, 0.2, 0.85},
           {2, 0.85, 0.85},
           {3, 0.85, 0.85, 2, 1, 0, 1, 0.10},
@@ -82,18 +82,18 @@ Pieces pushed() {
           {1, 0.1, 0.6},
           {4, 0.6, 1.0, 2, 1, 0, 1, 0.05}};
 }
-Pieces sine() {
+ProgramSegments sine() {
   return {{2, 0.3, 0.8},
           {7, 0.82, 0.82, 2, 1, 0.15, 0.3},
           {6, 0.85, 0.85, 2, 1, 0.12, 1.0},
           {4, 0.8, 0.8, 1, 1, 0.18, 0.5}};
 }
-Pieces triangle() {
+ProgramSegments triangle() {
   return {{2, 0.2, 0.65},  {5, 0.65, 1.0},  {4, 1.0, 0.75},
           {4, 0.75, 0.95}, {5, 0.95, 0.62}, {3, 0.9, 0.9, 0, 1}};
 }
-Pieces jumps(Dice& dice) {
-  Pieces out{{0.5, 0.0, 0.6}};
+ProgramSegments jumps(Dice& dice) {
+  ProgramSegments out{{0.5, 0.0, 0.6}};
   for (int i = 0; i < 14; ++i) {
     const double level = dice.between(0.58, 1.0);
     const bool direct = dice.uniform() < 0.3;
@@ -103,7 +103,7 @@ Pieces jumps(Dice& dice) {
   }
   return out;
 }
-Pieces joined(Pieces first, const Pieces& second) {
+ProgramSegments joined(ProgramSegments first, const ProgramSegments& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
 }
@@ -111,7 +111,7 @@ Pieces joined(Pieces first, const Pieces& second) {
 struct Recipe {
   const char* name;
   double weight;  // kg
-  Pieces pieces;
+  ProgramSegments pieces;
 };
 
 using Wave = std::function<double(double t)>;

@@ -26,9 +26,9 @@ const TuneOptions kQuick{.stages = 2, .seed = 3, .wanted = {}, .grid = 5};
 class Tuned : public testing::Test {
  protected:
   static void SetUpTestSuite() { found_ = tune(noted_model(), kQuick); }
-  static const Judged& paper() { return found_.judged.at(0); }
-  static const Judged& tuned() { return found_.judged.at(1); }
-  static const Judged& fed() { return found_.judged.at(3); }
+  static const EvaluatedGains& paper() { return found_.evaluated.at(0); }
+  static const EvaluatedGains& tuned() { return found_.evaluated.at(1); }
+  static const EvaluatedGains& fed() { return found_.evaluated.at(3); }
   static inline Tuning found_;
 };
 
@@ -50,7 +50,7 @@ TEST_F(Tuned, GainsAreNoWorseThanThePapersInTheWorstCase) {
 }
 
 TEST_F(Tuned, TheWorstStageIsNoBetterThanTheModel) {
-  for (const Judged& one : found_.judged) {
+  for (const EvaluatedGains& one : found_.evaluated) {
     EXPECT_GE(one.worst.settled_rmse, one.nominal.settled_rmse);
     EXPECT_GE(one.worst.overshoot, one.nominal.overshoot);
     EXPECT_GE(one.worst.cost(), one.nominal.cost());
@@ -66,9 +66,9 @@ TEST_F(Tuned, FeedForwardIsNamedAndFollowsTheSineBetter) {
 
 TEST_F(Tuned, TheSameSeedGivesTheSameGains) {
   const Tuning again = tune(noted_model(), kQuick);
-  EXPECT_EQ(again.judged.at(1).gains.proportional_V_per_mm, tuned().gains.proportional_V_per_mm);
-  EXPECT_EQ(again.judged.at(1).gains.integral_V_per_mm_per_tick, tuned().gains.integral_V_per_mm_per_tick);
-  EXPECT_EQ(again.judged.at(1).worst.settled_rmse, tuned().worst.settled_rmse);
+  EXPECT_EQ(again.evaluated.at(1).gains.proportional_V_per_mm, tuned().gains.proportional_V_per_mm);
+  EXPECT_EQ(again.evaluated.at(1).gains.integral_V_per_mm_per_tick, tuned().gains.integral_V_per_mm_per_tick);
+  EXPECT_EQ(again.evaluated.at(1).worst.settled_rmse, tuned().worst.settled_rmse);
 }
 
 TEST(Tune, ReportsWhereNoGainsHaveTheMargins) {

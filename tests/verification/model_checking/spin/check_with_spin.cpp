@@ -92,9 +92,10 @@ Verdict verify(const fs::path& folder, const Property& property) {
 // The same model over a step with a seeded bug: Spin must find it, or it sees nothing.
 std::uint64_t errors_with_a_bug(const MutantBuild& mutant_build) {
   const SeededBug& bug = *std::ranges::find(seeded_bugs(), "token-not-greater", &SeededBug::id);
-  const SeededSubject subject(
-      {mutant_build.source, mutant_build.compiler, mutant_build.bench / "spin-canary"}, &bug);
-  const fs::path copy = mutant_build.bench / "spin-canary" / bug.id;
+  MutantBuild apart = mutant_build;
+  apart.bench /= "spin-canary";
+  const SeededSubject subject(apart, &bug);
+  const fs::path copy = apart.bench / bug.id;
   return verify(build(mutant_build, "spin-canary/pan", "", copy), kProperties[0]).errors;
 }
 
