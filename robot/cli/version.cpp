@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/version.hpp>
 
-#include "commit.hpp"  // generated at each build
+#include "robot/cli/commit.hpp"  // generated at each build
 
 namespace biopsy::robot {
 

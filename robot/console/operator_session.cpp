@@ -49,7 +49,12 @@ OperatorSession::OperatorSession(PreparedCase opened, bool simulated, std::files
 
 // A running check shares ownership of its run: wait for it, so that both end.
 OperatorSession::~OperatorSession() {
-  if (run_ && run_->check.valid()) run_->check.get();
+  wait_for_results();
+}
+
+void OperatorSession::wait_for_results() const {
+  if (run_ && run_->check.valid()) run_->check.wait();
+  if (reporting_.valid()) reporting_.wait();
 }
 
 void OperatorSession::disconnect(console::Client client) {

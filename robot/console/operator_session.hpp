@@ -53,6 +53,9 @@ class OperatorSession {
   const ConsoleSeries& series() const { return series_; }
   const PreparedCase& prepared() const { return prepared_; }
   // Of the last run that ended; empty: none yet.
+  // Returns once no image is being checked and no report written; the next update() or state() has the
+  // result.
+  void wait_for_results() const;
   const std::filesystem::path& report() const { return report_; }
 
  private:

@@ -1,6 +1,6 @@
 // What an operator and the surroundings of the robot contribute to a tick, and the messages and levels that
-// carry it. The simulated robot and the operator's side of the live robot use the same functions. Default-constructed:
-// unknown is bad.
+// carry it. The simulated robot and the operator's side of the live robot use the same functions.
+// Default-constructed: unknown is bad.
 #pragma once
 
 #include <cstdint>

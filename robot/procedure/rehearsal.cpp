@@ -79,7 +79,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     if (cycle.newest) inputs = person.act(cycle.record, number);
     if (person.wants_verdict()) {
       report::StepResult& result = record.stages[inputs.accepted_stage];
-      progress(static_cast<double>(number) * 1e-3,
+      progress(cycle.setpoint / plan.target_depth,
                fmt::format("checking the image of step {}", inputs.accepted_stage + 1));
       images.take(inputs.accepted_stage, notes.take_imaged_tip(), result);
       person.judge(result.check->verdict, "depth check: " + result.check->reason);

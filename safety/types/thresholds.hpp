@@ -54,7 +54,7 @@ inline constexpr std::int32_t kHalfPeriod_ticks = 250;  // paper: 2 Hz; the only
 inline constexpr std::int32_t kBenchHalfPeriodMin_ticks = 50, kBenchHalfPeriodMax_ticks = 2'500;
 inline constexpr std::int64_t kTwoPeriods_half_periods = 4, kOffOneIn = 5;  // safety concept: 20 %
 inline constexpr std::int64_t kForget_ticks = 2'048;                        // four periods at 2 Hz, no less
-// Judged once half of that was seen; a sound wave then has < 25 % (half a half-period), a stuck one 100 %.
+// Evaluated once half of that was seen; a sound wave then has < 25 % (half a half-period), a stuck one 100 %.
 inline constexpr std::int64_t kForgetPerSeen = 2;
 
 // Runaway. The pull of the pouches goes with V^2; friction may hold the needle against it and then let go. So

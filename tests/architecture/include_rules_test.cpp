@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <regex>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tests/architecture/lines_of.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/source_dir.hpp"
 
@@ -20,12 +20,12 @@ const fs::path kSource = biopsy::source_dir();
 
 // Layers from the ground up. A folder includes itself, any lower layer, and what is named beside it in its
 // own.
-struct Layer {
+struct Folder {
   std::string folder;
   int layer;
   std::set<std::string> beside;
 };
-const std::vector<Layer> kLayers{
+const std::vector<Folder> kFolders{
     {"robot/common", 0, {}},
     {"robot/msg", 1, {}},
     {"safety", 2, {}},
@@ -58,19 +58,20 @@ const std::vector<Layer> kLayers{
     {"robot/cli", 9, {}},
 };
 
-const Layer& room_named(const std::string& folder) {
-  return *std::find_if(kLayers.begin(), kLayers.end(), [&](const Layer& layer) { return layer.folder == folder; });
+const Folder& folder_named(const std::string& folder) {
+  return *std::find_if(kFolders.begin(), kFolders.end(),
+                       [&](const Folder& one) { return one.folder == folder; });
 }
 
 bool may_include(const std::string& from, const std::string& to) {
-  const Layer &upper = room_named(from), &lower = room_named(to);
+  const Folder &upper = folder_named(from), &lower = folder_named(to);
   return from == to || lower.layer < upper.layer || upper.beside.contains(to);
 }
 
-std::string layer_of(const std::string& path) {
+std::string folder_of(const std::string& path) {
   std::string best;
-  for (const Layer& layer : kLayers)
-    if (path.starts_with(layer.folder + "/") && layer.folder.size() > best.size()) best = layer.folder;
+  for (const Folder& one : kFolders)
+    if (path.starts_with(one.folder + "/") && one.folder.size() > best.size()) best = one.folder;
   return best;
 }
 
@@ -83,29 +84,22 @@ std::vector<fs::path> sources() {
   return files;
 }
 
-std::vector<std::string> lines_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 TEST(Architecture, EveryFolderIncludesOnlyLowerLayers) {
   const std::regex include(R"re(^\s*#include\s+"([^"]+)")re");
   std::size_t seen_includes = 0;
   for (const fs::path& file : sources()) {
     const std::string path = fs::relative(file, kSource).string();
-    const std::string layer = layer_of(path);
-    ASSERT_FALSE(layer.empty()) << path << " is in no folder with a layer";
+    const std::string folder = folder_of(path);
+    ASSERT_FALSE(folder.empty()) << path << " is in no folder with a layer";
     for (const std::string& line : lines_of(file)) {
       std::smatch match;
       if (!std::regex_search(line, match, include)) continue;
-      const std::string other = layer_of(match[1]);
+      const std::string other = folder_of(match[1]);
       EXPECT_TRUE(fs::exists(kSource / match[1].str()) ||
                   fs::exists(biopsy::binary_dir() / "generated" / match[1].str()))
           << path << " includes " << match[1] << ", not from the root";
       ASSERT_FALSE(other.empty()) << path << " includes " << match[1];
-      EXPECT_TRUE(may_include(layer, other)) << path << " (" << layer << ") includes " << match[1];
+      EXPECT_TRUE(may_include(folder, other)) << path << " (" << folder << ") includes " << match[1];
       ++seen_includes;
     }
   }
@@ -141,7 +135,7 @@ TEST(Architecture, SafetyUsesNoClockHeapInputOutputOrException) {
   const std::regex banned(
       R"(\b(throw|try|catch|new|delete|malloc|double|float|std::string\b|std::vector|static_cast<float>)\b)");
   for (const fs::path& file : sources()) {
-    if (layer_of(fs::relative(file, kSource).string()) != "safety") continue;
+    if (folder_of(fs::relative(file, kSource).string()) != "safety") continue;
     for (std::string line : lines_of(file)) {
       line = line.substr(0, line.find("//"));
       std::smatch match;
@@ -162,14 +156,6 @@ TEST(Architecture, OnlyTheGateMakesAVoltage) {
     if (path == "safety/gate.cpp" || path == "safety/gate.hpp") continue;
     for (const std::string& line : lines_of(file))
       EXPECT_FALSE(std::regex_search(line, made)) << path << ": " << line;
-  }
-}
-
-TEST(Architecture, FilesAreOneIdeaLongAndNamedForIt) {
-  for (const fs::path& file : sources()) {
-    EXPECT_LE(lines_of(file).size(), 400U) << file;
-    for (const char* nothing : {"util", "helper", "common", "misc", "manager"})
-      EXPECT_EQ(file.filename().string().find(nothing), std::string::npos) << file << " says nothing";
   }
 }
 

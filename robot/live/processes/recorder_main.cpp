@@ -24,7 +24,7 @@ void record(const std::filesystem::path& run_folder) {
   std::optional<transport::ParticipantMonitor> participants;
   if (!settings.keys.empty()) participants.emplace(live::plain_settings(settings), process.bus());
   robot::BusRecorder bus_recorder(process.bus(), recorder, process.config_tag(),
-                            participants ? &*participants : nullptr);
+                                  participants ? &*participants : nullptr);
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   bus_recorder.note(recorder::RecordKind::ProcessStart, "{}", now_us());
   process.start_ticking();

@@ -30,7 +30,7 @@ std::string key_figures(const GapFinding& f) {
     figures.emplace_back(
         f.effects.size() == 1 ? "Probability" : "Probability, " + escaped(readable_name(effect.name)),
         fixed(effect.probability, 2));
-  figures.emplace_back("Judged on", counted(f.held_out_runs.size(), "held-out run"));
+  figures.emplace_back("Evaluated on", counted(f.held_out_runs.size(), "held-out run"));
   return markup::key_figures(figures);
 }
 

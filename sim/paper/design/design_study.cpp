@@ -90,7 +90,7 @@ std::vector<DesignedStack> chosen(std::vector<DesignedStack> best, const Designe
   return spread(std::move(out), kShown);
 }
 
-std::vector<std::string> demands_in_words(const Demands& d) {
+std::vector<std::string> demand_texts(const Demands& d) {
   return {
       fmt::format(
           "Stroke of {:.3g} mm or more against {:.2g} N of tissue: the paper's deepest insertion is 3.5 "
@@ -152,7 +152,7 @@ DesignStudy study_designs(const PlantModel& known, const std::string& name, cons
     if (stack.broken.empty()) meeting.push_back(stack);
   study.best = chosen(unbeaten(meeting), study.paper);
   study.evaluated = seen.size();
-  study.demands = demands_in_words(demands);
+  study.demands = demand_texts(demands);
   study.assumed = assumptions();
   study.interrupted = size.stop.stop_requested();
   if (study.interrupted)

@@ -146,7 +146,7 @@ void measure_room(std::vector<Individual>& all) {
       const bool edge = k == 0 || k + 1 == order.size() || all[order[k - 1]].rank != all[order[k]].rank ||
                         all[order[k + 1]].rank != all[order[k]].rank;
       all[order[k]].spacing += edge ? std::numeric_limits<double>::infinity()
-                                 : (value(order[k + 1]) - value(order[k - 1])) / range;
+                                    : (value(order[k + 1]) - value(order[k - 1])) / range;
     }
   }
 }

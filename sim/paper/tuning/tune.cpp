@@ -183,13 +183,13 @@ Candidate searched(const Family& family, const TuneOptions& options, const TuneP
 
 EvaluatedGains evaluated(const Family& family, std::string name, const Driving& driving) {
   EvaluatedGains out{.name = std::move(name),
-             .gains = driving.gains,
-             .feed = driving.feed_model != nullptr,
-             .speed = driving.speed,
-             .at_depth = {},
-             .worst_margins = family.worst(driving.gains),
-             .nominal = score(family.model(), driving),
-             .worst = family.worst_score(driving)};
+                     .gains = driving.gains,
+                     .feed = driving.feed_model != nullptr,
+                     .speed = driving.speed,
+                     .at_depth = {},
+                     .worst_margins = family.worst(driving.gains),
+                     .nominal = score(family.model(), driving),
+                     .worst = family.worst_score(driving)};
   for (const AtDepth& at : family.depths()) out.at_depth.push_back(margins_of(at, driving.gains));
   return out;
 }

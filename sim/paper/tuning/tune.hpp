@@ -56,8 +56,8 @@ struct Tuning {
   int stages = 0;                   // drawn, besides the model
   int refused = 0;  // rejected draws: with the paper's gains they do not settle as its stage does
   Requirements wanted;
-  bool interrupted = false;    // before the search was complete; feed-forward is not evaluated then
-  bool met = false;            // the tuned gains have the margins on all stages; otherwise they come closest
+  bool interrupted = false;  // before the search was complete; feed-forward is not evaluated then
+  bool met = false;          // the tuned gains have the margins on all stages; otherwise they come closest
   std::vector<EvaluatedGains> evaluated;  // the paper's gains, the tuned ones, each again with feed-forward
   std::vector<FigurePanel> panels;
 };

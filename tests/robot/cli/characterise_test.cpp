@@ -156,7 +156,7 @@ TEST(Characterise, KeepsAndMarksWhatWasRecordedUntilTheSupervisorStopped) {
                               (folder / "strong.toml").string() + " --out " + (folder / "data").string();
   const Outcome answer = biopsy(command);
   ASSERT_EQ(answer.code, 3) << answer.text;
-  EXPECT_NE(answer.text.find("R-"), std::string::npos) << answer.text;
+  EXPECT_NE(answer.text.find("H-"), std::string::npos) << answer.text;
   EXPECT_NE(answer.text.find("not begun"), std::string::npos) << answer.text;
   const sim::Dataset data = stored(folder / "data");
   EXPECT_TRUE(data.title.starts_with("Simulated"));

@@ -232,7 +232,7 @@ TEST(CommandLine, PrintsNumbersAsPeopleWriteThem) {
   const ScratchFolder folder;
   const std::string run = (folder / "run").string();
   const Outcome planned = biopsy("plan gap --out " + run);
-  EXPECT_NE(planned.text.find("1 stage."), std::string::npos) << planned.text;
+  EXPECT_NE(planned.text.find("1 step."), std::string::npos) << planned.text;
   const Outcome same = biopsy("check --before " + run + "/planning --after " + run +
                               "/planning --entry -4.4,33.1,51.9 --axis -0.94,0.04,-0.35");
   ASSERT_EQ(same.code, 0) << same.text;

@@ -191,7 +191,7 @@ TEST(Documents, EachIsLinkedFromTheReadme) {
 }
 
 TEST(Documents, DescribeEveryEntryOfACaseFile) {
-  const std::string reference = prose_of("reference.md");
+  const std::string reference = prose_of("reference/commands.md");
   const auto entries =
       found_in(file_content(kSource / "robot/procedure/case.cpp"),
                R"rx((?:has|text|number|numbers|flag|table|tables|ras_point)\((?:table, )?"(\w+)")rx");
@@ -200,7 +200,7 @@ TEST(Documents, DescribeEveryEntryOfACaseFile) {
 }
 
 TEST(Documents, PrintTheExamplesAsTheyAre) {
-  const std::string reference = prose_of("reference.md");
+  const std::string reference = prose_of("reference/commands.md");
   for (const char* example : {"case.toml", "fiducials.csv"})
     EXPECT_NE(reference.find(file_content(kSource / "docs/examples" / example)), std::string::npos)
         << example;
@@ -282,7 +282,7 @@ TEST(Documents, DescribeEveryStateAndTransition) {
 
 TEST(Documents, DescribeEveryFieldOfTheReports) {
   const ScratchFolder folder;
-  const std::string reference = prose_of("reference.md"), run = (folder / "run").string(),
+  const std::string reference = prose_of("reference/commands.md"), run = (folder / "run").string(),
                     image = run + "/planning";
   EXPECT_NE(biopsy("dry-run gap --out " + run).code, 2);
   const Outcome checked =

@@ -97,8 +97,8 @@ TEST_P(LongWork, LeavesWhatIsKnownWhenInterrupted) {
 
 INSTANTIATE_TEST_SUITE_P(
     Interrupt, LongWork,
-    testing::Values(Work{{"dry-run", "liver"}, "rehearsing", "report.json"}, Work{{"tune"}, "%", "tune.json"},
-                    Work{{"design"}, "designs", "design.json"},
+    testing::Values(Work{{"dry-run", "liver"}, "checking the image", "report.json"},
+                    Work{{"tune"}, "%", "tune.json"}, Work{{"design"}, "designs", "design.json"},
                     Work{{"calibrate"}, "searching", "calibration.json"},
                     Work{{"reproduce"}, "figure ", "reproduce.json"},
                     Work{{"gap", "data", "--model", "data/stage.toml"}, "round 1: ", "gap.json"},

@@ -12,7 +12,7 @@ TEST_P(LiveProcedureMatrix, CompletesWithOneImageOfEachStep) {
   live_tests::on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
     const auto answer = cli_tests::biopsy("dry-run --live " + case_file(GetParam().first) +
-                                        " --domain 85 --out " + (folder / "out").string());
+                                          " --domain 85 --out " + (folder / "out").string());
     if (answer.code == 3) return "the procedure was stopped\n" + answer.text;
     EXPECT_EQ(answer.code, 0) << answer.text;
     if (answer.code == 0) {

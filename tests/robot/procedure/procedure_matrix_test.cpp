@@ -71,22 +71,21 @@ class ConsoleOperator {
       ASSERT_TRUE(command(commands::SetTick{1, check, true, session_.planned().seal}));
     ASSERT_TRUE(ticks_until([&] { return mode() == Mode::Ready; }, 1'000));
     hold(Button::Arm, [&] { return mode() == Mode::Armed; });
-    for (int step = 0; step < 20; ++step) {
-      hold(Button::Insert, [&] { return seen_.supervisor.stage_done && mode() == Mode::Hold; });
+    for (std::uint32_t step = 0; step < plan_->stages.size(); ++step) {
+      hold(Button::Insert, [&] {
+        return seen_.supervisor.stage == step && seen_.supervisor.stage_done && mode() == Mode::Hold;
+      });
       if (testing::Test::HasFatalFailure()) return;
-      const std::uint32_t stage = seen_.supervisor.stage;
-      if (plan_->stages[stage].image_confirms) {
-        wait_for_check(stage);
-        const bool accept = rejected != stage;
-        ASSERT_TRUE(command(
-            commands::Judge{1, stage, accept ? console::Judgement::Accept : console::Judgement::Reject}));
-        ++judged_;
-        if (!accept) break;
-      }
-      if (stage + 1 == plan_->stages.size()) break;
+      if (!plan_->stages[step].image_confirms) continue;
+      wait_for_check(step);
+      const bool accept = rejected != step;
+      ASSERT_TRUE(command(
+          commands::Judge{1, step, accept ? console::Judgement::Accept : console::Judgement::Reject}));
+      ++judged_;
+      if (!accept) break;
     }
     command(commands::Retract{1});
-    ASSERT_TRUE(ticks_until([&] { return !session_.report().empty(); }, 200'000));
+    wait_for_report();
   }
 
   int judged() const { return judged_; }
@@ -150,10 +149,11 @@ class ConsoleOperator {
     for (int press = 0; press < 10 && !reached(); ++press) {
       const std::uint32_t token = session_.state(kPage, now_us_).token;
       ASSERT_TRUE(command(commands::Press{1, button, token, static_cast<double>(now_us_) * 1e-3}))
-          << session_.state(kPage, now_us_).disabled.insert;
+          << session_.state(kPage, now_us_).disabled.insert << " " << safety::name_of(mode()) << ": "
+          << safety::name_of(seen_.supervisor.reason);
       bool moved = false;
       for (int i = 0; i < 60'000 && !reached(); ++i) {
-        if (i % 25 == 0) command(commands::Beat{token, static_cast<double>(now_us_) * 1e-3});
+        if (i % 25 == 24) command(commands::Beat{token, static_cast<double>(now_us_) * 1e-3});
         tick();
         moved = moved || mode() == Mode::Active;
         if (moved && mode() == Mode::Hold) break;
@@ -163,14 +163,19 @@ class ConsoleOperator {
     }
     ASSERT_TRUE(reached()) << safety::name_of(mode()) << ": " << safety::name_of(seen_.supervisor.reason);
   }
-  // The check runs in a thread of its own: virtual time waits for it.
+  // Reports and checks are made by threads of their own: virtual time waits for them.
+  void wait_for_report() {
+    for (int i = 0; i < 5'000; ++i) tick();
+    session_.wait_for_results();
+    session_.state(kPage, now_us_);
+    ASSERT_FALSE(session_.report().empty());
+  }
   void wait_for_check(std::uint32_t stage) {
     const auto scanner = [&] { return session_.state(kPage, now_us_).scanner; };
     ASSERT_TRUE(ticks_until([&] { return scanner() == console::Scanner::Checking; }, 3'000))
         << "stage " << stage;
-    CycleSample same;
-    same.record = seen_;
-    while (scanner() == console::Scanner::Checking) std::this_thread::yield(), session_.update(same, now_us_);
+    session_.wait_for_results();
+    tick();
   }
 
   ScratchFolder folder_;

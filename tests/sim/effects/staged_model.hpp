@@ -94,7 +94,7 @@ inline std::vector<double> ramped_readings(const PlantModel& model, int millisec
   std::vector<double> out;
   for (int k = 0; k < milliseconds; ++k) {
     const double u = ramps_and_flips(k);
-    state = step(model, state, {.voltage = u, .force = 1e-4 * u}, Seconds(1e-3));
+    state = step(model, state, {.voltage = u, .force = 1e-4 * std::abs(u)}, Seconds(1e-3));
     out.push_back(displacement_reading(model, state));
   }
   return out;

@@ -113,7 +113,7 @@ constexpr SeededBug kBugs[] = {
      "supervisor.cpp", "std::clamp(evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV)",
      "(void)input, stage_limits(plan, state.stage).v_max_mV"},
     {"hold-follows-the-driver", "A hold begins at whatever an unpermitted driver put out.", Part::Supervisor,
-     "supervisor.cpp", "rising_mV(t.plan, t.state, t.input) : held_mV(t.state)",
+     "supervisor.cpp", "rising_mV(t.plan, t.state, t.evidence) : held_mV(t.state)",
      "stage_limits(t.plan, t.state.stage).v_max_mV : held_mV(t.state)"},
     {"voltage-ignored-in-safe", "Safe does not look at the voltage.", Part::Supervisor, "decide.cpp",
      "  if (!t.evidence.zero_volts) return Event::VoltagePresent;\n"
