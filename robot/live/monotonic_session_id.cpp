@@ -15,6 +15,9 @@ namespace biopsy::live {
 std::uint32_t monotonic_session_id(const std::filesystem::path& file) {
   constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t last = 0;
+  if (!std::filesystem::is_directory(file.parent_path()))  // a new folder would hide the last number
+    throw ConfigError("the folder of the last start is not there", file.parent_path().string(),
+                      "create the run folder first: biopsy up");
   if (std::filesystem::exists(file)) {
     const auto kept = strict_integer(read_file(file));
     if (!kept || *kept < 0 || *kept >= kMost)

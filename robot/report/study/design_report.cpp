@@ -132,13 +132,15 @@ std::string design_console(const DesignStudy& study) {
 }
 
 std::string design_json(const DesignStudy& study) {
-  return json_file({{"model", study.model},
-                    {"paper", stack_json(study.paper)},
-                    {"best", json_list(study.best, stack_json)},
-                    {"demands", study.demands},
-                    {"assumed", study.assumed},
-                    {"evaluated", study.evaluated},
-                    {"seconds", study.seconds}});
+  Json all = {{"model", study.model},
+              {"paper", stack_json(study.paper)},
+              {"best", json_list(study.best, stack_json)},
+              {"demands", study.demands},
+              {"assumed", study.assumed},
+              {"evaluated", study.evaluated},
+              {"seconds", study.seconds}};
+  if (study.interrupted) all["interrupted"] = true;
+  return json_file(all);
 }
 
 void save_design(const DesignStudy& study, const std::filesystem::path& folder) {
