@@ -47,7 +47,7 @@ RigidTransform least_squares(const Points& robot, const Points& scanner) {
   const Eigen::Matrix3d correlation =
       (robot.colwise() - robot_centre) * (scanner.colwise() - scanner_centre).transpose();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // A reflection may fit better than any rotation, but nobody mirrored the robot.
+  // A reflection may fit better than any rotation, but the robot is not mirrored.
   const double handedness = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
   RigidTransform X_SR = RigidTransform::Identity();
   X_SR.linear() =

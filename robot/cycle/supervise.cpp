@@ -24,7 +24,7 @@ std::int32_t log_backlog_ms(const SupervisorSources& in) {
 }
 
 // The plan that the controller runs and the one that was sent last must both be the sealed one. Each process
-// states its tags in the messages that nobody else may write.
+// states its tags in the messages that no other process may write.
 void add_tags(const SupervisorSources& in, const SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
   const bool same_plan = memory.sealed_tag == in.request.plan_tag;
   const bool same_config =

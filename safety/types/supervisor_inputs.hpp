@@ -39,7 +39,7 @@ struct SupervisorInputs {
   // Panel on the device: levels. The supervisor takes the rising edges of the keys.
   bool estop_a_closed = false, estop_b_closed = false;  // both closed = not pressed
   bool local_arm = false, local_reset = false;
-  bool bench_confirmed = false;  // somebody at the stage confirms: no patient, no needle
+  bool bench_confirmed = false;  // the person at the stage confirms: no patient, no needle
 
   // Operator, over the network
   StopCategory stop = StopCategory::C0Off;  // the strongest stop that anybody requests

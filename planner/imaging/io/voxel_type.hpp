@@ -38,8 +38,8 @@ struct VoxelCoding {
 void read_voxels(ByteSource& source, const VoxelCoding& coding, const std::string& file, Volume& volume);
 
 // Throws ConfigError when a voxel is not finite. Not repaired: a NaN spreads through interpolation into every
-// sample beside it, and a zero in its place would be an intensity nobody measured. Scanners write none, so a
-// file with one was processed, and whoever processed it must say what the voxel is.
+// sample beside it, and a zero in its place would be an intensity that was not measured. Scanners write none,
+// so a file with one was processed, and its author must say what the voxel is.
 void refuse_not_finite(const std::vector<float>& voxels, std::size_t from, const std::string& file);
 
 }  // namespace biopsy::imaging

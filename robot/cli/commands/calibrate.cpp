@@ -19,7 +19,7 @@
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace calibrate_cli {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -259,9 +259,10 @@ Result run(const Options& given, const Context& context) {
           .json = json};
 }
 
-}  // namespace
+}  // namespace calibrate_cli
 
 Command calibrate_command() {
+  using namespace calibrate_cli;
   return {
       .name = "calibrate",
       .summary = "one parameter set for all of the paper's figures",

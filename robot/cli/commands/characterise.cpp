@@ -9,7 +9,7 @@
 #include "robot/common/config_error.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace characterise_cli {
 
 using Json = nlohmann::ordered_json;
 
@@ -86,9 +86,10 @@ Result run(const Options& given, const Context& context) {
   return {.exit_code = done.complete ? 0 : 3, .text = done.text, .json = json_of(done, options)};
 }
 
-}  // namespace
+}  // namespace characterise_cli
 
 Command characterise_command() {
+  using namespace characterise_cli;
   return {
       .name = "characterise",
       .summary = "experiments on a stage without patient and needle, for gap",

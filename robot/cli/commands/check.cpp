@@ -18,7 +18,7 @@
 #include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace check_cli {
 
 struct Options {
   std::filesystem::path before, after;
@@ -113,9 +113,10 @@ Result run(const Options& options, const Context&) {
   return {.text = text, .json = json};
 }
 
-}  // namespace
+}  // namespace check_cli
 
 Command check_command() {
+  using namespace check_cli;
   return {.name = "check",
           .summary = "depth of the needle from two images, before and after insertion",
           .description =

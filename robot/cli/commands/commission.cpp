@@ -24,7 +24,7 @@
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace commission_cli {
 
 namespace fs = std::filesystem;
 using commissioning::Record;
@@ -145,9 +145,10 @@ Result run(const Options& options, const Context& context) {
           .json = commissioning::to_json(record)};
 }
 
-}  // namespace
+}  // namespace commission_cli
 
 Command commission_command() {
+  using namespace commission_cli;
   return {.name = "commission",
           .summary = "first power-up of a stage, step by step",
           .description =

@@ -13,7 +13,7 @@
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace design_cli {
 
 struct Options {
   std::filesystem::path model, out;  // model empty: sim/models/calibrated.toml
@@ -50,9 +50,10 @@ Result run(const Options& options, const Context& context) {
   return {.text = text, .json = report::design_json(study)};
 }
 
-}  // namespace
+}  // namespace design_cli
 
 Command design_command() {
+  using namespace design_cli;
   return {.name = "design",
           .summary = "which stacks are better than the paper's, and what they cost",
           .description =

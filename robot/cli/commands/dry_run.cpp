@@ -16,7 +16,7 @@
 #include "robot/report/procedure/report.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace dry_run_cli {
 
 using Clock = std::chrono::steady_clock;
 
@@ -119,9 +119,10 @@ std::vector<OutputFile> plan_outputs() {
           {"planning", "the planning image of a built-in case, as DICOM"}};
 }
 
-}  // namespace
+}  // namespace dry_run_cli
 
 Command dry_run_command() {
+  using namespace dry_run_cli;
   std::vector<OutputFile> outputs = plan_outputs();
   outputs.insert(outputs.end(),
                  {{"run.csv", "[each tick](#runcsv); only where something ran"},
@@ -149,8 +150,9 @@ Command dry_run_command() {
 }
 
 Command plan_command() {
+  using namespace dry_run_cli;
   return {.name = "plan",
-          .summary = "the same up to the sealed plan; nothing moves, not even in simulation",
+          .summary = "plan a biopsy as dry-run does, without the rehearsal",
           .examples = {"biopsy plan --image out/gap/planning --entry -4.396,33.092,51.854 --target "
                        "-6.737,33.183,50.982 --out out/plan"},
           .exit_codes = "0 planned, 3 refused, 2 for unusable input",

@@ -12,7 +12,7 @@
 #include "sim/plant/plant_model.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace effects_cli {
 
 struct ParameterCard {
   std::string name, unit;  // name with its unit, as in files; unit as people write it
@@ -172,9 +172,10 @@ Result run(const Options& options, const Context& context) {
           .json = (options.name.empty() ? all : all.front()).dump(2) + "\n"};
 }
 
-}  // namespace
+}  // namespace effects_cli
 
 Command effects_command() {
+  using namespace effects_cli;
   return {.name = "effects",
           .summary = "what a model may contain besides its baseline",
           .description =

@@ -20,7 +20,7 @@
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace gap_cli {
 
 namespace fs = std::filesystem;
 
@@ -169,9 +169,10 @@ Result run(const Options& options, const Context& context) {
   return {.text = text, .json = report::gap_json(finding)};
 }
 
-}  // namespace
+}  // namespace gap_cli
 
 Command gap_command() {
+  using namespace gap_cli;
   return {
       .name = "gap",
       .summary = "what a model is missing, from measured runs",

@@ -10,7 +10,7 @@
 #include "robot/common/text/closest_names.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace help_cli {
 
 struct Options {
   std::vector<std::string> command;
@@ -44,9 +44,10 @@ Result print_completion(const NoOptions&, const Context&) {
   return {.text = bash_completion(CommandLine())};
 }
 
-}  // namespace
+}  // namespace help_cli
 
 Command help_command() {
+  using namespace help_cli;
   return {.name = "help",
           .summary = "what the program can do",
           .examples = {"biopsy help gap"},
@@ -59,10 +60,12 @@ Command help_command() {
 }
 
 Command completion_group() {
+  using namespace help_cli;
   return {.name = "completion", .summary = "completion of commands and options in a shell"};
 }
 
 Command completion_bash_command() {
+  using namespace help_cli;
   return {.name = "completion bash",
           .summary = "print the script for bash",
           .description =

@@ -17,7 +17,7 @@
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace identify_cli {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -164,9 +164,10 @@ Result run(const Options& options, const Context& context) {
           .json = json};
 }
 
-}  // namespace
+}  // namespace identify_cli
 
 Command identify_command() {
+  using namespace identify_cli;
   return {.name = "identify",
           .summary = "the stack's capacitances and leakage from the amplifier's current",
           .description =

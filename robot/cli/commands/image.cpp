@@ -15,7 +15,7 @@
 #include "robot/report/plot/png.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace image_cli {
 
 using Json = nlohmann::ordered_json;
 
@@ -144,9 +144,10 @@ Result run(const Options& options, const Context&) {
   return {.text = text, .json = json_text(list_json(all), volume_json(volume), pictures)};
 }
 
-}  // namespace
+}  // namespace image_cli
 
 Command image_command() {
+  using namespace image_cli;
   return {.name = "image",
           .summary = "what an image is: geometry, orientation, warnings",
           .examples = {"biopsy image out/gap/planning --png out/slices"},

@@ -16,7 +16,7 @@
 #include "robot/security/make_keys.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace keys_cli {
 
 namespace fs = std::filesystem;
 
@@ -124,9 +124,10 @@ Result check(const Options& options, const Context&) {
           .json = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
 }
 
-}  // namespace
+}  // namespace keys_cli
 
 Command keys_group() {
+  using namespace keys_cli;
   return {.name = "keys",
           .summary = "identities and permissions on the robot's bus",
           .description =
@@ -134,6 +135,7 @@ Command keys_group() {
 }
 
 Command keys_init_command() {
+  using namespace keys_cli;
   return {.name = "keys init",
           .summary = "make certificates and permissions for every process",
           .examples = {"biopsy keys init --keys out/keys"},
@@ -143,6 +145,7 @@ Command keys_init_command() {
 }
 
 Command keys_check_command() {
+  using namespace keys_cli;
   return {.name = "keys check",
           .summary = "inspect every file: validity, subject, signature",
           .examples = {"biopsy keys check --keys out/keys"},

@@ -17,7 +17,7 @@
 #include "robot/recorder/verify.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace log_cli {
 
 using recorder::Flaw;
 using recorder::LogHead;
@@ -135,15 +135,17 @@ constexpr const char* kExitCodes = "0 where the log is intact, 1 where it is not
 constexpr const char* kVerdict =
     "`intact`, `records`, `log_id`, `last_hash`; or `intact`, `flaw`, `record`, `what`";
 
-}  // namespace
+}  // namespace log_cli
 
 Command log_group() {
+  using namespace log_cli;
   return {.name = "log",
           .summary = "the procedure log: show, verify, export",
           .description = "All three read the whole [procedure log](procedure-log.md) and verify it."};
 }
 
 Command log_show_command() {
+  using namespace log_cli;
   return {.name = "log show",
           .summary = "print the records as a table",
           .long_examples = {"biopsy log show out/live/procedure.log.sqlite --last 20"},
@@ -155,6 +157,7 @@ Command log_show_command() {
 }
 
 Command log_verify_command() {
+  using namespace log_cli;
   return {.name = "log verify",
           .summary = "whether it is whole and unchanged",
           .long_examples = {"biopsy log verify out/live/procedure.log.sqlite"},
@@ -164,6 +167,7 @@ Command log_verify_command() {
 }
 
 Command log_export_command() {
+  using namespace log_cli;
   return {.name = "log export",
           .summary = "write it as a CSV table",
           .long_examples = {"biopsy log export out/live/procedure.log.sqlite --csv out/log.csv"},

@@ -13,7 +13,7 @@
 #include "robot/report/study/reproduction_report.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace reproduce_cli {
 
 namespace fs = std::filesystem;
 
@@ -57,9 +57,10 @@ Result run(const Options& options, const Context& context) {
   return {.text = text, .json = report::reproduction_json(result)};
 }
 
-}  // namespace
+}  // namespace reproduce_cli
 
 Command reproduce_command() {
+  using namespace reproduce_cli;
   return {.name = "reproduce",
           .summary = "the paper's experiments on a model, beside its numbers",
           .description =

@@ -19,7 +19,7 @@
 #include "robot/report/safety_case/gaps.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace safety_case_cli {
 
 namespace fs = std::filesystem;
 using safety_case::Build;
@@ -155,9 +155,10 @@ Result run(const Options& options, const Context& context) {
   return {.exit_code = gaps.empty() ? 0 : 3, .text = text, .json = json};
 }
 
-}  // namespace
+}  // namespace safety_case_cli
 
 Command safety_case_command() {
+  using namespace safety_case_cli;
   return {.name = "safety-case",
           .summary = "hazards, requirements, argument and evidence of this build",
           .description =

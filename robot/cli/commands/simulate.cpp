@@ -14,7 +14,7 @@
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace simulate_cli {
 
 struct Options {
   std::filesystem::path dataset, model, out;
@@ -65,9 +65,10 @@ Result run(const Options& options, const Context&) {
           .json = nlohmann::ordered_json{{"dataset", options.out.string()}, {"runs", runs}}.dump(2) + "\n"};
 }
 
-}  // namespace
+}  // namespace simulate_cli
 
 Command simulate_command() {
+  using namespace simulate_cli;
   return {.name = "simulate",
           .summary = "run the recorded inputs of a data set through a model",
           .examples = {"biopsy simulate docs/examples/recorded --model sim/models/baseline.toml "

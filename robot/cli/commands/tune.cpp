@@ -15,7 +15,7 @@
 #include "robot/common/progress.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace tune_cli {
 
 namespace fs = std::filesystem;
 
@@ -89,9 +89,10 @@ Result run(const Options& options, const Context& context) {
   return {.text = text, .json = json};
 }
 
-}  // namespace
+}  // namespace tune_cli
 
 Command tune_command() {
+  using namespace tune_cli;
   return {.name = "tune",
           .summary = "gains of the PI loop for a model, with gain and phase margin",
           .description =

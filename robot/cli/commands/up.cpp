@@ -27,7 +27,7 @@
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::robot {
-namespace {
+namespace up_cli {
 
 using Clock = std::chrono::steady_clock;
 
@@ -197,8 +197,8 @@ Ending run_without_console(const Options& options, const PreparedCase& prepared,
   std::int64_t ticks = 0;
   const digital_io::IoReader lines(session.settings().lines);
   while (!signals.came() && !ended) {
-    const OperatorInputs nobody = OperatorInputs::idle();  // the E-stop is released, no key is turned
-    cycle = session.robot().tick(nobody);
+    const OperatorInputs idle = OperatorInputs::idle();  // the E-stop is released, no key is turned
+    cycle = session.robot().tick(idle);
     if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), cycle, lines));
     ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
@@ -246,9 +246,10 @@ Result run(const Options& options, const Context& context) {
           .json = json.dump(2) + "\n"};
 }
 
-}  // namespace
+}  // namespace up_cli
 
 Command up_command() {
+  using namespace up_cli;
   return {.name = "up",
           .summary = "start the live robot's processes and show their state",
           .description =

@@ -121,7 +121,7 @@ void StreamOutput::write(SpdlogLevel level, std::string_view line) {
   std::string bytes = is_terminal_ ? "\r\033[K" : "";  // over a progress line
   if (is_journal_) bytes += kPriorities[std::min<std::size_t>(level, kPriorities.size() - 1)];
   const int patience_ms = missed_ == 0 ? kPatience_ms : 0;
-  if (missed_ > 0) bytes += fmt::format("{} messages were not shown: nobody read\n", missed_);
+  if (missed_ > 0) bytes += fmt::format("{} messages were not shown: the terminal was blocked\n", missed_);
   if (write_all(bytes.append(line), patience_ms))
     missed_ = 0;
   else

@@ -39,7 +39,7 @@ class HttpServer {
              ServerCallbacks callbacks);
   ~HttpServer();
 
-  std::string url() const;  // with the token: whoever has it may control
+  std::string url() const;  // with the token: its bearer may control
   // From any thread; nothing happens for a client that has disconnected.
   void send(Client client, SendQueue::Text text, Reliability reliability);
   void send_to_all(SendQueue::Text text, Reliability reliability);

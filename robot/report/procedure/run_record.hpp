@@ -1,5 +1,5 @@
 // Everything that is known of one run, as values: what the report, the JSON and the CSV are made from.
-// A number nobody knows stays kUnknown: it is printed as a dash and written as null.
+// An unknown number stays kUnknown: it is printed as a dash and written as null.
 #pragma once
 
 #include <cstdint>

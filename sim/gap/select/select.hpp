@@ -53,7 +53,7 @@ struct Selection {
   std::vector<SelectedTerm> selected;
 };
 
-// `share`: of the work, in [0, 1]; an estimate, because nobody knows how many rounds there will be.
+// `share`: of the work, in [0, 1]; an estimate: the number of rounds is not known in advance.
 using Progress = std::function<void(double share, const std::string& doing)>;
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence);

@@ -57,7 +57,7 @@ Genes encoded(const StackDesign& design) {
   return genes;
 }
 
-constexpr double kSameBandwidth = 0.05;  // of ln f: what nobody would choose a stack by
+constexpr double kSameBandwidth = 0.05;  // of ln f: too small a difference to choose a stack by
 
 // The smaller the better, all five.
 std::array<double, 5> objectives(const DesignedStack& s) {

@@ -1,4 +1,4 @@
-// Which designs none beats in everything, and the search for them: after Deb, Pratap, Agarwal, Meyarivan 2002
+// Pareto-optimal designs and the search for them, after Deb, Pratap, Agarwal, Meyarivan 2002
 // (NSGA-II), with variation by differences (Storn, Price 1997). Seeded; the answer does not depend on how
 // many work at it.
 #pragma once

@@ -45,7 +45,8 @@ TEST(CommandLine, RefusesAnOptionThatHasNoEffect) {
   ASSERT_EQ(biopsy("plan gap --out " + phantom).code, 0);
   fs::create_directories(folder / "two");
   fs::copy(folder / "p/planning", folder / "two/a", fs::copy_options::recursive);
-  fs::copy_file(kShared / "images/nasty/minimal.nii.gz", folder / "two/b.nii.gz");
+  ASSERT_EQ(biopsy("plan liver --out " + (folder / "q").string()).code, 0);
+  fs::copy(folder / "q/planning", folder / "two/b", fs::copy_options::recursive);
   const std::string ct = "check --before x --after y --entry 0,0,0 --axis 0,0,1 ";
   for (const auto& [typed, named] : std::vector<std::pair<std::string, std::string>>{
            {"plan gap --series 1.2.840.1" + out, "--series"},

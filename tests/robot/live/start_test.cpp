@@ -79,7 +79,7 @@ TEST(SelfTest, ThatFailedLocksTheSupervisor) {
   EXPECT_EQ(mode_after_start(SelfTest::Passed), Mode::Boot) << "nobody measures, so 0 V is not known";
 }
 
-TEST(RisingNumber, RisesFromStartToStartWhateverTheWallClockSays) {
+TEST(MonotonicSessionId, RisesFromStartToStartWhateverTheWallClockSays) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder.path() / "session";
   const std::uint32_t first = monotonic_session_id(file);
@@ -90,7 +90,7 @@ TEST(RisingNumber, RisesFromStartToStartWhateverTheWallClockSays) {
   EXPECT_EQ(monotonic_session_id(file), 4'000'000'002U);
 }
 
-TEST(RisingNumber, IsRefusedWhereTheLastOneIsNotKnown) {
+TEST(MonotonicSessionId, IsRefusedWhereTheLastOneIsNotKnown) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder.path() / "session";
   for (const char* text : {"", "soon", "-1", "4294967295", "99999999999999999999"}) {

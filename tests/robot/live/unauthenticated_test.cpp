@@ -1,4 +1,4 @@
-// Somebody else on the robot's network who shouts commands: without keys, or with keys that nobody trusts.
+// A participant on the network of the robot that sends commands without keys, or with keys of another set.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -87,12 +87,12 @@ void moves_on_and_logs(bool with_keys, const std::string& words) {
   });
 }
 
-TEST(Stranger, WithoutKeysIsNotHeardAndIsLogged) {
+TEST(UnauthenticatedParticipant, WithoutKeysIsIgnoredAndLogged) {
   verifies("R-46");
   moves_on_and_logs(false, "endpoints_without_keys");
 }
 
-TEST(Stranger, WithKeysThatNobodyTrustsIsNotHeardAndIsLogged) {
+TEST(UnauthenticatedParticipant, WithKeysOfAnotherSetIsIgnoredAndLogged) {
   verifies("R-46");
   moves_on_and_logs(true, "participants_not_let_in");
 }
