@@ -45,7 +45,8 @@ std::string bytes_of(const fs::path& file) {
 
 std::string code_fingerprint(const fs::path& tree) {
   if (!fs::exists(tree / "safety"))
-    throw ConfigError("the source tree is not there", tree.string(), "run ./dev safety-case in a source tree");
+    throw ConfigError("the source tree is not there", tree.string(),
+                      "run ./dev safety-case in a source tree");
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   EVP_DigestInit_ex(hash.get(), EVP_sha256(), nullptr);
   for (const fs::path& file : code_files(tree)) {

@@ -38,7 +38,7 @@ events::Series series_of(const Volume& image) {
 }
 
 events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
-                         const std::optional<Point>& p_ST, bool confirmed) {
+                           const std::optional<Point>& p_ST, bool confirmed) {
   events::Planned told;
   if (p_SE) told.entry.push_back({ras_of(*p_SE)});
   if (p_ST) told.target.push_back({ras_of(*p_ST)});

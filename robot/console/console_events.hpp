@@ -13,7 +13,7 @@ console::events::Series series_of(const Volume& image);
 
 // The points that are set, and what the planner made of them; `prepared.plan` counts only where both are.
 console::events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
-                                  const std::optional<Point>& p_ST, bool confirmed);
+                                    const std::optional<Point>& p_ST, bool confirmed);
 
 console::events::Checked checked_of(std::size_t stage, const report::StepResult& result);
 

@@ -70,8 +70,9 @@ std::string ConsoleSeries::file_name() const {
 }
 
 events::Series* ConsoleSeries::find(const std::string& series_uid) {
-  const auto found = std::find_if(
-      all_.begin(), all_.end(), [&](const events::Series& series) { return series.series_uid == series_uid; });
+  const auto found = std::find_if(all_.begin(), all_.end(), [&](const events::Series& series) {
+    return series.series_uid == series_uid;
+  });
   return found == all_.end() ? nullptr : &*found;
 }
 

@@ -25,7 +25,7 @@ events::Answer done(std::uint32_t id) {
 }  // namespace
 
 std::optional<events::Answer> OperatorSession::ask(console::Client client, const commands::Any& asked,
-                                                 std::int64_t now_us) {
+                                                   std::int64_t now_us) {
   now_us_ = now_us;
   if (const auto* stop = std::get_if<commands::Stop>(&asked)) return on(*stop);  // anyone may
   if (const auto* take = std::get_if<commands::TakeControl>(&asked)) return on(client, *take);

@@ -36,7 +36,7 @@ class OperatorSession {
   void left(console::Client client);
   // The answer; none to beats and releases.
   std::optional<console::events::Answer> ask(console::Client client, const console::commands::Any& asked,
-                                           std::int64_t now_us);
+                                             std::int64_t now_us);
 
   // Robot
   World world(std::int64_t now_us);

@@ -17,7 +17,8 @@ bool read_as(const nlohmann::json& from, const std::string& type, commands::Any&
 }
 
 template <std::size_t... N>
-bool read_any(const nlohmann::json& from, const std::string& type, commands::Any& to, std::index_sequence<N...>) {
+bool read_any(const nlohmann::json& from, const std::string& type, commands::Any& to,
+              std::index_sequence<N...>) {
   return (read_as<std::variant_alternative_t<N, commands::Any>>(from, type, to) || ...);
 }
 

@@ -1,4 +1,5 @@
-// A message of the page, read strictly: one object of module `commands`, nothing missing, unknown or out of range.
+// A message of the page, read strictly: one object of module `commands`, nothing missing, unknown or out of
+// range.
 #pragma once
 
 #include <console_messages.hpp>  // generated from idl/console.idl
