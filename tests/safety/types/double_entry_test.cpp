@@ -100,6 +100,11 @@ TEST(DoubleEntry, TheWaysBetweenStatesAreThoseInTheDocument) {
   EXPECT_EQ(built, told);
 }
 
+TEST(DoubleEntry, AnEventLeadsWhereItsRowSays) {
+  for (const Transition& way : kTransitions)
+    EXPECT_EQ(next_mode(way.from, way.event), way.to) << name_of(way.from) << ": " << name_of(way.event);
+}
+
 TEST(DoubleEntry, TheTableHasARowForEachHazardInItsOrder) {
   EXPECT_TRUE(is_ordered_by_severity());
   for (std::size_t i = 0; i < kHazards; ++i) EXPECT_EQ(kHazardTable[i].hazard, static_cast<Hazard>(i));

@@ -31,6 +31,12 @@ TEST(PlanFacts, AcceptTheTestPlanAndRefuseADefaultOne) {
   EXPECT_FALSE(is_plausible(PlanFacts{}));
 }
 
+TEST(PlanFacts, RefuseAPlanWithoutStepsOrWithoutBands) {
+  verifies("R-29");
+  EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.stage_count = 0; }));
+  EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.band_count = 0; }));
+}
+
 TEST(PlanFacts, PlansFillTheRoomForStagesAndBandsAndNoMore) {
   verifies("R-29");
   PlanFacts plan = three_stage_plan();
