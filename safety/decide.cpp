@@ -212,9 +212,9 @@ std::string_view name_of(Refusal refusal) {
     case Refusal::TokenSpent:
       return "release the button and press again";
     case Refusal::DepthNotAccepted:
-      return "the depth check of this stage has not been accepted";
+      return "the depth check of this step has not been accepted";
     case Refusal::PlanDone:
-      return "the plan has no further stage";
+      return "the plan has no further step";
   }
   return "unknown refusal";
 }

@@ -279,6 +279,8 @@ TEST(Supervisor, EveryNameIsKnownToPeople) {
   for (int refusal = 0; refusal <= static_cast<int>(Refusal::PlanDone); ++refusal)
     refusals.insert(name_of(static_cast<Refusal>(refusal)));
   EXPECT_EQ(refusals.size(), 12U);
+  names.insert(refusals.begin(), refusals.end());
+  for (const std::string_view name : names) EXPECT_GT(name.size(), 3U) << name;
 }
 
 }  // namespace

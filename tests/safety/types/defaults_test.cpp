@@ -25,6 +25,7 @@ TEST(Defaults, OfInputsHaveSeenNothingAndAskForNothing) {
   EXPECT_TRUE(are_zero(seen.now_us, seen.writers, seen.estop_a_closed, seen.estop_b_closed, seen.plan_tag,
                        seen.config_tag, seen.bench_confirmed));
   EXPECT_TRUE(seen.acquiring);
+  EXPECT_EQ(seen.stop, StopCategory::C0Off);
   for (const std::int32_t unknown : {seen.log_backlog_ms, seen.patient_motion_um, seen.tissue_residual_um})
     EXPECT_EQ(unknown, kUnknown);
   const Situation input;

@@ -111,7 +111,7 @@ constexpr SeededBug kBugs[] = {
      "supervisor.cpp", "permit.v_max_mV = held_mV(state);", "permit.v_max_mV = stage.v_max_mV;"},
     {"ceiling-ignored", "The voltage may rise ahead of what the needle answered.", Part::Supervisor,
      "supervisor.cpp", "std::clamp(evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV)",
-     "(void)input, stage_limits(plan, state.stage).v_max_mV"},
+     "(void)evidence, stage_limits(plan, state.stage).v_max_mV"},
     {"hold-follows-the-driver", "A hold begins at whatever an unpermitted driver put out.", Part::Supervisor,
      "supervisor.cpp", "rising_mV(t.plan, t.state, t.evidence) : held_mV(t.state)",
      "stage_limits(t.plan, t.state.stage).v_max_mV : held_mV(t.state)"},
