@@ -211,7 +211,7 @@ TYPED_TEST(SecondWriter, Trips) {
     if (!robot) return kNeverMoved;
     robot::LiveSession& session = *robot;
     transport::Writer<TypeParam> rogue(session.bus());
-    EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+    EXPECT_TRUE(reaches(session, robot::OperatorInputs::idle(), Mode::Trip, 2'000));
     EXPECT_EQ(settled_output(session), digital_io::ConverterOutput{});
     return {};
   });
@@ -240,7 +240,7 @@ TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
       rogue.write(forged);
       session.robot().tick({});
     }
-    EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+    EXPECT_TRUE(reaches(session, robot::OperatorInputs::idle(), Mode::Trip, 2'000));
     EXPECT_EQ(settled_output(session), digital_io::ConverterOutput{});
     return {};
   });
@@ -253,7 +253,8 @@ TEST(LiveRobot, TheNetworkCannotArm) {
     robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
-    if (!reaches(session, {}, Mode::Ready, 5'000)) return "the robot never got ready";
+    if (!reaches(session, robot::OperatorInputs::idle(), Mode::Ready, 5'000))
+      return "the robot never got ready";
     robot::OperatorInputs asking = robot::OperatorInputs::idle();
     asking.remote_arm = true;
     asking.press = {1, true};
@@ -273,7 +274,7 @@ TEST(LiveRobot, AnotherPlanInMotionTrips) {
     other.target.patient_id = "SOMEBODY ELSE";
     planner::seal(other);
     session.send_plan(other);
-    EXPECT_TRUE(reaches(session, {}, Mode::Trip, 2'000));
+    EXPECT_TRUE(reaches(session, robot::OperatorInputs::idle(), Mode::Trip, 2'000));
     return {};
   });
 }
@@ -300,7 +301,7 @@ TEST(LiveRobot, APlanOfOneConfirmationIsNotReady) {
     robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.robot().send_plan(gap_plan(), {planner::plan_tag(gap_plan()), 0});
-    EXPECT_FALSE(reaches(session, {}, Mode::Ready, 1'500));
+    EXPECT_FALSE(reaches(session, robot::OperatorInputs::idle(), Mode::Ready, 1'500));
     return {};
   });
 }
@@ -314,7 +315,8 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
     robot::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
-    if (!reaches(session, {}, Mode::Ready, 5'000)) return "the robot never got ready";
+    if (!reaches(session, robot::OperatorInputs::idle(), Mode::Ready, 5'000))
+      return "the robot never got ready";
     // The planner's identity may not write requests: no writer at all, and no second one is seen.
     EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), ConfigError);
     for (int n = 0; n < 500; ++n) {
