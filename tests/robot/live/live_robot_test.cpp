@@ -58,7 +58,7 @@ bool reaches(robot::LiveSession& session, const robot::OperatorInputs& inputs, M
 
 // What the stage puts out once a decision has reached it.
 digital_io::ConverterOutput settled_output(robot::LiveSession& session) {
-  for (int n = 0; n < 20; ++n) session.robot().tick({});
+  for (int n = 0; n < 20; ++n) session.robot().tick(robot::OperatorInputs::idle());
   return digital_io::IoReader(session.settings().lines).converter();
 }
 
@@ -238,7 +238,7 @@ TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
     for (int n = 0; n < 200; ++n) {
       ++forged.seq;
       rogue.write(forged);
-      session.robot().tick({});
+      session.robot().tick(robot::OperatorInputs::idle());
     }
     EXPECT_TRUE(reaches(session, robot::OperatorInputs::idle(), Mode::Trip, 2'000));
     EXPECT_EQ(settled_output(session), digital_io::ConverterOutput{});
@@ -320,7 +320,7 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
     // The planner's identity may not write requests: no writer at all, and no second one is seen.
     EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), ConfigError);
     for (int n = 0; n < 500; ++n) {
-      const std::optional<robot::CycleSample> cycle = session.robot().tick({});
+      const std::optional<robot::CycleSample> cycle = session.robot().tick(robot::OperatorInputs::idle());
       if (!cycle) continue;
       EXPECT_NE(cycle->record.supervisor.worst, safety::Hazard::SecondWriter);
       if (cycle->record.supervisor.permit.mode == Mode::Safe) return "the robot did not stay ready";
