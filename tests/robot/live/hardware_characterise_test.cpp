@@ -72,7 +72,7 @@ TEST(HardwareLive, CharacteriseAsksAHandForWeightsAndDatesThemByTheDepth) {
     const std::jthread hand([&](const std::stop_token& stop) { lay_on(stop, board, kSixGrams_N); });
     const robot::Characterisation made =
         robot::characterise(options, {}, {}, [](const std::string& text) { std::puts(text.c_str()); });
-    return made.complete ? "" : "the run was stopped";
+    return made.complete ? "" : made.text;
   });
   if (IsSkipped() || HasFailure()) return;
   const sim::Dataset data = sim::read_dataset(options.out, sim::Drive::Stack);

@@ -22,11 +22,13 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
     robot::OperatorInputs asking = robot::OperatorInputs::idle();  // over the network: which arms nothing
     asking.remote_arm = true;
     bool ready = false;
+    std::string hazard;
     Measurement seen;
     for (int n = 0; n < 3'000; ++n) {
       const std::optional<robot::CycleSample> cycle = session.robot().tick(asking);
       if (!cycle) continue;
       ready = ready || cycle->record.supervisor.permit.mode == Mode::Ready;
+      hazard = safety::name_of(cycle->record.supervisor.worst);
       seen = cycle->record.measurement;
       EXPECT_FALSE(cycle->record.supervisor.permit.hv_enable);
     }
@@ -34,7 +36,7 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
     EXPECT_NEAR(seen.depth_um, 0, 100);
     EXPECT_EQ(seen.command_mV, 0);
     session.stop();
-    return ready ? "" : "the robot never got ready";
+    return ready ? "" : "the robot never got ready: " + hazard;
   });
 }
 

@@ -14,6 +14,11 @@
 #include "tests/robot/live/live_motion.hpp"
 
 namespace biopsy::live_tests {
+namespace {
+
+constexpr int kEdge_ms = 100;  // a square wave passes through zero
+
+}  // namespace
 
 EventOutcome live_event(const LiveEvent& event, const robot::LiveOptions& options,
                         const robot::PreparedCase& prepared, const std::filesystem::path& folder,
@@ -25,27 +30,30 @@ EventOutcome live_event(const LiveEvent& event, const robot::LiveOptions& option
   robot::LiveSession session(options, "sim", {}, prepared, folder);
   session.wait_until_healthy();
   session.send_plan(plan);
-  const std::optional<robot::OperatorInputs> pressing = move(session, plan, event.after_ticks);
-  if (!pressing) {
-    outcome.trouble = "the needle never moved";
+  const Motion motion = move(session, plan, event.after_ticks);
+  if (!motion.pressing) {
+    outcome.trouble = motion.prevented_by;
     return outcome;
   }
   const digital_io::IoReader lines(session.settings().lines);
   HostWatch host;
   std::jthread finger([&](const std::stop_token& stop) {  // stays on the button
-    while (!stop.stop_requested()) session.robot().tick(*pressing);
+    while (!stop.stop_requested()) session.robot().tick(*motion.pressing);
   });
   realtime::become_realtime({.lock_memory = false, .fifo_priority = 65, .cpu = std::nullopt});
   host.reset();
+  const auto on_at = [&](std::int64_t ns) { return lines.load_voltage_seen_mV(ns) != 0; };
+  for (int n = 0; n < kEdge_ms && !on_at(realtime::monotonic_ns()); ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const std::int64_t event_ns = realtime::monotonic_ns();
-  if (lines.load_voltage_seen_mV(event_ns) == 0) outcome.trouble = "there was no voltage at the event";
+  if (!on_at(event_ns)) outcome.trouble = "there was no voltage at the event";
   if (event.signal != 0) kill(session.launcher().pid_of(event.victim), event.signal);
   wire.set(event.packets);
   std::int64_t now_ns = event_ns, on_ns = event_ns, off_ns = event_ns;  // seen on last, seen off after that
   std::int64_t pulsed_ns = event_ns;
   std::uint64_t pulses = lines.supervisor_pulses();
   while (now_ns - event_ns < watch_ms * 1'000'000) {
-    const bool on = lines.load_voltage_seen_mV(now_ns) != 0;
+    const bool on = on_at(now_ns);
     if (lines.supervisor_pulses() != pulses) pulses = lines.supervisor_pulses(), pulsed_ns = now_ns;
     if (on)
       outcome.unpermitted_ms =

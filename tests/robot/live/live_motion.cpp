@@ -10,32 +10,32 @@ constexpr std::int64_t kMoving_ticks = 300;
 
 }  // namespace
 
-std::optional<robot::OperatorInputs> move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks) {
+Motion move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks) {
   robot::Operator person(plan);
   robot::CycleRecord seen;
   std::int64_t moved = 0;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
     const robot::OperatorInputs inputs = person.act(seen, number);
-    if (person.wants_verdict()) return std::nullopt;
+    if (person.wants_verdict()) return {{}, "it wanted an image first"};
     const std::optional<robot::CycleSample> cycle = session.robot().tick(inputs);
-    if (!cycle) return std::nullopt;
+    if (!cycle) return {{}, "no tick of the stage came"};
     seen = cycle->record;
     moved = seen.supervisor.permit.mode == Mode::Active ? moved + 1 : 0;
-    if (moved > ticks && seen.drive_mV != 0) return inputs;
+    if (moved > ticks && seen.drive_mV != 0) return {inputs, {}};
   }
-  return std::nullopt;
+  return {{}, "the needle never moved: " + person.stopped_because()};
 }
 
-std::unique_ptr<robot::LiveSession> moving_robot(const robot::LiveOptions& options,
-                                                 const robot::PreparedCase& prepared,
-                                                 const std::filesystem::path& folder) {
+MovingRobot moving_robot(const robot::LiveOptions& options, const robot::PreparedCase& prepared,
+                         const std::filesystem::path& folder) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   auto session =
       std::make_unique<robot::LiveSession>(options, "sim", robot::HardwareOptions{}, prepared, folder);
   session->wait_until_healthy();
   session->send_plan(plan);
-  if (!move(*session, plan, kMoving_ticks)) return nullptr;
-  return session;
+  const Motion motion = move(*session, plan, kMoving_ticks);
+  if (!motion.pressing) return {nullptr, motion.prevented_by};
+  return {std::move(session), {}};
 }
 
 }  // namespace biopsy::live_tests

@@ -28,7 +28,6 @@ namespace biopsy::live_tests {
 namespace {
 
 constexpr std::uint32_t kDomain = 80;  // and the next: of these tests alone
-constexpr const char* kNeverMoved = "the needle never moved";
 
 const robot::PreparedCase& gap_case() {
   static const ScratchFolder folder;
@@ -47,14 +46,25 @@ robot::LiveOptions plain() {
   return options;
 }
 
+struct Reached {
+  bool mode = false;
+  std::string hazard;  // the worst that was present last
+  explicit operator bool() const { return mode; }
+};
+
 // Goes on with the same inputs until the robot is in `mode`.
-bool reaches(robot::LiveSession& session, const robot::OperatorInputs& inputs, Mode mode, int ticks) {
-  for (int n = 0; n < ticks; ++n) {
+Reached reaches(robot::LiveSession& session, const robot::OperatorInputs& inputs, Mode mode, int ticks) {
+  Reached reached;
+  for (int n = 0; n < ticks && !reached.mode; ++n) {
     const std::optional<robot::CycleSample> cycle = session.robot().tick(inputs);
-    if (cycle && cycle->record.supervisor.permit.mode == mode) return true;
+    if (!cycle) continue;
+    reached.mode = cycle->record.supervisor.permit.mode == mode;
+    reached.hazard = safety::name_of(cycle->record.supervisor.worst);
   }
-  return false;
+  return reached;
 }
+
+constexpr int kReady_ticks = 5'000;
 
 // What the stage puts out once a decision has reached it.
 digital_io::ConverterOutput settled_output(robot::LiveSession& session) {
@@ -207,9 +217,9 @@ TYPED_TEST(SecondWriter, Trips) {
   verifies("R-11");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    const auto robot = moving_robot(plain(), gap_case(), folder.path());
-    if (!robot) return kNeverMoved;
-    robot::LiveSession& session = *robot;
+    const MovingRobot moving = moving_robot(plain(), gap_case(), folder.path());
+    if (!moving.session) return moving.prevented_by;
+    robot::LiveSession& session = *moving.session;
     transport::Writer<TypeParam> rogue(session.bus());
     EXPECT_TRUE(reaches(session, robot::OperatorInputs::idle(), Mode::Trip, 2'000));
     EXPECT_EQ(settled_output(session), digital_io::ConverterOutput{});
@@ -221,9 +231,9 @@ TEST(LiveRobot, ASecondWriterOfPermitsTripsAndCannotCommand) {
   verifies("R-11");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    const auto robot = moving_robot(plain(), gap_case(), folder.path());
-    if (!robot) return kNeverMoved;
-    robot::LiveSession& session = *robot;
+    const MovingRobot moving = moving_robot(plain(), gap_case(), folder.path());
+    if (!moving.session) return moving.prevented_by;
+    robot::LiveSession& session = *moving.session;
     transport::Writer<Permit> rogue(session.bus());
     Permit forged;
     forged.session = 0xffff'ffff;
@@ -253,8 +263,8 @@ TEST(LiveRobot, TheNetworkCannotArm) {
     robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
-    if (!reaches(session, robot::OperatorInputs::idle(), Mode::Ready, 5'000))
-      return "the robot never got ready";
+    const Reached ready = reaches(session, robot::OperatorInputs::idle(), Mode::Ready, kReady_ticks);
+    if (!ready) return "the robot never got ready: " + ready.hazard;
     robot::OperatorInputs asking = robot::OperatorInputs::idle();
     asking.remote_arm = true;
     asking.press = {1, true};
@@ -267,9 +277,9 @@ TEST(LiveRobot, AnotherPlanInMotionTrips) {
   verifies("R-12");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    const auto robot = moving_robot(plain(), gap_case(), folder.path());
-    if (!robot) return kNeverMoved;
-    robot::LiveSession& session = *robot;
+    const MovingRobot moving = moving_robot(plain(), gap_case(), folder.path());
+    if (!moving.session) return moving.prevented_by;
+    robot::LiveSession& session = *moving.session;
     Plan other = gap_plan();
     other.target.patient_id = "SOMEBODY ELSE";
     planner::seal(other);
@@ -283,14 +293,16 @@ TEST(LiveRobot, AProgramThatStandsStillHoldsNoButton) {
   verifies("R-41");
   on_a_steady_host([]() -> std::string {
     const ScratchFolder folder;
-    const auto robot = moving_robot(plain(), gap_case(), folder.path());
-    if (!robot) return kNeverMoved;
+    const MovingRobot moving = moving_robot(plain(), gap_case(), folder.path());
+    if (!moving.session) return moving.prevented_by;
+    robot::LiveSession& session = *moving.session;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));  // while its bus goes on
     robot::OperatorInputs pressing = robot::OperatorInputs::idle();
     pressing.press = {1, true};
-    if (reaches(*robot, pressing, Mode::Hold, 2'000)) return {};
-    EXPECT_TRUE(reaches(*robot, pressing, Mode::Trip, 50)) << "it went on";
-    return "the robot tripped before it could hold";
+    if (reaches(session, pressing, Mode::Hold, 2'000)) return {};
+    const Reached trip = reaches(session, pressing, Mode::Trip, 50);
+    EXPECT_TRUE(trip) << "it went on";
+    return "the robot tripped before it could hold: " + trip.hazard;
   });
 }
 
@@ -315,15 +327,17 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
     robot::LiveSession session(secured, "sim", {}, gap_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
-    if (!reaches(session, robot::OperatorInputs::idle(), Mode::Ready, 5'000))
-      return "the robot never got ready";
+    const Reached ready = reaches(session, robot::OperatorInputs::idle(), Mode::Ready, kReady_ticks);
+    if (!ready) return "the robot never got ready: " + ready.hazard;
     // The planner's identity may not write requests: no writer at all, and no second one is seen.
     EXPECT_THROW(transport::Writer<DriveRequest>(session.bus()), ConfigError);
     for (int n = 0; n < 500; ++n) {
       const std::optional<robot::CycleSample> cycle = session.robot().tick(robot::OperatorInputs::idle());
       if (!cycle) continue;
       EXPECT_NE(cycle->record.supervisor.worst, safety::Hazard::SecondWriter);
-      if (cycle->record.supervisor.permit.mode == Mode::Safe) return "the robot did not stay ready";
+      if (cycle->record.supervisor.permit.mode == Mode::Safe)
+        return fmt::format("the robot did not stay ready: {}",
+                           safety::name_of(cycle->record.supervisor.worst));
     }
     return {};
   });

@@ -71,14 +71,15 @@ void moves_on_and_logs(bool with_keys, const std::string& words) {
     const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
     robot::LiveOptions secured;
     secured.domain = kSecuredDomain;
-    const auto robot = moving_robot(secured, prepared, folder.path());
-    if (!robot) return "the needle never moved";
+    const MovingRobot moving = moving_robot(secured, prepared, folder.path());
+    if (!moving.session) return moving.prevented_by;
+    robot::LiveSession& session = *moving.session;
     const std::filesystem::path keys = folder.path() / "keys of somebody else";
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
     if (with_keys) security::make_keys(keys, 1, now, false);
     const Rogue rogue(with_keys ? keys.string() : "");
-    const Moved moved = two_seconds(*robot);
-    EXPECT_TRUE(robot->stop().empty());
+    const Moved moved = two_seconds(session);
+    EXPECT_TRUE(session.stop().empty());
     if (moved.active <= 1'500)
       return fmt::format("the needle was free to move in {} ticks of 2000: {}", moved.active,
                          safety::name_of(moved.reason));

@@ -1,0 +1,30 @@
+// What the tests in real time excuse: delays of this machine, and nothing else. Inputs: sentences of the
+// supervisor's table and of none of its hazards.
+#include "tests/robot/live/steady_host.hpp"
+
+#include <gtest/gtest-spi.h>
+#include <gtest/gtest.h>
+
+namespace biopsy::live_tests {
+namespace {
+
+TEST(SteadyHost, ExcusesAStopThatNamesADelayAndNoOther) {
+  for (const safety::HazardFacts& facts : safety::kHazardTable) {
+    const bool delay = std::ranges::find(kDelays, facts.hazard) != kDelays.end();
+    EXPECT_EQ(names_a_delay("the procedure was stopped: " + std::string(facts.name)), delay) << facts.name;
+  }
+  EXPECT_FALSE(names_a_delay("the robot never got ready: no hazard"));
+}
+
+TEST(SteadyHost, FailsAtOnceForWhatIsNoDelay) {
+  static int trials = 0;
+  const auto never_ready = [] {
+    ++trials;
+    return std::string("the robot never got ready");
+  };
+  EXPECT_NONFATAL_FAILURE(on_a_steady_host(never_ready), "not for a delay");
+  EXPECT_EQ(trials, 1);
+}
+
+}  // namespace
+}  // namespace biopsy::live_tests
