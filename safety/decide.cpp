@@ -27,11 +27,11 @@ bool is_locked_out(const TransitionInputs& t) {
 // requires.
 Refusal refusal_to_go_on(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
-  if (!t.state.stage_done) return Refusal::None;
-  const std::uint32_t stages = std::min<std::uint32_t>(t.plan.stage_count, kMaxSteps);
-  if (stages == 0 || t.state.stage >= stages - 1) return Refusal::PlanDone;
-  if (!t.plan.stages[t.state.stage].image_confirms) return Refusal::None;
-  const bool accepted = t.input.depth_accepted && t.input.accepted_stage == t.state.stage;
+  if (!t.state.step_done) return Refusal::None;
+  const std::uint32_t steps = std::min<std::uint32_t>(t.plan.step_count, kMaxSteps);
+  if (steps == 0 || t.state.step >= steps - 1) return Refusal::PlanDone;
+  if (!t.plan.steps[t.state.step].image_confirms) return Refusal::None;
+  const bool accepted = t.input.depth_accepted && t.input.accepted_step == t.state.step;
   return accepted ? Refusal::None : Refusal::DepthNotAccepted;
 }
 
@@ -42,8 +42,8 @@ bool is_released(const TransitionInputs& t) {
   return let_go || motion.token > t.state.token || t.state.ticks_since_held >= kHeldTimeout_ticks;
 }
 
-bool is_stage_reached(const TransitionInputs& t) {
-  return t.input.request.stage_reached && t.input.request.stage == t.state.stage;
+bool is_step_reached(const TransitionInputs& t) {
+  return t.input.request.step_reached && t.input.request.step == t.state.step;
 }
 
 Event event_in_boot(const TransitionInputs& t) {
@@ -84,7 +84,7 @@ Event event_in_active(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
-  if (is_stage_reached(t)) return Event::StageReached;
+  if (is_step_reached(t)) return Event::StepReached;
   if (t.stop == StopCategory::C2Hold) return Event::Stop;
   if (is_released(t)) return Event::Stop;
   return Event::None;

@@ -19,9 +19,9 @@ constexpr auto kNext = [] {
   return next;
 }();
 
-StepLimits stage_limits(const PlanFacts& plan, std::uint32_t stage) {
-  if (stage >= plan.stage_count || stage >= kMaxSteps) return {};
-  StepLimits allowed = plan.stages[stage];
+StepLimits step_limits(const PlanFacts& plan, std::uint32_t step) {
+  if (step >= plan.step_count || step >= kMaxSteps) return {};
+  StepLimits allowed = plan.steps[step];
   allowed.depth_max_um = std::min(allowed.depth_max_um, plan.depth_max_um);
   allowed.v_max_mV = std::clamp(allowed.v_max_mV, 0, limits::kDriveMax_mV);
   allowed.slew_up_mV_per_tick = std::clamp(allowed.slew_up_mV_per_tick, 0, limits::kSlewUpMax_mV_per_tick);
@@ -30,7 +30,7 @@ StepLimits stage_limits(const PlanFacts& plan, std::uint32_t stage) {
 
 // How far |V| may rise in this tick.
 std::int32_t rising_mV(const PlanFacts& plan, const SupervisorState& state, const Evidence& evidence) {
-  return std::clamp(evidence.ceiling_mV, 0, stage_limits(plan, state.stage).v_max_mV);
+  return std::clamp(evidence.ceiling_mV, 0, step_limits(plan, state.step).v_max_mV);
 }
 
 // |V| when Hold or Retract began, within the limits of the robot whatever the state holds.
@@ -52,9 +52,9 @@ void enter(SupervisorState& next, const TransitionInputs& t, Event event) {
   if (event != Event::VoltageGone) next.reason = cause_of(t, event);  // the end of a ramp keeps its cause
   next.ticks_in_mode = 0;
   if (next.mode == Mode::Trip || next.mode == Mode::Lock) ++next.epoch;
-  if (next.mode == Mode::Armed) next.stage = 0, next.stage_done = false;
-  if (event == Event::StageReached) next.stage_done = true;
-  if (event == Event::Move && t.state.stage_done) ++next.stage, next.stage_done = false;
+  if (next.mode == Mode::Armed) next.step = 0, next.step_done = false;
+  if (event == Event::StepReached) next.step_done = true;
+  if (event == Event::Move && t.state.step_done) ++next.step, next.step_done = false;
   const std::int32_t envelope =
       from == Mode::Active ? rising_mV(t.plan, t.state, t.evidence) : held_mV(t.state);
   if (next.mode == Mode::Hold || next.mode == Mode::Retract)
@@ -100,7 +100,7 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64
   permit.plan_tag = plan.plan_tag;
   permit.config_tag = plan.config_tag;
   permit.challenge = challenge_of(state.session, state.seq);
-  const StepLimits stage = stage_limits(plan, state.stage);
+  const StepLimits allowed = step_limits(plan, state.step);
   switch (state.mode) {
     case Mode::Armed:
       permit.stop = StopCategory::C2Hold;
@@ -108,8 +108,8 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64
     case Mode::Active:
       permit.stop = StopCategory::None;
       permit.v_max_mV = rising_mV(plan, state, evidence);
-      permit.slew_up_mV_per_tick = stage.slew_up_mV_per_tick;
-      permit.depth_max_um = stage.depth_max_um;
+      permit.slew_up_mV_per_tick = allowed.slew_up_mV_per_tick;
+      permit.depth_max_um = allowed.depth_max_um;
       break;
     case Mode::Hold:
       permit.stop = StopCategory::C2Hold;
@@ -138,8 +138,8 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   output.worst = worst_of(tick.hazards);
   output.reason = next.reason;
   output.refusal = refusal_of(tick, event);
-  output.stage = next.stage;
-  output.stage_done = next.stage_done;
+  output.step = next.step;
+  output.step_done = next.step_done;
   output.image_allowed = next.mode != Mode::Active && next.mode != Mode::Retract;
   output.image_disturbed = evidence.image_disturbed;
   output.interlock_pulse = hv_permitted(next.mode) || next.mode == Mode::Ready;

@@ -34,11 +34,11 @@ struct SupervisorState {
   Mode mode = Mode::Boot;
   Event last_event = Event::None;  // of the last change of mode
   Hazard reason = Hazard::None;    // cause of the last change of mode, kept through the end of a ramp
-  bool stage_done = false;         // the controller reached the present stage
+  bool step_done = false;          // the controller reached the present step
   bool arm_was_down = true, reset_was_down = true;  // a key held since before the start is not an edge
   std::uint32_t session = 0, epoch = 1, seq = 0;
   std::uint32_t token = 0;  // largest token ever seen: spent
-  std::uint32_t stage = 0;
+  std::uint32_t step = 0;
   std::int32_t ticks_in_mode = 0;
   std::int32_t ticks_since_held = 0;
   std::int32_t held_mV = 0;  // |V| when Hold or Retract began
@@ -51,8 +51,8 @@ struct SupervisorOutput {
   Hazard reason = Hazard::None;  // SupervisorState::reason
   Refusal refusal =
       Refusal::Locked;           // answer to a request of this tick; None if it was followed or none was made
-  std::uint32_t stage = 0;       // the stage the controller is to drive
-  bool stage_done = false;       // Hold at a stage's end: waits for the depth check and a new press
+  std::uint32_t step = 0;        // the step the controller is to drive
+  bool step_done = false;        // Hold at a step's end: waits for the depth check and a new press
   bool image_allowed = false;    // a scan may start: the drive is not rising
   bool image_disturbed = true;   // the image being taken saw the drive switch: repeat it
   bool interlock_pulse = false;  // feed the hardware interlock this tick; never fed when stopped

@@ -44,12 +44,12 @@ std::variant<Plan, PlanRefusal> plan_bench(const BenchRequest& request) {
         "put more on the fixture, or ask for less voltage"};
   Plan plan;
   plan.target_depth = kStroke - kHoldBefore;
-  plan.stages = {{.kind = StepKind::Target,
-                  .depth = plan.target_depth,
-                  .speed = {},
-                  .v_max = request.highest,
-                  .image_confirms = false,
-                  .why = request.what}};
+  plan.steps = {{.kind = StepKind::Target,
+                 .depth = plan.target_depth,
+                 .speed = {},
+                 .v_max = request.highest,
+                 .image_confirms = false,
+                 .why = request.what}};
   plan.limits = {.depth_max = kStroke,
                  .v_max = request.highest,
                  .plausible = {{Volts(0), -kBelowRest, kStroke}, {kMost, -kBelowRest, kStroke}}};

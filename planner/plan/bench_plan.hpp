@@ -22,7 +22,7 @@ Millimetres expected_travel(const BenchRequest& request);
 
 inline constexpr double kDriveScaleMax = 3.0;  // with 8 kV, 2.67 kV nominal: 6.5 mm with 50 g
 
-// One stage over the whole stroke with the run's own voltage as limit: a stage that is not known yet may go
+// One step over the whole stroke with the run's own voltage as limit: a stage that is not known yet may go
 // anywhere within its stroke. So every depth from 1 mm below rest to the stroke is plausible at any drive
 // (R-21, R-27 and R-32 do not judge it), all other limits stand. Refused where such a stage
 // would come nearer than 1 mm to the end of the stroke, above 8 kV, or with a weight that is not modelled.

@@ -21,7 +21,7 @@ struct Crossing {
   Millimetres from, to;
 };
 
-// Where a stage ends and why it ends there.
+// Where a step ends and why it ends there.
 struct Stop {
   StepKind kind;
   Millimetres depth;
@@ -43,14 +43,14 @@ std::vector<Crossing> crossings_of(const std::vector<Boundary>& boundaries, Mill
   std::vector<Crossing> crossings;
   for (const Boundary& boundary : boundaries) {
     const Millimetres from = boundary.depth - kStopShort, to = boundary.depth + kStopBehind;
-    if (!crossings.empty() && from - crossings.back().to < kStageMin - kSlack)
+    if (!crossings.empty() && from - crossings.back().to < kStepMin - kSlack)
       crossings.back().to = to;
     else
       crossings.push_back({from, to});
   }
   for (Crossing& crossing : crossings) {
-    if (crossing.from < kStageMin) crossing.from = Millimetres(0.0);
-    if (crossing.to > target - kStageMin + kSlack) crossing.to = target;
+    if (crossing.from < kStepMin) crossing.from = Millimetres(0.0);
+    if (crossing.to > target - kStepMin + kSlack) crossing.to = target;
   }
   return crossings;
 }
@@ -69,7 +69,7 @@ std::vector<Stop> stops_at_crossings(const std::vector<Crossing>& crossings,
   std::vector<Stop> stops;
   for (const Crossing& crossing : crossings) {
     const std::string names = list_of(boundaries, crossing.from, crossing.to);
-    if (crossing.from.value > 0.0 && target - crossing.from > kStageMin - kSlack)
+    if (crossing.from.value > 0.0 && target - crossing.from > kStepMin - kSlack)
       stops.push_back({StepKind::Approach, crossing.from,
                        "stop short of " + list_of(boundaries, crossing.from, crossing.from + kStopShort)});
     if (crossing.to < target) stops.push_back({StepKind::Cross, crossing.to, "stop behind " + names});
@@ -83,7 +83,7 @@ void add_waypoint(std::vector<Stop>& stops, Millimetres waypoint, const std::vec
   const bool crossing = std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& span) {
     return waypoint > span.from + kSlack && waypoint < span.to - kSlack;
   });
-  const Millimetres reach = crossing ? kSlack : kStageMin - kSlack;
+  const Millimetres reach = crossing ? kSlack : kStepMin - kSlack;
   std::erase_if(stops, [&](const Stop& stop) {
     return stop.kind != StepKind::Waypoint && stop.depth > waypoint - reach && stop.depth < waypoint + reach;
   });
@@ -106,24 +106,24 @@ InsertionStep stage_from(const Stop& stop, Millimetres start, const std::vector<
   const bool slow = std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& span) {
     return start < span.to - kSlack && stop.depth > span.from + kSlack;
   });
-  InsertionStep stage{.kind = stop.kind,
-                      .depth = stop.depth,
-                      .speed = slow ? pace.crossing : pace.speed,
-                      .v_max = model.drive_limit(stop.depth),
-                      .dwell = pace.dwell,
-                      .image_confirms = stop.kind == StepKind::Waypoint || stop.kind == StepKind::Target,
-                      .why = stop.why};
+  InsertionStep step{.kind = stop.kind,
+                     .depth = stop.depth,
+                     .speed = slow ? pace.crossing : pace.speed,
+                     .v_max = model.drive_limit(stop.depth),
+                     .dwell = pace.dwell,
+                     .image_confirms = stop.kind == StepKind::Waypoint || stop.kind == StepKind::Target,
+                     .why = stop.why};
   if (const std::string crossed = list_of(boundaries, start, stop.depth);
       slow && stop.kind != StepKind::Cross)
-    stage.why += crossed.empty() ? ", slowly: a boundary is near" : "; slowly through " + crossed;
-  return stage;
+    step.why += crossed.empty() ? ", slowly: a boundary is near" : "; slowly through " + crossed;
+  return step;
 }
 
 }  // namespace
 
-std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millimetres target,
-                                       const std::vector<Millimetres>& waypoints, Staging staging,
-                                       const Pace& pace, const NominalModel& model) {
+std::vector<InsertionStep> plan_steps(const std::vector<Layer>& layers, Millimetres target,
+                                      const std::vector<Millimetres>& waypoints, Staging staging,
+                                      const Pace& pace, const NominalModel& model) {
   assert(std::is_sorted(waypoints.begin(), waypoints.end()) && target.value > 0.0);
   const Layer& goal = layer_of(layers, target);
   const std::vector<Boundary> boundaries = boundaries_near_path(layers, target);
@@ -134,18 +134,18 @@ std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millime
   for (const Millimetres waypoint : waypoints) add_waypoint(stops, waypoint, crossings);
   stops.push_back({StepKind::Target, target, "target in " + goal.name});
 
-  std::vector<InsertionStep> stages;
+  std::vector<InsertionStep> steps;
   Millimetres start{0.0};
   for (const Stop& stop : stops) {
-    stages.push_back(stage_from(stop, start, crossings, boundaries, pace, model));
+    steps.push_back(stage_from(stop, start, crossings, boundaries, pace, model));
     start = stop.depth;
   }
   // The last stop in front of the target's layer is where an image can still change the outcome.
-  const auto last_before = std::find_if(stages.rbegin() + 1, stages.rend(), [&](const InsertionStep& stage) {
-    return stage.depth <= goal.from + kSlack;
+  const auto last_before = std::find_if(steps.rbegin() + 1, steps.rend(), [&](const InsertionStep& step) {
+    return step.depth <= goal.from + kSlack;
   });
-  if (last_before != stages.rend()) last_before->image_confirms = true;
-  return stages;
+  if (last_before != steps.rend()) last_before->image_confirms = true;
+  return steps;
 }
 
 }  // namespace biopsy::planner

@@ -28,15 +28,15 @@ inline constexpr Millimetres kStopShort{0.3};
 inline constexpr Millimetres kStopBehind{0.3};
 // Stops closer than this are one stop: three times the settled error, so the loop cannot tell them apart
 // sooner.
-inline constexpr Millimetres kStageMin{0.2};
+inline constexpr Millimetres kStepMin{0.2};
 
-// Stages with strictly rising depths; the last is the target. Boundaries that are too close for a stop
-// between them are crossed in one stage. Speed is `crossing` in every stage that comes within kStopShort of a
+// Steps with strictly rising depths; the last is the target. Boundaries that are too close for a stop
+// between them are crossed in one step. Speed is `crossing` in every step that comes within kStopShort of a
 // boundary. An image confirms the last stop before the layer of the target, every waypoint and the target.
 // `waypoints` must rise inside (0, target) and the layers must cover the target (asserted: plan_insertion
 // refuses before).
-std::vector<InsertionStep> plan_stages(const std::vector<Layer>& layers, Millimetres target,
-                                       const std::vector<Millimetres>& waypoints, Staging staging,
-                                       const Pace& pace, const NominalModel& model);
+std::vector<InsertionStep> plan_steps(const std::vector<Layer>& layers, Millimetres target,
+                                      const std::vector<Millimetres>& waypoints, Staging staging,
+                                      const Pace& pace, const NominalModel& model);
 
 }  // namespace biopsy::planner

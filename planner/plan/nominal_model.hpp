@@ -34,7 +34,7 @@ class NominalModel {
   // without drive; nothing where no drive could do it, because the pouches are empty before.
   std::optional<Volts> drive(Millimetres depth, double force_N = 0.0) const;
 
-  // Highest drive a stage that ends at `depth` is allowed; the rule and its numbers stand beside the code.
+  // Highest drive a step that ends at `depth` is allowed; the rule and its numbers stand beside the code.
   Volts drive_limit(Millimetres depth) const;
 
   // Depths that are plausible at a steady amplitude, 0 to 8 kV in steps of 500 V; wide enough for hysteresis,
@@ -59,6 +59,6 @@ FilmShare film_share(Seconds half_period = Seconds(0.25));
 
 inline constexpr Grams kWeightMax{300.0};
 inline constexpr double kTissueForce_N =
-    1.2;  // tissue and friction against the needle that a stage must overcome
+    1.2;  // tissue and friction against the needle that a step must overcome
 
 }  // namespace biopsy::planner

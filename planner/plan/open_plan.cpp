@@ -86,16 +86,16 @@ void read(Parser& from, Layer& layer) {
   read(from, layer.to);
 }
 
-void read(Parser& from, InsertionStep& stage) {
+void read(Parser& from, InsertionStep& step) {
   const std::uint8_t kind = from.byte();
-  stage.kind = kind <= static_cast<std::uint8_t>(StepKind::Target) ? static_cast<StepKind>(kind)
-                                                                   : static_cast<StepKind>(from.fail());
-  read(from, stage.depth);
-  stage.speed = MillimetresPerSecond(from.number());
-  stage.v_max = Volts(from.number());
-  stage.dwell = Seconds(from.number());
-  stage.image_confirms = from.flag();
-  stage.why = from.text();
+  step.kind = kind <= static_cast<std::uint8_t>(StepKind::Target) ? static_cast<StepKind>(kind)
+                                                                  : static_cast<StepKind>(from.fail());
+  read(from, step.depth);
+  step.speed = MillimetresPerSecond(from.number());
+  step.v_max = Volts(from.number());
+  step.dwell = Seconds(from.number());
+  step.image_confirms = from.flag();
+  step.why = from.text();
 }
 
 void read(Parser& from, DepthBand& band) {
@@ -121,7 +121,7 @@ Plan read_plan(Parser& from) {
   read(from, plan.target_depth);
   read(from, plan.axis_offset);
   read(from, plan.layers);
-  read(from, plan.stages);
+  read(from, plan.steps);
   read(from, plan.limits.depth_max);
   plan.limits.v_max = Volts(from.number());
   read(from, plan.limits.plausible);

@@ -138,13 +138,13 @@ Refusal unknown_tissue(const std::vector<Layer>& layers, Millimetres depth) {
 Refusal waypoints_astray(const std::vector<Millimetres>& waypoints, Millimetres depth) {
   Millimetres previous{0.0};
   for (const Millimetres waypoint : waypoints) {
-    const bool rises = waypoint >= previous + kStageMin && waypoint <= depth - kStageMin;
+    const bool rises = waypoint >= previous + kStepMin && waypoint <= depth - kStepMin;
     if (!rises)
       return PlanRefusal{
           fmt::format("the stop at {:.2f} mm does not lie between {:.2f} mm and the target at {:.2f} mm",
                       waypoint.value, previous.value, depth.value),
           fmt::format("give stops in rising order, at least {:.1f} mm apart and short of the target",
-                      kStageMin.value)};
+                      kStepMin.value)};
     previous = waypoint;
   }
   return {};
@@ -192,12 +192,12 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
             .target_depth = aim.depth(),
             .axis_offset = aim.offset(),
             .layers = request.layers,
-            .stages = plan_stages(request.layers, aim.depth(), request.waypoints, request.staging,
-                                  request.pace, model),
+            .steps = plan_steps(request.layers, aim.depth(), request.waypoints, request.staging, request.pace,
+                                model),
             .limits = {.depth_max = aim.depth() + kDepthMargin,
                        .v_max = Volts(0.0),
                        .plausible = model.plausible_depths()}};
-  for (const InsertionStep& stage : plan.stages) plan.limits.v_max = std::max(plan.limits.v_max, stage.v_max);
+  for (const InsertionStep& step : plan.steps) plan.limits.v_max = std::max(plan.limits.v_max, step.v_max);
   seal(plan);
   return plan;
 }

@@ -1,4 +1,4 @@
-// From a target on the image to a sealed plan of stages, or the reason why there is none.
+// From a target on the image to a sealed plan of insertion steps, or the reason why there is none.
 #pragma once
 
 #include <variant>
@@ -20,7 +20,7 @@ struct Tolerances {
   double tre_mm = 1.0;  // expected error at the target: not larger than the offset that is tolerated there
 };
 
-// Less than this is not a stage: the paper's loop does not hold low targets (IV.D), and the needle counts as
+// Less than this is not a step: the paper's loop does not hold low targets (IV.D), and the needle counts as
 // withdrawn.
 inline constexpr Millimetres kTargetMin{0.5};
 // Weakest tissue a plan may count on; a stage that cannot hold the target against it at full drive is

@@ -25,14 +25,14 @@ void write(ByteWriter& to, const Layer& layer) {
   to.number(layer.to.value);
 }
 
-void write(ByteWriter& to, const InsertionStep& stage) {
-  to.byte(static_cast<std::uint8_t>(stage.kind));
-  to.number(stage.depth.value);
-  to.number(stage.speed.value);
-  to.number(stage.v_max.value);
-  to.number(stage.dwell.count());
-  to.byte(stage.image_confirms ? 1 : 0);
-  to.text(stage.why);
+void write(ByteWriter& to, const InsertionStep& step) {
+  to.byte(static_cast<std::uint8_t>(step.kind));
+  to.number(step.depth.value);
+  to.number(step.speed.value);
+  to.number(step.v_max.value);
+  to.number(step.dwell.count());
+  to.byte(step.image_confirms ? 1 : 0);
+  to.text(step.why);
 }
 
 void write(ByteWriter& to, const DepthBand& band) {
@@ -59,7 +59,7 @@ std::vector<std::uint8_t> canonical_bytes(const Plan& plan) {
   to.number(plan.target_depth.value);
   to.number(plan.axis_offset.value);
   write(to, plan.layers);
-  write(to, plan.stages);
+  write(to, plan.steps);
   to.number(plan.limits.depth_max.value);
   to.number(plan.limits.v_max.value);
   write(to, plan.limits.plausible);

@@ -1,5 +1,5 @@
 // The plan's seal: SHA-256 over one fixed serialisation of everything in the plan but the seal itself.
-// Whoever holds the seal can tell whether patient, image, registration, target, layers, stages or limits were
+// Whoever holds the seal can tell whether patient, image, registration, target, layers, steps or limits were
 // changed.
 #pragma once
 

@@ -62,23 +62,23 @@ events::Planned planned_of(const PreparedCase& prepared, const std::optional<Poi
   planned.side = anatomical_directions(-axis_S);
   for (const Layer& layer : plan.layers)
     planned.layers.push_back({layer.name, layer.from.value, layer.to.value});
-  for (const InsertionStep& stage : plan.stages)
+  for (const InsertionStep& step : plan.steps)
     planned.stages.push_back(
-        {stage.depth.value, stage.speed.value, stage.v_max.value * 1e-3, stage.image_confirms, stage.why});
+        {step.depth.value, step.speed.value, step.v_max.value * 1e-3, step.image_confirms, step.why});
   return planned;
 }
 
-events::Checked checked_of(std::size_t stage, const report::StepResult& result) {
+events::Checked checked_of(std::size_t step, const report::StepResult& result) {
   events::Checked checked;
-  checked.stage = static_cast<std::uint32_t>(stage);
+  checked.stage = static_cast<std::uint32_t>(step);
   const DepthCheck& check = *result.check;
   checked.verdict = report::label(check.verdict);
   checked.reason = check.reason;
   checked.tip_found = check.tip_found;
-  checked.planned = result.stage.depth.value;
+  checked.planned = result.step.depth.value;
   checked.found = check.depth.value;
   checked.sigma = check.sigma.value;
-  checked.error = check.tip_found ? check.depth.value - result.stage.depth.value : 0.0;
+  checked.error = check.tip_found ? check.depth.value - result.step.depth.value : 0.0;
   checked.confidence = check.registration_score;
   checked.before_png = base64(report::png_bytes(result.before));
   checked.after_png = base64(report::png_bytes(result.after));

@@ -16,7 +16,7 @@ console::events::Series series_of(const Volume& image);
 console::events::Planned planned_of(const PreparedCase& prepared, const std::optional<Point>& p_SE,
                                     const std::optional<Point>& p_ST, bool confirmed);
 
-console::events::Checked checked_of(std::size_t stage, const report::StepResult& result);
+console::events::Checked checked_of(std::size_t step, const report::StepResult& result);
 
 std::array<double, 3> ras_of(const Point& p_S);
 

@@ -51,7 +51,7 @@ Alarm alarm(Severity severity, std::string code, std::string what, std::string r
 const char* what_to_do(Hazard hazard) {
   switch (hazard) {
     case Hazard::PatientMotion:
-    case Hazard::StageDepth:
+    case Hazard::StepDepth:
       return "Release, look at the image, then press again or Retract.";
     case Hazard::EStop:
     case Hazard::EStopDisagrees:

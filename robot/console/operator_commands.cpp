@@ -154,7 +154,7 @@ OperatorSession::Answer OperatorSession::on(const commands::Reset& command) {
 OperatorSession::Answer OperatorSession::on(const commands::Judge& command) {
   const std::string why = why_no_judgement();
   if (!why.empty() || run_->imaged != command.stage) return refusal(command.id, Refused::NotNow, why);
-  const auto& check = run_->notes.record().stages[command.stage].check;
+  const auto& check = run_->notes.record().steps[command.stage].check;
   if (command.judgement == console::Judgement::Accept) {
     if (check->verdict != DepthVerdict::Accept)
       return refusal(command.id, Refused::NotNow, "the image does not show the tip where it should be");
@@ -171,9 +171,9 @@ OperatorSession::Answer OperatorSession::on(const commands::Judge& command) {
 console::Step OperatorSession::step() const {
   using console::Step;
   const Mode mode = seen_.supervisor.permit.mode;
-  const bool stage_end = mode == Mode::Hold && seen_.supervisor.stage_done;
+  const bool step_end = mode == Mode::Hold && seen_.supervisor.step_done;
   if (hv_permitted()) {
-    const bool waits = run_ && stage_end && run_->accepted != seen_.supervisor.stage;
+    const bool waits = run_ && step_end && run_->accepted != seen_.supervisor.step;
     return waits || (run_ && run_->completed) ? Step::Confirm : Step::Insert;
   }
   if (run_ && !run_->ended && run_->moved) return Step::Confirm;
@@ -200,10 +200,10 @@ std::string OperatorSession::why_no_insert() const {
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode == Mode::Armed || mode == Mode::Active) return {};
   if (mode != Mode::Hold) return "Arm first.";
-  if (!seen_.supervisor.stage_done) return {};
-  if (!run_ || run_->is_last(seen_.supervisor.stage))
+  if (!seen_.supervisor.step_done) return {};
+  if (!run_ || run_->is_last(seen_.supervisor.step))
     return "The plan is done: look at the image, then Retract.";
-  return run_->accepted == seen_.supervisor.stage ? "" : "Accept the image first.";
+  return run_->accepted == seen_.supervisor.step ? "" : "Accept the image first.";
 }
 
 std::string OperatorSession::why_no_judgement() const {

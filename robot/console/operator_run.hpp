@@ -30,20 +30,20 @@ struct OperatorSession::Run {
   std::int64_t cold_since_us = 0;
   std::string stopped_because;
 
-  std::optional<std::size_t> imaged;         // stage whose image was begun last
+  std::optional<std::size_t> imaged;         // step whose image was begun last
   std::optional<std::int64_t> acquiring_us;  // since when
-  std::future<report::StepResult> check;     // of stage `imaged`
-  std::optional<std::size_t> accepted;       // stage
+  std::future<report::StepResult> check;     // of step `imaged`
+  std::optional<std::size_t> accepted;       // step
 
   const Plan& plan() const { return std::get<Plan>(prepared.plan); }
-  bool is_last(std::size_t stage) const { return stage + 1 >= plan().stages.size(); }
+  bool is_last(std::size_t step) const { return step + 1 >= plan().steps.size(); }
   // An image was checked and is not judged yet.
   bool is_undecided() const {
     return imaged && is_checked(*imaged) && accepted != imaged && stopped_because.empty();
   }
-  bool is_checked(std::size_t stage) const {
-    const auto& stages = notes.record().stages;
-    return stage < stages.size() && stages[stage].check.has_value();
+  bool is_checked(std::size_t step) const {
+    const auto& steps = notes.record().steps;
+    return step < steps.size() && steps[step].check.has_value();
   }
 };
 

@@ -113,7 +113,7 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   if (run_) {
     inputs.acquiring = run_->acquiring_us.has_value();
     inputs.depth_accepted = run_->accepted.has_value();
-    inputs.accepted_stage = static_cast<std::uint32_t>(run_->accepted.value_or(0));
+    inputs.accepted_step = static_cast<std::uint32_t>(run_->accepted.value_or(0));
   }
   inputs_ = inputs;
   return inputs;
@@ -177,14 +177,14 @@ void OperatorSession::update_run(const CycleSample& sample, Mode before) {
 }
 
 void OperatorSession::update_image() {
-  const std::size_t stage = seen_.supervisor.stage;
-  const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.stage_done;
-  if (waits && run_->imaged != stage) {
-    run_->imaged = stage;
-    if (run_->plan().stages[stage].image_confirms)
+  const std::size_t step = seen_.supervisor.step;
+  const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.step_done;
+  if (waits && run_->imaged != step) {
+    run_->imaged = step;
+    if (run_->plan().steps[step].image_confirms)
       run_->acquiring_us = now_us_;
     else
-      run_->accepted = stage;
+      run_->accepted = step;
   }
   if (run_->acquiring_us && !waits) {  // the needle moved: this image is invalid
     run_->acquiring_us.reset();
@@ -192,17 +192,17 @@ void OperatorSession::update_image() {
   }
   if (run_->acquiring_us && now_us_ - *run_->acquiring_us >= kAcquisition_us) {
     run_->acquiring_us.reset();
-    run_->check = std::async(std::launch::async, [run = run_, stage, tip = run_->notes.take_imaged_tip()] {
+    run_->check = std::async(std::launch::async, [run = run_, step, tip = run_->notes.take_imaged_tip()] {
       report::StepResult result;
-      result.stage = run->plan().stages[stage];
-      run->images.take(stage, tip, result);
+      result.step = run->plan().steps[step];
+      run->images.take(step, tip, result);
       return result;
     });
   }
   using std::chrono::seconds;
   if (!run_->check.valid() || run_->check.wait_for(seconds(0)) != std::future_status::ready) return;
   report::StepResult checked = run_->check.get();
-  report::StepResult& noted = run_->notes.record().stages[*run_->imaged];
+  report::StepResult& noted = run_->notes.record().steps[*run_->imaged];
   noted.check = checked.check;
   noted.image_path = checked.image_path;
   noted.before = std::move(checked.before);
@@ -248,9 +248,9 @@ events::Planned OperatorSession::planned() const {
 std::vector<events::Checked> OperatorSession::checked() const {
   std::vector<events::Checked> all;
   if (!run_) return all;
-  const auto& stages = run_->notes.record().stages;
-  for (std::size_t stage = 0; stage < stages.size(); ++stage)
-    if (stages[stage].check) all.push_back(checked_of(stage, stages[stage]));
+  const auto& steps = run_->notes.record().steps;
+  for (std::size_t step = 0; step < steps.size(); ++step)
+    if (steps[step].check) all.push_back(checked_of(step, steps[step]));
   return all;
 }
 
@@ -273,8 +273,8 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.measured = measured_ && !silent_;
   if (run_ && run_->acquiring_us) state.scanner = console::Scanner::Acquiring;
   if (run_ && run_->check.valid()) state.scanner = console::Scanner::Checking;
-  state.stage = supervisor.stage;
-  state.stage_done = supervisor.stage_done;
+  state.stage = supervisor.step;
+  state.stage_done = supervisor.step_done;
   state.ticks = ticks_;
   const Mode mode = supervisor.permit.mode;
   if (mode == Mode::Hold)

@@ -46,7 +46,7 @@ class OperatorSession {
   console::events::State state(console::Client client, std::int64_t now_us);
   std::optional<console::events::Opened> opened() const;
   console::events::Planned planned() const;
-  // Of every stage whose image was checked in this run.
+  // Of every step whose image was checked in this run.
   std::vector<console::events::Checked> checked() const;
   // Increases with each change of one of the three above.
   std::uint32_t version() const { return version_; }

@@ -20,34 +20,34 @@ RunnerState at_rest(RunnerState state, Millimetres depth) {
   return state;
 }
 
-RunnerState enter_stage(RunnerState state, std::uint32_t stage) {
-  if (stage == state.stage) return state;
-  state.stage = stage;
+RunnerState enter_step(RunnerState state, std::uint32_t step) {
+  if (step == state.step) return state;
+  state.step = step;
   state.settled_ticks = 0;
   state.reached = false;
   return state;
 }
 
 // The setpoint moves to the step's depth at the step's speed, never beyond.
-Millimetres advanced(Millimetres from, const InsertionStep& stage) {
-  const Millimetres stride = stage.speed * Seconds(kTick);
-  return from + std::clamp(stage.depth - from, -stride, stride);
+Millimetres advanced(Millimetres from, const InsertionStep& step) {
+  const Millimetres stride = step.speed * Seconds(kTick);
+  return from + std::clamp(step.depth - from, -stride, stride);
 }
 
-RunnerState judge(RunnerState state, const InsertionStep& stage, Millimetres depth) {
-  const bool settled = std::abs((stage.depth - depth).value) <= kSettled.value;
+RunnerState judge(RunnerState state, const InsertionStep& step, Millimetres depth) {
+  const bool settled = std::abs((step.depth - depth).value) <= kSettled.value;
   state.settled_ticks = settled ? state.settled_ticks + 1 : 0;
-  if (state.settled_ticks * Seconds(kTick) >= stage.dwell) state.reached = true;
+  if (state.settled_ticks * Seconds(kTick) >= step.dwell) state.reached = true;
   return state;
 }
 
 // In a hold the amplitude is constant: regulation could only lower it, by each sample's noise a little
 // further. A needle that jumped beyond its step is regulated back.
-RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& stage, Millimetres depth,
+RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& step, Millimetres depth,
                  Volts envelope) {
   const Volts ceiling = std::min(state.loop.amplitude, envelope);
-  if (depth > stage.depth + kReturnBand)
-    state.loop = pi_step(gains, state.loop, stage.depth - depth, ceiling);
+  if (depth > step.depth + kReturnBand)
+    state.loop = pi_step(gains, state.loop, step.depth - depth, ceiling);
   else
     state.loop.amplitude = ceiling;
   state.raising = false;
@@ -56,29 +56,29 @@ RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& s
 
 }  // namespace
 
-RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
-                     const Measurement& measurement, const Permit& permit, std::uint32_t stage_index,
+RunnerStep run_steps(const Plan& plan, const PiGains& gains, RunnerState state,
+                     const Measurement& measurement, const Permit& permit, std::uint32_t step_index,
                      bool finish) {
-  assert(stage_index < plan.stages.size());
-  const InsertionStep& stage = plan.stages[stage_index];
+  assert(step_index < plan.steps.size());
+  const InsertionStep& step = plan.steps[step_index];
   const Millimetres depth = from_um(measurement.depth_um);
-  state = enter_stage(state, stage_index);
+  state = enter_step(state, step_index);
   if (!permit.hv_enable) {
     state = at_rest(state, depth);
   } else if (permit.slew_up_mV_per_tick <= 0) {
-    state = held(gains, state, stage, depth, from_mV(permit.v_max_mV));
+    state = held(gains, state, step, depth, from_mV(permit.v_max_mV));
   } else {
     if (!state.raising) state.loop = pi_resume(gains, state.loop.amplitude, state.setpoint - depth);
     state.raising = true;
-    state.setpoint = advanced(state.setpoint, stage);
+    state.setpoint = advanced(state.setpoint, step);
     state.loop = pi_step(gains, state.loop, state.setpoint - depth, from_mV(permit.v_max_mV));
-    state = judge(state, stage, depth);
+    state = judge(state, step, depth);
   }
   DriveRequest request;
   request.seq = ++state.seq;
   request.wanted_mV = permit.hv_enable ? polarity(state.drive_ticks++) * to_mV(state.loop.amplitude) : 0;
-  request.stage = stage_index;
-  request.stage_reached = state.reached;
+  request.step = step_index;
+  request.step_reached = state.reached;
   request.finished = finish;
   request.measured_seq = measurement.seq;
   request.setpoint_um = to_um(state.setpoint);

@@ -19,7 +19,7 @@ struct RunnerState {
   Millimetres setpoint;
   std::uint32_t seq = 0;
   std::uint32_t drive_ticks = 0;  // since enabled: phase of the square wave
-  std::uint32_t stage = 0;
+  std::uint32_t step = 0;
   std::uint32_t settled_ticks = 0;  // consecutive, within kSettled of the step's depth
   bool raising = false;             // the last permit allowed |V| to rise
   bool reached = false;             // latched until the step changes
@@ -30,8 +30,8 @@ struct RunnerStep {
   DriveRequest request;
 };
 
-// `stage`: index of the step that the supervisor selected. `finish`: requests the retraction.
-RunnerStep run_stage(const Plan& plan, const PiGains& gains, RunnerState state,
-                     const Measurement& measurement, const Permit& permit, std::uint32_t stage, bool finish);
+// `step`: index of the step that the supervisor selected. `finish`: requests the retraction.
+RunnerStep run_steps(const Plan& plan, const PiGains& gains, RunnerState state,
+                     const Measurement& measurement, const Permit& permit, std::uint32_t step, bool finish);
 
 }  // namespace biopsy::control

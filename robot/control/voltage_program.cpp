@@ -56,7 +56,7 @@ ProgramStep play(const VoltageProgram& program, ProgramState state, const Permit
   }
   state.amplitude = std::min(state.amplitude, std::max(Volts(0), from_mV(permit.v_max_mV)));
   if (permit.mode != Mode::Armed) request.wanted_mV = sign_at(program, state.wave++) * to_mV(state.amplitude);
-  request.stage_reached = state.ticks >= program.hold_from_tick;
+  request.step_reached = state.ticks >= program.hold_from_tick;
   request.finished = finish || is_played(program, state);
   return {state, request};
 }

@@ -10,7 +10,7 @@ void load_plan(const SealedPlan& sealed, ControllerMemory& memory) {
 }
 
 void load_plan(std::optional<Plan> plan, ControllerMemory& memory) {
-  if (plan && plan->stages.empty()) plan.reset();
+  if (plan && plan->steps.empty()) plan.reset();
   const std::uint32_t seq = memory.runner.seq;
   memory.runner = {};
   memory.runner.seq = seq;
@@ -20,9 +20,9 @@ void load_plan(std::optional<Plan> plan, ControllerMemory& memory) {
 
 DriveRequest control(const ControllerInputs& in, ControllerMemory& memory) {
   DriveRequest request;
-  if (memory.plan && in.stage < memory.plan->stages.size()) {
+  if (memory.plan && in.step < memory.plan->steps.size()) {
     const control::RunnerStep step =
-        control::run_stage(*memory.plan, {}, memory.runner, in.measurement, in.permit, in.stage, in.finish);
+        control::run_steps(*memory.plan, {}, memory.runner, in.measurement, in.permit, in.step, in.finish);
     memory.runner = step.state;
     request = step.request;
   } else {

@@ -13,7 +13,7 @@ namespace biopsy::robot {
 struct ControllerInputs {
   Measurement measurement;
   Permit permit;
-  std::uint32_t stage = 0;     // that the supervisor wants driven
+  std::uint32_t step = 0;      // that the supervisor wants driven
   bool finish = false;         // the operator is done: withdraw
   std::uint32_t overruns = 0;  // control periods missed since start
 };

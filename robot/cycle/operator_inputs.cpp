@@ -27,7 +27,7 @@ OperatorAct operator_act(const OperatorInputs& inputs) {
 DepthVerdictNote depth_verdict(const OperatorInputs& inputs, std::uint64_t plan_tag) {
   DepthVerdictNote verdict;
   verdict.plan_tag = plan_tag;
-  verdict.stage = inputs.accepted_stage;
+  verdict.step = inputs.accepted_step;
   verdict.accepted = inputs.depth_accepted;
   return verdict;
 }

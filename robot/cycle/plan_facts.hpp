@@ -8,7 +8,7 @@
 
 namespace biopsy::robot {
 
-// `config_tag`: identifies the configuration in use; never 0. Throws ConfigError for a plan with more stages
+// `config_tag`: identifies the configuration in use; never 0. Throws ConfigError for a plan with more steps
 // than the supervisor can hold.
 safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag);
 

@@ -1,4 +1,4 @@
-// A procedure's stage, supervisor, controller and gate on one virtual clock. Same inputs, same run, to the
+// A needle stage, supervisor, controller and gate on one virtual clock. Same inputs, same run, to the
 // bit.
 #pragma once
 
@@ -25,7 +25,7 @@ class SimulatedRobot {
                       [&](const Measurement& measurement, const safety::SupervisorOutput& decided) {
                         return control({.measurement = measurement,
                                         .permit = decided.permit,
-                                        .stage = decided.stage,
+                                        .step = decided.step,
                                         .finish = operator_inputs.finish},
                                        controller_);
                       });

@@ -60,7 +60,7 @@ void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety:
   }
   const std::uint64_t plan_tag = memory.plan.plan_tag;
   inputs.depth_accepted = in.verdict.accepted && in.verdict.plan_tag == plan_tag && plan_tag != 0;
-  inputs.accepted_stage = in.verdict.stage;
+  inputs.accepted_step = in.verdict.step;
 }
 
 safety::SupervisorInputs supervisor_inputs(const SupervisorSources& in, SupervisorMemory& memory) {
@@ -93,7 +93,7 @@ void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory) {
   memory.sealed_tag = plan ? planner::plan_tag(*plan) : 0;
   if (safety::hv_permitted(memory.state.mode)) return;
   const bool fits =
-      plan && plan->stages.size() <= safety::kMaxSteps && plan->limits.plausible.size() <= safety::kMaxBands;
+      plan && plan->steps.size() <= safety::kMaxSteps && plan->limits.plausible.size() <= safety::kMaxBands;
   memory.plan = fits ? plan_facts(*plan, memory.config_tag) : safety::PlanFacts{};
   memory.confirmed_tag = sealed.confirmed_tag;
 }
@@ -122,8 +122,8 @@ Decision decision_message(const safety::SupervisorOutput& output, std::int64_t n
   decision.worst = static_cast<std::uint8_t>(output.worst);
   decision.reason = static_cast<std::uint8_t>(output.reason);
   decision.refusal = static_cast<std::uint8_t>(output.refusal);
-  decision.stage = output.stage;
-  decision.stage_done = output.stage_done;
+  decision.step = output.step;
+  decision.step_done = output.step_done;
   decision.image_allowed = output.image_allowed;
   decision.image_disturbed = output.image_disturbed;
   return decision;
@@ -138,8 +138,8 @@ safety::SupervisorOutput supervisor_output(const Decision& decision, const Permi
   output.worst = static_cast<safety::Hazard>(decision.worst);
   output.reason = static_cast<safety::Hazard>(decision.reason);
   output.refusal = static_cast<safety::Refusal>(decision.refusal);
-  output.stage = decision.stage;
-  output.stage_done = decision.stage_done;
+  output.step = decision.step;
+  output.step_done = decision.step_done;
   output.image_allowed = decision.image_allowed;
   output.image_disturbed = decision.image_disturbed;
   return output;

@@ -52,8 +52,8 @@ LogBody json_of(const Decision& decision) {
           {"reason", hazard(decision.reason)},
           {"worst", hazard(decision.worst)},
           {"stop", static_cast<int>(decision.stop)},
-          {"stage", decision.stage + 1},
-          {"stage_done", decision.stage_done},
+          {"stage", decision.step + 1},
+          {"stage_done", decision.step_done},
           {"session", decision.session},
           {"epoch", decision.epoch},
           {"seq", decision.seq}};
@@ -105,8 +105,8 @@ void BusRecorder::follow_decisions(std::int64_t now_us) {
            Urgency::Grouped);
     if (new_session || next.mode != decision_.mode)
       note(RecordKind::StateChange, json_of(next), Urgency::Urgent);
-    else if (next.stop != decision_.stop || next.stage != decision_.stage ||
-             next.stage_done != decision_.stage_done)
+    else if (next.stop != decision_.stop || next.step != decision_.step ||
+             next.step_done != decision_.step_done)
       note(RecordKind::PermitChange, json_of(next), Urgency::Grouped);
     if (next.worst != decision_.worst)
       note(RecordKind::Alarm,
@@ -146,7 +146,7 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
       body["patient"] = plan->target.patient_id;
       body["series_uid"] = plan->target.series_uid;
       body["target_mm"] = plan->target_depth.value;
-      body["stages"] = plan->stages.size();
+      body["stages"] = plan->steps.size();
       body["confirmations"] = (sealed.confirmed_tag[0] == planner::plan_tag(*plan)) +
                               (sealed.confirmed_tag[1] == planner::plan_tag(*plan));
     }
@@ -155,7 +155,7 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
   DepthVerdictNote verdict;
   while (verdicts_.take(verdict))
     write(RecordKind::DepthCheck, "person",
-          json_text({{"stage", verdict.stage + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
+          json_text({{"stage", verdict.step + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
 }
 
 void BusRecorder::follow_stage(std::int64_t now_us) {
@@ -174,11 +174,11 @@ void BusRecorder::follow_stage(std::int64_t now_us) {
   }
   DriveRequest asked;
   while (requests_.take(asked)) {
-    if (asked.stage != request_.stage || asked.stage_reached != request_.stage_reached ||
+    if (asked.step != request_.step || asked.step_reached != request_.step_reached ||
         asked.finished != request_.finished)
       write(RecordKind::Request, "controller",
             json_text(
-                {{"stage", asked.stage + 1}, {"reached", asked.stage_reached}, {"finished", asked.finished}}),
+                {{"stage", asked.step + 1}, {"reached", asked.step_reached}, {"finished", asked.finished}}),
             Urgency::Grouped, now_us);
     request_ = asked;
     requested_us_ = now_us;

@@ -61,7 +61,7 @@ struct Plan {
   Millimetres target_depth;
   Millimetres axis_offset;  // distance of the target from the needle axis
   std::vector<Layer> layers;
-  std::vector<InsertionStep> stages;
+  std::vector<InsertionStep> steps;
   PlanLimits limits;
   std::optional<BenchDrive> bench = std::nullopt;  // absent: a plan for a patient
   Sha256 seal{};                                   // SHA-256 over all of the above

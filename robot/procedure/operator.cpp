@@ -41,10 +41,10 @@ void Operator::judge(DepthVerdict verdict, const std::string& reason) {
 void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
   const std::int64_t waited = tick - since_;
   const bool held = seen.supervisor.permit.mode == Mode::Hold && (moved_ || waited > kAnswerMax_ticks);
-  if (held && moved_ && seen.supervisor.stage_done) {
-    accepted_stage_ = seen.supervisor.stage;
-    accepted_ = !plan_.stages[accepted_stage_].image_confirms;
-    completed_ = accepted_ && accepted_stage_ + 1 == plan_.stages.size();
+  if (held && moved_ && seen.supervisor.step_done) {
+    accepted_step_ = seen.supervisor.step;
+    accepted_ = !plan_.steps[accepted_step_].image_confirms;
+    completed_ = accepted_ && accepted_step_ + 1 == plan_.steps.size();
     go(accepted_ ? Phase::Pause : Phase::Image, tick);
   } else if (held && ++repeated_presses_ <= kPressesMax) {
     go(Phase::Pause, tick);
@@ -53,7 +53,7 @@ void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
     go(Phase::Withdraw, tick);
   } else if (waited > kStepMax_ticks) {
     give_up(
-        fmt::format("step {} was not reached within {} s", seen.supervisor.stage + 1, kStepMax_ticks / 1000));
+        fmt::format("step {} was not reached within {} s", seen.supervisor.step + 1, kStepMax_ticks / 1000));
     go(Phase::Withdraw, tick);
   }
 }
@@ -95,7 +95,7 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
       break;
     case Phase::Pause: {
       if (waited < kThink_ticks) break;
-      const bool all = accepted_ && accepted_stage_ + 1 == plan_.stages.size();
+      const bool all = accepted_ && accepted_step_ + 1 == plan_.steps.size();
       completed_ = completed_ || all;
       go(all || !stopped_because_.empty() ? Phase::Withdraw : Phase::Press, tick);
       break;
@@ -118,7 +118,7 @@ OperatorInputs Operator::act(const CycleRecord& seen, std::int64_t tick) {
   inputs.acquiring = phase_ == Phase::Image;
   inputs.finish = phase_ == Phase::Withdraw;
   inputs.depth_accepted = accepted_;
-  inputs.accepted_stage = accepted_stage_;
+  inputs.accepted_step = accepted_step_;
   return inputs;
 }
 

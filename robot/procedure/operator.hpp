@@ -44,7 +44,7 @@ class Operator {
   bool judged_ = false;      // since the last act()
   bool moved_ = false;       // the needle was driven since the last press
   std::uint32_t token_ = 0;  // of the present press
-  std::uint32_t accepted_stage_ = 0;
+  std::uint32_t accepted_step_ = 0;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0, repeated_images_ = 0;
   std::string stopped_because_;

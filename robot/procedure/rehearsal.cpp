@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kTicksMax = 600'000;  // ten minutes: no procedure of this robot takes longer
 constexpr std::int64_t kProgressEvery = 1000;
 
-Truth truth_of(const sim::SimulatedStage& stage) {
-  const sim::PlantState& state = stage.truth();
-  return {state.motion.x * 1e3, sim::plate_b(stage.model(), state) * 1e3,
-          sim::layers_entered(stage.model(), state)};
+Truth truth_of(const sim::SimulatedStage& step) {
+  const sim::PlantState& state = step.truth();
+  return {state.motion.x * 1e3, sim::plate_b(step.model(), state) * 1e3,
+          sim::layers_entered(step.model(), state)};
 }
 
 void draw_planning_slice(const PreparedCase& prepared, const Plan& plan, report::RunRecord& record) {
@@ -58,9 +58,9 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
   record.plan = plan;
   record.outcome = report::Outcome::Stopped;
   draw_planning_slice(prepared, plan, record);
-  for (const InsertionStep& stage : plan.stages) {
-    record.stages.emplace_back();
-    record.stages.back().stage = stage;
+  for (const InsertionStep& step : plan.steps) {
+    record.steps.emplace_back();
+    record.steps.back().step = step;
   }
   return record;
 }
@@ -78,10 +78,10 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     // While an image is checked ticks queue up; the operator acts on the newest only.
     if (cycle.newest) inputs = person.act(cycle.record, number);
     if (person.wants_verdict()) {
-      report::StepResult& result = record.stages[inputs.accepted_stage];
+      report::StepResult& result = record.steps[inputs.accepted_step];
       progress(cycle.setpoint / plan.target_depth,
-               fmt::format("checking the image of step {}", inputs.accepted_stage + 1));
-      images.take(inputs.accepted_stage, notes.take_imaged_tip(), result);
+               fmt::format("checking the image of step {}", inputs.accepted_step + 1));
+      images.take(inputs.accepted_step, notes.take_imaged_tip(), result);
       person.judge(result.check->verdict, "depth check: " + result.check->reason);
     }
     if (stop.stop_requested()) {
@@ -114,15 +114,15 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Case& given = prepared.given;
   const safety::PlanFacts facts = robot::plan_facts(plan, 1 + given.seed);
-  sim::SimulatedStage stage(
+  sim::SimulatedStage step(
       rehearsed_plant(given.rehearsal.model, given.rehearsal.tissues, prepared.layers, given.weight.value),
       given.seed);
   // What both people of the rehearsal were shown and confirm.
   const std::uint64_t shown = planner::plan_tag(plan);
-  SimulatedRobot lockstep(plan, facts, stage, {shown, shown});
+  SimulatedRobot lockstep(plan, facts, step, {shown, shown});
   const Robot robot = [&](const OperatorInputs& inputs) {
     CycleSample cycle;
-    cycle.truth = truth_of(stage);
+    cycle.truth = truth_of(step);
     cycle.record = lockstep.run_cycle(inputs);
     cycle.setpoint = lockstep.controller().setpoint;
     return std::optional<CycleSample>(cycle);

@@ -27,20 +27,20 @@ bool is_driven(const report::Sample& sample) {
   return sample.mode == Mode::Active || sample.mode == Mode::Hold;
 }
 
-// Samples of stage `index` while it was driven towards or held.
+// Samples of step `index` while it was driven towards or held.
 template <class Visit>
-void for_stage(const report::RunRecord& record, std::size_t index, Visit&& visit) {
+void for_step(const report::RunRecord& record, std::size_t index, Visit&& visit) {
   for (const report::Sample& sample : record.samples)
-    if (is_driven(sample) && sample.stage == index) visit(sample);
+    if (is_driven(sample) && sample.step == index) visit(sample);
 }
 
 void measure_stage(const report::RunRecord& record, std::size_t index, report::StepResult& result,
                    Rms& settled_all) {
-  const double goal = result.stage.depth.value;
+  const double goal = result.step.depth.value;
   double arrived_s = -1.0;
   Rms settled;
   double deepest = -1e9;
-  for_stage(record, index, [&](const report::Sample& sample) {
+  for_step(record, index, [&](const report::Sample& sample) {
     const double time = sample.time_ms * 1e-3;
     deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
     if (arrived_s < 0.0 && std::abs(sample.setpoint_mm - goal) < 1e-6) arrived_s = time;
@@ -81,7 +81,7 @@ void measure_limits(report::RunRecord& record) {
       {"stroke", deepest, limits::kStroke_um * 1e-3, "mm"},
       {"drive voltage", record.peak_kV, limits::kDriveMax_mV * 1e-6, "kV"},
       {"voltage monitor", monitor, limits::kMonitorTrip_mV * 1e-6, "kV"},
-      {"stage's drive envelope", envelope, 100.0, "%"},
+      {"step's drive envelope", envelope, 100.0, "%"},
       {"longest hold", hold_s, limits::kHoldMax_ms * 1e-3, "s"},
   };
 }
@@ -97,8 +97,8 @@ void measure_run(report::RunRecord& record) {
     if (is_driven(sample)) all.add(sample.depth_mm - sample.setpoint_mm, sample.depth_mm);
   }
   double overshoot = report::kUnknown;
-  for (std::size_t i = 0; i < record.stages.size(); ++i) {
-    report::StepResult& result = record.stages[i];
+  for (std::size_t i = 0; i < record.steps.size(); ++i) {
+    report::StepResult& result = record.steps[i];
     measure_stage(record, i, result, settled);
     if (!std::isnan(result.overshoot_mm)) overshoot = std::fmax(overshoot, result.overshoot_mm);
     if (result.reached) record.layer_at_tip = result.layer_at_tip;

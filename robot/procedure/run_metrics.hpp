@@ -5,8 +5,8 @@
 
 namespace biopsy::robot {
 
-// Fills the figures of `record` and of its stages from its samples, plan and checks.
-// Settled: from kSettleTime after the setpoint arrived at a stage's depth to the end of that stage's hold,
+// Fills the figures of `record` and of its steps from its samples, plan and checks.
+// Settled: from kSettleTime after the setpoint arrived at a step's depth to the end of that step's hold,
 // whatever the needle does in it. All: whenever the drive was active or held, against the moving setpoint.
 void measure_run(report::RunRecord& record);
 

@@ -19,7 +19,7 @@ report::Sample sample_of(const CycleSample& cycle, std::int64_t number) {
   sample.current_uA = static_cast<float>(tick.measurement.current_nA * 1e-3);
   sample.mode = tick.supervisor.permit.mode;
   sample.stop = tick.supervisor.permit.stop;
-  sample.stage = static_cast<std::uint8_t>(tick.supervisor.stage);
+  sample.step = static_cast<std::uint8_t>(tick.supervisor.step);
   sample.verdict = tick.measurement.verdict;
   return sample;
 }
@@ -55,8 +55,8 @@ void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
   record_.samples.push_back(sample_of(cycle, number));
   note_trip(seen);
   mode_ = seen.supervisor.permit.mode;
-  report::StepResult& result = record_.stages[seen.supervisor.stage];
-  if (seen.supervisor.stage_done && !result.reached) {
+  report::StepResult& result = record_.steps[seen.supervisor.step];
+  if (seen.supervisor.step_done && !result.reached) {
     result.reached = true;
     result.reached_s = static_cast<double>(number) * 1e-3;
     result.layer_at_tip = layer_at(plan_, cycle.truth);

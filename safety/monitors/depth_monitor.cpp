@@ -25,13 +25,13 @@ HazardSet check_depth(const PlanFacts& plan, DepthMonitor& monitor, const Permit
   const std::int64_t planned = plan.depth_max_um;
   const bool hard =
       depth_um > planned + limits::kDepthMargin_um || stopping > planned + limits::kDepthHard_um;
-  const bool stage = permit.mode == Mode::Active && stopping > permit.depth_max_um;
+  const bool step = permit.mode == Mode::Active && stopping > permit.depth_max_um;
   monitor.hard_ticks = debounced(monitor.hard_ticks, hard, kDepth_ticks);
   monitor.over_ticks = debounced(monitor.over_ticks, stopping > planned, kDepth_ticks);
-  monitor.stage_ticks = debounced(monitor.stage_ticks, stage, kDepth_ticks);
+  monitor.step_ticks = debounced(monitor.step_ticks, step, kDepth_ticks);
   return when(monitor.hard_ticks >= kDepth_ticks, Hazard::HardOverDepth) |
          when(monitor.over_ticks >= kDepth_ticks, Hazard::OverDepth) |
-         when(monitor.stage_ticks >= kDepth_ticks, Hazard::StageDepth);
+         when(monitor.step_ticks >= kDepth_ticks, Hazard::StepDepth);
 }
 
 HazardSet check_motion(DepthMonitor& monitor, Mode mode) {

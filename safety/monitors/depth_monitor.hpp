@@ -52,7 +52,7 @@ struct DepthMonitor {
   std::int32_t range_low_mV = -1, range_high_mV = -1;
   std::uint64_t range_tag = 0;
   std::int32_t dropout_ticks = kDropout_ticks;  // nothing seen yet
-  std::int32_t over_ticks = 0, hard_ticks = 0, stage_ticks = 0, pop_ticks = 0, implausible_ticks = 0;
+  std::int32_t over_ticks = 0, hard_ticks = 0, step_ticks = 0, pop_ticks = 0, implausible_ticks = 0;
   std::int32_t not_back_ticks = 0;
   std::int32_t deepest_um = 0, sunk_ticks = 0;  // since the drive was last lowered
   std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;

@@ -44,7 +44,7 @@ enum class Hazard : std::uint8_t {
   LogBacklog,
   PlanImplausible,
   PlanUnconfirmed,  // C1
-  StageDepth,
+  StepDepth,
   SuspectTissueModel,
   PatientMotion,  // C2
   None,           // nothing found; not a hazard
@@ -137,7 +137,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::PlanUnconfirmed, StopCategory::C1Ramp, 1, "H-19 plan lacks its two confirmations", "R-30",
      Monitor::Link,
      "two confirmations of this very plan are missing; for a bench plan also no patient and no needle"},
-    {Hazard::StageDepth, StopCategory::C2Hold, 2, "H-01 needle would pass the depth of its step", "R-31",
+    {Hazard::StepDepth, StopCategory::C2Hold, 2, "H-01 needle would pass the depth of its step", "R-31",
      Monitor::Depth, "stopping point beyond the step's depth + 0.5 mm, 2 samples"},
     {Hazard::SuspectTissueModel, StopCategory::C2Hold, 100, "H-21 tissue behaves unlike the plan", "R-32",
      Monitor::Tissue, "more than 0.5 mm outside the plausible band for 0.1 s"},

@@ -12,14 +12,14 @@ constexpr bool is_within(std::int32_t value, std::int32_t low, std::int32_t high
   return value >= low && value <= high;
 }
 
-// A slew of less than 1 V/ms could not cross the stroke within a hold; less than 100 um is no stage but a
+// A slew of less than 1 V/ms could not cross the stroke within a hold; less than 100 um is no step but a
 // slip of units.
-constexpr std::int32_t kStageMin_um = 100, kSlewMin_mV = 1'000;
+constexpr std::int32_t kStepMin_um = 100, kSlewMin_mV = 1'000;
 
-bool is_plausible(const StepLimits& stage, std::int32_t plan_depth_max_um) {
-  return is_within(stage.depth_max_um, kStageMin_um, plan_depth_max_um) &&
-         is_within(stage.v_max_mV, limits::kZeroVolt_mV, limits::kDriveMax_mV) &&
-         is_within(stage.slew_up_mV_per_tick, kSlewMin_mV, limits::kSlewUpMax_mV_per_tick);
+bool is_plausible(const StepLimits& step, std::int32_t plan_depth_max_um) {
+  return is_within(step.depth_max_um, kStepMin_um, plan_depth_max_um) &&
+         is_within(step.v_max_mV, limits::kZeroVolt_mV, limits::kDriveMax_mV) &&
+         is_within(step.slew_up_mV_per_tick, kSlewMin_mV, limits::kSlewUpMax_mV_per_tick);
 }
 
 bool is_plausible(const PlausibleBand& band) {
@@ -61,19 +61,19 @@ DepthRange plausible_at(const PlanFacts& plan, std::int32_t drive_mV) {
 bool is_plausible(const PlanFacts& plan) {
   if (plan.bench_half_period_ticks != half_period_ticks(plan) && plan.bench_half_period_ticks != 0)
     return false;
-  if (!is_within(plan.depth_max_um, kStageMin_um, limits::kStroke_um)) return false;
+  if (!is_within(plan.depth_max_um, kStepMin_um, limits::kStroke_um)) return false;
   if (!is_within(plan.tissue_residual_max_um, 1, limits::kStroke_um)) return false;
-  if (plan.stage_count == 0 || plan.stage_count > kMaxSteps) return false;
+  if (plan.step_count == 0 || plan.step_count > kMaxSteps) return false;
   if (plan.band_count == 0 || plan.band_count > kMaxBands) return false;
-  for (std::size_t i = 0; i < plan.stage_count; ++i)
-    if (!is_plausible(plan.stages[i], plan.depth_max_um)) return false;
+  for (std::size_t i = 0; i < plan.step_count; ++i)
+    if (!is_plausible(plan.steps[i], plan.depth_max_um)) return false;
   for (std::size_t i = 0; i < plan.band_count; ++i)
     if (!is_plausible(plan.bands[i])) return false;
   for (std::size_t i = 1; i < plan.band_count; ++i)
     if (plan.bands[i].drive_mV <= plan.bands[i - 1].drive_mV) return false;
   const std::int32_t judged_up_to_mV = plan.bands[plan.band_count - 1].drive_mV;
-  for (std::size_t i = 0; i < plan.stage_count; ++i)
-    if (plan.stages[i].v_max_mV > judged_up_to_mV) return false;
+  for (std::size_t i = 0; i < plan.step_count; ++i)
+    if (plan.steps[i].v_max_mV > judged_up_to_mV) return false;
   return true;
 }
 

@@ -11,13 +11,13 @@ namespace biopsy::safety {
 inline constexpr std::size_t kMaxSteps = 32;
 inline constexpr std::size_t kMaxBands = 32;
 
-// Limits of one stage. The wiring turns the stage's speed into a slew with the steepest slope of the
+// Limits of one step. The cycle turns the step's speed into a slew with the steepest slope of the
 // plausible band.
 struct StepLimits {
-  std::int32_t depth_max_um = 0;         // the stage's depth plus the overshoot allowed there: no rise beyond
+  std::int32_t depth_max_um = 0;         // the step's depth plus the overshoot allowed there: no rise beyond
   std::int32_t v_max_mV = 0;             // envelope of |V|: stored energy ahead of a boundary
   std::int32_t slew_up_mV_per_tick = 0;  // rise of |V| per ms
-  bool image_confirms = true;            // a depth check must say Accept before the next stage
+  bool image_confirms = true;            // a depth check must say Accept before the next step
 };
 
 // Depths that are plausible at a steady |V|; linear in between, constant beyond the ends. Rising in drive.
@@ -32,9 +32,9 @@ struct PlanFacts {
   std::int32_t depth_max_um = 0;             // target plus the allowed overshoot (PlanLimits::depth_max)
   std::int32_t tissue_residual_max_um = 0;   // |depth - depth the tissue model expects| that is still normal
   std::int32_t bench_half_period_ticks = 0;  // 0: for a patient, polarity at 2 Hz; else a bench plan's own
-  std::uint32_t stage_count = 0;
+  std::uint32_t step_count = 0;
   std::uint32_t band_count = 0;
-  std::array<StepLimits, kMaxSteps> stages{};
+  std::array<StepLimits, kMaxSteps> steps{};
   std::array<PlausibleBand, kMaxBands> bands{};
 };
 

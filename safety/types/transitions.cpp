@@ -46,8 +46,8 @@ std::string_view name_of(Event event) {
       return "held too long";
     case Event::Stop:
       return "stop: hold";
-    case Event::StageReached:
-      return "stage reached";
+    case Event::StepReached:
+      return "step reached";
     case Event::Unhealthy:
       return "not healthy";
     case Event::ArmedTooLong:

@@ -20,7 +20,7 @@ enum class Event : std::uint8_t {
   Finished,        // the controller is done with the plan
   HoldTooLong,
   Stop,  // C2, requested or needed; button released
-  StageReached,
+  StepReached,
   Unhealthy,
   ArmedTooLong,
   SelfTestPassed,
@@ -60,7 +60,7 @@ inline constexpr std::array kTransitions{
     Transition{Mode::Active, Event::Ramp, Mode::Retract},
     Transition{Mode::Active, Event::Finished, Mode::Retract},
     Transition{Mode::Active, Event::Stop, Mode::Hold},
-    Transition{Mode::Active, Event::StageReached, Mode::Hold},
+    Transition{Mode::Active, Event::StepReached, Mode::Hold},
     Transition{Mode::Hold, Event::Fault, Mode::Trip},
     Transition{Mode::Hold, Event::Ramp, Mode::Retract},
     Transition{Mode::Hold, Event::Finished, Mode::Retract},

@@ -10,7 +10,7 @@
 namespace biopsy::safety {
 
 struct DepthBench {
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   DepthMonitor monitor;
   SupervisorInputs seen;
   bool zero_volts = false;
@@ -34,7 +34,7 @@ struct DepthBench {
 };
 
 struct VoltageBench {
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   VoltageMonitor monitor;
   SupervisorInputs seen;
 
@@ -55,7 +55,7 @@ struct VoltageBench {
 };
 
 struct LinkBench {
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   LinkMonitor monitor;
   SupervisorInputs seen;
   HazardSet found = 0;

@@ -55,7 +55,7 @@ void Rig::supervise() {
   input.motion = {held, held != 0};
   input.request = seen.request;
   input.depth_accepted = depth_accepted;
-  input.accepted_stage = state.stage;
+  input.accepted_step = state.step;
   on_input(input);
   std::tie(state, output) = step(plan, state, input);
 }
@@ -65,8 +65,8 @@ void Rig::control() {
   const std::int32_t sign = (wave_ / flip_ticks) % 2 == 0 ? 1 : -1;
   ++request.seq;
   request.wanted_mV = hv_permitted(output.permit.mode) ? sign * wanted_mV : 0;
-  request.stage = output.stage;
-  request.stage_reached = reached;
+  request.step = output.step;
+  request.step_reached = reached;
   request.finished = finished;
   on_request(request);
 }

@@ -42,7 +42,7 @@ class Rig {
   void press() { held = ++token_; }
   void release() { held = 0; }
 
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   EvidenceMemory memory;
   SupervisorState state = started(7);
   SupervisorOutput output;

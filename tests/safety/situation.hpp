@@ -39,9 +39,9 @@ inline SupervisorState in(Mode mode) {
   return state;
 }
 
-// One step of the three-stage plan, everything healthy; a test changes what it is about.
+// One step of the three-step plan, everything healthy; a test changes what it is about.
 struct Moment {
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   SupervisorState state;
   Situation input = healthy();
 

@@ -126,8 +126,8 @@ Command dry_run_command() {
   std::vector<OutputFile> outputs = plan_outputs();
   outputs.insert(outputs.end(),
                  {{"run.csv", "[each tick](#runcsv); only where something ran"},
-                  {"stage-*.png", "the needle before and after each stage of the plan"},
-                  {"images", "the confirmation image of each stage, as DICOM"},
+                  {"stage-*.png", "the needle before and after each step of the plan"},
+                  {"images", "the confirmation image of each step, as DICOM"},
                   {"procedure.log.sqlite", "with `--live`: the [procedure log](procedure-log.md)", true},
                   {"*.log", "with `--live`: the [diagnostic log](diagnostic-log.md) of each process", true}});
   return {

@@ -125,7 +125,7 @@ void LiveRobot::send(std::int64_t now_us) {
   // An operator whose program stands still holds nothing: this thread must not do it for them.
   if (now_us - asked_us > kHeldWithoutAsking_us) act.held = false;
   DepthVerdictNote verdict = depth_verdict(inputs, plan_tag);
-  const bool news = verdict.accepted != verdict_.accepted || verdict.stage != verdict_.stage ||
+  const bool news = verdict.accepted != verdict_.accepted || verdict.step != verdict_.step ||
                     verdict.plan_tag != verdict_.plan_tag;
   if (news) {  // before the act: a press relies on it
     verdict.seq = verdict_.seq + 1;

@@ -31,24 +31,24 @@ sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_
 
 }  // namespace
 
-void ConfirmationImages::take(std::size_t stage, Millimetres tip, report::StepResult& result) {
-  const std::size_t repeat = repeats_[stage]++;
+void ConfirmationImages::take(std::size_t step, Millimetres tip, report::StepResult& result) {
+  const std::size_t repeat = repeats_[step]++;
   const std::string name =
-      fmt::format("images/stage-{}{}", stage + 1, repeat == 0 ? "" : fmt::format("-repeat-{}", repeat));
+      fmt::format("images/stage-{}{}", step + 1, repeat == 0 ? "" : fmt::format("-repeat-{}", repeat));
   sim::ScanSettings settings;
   const Point p_SE = plan_.X_SR.translation();
   const Direction axis_S = plan_.X_SR.linear().col(2);
   settings.needle = sim::NeedleArtefact{.p_SE = p_SE, .axis_S = axis_S, .tip_depth = tip};
-  settings.motion = motion_at(prepared_.given, p_SE, stage + kRepeatStream * repeat);
+  settings.motion = motion_at(prepared_.given, p_SE, step + kRepeatStream * repeat);
   settings.snr = prepared_.given.rehearsal.snr;
-  settings.seed = prepared_.given.seed + 1000 * (stage + 1) + kRepeatStream * repeat;
+  settings.seed = prepared_.given.seed + 1000 * (step + 1) + kRepeatStream * repeat;
   Volume sent = sim::scan(prepared_.image, settings);
   sent.identity.series_uid.clear();  // a new series; the writer names it by its content
-  sent.identity.description = fmt::format("confirmation, stage {} (simulated)", stage + 1);
+  sent.identity.description = fmt::format("confirmation, stage {} (simulated)", step + 1);
   sim::write_dicom_series(sent, folder_ / name);
   const Volume after = imaging::read_volume(folder_ / name);
   imaging::DepthCheckSettings check;
-  check.expected = plan_.stages[stage].depth;
+  check.expected = plan_.steps[step].depth;
   imaging::DepthCheckPictures pictures;
   result.check = imaging::check_depth(prepared_.image, after, p_SE, axis_S, check, &pictures);
   result.image_path = name;

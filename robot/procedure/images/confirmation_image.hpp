@@ -16,9 +16,9 @@ class ConfirmationImages {
   ConfirmationImages(const PreparedCase& prepared, const Plan& plan, std::filesystem::path folder)
       : prepared_(prepared), plan_(plan), folder_(std::move(folder)) {}
 
-  // At the end of step `stage`, with the needle at `tip`: fills the check and the pictures of `result`. Each
+  // At the end of `step`, with the needle at `tip`: fills the check and the pictures of `result`. Each
   // image of a step, a repeated one too, gets a folder and a noise of its own. Takes about a second.
-  void take(std::size_t stage, Millimetres tip, report::StepResult& result);
+  void take(std::size_t step, Millimetres tip, report::StepResult& result);
 
  private:
   const PreparedCase& prepared_;

@@ -17,7 +17,7 @@ constexpr std::size_t kLineWidth = 100;
 constexpr std::size_t kSentenceLines = 5, kMargins = 2, kRegimes = 3, kCandidates = 5, kNextLines = 3;
 
 // Indented lines, `most` of them; what does not fit is left out and marked.
-std::string paragraph(const std::string& text, const std::string& indent, std::size_t most) {
+std::string wrapped_paragraph(const std::string& text, const std::string& indent, std::size_t most) {
   std::vector<std::string> lines = wrapped(text, kLineWidth);
   if (lines.size() > most) {
     lines.resize(most);
@@ -48,7 +48,7 @@ std::string margin_lines(const GapFinding& f) {
   std::size_t failing = 0;
   for (const MarginChange& m : f.margins)
     if (!m.ok && ++failing <= kMargins)
-      text += paragraph("MARGIN LOST  " + plain(margin_finding(m)), "  ", 2);
+      text += wrapped_paragraph("MARGIN LOST  " + plain(margin_finding(m)), "  ", 2);
   if (failing > kMargins) text += fmt::format("  MARGIN LOST  {} more in the report\n", failing - kMargins);
   if (failing == 0 && !f.margins.empty())
     text += fmt::format("  Safety margins: all {} hold with the new model\n", f.margins.size());
@@ -95,13 +95,13 @@ std::string next_lines(const GapFinding& f) {
   for (std::size_t i = 0; i < f.next.separates.size(); ++i)
     text += (i == 0 ? ", to separate " : " / ") + explanation_label(f.next.separates[i]);
   if (!f.next.sentence.empty()) text += ". " + f.next.sentence;
-  return "\n" + paragraph(plain(text), "  ", kNextLines);
+  return "\n" + wrapped_paragraph(plain(text), "  ", kNextLines);
 }
 
 }  // namespace
 
 std::string gap_console(const GapFinding& f) {
-  return paragraph(std::string(badge_label(f.verdict)) + ". " + plain(f.sentence), "", kSentenceLines) +
+  return wrapped_paragraph(std::string(badge_label(f.verdict)) + ". " + plain(f.sentence), "", kSentenceLines) +
          "\n" + rmse_line(f) + margin_lines(f) + where_lines(f) + candidate_lines(f) + next_lines(f) +
          (f.warnings.empty() ? "" : "\n  " + counted(f.warnings.size(), "warning") + " in the report\n");
 }

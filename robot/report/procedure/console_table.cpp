@@ -98,8 +98,8 @@ std::string step_lines(const RunRecord& record, const Ink& ink) {
   columns.add({"No", "Step", "Plan mm", "mm/s", "Reached s", "Laser mm", "RMSE mm", "Image mm", "Layer"});
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const StepResult& s = steps[i];
-    columns.add({std::to_string(i + 1), std::string(label(s.stage.kind)), fixed(s.stage.depth.value, 2),
-                 fixed(s.stage.speed.value, 2), s.reached ? fixed(s.reached_s, 2) : "not",
+    columns.add({std::to_string(i + 1), std::string(label(s.step.kind)), fixed(s.step.depth.value, 2),
+                 fixed(s.step.speed.value, 2), s.reached ? fixed(s.reached_s, 2) : "not",
                  fixed(s.depth_mm, 3), fixed(s.rmse_settled_mm, 3), image_text(s),
                  s.layer_at_tip.empty() ? "–" : plain(s.layer_at_tip)});
   }

@@ -56,26 +56,26 @@ std::string plan_facts(const Plan& plan) {
                             : "transform as given"}});
 }
 
-std::string stage_picture(const RunRecord& record, const StepResult& stage, bool after,
-                          const std::string& title) {
-  const Picture& slice = after ? stage.after : stage.before;
+std::string step_picture(const RunRecord& record, const StepResult& step, bool after,
+                         const std::string& title) {
+  const Picture& slice = after ? step.after : step.before;
   if (slice.width == 0) return {};
-  if (!stage.geometry) return figure(image(slice, title), escaped(title) + ".");
-  TipDepths depths{stage.stage.depth, stage.stage.depth, after && stage.check ? &*stage.check : nullptr};
-  if (stage.check && stage.check->tip_found) depths.shown = std::max(depths.shown, stage.check->depth);
-  return figure(tip_overlay(slice, *stage.geometry, depths, overlay_text(record, title)),
+  if (!step.geometry) return figure(image(slice, title), escaped(title) + ".");
+  TipDepths depths{step.step.depth, step.step.depth, after && step.check ? &*step.check : nullptr};
+  if (step.check && step.check->tip_found) depths.shown = std::max(depths.shown, step.check->depth);
+  return figure(tip_overlay(slice, *step.geometry, depths, overlay_text(record, title)),
                 escaped(title) + ".");
 }
 
-std::string stage_pictures(const RunRecord& record, std::size_t index) {
-  const StepResult& stage = record.stages[index];
-  if (stage.before.width == 0 && stage.after.width == 0) return {};
+std::string step_pictures(const RunRecord& record, std::size_t index) {
+  const StepResult& step = record.steps[index];
+  if (step.before.width == 0 && step.after.width == 0) return {};
   std::string html = fmt::format("<h3>Step {}: {} to {}</h3>\n<div class=\"pair\">\n", index + 1,
-                                 label(stage.stage.kind), fixed(stage.stage.depth.value, 2, "mm"));
-  html += stage_picture(record, stage, false, fmt::format("Step {}, before", index + 1));
-  html += stage_picture(record, stage, true, fmt::format("Step {}, after, registered to before", index + 1));
+                                 label(step.step.kind), fixed(step.step.depth.value, 2, "mm"));
+  html += step_picture(record, step, false, fmt::format("Step {}, before", index + 1));
+  html += step_picture(record, step, true, fmt::format("Step {}, after, registered to before", index + 1));
   html += "</div>\n";
-  if (stage.check) html += paragraph(stage.check->reason);
+  if (step.check) html += paragraph(step.check->reason);
   return html;
 }
 
@@ -94,7 +94,7 @@ std::string figure_section(const RunRecord& record) {
 
 std::string images_section(const RunRecord& record) {
   std::string content;
-  for (std::size_t i = 0; i < record.stages.size(); ++i) content += stage_pictures(record, i);
+  for (std::size_t i = 0; i < record.steps.size(); ++i) content += step_pictures(record, i);
   if (!content.empty())
     content += paragraph(
         "Cyan ring: entry; magenta cross: planned depth; white dot: tip as found in the image, with a bar of "

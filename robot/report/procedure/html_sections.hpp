@@ -9,7 +9,7 @@ namespace biopsy::report {
 
 // html_tables.cpp
 std::string patient_section(const RunRecord& record);
-std::string stages_section(const RunRecord& record);
+std::string steps_section(const RunRecord& record);
 std::string checks_section(const RunRecord& record);
 std::string limits_section(const RunRecord& record);
 std::string trips_section(const RunRecord& record);

@@ -17,7 +17,7 @@ namespace {
 using markup::facts, markup::number_cell, markup::row, markup::section, markup::table, markup::text_cell;
 
 std::string step_row(const StepResult& result, std::size_t number) {
-  const InsertionStep& step = result.stage;
+  const InsertionStep& step = result.step;
   return row({number_cell(std::to_string(number)),
               fmt::format("<td><strong>{}</strong><br />{}</td>", label(step.kind), escaped(step.why)),
               number_cell(step.depth.value, 2), number_cell(step.speed.value, 2),
@@ -94,7 +94,7 @@ std::string patient_section(const RunRecord& record) {
   return section("Patient and image", html);
 }
 
-std::string stages_section(const RunRecord& record) {
+std::string steps_section(const RunRecord& record) {
   const std::vector<StepResult> steps = driven_or_planned_steps(record);
   if (steps.empty()) return {};
   std::string rows;
@@ -109,8 +109,8 @@ std::string stages_section(const RunRecord& record) {
 
 std::string checks_section(const RunRecord& record) {
   std::string rows;
-  for (std::size_t i = 0; i < record.stages.size(); ++i)
-    if (record.stages[i].check) rows += check_row(record.stages[i], i + 1);
+  for (std::size_t i = 0; i < record.steps.size(); ++i)
+    if (record.steps[i].check) rows += check_row(record.steps[i], i + 1);
   if (rows.empty()) return {};
   return section(
       "Image checks",

@@ -14,10 +14,10 @@ void save_if_any(const Picture& picture, const std::filesystem::path& path) {
 void save_report(const RunRecord& record, const std::filesystem::path& folder) {
   if (!record.samples.empty()) atomic_write(folder / "run.csv", run_csv(record));
   save_if_any(record.planning_slice, folder / "planning.png");
-  for (std::size_t i = 0; i < record.stages.size(); ++i) {
-    const std::string stage = "stage-" + std::to_string(i + 1);
-    save_if_any(record.stages[i].before, folder / (stage + "-before.png"));
-    save_if_any(record.stages[i].after, folder / (stage + "-after.png"));
+  for (std::size_t i = 0; i < record.steps.size(); ++i) {
+    const std::string step = "stage-" + std::to_string(i + 1);
+    save_if_any(record.steps[i].before, folder / (step + "-before.png"));
+    save_if_any(record.steps[i].after, folder / (step + "-after.png"));
   }
   atomic_write(folder / "report.html", report_html(record));
   atomic_write(folder / "report.json",

@@ -72,7 +72,7 @@ std::string report_html(const RunRecord& record) {
                     .banner = record.simulated ? kSimulatedBanner : "",
                     .embedded_pictures = true};
   return markup::page(page, verdict_section(record) + patient_section(record) + plan_section(record) +
-                                images_section(record) + figure_section(record) + stages_section(record) +
+                                images_section(record) + figure_section(record) + steps_section(record) +
                                 checks_section(record) + limits_section(record) + trips_section(record) +
                                 provenance_section(record));
 }

@@ -33,16 +33,16 @@ Json check_json(const DepthCheck& check) {
   };
 }
 
-Json stage_json(const StepResult& result, std::size_t index) {
+Json step_json(const StepResult& result, std::size_t index) {
   return {
       {"number", index + 1},
-      {"kind", label(result.stage.kind)},
-      {"depth_mm", number(result.stage.depth.value)},
-      {"speed_mm_s", number(result.stage.speed.value)},
-      {"v_max_kV", number(result.stage.v_max.value * 1e-3)},
-      {"dwell_s", number(result.stage.dwell.count())},
-      {"image_confirms", result.stage.image_confirms},
-      {"why", json_text(result.stage.why)},
+      {"kind", label(result.step.kind)},
+      {"depth_mm", number(result.step.depth.value)},
+      {"speed_mm_s", number(result.step.speed.value)},
+      {"v_max_kV", number(result.step.v_max.value * 1e-3)},
+      {"dwell_s", number(result.step.dwell.count())},
+      {"image_confirms", result.step.image_confirms},
+      {"why", json_text(result.step.why)},
       {"reached", result.reached},
       {"reached_s", number(result.reached ? result.reached_s : kUnknown)},
       {"depth_reached_mm", number(result.depth_mm)},
@@ -100,9 +100,9 @@ Json interface_json(const RunRecord& record) {
       {"overshoot_mm", run_figure(record.overshoot_mm)},
       {"peak_kV", run_figure(record.peak_kV)},
       {"trips", json_list(record.trips, trip_json)},
-      {"stages", json_list(record.stages,
+      {"stages", json_list(record.steps,
                            [&](const StepResult& step) {
-                             return stage_json(step, static_cast<std::size_t>(&step - record.stages.data()));
+                             return step_json(step, static_cast<std::size_t>(&step - record.steps.data()));
                            })},
       {"simulated_s", number(record.simulated_s)},
       {"wall_s", number(record.wall_s)},

@@ -62,9 +62,9 @@ std::vector<ChartLevel> depth_levels(const RunRecord& record) {
 
 std::vector<ChartDot> image_depths(const RunRecord& record) {
   std::vector<ChartDot> dots;
-  for (const StepResult& stage : record.stages)
-    if (stage.check && stage.check->tip_found && std::isfinite(stage.image_s))
-      dots.push_back({stage.image_s, stage.check->depth.value, 2 * stage.check->sigma.value});
+  for (const StepResult& step : record.steps)
+    if (step.check && step.check->tip_found && std::isfinite(step.image_s))
+      dots.push_back({step.image_s, step.check->depth.value, 2 * step.check->sigma.value});
   return dots;
 }
 
@@ -121,14 +121,14 @@ bool driving(const Sample& sample) {
   return sample.mode == Mode::Active || sample.mode == Mode::Hold;
 }
 
-std::vector<ChartBand> stage_bands(const RunRecord& record) {
+std::vector<ChartBand> step_bands(const RunRecord& record) {
   std::vector<ChartBand> bands;
-  for (std::size_t i = 0; i < record.stages.size(); ++i) {
-    const auto times = spans(record, [i](const Sample& s) { return s.stage == i && driving(s); });
+  for (std::size_t i = 0; i < record.steps.size(); ++i) {
+    const auto times = spans(record, [i](const Sample& s) { return s.step == i && driving(s); });
     if (times.empty()) continue;
-    const InsertionStep& stage = record.stages[i].stage;
+    const InsertionStep& step = record.steps[i].step;
     bands.push_back({{times.front().x_from, times.back().x_to},
-                     fmt::format("{} {} to {}", i + 1, label(stage.kind), fixed(stage.depth.value, 2, "mm")),
+                     fmt::format("{} {} to {}", i + 1, label(step.kind), fixed(step.depth.value, 2, "mm")),
                      std::to_string(i + 1)});
   }
   return bands;
@@ -136,9 +136,9 @@ std::vector<ChartBand> stage_bands(const RunRecord& record) {
 
 std::vector<ChartMarker> markers(const RunRecord& record) {
   std::vector<ChartMarker> marks;
-  for (std::size_t i = 0; i < record.stages.size(); ++i)
-    if (std::isfinite(record.stages[i].image_s))
-      marks.push_back({record.stages[i].image_s, fmt::format("image {}", i + 1), false});
+  for (std::size_t i = 0; i < record.steps.size(); ++i)
+    if (std::isfinite(record.steps[i].image_s))
+      marks.push_back({record.steps[i].image_s, fmt::format("image {}", i + 1), false});
   for (std::size_t i = 0; i < record.trips.size(); ++i)
     marks.push_back({record.trips[i].time_s, fmt::format("trip {}", i + 1), true});
   std::stable_sort(marks.begin(), marks.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
@@ -161,7 +161,7 @@ std::string run_figure(const RunRecord& record) {
   chart.panels = {depth_panel(record), drive_panel(record)};
   chart.states_title = "Supervisor";
   chart.states = supervisor_states(record);
-  chart.bands = stage_bands(record);
+  chart.bands = step_bands(record);
   chart.markers = markers(record);
   return render(chart);
 }

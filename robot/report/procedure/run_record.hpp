@@ -34,7 +34,7 @@ struct Sample {
   float current_uA = 0;
   Mode mode = Mode::Boot;
   StopCategory stop = StopCategory::None;
-  std::uint8_t stage = 0;
+  std::uint8_t step = 0;
   GateVerdict verdict = GateVerdict::Refused;
 };
 
@@ -48,13 +48,13 @@ struct SliceGeometry {
   std::string left = {}, right = {}, top = {}, bottom = {};
 };
 
-// What became of one planned stage.
+// What became of one planned step.
 struct StepResult {
-  InsertionStep stage;
+  InsertionStep step;
   bool reached = false;
   double reached_s = kUnknown;        // when, from the start of the run
   double depth_mm = kUnknown;         // laser, mean of the settled window
-  double rmse_settled_mm = kUnknown;  // depth against the stage's target over its settled window
+  double rmse_settled_mm = kUnknown;  // depth against the step's target over its settled window
   double overshoot_mm = kUnknown;
   std::string layer_at_tip;
   std::optional<DepthCheck> check;
@@ -93,10 +93,10 @@ struct RunRecord {
   std::optional<SliceGeometry>
       planning_geometry;        // the report then draws layers, entry, target and path over it
   std::vector<Sample> samples;  // one per tick
-  std::vector<StepResult> stages;
+  std::vector<StepResult> steps;
   std::vector<LimitUse> limits;
   std::vector<Trip> trips;
-  double final_depth_mm = kUnknown;  // laser, at the end of the last stage
+  double final_depth_mm = kUnknown;  // laser, at the end of the last step
   double image_depth_mm = kUnknown, image_depth_sigma_mm = kUnknown;
   std::string layer_at_tip;
   double rmse_settled_mm = kUnknown, rmse_all_mm = kUnknown, overshoot_mm = kUnknown, peak_kV = kUnknown;

@@ -42,7 +42,7 @@ std::string with_remedy(const RunRecord& record, const std::string& fallback) {
 
 std::string planned_only(const Plan& plan) {
   return "Planned, not run: target " + fixed(plan.target_depth.value, 2, "mm") + " in " +
-         plan.layer_at(plan.target_depth) + ", " + counted(plan.stages.size(), "step") + ". Nothing moved.";
+         plan.layer_at(plan.target_depth) + ", " + counted(plan.steps.size(), "step") + ". Nothing moved.";
 }
 
 }  // namespace
@@ -63,15 +63,15 @@ std::string verdict_sentence(const RunRecord& record) {
 }
 
 const DepthCheck* last_check(const RunRecord& record) {
-  for (auto result = record.stages.rbegin(); result != record.stages.rend(); ++result)
+  for (auto result = record.steps.rbegin(); result != record.steps.rend(); ++result)
     if (result->check) return &*result->check;
   return nullptr;
 }
 
 std::vector<StepResult> driven_or_planned_steps(const RunRecord& record) {
-  std::vector<StepResult> steps = record.stages;
+  std::vector<StepResult> steps = record.steps;
   if (steps.empty() && record.plan)
-    for (const InsertionStep& step : record.plan->stages) steps.emplace_back().stage = step;
+    for (const InsertionStep& step : record.plan->steps) steps.emplace_back().step = step;
   return steps;
 }
 

@@ -13,7 +13,7 @@ namespace biopsy::report {
 // "Refused: ... What to do: ..." and "Stopped: ... What to do: ..." carry the refusal and its remedy.
 std::string verdict_sentence(const RunRecord& record);
 
-// The depth check of the last stage that has one; nullptr where none was made.
+// The depth check of the last step that has one; nullptr where none was made.
 const DepthCheck* last_check(const RunRecord& record);
 
 // The steps that were driven; where none was, the planned ones without results.

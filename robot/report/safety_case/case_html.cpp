@@ -14,7 +14,7 @@ namespace {
 
 namespace markup = report::markup;
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kCaseStyle = R"css(
 .argument { background: #fff; border: 1px solid #aab1b7; }
 .argument svg { width: 100%; height: auto; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 0 28px; }
@@ -167,7 +167,7 @@ std::string case_html(const SafetyCase& safety_case, const std::vector<Finding>&
           markup::section("Requirements", requirements_table(safety_case, findings));
   for (const Source& source : safety_case.sources)
     if (const Finding* finding = finding_of(findings, source.id)) html += evidence_section(source, *finding);
-  return markup::page({.title = "Safety case", .style = kStyle}, html);
+  return markup::page({.title = "Safety case", .style = kCaseStyle}, html);
 }
 
 }  // namespace biopsy::safety_case

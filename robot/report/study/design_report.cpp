@@ -14,7 +14,7 @@
 namespace biopsy::report {
 namespace {
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kDesignStyle = R"css(
 td.n, th.n { padding: 3px 0 3px 6px; font-size: .82rem; } th.n { white-space: normal; }
 tr.paper td { background: #f3ead9; font-weight: bold; }
 p, li { max-width: 62em; }
@@ -105,7 +105,7 @@ std::string design_html(const DesignStudy& study) {
   std::vector<std::string> panels;
   for (const FigurePanel& panel : study.panels) panels.push_back(figure_svg(panel));
   return markup::page(
-      {.title = "Design study", .heading = "Design study of the stack", .style = kStyle},
+      {.title = "Design study", .heading = "Design study of the stack", .style = kDesignStyle},
       markup::verdict_section("", sentence(study),
                               paper_result(study) + markup::paragraph("Scaled from " + study.model +
                                                                       "; everything is simulated.")) +

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kTheory = "2";  // Fig. 2 draws equations
 
-std::string with_unit(const std::string& number, const std::string& unit) {
+std::string number_with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() || unit == "1" || number == "–" ? number : number + " " + unit;
 }
 
@@ -70,20 +70,20 @@ std::string paper_text(const PaperRow& row) {
   const std::string printed = std::isfinite(row.paper) ? fmt::format("{:g}", row.paper) : "–";
   switch (row.kind) {
     case RowKind::Number:
-      return with_unit(printed, row.unit);
+      return number_with_unit(printed, row.unit);
     case RowKind::AtMost:
-      return "at most " + with_unit(printed, row.unit);
+      return "at most " + number_with_unit(printed, row.unit);
     case RowKind::Trend:
       return "as stated";
     case RowKind::Shown:
-      return with_unit(three_digits(row.paper), row.unit);
+      return number_with_unit(three_digits(row.paper), row.unit);
   }
   return {};
 }
 
 std::string ours_text(const PaperRow& row) {
   if (row.kind == RowKind::Trend) return row.ok ? "holds" : "does not hold";
-  return with_unit(three_digits(row.ours), row.unit);
+  return number_with_unit(three_digits(row.ours), row.unit);
 }
 
 std::string band_text(const PaperRow& row) {

@@ -17,7 +17,7 @@ namespace {
 
 using markup::number_cell, markup::section, markup::table, markup::text_cell;
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kReproductionStyle = R"css(
 .verdict .bar-line { margin-top: 10px; font-size: 1rem; }
 p { max-width: 62em; margin: 6px 0 10px; }
 td.n, th.n { padding-left: 8px; }
@@ -166,7 +166,7 @@ std::string reproduction_html(const Reproduction& r) {
   std::string html = verdict_section(r) + glance_section(r);
   for (const PaperFigure& figure : r.figures) html += figure_section(figure);
   return markup::page(
-      {.title = "The paper, reproduced", .heading = "The paper's experiments, reproduced", .style = kStyle},
+      {.title = "The paper, reproduced", .heading = "The paper's experiments, reproduced", .style = kReproductionStyle},
       html + findings_section(r));
 }
 

@@ -7,7 +7,7 @@
 namespace biopsy::report {
 namespace {
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kStudyStyle = R"css(
 td.n, th.n { padding-left: 8px; }
 @media print { section h2 { break-after: avoid; } }
 )css";
@@ -40,7 +40,7 @@ std::string study_html(const StudyPage& page) {
   std::string remarks, tables;
   for (const std::string& remark : page.remarks) remarks += markup::paragraph(remark);
   for (const StudyTable& table : page.tables) tables += table_section(table);
-  return markup::page({.title = page.title, .style = kStyle},
+  return markup::page({.title = page.title, .style = kStudyStyle},
                       markup::verdict_section(page.doubted ? "doubted" : "", page.sentence, remarks) +
                           tables + pictures(page.panels));
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kPoints = 1200;
-constexpr double kSlowest = 0.02;  // Hz, well below any crossover of interest
+constexpr double kLowest = 0.02;  // Hz, well below any crossover of interest
 
 double decibels(double magnitude) {
   return 20.0 * std::log10(magnitude);
@@ -53,7 +53,7 @@ const std::vector<double>& frequencies() {
     const double fastest = 0.5 / kTick_s;
     for (int i = 0; i < kPoints; ++i)
       omega[static_cast<std::size_t>(i)] =
-          2.0 * kPi * kSlowest * std::pow(fastest / kSlowest, i / static_cast<double>(kPoints - 1));
+          2.0 * kPi * kLowest * std::pow(fastest / kLowest, i / static_cast<double>(kPoints - 1));
     return omega;
   }();
   return kOmega;

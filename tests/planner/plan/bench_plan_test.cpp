@@ -28,11 +28,11 @@ bool refused(const BenchRequest& request) {
 TEST(BenchPlan, AllowsTheRunsOwnVoltageAndNotMore) {
   const Plan plan = planned(request_for(2400));
   EXPECT_EQ(plan.limits.v_max, Volts(2400));
-  ASSERT_EQ(plan.stages.size(), 1U);
-  EXPECT_EQ(plan.stages[0].v_max, Volts(2400));
-  EXPECT_FALSE(plan.stages[0].image_confirms);
+  ASSERT_EQ(plan.steps.size(), 1U);
+  EXPECT_EQ(plan.steps[0].v_max, Volts(2400));
+  EXPECT_FALSE(plan.steps[0].image_confirms);
   EXPECT_EQ(plan.limits.depth_max, from_um(limits::kStroke_um));
-  EXPECT_LT(plan.stages[0].depth, plan.limits.depth_max);
+  EXPECT_LT(plan.steps[0].depth, plan.limits.depth_max);
 }
 
 TEST(BenchPlan, IsSealedWithItsHalfPeriodAndUnlikeAnyPlanForAPatient) {

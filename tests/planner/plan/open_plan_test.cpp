@@ -17,10 +17,10 @@ Plan sealed_plan(bool bench) {
   plan.registration_fre_mm = 0.25;
   plan.target_depth = Millimetres(3.5);
   plan.layers = {{"gap", Millimetres(0), Millimetres(1)}, {"liver", Millimetres(1), Millimetres(9)}};
-  plan.stages = {{StepKind::Approach, Millimetres(0.5), MillimetresPerSecond(2), Volts(5000), Seconds(0.2),
-                  false, "stop short"},
-                 {StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
-                  true, "target in liver"}};
+  plan.steps = {{StepKind::Approach, Millimetres(0.5), MillimetresPerSecond(2), Volts(5000), Seconds(0.2),
+                 false, "stop short"},
+                {StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
+                 true, "target in liver"}};
   plan.limits = {Millimetres(4.5), Volts(6000), {{Volts(500), Millimetres(-0.5), Millimetres(4)}}};
   if (bench) plan.bench = BenchDrive{Seconds(0.5)};
   seal(plan);
@@ -34,7 +34,7 @@ TEST(OpenPlan, GivesBackWhatWasSealed) {
     const std::optional<Plan> opened = open_plan(bytes, plan.seal);
     ASSERT_TRUE(opened);
     EXPECT_EQ(canonical_bytes(*opened), bytes);
-    EXPECT_EQ(opened->stages[1].why, "target in liver");
+    EXPECT_EQ(opened->steps[1].why, "target in liver");
     EXPECT_EQ(opened->bench.has_value(), bench);
     EXPECT_TRUE(seal_holds(*opened));
   }
@@ -55,7 +55,7 @@ TEST(OpenPlan, RefusesEveryFlippedBitAndEveryTruncation) {
 
 TEST(OpenPlan, RefusesNumbersThatAreNone) {
   Plan plan = sealed_plan(false);
-  plan.stages[0].depth = Millimetres(std::nan(""));
+  plan.steps[0].depth = Millimetres(std::nan(""));
   seal(plan);
   EXPECT_FALSE(open_plan(canonical_bytes(plan), plan.seal));
 }

@@ -55,7 +55,7 @@ TEST(PlanInsertion, DepthAndOffsetAreMeasuredAlongAnObliqueNeedle) {
   EXPECT_NEAR(plan.target_depth.value, 3.5, 1e-9);
   EXPECT_NEAR(plan.axis_offset.value, 0.5, 1e-9);
   EXPECT_NEAR(plan.limits.depth_max.value, 4.5, 1e-9);
-  EXPECT_NEAR(plan.stages.back().depth.value, 3.5, 1e-9);
+  EXPECT_NEAR(plan.steps.back().depth.value, 3.5, 1e-9);
   EXPECT_EQ(plan.layer_at(plan.target_depth), "liver");
   EXPECT_EQ(plan.target.patient_id, "P-7");
   EXPECT_TRUE(plan.X_SR.isApprox(oblique()));
@@ -71,7 +71,7 @@ TEST(PlanInsertion, LimitsStayWithinTheHardOnes) {
     const Plan plan = plan_of(request_for({0, 0, depth - 1e-9 + (depth < 1 ? 2e-9 : 0)}));
     EXPECT_LE(to_um(plan.limits.depth_max), limits::kStroke_um);
     EXPECT_LE(to_mV(plan.limits.v_max), limits::kDriveMax_mV);
-    for (const InsertionStep& stage : plan.stages) EXPECT_LE(stage.v_max, plan.limits.v_max);
+    for (const InsertionStep& stage : plan.steps) EXPECT_LE(stage.v_max, plan.limits.v_max);
     EXPECT_EQ(plan.limits.plausible.size(), 17u);
   }
 }

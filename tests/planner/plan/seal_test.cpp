@@ -21,8 +21,8 @@ Plan sample_plan() {
   plan.target_depth = Millimetres(3.5);
   plan.axis_offset = Millimetres(0.125);
   plan.layers = {{"liver", Millimetres(0), Millimetres(9)}};
-  plan.stages = {{StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
-                  true, "target in liver"}};
+  plan.steps = {{StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(6000), Seconds(1.0),
+                 true, "target in liver"}};
   plan.limits = {Millimetres(4.5), Volts(6000), {{Volts(500), Millimetres(-0.5), Millimetres(4)}}};
   return plan;
 }
@@ -51,12 +51,12 @@ TEST(Seal, BreaksWithEverySingleField) {
       [](Plan& p) { p.target_depth += Millimetres(0.1); }, [](Plan& p) { p.axis_offset += Millimetres(0.1); },
       [](Plan& p) { p.layers[0].name = "gap"; }, [](Plan& p) { p.layers[0].from += Millimetres(0.1); },
       [](Plan& p) { p.layers[0].to += Millimetres(0.1); }, [](Plan& p) { p.layers.push_back(p.layers[0]); },
-      [](Plan& p) { p.layers.clear(); }, [](Plan& p) { p.stages[0].kind = StepKind::Waypoint; },
-      [](Plan& p) { p.stages[0].depth += Millimetres(0.1); },
-      [](Plan& p) { p.stages[0].speed += MillimetresPerSecond(0.1); },
-      [](Plan& p) { p.stages[0].v_max += Volts(1); }, [](Plan& p) { p.stages[0].dwell += Seconds(0.1); },
-      [](Plan& p) { p.stages[0].image_confirms = false; }, [](Plan& p) { p.stages[0].why += "."; },
-      [](Plan& p) { p.stages.push_back(p.stages[0]); }, [](Plan& p) { p.stages.clear(); },
+      [](Plan& p) { p.layers.clear(); }, [](Plan& p) { p.steps[0].kind = StepKind::Waypoint; },
+      [](Plan& p) { p.steps[0].depth += Millimetres(0.1); },
+      [](Plan& p) { p.steps[0].speed += MillimetresPerSecond(0.1); },
+      [](Plan& p) { p.steps[0].v_max += Volts(1); }, [](Plan& p) { p.steps[0].dwell += Seconds(0.1); },
+      [](Plan& p) { p.steps[0].image_confirms = false; }, [](Plan& p) { p.steps[0].why += "."; },
+      [](Plan& p) { p.steps.push_back(p.steps[0]); }, [](Plan& p) { p.steps.clear(); },
       [](Plan& p) { p.limits.depth_max += Millimetres(0.1); }, [](Plan& p) { p.limits.v_max += Volts(1); },
       [](Plan& p) { p.limits.plausible[0].drive += Volts(1); },
       [](Plan& p) { p.limits.plausible[0].low -= Millimetres(0.1); },

@@ -112,7 +112,7 @@ export class PageOperator {
     await expect(this.button(/^Arm/)).toHaveAttribute('aria-disabled', 'false', kSlow)
     await this.again(this.button(/^Arm/), async () => (await this.modeNow()) === 'Armed')
   }
-  // To the end of the stage and its image. A robot on a machine that stalls trips by itself (its clock stood still),
+  // To the end of the step and its image. A robot on a machine that stalls trips by itself (its clock stood still),
   // as it should; the operator then starts the run again.
   async insert(stageEnded = async () => {}): Promise<void> {
     const acts = this.acts
@@ -182,7 +182,7 @@ export class PageOperator {
     }
     throw new Error('the needle never moved')
   }
-  // Whatever was done: the needle is held short of its stage, and nothing that is still on its way moves it.
+  // Whatever was done: the needle is held short of its step, and nothing that is still on its way moves it.
   async isHeld(): Promise<void> {
     await expect(this.mode()).not.toHaveAttribute('data-mode', 'Active', kSlow)
     await roundTrip(this.page)

@@ -41,9 +41,9 @@ Trace driven(const std::string& model_name, double target_mm, int ticks = 12000,
              const Trouble& trouble = {}) {
   const sim::PlantModel model = sim::read_model(source_dir() / "sim" / "models" / model_name);
   Plan plan;
-  plan.stages.resize(1);
-  plan.stages[0].depth = Millimetres(target_mm);
-  plan.stages[0].speed = MillimetresPerSecond(2.0);
+  plan.steps.resize(1);
+  plan.steps[0].depth = Millimetres(target_mm);
+  plan.steps[0].speed = MillimetresPerSecond(2.0);
   Permit permit;
   permit.hv_enable = true;
   permit.slew_up_mV_per_tick = 80'000;
@@ -55,7 +55,7 @@ Trace driven(const std::string& model_name, double target_mm, int ticks = 12000,
     Measurement measurement;
     measurement.depth_um =
         static_cast<std::int32_t>(std::lround(sim::displacement_reading(model, plant) * 1e6));
-    const RunnerStep result = run_stage(plan, {}, state, measurement, permit, 0, false);
+    const RunnerStep result = run_steps(plan, {}, state, measurement, permit, 0, false);
     state = result.state;
     const double push = k < trouble.until ? trouble.push_N : 0.0;
     plant = sim::step(model, plant, {.voltage = result.request.wanted_mV * 1e-3, .external_force = push},

@@ -59,7 +59,7 @@ TEST(VoltageProgram, WaitsForThePermitThenPlaysEachTickOnce) {
     const int sign = tick / 50 % 2 == 0 ? 1 : -1;
     ASSERT_EQ(request.wanted_mV, sign * to_mV(amplitude_at(player.program, tick))) << tick;
     ASSERT_EQ(request.finished, tick == 499) << tick;
-    ASSERT_FALSE(request.stage_reached);
+    ASSERT_FALSE(request.step_reached);
   }
   EXPECT_TRUE(is_played(player.program, player.state));
   EXPECT_EQ(player.tick(permit_in(Mode::Active)).wanted_mV, 0);
@@ -84,8 +84,8 @@ TEST(VoltageProgram, OfOneSignNeverTurns) {
 TEST(VoltageProgram, AsksForItsHoldAndPlaysOnInIt) {
   Player player;
   player.program.hold_from_tick = 100;
-  for (int i = 0; i < 99; ++i) ASSERT_FALSE(player.tick(permit_in(Mode::Active)).stage_reached);
-  ASSERT_TRUE(player.tick(permit_in(Mode::Active)).stage_reached);
+  for (int i = 0; i < 99; ++i) ASSERT_FALSE(player.tick(permit_in(Mode::Active)).step_reached);
+  ASSERT_TRUE(player.tick(permit_in(Mode::Active)).step_reached);
   for (int i = 100; i < 500; ++i) player.tick(permit_in(Mode::Hold));
   EXPECT_TRUE(is_played(player.program, player.state));
 }

@@ -13,11 +13,11 @@ Plan plan_to(double depth_mm) {
   Plan plan;
   plan.target_depth = Millimetres(depth_mm);
   for (const double share : {0.5, 1.0})
-    plan.stages.push_back({.depth = Millimetres(share * depth_mm),
-                           .speed = MillimetresPerSecond(1000.0),
-                           .v_max = Volts(5000),
-                           .dwell = Seconds(0.001),
-                           .why = ""});
+    plan.steps.push_back({.depth = Millimetres(share * depth_mm),
+                          .speed = MillimetresPerSecond(1000.0),
+                          .v_max = Volts(5000),
+                          .dwell = Seconds(0.001),
+                          .why = ""});
   planner::seal(plan);
   return plan;
 }
@@ -32,7 +32,7 @@ ControllerInputs driven(std::uint32_t step) {
   in.permit.hv_enable = true;
   in.permit.slew_up_mV_per_tick = 80'000;
   in.permit.v_max_mV = 5'000'000;
-  in.stage = step;
+  in.step = step;
   return in;
 }
 
@@ -44,8 +44,8 @@ TEST(Control, DrivesTheStepThatTheSupervisorWants) {
     in.measurement.depth_um = 1'000 * static_cast<std::int32_t>(step + 1);
     DriveRequest request;
     for (int tick = 0; tick < 5; ++tick) request = control(in, memory);
-    EXPECT_EQ(request.stage, step);
-    EXPECT_TRUE(request.stage_reached);
+    EXPECT_EQ(request.step, step);
+    EXPECT_TRUE(request.step_reached);
     EXPECT_EQ(request.setpoint_um, in.measurement.depth_um);
   }
 }
@@ -75,7 +75,7 @@ TEST(Control, RequestsNothingWithoutAPlanThatHasTheStep) {
   load_plan(sealed_for_control(plan_to(2.0)), memory);
   const DriveRequest beyond = control(driven(2), memory);
   EXPECT_EQ(beyond.wanted_mV, 0);
-  EXPECT_FALSE(beyond.stage_reached);
+  EXPECT_FALSE(beyond.step_reached);
   EXPECT_EQ(beyond.seq, 2U) << "numbers go on with a new plan";
 }
 
@@ -88,7 +88,7 @@ TEST(Control, RunsNoPlanWhoseSealIsBrokenOrThatHasNoStep) {
   EXPECT_FALSE(memory.plan);
   EXPECT_EQ(memory.plan_tag, 0U);
   Plan empty = plan_to(2.0);
-  empty.stages.clear();
+  empty.steps.clear();
   planner::seal(empty);
   load_plan(sealed_for_control(empty), memory);
   EXPECT_FALSE(memory.plan);

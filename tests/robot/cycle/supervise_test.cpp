@@ -28,12 +28,12 @@ Plan two_steps() {
                  .plausible = {{Volts(0), Millimetres(-0.5), Millimetres(0.5)},
                                {Volts(8000), Millimetres(2.0), Millimetres(6.0)}}};
   for (const double depth : {2.0, 3.0})
-    plan.stages.push_back({.depth = Millimetres(depth),
-                           .speed = MillimetresPerSecond(1.0),
-                           .v_max = Volts(5000),
-                           .dwell = Seconds(0.5),
-                           .image_confirms = true,
-                           .why = ""});
+    plan.steps.push_back({.depth = Millimetres(depth),
+                          .speed = MillimetresPerSecond(1.0),
+                          .v_max = Volts(5000),
+                          .dwell = Seconds(0.5),
+                          .image_confirms = true,
+                          .why = ""});
   planner::seal(plan);
   return plan;
 }
@@ -162,12 +162,12 @@ TEST_F(Supervise, NeedsOneConfigurationInAllThreeProcesses) {
 }
 
 TEST_F(Supervise, TakesADepthVerdictOfThisPlanOnly) {
-  in.verdict = {.seq = 1, .plan_tag = planner::plan_tag(plan), .stage = 1, .accepted = true};
+  in.verdict = {.seq = 1, .plan_tag = planner::plan_tag(plan), .step = 1, .accepted = true};
   EXPECT_TRUE(inputs().depth_accepted);
-  EXPECT_EQ(seen.inputs.accepted_stage, 1U);
+  EXPECT_EQ(seen.inputs.accepted_step, 1U);
   in.verdict.plan_tag ^= 1;
   EXPECT_FALSE(inputs().depth_accepted);
-  in.verdict = {.seq = 2, .plan_tag = 0, .stage = 0, .accepted = true};
+  in.verdict = {.seq = 2, .plan_tag = 0, .step = 0, .accepted = true};
   memory.plan = {};
   EXPECT_FALSE(inputs().depth_accepted) << "without a plan";
 }
@@ -210,7 +210,7 @@ TEST_F(Supervise, HasNoPlanWhereTheSealIsBrokenOrStepsDoNotFit) {
   EXPECT_EQ(memory.plan.plan_tag, 0U);
   EXPECT_EQ(memory.sealed_tag, 0U);
   Plan many = plan;
-  many.stages.resize(safety::kMaxSteps + 1, plan.stages.front());
+  many.steps.resize(safety::kMaxSteps + 1, plan.steps.front());
   planner::seal(many);
   accept_plan(sealed(many), memory);
   EXPECT_EQ(memory.plan.plan_tag, 0U);
@@ -251,10 +251,10 @@ TEST(DecisionMessage, CarriesTheSupervisorsOutput) {
   safety::SupervisorOutput output;
   output.permit.seq = 3, output.permit.session = 4, output.permit.epoch = 5;
   output.permit.mode = Mode::Hold, output.permit.stop = StopCategory::C2Hold;
-  output.event = safety::Event::StageReached;
-  output.worst = safety::Hazard::PatientMotion, output.reason = safety::Hazard::StageDepth;
+  output.event = safety::Event::StepReached;
+  output.worst = safety::Hazard::PatientMotion, output.reason = safety::Hazard::StepDepth;
   output.refusal = safety::Refusal::TokenSpent;
-  output.stage = 6, output.stage_done = true, output.image_allowed = true, output.image_disturbed = false;
+  output.step = 6, output.step_done = true, output.image_allowed = true, output.image_disturbed = false;
   const Decision message = decision_message(output, 7, 8);
   EXPECT_EQ(message.time_us, 7);
   EXPECT_EQ(message.at_ns, 8);
@@ -267,8 +267,8 @@ TEST(DecisionMessage, CarriesTheSupervisorsOutput) {
   EXPECT_EQ(back.worst, output.worst);
   EXPECT_EQ(back.reason, output.reason);
   EXPECT_EQ(back.refusal, output.refusal);
-  EXPECT_EQ(back.stage, 6U);
-  EXPECT_TRUE(back.stage_done && back.image_allowed && !back.image_disturbed);
+  EXPECT_EQ(back.step, 6U);
+  EXPECT_TRUE(back.step_done && back.image_allowed && !back.image_disturbed);
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
     if (tick > 200) in.act.message.token = 1, in.act.message.held = true;
     in.act.at_us = in.log.at_us = in.now_us;
     permit = robot::supervise(in, supervisor).output.permit;
-    in.request = robot::control({.measurement = received, .permit = permit, .stage = supervisor.state.stage},
+    in.request = robot::control({.measurement = received, .permit = permit, .step = supervisor.state.step},
                                 controller);
     robot::actuate({in.request, permit, in.now_us, 1}, gated);
     lateness.record(tick);

@@ -27,15 +27,15 @@ class DelayedRobot {
     if (mode_ == Mode::Boot) mode_ = Mode::Ready;
     if (mode_ == Mode::Ready && now.arm) mode_ = Mode::Armed;
     if (mode_ == Mode::Armed && pressed) start();
-    if (mode_ == Mode::Hold && pressed && done_ && now.depth_accepted && now.accepted_stage == step_ &&
+    if (mode_ == Mode::Hold && pressed && done_ && now.depth_accepted && now.accepted_step == step_ &&
         step_ + 1 < steps_)
       ++step_, start();
     if (mode_ == Mode::Active && ++moving_ > 50) mode_ = Mode::Hold, done_ = true;
     if (now.finish && (mode_ == Mode::Active || mode_ == Mode::Hold)) mode_ = Mode::Ready;
     CycleRecord record;
     record.supervisor.permit.mode = mode_;
-    record.supervisor.stage = step_;
-    record.supervisor.stage_done = done_;
+    record.supervisor.step = step_;
+    record.supervisor.step_done = done_;
     return record;
   }
 
@@ -63,8 +63,8 @@ struct Procedure {
 Procedure rehearse(std::uint32_t steps, std::size_t delay, std::size_t queued,
                    const std::function<DepthVerdict(std::uint32_t step, int image)>& verdict) {
   Plan plan;
-  plan.stages.resize(steps);
-  for (InsertionStep& step : plan.stages) step.image_confirms = true;
+  plan.steps.resize(steps);
+  for (InsertionStep& step : plan.steps) step.image_confirms = true;
   Operator script(plan);
   DelayedRobot robot(steps, delay);
   std::deque<CycleRecord> waiting;
@@ -74,7 +74,7 @@ Procedure rehearse(std::uint32_t steps, std::size_t delay, std::size_t queued,
   for (std::int64_t number = 0; number < 200'000 && !script.done(); ++number) {
     if (waiting.empty()) inputs = script.act(seen, number);
     if (script.wants_verdict()) {
-      const std::uint32_t step = inputs.accepted_stage;
+      const std::uint32_t step = inputs.accepted_step;
       script.judge(verdict(step, ++procedure.images[step]), "a reason");
       for (std::size_t i = 0; i < queued; ++i) waiting.push_back(robot.tick(inputs));
     }

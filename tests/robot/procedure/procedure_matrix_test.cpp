@@ -71,12 +71,12 @@ class ConsoleOperator {
       ASSERT_TRUE(command(commands::SetTick{1, check, true, session_.planned().seal}));
     ASSERT_TRUE(ticks_until([&] { return mode() == Mode::Ready; }, 1'000));
     hold(Button::Arm, [&] { return mode() == Mode::Armed; });
-    for (std::uint32_t step = 0; step < plan_->stages.size(); ++step) {
+    for (std::uint32_t step = 0; step < plan_->steps.size(); ++step) {
       hold(Button::Insert, [&] {
-        return seen_.supervisor.stage == step && seen_.supervisor.stage_done && mode() == Mode::Hold;
+        return seen_.supervisor.step == step && seen_.supervisor.step_done && mode() == Mode::Hold;
       });
       if (testing::Test::HasFatalFailure()) return;
-      if (!plan_->stages[step].image_confirms) continue;
+      if (!plan_->steps[step].image_confirms) continue;
       wait_for_check(step);
       const bool accept = rejected != step;
       ASSERT_TRUE(command(

@@ -21,7 +21,7 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
-TEST(ConsoleTable, NamesPatientTargetLayersStagesMarginsAndEndsWithTheVerdict) {
+TEST(ConsoleTable, NamesPatientTargetLayersStepsMarginsAndEndsWithTheVerdict) {
   const std::string text = console_table(example_run(), false);
   for (const char* part : {"SIMULATED", "DOE, JANE", "TCGA-0001", "t2_tse_sag", "3.50 mm deep",
                            "gap 2.00 to 2.90", "waypoint", "3.49 ± 0.06 accept", "Drive voltage", "1.23"})

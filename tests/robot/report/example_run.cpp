@@ -44,10 +44,10 @@ Plan plan() {
   plan.layers = {{"muscle", Millimetres(0), Millimetres(2.0)},
                  {"gap", Millimetres(2.0), Millimetres(2.9)},
                  {"liver", Millimetres(2.9), Millimetres(12.0)}};
-  plan.stages = {{StepKind::Waypoint, Millimetres(2.0), MillimetresPerSecond(2.0), Volts(5200), Seconds(1),
-                  true, "stop short of muscle | gap at 2.00 mm"},
-                 {StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(7600), Seconds(1),
-                  true, "depth of the biopsy"}};
+  plan.steps = {{StepKind::Waypoint, Millimetres(2.0), MillimetresPerSecond(2.0), Volts(5200), Seconds(1),
+                 true, "stop short of muscle | gap at 2.00 mm"},
+                {StepKind::Target, Millimetres(3.5), MillimetresPerSecond(0.5), Volts(7600), Seconds(1), true,
+                 "depth of the biopsy"}};
   plan.limits = {Millimetres(4.5), Volts(7600), {}};
   for (std::size_t i = 0; i < plan.seal.size(); ++i) plan.seal[i] = static_cast<std::uint8_t>(37 * i + 11);
   return plan;
@@ -92,16 +92,16 @@ std::vector<Sample> samples() {
     s.current_uA = static_cast<float>(4 * laser(random));
     s.mode = mode;
     s.stop = mode == Mode::Hold ? StopCategory::C2Hold : back ? StopCategory::C1Ramp : StopCategory::None;
-    s.stage = second ? 1 : 0;
+    s.step = second ? 1 : 0;
     s.verdict = t < 1.5 ? GateVerdict::NoPermit : GateVerdict::Granted;
   }
   return samples;
 }
 
-StepResult stage_result(const InsertionStep& stage, double reached_s, double depth_mm, double image_mm,
-                        std::string layer) {
+StepResult step_result(const InsertionStep& step, double reached_s, double depth_mm, double image_mm,
+                       std::string layer) {
   StepResult result;
-  result.stage = stage;
+  result.step = step;
   result.reached = true;
   result.reached_s = reached_s;
   result.image_s = reached_s + 1.6;
@@ -138,10 +138,10 @@ RunRecord example_run() {
   record.planning_slice = slice(-1, 2);
   record.planning_geometry = geometry();
   record.samples = samples();
-  record.stages = {stage_result(record.plan->stages[0], 4.2, 2.004, 1.98, "muscle"),
-                   stage_result(record.plan->stages[1], 19.1, 3.508, 3.49, "liver")};
-  record.stages[0].image_path = "stage-1-image";
-  record.stages[1].image_path = "stage-2-image";
+  record.steps = {step_result(record.plan->steps[0], 4.2, 2.004, 1.98, "muscle"),
+                  step_result(record.plan->steps[1], 19.1, 3.508, 3.49, "liver")};
+  record.steps[0].image_path = "stage-1-image";
+  record.steps[1].image_path = "stage-2-image";
   record.limits = {
       {"Drive voltage", 6.77, 8.0, "kV"}, {"Drive voltage, envelope of the plan", 6.77, 7.6, "kV"},
       {"Depth, plan", 3.55, 4.5, "mm"},   {"Depth, stroke", 3.55, 12.0, "mm"},
@@ -188,11 +188,11 @@ RunRecord example_stop() {
       s.drive_kV = s.envelope_kV = s.monitor_kV = 0;
       s.depth_mm = s.tip_mm = 2.4F * std::exp(-static_cast<float>(s.time_ms - 13'200) * 2e-3F);
     }
-  record.stages[1].reached = false;
-  record.stages[1].reached_s = record.stages[1].image_s = record.stages[1].depth_mm = kUnknown;
-  record.stages[1].rmse_settled_mm = record.stages[1].overshoot_mm = kUnknown;
-  record.stages[1].check.reset();
-  record.stages[1].before = record.stages[1].after = {};
+  record.steps[1].reached = false;
+  record.steps[1].reached_s = record.steps[1].image_s = record.steps[1].depth_mm = kUnknown;
+  record.steps[1].rmse_settled_mm = record.steps[1].overshoot_mm = kUnknown;
+  record.steps[1].check.reset();
+  record.steps[1].before = record.steps[1].after = {};
   record.final_depth_mm = 0.02;
   record.layer_at_tip = "muscle";
   record.image_depth_mm = record.image_depth_sigma_mm = kUnknown;

@@ -90,10 +90,10 @@ TEST(PlanningOverlay, LabelsOfThinLayersNeverOverlap) {
 }
 
 TEST(TipOverlay, DotLiesAtTheDepthFoundAndIsAbsentWithoutATip) {
-  const StepResult stage = example_run().stages[1];
+  const StepResult stage = example_run().steps[1];
   DepthCheck check = *stage.check;
   check.depth = Millimetres(2.5);
-  const TipDepths depths{stage.stage.depth, stage.stage.depth, &check};
+  const TipDepths depths{stage.step.depth, stage.step.depth, &check};
   const std::string svg = tip_overlay(stage.after, *stage.geometry, depths, {"after", ""});
   std::smatch dot;
   ASSERT_TRUE(std::regex_search(svg, dot, std::regex("<circle cx=\"([0-9.]+)\" cy=\"([0-9.]+)\"")));

@@ -25,7 +25,7 @@ std::vector<std::string> attribute_values(const std::string& html, const std::st
 std::vector<RunRecord> every_kind() {
   RunRecord undrawn = example_run();  // pictures without geometry
   undrawn.planning_geometry.reset();
-  for (StepResult& stage : undrawn.stages) stage.geometry.reset();
+  for (StepResult& stage : undrawn.steps) stage.geometry.reset();
   return {example_run(), example_refusal(), example_stop(), undrawn, RunRecord{}};
 }
 
@@ -58,9 +58,9 @@ std::pair<RunRecord, int> hostile_run() {
     *text = hostile();
   record.image_warnings = {hostile()};
   record.plan->layers[1].name = hostile();
-  record.stages[0].stage.why = hostile();
-  record.stages[0].layer_at_tip = hostile();
-  record.stages[0].check->reason = hostile();
+  record.steps[0].step.why = hostile();
+  record.steps[0].layer_at_tip = hostile();
+  record.steps[0].check->reason = hostile();
   record.limits[0].name = hostile();
   record.limits[0].unit = hostile();
   record.trips = {{1.0, StopCategory::C1Ramp, hostile()}};
@@ -105,8 +105,8 @@ TEST(ReportHtml, RefusalAndStopSayWhyAndWhatToDo) {
 TEST(ReportHtml, RaisesAnAlarmWhenACompletedRunIsNotConfirmedByItsLastImage) {
   EXPECT_EQ(report_html(example_run()).find("Last depth check"), std::string::npos);
   RunRecord record = example_run();
-  record.stages[1].check->verdict = DepthVerdict::Reject;
-  record.stages[1].check->reason = "tip 1.3 mm short of the target";
+  record.steps[1].check->verdict = DepthVerdict::Reject;
+  record.steps[1].check->reason = "tip 1.3 mm short of the target";
   EXPECT_NE(report_html(record).find("Last depth check: reject. tip 1.3 mm short of the target"),
             std::string::npos);
 }
@@ -134,7 +134,7 @@ TEST(ReportHtml, GivesEveryPictureATextForThoseWhoCannotSeeIt) {
 TEST(ReportHtml, NeverShowsNanOrInfinity) {
   RunRecord record = example_stop();
   record.limits[0].limit = 0;
-  for (StepResult& stage : record.stages) stage.depth_mm = kUnknown;
+  for (StepResult& stage : record.steps) stage.depth_mm = kUnknown;
   const std::string html = report_html(record);
   for (const char* token : {">nan", " nan", "\"nan", ">inf ", " inf", "\"inf", "-nan", "-inf"})
     EXPECT_EQ(html.find(token), std::string::npos) << token;

@@ -86,7 +86,7 @@ TEST(LinkMonitor, ChallengeNothingIsProvenBeforeTheFirstPermit) {
   verifies("R-10");
   LinkMonitor monitor;
   monitor.answer_score = 0;
-  EXPECT_NE(update(three_stage_plan(), monitor, SupervisorInputs{}).found & bit(Hazard::WrongAnswer), 0U);
+  EXPECT_NE(update(three_step_plan(), monitor, SupervisorInputs{}).found & bit(Hazard::WrongAnswer), 0U);
 }
 
 TEST(Challenge, EveryPartOfTheAnswerMatters) {

@@ -81,7 +81,7 @@ TEST(VoltageMonitor, CeilingIsTheRobotsOwnForABenchWithoutANeedleAndKeptWhereNot
 TEST(VoltageMonitor, CeilingHoldsAControllerThatAsksForEverythingNearToWhatItHad) {
   verifies("R-52", "R-31");
   Rig rig;
-  rig.plan.stages[0].slew_up_mV_per_tick = 400'000;
+  rig.plan.steps[0].slew_up_mV_per_tick = 400'000;
   rig.wanted_mV = 2'500'000;
   ASSERT_TRUE(rig.go_active());
   rig.wanted_mV = 8'000'000;

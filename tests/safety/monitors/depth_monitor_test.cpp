@@ -97,7 +97,7 @@ TEST(DepthMonitor, DepthLimitsTakeTwoSamplesOverThemAndNotOne) {
   DepthBench bench;
   bench.seen.permit.depth_max_um = 3'600;
   for (const auto& [hazard, limit_um] :
-       {std::pair{Hazard::StageDepth, 3'600}, {Hazard::OverDepth, 4'000}, {Hazard::HardOverDepth, 5'000}}) {
+       {std::pair{Hazard::StepDepth, 3'600}, {Hazard::OverDepth, 4'000}, {Hazard::HardOverDepth, 5'000}}) {
     bench.monitor = {};
     bench.samples(20, limit_um);
     EXPECT_FALSE(bench.names(hazard)) << "at the limit " << limit_um;
@@ -124,12 +124,12 @@ TEST(DepthMonitor, DepthLimitsAStoppingPointMoreThanTwoMillimetresBeyondThePlanI
   }
 }
 
-TEST(DepthMonitor, DepthLimitsOfAStageHoldWhileItIsDrivenOnly) {
+TEST(DepthMonitor, DepthLimitsOfAStepHoldWhileItIsDrivenOnly) {
   for (const Mode mode : {Mode::Armed, Mode::Hold, Mode::Retract}) {
     DepthBench bench(mode);
     bench.seen.permit.depth_max_um = 100;
     bench.samples(5, 200);
-    EXPECT_FALSE(bench.names(Hazard::StageDepth));
+    EXPECT_FALSE(bench.names(Hazard::StepDepth));
   }
 }
 

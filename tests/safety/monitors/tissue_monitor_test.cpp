@@ -16,14 +16,14 @@ TEST(TissueMonitor, CutsADepthAtAMetreAndADriveAtItsLimit) {
     Measurement m;
     m.command_mV = sign * 9'000'000;
     m.depth_um = sign * 2'000'000;
-    EXPECT_EQ(tissue_residual_um(three_stage_plan(), monitor, m), sign > 0 ? 999'892 : 999'907);
+    EXPECT_EQ(tissue_residual_um(three_step_plan(), monitor, m), sign > 0 ? 999'892 : 999'907);
     EXPECT_EQ(monitor.mean_drive_mV, 15'625);
   }
 }
 
 TEST(TissueMonitor, FindsNothingWhereTheDepthIsInsideTheBandOfTheMeanDrive) {
   verifies("R-32");
-  const PlanFacts plan = three_stage_plan();
+  const PlanFacts plan = three_step_plan();
   TissueMonitor monitor;
   Measurement m;
   m.depth_um = 2'000;
@@ -36,7 +36,7 @@ TEST(TissueMonitor, FindsNothingWhereTheDepthIsInsideTheBandOfTheMeanDrive) {
 
 TEST(TissueMonitor, MeasuresTheWayToTheNearerEdgeOfTheBand) {
   verifies("R-27", "R-32");
-  const PlanFacts plan = three_stage_plan();
+  const PlanFacts plan = three_step_plan();
   TissueMonitor monitor{.mean_drive_mV = 4'000'000};
   Measurement m;
   m.command_mV = 4'000'000;
@@ -51,9 +51,9 @@ TEST(TissueMonitor, FollowsTheDriveByOneIn512) {
   TissueMonitor monitor;
   Measurement m;
   m.command_mV = -512'000;
-  tissue_residual_um(three_stage_plan(), monitor, m);
+  tissue_residual_um(three_step_plan(), monitor, m);
   EXPECT_EQ(monitor.mean_drive_mV, 1'000);
-  tissue_residual_um(three_stage_plan(), monitor, m);
+  tissue_residual_um(three_step_plan(), monitor, m);
   EXPECT_EQ(monitor.mean_drive_mV, 1'998);
 }
 
@@ -63,7 +63,7 @@ TEST(TissueMonitor, GivesTheWayToTheNearerEdgeOfTheBandAndNothingInside) {
     TissueMonitor monitor;
     Measurement m;
     m.depth_um = depth_um;
-    EXPECT_EQ(tissue_residual_um(three_stage_plan(), monitor, m), residual_um);
+    EXPECT_EQ(tissue_residual_um(three_step_plan(), monitor, m), residual_um);
   }
 }
 

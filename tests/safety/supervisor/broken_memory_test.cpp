@@ -26,7 +26,7 @@ TEST(Supervisor, AModeThatDoesNotExistEndsInLockWithAPermitThatAllowsNothing) {
   for (int mode = static_cast<int>(Mode::Lock) + 1; mode <= 255; ++mode) {
     SupervisorState state = started(1);
     state.mode = static_cast<Mode>(mode);
-    const auto [next, output] = step(three_stage_plan(), state, healthy());
+    const auto [next, output] = step(three_step_plan(), state, healthy());
     EXPECT_EQ(next.mode, Mode::Lock);
     EXPECT_FALSE(output.permit.hv_enable);
     EXPECT_EQ(output.permit.stop, StopCategory::C0Off);
@@ -34,13 +34,13 @@ TEST(Supervisor, AModeThatDoesNotExistEndsInLockWithAPermitThatAllowsNothing) {
   }
 }
 
-TEST(Supervisor, APlanWithoutStagesHasNoFurtherOne) {
+TEST(Supervisor, APlanWithoutStepsHasNoFurtherOne) {
   verifies("R-29");
-  PlanFacts plan = three_stage_plan();
-  plan.stage_count = 0;
+  PlanFacts plan = three_step_plan();
+  plan.step_count = 0;
   SupervisorState state = started(1);
   state.mode = Mode::Hold;
-  state.stage_done = true;
+  state.step_done = true;
   Situation input = healthy();
   input.motion = {5, true};
   const auto [next, output] = step(plan, state, input);
@@ -48,20 +48,20 @@ TEST(Supervisor, APlanWithoutStagesHasNoFurtherOne) {
   EXPECT_EQ(output.refusal, Refusal::PlanDone);
 }
 
-TEST(Supervisor, AStageBeyondTheRoomForStagesIsAllowedNothingWhateverThePlanCounts) {
+TEST(Supervisor, AStepBeyondTheRoomForStepsIsAllowedNothingWhateverThePlanCounts) {
   verifies("R-29");
-  PlanFacts plan = three_stage_plan();
-  plan.stage_count = std::numeric_limits<std::uint32_t>::max();
-  plan.stages.fill(plan.stages[0]);
+  PlanFacts plan = three_step_plan();
+  plan.step_count = std::numeric_limits<std::uint32_t>::max();
+  plan.steps.fill(plan.steps[0]);
   SupervisorState state = started(1);
   state.mode = Mode::Active;
-  for (const std::uint32_t stage : {std::uint32_t{kMaxSteps}, std::uint32_t{kMaxSteps} + 8}) {
-    state.stage = stage;
+  for (const std::uint32_t number : {std::uint32_t{kMaxSteps}, std::uint32_t{kMaxSteps} + 8}) {
+    state.step = number;
     const Permit permit = step(plan, state, healthy()).second.permit;
     EXPECT_EQ(permit.v_max_mV, 0);
     EXPECT_EQ(permit.slew_up_mV_per_tick, 0);
   }
-  state.stage = kMaxSteps - 1;
+  state.step = kMaxSteps - 1;
   EXPECT_GT(step(plan, state, healthy()).second.permit.v_max_mV, 0);
 }
 
@@ -72,7 +72,7 @@ TEST(Supervisor, AStopThatDoesNotExistIsTheStrongest) {
     state.mode = mode;
     Situation input = healthy();
     input.stop = static_cast<StopCategory>(200);
-    EXPECT_EQ(step(three_stage_plan(), state, input).first.mode, Mode::Trip) << name_of(mode);
+    EXPECT_EQ(step(three_step_plan(), state, input).first.mode, Mode::Trip) << name_of(mode);
   }
 }
 
@@ -89,7 +89,7 @@ TEST(Supervisor, TicksAndVoltagesOfAnotherWorldStillEndInAPermitOfThisOne) {
         state.held_mV = held_mV;
         Situation input = healthy();
         input.evidence.zero_volts = false;
-        const Permit permit = step(three_stage_plan(), state, input).second.permit;
+        const Permit permit = step(three_step_plan(), state, input).second.permit;
         EXPECT_GE(permit.v_max_mV, 0);
         EXPECT_LE(permit.v_max_mV, limits::kDriveMax_mV);
       }

@@ -1,4 +1,4 @@
-// The event of a step and the answer to a request, at the edges of times, tokens and stages.
+// The event of a step and the answer to a request, at the edges of times, tokens and steps.
 #include <gtest/gtest.h>
 
 #include "safety/types/limits.hpp"
@@ -103,56 +103,56 @@ TEST(Supervisor, HoldRemembersNoVoltageBelowZero) {
   EXPECT_EQ(moment.next().held_mV, 0);
 }
 
-TEST(Supervisor, StagesAreReachedByTheRequestForTheOneInForceOnly) {
-  for (const std::uint32_t stage : {0U, 1U, 2U}) {
+TEST(Supervisor, StepsAreReachedByTheRequestForTheOneInForceOnly) {
+  for (const std::uint32_t step : {0U, 1U, 2U}) {
     Moment moment(Mode::Active);
-    moment.state.stage = 1;
-    moment.input.request.stage = stage, moment.input.request.stage_reached = true;
-    EXPECT_EQ(moment.event(), stage == 1 ? Event::StageReached : Event::None) << stage;
+    moment.state.step = 1;
+    moment.input.request.step = step, moment.input.request.step_reached = true;
+    EXPECT_EQ(moment.event(), step == 1 ? Event::StepReached : Event::None) << step;
   }
 }
 
-TEST(Supervisor, StagesAreDoneWhenTheyAreReachedAndNotWhenTheMotionWasStopped) {
+TEST(Supervisor, StepsAreDoneWhenTheyAreReachedAndNotWhenTheMotionWasStopped) {
   Moment reached(Mode::Active), stopped(Mode::Active);
-  reached.input.request.stage_reached = true;
+  reached.input.request.step_reached = true;
   stopped.input.stop = StopCategory::C2Hold;
-  EXPECT_TRUE(reached.next().stage_done);
-  EXPECT_TRUE(reached.output().stage_done);
+  EXPECT_TRUE(reached.next().step_done);
+  EXPECT_TRUE(reached.output().step_done);
   EXPECT_EQ(stopped.event(), Event::Stop);
-  EXPECT_FALSE(stopped.next().stage_done);
+  EXPECT_FALSE(stopped.next().step_done);
 }
 
-TEST(Supervisor, StagesAreNeverAllowedMoreDepthThanThePlan) {
+TEST(Supervisor, StepsAreNeverAllowedMoreDepthThanThePlan) {
   verifies("R-31");
   Moment moment(Mode::Active);
   moment.plan.depth_max_um = 3'000;
   EXPECT_EQ(moment.permit().depth_max_um, 3'000);
 }
 
-Moment end_of_stage(std::uint32_t stage) {
+Moment end_of_step(std::uint32_t step) {
   Moment moment(Mode::Hold, 11, true);
-  moment.state.stage = stage, moment.state.stage_done = true;
+  moment.state.step = step, moment.state.step_done = true;
   return moment;
 }
 
-TEST(Supervisor, GoingOnNeedsTheAcceptanceOfThisVeryStage) {
+TEST(Supervisor, GoingOnNeedsTheAcceptanceOfThisVeryStep) {
   for (const std::uint32_t accepted : {0U, 1U, 2U}) {
-    Moment moment = end_of_stage(1);
-    moment.input.depth_accepted = true, moment.input.accepted_stage = accepted;
+    Moment moment = end_of_step(1);
+    moment.input.depth_accepted = true, moment.input.accepted_step = accepted;
     EXPECT_EQ(moment.event(), accepted == 1 ? Event::Move : Event::None) << accepted;
     EXPECT_EQ(moment.refusal(), accepted == 1 ? Refusal::None : Refusal::DepthNotAccepted) << accepted;
   }
 }
 
-TEST(Supervisor, GoingOnTakesUpTheNextStageAtTheEndOfOneAndTheSameInside) {
-  Moment end = end_of_stage(1), inside = end_of_stage(1);
-  end.input.depth_accepted = true, end.input.accepted_stage = 1;
-  inside.state.stage_done = false;
-  EXPECT_EQ(end.next().stage, 2U);
-  EXPECT_FALSE(end.next().stage_done);
-  EXPECT_EQ(end.output().stage, 2U);
+TEST(Supervisor, GoingOnTakesUpTheNextStepAtTheEndOfOneAndTheSameInside) {
+  Moment end = end_of_step(1), inside = end_of_step(1);
+  end.input.depth_accepted = true, end.input.accepted_step = 1;
+  inside.state.step_done = false;
+  EXPECT_EQ(end.next().step, 2U);
+  EXPECT_FALSE(end.next().step_done);
+  EXPECT_EQ(end.output().step, 2U);
   EXPECT_EQ(inside.event(), Event::Move) << "nothing has to be accepted there";
-  EXPECT_EQ(inside.next().stage, 1U);
+  EXPECT_EQ(inside.next().step, 1U);
 }
 
 TEST(Supervisor, GoingOnWaitsUntilNothingAsksForAStop) {
@@ -162,13 +162,13 @@ TEST(Supervisor, GoingOnWaitsUntilNothingAsksForAStop) {
   EXPECT_EQ(moment.refusal(), Refusal::Unhealthy);
 }
 
-TEST(Supervisor, GoingOnEndsWithTheLastStageOfThePlanAndWithTheRoomForStages) {
-  for (const std::uint32_t stage : {2U, 3U, 5U})
-    EXPECT_EQ(end_of_stage(stage).refusal(), Refusal::PlanDone) << stage;
+TEST(Supervisor, GoingOnEndsWithTheLastStepOfThePlanAndWithTheRoomForSteps) {
+  for (const std::uint32_t step : {2U, 3U, 5U})
+    EXPECT_EQ(end_of_step(step).refusal(), Refusal::PlanDone) << step;
   for (const std::uint32_t count : {32U, 33U}) {
-    Moment last = end_of_stage(30), beyond = end_of_stage(31);
-    last.plan.stage_count = beyond.plan.stage_count = count;
-    last.plan.stages[30].image_confirms = false;
+    Moment last = end_of_step(30), beyond = end_of_step(31);
+    last.plan.step_count = beyond.plan.step_count = count;
+    last.plan.steps[30].image_confirms = false;
     EXPECT_EQ(last.event(), Event::Move) << count;
     EXPECT_EQ(beyond.refusal(), Refusal::PlanDone) << count;
   }

@@ -84,7 +84,7 @@ const Fault kFaults[] = {
      [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.log_backlog_ms = 1'001; }; }},
     {Hazard::PlanUnconfirmed,
      [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.confirmed_tag[1] = 0; }; }},
-    {Hazard::StageDepth, [](Rig& r) { move_depth(r, 700, 700); }},
+    {Hazard::StepDepth, [](Rig& r) { move_depth(r, 700, 700); }},
     {Hazard::SuspectTissueModel,
      [](Rig& r) { r.on_observation = [](SupervisorInputs& s) { s.tissue_residual_um = 501; }; }},
     {Hazard::PatientMotion,

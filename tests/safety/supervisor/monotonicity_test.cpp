@@ -37,11 +37,11 @@ Situation random_input(Dice& dice, const SupervisorState& state) {
   input.remote_reset = dice.one_in(10);
   if (dice.one_in(30)) input.stop = static_cast<StopCategory>(dice.below(4));
   if (!dice.one_in(4)) input.motion = {state.token + dice.below(2), !dice.one_in(8)};
-  input.request.stage = dice.one_in(8) ? dice.below(4) : state.stage;
-  input.request.stage_reached = dice.one_in(8);
+  input.request.step = dice.one_in(8) ? dice.below(4) : state.step;
+  input.request.step_reached = dice.one_in(8);
   input.request.finished = dice.one_in(60);
   input.depth_accepted = !dice.one_in(3);
-  input.accepted_stage = dice.one_in(8) ? dice.below(4) : state.stage;
+  input.accepted_step = dice.one_in(8) ? dice.below(4) : state.step;
   return input;
 }
 
@@ -61,7 +61,7 @@ constexpr Worsening kWorsenings[] = {
     },
     [](Situation& s, Dice&) { s.motion.held = false; },
     [](Situation& s, Dice&) { s.motion = {}; },
-    [](Situation& s, Dice&) { s.request.stage_reached = true; },
+    [](Situation& s, Dice&) { s.request.step_reached = true; },
     [](Situation& s, Dice&) { s.request.finished = true; },
     [](Situation& s, Dice&) { s.depth_accepted = false; },
     [](Situation& s, Dice&) { s.evidence.drive_mV /= 2; },
@@ -75,7 +75,7 @@ std::int32_t rise_limit(const Permit& permit) {
 
 TEST(Supervisor, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
   verifies("R-48");
-  const PlanFacts plan = three_stage_plan();
+  const PlanFacts plan = three_step_plan();
   Dice dice(2024);
   std::array<int, kModes> visits{};
   SupervisorState state = started(5);

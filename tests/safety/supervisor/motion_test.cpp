@@ -9,7 +9,7 @@
 namespace biopsy::safety {
 namespace {
 
-// Ends the present stage and lets the button go.
+// Ends the present step and lets the button go.
 void reach(Rig& rig) {
   rig.reached = true;
   rig.run(2);
@@ -93,15 +93,15 @@ TEST(SafetyLoop, HoldToRunAnOldTokenNeitherStopsNorFeedsTheMotion) {
   EXPECT_EQ(rig.state.mode, Mode::Hold);
 }
 
-TEST(SafetyLoop, StagesEndInHoldAndGoOnWithAFreshPress) {
+TEST(SafetyLoop, StepsEndInHoldAndGoOnWithAFreshPress) {
   verifies("R-42");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  EXPECT_EQ(rig.output.permit.depth_max_um, rig.plan.stages[0].depth_max_um);
+  EXPECT_EQ(rig.output.permit.depth_max_um, rig.plan.steps[0].depth_max_um);
   rig.reached = true;
   rig.run(2);
   EXPECT_EQ(rig.state.mode, Mode::Hold);
-  EXPECT_TRUE(rig.output.stage_done);
+  EXPECT_TRUE(rig.output.step_done);
   EXPECT_TRUE(rig.output.image_allowed);
   rig.reached = false;
   rig.run(50);
@@ -109,13 +109,13 @@ TEST(SafetyLoop, StagesEndInHoldAndGoOnWithAFreshPress) {
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Active);
-  EXPECT_EQ(rig.output.stage, 1U);
+  EXPECT_EQ(rig.output.step, 1U);
   EXPECT_GT(rig.output.permit.v_max_mV, 6'000'000);
-  EXPECT_LE(rig.output.permit.v_max_mV, rig.plan.stages[1].v_max_mV);
+  EXPECT_LE(rig.output.permit.v_max_mV, rig.plan.steps[1].v_max_mV);
   EXPECT_FALSE(rig.output.image_allowed);
 }
 
-TEST(SafetyLoop, StagesWaitForTheDepthCheckOfThatVeryStage) {
+TEST(SafetyLoop, StepsWaitForTheDepthCheckOfThatVeryStep) {
   verifies("R-42");
   Rig rig;
   ASSERT_TRUE(rig.go_active());
@@ -123,7 +123,7 @@ TEST(SafetyLoop, StagesWaitForTheDepthCheckOfThatVeryStage) {
   rig.press();
   rig.tick();
   reach(rig);
-  ASSERT_EQ(rig.output.stage, 1U);
+  ASSERT_EQ(rig.output.step, 1U);
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Hold);
@@ -131,24 +131,24 @@ TEST(SafetyLoop, StagesWaitForTheDepthCheckOfThatVeryStage) {
   rig.depth_accepted = true;
   rig.run(5);
   EXPECT_EQ(rig.state.mode, Mode::Hold) << "a refused press is spent";
-  rig.on_input = [](Situation& input) { input.accepted_stage = 0; };
+  rig.on_input = [](Situation& input) { input.accepted_step = 0; };
   rig.press();
   rig.tick();
-  EXPECT_EQ(rig.output.refusal, Refusal::DepthNotAccepted) << "accepted for another stage";
+  EXPECT_EQ(rig.output.refusal, Refusal::DepthNotAccepted) << "accepted for another step";
   rig.on_input = [](Situation&) {};
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Active);
-  EXPECT_EQ(rig.output.stage, 2U);
+  EXPECT_EQ(rig.output.step, 2U);
 }
 
-TEST(SafetyLoop, StagesMayBeInterruptedAndResumedWithoutADepthCheck) {
+TEST(SafetyLoop, StepsMayBeInterruptedAndResumedWithoutADepthCheck) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   reach(rig);
   rig.press();
   rig.run(50);
-  ASSERT_EQ(rig.output.stage, 1U);
+  ASSERT_EQ(rig.output.step, 1U);
   rig.stop = StopCategory::C2Hold;
   rig.tick();
   rig.press();
@@ -158,31 +158,31 @@ TEST(SafetyLoop, StagesMayBeInterruptedAndResumedWithoutADepthCheck) {
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Active);
-  EXPECT_EQ(rig.output.stage, 1U);
+  EXPECT_EQ(rig.output.step, 1U);
 }
 
-TEST(SafetyLoop, StagesThereIsNothingBehindTheLast) {
+TEST(SafetyLoop, StepsThereIsNothingBehindTheLast) {
   Rig rig;
   rig.depth_accepted = true;
   ASSERT_TRUE(rig.go_active());
   reach(rig);
   for (int i = 0; i < 2; ++i) rig.press(), rig.tick(), reach(rig);
-  ASSERT_EQ(rig.output.stage, 2U);
+  ASSERT_EQ(rig.output.step, 2U);
   rig.press();
   rig.tick();
   EXPECT_EQ(rig.output.refusal, Refusal::PlanDone);
   EXPECT_EQ(rig.state.mode, Mode::Hold);
 }
 
-TEST(SafetyLoop, StagesAStageReachedBelongsToTheStageBeingDriven) {
+TEST(SafetyLoop, StepsAStepReachedBelongsToTheStepBeingDriven) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
-  rig.on_request = [](DriveRequest& request) { request.stage = 2, request.stage_reached = true; };
+  rig.on_request = [](DriveRequest& request) { request.step = 2, request.step_reached = true; };
   rig.run(10);
   EXPECT_EQ(rig.state.mode, Mode::Active);
 }
 
-TEST(SafetyLoop, StagesAFinishedPlanRetractsAndStartsOverFromTheFirstStage) {
+TEST(SafetyLoop, StepsAFinishedPlanRetractsAndStartsOverFromTheFirstStep) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   reach(rig);
@@ -194,16 +194,16 @@ TEST(SafetyLoop, StagesAFinishedPlanRetractsAndStartsOverFromTheFirstStage) {
   ASSERT_LE(rig.ticks_until([&] { return rig.state.mode == Mode::Ready; }, 400), 400);
   rig.arm = true;
   rig.tick();
-  EXPECT_EQ(rig.output.stage, 0U);
-  EXPECT_FALSE(rig.output.stage_done);
+  EXPECT_EQ(rig.output.step, 0U);
+  EXPECT_FALSE(rig.output.step_done);
 }
 
-TEST(SafetyLoop, StagesNeverAllowMoreThanTheRobotsOwnLimits) {
+TEST(SafetyLoop, StepsNeverAllowMoreThanTheRobotsOwnLimits) {
   verifies("R-35");
   Rig rig;
-  rig.plan.stages[0].v_max_mV = 20'000'000;
-  rig.plan.stages[0].slew_up_mV_per_tick = 20'000'000;
-  rig.plan.stages[0].depth_max_um = 20'000;
+  rig.plan.steps[0].v_max_mV = 20'000'000;
+  rig.plan.steps[0].slew_up_mV_per_tick = 20'000'000;
+  rig.plan.steps[0].depth_max_um = 20'000;
   SupervisorState state = rig.state;
   state.mode = Mode::Active;
   Situation input;
@@ -213,8 +213,8 @@ TEST(SafetyLoop, StagesNeverAllowMoreThanTheRobotsOwnLimits) {
   EXPECT_EQ(permit.v_max_mV, 8'000'000);
   EXPECT_EQ(permit.slew_up_mV_per_tick, 400'000);
   EXPECT_EQ(permit.depth_max_um, rig.plan.depth_max_um);
-  state.stage = 9;
-  EXPECT_EQ(step(rig.plan, state, input).second.permit.v_max_mV, 0) << "a stage the plan does not have";
+  state.step = 9;
+  EXPECT_EQ(step(rig.plan, state, input).second.permit.v_max_mV, 0) << "a step the plan does not have";
 }
 
 TEST(SafetyLoop, ImagesAreSoundWhereNothingSwitched) {

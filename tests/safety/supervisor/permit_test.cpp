@@ -19,7 +19,7 @@ Situation steady(Mode mode) {
 }
 
 std::pair<SupervisorState, SupervisorOutput> stays(Mode mode) {
-  const auto result = step(three_stage_plan(), in(mode), steady(mode));
+  const auto result = step(three_step_plan(), in(mode), steady(mode));
   EXPECT_EQ(result.first.mode, mode);
   return result;
 }
@@ -32,13 +32,13 @@ TEST(Supervisor, PermitsSayWhoseTheyAreAndWhatTheyAreFor) {
   EXPECT_EQ(permit.issued_us, 123'456);
   EXPECT_EQ(permit.ttl_us, 5'000);
   EXPECT_EQ(permit.mode, Mode::Active);
-  EXPECT_EQ(permit.plan_tag, three_stage_plan().plan_tag);
-  EXPECT_EQ(permit.config_tag, three_stage_plan().config_tag);
+  EXPECT_EQ(permit.plan_tag, three_step_plan().plan_tag);
+  EXPECT_EQ(permit.config_tag, three_step_plan().config_tag);
   EXPECT_EQ(permit.challenge, challenge_of(3, 71));
 }
 
 TEST(Supervisor, PermitsOfEachModeAllowWhatItsLineInTheTableOfStatesSays) {
-  const PlanFacts plan = three_stage_plan();
+  const PlanFacts plan = three_step_plan();
   struct Allowed {
     Mode mode;
     StopCategory stop;
@@ -50,8 +50,8 @@ TEST(Supervisor, PermitsOfEachModeAllowWhatItsLineInTheTableOfStatesSays) {
       {Mode::Safe, StopCategory::C0Off, false, 0, 0, 0},
       {Mode::Ready, StopCategory::C0Off, false, 0, 0, 0},
       {Mode::Armed, StopCategory::C2Hold, true, 0, 0, 0},
-      {Mode::Active, StopCategory::None, true, plan.stages[0].v_max_mV, plan.stages[0].slew_up_mV_per_tick,
-       plan.stages[0].depth_max_um},
+      {Mode::Active, StopCategory::None, true, plan.steps[0].v_max_mV, plan.steps[0].slew_up_mV_per_tick,
+       plan.steps[0].depth_max_um},
       {Mode::Hold, StopCategory::C2Hold, true, 5'000'000, 0, 0},
       {Mode::Retract, StopCategory::C1Ramp, true, 4'980'000, 0, 0},
       {Mode::Trip, StopCategory::C0Off, false, 0, 0, 0},
@@ -82,51 +82,51 @@ TEST(Supervisor, OutputsNameTheEventAndPassOnThatAnImageWasDisturbed) {
   Situation input = healthy();
   input.evidence.image_disturbed = true;
   input.stop = StopCategory::C1Ramp;
-  const SupervisorOutput output = step(three_stage_plan(), in(Mode::Active), input).second;
+  const SupervisorOutput output = step(three_step_plan(), in(Mode::Active), input).second;
   EXPECT_EQ(output.event, Event::Ramp);
   EXPECT_TRUE(output.image_disturbed);
 }
 
-TEST(Supervisor, StagesBeyondTheCountOfThePlanAllowNothingThoughNumbersStandThere) {
-  PlanFacts plan = three_stage_plan();
-  plan.stage_count = 1;
-  for (const std::uint32_t stage : {1U, 2U}) {
+TEST(Supervisor, StepsBeyondTheCountOfThePlanAllowNothingThoughNumbersStandThere) {
+  PlanFacts plan = three_step_plan();
+  plan.step_count = 1;
+  for (const std::uint32_t number : {1U, 2U}) {
     SupervisorState state = in(Mode::Active);
-    state.stage = stage;
-    EXPECT_EQ(step(plan, state, healthy()).second.permit.v_max_mV, 0) << stage;
+    state.step = number;
+    EXPECT_EQ(step(plan, state, healthy()).second.permit.v_max_mV, 0) << number;
   }
 }
 
-TEST(Supervisor, StagesWithANegativeEnvelopeOrSlewAllowNone) {
+TEST(Supervisor, StepsWithANegativeEnvelopeOrSlewAllowNone) {
   for (const std::int32_t value : {-1, 0}) {
-    PlanFacts plan = three_stage_plan();
-    plan.stages[0].v_max_mV = plan.stages[0].slew_up_mV_per_tick = value;
+    PlanFacts plan = three_step_plan();
+    plan.steps[0].v_max_mV = plan.steps[0].slew_up_mV_per_tick = value;
     const Permit permit = step(plan, in(Mode::Active), healthy()).second.permit;
     EXPECT_EQ(permit.v_max_mV, 0);
     EXPECT_EQ(permit.slew_up_mV_per_tick, 0);
   }
 }
 
-TEST(Supervisor, StagesStartOverFromTheFirstAtEveryArming) {
+TEST(Supervisor, StepsStartOverFromTheFirstAtEveryArming) {
   SupervisorState state = in(Mode::Ready);
-  state.stage = 2, state.stage_done = true;
+  state.step = 2, state.step_done = true;
   Situation input = healthy();
   input.local_arm = true;
-  const SupervisorState next = step(three_stage_plan(), state, input).first;
+  const SupervisorState next = step(three_step_plan(), state, input).first;
   ASSERT_EQ(next.mode, Mode::Armed);
-  EXPECT_EQ(next.stage, 0U);
-  EXPECT_FALSE(next.stage_done);
+  EXPECT_EQ(next.step, 0U);
+  EXPECT_FALSE(next.step_done);
 }
 
 TEST(Supervisor, ReasonsOutliveTheEndOfARampButNotAReset) {
   SupervisorState state = in(Mode::Retract);
   state.reason = Hazard::PopThrough;
-  EXPECT_EQ(step(three_stage_plan(), state, healthy()).first.reason, Hazard::PopThrough);
+  EXPECT_EQ(step(three_step_plan(), state, healthy()).first.reason, Hazard::PopThrough);
   state = in(Mode::Trip);
   state.reason = Hazard::Arc;
   Situation input = healthy();
   input.local_reset = true;
-  const SupervisorState next = step(three_stage_plan(), state, input).first;
+  const SupervisorState next = step(three_step_plan(), state, input).first;
   ASSERT_EQ(next.mode, Mode::Safe);
   EXPECT_EQ(next.reason, Hazard::None);
 }
@@ -134,20 +134,20 @@ TEST(Supervisor, ReasonsOutliveTheEndOfARampButNotAReset) {
 TEST(Supervisor, EpochsBeginWithATripOrALockAndWithNothingElse) {
   Situation input = healthy();
   input.evidence.clear &= ~bit(Hazard::ResidualCharge);
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Ready), input).first.epoch, 5U) << "ready to lock";
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Active), input).first.epoch, 5U) << "active to trip";
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Safe), healthy()).first.epoch, 4U) << "safe to ready";
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Boot), healthy()).first.epoch, 4U) << "boot to safe";
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Ready), input).first.epoch, 5U) << "ready to lock";
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Active), input).first.epoch, 5U) << "active to trip";
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Safe), healthy()).first.epoch, 4U) << "safe to ready";
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Boot), healthy()).first.epoch, 4U) << "boot to safe";
 }
 
-TEST(Supervisor, EnvelopesOfAHoldNeverBeginBelowZeroOrAboveTheStage) {
+TEST(Supervisor, EnvelopesOfAHoldNeverBeginBelowZeroOrAboveTheStep) {
   std::int32_t ceiling_mV = 8'000'000;
   const auto held = [&](std::int32_t drive_mV) {
     Situation input = healthy();
     input.stop = StopCategory::C2Hold;
     input.evidence.drive_mV = drive_mV;
     input.evidence.ceiling_mV = ceiling_mV;
-    return step(three_stage_plan(), in(Mode::Active), input).second.permit.v_max_mV;
+    return step(three_step_plan(), in(Mode::Active), input).second.permit.v_max_mV;
   };
   EXPECT_EQ(held(-5), 0);
   EXPECT_EQ(held(0), 0);
@@ -165,7 +165,7 @@ TEST(Supervisor, EnvelopesOfARampThatIsOverStayAtZero) {
   for (const std::int32_t ticks : {kRamp_ticks - 1, kRamp_ticks, kRamp_ticks + 40}) {
     SupervisorState state = in(Mode::Retract);
     state.ticks_in_mode = ticks;
-    EXPECT_EQ(step(three_stage_plan(), state, input).second.permit.v_max_mV, 0) << ticks;
+    EXPECT_EQ(step(three_step_plan(), state, input).second.permit.v_max_mV, 0) << ticks;
   }
 }
 
@@ -174,15 +174,15 @@ TEST(Supervisor, HoldToRunAMessageWithoutATokenKeepsNothingAlive) {
   state.token = 0, state.ticks_since_held = 7;
   Situation input = healthy();
   input.motion = {0, true};
-  EXPECT_EQ(step(three_stage_plan(), state, input).first.ticks_since_held, 8);
+  EXPECT_EQ(step(three_step_plan(), state, input).first.ticks_since_held, 8);
   state.token = 0xFFFF'FFFF;
   input.motion = {0xFFFF'FFFF, true};
-  EXPECT_EQ(step(three_stage_plan(), state, input).first.ticks_since_held, 0);
+  EXPECT_EQ(step(three_step_plan(), state, input).first.ticks_since_held, 0);
 }
 
 TEST(Supervisor, RefusalsOfALockAreTheSameForEveryRequest) {
   const auto refusal = [](const Situation& input) {
-    return step(three_stage_plan(), in(Mode::Lock), input).second.refusal;
+    return step(three_step_plan(), in(Mode::Lock), input).second.refusal;
   };
   Situation press = healthy(), remote = healthy(), reset = healthy(), arm = healthy();
   press.motion = {11, true};

@@ -15,7 +15,7 @@ constexpr Mode kAllModes[] = {Mode::Boot, Mode::Safe,    Mode::Ready, Mode::Arme
                               Mode::Hold, Mode::Retract, Mode::Trip,  Mode::Lock};
 
 Mode after(const SupervisorState& state, const Situation& input) {
-  return step(three_stage_plan(), state, input).first.mode;
+  return step(three_step_plan(), state, input).first.mode;
 }
 
 TEST(Supervisor, ReachesEveryMode) {
@@ -42,7 +42,7 @@ TEST(Supervisor, C0DisablesInTheSameTickFromEveryHotModeAndStartsANewEpoch) {
   for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
     Situation input = healthy();
     input.evidence.clear &= ~bit(Hazard::Arc);
-    const auto [next, output] = step(three_stage_plan(), in(mode), input);
+    const auto [next, output] = step(three_step_plan(), in(mode), input);
     EXPECT_EQ(next.mode, Mode::Trip) << name_of(mode);
     EXPECT_EQ(next.epoch, in(mode).epoch + 1);
     EXPECT_EQ(next.reason, Hazard::Arc);
@@ -85,7 +85,7 @@ TEST(Supervisor, ArmsOnAnEdgeOfTheLocalKeyOnly) {
   verifies("R-40");
   Situation input = healthy();
   input.remote_arm = true;
-  auto [next, output] = step(three_stage_plan(), in(Mode::Ready), input);
+  auto [next, output] = step(three_step_plan(), in(Mode::Ready), input);
   EXPECT_EQ(next.mode, Mode::Ready);
   EXPECT_EQ(output.refusal, Refusal::OnlyLocal);
   input.remote_arm = false;
@@ -99,10 +99,10 @@ TEST(Supervisor, ArmsOnAnEdgeOfTheLocalKeyOnly) {
 TEST(Supervisor, SaysWhyArmingIsRefused) {
   Situation input = healthy();
   input.local_arm = true;
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Hold), input).second.refusal, Refusal::NotReady);
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Hold), input).second.refusal, Refusal::NotReady);
   input.evidence.clear = 0;
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Safe), input).second.refusal, Refusal::Unhealthy);
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Lock), input).second.refusal, Refusal::Locked);
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Safe), input).second.refusal, Refusal::Unhealthy);
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Lock), input).second.refusal, Refusal::Locked);
 }
 
 TEST(Supervisor, StopsOfEachCategoryLeaveArmedAndReady) {
@@ -159,7 +159,7 @@ TEST(Supervisor, LeavesTripOnlyOnALocalResetEdgeWithEverythingBackToNormal) {
   EXPECT_EQ(after(held_down, good), Mode::Trip);
 
   const auto refusal = [](const Situation& input) {
-    const auto [next, output] = step(three_stage_plan(), in(Mode::Trip), input);
+    const auto [next, output] = step(three_step_plan(), in(Mode::Trip), input);
     EXPECT_EQ(next.mode, Mode::Trip);
     return output.refusal;
   };
@@ -218,18 +218,18 @@ TEST(Supervisor, AVoltageThatNobodyMeasuresIsBlamedOnTheMissingMeasurement) {
   input.evidence.zero_volts = false;
   input.evidence.clear &= ~(bit(Hazard::PlanChanged) | bit(Hazard::SensorStale));
   for (const Mode mode : {Mode::Safe, Mode::Ready}) {
-    const SupervisorState next = step(three_stage_plan(), in(mode), input).first;
+    const SupervisorState next = step(three_step_plan(), in(mode), input).first;
     EXPECT_EQ(next.mode, Mode::Trip) << name_of(mode);
     EXPECT_EQ(next.reason, Hazard::SensorStale) << name_of(mode);
   }
   input.evidence.clear |= bit(Hazard::SensorStale);
-  EXPECT_EQ(step(three_stage_plan(), in(Mode::Safe), input).first.reason, Hazard::PlanChanged);
+  EXPECT_EQ(step(three_step_plan(), in(Mode::Safe), input).first.reason, Hazard::PlanChanged);
 }
 
 TEST(Supervisor, AStopIsBlamedOnTheWorstThatIsFound) {
   Situation input = healthy();
   input.evidence.clear &= ~(bit(Hazard::PlanChanged) | bit(Hazard::SensorStale));
-  const SupervisorState next = step(three_stage_plan(), in(Mode::Active), input).first;
+  const SupervisorState next = step(three_step_plan(), in(Mode::Active), input).first;
   EXPECT_EQ(next.last_event, Event::Fault);
   EXPECT_EQ(next.reason, Hazard::PlanChanged);
 }
@@ -262,7 +262,7 @@ TEST(Supervisor, AKeyOrAPressInTheTickThatEndsTheModeIsAnswered) {
 
 TEST(Supervisor, RefusesNothingWhereNothingWasAsked) {
   for (const Mode mode : kAllModes)
-    EXPECT_EQ(step(three_stage_plan(), in(mode), healthy()).second.refusal, Refusal::None) << name_of(mode);
+    EXPECT_EQ(step(three_step_plan(), in(mode), healthy()).second.refusal, Refusal::None) << name_of(mode);
 }
 
 TEST(Supervisor, EveryNameIsKnownToPeople) {

@@ -30,7 +30,7 @@ TEST(Defaults, OfInputsHaveSeenNothingAndAskForNothing) {
     EXPECT_EQ(unknown, kUnknown);
   const Situation input;
   EXPECT_TRUE(are_zero(input.local_arm, input.local_reset, input.remote_arm, input.remote_reset,
-                       input.motion.token, input.motion.held, input.depth_accepted, input.accepted_stage));
+                       input.motion.token, input.motion.held, input.depth_accepted, input.accepted_step));
   EXPECT_EQ(input.self_test, SelfTest::Pending);
 }
 
@@ -47,7 +47,7 @@ TEST(Defaults, OfASupervisorAreBootWithBothKeysTakenAsHeld) {
   EXPECT_EQ(state.reason, Hazard::None);
   EXPECT_TRUE(state.arm_was_down && state.reset_was_down);
   EXPECT_EQ(state.epoch, 1U);
-  EXPECT_TRUE(are_zero(state.stage_done, state.session, state.seq, state.token, state.stage,
+  EXPECT_TRUE(are_zero(state.step_done, state.session, state.seq, state.token, state.step,
                        state.ticks_in_mode, state.ticks_since_held, state.held_mV));
   EXPECT_EQ(started(6).session, 6U);
 }
@@ -58,7 +58,7 @@ TEST(Defaults, OfAnOutputAllowNothing) {
   EXPECT_EQ(output.worst, Hazard::None);
   EXPECT_EQ(output.reason, Hazard::None);
   EXPECT_EQ(output.refusal, Refusal::Locked);
-  EXPECT_TRUE(are_zero(output.stage, output.stage_done, output.image_allowed, output.interlock_pulse));
+  EXPECT_TRUE(are_zero(output.step, output.step_done, output.image_allowed, output.interlock_pulse));
   EXPECT_TRUE(output.image_disturbed);
 }
 
@@ -75,7 +75,7 @@ TEST(Defaults, OfAGateAreOffAndBoundToNobody) {
 TEST(Defaults, OfAPlanPlanNothing) {
   const PlanFacts plan;
   EXPECT_TRUE(are_zero(plan.plan_tag, plan.config_tag, plan.depth_max_um, plan.tissue_residual_max_um,
-                       plan.bench_half_period_ticks, plan.stage_count, plan.band_count));
+                       plan.bench_half_period_ticks, plan.step_count, plan.band_count));
   const StepLimits step;
   EXPECT_TRUE(are_zero(step.depth_max_um, step.v_max_mV, step.slew_up_mV_per_tick));
   EXPECT_TRUE(step.image_confirms);
@@ -114,7 +114,7 @@ TEST(Defaults, OfTheDepthMonitorHaveSeenNoTargetAndNoNeedleAtHome) {
                        monitor.history.before, monitor.window.block, monitor.window.ticks,
                        monitor.window.past_low_mV, monitor.window.past_high_mV, monitor.range_tag,
                        monitor.deepest_um, monitor.sunk_ticks, monitor.over_ticks, monitor.hard_ticks,
-                       monitor.stage_ticks, monitor.pop_ticks, monitor.implausible_ticks,
+                       monitor.step_ticks, monitor.pop_ticks, monitor.implausible_ticks,
                        monitor.not_back_ticks, monitor.same_code_ticks, monitor.code, monitor.frozen_low_mV,
                        monitor.frozen_high_mV));
   EXPECT_EQ(monitor.range_low_mV, -1) << "no drive: the range is looked up at the first";

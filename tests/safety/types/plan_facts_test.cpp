@@ -12,7 +12,7 @@ namespace {
 
 template <class Change>
 bool is_plausible_with(Change change) {
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   change(plan);
   return is_plausible(plan);
 }
@@ -27,28 +27,28 @@ void expect_edges(std::int32_t low, std::int32_t high, Set set) {
 }
 
 TEST(PlanFacts, AcceptTheTestPlanAndRefuseADefaultOne) {
-  EXPECT_TRUE(is_plausible(three_stage_plan()));
+  EXPECT_TRUE(is_plausible(three_step_plan()));
   EXPECT_FALSE(is_plausible(PlanFacts{}));
 }
 
 TEST(PlanFacts, RefuseAPlanWithoutStepsOrWithoutBands) {
   verifies("R-29");
-  EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.stage_count = 0; }));
+  EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.step_count = 0; }));
   EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.band_count = 0; }));
 }
 
-TEST(PlanFacts, PlansFillTheRoomForStagesAndBandsAndNoMore) {
+TEST(PlanFacts, PlansFillTheRoomForStepsAndBandsAndNoMore) {
   verifies("R-29");
-  PlanFacts plan = three_stage_plan();
-  plan.stages.fill(plan.stages[0]);
+  PlanFacts plan = three_step_plan();
+  plan.steps.fill(plan.steps[0]);
   for (std::size_t i = 0; i < kMaxBands; ++i)
     plan.bands[i] = {static_cast<std::int32_t>(i) * 250'000, static_cast<std::int32_t>(i),
                      static_cast<std::int32_t>(i) + 50};
-  plan.stage_count = plan.band_count = 32;
+  plan.step_count = plan.band_count = 32;
   EXPECT_TRUE(is_plausible(plan));
-  plan.stage_count = 33;
+  plan.step_count = 33;
   EXPECT_FALSE(is_plausible(plan));
-  plan.stage_count = 32, plan.band_count = 33;
+  plan.step_count = 32, plan.band_count = 33;
   EXPECT_FALSE(is_plausible(plan));
   plan.band_count = 31;
   EXPECT_EQ(plausible_depth(plan, 8'200'000, 8'200'000).low_um, 30) << "the last one that counts";
@@ -58,7 +58,7 @@ TEST(PlanFacts, HalfPeriodOfABenchPlanIsItsOwnBetweenItsEdges) {
   verifies("R-23");
   for (const auto& [declared, held_to] :
        {std::pair{0, 250}, {49, 250}, {50, 50}, {2'500, 2'500}, {2'501, 250}}) {
-    PlanFacts plan = three_stage_plan();
+    PlanFacts plan = three_step_plan();
     plan.bench_half_period_ticks = declared;
     EXPECT_EQ(half_period_ticks(plan), held_to) << declared;
     EXPECT_EQ(is_plausible(plan), declared == 0 || declared == held_to) << declared;
@@ -67,21 +67,21 @@ TEST(PlanFacts, HalfPeriodOfABenchPlanIsItsOwnBetweenItsEdges) {
 
 TEST(PlanFacts, NumbersOfDepthAndResidualEndAtTheStroke) {
   verifies("R-29");
-  const auto only_stage = [](PlanFacts& plan, std::int32_t depth_um) {
-    plan.stage_count = 1, plan.stages[0].depth_max_um = 100;
+  const auto only_step = [](PlanFacts& plan, std::int32_t depth_um) {
+    plan.step_count = 1, plan.steps[0].depth_max_um = 100;
     plan.depth_max_um = depth_um;
   };
-  expect_edges(100, 12'000, only_stage);
+  expect_edges(100, 12'000, only_step);
   expect_edges(1, 12'000, [](PlanFacts& plan, std::int32_t um) { plan.tissue_residual_max_um = um; });
 }
 
-TEST(PlanFacts, NumbersOfEveryStageHaveTheirEdges) {
+TEST(PlanFacts, NumbersOfEveryStepHaveTheirEdges) {
   verifies("R-29");
   for (const std::size_t i : {0U, 1U, 2U}) {
-    expect_edges(100, 4'000, [i](PlanFacts& plan, std::int32_t um) { plan.stages[i].depth_max_um = um; });
-    expect_edges(100'000, 8'000'000, [i](PlanFacts& plan, std::int32_t mV) { plan.stages[i].v_max_mV = mV; });
+    expect_edges(100, 4'000, [i](PlanFacts& plan, std::int32_t um) { plan.steps[i].depth_max_um = um; });
+    expect_edges(100'000, 8'000'000, [i](PlanFacts& plan, std::int32_t mV) { plan.steps[i].v_max_mV = mV; });
     expect_edges(1'000, 400'000,
-                 [i](PlanFacts& plan, std::int32_t mV) { plan.stages[i].slew_up_mV_per_tick = mV; });
+                 [i](PlanFacts& plan, std::int32_t mV) { plan.steps[i].slew_up_mV_per_tick = mV; });
   }
 }
 
@@ -91,8 +91,8 @@ TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
   expect_edges(1, 7'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[1].drive_mV = mV; });
   expect_edges(7'500'000, 8'200'000, [](PlanFacts& plan, std::int32_t mV) { plan.bands[2].drive_mV = mV; });
   for (const std::size_t i : {0U, 1U, 2U}) {
-    const std::int32_t high_um = three_stage_plan().bands[i].high_um,
-                       low_um = three_stage_plan().bands[i].low_um;
+    const std::int32_t high_um = three_step_plan().bands[i].high_um,
+                       low_um = three_step_plan().bands[i].low_um;
     expect_edges(-12'000, high_um, [i](PlanFacts& plan, std::int32_t um) { plan.bands[i].low_um = um; });
     expect_edges(low_um, 24'000, [i](PlanFacts& plan, std::int32_t um) { plan.bands[i].high_um = um; });
   }
@@ -102,25 +102,25 @@ TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
   expect_edges(-12'000, 24'000, all_low);
 }
 
-TEST(PlanFacts, NumbersOfNoStageReachBeyondTheDrivesThatTheBandKnows) {
+TEST(PlanFacts, NumbersOfNoStepReachBeyondTheDrivesThatTheBandKnows) {
   verifies("R-29");
   for (const std::size_t i : {0U, 1U, 2U})
     for (const std::int32_t mV : {7'600'000, 7'600'001})
       EXPECT_EQ(is_plausible_with([&](PlanFacts& plan) {
-                  plan.bands[2].drive_mV = 7'600'000, plan.stages[i].v_max_mV = mV;
+                  plan.bands[2].drive_mV = 7'600'000, plan.steps[i].v_max_mV = mV;
                 }),
                 mV == 7'600'000)
           << i;
 }
 
-TEST(PlanFacts, NumbersOfAPlanWithOneStageAndOneBandAreEnough) {
+TEST(PlanFacts, NumbersOfAPlanWithOneStepAndOneBandAreEnough) {
   EXPECT_TRUE(is_plausible_with(
-      [](PlanFacts& plan) { plan.stage_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000; }));
+      [](PlanFacts& plan) { plan.step_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000; }));
 }
 
 TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {
   verifies("R-21");
-  const PlanFacts plan = three_stage_plan();
+  const PlanFacts plan = three_step_plan();
   const auto at = [&](std::int32_t mV) {
     const DepthRange range = plausible_depth(plan, mV, mV);
     return std::pair{range.low_um, range.high_um};
@@ -137,7 +137,7 @@ TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {
 }
 
 TEST(PlanFacts, PlausibleBandOfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   plan.band_count = 0;
   EXPECT_EQ(plausible_depth(plan, 0, 4'000'000).low_um, 0);
   EXPECT_EQ(plausible_depth(plan, 0, 4'000'000).high_um, 0);
@@ -155,7 +155,7 @@ TEST(PlanFacts, PlausibleBandOfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) 
 
 TEST(PlanFacts, PlausibleBandsHaveToRiseAndAreReadFromTheFirstWhereTheyDoNot) {
   verifies("R-21", "R-29");
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   plan.bands[1].drive_mV = 8'100'000;
   EXPECT_FALSE(is_plausible(plan)) << "falling";
   plan.bands[0] = {1'000'000, 5, 6};
@@ -166,7 +166,7 @@ TEST(PlanFacts, PlausibleBandsHaveToRiseAndAreReadFromTheFirstWhereTheyDoNot) {
 
 TEST(PlanFacts, PlausibleBandsBeyondTheStrokeAreReadAsItsEnds) {
   verifies("R-21");
-  PlanFacts plan = three_stage_plan();
+  PlanFacts plan = three_step_plan();
   for (const std::int32_t beyond_um : {-1, 0, 1, 1'000'000'000}) {
     plan.bands[0] = {0, -12'000 - beyond_um, 24'000 + beyond_um};
     const DepthRange range = plausible_depth(plan, 0, 0);

@@ -19,9 +19,9 @@ safety::PlanFacts largest_plan() {
   plan.plan_tag = plan.config_tag = 1;
   plan.depth_max_um = limits::kStroke_um;
   plan.tissue_residual_max_um = 500;
-  plan.stage_count = safety::kMaxSteps;
+  plan.step_count = safety::kMaxSteps;
   plan.band_count = safety::kMaxBands;
-  plan.stages.fill({limits::kStroke_um, limits::kDriveMax_mV, 80'000, true});
+  plan.steps.fill({limits::kStroke_um, limits::kDriveMax_mV, 80'000, true});
   for (std::size_t i = 0; i < safety::kMaxBands; ++i) {
     const auto step = static_cast<std::int32_t>(i);
     plan.bands[i] = {step * 250'000, step * 100, 2'000 + step * 300};

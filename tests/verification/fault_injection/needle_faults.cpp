@@ -63,8 +63,8 @@ Corruptors drag_beyond(Draw& draw, Procedure& procedure, const TickRecord& now) 
   return corrupt;
 }
 
-Corruptors drag_beyond_stage(Draw& draw, Procedure& procedure, const TickRecord& now) {
-  const auto& stage = procedure.facts().stages[now.stage];
+Corruptors drag_beyond_step(Draw& draw, Procedure& procedure, const TickRecord& now) {
+  const auto& stage = procedure.facts().steps[now.step];
   const double room_mm = 1e-3 * (procedure.facts().depth_max_um - stage.depth_max_um);
   Corruptors corrupt =
       drag_to(draw, now, 1e-3 * stage.depth_max_um + draw.within(0.25, std::min(0.45, room_mm)), 2.0, 40.0);
@@ -144,7 +144,7 @@ std::vector<FaultClass> needle_faults() {
   over.instead = bit(Hazard::HardOverDepth) | bit(Hazard::PopThrough);
   over.moves_needle = true;
 
-  FaultClass stage = class_of(Hazard::StageDepth, {Mode::Active}, drag_beyond_stage);
+  FaultClass stage = class_of(Hazard::StepDepth, {Mode::Active}, drag_beyond_step);
   stage.row = 2;
   stage.fits = [](const ProcedureState& g) { return g.depth_um > 300 && g.left > 500; };  // the slowest drag
   // Dragged on slowly it is first unlike its tissue, or out at 0 V: the loop gives way.

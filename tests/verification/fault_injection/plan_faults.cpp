@@ -36,7 +36,7 @@ Corruptors take_another(Draw& draw, Procedure& procedure, const TickRecord&) {
       other.target.p_ST.z() += draw.within(0.001, 1.0);
       break;
     default:
-      other.stages.back().depth.value += draw.within(0.001, 1.0);
+      other.steps.back().depth.value += draw.within(0.001, 1.0);
   }
   planner::seal(other);
   const std::uint64_t tag = planner::plan_tag(other);
@@ -65,7 +65,7 @@ Corruptors slip_units(Draw& draw, Procedure& procedure, const TickRecord&) {
     value = less ? value / 1'000 : static_cast<std::int32_t>(std::int64_t{value} * 200 % 2'000'000'000);
   };
   const auto each_stage = [&](auto member) {
-    for (std::uint32_t i = 0; i < facts.stage_count; ++i) slip(facts.stages[i].*member);
+    for (std::uint32_t i = 0; i < facts.step_count; ++i) slip(facts.steps[i].*member);
   };
   switch (draw.whole(0, 4)) {
     case 0:
@@ -92,7 +92,7 @@ Corruptors ask_too_much(Draw& draw, Procedure&, const TickRecord&) {
   return {.request =
               [=](DriveRequest& r) {
                 r.wanted_mV = r.wanted_mV < 0 ? -asked_mV : asked_mV;
-                r.stage_reached = false;
+                r.step_reached = false;
               },
           .shows =
               [](const ObservedTick& s) {
@@ -111,7 +111,7 @@ std::vector<FaultClass> plan_faults() {
   // a plan is taken up at rest only; in motion its tag stands for it
   FaultClass units = class_of(Hazard::PlanImplausible, {Mode::Ready}, slip_units);
 
-  FaultClass runaway = class_of(Hazard::StageDepth, {Mode::Active}, ask_too_much);
+  FaultClass runaway = class_of(Hazard::StepDepth, {Mode::Active}, ask_too_much);
   runaway.id += "/runaway";
   runaway.what = "controller asks for far too much";
   runaway.row = 2;

@@ -63,22 +63,20 @@ TickRecord Procedure::tick() {
   if (operator_.wants_verdict()) operator_.judge(DepthVerdict::Accept, "");
   if (corruptors_.world) corruptors_.world(world);
   if (corruptors_.environment) corruptors_.environment(environment);
-  last_ = supervised_.run(world, environment,
-                          [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
-                            DriveRequest request = robot::control({.measurement = measured,
-                                                                   .permit = decided.permit,
-                                                                   .stage = decided.stage,
-                                                                   .finish = world.finish},
-                                                                  controller_);
-                            if (corruptors_.request) corruptors_.request(request);
-                            return request;
-                          });
+  last_ = supervised_.run(
+      world, environment, [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
+        DriveRequest request = robot::control(
+            {.measurement = measured, .permit = decided.permit, .step = decided.step, .finish = world.finish},
+            controller_);
+        if (corruptors_.request) corruptors_.request(request);
+        return request;
+      });
   operator_.observe(last_);
   if (last_.supervisor.interlock_pulse) stage_.pulse_from_supervisor();
   line_.mode = last_.supervisor.permit.mode;
   line_.hazards = last_.evidence.hazards();
   line_.event = last_.supervisor.event;
-  line_.stage = last_.supervisor.stage;
+  line_.step = last_.supervisor.step;
   line_.flagged = last_.supervisor.image_disturbed;
   line_.enabled = stage_.enabled();
   line_.command_mV = last_.drive_mV;

@@ -20,7 +20,7 @@ struct TickRecord {
   Mode mode = Mode::Boot;
   safety::HazardSet hazards = 0;
   safety::Event event = safety::Event::None;
-  std::uint32_t stage = 0;
+  std::uint32_t step = 0;
   bool flagged = false;         // the image of this moment is marked as disturbed
   bool shown = false;           // this sample shows the fault
   bool enabled = false;         // high voltage, by the gate

@@ -49,7 +49,7 @@ std::string trace_text(const FaultClass& fault, const RunResult& result) {
     const std::string events = news(line, before, fault);
     if (!events.empty() || i < 12 || i % 100 == 0)
       text += fmt::format("{:>8} {:<8}{:>5}{:>9.3f}{:>9.3f}{:>10.3f}{:>9.3f}  {}\n", i + 1,
-                          safety::name_of(line.mode), line.stage, line.command_mV * 1e-6, line.output_kV,
+                          safety::name_of(line.mode), line.step, line.command_mV * 1e-6, line.output_kV,
                           line.seen_um * 1e-3, line.depth_mm, events);
     before = &line;
   }

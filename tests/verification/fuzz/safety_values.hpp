@@ -15,7 +15,7 @@ inline void fill(Feed& feed, Permit& p) {
 }
 
 inline void fill(Feed& feed, DriveRequest& r) {
-  feed.fill(r.seq, r.wanted_mV, r.stage, r.stage_reached, r.finished, r.overruns, r.measured_seq,
+  feed.fill(r.seq, r.wanted_mV, r.step, r.step_reached, r.finished, r.overruns, r.measured_seq,
             r.setpoint_um);
 }
 
@@ -30,25 +30,25 @@ inline void fill(Feed& feed, safety::GateState& s) {
 }
 
 inline void fill(Feed& feed, safety::SupervisorState& s) {
-  feed.fill(s.mode, s.last_event, s.reason, s.stage_done, s.arm_was_down, s.reset_was_down, s.session,
-            s.epoch, s.seq, s.token, s.stage, s.ticks_in_mode, s.ticks_since_held, s.held_mV);
+  feed.fill(s.mode, s.last_event, s.reason, s.step_done, s.arm_was_down, s.reset_was_down, s.session, s.epoch,
+            s.seq, s.token, s.step, s.ticks_in_mode, s.ticks_since_held, s.held_mV);
 }
 
 inline void fill(Feed& feed, safety::Situation& i) {
   feed.fill(i.now_us, i.evidence.clear, i.evidence.zero_volts, i.evidence.needle_home,
             i.evidence.image_disturbed, i.evidence.drive_mV, i.evidence.ceiling_mV, i.self_test, i.local_arm,
             i.local_reset, i.remote_arm, i.remote_reset, i.stop, i.motion.token, i.motion.held,
-            i.depth_accepted, i.accepted_stage);
+            i.depth_accepted, i.accepted_step);
   fill(feed, i.request);
 }
 
 // Few bytes, so that many of them are reached: the head, then stages and bands as long as there are any.
 inline void fill(Feed& feed, safety::PlanFacts& p) {
   feed.fill(p.plan_tag, p.config_tag, p.depth_max_um, p.tissue_residual_max_um, p.bench_half_period_ticks,
-            p.stage_count, p.band_count);
+            p.step_count, p.band_count);
   for (std::size_t i = 0; i < 3; ++i) {
-    feed.fill(p.stages[i].depth_max_um, p.stages[i].v_max_mV, p.stages[i].slew_up_mV_per_tick,
-              p.stages[i].image_confirms);
+    feed.fill(p.steps[i].depth_max_um, p.steps[i].v_max_mV, p.steps[i].slew_up_mV_per_tick,
+              p.steps[i].image_confirms);
     feed.fill(p.bands[i].drive_mV, p.bands[i].low_um, p.bands[i].high_um);
   }
 }

@@ -44,7 +44,7 @@ TEST(Exploration, FindsNothingWrongInTheShippedSupervisor) {
 }
 
 TEST(Exploration, ChecksEveryClaimAndReachesEveryTimeInEveryMode) {
-  Explorer explorer(shipped(), three_stages(0b010).facts, {Grain::Quick, 0, 0});
+  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0});
   const Exploration exploration = explorer.run();
   for (std::size_t c = 0; c < kClaims; ++c) EXPECT_GT(exploration.claims[c].checked, 0U) << name_of_claim(c);
   const auto longest = [&](Mode mode) { return exploration.longest_ticks[static_cast<std::size_t>(mode)]; };
@@ -67,7 +67,7 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
   for (std::size_t mode = 0; mode < safety::kModes; ++mode) {
     const InputSpace space(static_cast<Mode>(mode), Grain::Quick);
     SupervisorState state = state_of(0);
-    state.token = kToken, state.stage = 1;
+    state.token = kToken, state.step = 1;
     std::uint32_t visited = 0;
     space.for_each(state, [&](std::uint32_t index, const Situation& input) {
       ASSERT_EQ(index, visited++);
@@ -76,8 +76,8 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
       ASSERT_EQ(input.stop, same.stop);
       ASSERT_EQ(input.motion.token, same.motion.token);
       ASSERT_EQ(input.motion.held, same.motion.held);
-      ASSERT_EQ(input.request.stage, same.request.stage);
-      ASSERT_EQ(input.accepted_stage, same.accepted_stage);
+      ASSERT_EQ(input.request.step, same.request.step);
+      ASSERT_EQ(input.accepted_step, same.accepted_step);
       ASSERT_EQ(input.remote_arm, same.remote_arm);
     });
     EXPECT_EQ(visited, space.size());
@@ -85,7 +85,7 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
 }
 
 TEST(Exploration, AStateAndItsKeyAreTheSame) {
-  Explorer explorer(shipped(), three_stages(0b010).facts, {Grain::Quick, 0, 0});
+  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0});
   const std::uint64_t states = explorer.run().states;
   for (std::uint32_t i = 0; i < states; i += 7) {
     const SupervisorState state = explorer.state(i);
@@ -96,15 +96,15 @@ TEST(Exploration, AStateAndItsKeyAreTheSame) {
 TEST(EquivalentStep, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
   const InputSpace space(Mode::Hold, Grain::Quick);
   SupervisorState state = state_of(0);
-  state.mode = Mode::Hold, state.token = kToken, state.stage = 1;
+  state.mode = Mode::Hold, state.token = kToken, state.step = 1;
   safety::HazardSet seen = 0;
   bool before = false, after = false;
   for (std::uint32_t i = 0; i < space.size(); ++i) {
     const Situation input = space.at(i, state);
     const EquivalentStep equivalent = equivalent_step(state, input, i);
     seen |= equivalent.input.evidence.hazards();
-    before = before || equivalent.input.accepted_stage < equivalent.state.stage;
-    after = after || equivalent.input.accepted_stage > equivalent.state.stage;
+    before = before || equivalent.input.accepted_step < equivalent.state.step;
+    after = after || equivalent.input.accepted_step > equivalent.state.step;
     ASSERT_EQ(input.motion.token > state.token, equivalent.input.motion.token > equivalent.state.token);
     ASSERT_EQ(input.motion.token == state.token, equivalent.input.motion.token == equivalent.state.token);
     ASSERT_EQ(input.motion.token == 0, equivalent.input.motion.token == 0);
@@ -114,19 +114,19 @@ TEST(EquivalentStep, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
 }
 
 TEST(Counterexample, OfASeededBugIsATraceTickByTick) {
-  const SeededSubject subject(kMutantBuild, &bug_named("depth-check-of-any-stage"));
+  const SeededSubject subject(kMutantBuild, &bug_named("depth-check-of-any-step"));
   const Violations caught = find_violation(subject.get(), Part::Supervisor, {});
   ASSERT_EQ(caught.claims, std::vector<std::string>{"depth-check"});
   EXPECT_EQ(caught.counterexamples.front(),
             R"(       0 ms  boot | 0 V measured -> safe (self-test passed)
        1 ms  safe | 0 V measured -> ready (healthy and plan sealed)
        2 ms  ready | 0 V measured, arm key turned -> armed (armed on the device), up to 0 V
-       3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), stage 1, up to 0 V, may rise
-       4 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 1 done, up to 0 V
-       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), stage 2, up to 0 V, may rise
-       6 ms  active | voltage measured, controller reached this stage -> hold (stage reached), stage 2 done, up to 0 V
-       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another stage -> active (motion button pressed), stage 3, up to 0 V, may rise
-  broken:    depth-check: Past a stage that an image confirms only with the depth check of that very stage.
+       3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), step 1, up to 0 V, may rise
+       4 ms  active | voltage measured, controller reached this step -> hold (step reached), step 1 done, up to 0 V
+       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), step 2, up to 0 V, may rise
+       6 ms  active | voltage measured, controller reached this step -> hold (step reached), step 2 done, up to 0 V
+       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another step -> active (motion button pressed), step 3, up to 0 V, may rise
+  broken:    depth-check: Past a step that an image confirms only with the depth check of that very step.
 )");
 }
 

@@ -23,13 +23,13 @@ struct Stepped {
 
   std::uint64_t digest() const {
     Hash hash;
-    hash.add(next.mode, next.last_event, next.reason, next.stage_done, next.arm_was_down, next.reset_was_down,
-             next.session, next.epoch, next.seq, next.token, next.stage, next.ticks_in_mode,
+    hash.add(next.mode, next.last_event, next.reason, next.step_done, next.arm_was_down, next.reset_was_down,
+             next.session, next.epoch, next.seq, next.token, next.step, next.ticks_in_mode,
              next.ticks_since_held, next.held_mV);
     const Permit& p = output.permit;
     hash.add(p.session, p.epoch, p.seq, p.issued_us, p.ttl_us, p.mode, p.stop, p.hv_enable, p.v_max_mV,
              p.slew_up_mV_per_tick, p.depth_max_um, p.plan_tag, p.config_tag, p.challenge);
-    hash.add(output.event, output.worst, output.reason, output.refusal, output.stage, output.stage_done,
+    hash.add(output.event, output.worst, output.reason, output.refusal, output.step, output.step_done,
              output.image_allowed, output.image_disturbed, output.interlock_pulse);
     return hash.value();
   }

@@ -59,16 +59,16 @@ PlanFacts plan_of(Dice& dice) {
   PlanFacts plan;
   plan.plan_tag = 1 + dice.below(2), plan.config_tag = 7;
   plan.depth_max_um = 4'000, plan.tissue_residual_max_um = 500;
-  plan.stage_count = dice.below(5), plan.band_count = dice.below(5);
+  plan.step_count = dice.below(5), plan.band_count = dice.below(5);
   for (std::uint32_t i = 0; i < 5; ++i) {
     const auto n = static_cast<std::int32_t>(i);
-    plan.stages[i] = {3'600 + 100 * n, 6'500'000 + 500'000 * n, 20'000, dice.one_in(2)};
+    plan.steps[i] = {3'600 + 100 * n, 6'500'000 + 500'000 * n, 20'000, dice.one_in(2)};
     plan.bands[i] = {2'000'000 * n, 1'000 * n - 100, 1'000 * n + 100};
   }
   if (dice.one_in(4)) plan.bench_half_period_ticks = static_cast<std::int32_t>(dice.below(400));
   if (!dice.one_in(4)) return plan;
   plan.depth_max_um = dice.of(kDepths_um), plan.tissue_residual_max_um = dice.of(kDepths_um);
-  plan.stages[0] = {dice.of(kDepths_um), dice.of(kVolts_mV), dice.of(kSlews_mV), true};
+  plan.steps[0] = {dice.of(kDepths_um), dice.of(kVolts_mV), dice.of(kSlews_mV), true};
   plan.bands[1] = {dice.of(kVolts_mV), dice.of(kDepths_um), dice.of(kDepths_um)};
   return plan;
 }
@@ -124,11 +124,11 @@ Situation input_of(Dice& dice, const SupervisorState& state) {
   if (dice.one_in(40)) input.stop = static_cast<StopCategory>(dice.below(4));
   if (!dice.one_in(4)) input.motion = {state.token + dice.below(20) / 18, !dice.one_in(20)};
   if (dice.one_in(40)) input.motion.token = dice.below(3);
-  input.request.stage = dice.one_in(8) ? dice.below(4) : state.stage;
-  input.request.stage_reached = dice.one_in(10);
+  input.request.step = dice.one_in(8) ? dice.below(4) : state.step;
+  input.request.step_reached = dice.one_in(10);
   input.request.finished = dice.one_in(200);
   input.depth_accepted = !dice.one_in(3);
-  input.accepted_stage = dice.one_in(8) ? dice.below(4) : state.stage;
+  input.accepted_step = dice.one_in(8) ? dice.below(4) : state.step;
   return input;
 }
 
@@ -144,7 +144,7 @@ void hash_step(Hash& hash) {
     hash.add(permit.session, permit.epoch, permit.seq, permit.issued_us, permit.ttl_us, permit.mode,
              permit.stop, permit.hv_enable, permit.v_max_mV, permit.slew_up_mV_per_tick, permit.depth_max_um,
              permit.challenge);
-    hash.add(output.event, output.worst, output.reason, output.refusal, output.stage, output.stage_done,
+    hash.add(output.event, output.worst, output.reason, output.refusal, output.step, output.step_done,
              output.image_allowed, output.image_disturbed, output.interlock_pulse);
     hash.add(next.last_event, next.token, next.ticks_in_mode, next.ticks_since_held, next.held_mV);
     state = next;

@@ -21,8 +21,8 @@ constexpr std::uint64_t kDays = 0x6461'7973, kOperators = 0x7065'6f70;
 // supervisor allows there: that hold has its reason.
 bool has_jumped(const TickRecord& line, const Plan& plan) {
   constexpr double kHalfOvershoot_mm = 0.25;
-  return line.hazards == bit(safety::Hazard::StageDepth) &&
-         line.depth_mm > plan.stages[line.stage].depth.value + kHalfOvershoot_mm;
+  return line.hazards == bit(safety::Hazard::StepDepth) &&
+         line.depth_mm > plan.steps[line.step].depth.value + kHalfOvershoot_mm;
 }
 
 bool is_unasked(const TickRecord& line, Mode before) {
@@ -42,10 +42,10 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
   HealthyRun run;
   Mode before = Mode::Boot;
   std::int64_t ticks = 0;
-  std::uint32_t stage = 0;
+  std::uint32_t step = 0;
   for (; ticks < kTicksMax && !varied.done(); ++ticks) {
     const TickRecord line = procedure.tick();
-    stage = std::max(stage, line.stage);
+    step = std::max(step, line.step);
     const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
     const bool unasked = is_unasked(line, before) && !fell;
     const bool stopped = unasked && !has_jumped(line, scenario.plan);
@@ -62,7 +62,7 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
   run.procedures = 1;
   run.completed = varied.completed();
   run.given_up = varied.gave_up();
-  run.stages = static_cast<std::int32_t>(stage) + 1;
+  run.steps = static_cast<std::int32_t>(step) + 1;
   run.releases = varied.releases();
   if (!varied.completed() && !varied.gave_up() && run.alarms.empty())
     run.alarms.push_back({number, static_cast<double>(ticks) * 1e-3, "did not reach its target"});
@@ -74,7 +74,7 @@ HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.procedures += b.procedures;
   a.completed += b.completed;
   a.given_up += b.given_up;
-  a.stages += b.stages;
+  a.steps += b.steps;
   a.releases += b.releases;
   a.trips += b.trips;
   a.unexpected_stops += b.unexpected_stops;

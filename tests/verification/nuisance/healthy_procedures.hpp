@@ -19,7 +19,7 @@ struct Alarm {
 
 struct HealthyRun {
   double hours = 0.0;
-  std::int32_t procedures = 0, completed = 0, given_up = 0, stages = 0, releases = 0;
+  std::int32_t procedures = 0, completed = 0, given_up = 0, steps = 0, releases = 0;
   std::int32_t trips = 0;             // into trip or lock
   std::int32_t unexpected_stops = 0;  // held, withdrawn or not ready for a hazard that was not there
   std::int32_t punctures_held = 0;    // held, the needle having truly jumped ahead when a layer gave way

@@ -15,7 +15,7 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
                                             {"procedures", day.procedures},
                                             {"completed", day.completed},
                                             {"given_up", day.given_up},
-                                            {"stages", day.stages},
+                                            {"stages", day.steps},
                                             {"releases", day.releases},
                                             {"trips", day.trips},
                                             {"unexpected_holds", day.unexpected_stops},
@@ -36,10 +36,10 @@ biopsy::EvidenceReport run(double hours, std::uint64_t seed) {
     fmt::print(stderr, "\rhealthy procedures: {:3.0f} %", 100.0 * std::min(share, 1.0));
   });
   fmt::print(
-      "\n{:.2f} h, {} procedures ({} completed, {} given up), {} stages, {} releases: {} trips, {} "
+      "\n{:.2f} h, {} procedures ({} completed, {} given up), {} steps, {} releases: {} trips, {} "
       "unrequested "
       "stops, {} holds after a puncture that truly jumped\n",
-      day.hours, day.procedures, day.completed, day.given_up, day.stages, day.releases, day.trips,
+      day.hours, day.procedures, day.completed, day.given_up, day.steps, day.releases, day.trips,
       day.unexpected_stops, day.punctures_held);
   for (const Alarm& alarm : day.alarms)
     fmt::print("  procedure {} at {:.2f} s: {}\n", alarm.procedure, alarm.at_s, alarm.what);

@@ -27,9 +27,9 @@ void VariedOperator::go(Step step, std::int32_t ticks) {
 // The stage is done: an image where the plan wants one, then on; at the last one, back.
 void VariedOperator::reach(const robot::CycleRecord& seen) {
   held_ = false;
-  accepted_stage_ = seen.supervisor.stage;
-  accepted_ = !plan_.stages[accepted_stage_].image_confirms;
-  if (accepted_) completed_ = accepted_stage_ + 1 == plan_.stages.size();
+  accepted_step_ = seen.supervisor.step;
+  accepted_ = !plan_.steps[accepted_step_].image_confirms;
+  if (accepted_) completed_ = accepted_step_ + 1 == plan_.steps.size();
   if (!accepted_)
     go(Step::Image, robot::kAcquisition_ticks);
   else
@@ -38,7 +38,7 @@ void VariedOperator::reach(const robot::CycleRecord& seen) {
 
 void VariedOperator::insert(const robot::CycleRecord& seen) {
   const Mode mode = seen.supervisor.permit.mode;
-  if (mode == Mode::Hold && seen.supervisor.stage_done && held_) return reach(seen);
+  if (mode == Mode::Hold && seen.supervisor.step_done && held_) return reach(seen);
   held_back_ = mode == Mode::Hold ? held_back_ + 1 : 0;
   if (held_back_ >= kPatience_ticks) {  // stopped for no reason of theirs: lets go and tries again
     held_ = false;
@@ -76,7 +76,7 @@ void VariedOperator::watch(const robot::CycleRecord& seen) {
     case Step::Image:
       if (--left_ > 0) break;
       accepted_ = true;
-      completed_ = accepted_stage_ + 1 == plan_.stages.size();
+      completed_ = accepted_step_ + 1 == plan_.steps.size();
       go(completed_ ? Step::Withdraw : Step::Think, completed_ ? kReturn_ticks : draw_.whole(150, 4'000));
       break;
     case Step::Withdraw:
@@ -98,7 +98,7 @@ robot::OperatorInputs VariedOperator::act(const robot::CycleRecord& seen) {
   world.finish = step_ == Step::Withdraw && !(by_stop_ && gave_up());
   if (step_ == Step::Withdraw && by_stop_ && gave_up()) world.stop = StopCategory::C1Ramp;
   world.depth_accepted = accepted_;
-  world.accepted_stage = accepted_stage_;
+  world.accepted_step = accepted_step_;
   return world;
 }
 

@@ -34,7 +34,7 @@ class VariedOperator {
   std::int32_t left_;  // ticks until the next act
   std::int32_t quits_in_;
   bool gives_up_, by_stop_;
-  std::uint32_t token_ = 0, accepted_stage_ = 0;
+  std::uint32_t token_ = 0, accepted_step_ = 0;
   bool held_ = false, accepted_ = false, completed_ = false;
   std::int32_t releases_ = 0, held_back_ = 0;
 };

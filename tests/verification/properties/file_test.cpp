@@ -29,9 +29,9 @@ RC_GTEST_PROP(PlanFile, AnyPlanIsOpenedAsItWasSealed, ()) {
                  Point(2, 3, any_number(-1e3, 1e3))};
   for (int n = count(); n > 0; --n) plan.layers.push_back({any_text(), any_depth(), any_depth()});
   for (int n = count(); n > 0; --n)
-    plan.stages.push_back({static_cast<StepKind>(*rc::gen::inRange(0, 4)), any_depth(),
-                           MillimetresPerSecond(1), Volts(any_number(0, 8e3)), Seconds(1),
-                           *rc::gen::arbitrary<bool>(), any_text()});
+    plan.steps.push_back({static_cast<StepKind>(*rc::gen::inRange(0, 4)), any_depth(),
+                          MillimetresPerSecond(1), Volts(any_number(0, 8e3)), Seconds(1),
+                          *rc::gen::arbitrary<bool>(), any_text()});
   for (int n = count(); n > 0; --n)
     plan.limits.plausible.push_back({Volts(any_number(0, 8e3)), any_depth(), any_depth()});
   if (*rc::gen::arbitrary<bool>()) plan.bench = BenchDrive{Seconds(any_number(0.05, 2.5))};

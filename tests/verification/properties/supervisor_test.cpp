@@ -47,7 +47,7 @@ RC_GTEST_PROP(Supervisor, OneHazardMoreNeverAllowsMoreFromAnyMemory, ()) {
   fuzz::fill(feed, state), fuzz::fill(feed, input);
   state.mode = static_cast<Mode>(*rc::gen::inRange(0, 9));
   input.evidence.clear = kAllHazards;
-  const safety::PlanFacts plan = safety::three_stage_plan();
+  const safety::PlanFacts plan = safety::three_step_plan();
   const auto [next, output] = safety::step(plan, state, input);
   input.evidence.clear &= ~bit(static_cast<Hazard>(*rc::gen::inRange<std::size_t>(0, safety::kHazards)));
   const auto [worse_next, worse] = safety::step(plan, state, input);
@@ -62,7 +62,7 @@ RC_GTEST_PROP(Supervisor, AStopThatDoesNotExistStopsAsTheStrongest, ()) {
   safety::Situation input;
   input.evidence = {kAllHazards, true, true, false, 0};
   input.stop = static_cast<StopCategory>(*rc::gen::inRange(3, 256));
-  const auto [next, output] = safety::step(safety::three_stage_plan(), state, input);
+  const auto [next, output] = safety::step(safety::three_step_plan(), state, input);
   RC_ASSERT(next.mode == Mode::Trip);
   RC_ASSERT(!output.permit.hv_enable);
 }
@@ -72,7 +72,7 @@ RC_GTEST_PROP(Evidence, IsWhatTheObservationSaysWhateverWasBefore, ()) {
   verifies("R-03", "R-11", "R-12", "R-13", "R-28", "R-33");
   const auto bytes = any_bytes();
   fuzz::Feed feed(bytes);
-  const safety::PlanFacts plan = safety::three_stage_plan();
+  const safety::PlanFacts plan = safety::three_step_plan();
   safety::EvidenceMemory memory;
   for (int tick = 0; tick < 8; ++tick) {
     safety::SupervisorInputs seen;
@@ -97,7 +97,7 @@ RC_GTEST_PROP(Evidence, IsWhatTheObservationSaysWhateverWasBefore, ()) {
 
 RC_GTEST_PROP(PlanFacts, APlausibleBandIsNeverEmptyAndGrowsWithTheWindow, ()) {
   verifies("R-21");
-  const safety::PlanFacts plan = safety::three_stage_plan();
+  const safety::PlanFacts plan = safety::three_step_plan();
   const auto drive = [] { return *rc::gen::inRange(0, limits::kMonitorTrip_mV + 1); };
   const std::int32_t a = drive(), b = drive(), low = std::min(a, b), high = std::max(a, b);
   const std::int32_t inside = *rc::gen::inRange(low, high + 1);
@@ -119,7 +119,7 @@ RC_GTEST_PROP(PlanFacts, AreJudgedAndUsedWhateverTheySay, ()) {
   RC_ASSERT(safety::tissue_residual_um(plan, watch, measured) >= 0);
   RC_ASSERT(safety::half_period_ticks(plan) >= safety::kBenchHalfPeriodMin_ticks);
   if (!safety::is_plausible(plan)) return;
-  RC_ASSERT(plan.depth_max_um <= limits::kStroke_um && plan.stage_count > 0);
+  RC_ASSERT(plan.depth_max_um <= limits::kStroke_um && plan.step_count > 0);
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ function Report(props: { path: string; completed: boolean }) {
 function NoImage(props: { path: string }) {
   return (
     <div class="confirm" role="status">
-      <h2>The needle went back before its stage ended: no image was taken.</h2>
+      <h2>The needle went back before its step ended: no image was taken.</h2>
       <Report path={props.path} completed={false} />
       <p>Another run begins with the three checks.</p>
     </div>

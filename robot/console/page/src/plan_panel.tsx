@@ -41,25 +41,25 @@ function Layers() {
   )
 }
 
-function Stages() {
+function Steps() {
   return (
     <table>
-      <caption hidden>stages</caption>
+      <caption hidden>steps</caption>
       <thead>
         <tr>
-          <th>Stage</th>
+          <th>Step</th>
           <th>Depth mm</th>
           <th>Speed mm/s</th>
           <th>Then</th>
         </tr>
       </thead>
       <tbody>
-        {plan.value!.stages.map((stage, n) => (
+        {plan.value!.stages.map((step, n) => (
           <tr key={n} aria-current={state.value?.stage === n ? 'true' : undefined}>
             <td>{n + 1}</td>
-            <td>{mm(stage.depth, 2)}</td>
-            <td>{mm(stage.speed)}</td>
-            <td>{stage.image_confirms ? 'hold, image' : 'hold'}</td>
+            <td>{mm(step.depth, 2)}</td>
+            <td>{mm(step.speed)}</td>
+            <td>{step.image_confirms ? 'hold, image' : 'hold'}</td>
           </tr>
         ))}
       </tbody>
@@ -133,7 +133,7 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
       {plan.value && (
         <>
           <Layers />
-          {checking ? <Checks /> : <Stages />}
+          {checking ? <Checks /> : <Steps />}
           <Limit name="Depth" value={now?.depth ?? 0} warn={plan.value.depth} hard={plan.value.depth_max} unit="mm" />
           <Limit name="Voltage" value={Math.abs(now?.drive ?? 0)} warn={plan.value.v_max} hard={8} unit="kV" />
           {!plan.value.confirmed && (

@@ -46,7 +46,7 @@ Violations search_gate(const Subject& subject, const std::vector<std::string>& k
 
 Violations find_violation(const Subject& subject, Part part, const std::vector<std::string>& known) {
   if (part == Part::Gate) return search_gate(subject, known);
-  Violations found = search_supervisor(subject, three_stages(0b010).facts, known);
+  Violations found = search_supervisor(subject, three_steps(0b010).facts, known);
   return found.claims.empty() ? search_supervisor(subject, over_limits().facts, known) : found;
 }
 

@@ -22,10 +22,10 @@ safety::PlanFacts plan() {
   facts.plan_tag = 1;
   facts.config_tag = 2;
   facts.depth_max_um = 4'000;
-  facts.stage_count = 3;
-  facts.stages[0] = {3'600, 6'500'000, 20'000, false};
-  facts.stages[1] = {3'800, 7'000'000, 20'000, true};
-  facts.stages[2] = {4'000, 7'500'000, 20'000, true};
+  facts.step_count = 3;
+  facts.steps[0] = {3'600, 6'500'000, 20'000, false};
+  facts.steps[1] = {3'800, 7'000'000, 20'000, true};
+  facts.steps[2] = {4'000, 7'500'000, 20'000, true};
   return facts;
 }
 const safety::PlanFacts kPlan = plan();
@@ -55,8 +55,8 @@ safety::SupervisorState unpack(const SpinState& packed) {
   safety::SupervisorState state = safety::started(3);
   state.mode = static_cast<Mode>(packed.mode);
   (state.mode == Mode::Active ? state.ticks_since_held : state.ticks_in_mode) = packed.ticks;
-  state.stage = packed.stage;
-  state.stage_done = packed.stage_done != 0;
+  state.step = packed.step;
+  state.step_done = packed.step_done != 0;
   state.arm_was_down = packed.arm_was_down != 0;
   state.reset_was_down = packed.reset_was_down != 0;
   state.token = packed.any_token != 0 ? kPresent : 0;
@@ -73,8 +73,8 @@ SpinState pack(const safety::SupervisorState& state, bool exact) {
   SpinState packed = {};
   packed.ticks = static_cast<unsigned short>(ticks);
   packed.mode = static_cast<unsigned char>(state.mode);
-  packed.stage = static_cast<unsigned char>(state.stage);
-  packed.stage_done = state.stage_done;
+  packed.step = static_cast<unsigned char>(state.step);
+  packed.step_done = state.step_done;
   packed.arm_was_down = keys && state.arm_was_down;
   packed.reset_was_down = keys && state.reset_was_down;
   packed.any_token = state.token != 0;
@@ -98,11 +98,11 @@ safety::Situation unpack(const SpinInput& packed, const safety::SupervisorState&
   input.remote_arm = input.remote_reset = packed.remote != 0;
   input.stop = static_cast<StopCategory>(packed.stop);
   input.motion = {tokens[packed.motion / 2], packed.motion % 2 == 1};
-  input.request.stage = state.stage;
-  input.request.stage_reached = packed.reached != 0;
+  input.request.step = state.step;
+  input.request.step_reached = packed.reached != 0;
   input.request.finished = packed.finished != 0;
   input.depth_accepted = packed.depth != 0;
-  input.accepted_stage = state.stage + (packed.depth == 2 ? 1 : 0);
+  input.accepted_step = state.step + (packed.depth == 2 ? 1 : 0);
   return input;
 }
 
@@ -129,11 +129,11 @@ void spin_step(const SpinInput* packed, int exact) {
   spin_output.epoch_raised = next.epoch == before.epoch + 1;
   spin_output.seq_raised = output.permit.seq == before.seq + 1;
   spin_output.spent = next.token >= before.token;
-  spin_output.done_before = before.stage_done;
-  spin_output.confirms = kPlan.stages[before.stage % 3].image_confirms;
-  spin_output.stage_before = static_cast<unsigned char>(before.stage);
+  spin_output.done_before = before.step_done;
+  spin_output.confirms = kPlan.steps[before.step % 3].image_confirms;
+  spin_output.step_before = static_cast<unsigned char>(before.step);
   spin_output.v_max_mV = output.permit.v_max_mV;
   spin_output.envelope_before_mV =
-      before.mode == Mode::Active ? kPlan.stages[before.stage % 3].v_max_mV : kHeld_mV;
+      before.mode == Mode::Active ? kPlan.steps[before.step % 3].v_max_mV : kHeld_mV;
   spin_state = pack(next, exact != 0);
 }

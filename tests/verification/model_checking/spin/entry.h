@@ -8,11 +8,11 @@ extern "C" {
 
 typedef struct SpinState {
   unsigned short ticks; /* time in the mode; in Active: silence */
-  unsigned char mode, stage, stage_done, arm_was_down, reset_was_down, any_token;
+  unsigned char mode, step, step_done, arm_was_down, reset_was_down, any_token;
 } SpinState;
 
 /* One tick's inputs, small numbers. hazard: 0 none, 1 C2, 2 C1, 3 C0, 4 locking. motion: 2 x {nothing, old,
-   present, new} + held. depth: 0 refused, 1 accepted, 2 accepted for another stage. */
+   present, new} + held. depth: 0 refused, 1 accepted, 2 accepted for another step. */
 typedef struct SpinInput {
   unsigned char hazard, stop, zero, arm, reset, remote, motion, self_test, home, reached, finished, depth;
   unsigned char jump; /* first let time pass until a tick before the last of this mode */
@@ -21,7 +21,7 @@ typedef struct SpinInput {
 /* What the permit of this tick says, and what was true of the tick before. */
 typedef struct SpinOutput {
   unsigned char before, event, enabled, may_rise, stop, epoch_raised, seq_raised, spent, done_before,
-      confirms, stage_before;
+      confirms, step_before;
   int v_max_mV, envelope_before_mV;
 } SpinOutput;
 

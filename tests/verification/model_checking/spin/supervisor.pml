@@ -30,8 +30,8 @@ bool may_rise = false;
 bool is_enabled = false;
 
 hidden byte hazard; hidden byte stop; hidden byte motion; hidden byte depth_check; hidden byte self_test;
-hidden byte stage_before; hidden byte stage;
-hidden byte zero; hidden byte arm; hidden byte reset; hidden byte remote; hidden byte home; hidden byte stage_reached;
+hidden byte step_before; hidden byte step;
+hidden byte zero; hidden byte arm; hidden byte reset; hidden byte remote; hidden byte home; hidden byte step_reached;
 hidden byte finished; hidden byte jump; hidden byte arm_was; hidden byte reset_was; hidden byte epoch_raised;
 hidden byte seq_raised; hidden byte spent; hidden byte was_done; hidden byte confirms; hidden byte falls; hidden byte off;
 hidden byte category; hidden byte new_token;
@@ -42,14 +42,14 @@ hidden byte category; hidden byte new_token;
 inline choose() {
 #ifdef EXACT
   stop = 0; remote = 0; home = 1; self_test = 2; jump = 0; depth_check = 1; arm = 0; motion = 0;
-  stage_reached = 0; finished = 0;
+  step_reached = 0; finished = 0;
   if :: hazard = 0 :: hazard = 2 :: hazard = 3 fi;
   either(zero);
   if
   :: mode == BOOT -> if :: self_test = 0 :: self_test = 1 :: self_test = 2 fi
   :: mode == READY || mode == TRIP -> either(arm)
   :: mode == ARMED || mode == HOLD -> if :: motion = 0 :: motion = 7 fi; either(finished)
-  :: mode == ACTIVE -> if :: motion = 0 :: motion = 4 :: motion = 5 fi; either(stage_reached)
+  :: mode == ACTIVE -> if :: motion = 0 :: motion = 4 :: motion = 5 fi; either(step_reached)
   :: else
   fi;
   reset = arm
@@ -59,10 +59,10 @@ inline choose() {
   if :: stop = 0 :: stop = 1 :: stop = 2 :: stop = 3 fi;
   if :: motion = 0 :: motion = 1 :: motion = 2 :: motion = 3 :: motion = 4 :: motion = 5 :: motion = 6 :: motion = 7 fi;
   either(arm); either(reset); either(remote); either(jump);
-  self_test = 2; home = 1; stage_reached = 0; finished = 0; depth_check = 0;
+  self_test = 2; home = 1; step_reached = 0; finished = 0; depth_check = 0;
   if :: mode == BOOT -> if :: self_test = 0 :: self_test = 1 :: self_test = 2 fi :: else fi;
   if :: mode == TRIP -> either(home) :: else fi;
-  if :: mode == ACTIVE || mode == HOLD -> either(stage_reached); either(finished) :: else fi;
+  if :: mode == ACTIVE || mode == HOLD -> either(step_reached); either(finished) :: else fi;
   if :: mode == HOLD -> if :: depth_check = 0 :: depth_check = 1 :: depth_check = 2 fi :: else fi
 #endif
 }
@@ -70,7 +70,7 @@ inline choose() {
 /* One tick of the compiled supervisor; what came of it, where Promela can read it. */
 inline tick() {
   c_code {
-    SpinInput in = {hazard, stop, zero, arm, reset, remote, motion, self_test, home, stage_reached, finished, depth_check, jump};
+    SpinInput in = {hazard, stop, zero, arm, reset, remote, motion, self_test, home, step_reached, finished, depth_check, jump};
     arm_was = spin_state.arm_was_down;
     reset_was = spin_state.reset_was_down;
     new_token = motion == 7;
@@ -83,8 +83,8 @@ inline tick() {
     now.before = spin_output.before;
     now.may_rise = spin_output.may_rise;
     now.is_enabled = spin_output.enabled;
-    stage = spin_state.stage;
-    stage_before = spin_output.stage_before;
+    step = spin_state.step;
+    step_before = spin_output.step_before;
     was_done = spin_output.done_before;
     confirms = spin_output.confirms;
     category = spin_output.stop;
@@ -109,7 +109,7 @@ inline check() {
   implies(mode == ACTIVE, hazard == 0 && stop == 0);
   implies(enters(ACTIVE), before == ARMED || before == HOLD);
   implies(enters(ACTIVE), new_token);
-  implies(enters(ARMED), before == READY && arm_turned && hazard == 0 && stop == 0 && stage == 0);
+  implies(enters(ARMED), before == READY && arm_turned && hazard == 0 && stop == 0 && step == 0);
   implies(before == TRIP && mode == SAFE, reset_turned && zero && home && hazard == 0 && stop == 0);
   implies(before == TRIP, mode == TRIP || mode == SAFE || mode == LOCK);
   implies(before == LOCK, mode == LOCK);
@@ -117,9 +117,9 @@ inline check() {
   implies(hot(before) && mode == TRIP, epoch_raised);
   implies(mode == HOLD || mode == RETRACT, falls);
   implies(before == HOLD && mode == ACTIVE && was_done && confirms, depth_check == 1);
-  implies(stage != stage_before, mode == ARMED || (before == HOLD && mode == ACTIVE && was_done));
-  implies(mode == ACTIVE, stage < 3);
-  implies(before == ACTIVE && stage_reached, mode != ACTIVE);
+  implies(step != step_before, mode == ARMED || (before == HOLD && mode == ACTIVE && was_done));
+  implies(mode == ACTIVE, step < 3);
+  implies(before == ACTIVE && step_reached, mode != ACTIVE);
   implies(before == ACTIVE && (motion == 4 || motion >= 6), mode != ACTIVE);
   implies(before == BOOT && mode == SAFE, self_test == 2);
   implies(hazard == 4 && !hot(before), mode == LOCK);

@@ -40,7 +40,7 @@ std::vector<PlanResult> explore_all(bool quick) {
   return results;
 }
 
-// One row a claim over all plans; a plan without stages rises nowhere, so not every claim speaks in each.
+// One row a claim over all plans; a plan without steps rises nowhere, so not every claim speaks in each.
 void add_claims(EvidenceReport& report, const std::vector<PlanResult>& results) {
   for (std::size_t c = 0; c < kClaims; ++c) {
     std::uint64_t checked = 0, broken = 0;

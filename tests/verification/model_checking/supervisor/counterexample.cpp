@@ -36,8 +36,8 @@ std::string input_text(const SupervisorState& state, const Situation& input) {
     if (!word.empty()) words += (words.empty() ? "" : ", ") + word;
   };
   constexpr const char* kStops[] = {"", "stop C2 asked", "stop C1 asked", "stop C0 asked"};
-  const auto stage_text = [&](std::uint32_t stage) {
-    return stage == state.stage ? "this stage" : "another stage";
+  const auto step_text = [&](std::uint32_t step) {
+    return step == state.step ? "this step" : "another step";
   };
   say(hazard_text(input.evidence.hazards()));
   say(kStops[static_cast<std::size_t>(input.stop)]);
@@ -49,9 +49,9 @@ std::string input_text(const SupervisorState& state, const Situation& input) {
   if (input.local_reset) say("reset key turned");
   if (input.remote_arm || input.remote_reset) say("arm or reset asked over the network");
   say(motion_text(state, input.motion));
-  if (input.request.stage_reached) say(fmt::format("controller reached {}", stage_text(input.request.stage)));
+  if (input.request.step_reached) say(fmt::format("controller reached {}", step_text(input.request.step)));
   if (input.request.finished) say("controller finished");
-  if (input.depth_accepted) say(fmt::format("depth check accepts {}", stage_text(input.accepted_stage)));
+  if (input.depth_accepted) say(fmt::format("depth check accepts {}", step_text(input.accepted_step)));
   if (input.evidence.drive_mV != 0) say(fmt::format("{} V on the drive", input.evidence.drive_mV / 1'000));
   return words;
 }
@@ -61,7 +61,7 @@ std::string permit_text(const SupervisorState& next, const SupervisorOutput& out
   std::string words{safety::name_of(next.mode)};
   if (output.event != safety::Event::None) words += fmt::format(" ({})", safety::name_of(output.event));
   if (next.mode == Mode::Active || next.mode == Mode::Hold)
-    words += fmt::format(", stage {}{}", next.stage + 1, next.stage_done ? " done" : "");
+    words += fmt::format(", step {}{}", next.step + 1, next.step_done ? " done" : "");
   if (permit.hv_enable) words += fmt::format(", up to {} V", permit.v_max_mV / 1'000);
   if (permit.slew_up_mV_per_tick > 0) words += ", may rise";
   if (output.refusal != safety::Refusal::None)

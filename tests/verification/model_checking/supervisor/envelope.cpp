@@ -27,8 +27,8 @@ StopCategory Step::strongest_stop(const Situation& input) {
 std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const Situation& input) {
   switch (state.mode) {
     case Mode::Active:
-      return state.stage < plan.stage_count
-                 ? std::clamp(std::min(plan.stages[state.stage % safety::kMaxSteps].v_max_mV,
+      return state.step < plan.step_count
+                 ? std::clamp(std::min(plan.steps[state.step % safety::kMaxSteps].v_max_mV,
                                        input.evidence.ceiling_mV),
                               0, kHighest_mV)
                  : 0;

@@ -66,7 +66,7 @@ void vary_motion(SupervisorState& state, Situation& input, std::uint64_t choice)
   state.token += shift;
 }
 
-// How far another stage's number is off, modulo 2^32: the one before, the one after, or any.
+// How far another step's number is off, modulo 2^32: the one before, the one after, or any.
 std::uint32_t other_by(std::uint64_t choice) {
   if (choice % 4 == 0) return 0xFFFF'FFFFU;
   return choice % 4 == 1 ? 1U : static_cast<std::uint32_t>(1U + (choice >> 2U) % 0xFFFF'FFFFU);
@@ -87,15 +87,15 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
   if (mode != Mode::Boot) input.self_test = static_cast<safety::SelfTest>((choice >> 10) % 3);
   if (mode != Mode::Trip) input.evidence.needle_home = chosen(12);
   if (!moving) {
-    input.request.stage_reached = chosen(13);
+    input.request.step_reached = chosen(13);
     input.request.finished = chosen(14);
     input.evidence.drive_mV = static_cast<std::int32_t>((choice >> 16) % 8'000'001);
   }
   if (!moving && mode != Mode::Armed)
     input.evidence.ceiling_mV = static_cast<std::int32_t>((choice >> 20) % 8'000'001);
   if (mode != Mode::Hold) input.depth_accepted = chosen(15);
-  if (input.request.stage != state.stage) input.request.stage = state.stage + other;
-  if (mode != Mode::Hold || input.accepted_stage != state.stage) input.accepted_stage = state.stage + other;
+  if (input.request.step != state.step) input.request.step = state.step + other;
+  if (mode != Mode::Hold || input.accepted_step != state.step) input.accepted_step = state.step + other;
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ void InputSpace::set_worse(Mode mode) {
   of(Dimension::Drive) = size_of(Dimension::Drive) == 4
                              ? std::vector<Worsening>{{3, 1}, {3, 2}, {1, 0}, {2, 0}}
                              : chain_down(size_of(Dimension::Drive));
-  // Values are reached + 2 finished + 4 another stage.
+  // Values are reached + 2 finished + 4 another step.
   if (size_of(Dimension::Request) > 1)
     of(Dimension::Request) = {{0, 1}, {0, 2}, {1, 3}, {2, 3}, {4, 5}, {4, 6}, {5, 7}, {6, 7}};
   if (size_of(Dimension::Depth) > 1) of(Dimension::Depth) = {{1, 0}, {1, 2}, {1, 3}};
@@ -166,13 +166,13 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
       input.evidence.needle_home = forgotten || value == 1;
       break;
     case Dimension::Request:
-      input.request.stage_reached = (value & 1U) != 0;
+      input.request.step_reached = (value & 1U) != 0;
       input.request.finished = (value & 2U) != 0;
-      input.request.stage = state.stage + ((value & 4U) != 0 ? 1 : 0);
+      input.request.step = state.step + ((value & 4U) != 0 ? 1 : 0);
       break;
     case Dimension::Depth:
       input.depth_accepted = value != 0;
-      input.accepted_stage = state.stage + (value == 2 ? 1U : 0U) - (value == 3 ? 1U : 0U);
+      input.accepted_step = state.step + (value == 2 ? 1U : 0U) - (value == 3 ? 1U : 0U);
       break;
     case Dimension::Drive:
       input.evidence.drive_mV = forgotten ? 0 : drives_[value].drive_mV;

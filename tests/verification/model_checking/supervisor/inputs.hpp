@@ -25,8 +25,8 @@ enum class Dimension : std::uint8_t {
   Motion,  // {nothing, an old token, the present one, a new one} x {let go, held}
   SelfTest,
   NeedleHome,
-  Request,  // {reached, finished} x {this stage, another}
-  Depth,    // refused, accepted, accepted for the next stage, accepted for the one before
+  Request,  // {reached, finished} x {this step, another}
+  Depth,    // refused, accepted, accepted for the next step, accepted for the one before
   Drive,    // {|V|, ceiling}: both 0, both 1 mV, all under no ceiling, all
   Network,  // {arm} x {reset} asked over it
 };
@@ -89,7 +89,7 @@ class InputSpace {
 
 // One hazard that stands for each class: locking, C0, C1, C2.
 inline constexpr std::array kClassHazard{safety::Hazard::ResidualCharge, safety::Hazard::EStop,
-                                         safety::Hazard::OverDepth, safety::Hazard::StageDepth};
+                                         safety::Hazard::OverDepth, safety::Hazard::StepDepth};
 // All members of the class that `hazard` stands for.
 safety::HazardSet class_of(safety::Hazard hazard);
 

@@ -28,13 +28,12 @@ constexpr bool hv_permitted(Mode mode) {
 constexpr bool is_off(const Permit& permit) {
   return !permit.hv_enable && permit.v_max_mV == 0 && permit.slew_up_mV_per_tick == 0;
 }
-bool has_stage(const Step& s, std::uint32_t stage) {
-  return stage < std::min<std::uint32_t>(s.plan.stage_count, safety::kMaxSteps);
+bool has_step(const Step& s, std::uint32_t step) {
+  return step < std::min<std::uint32_t>(s.plan.step_count, safety::kMaxSteps);
 }
-std::int32_t stage_depth_um(const Step& s) {
-  return s.after.mode == Mode::Active && has_stage(s, s.after.stage)
-             ? s.plan.stages[s.after.stage].depth_max_um
-             : 0;
+std::int32_t step_depth_um(const Step& s) {
+  return s.after.mode == Mode::Active && has_step(s, s.after.step) ? s.plan.steps[s.after.step].depth_max_um
+                                                                   : 0;
 }
 // A new token, held.
 bool is_press(const Step& s) {
@@ -147,37 +146,37 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        return Finding{s.before.mode == Mode::Active && s.before.ticks_since_held >= kSilence_ms,
                       s.after.mode != Mode::Active};
      }},
-    // Stages
-    {"stage-ends-in-hold", "A stage that is reached ends the rise.",
+    // Steps
+    {"step-ends-in-hold", "A step that is reached ends the rise.",
      [](const Step& s) {
-       const bool reached = s.input.request.stage_reached && s.input.request.stage == s.before.stage;
+       const bool reached = s.input.request.step_reached && s.input.request.step == s.before.step;
        return Finding{s.before.mode == Mode::Active && reached, s.after.mode != Mode::Active};
      }},
-    {"reached-is-remembered", "A stage counts as done after it was reached, and for no other reason.",
+    {"reached-is-remembered", "A step counts as done after it was reached, and for no other reason.",
      [](const Step& s) {
-       const bool reached = s.input.request.stage_reached && s.input.request.stage == s.before.stage;
+       const bool reached = s.input.request.step_reached && s.input.request.step == s.before.step;
        const bool holds =
-           s.after.mode == Mode::Hold ? s.after.stage_done == reached : !s.after.stage_done || reached;
+           s.after.mode == Mode::Hold ? s.after.step_done == reached : !s.after.step_done || reached;
        return Finding{
            s.before.mode == Mode::Active && s.after.mode != Mode::Retract && s.after.mode != Mode::Trip,
            holds};
      }},
-    {"depth-check", "Past a stage that an image confirms only with the depth check of that very stage.",
+    {"depth-check", "Past a step that an image confirms only with the depth check of that very step.",
      [](const Step& s) {
-       const bool asks = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.stage_done &&
-                         s.plan.stages[s.before.stage % safety::kMaxSteps].image_confirms;
-       return Finding{asks, s.input.depth_accepted && s.input.accepted_stage == s.before.stage};
+       const bool asks = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.step_done &&
+                         s.plan.steps[s.before.step % safety::kMaxSteps].image_confirms;
+       return Finding{asks, s.input.depth_accepted && s.input.accepted_step == s.before.step};
      }},
-    {"stage-order", "Stages go up by one, from Hold at a stage's end; arming begins at the first.",
+    {"step-order", "Steps go up by one, from Hold at a step's end; arming begins at the first.",
      [](const Step& s) {
-       if (s.enters(Mode::Armed)) return Finding{true, s.after.stage == 0 && !s.after.stage_done};
-       const bool goes_on = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.stage_done;
-       return Finding{true, s.after.stage == s.before.stage + (goes_on ? 1 : 0)};
+       if (s.enters(Mode::Armed)) return Finding{true, s.after.step == 0 && !s.after.step_done};
+       const bool goes_on = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.step_done;
+       return Finding{true, s.after.step == s.before.step + (goes_on ? 1 : 0)};
      }},
-    {"plan-has-an-end", "No stage beyond the plan's last is ever driven.",
+    {"plan-has-an-end", "No step beyond the plan's last is ever driven.",
      [](const Step& s) {
-       return Finding{s.after.mode == Mode::Active && s.plan.stage_count > 0,
-                      has_stage(s, s.after.stage) && !s.after.stage_done};
+       return Finding{s.after.mode == Mode::Active && s.plan.step_count > 0,
+                      has_step(s, s.after.step) && !s.after.step_done};
      }},
     {"finished-retracts", "A finished plan retracts.",
      [](const Step& s) {
@@ -276,7 +275,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        const auto within = [](std::int32_t value, std::int32_t most) { return value >= 0 && value <= most; };
        return Finding{true, within(s.after.ticks_in_mode, kArmed_ms + 1) &&
                                 within(s.after.ticks_since_held, kSilence_ms) &&
-                                within(s.after.held_mV, kHighest_mV) && s.after.stage < safety::kMaxSteps};
+                                within(s.after.held_mV, kHighest_mV) && s.after.step < safety::kMaxSteps};
      }},
     // Envelope
     {"envelope-falls", "In Hold and Retract the envelope only falls.",
@@ -292,16 +291,16 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        return Finding{begins, s.output.permit.v_max_mV == there};
      }},
     {"envelope-is-the-modes",
-     "The envelope is the stage's under the ceiling in Active, the ramp's in Retract: a line to 0 in 250 ms.",
+     "The envelope is the step's under the ceiling in Active, the ramp's in Retract: a line to 0 in 250 ms.",
      [](const Step& s) {
        return Finding{true, s.output.permit.v_max_mV == envelope_mV(s.plan, s.after, s.input)};
      }},
-    {"limits", "No permit goes beyond 8 kV, 400 V a tick, or the depth of plan and stage.",
+    {"limits", "No permit goes beyond 8 kV, 400 V a tick, or the depth of plan and step.",
      [](const Step& s) {
        const Permit& p = s.output.permit;
        return Finding{true, p.v_max_mV >= 0 && p.v_max_mV <= kHighest_mV && p.slew_up_mV_per_tick >= 0 &&
                                 p.slew_up_mV_per_tick <= kSteepest_mV &&
-                                p.depth_max_um <= s.plan.depth_max_um && p.depth_max_um <= stage_depth_um(s)};
+                                p.depth_max_um <= s.plan.depth_max_um && p.depth_max_um <= step_depth_um(s)};
      }},
     // Permit
     {"enabled-iff-hot",

@@ -49,7 +49,7 @@ struct Findings {
 };
 Findings check_all(const Step& step);
 
-// |V| that a permit of this state allows: the stage's limit under the ceiling, what is held, or the ramp.
+// |V| that a permit of this state allows: the step's limit under the ceiling, what is held, or the ramp.
 std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, const Situation& input);
 
 }  // namespace biopsy::model_checking

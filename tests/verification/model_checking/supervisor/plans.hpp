@@ -1,5 +1,5 @@
-// The plans that are explored: first, middle and last stage are all that step can tell apart, so three
-// stages.
+// The plans that are explored: first, middle and last step are all that step can tell apart, so three
+// steps.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@ struct NamedPlan {
   safety::PlanFacts facts;
 };
 
-// Bit i of `confirms`: an image must confirm stage i.
-NamedPlan three_stages(unsigned confirms);
-// Its stages ask for more than the robot may do.
+// Bit i of `confirms`: an image must confirm step i.
+NamedPlan three_steps(unsigned confirms);
+// Its steps ask for more than the robot may do.
 NamedPlan over_limits();
-// No stage at all.
+// No step at all.
 NamedPlan empty();
 
 // Every combination of confirmations, and the two odd ones.

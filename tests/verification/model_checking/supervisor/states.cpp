@@ -5,7 +5,7 @@
 namespace biopsy::model_checking {
 namespace {
 
-// mode 4 | keys 2 | done 1 | token 1 | stage 3 | timer 16 | voltage 24
+// mode 4 | keys 2 | done 1 | token 1 | step 3 | timer 16 | voltage 24
 constexpr unsigned kTimerAt = 24, kStageAt = 40, kTokenAt = 43, kDoneAt = 44, kKeysAt = 45, kModeAt = 47;
 
 std::uint64_t bits(std::uint64_t key, unsigned at, unsigned count) {
@@ -26,8 +26,8 @@ std::uint64_t key_of(const SupervisorState& state) {
   const bool reset_was_down = remembers_reset_key(mode) && state.reset_was_down;
   return static_cast<std::uint64_t>(std::clamp(held_mV, 0, 0xFF'FFFF)) |
          static_cast<std::uint64_t>(std::clamp(ticks, 0, 0xFFFF)) << kTimerAt |
-         std::uint64_t{std::min(state.stage, 7U)} << kStageAt | std::uint64_t{state.token != 0} << kTokenAt |
-         std::uint64_t{state.stage_done} << kDoneAt | std::uint64_t{arm_was_down} << kKeysAt |
+         std::uint64_t{std::min(state.step, 7U)} << kStageAt | std::uint64_t{state.token != 0} << kTokenAt |
+         std::uint64_t{state.step_done} << kDoneAt | std::uint64_t{arm_was_down} << kKeysAt |
          std::uint64_t{reset_was_down} << (kKeysAt + 1) | static_cast<std::uint64_t>(mode) << kModeAt;
 }
 
@@ -39,9 +39,9 @@ SupervisorState state_of(std::uint64_t key) {
   state.mode = static_cast<Mode>(bits(key, kModeAt, 4));
   state.arm_was_down = bits(key, kKeysAt, 1) != 0;
   state.reset_was_down = bits(key, kKeysAt + 1, 1) != 0;
-  state.stage_done = bits(key, kDoneAt, 1) != 0;
+  state.step_done = bits(key, kDoneAt, 1) != 0;
   state.token = bits(key, kTokenAt, 1) != 0 ? kToken : 0;
-  state.stage = static_cast<std::uint32_t>(bits(key, kStageAt, 3));
+  state.step = static_cast<std::uint32_t>(bits(key, kStageAt, 3));
   const auto ticks = static_cast<std::int32_t>(bits(key, kTimerAt, 16));
   if (timer_of(state.mode) == Timer::InMode) state.ticks_in_mode = ticks;
   if (timer_of(state.mode) == Timer::SinceHeld) state.ticks_since_held = ticks;

@@ -1,21 +1,21 @@
 // The runner asks for what the plan and the permit say, tick by tick.
+#include "robot/control/step_runner.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 
-#include "robot/control/step_runner.hpp"
-
 namespace biopsy::control {
 namespace {
 
-Plan plan_of(std::vector<InsertionStep> stages) {
+Plan plan_of(std::vector<InsertionStep> steps) {
   Plan plan;
-  plan.stages = std::move(stages);
+  plan.steps = std::move(steps);
   return plan;
 }
 
-InsertionStep stage(double depth_mm, double speed_mm_s, double dwell_s = 0.0) {
+InsertionStep step(double depth_mm, double speed_mm_s, double dwell_s = 0.0) {
   InsertionStep made;
   made.depth = Millimetres(depth_mm);
   made.speed = MillimetresPerSecond(speed_mm_s);
@@ -43,22 +43,22 @@ Permit holding(std::int32_t v_max_mV = 8'000'000) {
 
 // A runner and the plan it drives; each tick sees the given depth.
 struct Bench {
-  Plan plan = plan_of({stage(2.0, 2.0, 0.1), stage(3.5, 1.0, 0.1)});
+  Plan plan = plan_of({step(2.0, 2.0, 0.1), step(3.5, 1.0, 0.1)});
   PiGains gains;
   RunnerState state;
 
-  DriveRequest tick(double depth_mm, const Permit& permit, std::uint32_t stage_index = 0,
+  DriveRequest tick(double depth_mm, const Permit& permit, std::uint32_t step_index = 0,
                     bool finish = false) {
     Measurement measurement;
     measurement.depth_um = to_um(Millimetres(depth_mm));
-    const RunnerStep result = run_stage(plan, gains, state, measurement, permit, stage_index, finish);
+    const RunnerStep result = run_steps(plan, gains, state, measurement, permit, step_index, finish);
     state = result.state;
     return result.request;
   }
   std::int32_t amplitude_mV() const { return to_mV(state.loop.amplitude); }
 };
 
-TEST(StageRunner, SetpointWalksAtTheStagesSpeedAndStopsAtItsDepth) {
+TEST(StepRunner, SetpointWalksAtTheStepsSpeedAndStopsAtItsDepth) {
   Bench bench;
   for (int k = 1; k <= 3000; ++k) {
     const Millimetres before = bench.state.setpoint;
@@ -68,15 +68,15 @@ TEST(StageRunner, SetpointWalksAtTheStagesSpeedAndStopsAtItsDepth) {
   }
 }
 
-TEST(StageRunner, TheNextStageWalksOnAtItsOwnSpeed) {
+TEST(StepRunner, TheNextStepWalksOnAtItsOwnSpeed) {
   Bench bench;
   for (int k = 0; k < 2000; ++k) bench.tick(0.002 * k, raising());
   bench.tick(2.0, raising(), 1);
   EXPECT_NEAR(bench.state.setpoint.value, 2.001, 1e-9);
-  EXPECT_EQ(bench.tick(2.0, raising(), 1).stage, 1U);
+  EXPECT_EQ(bench.tick(2.0, raising(), 1).step, 1U);
 }
 
-TEST(StageRunner, StartsFromWhereTheNeedleRests) {
+TEST(StepRunner, StartsFromWhereTheNeedleRests) {
   Bench bench;
   Permit off;
   off.hv_enable = false;
@@ -88,7 +88,7 @@ TEST(StageRunner, StartsFromWhereTheNeedleRests) {
   EXPECT_EQ(bench.state.setpoint, Millimetres(0));  // no setpoint outside the patient
 }
 
-TEST(StageRunner, AsksForZeroAndForgetsItsIntegralWhenNotEnabled) {
+TEST(StepRunner, AsksForZeroAndForgetsItsIntegralWhenNotEnabled) {
   Bench bench;
   for (int k = 0; k < 800; ++k) bench.tick(0.0, raising());
   ASSERT_GT(bench.amplitude_mV(), 1'000'000);
@@ -99,7 +99,7 @@ TEST(StageRunner, AsksForZeroAndForgetsItsIntegralWhenNotEnabled) {
   EXPECT_EQ(bench.state.drive_ticks, 0U);
 }
 
-TEST(StageRunner, AlternatesPolarityEveryQuarterSecondOfDrive) {
+TEST(StepRunner, AlternatesPolarityEveryQuarterSecondOfDrive) {
   Bench bench;
   for (int k = 0; k < 1000; ++k) {
     const DriveRequest request = bench.tick(0.0, raising());
@@ -107,14 +107,14 @@ TEST(StageRunner, AlternatesPolarityEveryQuarterSecondOfDrive) {
   }
 }
 
-TEST(StageRunner, NeverAsksForMoreThanThePermitsEnvelope) {
+TEST(StepRunner, NeverAsksForMoreThanThePermitsEnvelope) {
   Bench bench;
   for (int k = 0; k < 3000; ++k)
     ASSERT_LE(std::abs(bench.tick(0.0, raising(1'500'000)).wanted_mV), 1'500'000);
   EXPECT_EQ(bench.amplitude_mV(), 1'500'000);
 }
 
-TEST(StageRunner, HoldNeverRaisesWhateverTheNeedleDoes) {
+TEST(StepRunner, HoldNeverRaisesWhateverTheNeedleDoes) {
   Bench bench;
   for (int k = 0; k < 800; ++k) bench.tick(0.5, raising());
   std::int32_t before = bench.amplitude_mV();
@@ -126,7 +126,7 @@ TEST(StageRunner, HoldNeverRaisesWhateverTheNeedleDoes) {
   }
 }
 
-TEST(StageRunner, HoldKeepsTheAmplitudeOfANeedleThatStandsWhereItShould) {
+TEST(StepRunner, HoldKeepsTheAmplitudeOfANeedleThatStandsWhereItShould) {
   Bench bench;
   for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
   const std::int32_t before = bench.amplitude_mV();
@@ -135,7 +135,7 @@ TEST(StageRunner, HoldKeepsTheAmplitudeOfANeedleThatStandsWhereItShould) {
   EXPECT_EQ(bench.amplitude_mV(), before);
 }
 
-TEST(StageRunner, HoldLetsANeedleBackThatJumpedBeyondItsStage) {
+TEST(StepRunner, HoldLetsANeedleBackThatJumpedBeyondItsStep) {
   Bench bench;
   for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
   const std::int32_t before = bench.amplitude_mV();
@@ -143,7 +143,7 @@ TEST(StageRunner, HoldLetsANeedleBackThatJumpedBeyondItsStage) {
   EXPECT_LT(bench.amplitude_mV(), before);
 }
 
-TEST(StageRunner, HoldFollowsAFallingEnvelope) {
+TEST(StepRunner, HoldFollowsAFallingEnvelope) {
   Bench bench;
   for (int k = 0; k < 1200; ++k) bench.tick(0.5, raising());
   ASSERT_GT(bench.amplitude_mV(), 1'000'000);
@@ -152,7 +152,7 @@ TEST(StageRunner, HoldFollowsAFallingEnvelope) {
   EXPECT_EQ(bench.amplitude_mV(), 700'000);  // and does not come back up
 }
 
-TEST(StageRunner, ResumesFromAHoldWithoutABump) {
+TEST(StepRunner, ResumesFromAHoldWithoutABump) {
   Bench bench;
   for (int k = 0; k < 1100; ++k) bench.tick(0.002 * k - 0.1, raising());
   for (int k = 0; k < 500; ++k) bench.tick(1.9, holding());
@@ -163,24 +163,24 @@ TEST(StageRunner, ResumesFromAHoldWithoutABump) {
   EXPECT_NEAR(bench.amplitude_mV(), held, 1'600 + 600);
 }
 
-TEST(StageRunner, IsReachedOnlyAfterTheDwellWithoutABreak) {
+TEST(StepRunner, IsReachedOnlyAfterTheDwellWithoutABreak) {
   Bench bench;
   for (int k = 0; k < 950; ++k) bench.tick(0.002 * k, raising());  // up to 1.9 mm
-  for (int k = 0; k < 99; ++k) ASSERT_FALSE(bench.tick(2.03, raising()).stage_reached);
-  ASSERT_FALSE(bench.tick(2.051, raising()).stage_reached);  // one tick outside kSettled begins anew
-  for (int k = 0; k < 99; ++k) ASSERT_FALSE(bench.tick(1.96, raising()).stage_reached) << k;
-  EXPECT_TRUE(bench.tick(1.96, raising()).stage_reached);
-  EXPECT_TRUE(bench.tick(2.5, raising()).stage_reached);      // latched,
-  EXPECT_FALSE(bench.tick(2.5, raising(), 1).stage_reached);  // until the stage changes
+  for (int k = 0; k < 99; ++k) ASSERT_FALSE(bench.tick(2.03, raising()).step_reached);
+  ASSERT_FALSE(bench.tick(2.051, raising()).step_reached);  // one tick outside kSettled begins anew
+  for (int k = 0; k < 99; ++k) ASSERT_FALSE(bench.tick(1.96, raising()).step_reached) << k;
+  EXPECT_TRUE(bench.tick(1.96, raising()).step_reached);
+  EXPECT_TRUE(bench.tick(2.5, raising()).step_reached);      // latched,
+  EXPECT_FALSE(bench.tick(2.5, raising(), 1).step_reached);  // until the stage changes
 }
 
-TEST(StageRunner, TimeInAHoldDoesNotCountAsDwell) {
+TEST(StepRunner, TimeInAHoldDoesNotCountAsDwell) {
   Bench bench;
   for (int k = 0; k < 50; ++k) bench.tick(2.0, raising());
-  for (int k = 0; k < 1000; ++k) ASSERT_FALSE(bench.tick(2.0, holding()).stage_reached);
+  for (int k = 0; k < 1000; ++k) ASSERT_FALSE(bench.tick(2.0, holding()).step_reached);
 }
 
-TEST(StageRunner, NumbersEveryRequestAndPassesTheOperatorsWishOn) {
+TEST(StepRunner, NumbersEveryRequestAndPassesTheOperatorsWishOn) {
   Bench bench;
   EXPECT_EQ(bench.tick(0.0, raising()).seq, 1U);
   EXPECT_EQ(bench.tick(0.0, holding()).seq, 2U);
@@ -189,7 +189,7 @@ TEST(StageRunner, NumbersEveryRequestAndPassesTheOperatorsWishOn) {
   EXPECT_TRUE(bench.tick(0.0, raising(), 0, true).finished);
 }
 
-TEST(StageRunner, SameInputsSameRequests) {
+TEST(StepRunner, SameInputsSameRequests) {
   const auto requests = [] {
     Bench bench;
     std::vector<std::int32_t> out;
