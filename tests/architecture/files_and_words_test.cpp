@@ -65,7 +65,8 @@ TEST(Names, AreTheTermsOfTheField) {
       R"(|SupervisedStage|copper_|Doorkeeper|rising_number|WebHouse|Guest|GuestRules|OneWriter|NewFolder)"
       R"(|whole_file|confess_losses|LogScribe|outside_text|DepthWatch|obey|take_permit|is_hot|WiredRealStage)"
       R"(|PacedStage|contest|hold_round|conclude|Judged|Entrant|stood_alone|Knob|tamed|Surroundings|Passage)"
-      R"(|let_back|workshop|way_home|kHouse|read_once|TOGETHER|APART)\b)");
+      R"(|let_back|workshop|way_home|kHouse|read_once|TOGETHER|APART|StageReached|StageDepth|StageRunner)"
+      R"(|accepted_stage|stage_limits|stage_reached)\b)");
   for (const fs::path& file : files(true)) {
     if (!kCode.contains(file.extension()) || file.filename() == "files_and_words_test.cpp") continue;
     int number = 0;
