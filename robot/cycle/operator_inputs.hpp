@@ -21,7 +21,7 @@ struct OperatorInputs {
   safety::MotionPress press;                      // hold-to-run
   StopCategory stop = StopCategory::C0Off;
   bool finish = false;          // withdraw: the procedure is over
-  bool depth_accepted = false;  // the depth check of `accepted_stage` said Accept
+  bool depth_accepted = false;  // the depth check of `accepted_step` said Accept
   std::uint32_t accepted_step = 0;
   bool acquiring = true;  // the scanner takes an image
   std::int32_t patient_motion_um = safety::kUnknown;

@@ -46,7 +46,7 @@ struct SupervisorInputs {
   MotionPress motion;
   bool remote_arm = false, remote_reset = false;  // always refused, with a reason
   std::array<std::uint64_t, 2> confirmed_tag{};   // plan tags that two separate confirmations were given for
-  bool depth_accepted = false;                    // level: the depth check of `accepted_stage` says Accept
+  bool depth_accepted = false;                    // level: the depth check of `accepted_step` says Accept
   std::uint32_t accepted_step = 0;
 
   // Patient and scanner
