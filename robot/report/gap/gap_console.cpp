@@ -101,7 +101,8 @@ std::string next_lines(const GapFinding& f) {
 }  // namespace
 
 std::string gap_console(const GapFinding& f) {
-  return wrapped_paragraph(std::string(badge_label(f.verdict)) + ". " + plain(f.sentence), "", kSentenceLines) +
+  return wrapped_paragraph(std::string(badge_label(f.verdict)) + ". " + plain(f.sentence), "",
+                           kSentenceLines) +
          "\n" + rmse_line(f) + margin_lines(f) + where_lines(f) + candidate_lines(f) + next_lines(f) +
          (f.warnings.empty() ? "" : "\n  " + counted(f.warnings.size(), "warning") + " in the report\n");
 }

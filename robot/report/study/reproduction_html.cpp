@@ -165,9 +165,10 @@ std::string findings_section(const Reproduction& r) {
 std::string reproduction_html(const Reproduction& r) {
   std::string html = verdict_section(r) + glance_section(r);
   for (const PaperFigure& figure : r.figures) html += figure_section(figure);
-  return markup::page(
-      {.title = "The paper, reproduced", .heading = "The paper's experiments, reproduced", .style = kReproductionStyle},
-      html + findings_section(r));
+  return markup::page({.title = "The paper, reproduced",
+                       .heading = "The paper's experiments, reproduced",
+                       .style = kReproductionStyle},
+                      html + findings_section(r));
 }
 
 void save_reproduction(const Reproduction& reproduction, const std::filesystem::path& folder) {
