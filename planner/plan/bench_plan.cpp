@@ -19,7 +19,7 @@ constexpr Millimetres kHoldBefore{0.5};  // of the end of the stroke: what a sta
 }  // namespace
 
 Millimetres expected_travel(const BenchRequest& request) {
-  const double share = film_share(request.half_period).start;
+  const double share = film_share({}, request.half_period).start;
   return NominalModel(request.weight).depth_on_films(share * request.highest / request.drive_scale);
 }
 

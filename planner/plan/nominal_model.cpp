@@ -10,17 +10,7 @@
 namespace biopsy::planner {
 namespace {
 
-// Nominal values of the reference model (docs: model), SI.
-constexpr double kCouplingK = 0.80, kLeakTau = 6.9;           // eq. (7), (8)
-constexpr double kFilmPermittivity = 3.4 * 8.8541878128e-12;  // polyimide
-constexpr double kFilmThickness = 100e-6;                     // both films of a zipped pouch
-constexpr double kPouchWidth = 0.060, kPouchVolume = 1.9e-7;  // L0, V0
-constexpr double kRestHeight = 0.35e-3;                       // H_0
-constexpr double kPouches = 11;
-constexpr double kOilFlow_s = 0.030;                 // first order
-constexpr double kSpring = 140;                      // N/m; the paper's 14 is a slip of units
-constexpr double kFixture = 0.030, kPlateB = 0.030;  // kg
-constexpr double kGravity = 9.81;
+constexpr double kVacuumPermittivity = 8.8541878128e-12, kGravity = 9.81;
 
 // What a real stage does that the equations do not know.
 // Fig. 8b: the hysteresis loop is 30 % of the strain reached, at every load.
@@ -44,16 +34,19 @@ constexpr double kSuddenForce_N = 0.15;
 
 }  // namespace
 
-FilmShare film_share(Seconds half_period) {
+// Leakage, and the charge that trails it: from +-r at the reversals, r = share tanh(half period / 2 time).
+FilmShare film_share(const NominalStage& stage, Seconds half_period) {
   const double a = half_period.count();  // of eq. (11)
-  const double decay = std::exp(-a / kLeakTau);
-  const double start = 2.0 * kCouplingK / (1.0 + decay), end = start * decay;
+  const double decay = std::exp(-a / stage.tau);
+  const double start = 2.0 * stage.K / (1.0 + decay), end = start * decay;
   // Mean over the half-period of (start exp(-t / tau))^2.
-  const double mean_square = (start * start - end * end) * kLeakTau / (2.0 * a);
-  return {start, end, std::sqrt(mean_square)};
+  const double mean_square = (start * start - end * end) * stage.tau / (2.0 * a);
+  const double retained = stage.retained_share * std::tanh(a / (2.0 * stage.retained_time));
+  return {start * (1.0 + retained), end * (1.0 - retained), std::sqrt(mean_square)};
 }
 
-NominalModel::NominalModel(Grams weight) : plate_a_kg_(kFixture + weight.value * 1e-3) {
+NominalModel::NominalModel(Grams weight, const NominalStage& stage)
+    : stage_(stage), plate_a_kg_(stage.fixture_mass + weight.value * 1e-3) {
   assert(weight >= Grams(0.0) && weight <= kWeightMax);
 }
 
@@ -61,22 +54,27 @@ double NominalModel::plate_a_weight() const {
   return plate_a_kg_ * kGravity;
 }
 
+// Eq. (21). The films' adhesion takes its loss on the way up.
+double NominalModel::pressure_of(double film_volts) const {
+  const double acting = std::max(0.0, film_volts - stage_.film_loss);
+  return stage_.eps_film * kVacuumPermittivity * acting * acting / (2.0 * stage_.d_film * stage_.d_film);
+}
+
 double NominalModel::depth_m(double film_volts, double force_N) const {
   const double spring_force = std::max(0.0, plate_a_weight() + force_N);  // it can only push
-  const double plate_a_above_b = (plate_a_weight() - spring_force) / kSpring;
-  const double load = spring_force + kPlateB * kGravity;
-  const double pressure =
-      kFilmPermittivity * film_volts * film_volts / (2.0 * kFilmThickness * kFilmThickness);  // (21)
+  const double plate_a_above_b = (plate_a_weight() - spring_force) / stage_.k;
+  const double load = spring_force + stage_.m_B * kGravity;
+  const double pressure = pressure_of(film_volts);
   if (pressure <= 0.0) return plate_a_above_b;
-  const double zipped = load / (kPouchWidth * pressure);  // S of (19)
+  const double zipped = load / (stage_.L0 * pressure);  // S of (19)
   // (18) solved for H, in the form that does not cancel: (sqrt(S^2 + c) - S) = c / (sqrt(S^2 + c) + S).
-  const double area = kPouchVolume / kPouchWidth;
+  const double area = stage_.V0 / stage_.L0;
   const double height = 2.0 * area / (std::hypot(zipped, std::sqrt(std::numbers::pi * area)) + zipped);
-  return kPouches * (std::max(kRestHeight, height) - kRestHeight) + plate_a_above_b;
+  return stage_.n * (std::max(stage_.H_0, height) - stage_.H_0) + plate_a_above_b;
 }
 
 Millimetres NominalModel::depth(Volts amplitude, double force_N) const {
-  return Millimetres(1e3 * depth_m(film_share().rms * amplitude.value, force_N));
+  return Millimetres(1e3 * depth_m(film_share(stage_).rms * amplitude.value, force_N));
 }
 
 Millimetres NominalModel::depth_on_films(Volts films, double force_N) const {
@@ -84,23 +82,24 @@ Millimetres NominalModel::depth_on_films(Volts films, double force_N) const {
 }
 
 double NominalModel::speed_after_push() const {
-  return std::sqrt(kSpring / plate_a_kg_);
+  return std::sqrt(stage_.k / plate_a_kg_);
 }
 
 double NominalModel::speed_after_voltage() const {
-  return speed_after_push() / std::hypot(1.0, speed_after_push() * kOilFlow_s);
+  return speed_after_push() / std::hypot(1.0, speed_after_push() * stage_.tau_h);
 }
 
 std::optional<Volts> NominalModel::drive(Millimetres depth, double force_N) const {
   const double spring_force = std::max(0.0, plate_a_weight() + force_N);
-  const double plate_b = depth.value * 1e-3 + (spring_force - plate_a_weight()) / kSpring;
+  const double plate_b = depth.value * 1e-3 + (spring_force - plate_a_weight()) / stage_.k;
   if (plate_b <= 0.0) return Volts(0.0);
-  const double height = kRestHeight + plate_b / kPouches;
-  const double zipped =
-      kPouchVolume / (kPouchWidth * height) - std::numbers::pi * height / 4.0;  // (18) for S
+  const double height = stage_.H_0 + plate_b / stage_.n;
+  const double zipped = stage_.V0 / (stage_.L0 * height) - std::numbers::pi * height / 4.0;  // (18) for S
   if (zipped <= 0.0) return std::nullopt;
-  const double pressure = (spring_force + kPlateB * kGravity) / (kPouchWidth * zipped);  // (19)
-  return Volts(kFilmThickness * std::sqrt(2.0 * pressure / kFilmPermittivity) / film_share().rms);
+  const double pressure = (spring_force + stage_.m_B * kGravity) / (stage_.L0 * zipped);  // (19)
+  const double films =
+      stage_.d_film * std::sqrt(2.0 * pressure / (stage_.eps_film * kVacuumPermittivity)) + stage_.film_loss;
+  return Volts(films / film_share(stage_).rms);
 }
 
 // The lowest of three:
@@ -124,15 +123,16 @@ Volts NominalModel::drive_limit(Millimetres depth) const {
 
 std::vector<DepthBand> NominalModel::plausible_depths() const {
   constexpr double kStep_V = 500.0;
-  const FilmShare share = film_share();
+  const FilmShare share = film_share(stage_);
   const double holding = std::min(kHoldingFriction_N, 0.5 * plate_a_weight());
   std::vector<DepthBand> bands;
   for (double volts = 0.0; volts <= limits::kDriveMax_mV * 1e-3; volts += kStep_V) {
     // Low: end of the half-period, all tissue force, and a full loop of hysteresis below the equations.
     const double low = 1e3 * depth_m(share.end * volts, kTissueForce_N) - kHysteresis * kFullStroke_mm;
-    // High: start of the half-period, friction holds, and half a loop above: the equations are already the
-    // upper branch of the paper's stage, which lifts 12 mm where they say 16.
-    const double high = 1e3 * depth_m(share.start * volts, -holding) + 0.5 * kHysteresis * kFullStroke_mm;
+    // High: start of the half-period, on the way down, friction holds, and half a loop above: the equations
+    // are already the upper branch of the paper's stage, which lifts 12 mm where they say 16.
+    const double high = 1e3 * depth_m(share.start * volts + 2.0 * stage_.film_loss, -holding) +
+                        0.5 * kHysteresis * kFullStroke_mm;
     bands.push_back({Volts(volts), Millimetres(std::max(low, -kZeroError_mm)), Millimetres(high)});
   }
   return bands;

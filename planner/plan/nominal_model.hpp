@@ -1,11 +1,12 @@
 // The planner's own idea of the stage at rest: which depth a drive amplitude gives, and which drive a depth
-// needs. Equations (15)-(21) of the paper with (20) solved anew (its printed root is dimensionally wrong) and
-// nominal values; the simulation does not know this file, and this file does not know the simulation.
+// needs. Equations (15)-(21) of the paper with (20) solved anew (its printed root is dimensionally wrong);
+// the simulation does not know this file, and this file does not know the simulation.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "planner/plan/nominal_stage.hpp"
 #include "robot/msg/plan.hpp"
 
 namespace biopsy::planner {
@@ -14,10 +15,11 @@ class NominalModel {
  public:
   // `weight`: what is put on the needle fixture. Weights of 0 to 300 g are modelled (the paper loads up to
   // 260 g).
-  explicit NominalModel(Grams weight);
+  explicit NominalModel(Grams weight, const NominalStage& stage = {});
 
-  // Steady depth under a 2 Hz square wave of this amplitude while the tissue pushes the needle back with
-  // force_N (negative: friction holds it in). Below zero where the push is stronger than the drive.
+  // Steady depth, on the way up, under a 2 Hz square wave of this amplitude while the tissue pushes the
+  // needle back with force_N (negative: friction holds it in). Below zero where the push is stronger than the
+  // drive.
   Millimetres depth(Volts amplitude, double force_N = 0.0) const;
 
   // Depth where the films see this voltage, whatever wave made it.
@@ -44,8 +46,10 @@ class NominalModel {
 
  private:
   double depth_m(double film_volts, double force_N) const;  // from the voltage that acts on the films
-  double plate_a_weight() const;                            // newtons
+  double pressure_of(double film_volts) const;
+  double plate_a_weight() const;  // newtons
 
+  NominalStage stage_;
   double plate_a_kg_;
 };
 
@@ -55,7 +59,7 @@ class NominalModel {
 struct FilmShare {
   double start, end, rms;
 };
-FilmShare film_share(Seconds half_period = Seconds(0.25));
+FilmShare film_share(const NominalStage& stage, Seconds half_period = Seconds(0.25));
 
 inline constexpr Grams kWeightMax{300.0};
 inline constexpr double kTissueForce_N =

@@ -156,7 +156,8 @@ Refusal too_heavy(const InsertionRequest& request, Millimetres depth) {
     return PlanRefusal{
         fmt::format("a weight of {:.0f} g is outside 0 to {:.0f} g", request.weight.value, kWeightMax.value),
         "give the weight on the needle fixture in grams"};
-  const std::optional<Volts> drive = NominalModel(request.weight).drive(depth, kTissueForceMin_N);
+  const std::optional<Volts> drive =
+      NominalModel(request.weight, request.stage).drive(depth, kTissueForceMin_N);
   if (!drive || *drive > from_mV(limits::kDriveMax_mV))
     return PlanRefusal{
         fmt::format(
@@ -184,7 +185,7 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
   const Aim aim{request.X_SR.inverse() * request.target.p_ST};
   if (Refusal why = first_objection(request, aim)) return *why;
 
-  const NominalModel model(request.weight);
+  const NominalModel model(request.weight, request.stage);
   Plan plan{.target = request.target,
             .X_SR = request.X_SR,
             .registration_fre_mm = request.registration_fre_mm,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planner/plan/insertion_steps.hpp"
+#include "planner/plan/nominal_stage.hpp"
 #include "robot/msg/plan.hpp"
 
 namespace biopsy::planner {
@@ -38,6 +39,7 @@ struct InsertionRequest {
   double registration_fre_mm = 0.0, registration_tre_mm = 0.0;  // 0 where the transform was given
   std::vector<Layer> layers;
   Grams weight{50.0};
+  NominalStage stage{};
   std::vector<Millimetres> waypoints;  // depths asked for on the way, rising
   Staging staging = Staging::Automatic;
   Pace pace;

@@ -9,7 +9,6 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/text/number_text.hpp"
-#include "robot/procedure/case.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::robot {
@@ -26,7 +25,7 @@ void check_options(const CharacteriseOptions& options, bool simulated) {
 
 std::filesystem::path model_file_of(const CharacteriseOptions& options, bool simulated) {
   if (!options.model.empty()) return options.model;
-  return simulated ? blank_case().rehearsal.model : data_folder() / "sim/models/calibrated.toml";
+  return data_folder() / (simulated ? "sim/models/rehearsal.toml" : "sim/models/calibrated.toml");
 }
 
 void add_missing_noise(BenchSession& session) {

@@ -124,7 +124,7 @@ std::vector<BenchRun> dc_runs(const BenchSetup& setup) {
 // The working voltage, or less where the plate would swing at a change of polarity.
 Volts amplitude_for(Seconds half_period, const BenchSetup& setup) {
   const ScaledStage stage(setup);
-  const planner::FilmShare share = planner::film_share(half_period);
+  const planner::FilmShare share = planner::film_share({}, half_period);
   const Volts most = stage.drive(kWorking), stride(10.0);
   const Millimetres largest_jump = stage.largest_jump();
   Volts amplitude(500.0);

@@ -45,7 +45,7 @@ void add_case_options(CLI::App& app, ProcedureOptions& options) {
   add(app, "--fiducials FILE", options.fiducials,
       "CSV of fiducial pairs, robot and scanner; replaces the case's");
   add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",
-            "sim/models/rehearsal.toml");
+            "sim/models/calibrated.toml");
   add_seed(app, options.seed, "noise and patient motion; replaces the case's");
 }
 

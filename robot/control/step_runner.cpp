@@ -9,7 +9,7 @@
 namespace biopsy::control {
 namespace {
 
-constexpr Millimetres kReturnBand{0.09};  // kSettled and four standard deviations of the laser
+constexpr Millimetres kReturnBand{0.06};  // of the mean error: kSettled and what the mean leaves of the noise
 
 // Depth of the needle while nothing drives it: where the setpoint starts from.
 RunnerState at_rest(RunnerState state, Millimetres depth) {
@@ -34,8 +34,9 @@ Millimetres advanced(Millimetres from, const InsertionStep& step) {
   return from + std::clamp(step.depth - from, -stride, stride);
 }
 
-RunnerState judge(RunnerState state, const InsertionStep& step, Millimetres depth) {
-  const bool settled = std::abs((step.depth - depth).value) <= kSettled.value;
+RunnerState judge(RunnerState state, const InsertionStep& step, Millimetres error) {
+  const bool settled =
+      std::abs(state.mean_error.value) <= kSettled.value && std::abs(error.value) <= kReadingOff.value;
   state.settled_ticks = settled ? state.settled_ticks + 1 : 0;
   if (state.settled_ticks * Seconds(kTick) >= step.dwell) state.reached = true;
   return state;
@@ -43,11 +44,10 @@ RunnerState judge(RunnerState state, const InsertionStep& step, Millimetres dept
 
 // In a hold the amplitude is constant: regulation could only lower it, by each sample's noise a little
 // further. A needle that jumped beyond its step is regulated back.
-RunnerState held(const PiGains& gains, RunnerState state, const InsertionStep& step, Millimetres depth,
-                 Volts envelope) {
+RunnerState held(const PiGains& gains, RunnerState state, Millimetres error, Volts envelope) {
   const Volts ceiling = std::min(state.loop.amplitude, envelope);
-  if (depth > step.depth + kReturnBand)
-    state.loop = pi_step(gains, state.loop, step.depth - depth, ceiling);
+  if (state.mean_error < -kReturnBand || error < -kReadingOff)
+    state.loop = pi_step(gains, state.loop, error, ceiling);
   else
     state.loop.amplitude = ceiling;
   state.raising = false;
@@ -61,18 +61,19 @@ RunnerStep run_steps(const Plan& plan, const PiGains& gains, RunnerState state,
                      bool finish) {
   assert(step_index < plan.steps.size());
   const InsertionStep& step = plan.steps[step_index];
-  const Millimetres depth = from_um(measurement.depth_um);
+  const Millimetres depth = from_um(measurement.depth_um), error = step.depth - depth;
   state = enter_step(state, step_index);
+  state.mean_error += kMeanShare * (error - state.mean_error);
   if (!permit.hv_enable) {
     state = at_rest(state, depth);
   } else if (permit.slew_up_mV_per_tick <= 0) {
-    state = held(gains, state, step, depth, from_mV(permit.v_max_mV));
+    state = held(gains, state, error, from_mV(permit.v_max_mV));
   } else {
     if (!state.raising) state.loop = pi_resume(gains, state.loop.amplitude, state.setpoint - depth);
     state.raising = true;
     state.setpoint = advanced(state.setpoint, step);
     state.loop = pi_step(gains, state.loop, state.setpoint - depth, from_mV(permit.v_max_mV));
-    state = judge(state, step, depth);
+    state = judge(state, step, error);
   }
   DriveRequest request;
   request.seq = ++state.seq;

@@ -14,13 +14,20 @@ namespace biopsy::control {
 // mm rms.
 inline constexpr Millimetres kSettled{0.05};
 
+// The error is judged by its mean over some 64 ms, which leaves 2.4 um of the noise of a laser of 27 um
+// (III.D's class). No single reading may be further away than kSettled and six standard deviations of that
+// noise: a needle that oscillates about the depth has not settled there.
+inline constexpr double kMeanShare = 1.0 / 64.0;
+inline constexpr Millimetres kReadingOff{0.21};
+
 struct RunnerState {
   PiState loop;
   Millimetres setpoint;
   std::uint32_t seq = 0;
   std::uint32_t drive_ticks = 0;  // since enabled: phase of the square wave
   std::uint32_t step = 0;
-  std::uint32_t settled_ticks = 0;  // consecutive, within kSettled of the step's depth
+  Millimetres mean_error;           // of the step's depth less the needle's
+  std::uint32_t settled_ticks = 0;  // consecutive
   bool raising = false;             // the last permit allowed |V| to rise
   bool reached = false;             // latched until the step changes
 };

@@ -120,7 +120,7 @@ bool has_points(const Case& given) {
 
 Case blank_case() {
   Case out;
-  out.rehearsal.model = data_folder() / "sim/models/rehearsal.toml";
+  out.rehearsal.model = data_folder() / "sim/models/calibrated.toml";
   out.rehearsal.tissues = data_folder() / "sim/models/tissues.toml";
   return out;
 }

@@ -110,6 +110,7 @@ void plan_to_target(PreparedCase& out) {
   request.registration_tre_mm = std::get<Pose>(pose).tre_mm;
   request.layers = out.layers;
   request.weight = given.weight;
+  request.stage = planner::read_nominal_stage(given.rehearsal.model);
   request.waypoints = given.waypoints;
   request.staging = given.staging;
   request.pace = given.pace;

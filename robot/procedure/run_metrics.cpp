@@ -64,6 +64,21 @@ double final_depth(const report::RunRecord& record) {
   return window.mean();
 }
 
+// Where the run ended at 0 V; unknown where it did not, or where nothing was driven.
+double left_depth(const report::RunRecord& record) {
+  constexpr std::size_t kWindow =
+      100;  // ms: two hundredths of a millimetre of laser noise become two thousandths
+  const auto& samples = record.samples;
+  if (samples.size() < kWindow || std::none_of(samples.begin(), samples.end(), is_driven))
+    return report::kUnknown;
+  Rms window;
+  for (auto sample = samples.end() - kWindow; sample != samples.end(); ++sample) {
+    if (is_driven(*sample) || sample->drive_kV != 0.0F) return report::kUnknown;
+    window.add(0.0, sample->depth_mm);
+  }
+  return window.mean();
+}
+
 void measure_limits(report::RunRecord& record) {
   double deepest = 0.0, monitor = 0.0, hold_s = 0.0, held = 0.0, envelope = 0.0;
   for (const report::Sample& sample : record.samples) {
@@ -110,6 +125,7 @@ void measure_run(report::RunRecord& record) {
   record.rmse_all_mm = all.value();
   record.overshoot_mm = overshoot;
   record.final_depth_mm = final_depth(record);
+  record.left_depth_mm = left_depth(record);
   measure_limits(record);
 }
 

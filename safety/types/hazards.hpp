@@ -71,7 +71,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::ResidualCharge, StopCategory::C0Off, 200, "H-06 voltage remains after switching off", "R-01",
      Monitor::Voltage, "more than 100 V, 200 ms after off", true},
     {Hazard::NeedleNotBack, StopCategory::C0Off, 500, "H-07 needle did not return at zero volts", "R-02",
-     Monitor::Depth, "deeper than 1 mm, 500 ms after 0 V", true},
+     Monitor::Depth, "deeper than 1 mm, 500 ms after 0 V"},
     {Hazard::EStop, StopCategory::C0Off, 1, "H-25 emergency stop pressed", "R-03", Monitor::Link,
      "either contact open"},
     {Hazard::EStopDisagrees, StopCategory::C0Off, 21, "H-26 emergency stop channels disagree", "R-04",

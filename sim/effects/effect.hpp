@@ -8,7 +8,8 @@
 //            AmplifierDynamics amplifier()   of the amplifier's output (one effect at most)
 //            Screening screening()           of the stack's voltage (one effect at most)
 //            double acting(u)                voltage that pulls, for what the screening leaves
-//   pouch    Equilibrium held(goal, H_0, own)      where a pouch goes when pressure would carry it to `goal`
+//   pouch    double pulling(u, own)                what is left of the voltage that pulls
+//            Equilibrium held(goal, H_0, own)      where a pouch goes when pressure would carry it to `goal`
 //            PouchOffset pouch_offset(pouch, own)  height on top of it, and a floor
 //   plate A  double added_mass()             kg
 //            double spring_push(spring, own) N, upward, besides the linear series spring

@@ -55,7 +55,8 @@ double spring_force(const StepContext& s, const Motion& m, Instant at, double& d
   if constexpr (kOffset) offset = pouch_offset(s.model, m, s.state.remembered, at.since);
   double undamped = undamped_spring(s.model, m, s.state.remembered, s.mass, offset.height);
   if constexpr (kOffset) undamped += b.c_k * b.n * offset.rate;
-  Equilibrium goal = equilibrium(b, pressure(b, at.u), std::max(0.0, undamped) + b.m_B * b.g);
+  const double u = pulling_voltage(s.model, m, s.state.remembered, at.u);
+  Equilibrium goal = equilibrium(b, pressure(b, u), std::max(0.0, undamped) + b.m_B * b.g);
   for_each_present(s.model.effects, m.integrated, s.state.remembered,
                    [&]<class E>(const E& effect, const auto&... own) {
                      if constexpr (requires { &E::held; }) goal = effect.held(goal, b.H_0, own...);

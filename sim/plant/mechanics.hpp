@@ -55,6 +55,16 @@ double friction_bound(const PlantModel& model, double x, double v);
 PouchOffset pouch_offset(const PlantModel& model, const Motion& m, const RememberedStates& remembered,
                          double since);
 
+// The voltage that the films' adhesion leaves of the one on the stack. V, its size counts
+inline double pulling_voltage(const PlantModel& model, const Motion& m, const RememberedStates& remembered,
+                              double u) {
+  for_each_present(model.effects, m.integrated, remembered,
+                   [&]<class E>(const E& effect, const auto&... own) {
+                     if constexpr (requires { &E::pulling; }) u = effect.pulling(u, own...);
+                   });
+  return u;
+}
+
 // The series spring's push on a plate A of that mass (kg), without the part of its damper that depends on
 // plate B's speed; `offset` (m) is on top of each pouch. N, up
 inline double undamped_spring(const PlantModel& model, const Motion& m, const RememberedStates& remembered,

@@ -73,16 +73,17 @@ int slide_direction(const StepContext& s, const Motion& m, bool breaks_away) {
 void hold_pouches(const PlantModel& model, PlantState& state) {
   const Baseline& b = model.baseline;
   if (b.drive == Drive::Force) return;
-  for_each_present(model.effects, state.motion.integrated, state.remembered,
-                   [&]<class E>(const E& effect, auto&... own) {
-                     if constexpr (requires { &E::hold; }) {
-                       const double offset = pouch_offset(model, state.motion, state.remembered, 0.0).height;
-                       const double spring =
-                           undamped_spring(model, state.motion, state.remembered, model.mass_A(), offset);
-                       const double P = pressure(b, acting_voltage(model, circuit_state(state)));
-                       effect.hold(equilibrium(b, P, std::max(0.0, spring) + b.m_B * b.g).H, b.H_0, own...);
-                     }
-                   });
+  for_each_present(
+      model.effects, state.motion.integrated, state.remembered, [&]<class E>(const E& effect, auto&... own) {
+        if constexpr (requires { &E::hold; }) {
+          const double offset = pouch_offset(model, state.motion, state.remembered, 0.0).height;
+          const double spring =
+              undamped_spring(model, state.motion, state.remembered, model.mass_A(), offset);
+          const double u = acting_voltage(model, circuit_state(state));
+          const double P = pressure(b, pulling_voltage(model, state.motion, state.remembered, u));
+          effect.hold(equilibrium(b, P, std::max(0.0, spring) + b.m_B * b.g).H, b.H_0, own...);
+        }
+      });
 }
 
 // A substep of one regime, stuck or sliding: its length, the voltage over it, and the motion at its end.

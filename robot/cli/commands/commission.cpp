@@ -14,12 +14,12 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/ed25519.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/sha256.hpp"
 #include "robot/common/text/encoding.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
-#include "robot/procedure/case.hpp"
 #include "robot/security/key_files.hpp"
 #include "sim/plant/model_file.hpp"
 
@@ -84,7 +84,7 @@ Record blank_record(const Options& options) {
 }
 
 Record run_on_simulation(const Options& options, Record record, std::ostream& out) {
-  SimulatedBench bench(sim::read_model(blank_case().rehearsal.model), kSeed);
+  SimulatedBench bench(sim::read_model(data_folder() / "sim/models/rehearsal.toml"), kSeed);
   record.device = {options.device, "simulated stage", 0};
   SupervisedRig rig(bench, bench.connections());
   TerminalOperator terminal(std::cin, out);

@@ -92,6 +92,7 @@ Json interface_json(const RunRecord& record) {
       {"refusal", json_text(record.refusal)},
       {"target_depth_mm", number(record.plan ? record.plan->target_depth.value : kUnknown)},
       {"final_depth_mm", run_figure(record.final_depth_mm)},
+      {"left_depth_mm", run_figure(record.left_depth_mm)},
       {"image_depth_mm", run_figure(record.image_depth_mm)},
       {"image_depth_sigma_mm", run_figure(record.image_depth_sigma_mm)},
       {"layer_at_tip", moved ? json_text(record.layer_at_tip) : Json(nullptr)},

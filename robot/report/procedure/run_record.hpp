@@ -97,6 +97,7 @@ struct RunRecord {
   std::vector<LimitUse> limits;
   std::vector<Trip> trips;
   double final_depth_mm = kUnknown;  // laser, at the end of the last step
+  double left_depth_mm = kUnknown;   // laser, at the end of the run at 0 V: what friction left
   double image_depth_mm = kUnknown, image_depth_sigma_mm = kUnknown;
   std::string layer_at_tip;
   double rmse_settled_mm = kUnknown, rmse_all_mm = kUnknown, overshoot_mm = kUnknown, peak_kV = kUnknown;

@@ -34,6 +34,14 @@ std::string needle_and_image(const RunRecord& record) {
   return text;
 }
 
+// At 0 V only weight withdraws the needle; what friction holds, a person withdraws.
+std::string needle_left(const RunRecord& record) {
+  constexpr double kReturned_mm = 0.1;
+  if (!(record.left_depth_mm > kReturned_mm)) return {};
+  return " At 0 V friction holds the needle " + fixed(record.left_depth_mm, 2, "mm") +
+         " deep: draw the stage back along its guide by hand before anything else.";
+}
+
 std::string with_remedy(const RunRecord& record, const std::string& fallback) {
   std::string text = ended(record.refusal.empty() ? fallback : record.refusal);
   if (!record.remedy.empty()) text += " What to do: " + ended(record.remedy);
@@ -52,12 +60,12 @@ std::string verdict_sentence(const RunRecord& record) {
     return planned_only(*record.plan);
   switch (record.outcome) {
     case Outcome::Completed:
-      return "Completed: " + needle_and_image(record) + ".";
+      return "Completed: " + needle_and_image(record) + "." + needle_left(record);
     case Outcome::Refused:
       return "Refused: " + with_remedy(record, "no reason was given");
     case Outcome::Stopped:
       return "Stopped: " + with_remedy(record, "no reason was given") +
-             " At the end: " + needle_and_image(record) + ".";
+             " At the end: " + needle_and_image(record) + "." + needle_left(record);
   }
   return "";
 }

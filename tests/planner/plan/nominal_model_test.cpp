@@ -18,7 +18,7 @@ TEST(FilmShare, IsTheSteadyStateOfTheLeakageEquation) {
     output = output * (half_period == 0 ? 1.0 : std::exp(-a / tau)) + K * (next - input);
     input = next;
   }
-  const FilmShare share = film_share();
+  const FilmShare share = film_share({});
   EXPECT_NEAR(std::abs(output), share.start, 1e-9);
   EXPECT_NEAR(std::abs(output) * std::exp(-a / tau), share.end, 1e-9);
   double mean_square = 0.0;
@@ -45,7 +45,7 @@ TEST(NominalModel, SatisfiesTheVolumeAndForceEquations) {
       const double depth = NominalModel(Grams(grams)).depth(Volts(volts)).value * 1e-3;
       ASSERT_GT(depth, 0.0);
       const double H = 0.35e-3 + depth / 11;
-      const double film_volts = film_share().rms * volts;
+      const double film_volts = film_share({}).rms * volts;
       const double pressure = permittivity * film_volts * film_volts / (2 * film * film);
       const double S = (0.060 + grams * 1e-3) * 9.81 / (L0 * pressure);                   // (19)
       EXPECT_NEAR((H * S + std::numbers::pi * H * H / 4) * L0 / V0, 1.0, 1e-9) << volts;  // (18)

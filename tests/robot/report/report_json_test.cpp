@@ -19,13 +19,21 @@ struct Field {
 
 // The interface, field by field.
 constexpr Field kInterface[] = {
-    {"outcome", Kind::Text, false},          {"refusal", Kind::Text, true},
-    {"target_depth_mm", Kind::Number, true}, {"final_depth_mm", Kind::Number, true},
-    {"image_depth_mm", Kind::Number, true},  {"image_depth_sigma_mm", Kind::Number, true},
-    {"layer_at_tip", Kind::Text, true},      {"rmse_settled_mm", Kind::Number, true},
-    {"rmse_all_mm", Kind::Number, true},     {"overshoot_mm", Kind::Number, true},
-    {"peak_kV", Kind::Number, true},         {"trips", Kind::List, false},
-    {"stages", Kind::List, false},           {"simulated_s", Kind::Number, true},
+    {"outcome", Kind::Text, false},
+    {"refusal", Kind::Text, true},
+    {"target_depth_mm", Kind::Number, true},
+    {"final_depth_mm", Kind::Number, true},
+    {"left_depth_mm", Kind::Number, true},
+    {"image_depth_mm", Kind::Number, true},
+    {"image_depth_sigma_mm", Kind::Number, true},
+    {"layer_at_tip", Kind::Text, true},
+    {"rmse_settled_mm", Kind::Number, true},
+    {"rmse_all_mm", Kind::Number, true},
+    {"overshoot_mm", Kind::Number, true},
+    {"peak_kV", Kind::Number, true},
+    {"trips", Kind::List, false},
+    {"stages", Kind::List, false},
+    {"simulated_s", Kind::Number, true},
     {"wall_s", Kind::Number, true},
 };
 

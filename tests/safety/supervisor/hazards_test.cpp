@@ -164,8 +164,8 @@ std::string requirement_of(const testing::TestParamInfo<Fault>& fault) {
 INSTANTIATE_TEST_SUITE_P(Faults, EveryHazard, testing::ValuesIn(kFaults), requirement_of);
 
 TEST(HazardTable, LocksOnWhatOnlyAServiceCanMend) {
-  verifies("R-01", "R-02");
-  EXPECT_EQ(locking_hazards(), bit(Hazard::ResidualCharge) | bit(Hazard::NeedleNotBack));
+  verifies("R-01");
+  EXPECT_EQ(locking_hazards(), bit(Hazard::ResidualCharge));
 }
 
 TEST(HazardTable, HasAFaultForEveryHazardButTheOneTestedOnPlans) {

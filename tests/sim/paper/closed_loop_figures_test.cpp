@@ -87,11 +87,10 @@ TEST(PaperClosedLoop, ABiasBringsTheStageBackToItsZero) {
   EXPECT_LT(biased.ours, 0.5 * biased.paper);
 }
 
-// Fig. 9a as it is; Fig. 9b, which ends at 0, above what friction keeps.
 TEST(PaperClosedLoop, FeedForwardBeatsThePapersFigures) {
   const std::filesystem::path models = source_dir() / "sim/models";
   const PaperFigure figure = beyond(read_paper_model(models / "calibrated.toml", models / "paper.toml"));
-  EXPECT_LT(row(figure, "sine, RMSE over everything: above a bias").ours, 0.211);
+  EXPECT_LT(row(figure, "sine, RMSE over everything: feed-forward").ours, 0.211);
   EXPECT_LT(row(figure, "square wave, RMSE over settled windows: feed-forward").ours, 0.077);
 }
 

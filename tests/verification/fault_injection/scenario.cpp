@@ -26,9 +26,10 @@ void vary_stage(Draw& draw, sim::PlantModel& plant) {
   vary(draw, plant.baseline.tau_h, 0.10);
   vary(draw, plant.baseline.k, 0.05);
   vary(draw, plant.baseline.c_s, 0.20);
-  vary(draw, plant.effects.stribeck_friction->sliding, 0.10);
-  plant.effects.stribeck_friction->breakaway = 1.1 * plant.effects.stribeck_friction->sliding;
-  vary(draw, plant.effects.zipping_hysteresis->width, 0.30);
+  vary(draw, plant.effects.charge_retention->share, 0.30);
+  vary(draw, plant.effects.charge_retention->time, 0.30);
+  vary(draw, plant.effects.film_hysteresis->loss, 0.30);
+  vary(draw, plant.effects.hysteretic_spring->stiffness, 0.20);
   vary(draw, plant.effects.sensor_lag->time, 0.20);
   vary(draw, plant.effects.sensor_noise->std, 0.30);
 }
@@ -58,8 +59,9 @@ std::vector<Layer> draw_layers(Draw& draw) {
   return layers;
 }
 
-planner::InsertionRequest draw_request(Draw& draw) {
+planner::InsertionRequest draw_request(Draw& draw, const planner::NominalStage& nominal) {
   planner::InsertionRequest request;
+  request.stage = nominal;
   const double depth_mm = draw.within(2.5, 5.0);
   request.target.patient_id = "P" + std::to_string(draw.whole(1, 9999));
   request.target.series_uid = "1.2.826.0." + std::to_string(draw.whole(1, 99999));
@@ -80,13 +82,15 @@ planner::InsertionRequest draw_request(Draw& draw) {
 }  // namespace
 
 NominalModels read_nominal_models(const std::filesystem::path& models) {
-  return {sim::read_model(models / "rehearsal.toml"), sim::read_tissues(models / "tissues.toml")};
+  return {sim::read_model(models / "calibrated.toml"),
+          planner::read_nominal_stage(models / "calibrated.toml"),
+          sim::read_tissues(models / "tissues.toml")};
 }
 
 Scenario draw_scenario(const NominalModels& models, std::uint64_t seed) {
   Draw draw(seed);
   while (true) {
-    const planner::InsertionRequest request = draw_request(draw);
+    const planner::InsertionRequest request = draw_request(draw, models.nominal);
     auto planned = planner::plan_insertion(request);
     if (!std::holds_alternative<Plan>(planned)) continue;  // refused with a reason: nothing to rehearse
     Scenario scenario;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "planner/plan/nominal_stage.hpp"
 #include "robot/msg/plan.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "sim/plant/plant_model.hpp"
@@ -15,6 +16,7 @@ namespace biopsy::fault_injection {
 // The nominal stage and tissues, read once.
 struct NominalModels {
   sim::PlantModel stage;
+  planner::NominalStage nominal;
   sim::TissueTable tissues;
 };
 NominalModels read_nominal_models(const std::filesystem::path& models);

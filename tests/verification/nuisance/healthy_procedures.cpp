@@ -25,6 +25,11 @@ bool has_jumped(const TickRecord& line, const Plan& plan) {
          line.depth_mm > plan.steps[line.step].depth.value + kHalfOvershoot_mm;
 }
 
+// Guide and tissue truly hold the needle out at 0 V: somebody has to withdraw it.
+bool is_held(const TickRecord& line) {
+  return line.hazards == bit(safety::Hazard::NeedleNotBack) && line.depth_mm > 0.95;
+}
+
 bool is_unasked(const TickRecord& line, Mode before) {
   return line.mode != before && line.hazards != 0 && before != Mode::Boot;
 }
@@ -48,7 +53,8 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
     step = std::max(step, line.step);
     const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
     const bool unasked = is_unasked(line, before) && !fell;
-    const bool stopped = unasked && !has_jumped(line, scenario.plan);
+    const bool stopped = unasked && !has_jumped(line, scenario.plan) && !is_held(line);
+    run.needles_held += unasked && is_held(line);
     run.punctures_held += unasked && has_jumped(line, scenario.plan);
     run.trips += fell;
     run.unexpected_stops += stopped;
@@ -79,6 +85,7 @@ HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.trips += b.trips;
   a.unexpected_stops += b.unexpected_stops;
   a.punctures_held += b.punctures_held;
+  a.needles_held += b.needles_held;
   a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
   return a;
 }

@@ -23,7 +23,8 @@ struct HealthyRun {
   std::int32_t trips = 0;             // into trip or lock
   std::int32_t unexpected_stops = 0;  // held, withdrawn or not ready for a hazard that was not there
   std::int32_t punctures_held = 0;    // held, the needle having truly jumped ahead when a layer gave way
-  std::vector<Alarm> alarms;          // the first of each procedure
+  std::int32_t needles_held = 0;  // not ready, friction truly holding the needle more than 1 mm out at 0 V
+  std::vector<Alarm> alarms;      // the first of each procedure
 };
 
 // Procedures of different scenarios and operators until `hours` are full. The same seed gives the same run.

@@ -20,6 +20,7 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
                                             {"trips", day.trips},
                                             {"unexpected_holds", day.unexpected_stops},
                                             {"punctures_held", day.punctures_held},
+                                            {"needles_held", day.needles_held},
                                             {"not_completed", day.procedures - day.completed - day.given_up},
                                             {"seconds", seconds}}};
   report.tables["alarms"] = nlohmann::json::array();
@@ -37,10 +38,10 @@ biopsy::EvidenceReport run(double hours, std::uint64_t seed) {
   });
   fmt::print(
       "\n{:.2f} h, {} procedures ({} completed, {} given up), {} steps, {} releases: {} trips, {} "
-      "unrequested "
-      "stops, {} holds after a puncture that truly jumped\n",
+      "unrequested stops, {} holds after a puncture that truly jumped, {} needles that friction held at 0 "
+      "V\n",
       day.hours, day.procedures, day.completed, day.given_up, day.steps, day.releases, day.trips,
-      day.unexpected_stops, day.punctures_held);
+      day.unexpected_stops, day.punctures_held, day.needles_held);
   for (const Alarm& alarm : day.alarms)
     fmt::print("  procedure {} at {:.2f} s: {}\n", alarm.procedure, alarm.at_s, alarm.what);
   return report_of(day, time.seconds());

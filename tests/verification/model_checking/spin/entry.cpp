@@ -84,7 +84,7 @@ SpinState pack(const safety::SupervisorState& state, bool exact) {
 safety::Situation unpack(const SpinInput& packed, const safety::SupervisorState& state) {
   constexpr safety::HazardSet kHazard[] = {0, bit(safety::Hazard::PatientMotion),
                                            bit(safety::Hazard::SensorStale), bit(safety::Hazard::Arc),
-                                           bit(safety::Hazard::NeedleNotBack)};
+                                           bit(safety::Hazard::ResidualCharge)};
   const std::uint32_t tokens[] = {0, state.token == 0 ? 0 : kPresent - 1, state.token, state.token + 1};
   safety::Situation input;
   input.evidence.clear = safety::kAllHazards & ~kHazard[packed.hazard];
