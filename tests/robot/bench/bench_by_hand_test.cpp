@@ -122,7 +122,8 @@ TEST(BenchByHand, EachPushBeginsWhereTheHandBegan) {
 }
 
 // How many of the four changes of three load runs are seen; none of them elsewhere than the hand was.
-std::size_t seen_in_three_loads(const sim::PlantModel& model, const BenchSetup& setup) {
+std::size_t seen_in_three_loads(const sim::PlantModel& model, const BenchSetup& setup,
+                                double within_s = 0.06) {
   std::size_t seen = 0;
   for (const unsigned seed : {1U, 2U, 3U}) {
     ByHand played = played_by_hand("load", model, seed, 3.0, setup);
@@ -131,7 +132,8 @@ std::size_t seen_in_three_loads(const sim::PlantModel& model, const BenchSetup& 
     for (std::size_t i = 0; i < pushes.size(); ++i) {
       if (!pushes[i].seen) continue;
       ++seen;
-      EXPECT_NEAR(pushes[i].began_s + played.first_row_s, played.began_s[i] + kLaidOver_s / 2, 0.06) << i;
+      EXPECT_NEAR(pushes[i].began_s + played.first_row_s, played.began_s[i] + kLaidOver_s / 2, within_s)
+          << i;
     }
   }
   return seen;
@@ -142,11 +144,12 @@ TEST(BenchByHand, WithFrictionTheSeenPushesAreDatedRightly) {
   EXPECT_GE(seen_in_three_loads(stage_with(0.05, 50.0), {.weight = Grams(50.0), .push_scale = 2.0}), 6U);
 }
 
-// The stage behind the paper's figures: guide, retained charge, a reading that is late.
+// The stage behind the paper's figures: guide, retained charge, a reading that is late, and damping that lets
+// plate A follow its spring with 26 ms.
 TEST(BenchByHand, OnTheCalibratedStageTheyAreSeen) {
   sim::PlantModel model = sim::read_model(source_dir() / "sim/models/calibrated.toml");
   model.weight = 0.050;
-  EXPECT_GE(seen_in_three_loads(model, {.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5}), 9U);
+  EXPECT_GE(seen_in_three_loads(model, {.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5}, 0.08), 9U);
 }
 
 // The withdrawal is not taken for a weight that was lifted off.

@@ -147,6 +147,7 @@ RunRecord example_run() {
       {"Depth, plan", 3.55, 4.5, "mm"},   {"Depth, stroke", 3.55, 12.0, "mm"},
       {"Time in Hold", 3.0, 10.0, "s"},   {"Fiducial registration error", 0.97, 1.0, "mm"}};
   record.final_depth_mm = 3.508;
+  record.left_depth_mm = 0.04;
   record.image_depth_mm = 3.49;
   record.image_depth_sigma_mm = 0.06;
   record.layer_at_tip = "liver";

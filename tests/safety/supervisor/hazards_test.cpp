@@ -123,7 +123,7 @@ TEST_P(EveryHazard, IsNamedInTimeAndStopsTheNeedleAsItsRequirementSays) {
   const auto is_named = [&] { return (rig.evidence.hazards() & bit(fault.hazard)) != 0; };
   // Retained charge and a needle that stays are timed from the switching off; allow for the fall from full
   // depth.
-  const int fall = facts.locks ? 20 : 0;
+  const int fall = fault.in == Mode::Trip ? 20 : 0;
   EXPECT_LE(rig.ticks_until(is_named, 3'000), facts.detect_ms + fall) << facts.name;
   rig.tick();
   EXPECT_LE(permissiveness(rig.state.mode), permissiveness(mode_after(facts))) << name_of(rig.state.mode);
