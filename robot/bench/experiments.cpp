@@ -110,8 +110,8 @@ VoltageProgram electrical_step(const BenchSetup& setup) {
 }
 
 // After a time T of DC the films retain the charge K (1 - exp(-T / tau)), which lifts without voltage: after
-// 8 s a stage slightly stronger than nominal stays up, and R-02 locks. 4 s and a slow ramp down leave 0.45 K,
-// which lifts nothing.
+// 8 s a stage slightly stronger than nominal stays up, and R-02 refuses the next run. 4 s and a slow ramp
+// down leave 0.45 K, which lifts nothing.
 std::vector<BenchRun> dc_runs(const BenchSetup& setup) {
   constexpr std::uint32_t kStand_ticks = 4'000, kDown_ticks = 4'000;
   VoltageProgram lifting = hold_at(ScaledStage(setup).drive(kWorking), kStand_ticks);

@@ -35,9 +35,11 @@ Millimetres advanced(Millimetres from, const InsertionStep& step) {
 }
 
 RunnerState judge(RunnerState state, const InsertionStep& step, Millimetres error) {
-  const bool settled =
+  const bool near =
       std::abs(state.mean_error.value) <= kSettled.value && std::abs(error.value) <= kReadingOff.value;
-  state.settled_ticks = settled ? state.settled_ticks + 1 : 0;
+  const bool still = std::abs((state.mean_error - state.settled_at).value) <= kStandsStill.value;
+  if (!near || !still) state.settled_at = state.mean_error;
+  state.settled_ticks = near && still ? state.settled_ticks + 1 : 0;
   if (state.settled_ticks * Seconds(kTick) >= step.dwell) state.reached = true;
   return state;
 }

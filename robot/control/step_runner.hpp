@@ -19,6 +19,9 @@ inline constexpr Millimetres kSettled{0.05};
 // noise: a needle that oscillates about the depth has not settled there.
 inline constexpr double kMeanShare = 1.0 / 64.0;
 inline constexpr Millimetres kReadingOff{0.21};
+// The mean stays within this during the dwell: a needle that friction held beyond its depth and that now
+// slides back through it would go on sliding in the hold, where the drive may not rise.
+inline constexpr Millimetres kStandsStill{0.015};
 
 struct RunnerState {
   PiState loop;
@@ -27,6 +30,7 @@ struct RunnerState {
   std::uint32_t drive_ticks = 0;  // since enabled: phase of the square wave
   std::uint32_t step = 0;
   Millimetres mean_error;           // of the step's depth less the needle's
+  Millimetres settled_at;           // mean error when the present dwell began
   std::uint32_t settled_ticks = 0;  // consecutive
   bool raising = false;             // the last permit allowed |V| to rise
   bool reached = false;             // latched until the step changes

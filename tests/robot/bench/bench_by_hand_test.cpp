@@ -132,8 +132,7 @@ std::size_t seen_in_three_loads(const sim::PlantModel& model, const BenchSetup& 
     for (std::size_t i = 0; i < pushes.size(); ++i) {
       if (!pushes[i].seen) continue;
       ++seen;
-      EXPECT_NEAR(pushes[i].began_s + played.first_row_s, played.began_s[i] + kLaidOver_s / 2, within_s)
-          << i;
+      EXPECT_NEAR(pushes[i].began_s + played.first_row_s, played.began_s[i] + kLaidOver_s / 2, within_s) << i;
     }
   }
   return seen;
@@ -149,7 +148,8 @@ TEST(BenchByHand, WithFrictionTheSeenPushesAreDatedRightly) {
 TEST(BenchByHand, OnTheCalibratedStageTheyAreSeen) {
   sim::PlantModel model = sim::read_model(source_dir() / "sim/models/calibrated.toml");
   model.weight = 0.050;
-  EXPECT_GE(seen_in_three_loads(model, {.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5}, 0.08), 9U);
+  EXPECT_GE(seen_in_three_loads(model, {.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5}, 0.08),
+            9U);
 }
 
 // The withdrawal is not taken for a weight that was lifted off.

@@ -144,11 +144,13 @@ TEST(Characterise, NamesTheGuideThatTheStageBehindThePaperHas) {
                                   " --out " + (folder / "data").string());
   ASSERT_EQ(measured.code, 0) << measured.text;
   const nlohmann::json found = effect_found(folder);
-  // A guide that slides after 0.03 mm, under 0.02 mm of noise, is dry friction: of what the spring yields with.
+  // A guide that slides after 0.03 mm, under 0.02 mm of noise, is dry friction: of what the spring yields
+  // with.
   const sim::HystereticSpring guide = *sim::read_model(truth).effects.hysteretic_spring;
   const nlohmann::json& named = found["effects"][0];
   EXPECT_EQ(named["name"], "coulomb_friction");
-  EXPECT_NEAR(named["parameters"]["force_N"]["value"], guide.pull(guide.yield), 0.15 * guide.pull(guide.yield));
+  EXPECT_NEAR(named["parameters"]["force_N"]["value"], guide.pull(guide.yield),
+              0.15 * guide.pull(guide.yield));
   EXPECT_EQ(named["confused_with"][0]["name"], "hysteretic_spring");
   EXPECT_LT(found["rmse_mm"]["after"], 0.1 * found["rmse_mm"]["before"].get<double>());
 }

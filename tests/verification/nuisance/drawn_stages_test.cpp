@@ -1,0 +1,108 @@
+// Stages drawn from the calibration's posterior: what is not known of the paper's stage must not stop a
+// procedure.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "robot/common/in_parallel.hpp"
+#include "robot/common/statistics.hpp"
+#include "robot/cycle/plan_facts.hpp"
+#include "robot/procedure/prepared_case.hpp"
+#include "safety/types/transitions.hpp"
+#include "sim/paper/calibration/objective.hpp"
+#include "sim/paper/open_loop.hpp"
+#include "sim/paper/paper_targets.hpp"
+#include "sim/paper/tuning/uncertainty.hpp"
+#include "sim/plant/model_file.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
+#include "tests/verification/fault_injection/procedure.hpp"
+
+namespace biopsy::fault_injection {
+namespace {
+
+constexpr int kStages = 200;
+// A few of the weakest stand short of the last step with 8 kV on them: a limit, and no alarm. 0, 2 and 8 of
+// 200.
+constexpr int kMostComplete = 190;
+constexpr std::int64_t kTicksMax = 300'000;
+
+// What the calibration itself required and its deviations do not hold: 8 kV lift 50 g by 8.1 mm, within its
+// band of 5 % twice, and the laser has noise (0.005 mm at least).
+bool is_calibrated_for(const sim::PlantModel& stage) {
+  constexpr double kLeast_m = 0.9 * sim::calibration::kReach, kQuietest_m = 5e-6;
+  sim::PlantModel loaded = stage;
+  loaded.weight = sim::paper::kWeight;
+  const sim::paper::OpenLoopRun run = sim::paper::run_open_loop(
+      loaded, {.amplitude = 8000.0, .frequency = 2.0, .settle = 6.0, .watch = 0.5, .period = 2.5e-3}, true);
+  return mean(run.displacement) >= kLeast_m && stage.effects.sensor_noise->std >= kQuietest_m;
+}
+
+struct Tally {
+  int completed = 0, trips = 0, held_out = 0;
+  double worst_mm = 0.0;  // true depth beyond the target
+  std::vector<std::string> others;
+};
+
+Tally rehearsed(const std::string& name) {
+  const ScratchFolder folder;
+  const robot::PreparedCase prepared = robot::prepare(robot::read_case(name), folder / "");
+  const Plan& plan = std::get<Plan>(prepared.plan);
+  const sim::tuning::UncertainStages drawn = sim::tuning::uncertain_stages(
+      sim::read_noted_model(prepared.given.rehearsal.model), kStages, 1, is_calibrated_for);
+  const sim::TissueTable tissues = sim::read_tissues(prepared.given.rehearsal.tissues);
+  Tally tally;
+  std::mutex one;
+  in_parallel(drawn.stages.size(), [&](std::size_t i) {
+    Scenario scenario;
+    scenario.plan = plan;
+    scenario.facts = robot::plan_facts(plan, 1);
+    scenario.plant = drawn.stages[i];
+    scenario.plant.weight = prepared.given.weight.value * 1e-3;
+    scenario.plant.tissue = sim::tissue_along(prepared.layers, tissues);
+    scenario.noise_seed = i + 1;
+    Procedure procedure(scenario);
+    double deepest = 0.0;
+    bool tripped = false, held_out = false;
+    double last_mm = 0.0, last_kV = 0.0;
+    for (std::int64_t k = 0; k < kTicksMax && !procedure.over(); ++k) {
+      const TickRecord line = procedure.tick();
+      if (line.mode == Mode::Active) last_mm = line.depth_mm, last_kV = std::abs(line.output_kV);
+      deepest = std::max(deepest, line.depth_mm);
+      tripped |= line.mode == Mode::Trip || line.mode == Mode::Lock;
+      held_out |= (line.hazards & bit(safety::Hazard::NeedleNotBack)) != 0;
+    }
+    const std::lock_guard lock(one);
+    tally.completed += procedure.simulated_operator().completed();
+    tally.trips += tripped;
+    tally.held_out += held_out;
+    tally.worst_mm = std::max(tally.worst_mm, deepest - plan.target_depth.value);
+    if (!procedure.simulated_operator().completed() || tripped)
+      tally.others.push_back(fmt::format("stage {}: {}; at last {:.2f} mm at {:.2f} kV", i,
+                                         procedure.simulated_operator().stopped_because(), last_mm, last_kV));
+  });
+  return tally;
+}
+
+class DrawnStages : public testing::TestWithParam<const char*> {};
+
+TEST_P(DrawnStages, CompleteTheProcedure) {
+  const std::string name = GetParam();
+  const bool own = name.ends_with(".toml");
+  const Tally tally = rehearsed(own ? (source_dir() / name).string() : name);
+  for (const std::string& other : tally.others) std::cout << other << '\n';
+  RecordProperty("completed", tally.completed);
+  RecordProperty("held_out", tally.held_out);
+  std::cout << tally.completed << " of " << kStages << " completed, " << tally.trips << " tripped, "
+            << tally.held_out << " not back at 0 V, deepest " << tally.worst_mm << " mm beyond the target\n";
+  EXPECT_GE(tally.completed, kMostComplete);
+  EXPECT_EQ(tally.trips, 0);
+  EXPECT_LT(tally.worst_mm, 1.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, DrawnStages, testing::Values("liver", "gap", "docs/examples/case.toml"));
+
+}  // namespace
+}  // namespace biopsy::fault_injection
