@@ -125,10 +125,17 @@ Plan read_plan(Parser& from) {
   read(from, plan.limits.depth_max);
   plan.limits.v_max = Volts(from.number());
   read(from, plan.limits.plausible);
-  if (!from.at_end()) {
-    if (from.text() != "bench") from.fail();
-    plan.bench = BenchDrive{Seconds(from.number())};
+  std::string part = from.at_end() ? "" : from.text();
+  if (part == "controller") {
+    plan.gains.proportional_V_per_mm = from.number();
+    plan.gains.integral_V_per_mm_per_tick = from.number();
+    if (!is_permitted(plan.gains)) from.fail();
+    part = from.at_end() ? "" : from.text();
   }
+  if (part == "bench")
+    plan.bench = BenchDrive{Seconds(from.number())};
+  else if (!part.empty())
+    from.fail();
   return plan;
 }
 

@@ -167,6 +167,17 @@ Refusal too_heavy(const InsertionRequest& request, Millimetres depth) {
   return {};
 }
 
+Refusal loop_astray(const PiGains& gains) {
+  if (is_permitted(gains)) return {};
+  return PlanRefusal{
+      fmt::format("gains of {:.4g} V/mm and {:.4g} V/mm at each tick are outside {:.4g} to {:.4g} and {:.4g} "
+                  "to {:.4g}",
+                  gains.proportional_V_per_mm, gains.integral_V_per_mm_per_tick,
+                  kLeastGains.proportional_V_per_mm, kMostGains.proportional_V_per_mm,
+                  kLeastGains.integral_V_per_mm_per_tick, kMostGains.integral_V_per_mm_per_tick),
+      "give gains as `biopsy tune` finds them"};
+}
+
 Refusal first_objection(const InsertionRequest& request, const Aim& aim) {
   if (Refusal why = loosened(request)) return why;
   if (Refusal why = untrusted_registration(request)) return why;
@@ -176,6 +187,7 @@ Refusal first_objection(const InsertionRequest& request, const Aim& aim) {
   if (Refusal why = out_of_reach(aim, request)) return why;
   if (Refusal why = unknown_tissue(request.layers, aim.depth())) return why;
   if (Refusal why = waypoints_astray(request.waypoints, aim.depth())) return why;
+  if (Refusal why = loop_astray(request.gains)) return why;
   return too_heavy(request, aim.depth());
 }
 
@@ -197,7 +209,8 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
                                 model),
             .limits = {.depth_max = aim.depth() + kDepthMargin,
                        .v_max = Volts(0.0),
-                       .plausible = model.plausible_depths()}};
+                       .plausible = model.plausible_depths()},
+            .gains = request.gains};
   for (const InsertionStep& step : plan.steps) plan.limits.v_max = std::max(plan.limits.v_max, step.v_max);
   seal(plan);
   return plan;

@@ -43,6 +43,7 @@ struct InsertionRequest {
   std::vector<Millimetres> waypoints;  // depths asked for on the way, rising
   Staging staging = Staging::Automatic;
   Pace pace;
+  PiGains gains{};
   Tolerances tolerances;
 };
 

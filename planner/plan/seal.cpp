@@ -63,6 +63,11 @@ std::vector<std::uint8_t> canonical_bytes(const Plan& plan) {
   to.number(plan.limits.depth_max.value);
   to.number(plan.limits.v_max.value);
   write(to, plan.limits.plausible);
+  if (plan.gains != PiGains{}) {  // a plan with the paper's gains has the seal that it always had
+    to.text("controller");
+    to.number(plan.gains.proportional_V_per_mm);
+    to.number(plan.gains.integral_V_per_mm_per_tick);
+  }
   if (plan.bench) {
     to.text("bench");
     to.number(plan.bench->half_period.count());

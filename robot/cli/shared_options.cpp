@@ -46,6 +46,8 @@ void add_case_options(CLI::App& app, ProcedureOptions& options) {
       "CSV of fiducial pairs, robot and scanner; replaces the case's");
   add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",
             "sim/models/calibrated.toml");
+  add(app, "--controller FILE", options.controller,
+      "gains of the PI loop, as `biopsy tune` writes them; replaces the case's", "the paper's");
   add_seed(app, options.seed, "noise and patient motion; replaces the case's");
 }
 

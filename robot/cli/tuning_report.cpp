@@ -7,12 +7,19 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/common/text/number_text.hpp"
+#include "sim/paper/tuning/respects.hpp"
 
 namespace biopsy::robot {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using sim::tuning::EvaluatedGains, sim::tuning::Margins, sim::tuning::Score, sim::tuning::Tuning;
+
+std::vector<EvaluatedGains> all_of(const Tuning& tuning) {
+  std::vector<EvaluatedGains> all = tuning.evaluated;
+  if (tuning.improved) all.push_back(*tuning.improved);
+  return all;
+}
 
 double kp(const EvaluatedGains& evaluated) {
   return evaluated.gains.proportional_V_per_mm * 1e-3;
@@ -57,7 +64,7 @@ std::vector<std::string> score_row(const std::string& name, const std::string& w
 
 report::StudyTable gains_table(const Tuning& tuning) {
   report::StudyTable table{"Gains", {"Controller", ">K_p, kV/mm", ">K_i, kV/(mm s)", "Feed-forward"}, {}};
-  for (const EvaluatedGains& one : tuning.evaluated)
+  for (const EvaluatedGains& one : all_of(tuning))
     table.rows.push_back(
         {one.name, fmt::format("{:.3f}", kp(one)), fmt::format("{:.2f}", ki_per_second(one)),
          one.feed ? fmt::format("from the model, target limited to {:.0f} mm/s", one.speed) : "none"});
@@ -67,7 +74,7 @@ report::StudyTable gains_table(const Tuning& tuning) {
 report::StudyTable margins_table(const Tuning& tuning) {
   report::StudyTable table{
       "Margins of the loop", {"Controller", "Depth", ">Gain", ">Phase", ">Crossover", "Closed loop"}, {}};
-  for (const EvaluatedGains& one : tuning.evaluated) {
+  for (const EvaluatedGains& one : all_of(tuning)) {
     if (one.feed) continue;
     for (std::size_t i = 0; i < tuning.depths.size(); ++i)
       table.rows.push_back(margin_row(one.name, fmt::format("{:.0f} mm", tuning.depths[i]), one.at_depth[i]));
@@ -83,7 +90,7 @@ report::StudyTable scores_table(const Tuning& tuning) {
                            {}};
   table.rows.push_back(
       {"the paper's own stage", "measured", "0.077 mm", "< 10 %", "–", "1 s", "0.211 mm", "–", "–"});
-  for (const EvaluatedGains& one : tuning.evaluated) {
+  for (const EvaluatedGains& one : all_of(tuning)) {
     table.rows.push_back(score_row(one.name, "the model", one.nominal));
     table.rows.push_back(score_row(one.name, "worst of all stages", one.worst));
   }
@@ -129,8 +136,22 @@ Json json_of(const EvaluatedGains& evaluated, const std::vector<double>& depths)
 
 // What the margin costs.
 std::string price(const EvaluatedGains& paper, const EvaluatedGains& tuned) {
-  return fmt::format("On the model they follow the sine to {:.3f} mm, the paper's to {:.3f} mm.",
-                     tuned.nominal.sine_rmse, paper.nominal.sine_rmse);
+  return fmt::format("Against the paper's, {}.",
+                     sim::tuning::comparison_text(sim::tuning::respects(paper, tuned)));
+}
+
+std::string improvement(const Tuning& tuning) {
+  const std::string within = fmt::format("more than {:.0f} %", 100.0 * sim::tuning::kNoticed);
+  if (!tuning.improved)
+    return fmt::format(
+        "No gains within a half to two times the paper's are better in one respect by {} without being worse "
+        "in "
+        "another by as much.",
+        within);
+  const EvaluatedGains& one = *tuning.improved;
+  return fmt::format("K_p = {:.2f} kV/mm and K_i = {:.2f} kV/(mm s) improve on the paper's gains: {}.",
+                     kp(one), ki_per_second(one),
+                     sim::tuning::comparison_text(sim::tuning::respects(tuning.evaluated.front(), one)));
 }
 
 std::string with_feed(const Tuning& tuning) {
@@ -174,6 +195,7 @@ report::StudyPage tuning_page(const Tuning& tuning, const std::string& model) {
       (tuning.interrupted ? "Interrupted before the search was complete. " : "") + tuning_sentence(tuning);
   page.doubted = !tuning.met || tuning.interrupted;
   page.remarks = {
+      improvement(tuning),
       fmt::format(
           "Model: {}. Uncertain: {}{}. They are drawn {}; {} refused because "
           "the paper's "
@@ -207,6 +229,7 @@ std::string tuning_json(const Tuning& tuning, const std::string& model, double s
       {"stages", tuning.stages},
       {"refused", tuning.refused},
       {"controllers", controllers},
+      {"improved", tuning.improved ? json_of(*tuning.improved, tuning.depths) : Json(nullptr)},
       {"seconds", seconds}};
   if (tuning.interrupted) all["interrupted"] = true;
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "robot/msg/console_messages.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
 namespace biopsy::robot {

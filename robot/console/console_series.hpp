@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "robot/msg/console_messages.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 
 namespace biopsy::robot {
 

@@ -3,13 +3,9 @@
 #pragma once
 
 #include "robot/common/units.hpp"
+#include "robot/msg/plan.hpp"
 
 namespace biopsy::control {
-
-struct PiGains {
-  double proportional_V_per_mm = 800.0;     // K_p = 0.8 kV/mm, paper IV.D
-  double integral_V_per_mm_per_tick = 5.0;  // K_i = 0.005 kV/mm at each 1 ms tick, paper IV.D
-};
 
 struct PiState {
   Volts integral;

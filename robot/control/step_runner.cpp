@@ -58,11 +58,11 @@ RunnerState held(const PiGains& gains, RunnerState state, Millimetres error, Vol
 
 }  // namespace
 
-RunnerStep run_steps(const Plan& plan, const PiGains& gains, RunnerState state,
-                     const Measurement& measurement, const Permit& permit, std::uint32_t step_index,
-                     bool finish) {
+RunnerStep run_steps(const Plan& plan, RunnerState state, const Measurement& measurement,
+                     const Permit& permit, std::uint32_t step_index, bool finish) {
   assert(step_index < plan.steps.size());
   const InsertionStep& step = plan.steps[step_index];
+  const PiGains& gains = plan.gains;
   const Millimetres depth = from_um(measurement.depth_um), error = step.depth - depth;
   state = enter_step(state, step_index);
   state.mean_error += kMeanShare * (error - state.mean_error);

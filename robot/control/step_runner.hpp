@@ -42,7 +42,7 @@ struct RunnerStep {
 };
 
 // `step`: index of the step that the supervisor selected. `finish`: requests the retraction.
-RunnerStep run_steps(const Plan& plan, const PiGains& gains, RunnerState state,
-                     const Measurement& measurement, const Permit& permit, std::uint32_t step, bool finish);
+RunnerStep run_steps(const Plan& plan, RunnerState state, const Measurement& measurement,
+                     const Permit& permit, std::uint32_t step, bool finish);
 
 }  // namespace biopsy::control

@@ -54,6 +54,25 @@ struct BenchDrive {
   Seconds half_period{0.25};  // between two changes of polarity; 0.25 s (2 Hz) in every plan with a patient
 };
 
+// Of the PI loop, eq. (22). The defaults are the paper's, IV.D.
+struct PiGains {
+  double proportional_V_per_mm = 800.0;     // K_p = 0.8 kV/mm
+  double integral_V_per_mm_per_tick = 5.0;  // K_i = 0.005 kV/mm at each 1 ms tick
+
+  bool operator==(const PiGains&) const = default;
+};
+
+// What may be sealed: a sixteenth to five times the paper's K_p, a 25th to ten times its K_i. Below, the loop
+// does not bring the needle to its depth within a step; above, no stage that was measured has a margin.
+inline constexpr PiGains kLeastGains{50.0, 0.2}, kMostGains{4000.0, 50.0};
+
+constexpr bool is_permitted(const PiGains& gains) {
+  return gains.proportional_V_per_mm >= kLeastGains.proportional_V_per_mm &&
+         gains.proportional_V_per_mm <= kMostGains.proportional_V_per_mm &&
+         gains.integral_V_per_mm_per_tick >= kLeastGains.integral_V_per_mm_per_tick &&
+         gains.integral_V_per_mm_per_tick <= kMostGains.integral_V_per_mm_per_tick;
+}
+
 struct Plan {
   Target target;
   RigidTransform X_SR = RigidTransform::Identity();             // robot to scanner
@@ -63,6 +82,7 @@ struct Plan {
   std::vector<Layer> layers;
   std::vector<InsertionStep> steps;
   PlanLimits limits;
+  PiGains gains{};
   std::optional<BenchDrive> bench = std::nullopt;  // absent: a plan for a patient
   Sha256 seal{};                                   // SHA-256 over all of the above
 

@@ -13,7 +13,7 @@ struct ProcedureOptions {
   std::filesystem::path image, labels, fiducials;
   std::string series, entry, target;  // "R,A,S" in mm
   std::optional<std::uint64_t> seed;
-  std::filesystem::path model;
+  std::filesystem::path model, controller;
   std::filesystem::path out;
 };
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
 
 namespace biopsy::robot {

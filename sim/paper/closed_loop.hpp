@@ -25,7 +25,7 @@ struct LoopTask {
 
 // Defaults: the paper's gains within this robot's voltage range.
 struct LoopSettings {
-  control::PiGains gains;
+  PiGains gains;
   double highest = 8000.0;  // V, as far as Fig. 8b sweeps the stack, and the gate's limit
   OfTime feed;              // V, feed-forward; empty: none, as in the paper
 };

@@ -12,8 +12,9 @@ namespace biopsy {
 struct FigureCurve {
   std::string name;  // in the legend; empty: none
   std::vector<double> x, y;
-  bool dashed = false;  // targets and references
-  bool marks = false;   // points instead of a line
+  bool dashed = false;    // targets and references
+  bool marks = false;     // points instead of a line,
+  bool numbered = false;  // from 1, as the rows of the table beside them
 };
 
 struct FigurePanel {

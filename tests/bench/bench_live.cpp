@@ -12,7 +12,7 @@
 #include <random>
 
 #include "robot/common/files/output_folder.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "tests/bench/live_loop.hpp"
 #include "tests/bench/live_soak.hpp"
 #include "tests/robot/live/live_events.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "robot/live/session/live_options.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 
 namespace biopsy::bench {
 

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "robot/cli/command.hpp"
@@ -91,6 +93,14 @@ std::string model_text(sim::NotedModel noted, const sim::IdentifiedCircuit& foun
   return sim::model_toml(noted.model, noted.notes);
 }
 
+// As many digits as its width needs to be seen, at least four.
+std::string interval_text(double low, double high) {
+  const double size = std::max(std::abs(low), std::abs(high)), width = high - low;
+  const int digits =
+      width > 0.0 ? std::clamp(static_cast<int>(std::ceil(std::log10(size / width))) + 2, 4, 12) : 4;
+  return fmt::format("{:.{}g} to {:.{}g}", low, digits, high, digits);
+}
+
 std::string text_of(const sim::IdentifiedCircuit& found) {
   std::string text =
       fmt::format("{:<10} {:>10} {:>24}  {:<6} {}\n", "", "value", "95 % interval", "unit", "");
@@ -98,8 +108,7 @@ std::string text_of(const sim::IdentifiedCircuit& found) {
     const double unit = v.si_per_unit;
     if (v.value.known)
       text += fmt::format("{:<10} {:>10.5g} {:>24}  {:<6} {}\n", v.name, v.value.value / unit,
-                          fmt::format("{:.5g} to {:.5g}", v.value.low / unit, v.value.high / unit), v.unit,
-                          v.meaning);
+                          interval_text(v.value.low / unit, v.value.high / unit), v.unit, v.meaning);
     else
       text +=
           fmt::format("{:<10} {:>10} {:>24}  {:<6} {}\n", v.name, "-", "not identifiable", v.unit, v.meaning);
@@ -131,11 +140,10 @@ report::StudyPage page_of(const sim::IdentifiedCircuit& found, const std::string
   report::StudyTable values{"Values", {"", ">Value", ">95 % interval", "Unit", "What"}, {}};
   for (const ShownValue& v : shown_values(found)) {
     const double unit = v.si_per_unit;
-    values.rows.push_back({v.name, v.value.known ? fmt::format("{:.4g}", v.value.value / unit) : "–",
-                           v.value.known
-                               ? fmt::format("{:.4g} to {:.4g}", v.value.low / unit, v.value.high / unit)
-                               : "not identifiable",
-                           v.unit, v.meaning});
+    values.rows.push_back(
+        {v.name, v.value.known ? fmt::format("{:.4g}", v.value.value / unit) : "–",
+         v.value.known ? interval_text(v.value.low / unit, v.value.high / unit) : "not identifiable", v.unit,
+         v.meaning});
   }
   report::StudyTable runs{"Runs", {"Run", ">Steps", ">After the first, s", ">Offset of the monitor, uA"}, {}};
   for (const sim::CircuitRun& run : found.runs)

@@ -13,6 +13,7 @@
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
+#include "robot/procedure/case/controller_file.hpp"
 
 namespace biopsy::robot {
 namespace tune_cli {
@@ -59,6 +60,15 @@ std::string text_of(const report::StudyTable& table) {
   return out;
 }
 
+void write_controllers(const sim::tuning::Tuning& found, const fs::path& out, const std::string& model) {
+  const auto write = [&](const sim::tuning::EvaluatedGains& one, const char* file) {
+    atomic_write(out / file,
+                 controller_toml(one.gains, fmt::format("{} of biopsy tune for {}", one.name, model)));
+  };
+  write(found.evaluated.at(1), "controller.toml");
+  if (found.improved) write(*found.improved, "improved.toml");
+}
+
 Result run(const Options& options, const Context& context) {
   const fs::path file = options.model.empty() ? data_folder() / "sim/models/calibrated.toml" : options.model;
   const std::string name = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
@@ -79,11 +89,13 @@ Result run(const Options& options, const Context& context) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   const report::StudyPage page = tuning_page(found, name);
   const std::string json = tuning_json(found, name, seconds);
-  std::string text = page.sentence + "\n";
+  std::string text = fmt::format("{}\n{}\n", page.sentence, page.remarks.front());
   for (const report::StudyTable& table : page.tables) text += text_of(table);
   if (options.out.empty()) return {.text = text, .json = json};
   atomic_write(options.out / "report.html", report::study_html(page));
   atomic_write(options.out / "tune.json", json);
+  write_controllers(found, options.out, name);
+  text += fmt::format("\ncontroller: {}", (options.out / "controller.toml").string());
   text += fmt::format("\nreport:  {}\nnumbers: {}\n", (options.out / "report.html").string(),
                       (options.out / "tune.json").string());
   return {.text = text, .json = json};
@@ -98,16 +110,20 @@ Command tune_command() {
           .description =
               "Finds K_p and K_i that keep 6 dB and 45 degrees at every depth and on every stage that "
               "the model's uncertainty leaves room for, and have the least cost in time; shows what "
-              "the paper's 0.8 and 0.005 reach, and what feed-forward would add. Changes nothing: "
-              "gains are the operator's to set.",
+              "the paper's 0.8 and 0.005 reach, and what feed-forward would add; looks for gains that "
+              "improve on the paper's. Changes "
+              "nothing: `--controller` of dry-run and of the live robot takes the file it writes.",
           .long_examples = {"biopsy tune --out out/gains"},
           .exit_codes =
               "0 also where no gains have the margin, 2 for unusable input, 130 where Ctrl-C ended the "
               "search; the best gains until then are written",
-          .outputs = {{"report.html", "gains, margins and courses in time"},
+          .outputs = {{"controller.toml", "the tuned gains, for `--controller`"},
+                      {"improved.toml", "gains that improve on the paper's, where there are", true},
+                      {"report.html", "gains, margins and courses in time"},
                       {"tune.json",
                        "`met`, `wanted`, `uncertain`, `stages`, `refused`, and `controllers`: gains, "
                        "`margins` at each depth, `worst_margins`, `score`, `worst_score`; "
+                       "`improved`: gains better than the paper's in one respect and worse in none, or null; "
                        "`interrupted` where it was"}},
           .replaces_earlier_run = true,
           .json = "the content of `tune.json`",

@@ -12,7 +12,7 @@
 #include "robot/live/session/launcher.hpp"
 #include "robot/live/session/live_options.hpp"
 #include "robot/live/session/live_robot.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 
 namespace biopsy::robot {
 

@@ -159,12 +159,16 @@ void Panel::draw_mark(SvgWriter& svg, Vertex at, std::size_t curve) const {
 }
 
 void Panel::draw_marks(SvgWriter& svg, std::size_t i) const {
-  if (!panel_.curves[i].marks) return;
-  for (const std::vector<Vertex>& piece : pieces(panel_.curves[i]))
-    for (const Vertex& v : piece)
-      if (v.x > plot_.left - kNearest && v.x < plot_.right() + kNearest && v.y > plot_.top - kNearest &&
-          v.y < plot_.bottom() + kNearest)
-        draw_mark(svg, v, i);
+  const FigureCurve& curve = panel_.curves[i];
+  if (!curve.marks) return;
+  for (std::size_t k = 0; k < std::min(curve.x.size(), curve.y.size()); ++k) {
+    const Vertex v{to_px_x(curve.x[k]), to_px_y(curve.y[k])};  // not a number: in no range
+    if (!(v.x > plot_.left - kNearest && v.x < plot_.right() + kNearest && v.y > plot_.top - kNearest &&
+          v.y < plot_.bottom() + kNearest))
+      continue;
+    draw_mark(svg, v, i);
+    if (curve.numbered) svg.text({v.x + 5.0, v.y - 4.0}, fmt::format("{}", k + 1));
+  }
 }
 
 void Panel::draw_legend(SvgWriter& svg) const {

@@ -55,7 +55,10 @@ std::string designs_table(const DesignStudy& study) {
   for (const Column& column : kDesignColumns) headings.push_back(std::string(">") + column.heading);
   std::string rows = table_row("the paper's", study.paper, "paper");
   for (std::size_t i = 0; i < study.best.size(); ++i) rows += table_row(std::to_string(i + 1), study.best[i]);
-  return markup::table("Margin: the film's guaranteed strength over the peak field", headings, rows);
+  return markup::table(
+      "Margin: the film's guaranteed strength over the field of the whole voltage; numbers as in the "
+      "pictures",
+      headings, rows);
 }
 
 std::string paper_result(const DesignStudy& study) {

@@ -20,7 +20,7 @@ struct Axis {
 constexpr Axis kStroke{&StackFigures::stroke_mm, "stroke (mm)"};
 constexpr Axis kRipple{&StackFigures::ripple_mm, "ripple, peak to peak (mm)"};
 constexpr Axis kBandwidth{&StackFigures::bandwidth_Hz, "bandwidth (Hz)"};
-constexpr Axis kMargin{&StackFigures::breakdown_margin, "breakdown over peak field"};
+constexpr Axis kMargin{&StackFigures::breakdown_margin, "breakdown over field"};
 constexpr Axis kHeight{&StackFigures::height_mm, "stack height (mm)"};
 
 FigureCurve points(const std::string& name, const std::vector<DesignedStack>& stacks, const Axis& x,
@@ -28,6 +28,7 @@ FigureCurve points(const std::string& name, const std::vector<DesignedStack>& st
   FigureCurve curve;
   curve.name = name;
   curve.marks = true;
+  curve.numbered = stacks.size() > 1;
   for (const DesignedStack& stack : stacks) {
     curve.x.push_back(stack.figures.*x.member);
     curve.y.push_back(stack.figures.*y.member);
@@ -100,8 +101,8 @@ std::vector<std::string> demand_texts(const Demands& d) {
           "The film's guaranteed AC strength is {:.2g} times the peak field or more. Strength: DuPont Kapton "
           "HN, bulletin GS-96-7, minimum by ASTM D149 (25 um: 236, 50 um: 197, 75 um: 177, 125 um: 118 "
           "V/um; linear between). The tests are short, on small areas without edges or folds: hence the "
-          "factor. Peak field: K (2 - exp(-a/tau)) U over both films, at the first reversal of the "
-          "square wave.",
+          "factor. Field: the whole amplifier voltage over both films, as if nothing else held a share of it "
+          "(K = 1). K is fitted and uncertain, and what shares the voltage may fail first.",
           d.margin),
       fmt::format("The stack is {:.3g} mm high at rest or less: it is placed beside a patient in a bore.",
                   d.height_mm),
@@ -119,9 +120,10 @@ std::vector<std::string> assumptions() {
           "Oil volume scales V0, the pouch's side L0, films d_film; electrodes, films and number of pouches "
           "scale C2, and 1/R with it (a material's R C2 is constant). C1 is the cable's and stays."),
       std::string(
-          "Oil flow (tau_h), guide damping and masses stay as they are: larger pouches or thicker "
-          "films may flow slower or faster; the paper gives no data. Where the oil is the slowest, as in the "
-          "calibrated stage, all designs have the same bandwidth."),
+          "Oil flow: tau_h grows as (chamber's length over the oil's mean thickness)^2 over the films' "
+          "pressure, as a viscous film's does (Reynolds' lubrication equation), from the paper's stack at 6 "
+          "kV. "
+          "The paper gives no second stack to confirm it. Guide damping and masses stay as they are."),
       std::string("The paper's own film of 25 um leaks far more slowly than by this scaling (Fig. 6; "
                   "sim/models/paper.toml): such designs would ripple less than shown, with a slightly lower "
                   "peak field."),

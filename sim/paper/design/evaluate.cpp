@@ -27,6 +27,14 @@ double chamber(const StackDesign& design) {
   return 0.5e-3 * (design.side_mm - kSeam_mm);
 }
 
+// Time in which a viscous film of oil flows, up to a factor: (length / thickness)^2 / pressure, from
+// Reynolds' lubrication equation. The share K is left out, which changes little between designs.
+double oil_flow(const StackDesign& design) {
+  const double thickness = design.oil_mL / (design.side_mm * 1e3 * chamber(design));
+  const double field = design.drive_kV / design.film_um;
+  return std::pow(chamber(design) / (thickness * field), 2);
+}
+
 void demand(DesignedStack& stack, double short_by, const std::string& words) {
   if (!(short_by > 0.0)) return;
   stack.broken.push_back(words);
@@ -78,6 +86,7 @@ PlantModel plant_of(const PlantModel& known, const StackDesign& design) {
   b.L0 = old.L0 * design.side_mm / kPaperSide_mm;
   b.d_film = 2e-6 * design.film_um;
   b.n = design.pouches;
+  b.tau_h = old.tau_h * oil_flow(design) / oil_flow(design_of(known));
   b.k = 1e3 * design.spring_N_per_mm;
   const double larger = std::pow(design.side_mm / kPaperSide_mm, 2) * (b.n / old.n) * (old.d_film / b.d_film);
   const double old_C2 = old.C1 * (1.0 - old.K) / old.K;
@@ -93,10 +102,6 @@ PlantModel plant_of(const PlantModel& known, const StackDesign& design) {
   e.sensor_drift.reset();
   plant.weight = kWeight;
   return plant;
-}
-
-double peak_voltage(const Baseline& b, double amplitude, double frequency) {
-  return b.K * (2.0 - std::exp(-half_period(frequency) / b.tau)) * amplitude;
 }
 
 double guaranteed_strength(double film_um) {
@@ -158,13 +163,12 @@ DesignedStack evaluate(const PlantModel& known, const StackDesign& design, const
   const Baseline& b = plant.baseline;
   const double amplitude = 1e3 * design.drive_kV, load = (plant.mass_A() + b.m_B) * b.g + demands.push_N;
   const Swing swing = steady_swing(plant, amplitude, demands.push_N);
-  const double highest = peak_voltage(b, amplitude, kDriveFrequency);
   DesignedStack stack{design, {}, {}, 0.0};
   StackFigures& f = stack.figures;
   f.stroke_mm = 1e3 * swing.mean;
   f.ripple_mm = 1e3 * swing.peak_to_peak;
   f.bandwidth_Hz = bandwidth(plant, pressure(b, b.K * amplitude), load);
-  f.field_V_per_um = 1e-6 * highest / b.d_film;
+  f.field_V_per_um = 1e-6 * amplitude / b.d_film;  // K = 1: nothing but the films holds the voltage
   f.breakdown_margin = guaranteed_strength(design.film_um) / f.field_V_per_um;
   f.height_mm = stack_height_mm(design);
   judge(stack, plant, demands);

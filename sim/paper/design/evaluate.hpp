@@ -23,13 +23,9 @@ inline constexpr double kPaperOil_mL = 3.2, kPaperSide_mm = 60.0, kSeam_mm = 3.0
 StackDesign design_of(const PlantModel& known);
 
 // Oil scales V0, the side L0; films d_film; electrodes, films and number of pouches C2 and R (material
-// constant R C2). C1 is the cable's and stays; so do oil flow, guide and masses. The guide's dry friction and
-// the laser's errors are left out: they hide ripple and are not design variables.
+// constant R C2); sizes and field the oil flow. C1 is the cable's and stays; so do guide and masses. The
+// guide's dry friction and the laser's errors are left out: they hide ripple and are not design variables.
 PlantModel plant_of(const PlantModel& known, const StackDesign& design);
-
-// Highest |u_o| under a square wave from rest, at the first reversal: K (2 - exp(-a/tau)) U, a half a period;
-// from eq. (2). V
-double peak_voltage(const Baseline& b, double amplitude, double frequency);
 
 // Guaranteed AC strength of a polyimide film of this thickness (um): DuPont Kapton HN, bulletin GS-96-7, ASTM
 // D149; linear between the values. V/um

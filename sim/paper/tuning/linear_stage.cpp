@@ -115,7 +115,7 @@ std::vector<std::complex<double>> response(const LinearStage& stage) {
 }
 
 // States of the stage and the loop's sum: u = sum + (K_p + K_i) e, sum' = sum + K_i e, e = -C x.
-bool holds(const LinearStage& stage, const control::PiGains& gains) {
+bool holds(const LinearStage& stage, const PiGains& gains) {
   const Eigen::Index size = stage.A.rows();
   const double at_once = gains.proportional_V_per_mm + gains.integral_V_per_mm_per_tick;
   Eigen::MatrixXd closed(size + 1, size + 1);

@@ -35,6 +35,6 @@ std::complex<double> response(const LinearStage& stage, double omega);
 std::vector<std::complex<double>> response(const LinearStage& stage);
 
 // All poles of the loop within the unit circle.
-bool holds(const LinearStage& stage, const control::PiGains& gains);
+bool holds(const LinearStage& stage, const PiGains& gains);
 
 }  // namespace biopsy::sim::tuning

@@ -60,7 +60,7 @@ const std::vector<double>& frequencies() {
 }
 
 // pi_step updates the sum first: K_p + K_i/(1 - 1/z).
-std::complex<double> controller(const control::PiGains& gains, double omega) {
+std::complex<double> controller(const PiGains& gains, double omega) {
   const std::complex<double> late = std::polar(1.0, -omega * kTick_s);
   return gains.proportional_V_per_mm + gains.integral_V_per_mm_per_tick / (1.0 - late);
 }

@@ -33,7 +33,7 @@ Margins worse(const Margins& a, const Margins& b);
 const std::vector<double>& frequencies();
 
 // The PI loop of robot/control at each of them: V per mm, exact for its 1 ms sum.
-std::complex<double> controller(const control::PiGains& gains, double omega);
+std::complex<double> controller(const PiGains& gains, double omega);
 
 // Of a loop whose response (controller times stage) is given at frequencies(). `stable` is left false.
 Margins margins(const std::vector<std::complex<double>>& loop);

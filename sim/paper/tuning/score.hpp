@@ -8,7 +8,7 @@ namespace biopsy::sim::tuning {
 
 // A controller. With feed-forward the target is also limited in speed, so that the oil can follow it.
 struct Driving {
-  control::PiGains gains{};
+  PiGains gains{};
   const PlantModel* feed_model = nullptr;  // of the feed-forward; null: none
   double speed = 0.0;                      // mm/s that a target moves at most; 0: as it is
 };

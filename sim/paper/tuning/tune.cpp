@@ -10,6 +10,7 @@
 #include "robot/common/in_parallel.hpp"
 #include "sim/paper/paper_targets.hpp"
 #include "sim/paper/tuning/linear_stage.hpp"
+#include "sim/paper/tuning/respects.hpp"
 #include "sim/paper/tuning/score.hpp"
 #include "sim/paper/tuning/tuning_panels.hpp"
 #include "sim/paper/tuning/uncertainty.hpp"
@@ -17,13 +18,10 @@
 namespace biopsy::sim::tuning {
 namespace {
 
-using control::PiGains;
-
-constexpr std::array kDepths{1.0, 3.0, 5.0, 8.0};          // mm, of which those within the stroke
-constexpr PiGains kLeast{50.0, 0.2}, kMost{4000.0, 50.0};  // V/mm and V/mm a tick: the paper's are 800 and 5
-constexpr std::size_t kBest = 10;                          // of the first grid are evaluated on all stages
-constexpr std::array kSpeeds{4.0, 6.0, 8.0, 12.0};         // mm/s
-constexpr int kFiner = 2;                                  // rounds around the best
+constexpr std::array kDepths{1.0, 3.0, 5.0, 8.0};   // mm, of which those within the stroke
+constexpr std::size_t kBest = 10;                   // of the first grid are evaluated on all stages
+constexpr std::array kSpeeds{4.0, 6.0, 8.0, 12.0};  // mm/s
+constexpr int kFiner = 2;                           // rounds around the best
 
 // A stage linearised at one depth.
 struct AtDepth {
@@ -161,18 +159,20 @@ std::vector<Candidate> ranked(std::vector<Candidate> all, const Family& family, 
 }
 
 Candidate searched(const Family& family, const TuneOptions& options, const TuneProgress& progress) {
-  std::vector<Candidate> start = grid(kLeast, kMost, options.grid);
+  std::vector<Candidate> start = grid(kLeastGains, kMostGains, options.grid);
   start.push_back({PiGains{}, {}});
   Candidate best = ranked(admissible(std::move(start), family, options), family, options.stop).front();
-  double spread =
-      std::pow(kMost.proportional_V_per_mm / kLeast.proportional_V_per_mm, 1.0 / (options.grid - 1));
+  double spread = std::pow(kMostGains.proportional_V_per_mm / kLeastGains.proportional_V_per_mm,
+                           1.0 / (options.grid - 1));
   for (int round = 0; round < kFiner && !options.stop.stop_requested(); ++round) {
     if (progress) progress(0.4 + 0.2 * round, "refining the best gains");
     const PiGains& g = best.gains;
     std::vector<Candidate> around =
-        grid({g.proportional_V_per_mm / spread, g.integral_V_per_mm_per_tick / spread},
-             {g.proportional_V_per_mm * spread, g.integral_V_per_mm_per_tick * spread},
-             5);  // holds the best itself
+        grid({std::max(g.proportional_V_per_mm / spread, kLeastGains.proportional_V_per_mm),
+              std::max(g.integral_V_per_mm_per_tick / spread, kLeastGains.integral_V_per_mm_per_tick)},
+             {std::min(g.proportional_V_per_mm * spread, kMostGains.proportional_V_per_mm),
+              std::min(g.integral_V_per_mm_per_tick * spread, kMostGains.integral_V_per_mm_per_tick)},
+             5);
     const Candidate found =
         ranked(admissible(std::move(around), family, options), family, options.stop).front();
     if (!options.stop.stop_requested() && found.cost < best.cost) best = found;
@@ -202,6 +202,35 @@ EvaluatedGains judged_with_feed(const Family& family, const std::string& name, c
     if (!best || here.worst.cost() < best->worst.cost()) best = std::move(here);
   }
   return *best;
+}
+
+// The paper's gains times a half to two, each.
+std::vector<Candidate> near_the_papers() {
+  constexpr int kSteps = 7;
+  const PiGains paper{};
+  return grid({paper.proportional_V_per_mm / 2.0, paper.integral_V_per_mm_per_tick / 2.0},
+              {paper.proportional_V_per_mm * 2.0, paper.integral_V_per_mm_per_tick * 2.0}, kSteps);
+}
+
+// Of the gains near the paper's that improve on them, those whose largest gain is largest.
+std::optional<EvaluatedGains> improved(const Family& family, const EvaluatedGains& paper,
+                                       const std::stop_token& stop) {
+  const std::vector<Candidate> all = near_the_papers();
+  std::vector<double> gains(all.size(), 0.0);
+  in_parallel(all.size(), [&](std::size_t i) {
+    if (stop.stop_requested()) return;
+    EvaluatedGains here = paper;  // on the worst stage not yet evaluated: as the paper's
+    here.worst_margins = family.worst(all[i].gains);
+    here.nominal = score(family.model(), {all[i].gains});
+    std::vector<Respect> seen = respects(paper, here);
+    if (!improves(seen)) return;
+    here.worst = family.worst_score({all[i].gains});
+    seen = respects(paper, here);
+    if (improves(seen)) gains[i] = std::ranges::max(seen, {}, [](const Respect& r) { return r.gain; }).gain;
+  });
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(gains) - gains.begin());
+  if (gains[best] <= 0.0 || stop.stop_requested()) return {};
+  return evaluated(family, "improved gains", {all[best].gains});
 }
 
 }  // namespace
@@ -238,6 +267,8 @@ Tuning tune(const NotedModel& given, const TuneOptions& options, const TuneProgr
     out.evaluated[i] =
         i < 2 ? evaluated(family, name, {gains}) : judged_with_feed(family, name + ", feed-forward", gains);
   });
+  if (progress) progress(0.9, "looking near the paper's gains");
+  out.improved = improved(family, out.evaluated.front(), options.stop);
   out.panels = tuning_panels(model.model, out);
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -32,7 +33,7 @@ Score worse(const Score& a, const Score& b);
 
 struct EvaluatedGains {
   std::string name;
-  control::PiGains gains;
+  PiGains gains;
   bool feed = false;              // feed-forward from the nominal model,
   double speed = 0.0;             // and then mm/s that the target moves at most
   std::vector<Margins> at_depth;  // of the model, one a depth; feed-forward does not change them
@@ -59,6 +60,8 @@ struct Tuning {
   bool interrupted = false;  // before the search was complete; feed-forward is not evaluated then
   bool met = false;          // the tuned gains have the margins on all stages; otherwise they come closest
   std::vector<EvaluatedGains> evaluated;  // the paper's gains, the tuned ones, each again with feed-forward
+  // Gains near the paper's that are better in one respect and worse in none; nothing where none were found.
+  std::optional<EvaluatedGains> improved = std::nullopt;
   std::vector<FigurePanel> panels;
 };
 

@@ -33,8 +33,7 @@ void add_loop(FigurePanel& magnitude, FigurePanel& phase, const PlantModel& mode
               const EvaluatedGains& evaluated) {
   FigureCurve size, angle;
   size.name = angle.name = fmt::format("{}, {:.0f} mm", evaluated.name, depth);
-  size.dashed = angle.dashed =
-      evaluated.gains.proportional_V_per_mm == control::PiGains{}.proportional_V_per_mm;
+  size.dashed = angle.dashed = evaluated.gains.proportional_V_per_mm == PiGains{}.proportional_V_per_mm;
   const LinearStage stage = linearised(model, depth);
   double before = -90.0;
   for (std::size_t i = 0; i < frequencies().size(); i += kEvery) {

@@ -40,6 +40,28 @@ TEST(OpenPlan, GivesBackWhatWasSealed) {
   }
 }
 
+TEST(OpenPlan, GivesBackTheGainsOfTheLoop) {
+  for (const bool bench : {false, true}) {
+    Plan plan = sealed_plan(bench);
+    plan.gains = {.proportional_V_per_mm = 612.5, .integral_V_per_mm_per_tick = 7.25};
+    seal(plan);
+    const std::optional<Plan> opened = open_plan(canonical_bytes(plan), plan.seal);
+    ASSERT_TRUE(opened);
+    EXPECT_EQ(opened->gains, plan.gains);
+    EXPECT_EQ(opened->bench.has_value(), bench);
+  }
+}
+
+TEST(OpenPlan, RefusesGainsThatAreNotPermitted) {
+  for (const PiGains gains : {PiGains{4001.0, 5.0}, PiGains{49.0, 5.0}, PiGains{800.0, 0.1},
+                              PiGains{800.0, 51.0}, PiGains{-800.0, 5.0}, PiGains{800.0, -5.0}}) {
+    Plan plan = sealed_plan(false);
+    plan.gains = gains;
+    seal(plan);
+    EXPECT_FALSE(open_plan(canonical_bytes(plan), plan.seal));
+  }
+}
+
 TEST(OpenPlan, RefusesEveryFlippedBitAndEveryTruncation) {
   const Plan plan = sealed_plan(true);
   std::vector<std::uint8_t> bytes = canonical_bytes(plan);

@@ -57,6 +57,8 @@ TEST(Seal, BreaksWithEverySingleField) {
       [](Plan& p) { p.steps[0].v_max += Volts(1); }, [](Plan& p) { p.steps[0].dwell += Seconds(0.1); },
       [](Plan& p) { p.steps[0].image_confirms = false; }, [](Plan& p) { p.steps[0].why += "."; },
       [](Plan& p) { p.steps.push_back(p.steps[0]); }, [](Plan& p) { p.steps.clear(); },
+      [](Plan& p) { p.gains.proportional_V_per_mm += 1; },
+      [](Plan& p) { p.gains.integral_V_per_mm_per_tick += 0.1; },
       [](Plan& p) { p.limits.depth_max += Millimetres(0.1); }, [](Plan& p) { p.limits.v_max += Volts(1); },
       [](Plan& p) { p.limits.plausible[0].drive += Volts(1); },
       [](Plan& p) { p.limits.plausible[0].low -= Millimetres(0.1); },

@@ -1,6 +1,7 @@
 // A stage on the bench, from the first volt to the name of what its model is missing.
 #include <cmath>
 #include <numeric>
+#include <regex>
 
 #include "sim/plant/dataset.hpp"
 #include "sim/plant/model_file.hpp"
@@ -91,6 +92,8 @@ TEST(Characterise, ItsStepTellsResistanceAndCapacitances) {
   EXPECT_NEAR(values["C1"]["value"], C1, 0.03 * C1);
   EXPECT_NEAR(values["C2"]["value"], C2, 0.03 * C2);
   EXPECT_NEAR(values["R"]["value"], R, 0.03 * R);
+  EXPECT_NE(answer.text.find(" to "), std::string::npos);
+  EXPECT_FALSE(std::regex_search(answer.text, std::regex(R"((\S+) to \1\s)"))) << answer.text;
 }
 
 TEST(Characterise, EveryExperimentPassesUnderTheSupervisor) {

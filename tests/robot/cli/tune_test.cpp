@@ -23,6 +23,20 @@ TEST(Tune, WritesAPageAndTheNumbersBehindIt) {
   EXPECT_NE(file_content(out / "report.html").find("<svg"), std::string::npos);
 }
 
+TEST(Tune, WritesAControllerThatAPlanIsSealedWith) {
+  const ScratchFolder scratch;
+  const auto out = scratch.path() / "gains", plan = scratch.path() / "plan";
+  ASSERT_EQ(biopsy("tune " + kModel + " --stages 0 --out '" + out.string() + "'").code, 0);
+  const Outcome answer = biopsy("plan gap --controller '" + (out / "controller.toml").string() + "' --out '" +
+                                plan.string() + "'");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json tuned = json_of(out / "tune.json")["controllers"][1];
+  const nlohmann::json sealed = json_of(plan / "report.json")["controller"];
+  EXPECT_NEAR(sealed["K_p_kV_per_mm"], tuned["K_p_kV_per_mm"], 1e-3);
+  EXPECT_NEAR(sealed["K_i_kV_per_mm_s"], 1e3 * double{tuned["K_i_kV_per_mm_per_tick"]}, 1e-2);
+  EXPECT_NE(double{sealed["K_p_kV_per_mm"]}, 0.8);
+}
+
 TEST(Tune, LeavesAFolderOfSomeoneElseAlone) {
   const ScratchFolder scratch;
   scratch.write("mine.txt", "mine");

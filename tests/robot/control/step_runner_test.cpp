@@ -52,7 +52,7 @@ struct Bench {
                     bool finish = false) {
     Measurement measurement;
     measurement.depth_um = to_um(Millimetres(depth_mm));
-    const RunnerStep result = run_steps(plan, gains, state, measurement, permit, step_index, finish);
+    const RunnerStep result = run_steps(plan, state, measurement, permit, step_index, finish);
     state = result.state;
     return result.request;
   }

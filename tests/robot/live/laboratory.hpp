@@ -15,7 +15,7 @@
 #include "robot/common/sha256.hpp"
 #include "robot/common/text/encoding.hpp"
 #include "robot/live/session/live_session.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/make_keys.hpp"
 #include "tests/robot/bench/commissioning_benches.hpp"

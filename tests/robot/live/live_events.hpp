@@ -8,7 +8,7 @@
 
 #include "robot/live/session/live_options.hpp"
 #include "robot/msg/messages.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "tests/robot/live/bad_wire.hpp"
 
 namespace biopsy::live_tests {

@@ -13,7 +13,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/ed25519.hpp"
 #include "robot/live/session/live_session.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/recorder/verify.hpp"
 #include "tests/robot/live/in_time.hpp"

@@ -9,7 +9,7 @@
 #include <csignal>
 
 #include "robot/live/session/live_session.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "robot/security/make_keys.hpp"
 #include "safety/types/hazards.hpp"
 #include "tests/robot/live/live_motion.hpp"

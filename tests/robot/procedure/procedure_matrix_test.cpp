@@ -12,7 +12,7 @@
 #include "robot/console/operator_session.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/cycle/simulated_robot.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/procedure/rehearsed_plant.hpp"
 #include "sim/simulated_stage.hpp"

@@ -1,4 +1,4 @@
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "tests/verification/fuzz/target.hpp"
 
 FUZZ(case_file) {

@@ -9,7 +9,7 @@
 #include "robot/common/in_parallel.hpp"
 #include "robot/common/statistics.hpp"
 #include "robot/cycle/plan_facts.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "safety/types/transitions.hpp"
 #include "sim/paper/calibration/objective.hpp"
 #include "sim/paper/open_loop.hpp"

@@ -69,16 +69,29 @@ TEST(Design, ThePapersStrokeIsTheSimulatedOneAfterAMinuteAndTheEquilibriumsOfIts
               0.02 * paper.figures.stroke_mm);
 }
 
-TEST(Design, PeakVoltageIsTheSimulatedOneAtTheFirstReversal) {
-  const PlantModel plant;
+// Another way to the same number: a stack of which nothing but the films holds the voltage.
+TEST(Design, TheFieldIsThatOfAStackWhoseFilmsHoldTheWholeVoltage) {
+  PlantModel plant;
+  plant.baseline.K = 1.0 - 1e-9;
   PlantState state = at_rest(plant);
-  double highest = 0.0;
-  for (int i = 0; i < 5000; ++i) {
-    state = step(plant, state, {.voltage = i / 250 % 2 == 0 ? 6000.0 : -6000.0}, Seconds(1e-3));
-    highest = std::max(highest, std::abs(state.u_o));
-  }
-  const double decayed = std::exp(-1e-3 / plant.baseline.tau);  // by the end of the step after the reversal
-  EXPECT_NEAR(peak_voltage(plant.baseline, 6000.0, 2.0) * decayed, highest, 1e-9 * highest);
+  state = step(plant, state, {.voltage = 6000.0}, Seconds(1e-3));
+  StackDesign design = design_of(PlantModel{});
+  design.drive_kV = 6.0;
+  const DesignedStack stack = evaluate(PlantModel{}, design, {});
+  EXPECT_NEAR(stack.figures.field_V_per_um, 1e-6 * state.u_o / plant.baseline.d_film,
+              1e-3 * stack.figures.field_V_per_um);
+}
+
+// Reynolds: a film of oil half as thick flows four times as slowly, one under twice the field four times as
+// fast.
+TEST(Design, OilFlowsAsAViscousFilm) {
+  const PlantModel known;
+  StackDesign design = design_of(known);
+  design.oil_mL *= 0.5;
+  EXPECT_NEAR(plant_of(known, design).baseline.tau_h, 4.0 * known.baseline.tau_h, 1e-9);
+  design = design_of(known);
+  design.drive_kV *= 2.0;
+  EXPECT_NEAR(plant_of(known, design).baseline.tau_h, 0.25 * known.baseline.tau_h, 1e-9);
 }
 
 TEST(Design, BandwidthOfOilAloneAndOfSpringAloneAreTheTextbooks) {

@@ -71,12 +71,12 @@ TEST(LinearStage, ItsSlowestGainIsTheSlopeOfTheStaticCurve) {
 TEST(LinearStage, IsUnstableBeyondItsGainMargin) {
   const LinearStage stage = linearised(damped(), 3.0);
   std::vector<std::complex<double>> loop = response(stage);
-  const control::PiGains gains;
+  const PiGains gains;
   for (std::size_t i = 0; i < loop.size(); ++i) loop[i] *= controller(gains, frequencies()[i]);
   const double most = std::pow(10.0, margins(loop).gain_dB / 20.0);
   ASSERT_GT(most, 1.0);
   const auto scaled = [&](double by) {
-    return control::PiGains{by * gains.proportional_V_per_mm, by * gains.integral_V_per_mm_per_tick};
+    return PiGains{by * gains.proportional_V_per_mm, by * gains.integral_V_per_mm_per_tick};
   };
   EXPECT_TRUE(holds(stage, gains));
   EXPECT_TRUE(holds(stage, scaled(0.98 * most)));

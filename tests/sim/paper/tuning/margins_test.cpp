@@ -47,7 +47,7 @@ TEST(Margins, AreInfiniteWhereNothingCrosses) {
 
 // Against the controller itself, fed with a sine.
 TEST(Margins, TheControllersResponseIsThatOfPiStep) {
-  const control::PiGains gains;
+  const PiGains gains;
   for (const double hertz : {0.5, 5.0, 100.0}) {
     const double omega = 2.0 * pi * hertz;
     const int period = static_cast<int>(std::lround(1000.0 / hertz));

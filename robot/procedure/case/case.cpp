@@ -1,4 +1,4 @@
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,6 +8,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/toml_reader.hpp"
+#include "robot/procedure/case/controller_file.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -93,6 +94,7 @@ Case case_of(TomlTable& root, const fs::path& file) {
   read_target(root.table("target"), out);
   if (root.has("robot")) read_robot(root.table("robot"), file, out);
   if (root.has("plan")) read_plan(root.table("plan"), out);
+  if (root.has("controller")) out.gains = read_controller(root.table("controller"));
   if (root.has("rehearsal")) read_rehearsal(root.table("rehearsal"), file, out.rehearsal);
   if (root.has("seed")) out.seed = static_cast<std::uint64_t>(root.number("seed", 0.0, 9e15));
   if (!out.layers.empty() && !out.labels.empty())

@@ -38,6 +38,7 @@ struct Case {
   planner::Staging staging = planner::Staging::Automatic;
   std::vector<Millimetres> waypoints;
   planner::Pace pace;
+  PiGains gains{};
   Rehearsal rehearsal;
   std::uint64_t seed = 1;
 };

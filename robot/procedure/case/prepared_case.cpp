@@ -1,4 +1,4 @@
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 
 #include <fmt/format.h>
 
@@ -114,6 +114,7 @@ void plan_to_target(PreparedCase& out) {
   request.waypoints = given.waypoints;
   request.staging = given.staging;
   request.pace = given.pace;
+  request.gains = given.gains;
   out.plan = planner::plan_insertion(request);
 }
 

@@ -9,7 +9,7 @@
 
 #include "robot/msg/plan.hpp"
 #include "robot/msg/volume.hpp"
-#include "robot/procedure/case.hpp"
+#include "robot/procedure/case/case.hpp"
 
 namespace biopsy::robot {
 
