@@ -13,6 +13,11 @@ constexpr std::int32_t magnitude(std::int32_t drive_mV) {
   return bounded < 0 ? -bounded : bounded;
 }
 
+std::int64_t squared_volts(std::int32_t drive_mV) {
+  const std::int64_t volts = magnitude(drive_mV) / 1'000;
+  return volts * volts;
+}
+
 // Where the needle would come to rest if the stop began now: d + v T + v^2 / 2a.
 std::int64_t stopping_depth_um(std::int32_t depth_um, std::int64_t velocity_um_per_s) {
   const std::int64_t v = std::max<std::int64_t>(velocity_um_per_s, 0);
@@ -60,12 +65,28 @@ HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::
   if (low_mV != monitor.range_low_mV || high_mV != monitor.range_high_mV ||
       plan.plan_tag != monitor.range_tag) {
     monitor.range = plausible_depth(plan, low_mV, high_mV);
+    monitor.rest_pull_V2 = kLiftPulls * squared_volts(lifting_drive_mV(plan));
     monitor.range_low_mV = low_mV, monitor.range_high_mV = high_mV, monitor.range_tag = plan.plan_tag;
   }
   const bool outside =
       depth_um < monitor.range.low_um - kImplausible_um || depth_um > monitor.range.high_um + kImplausible_um;
   monitor.implausible_ticks = debounced(monitor.implausible_ticks, outside, kImplausible_ticks);
   return when(monitor.implausible_ticks >= kImplausible_ticks, Hazard::OffsetOrScale);
+}
+
+// Pull that rises and rises while the needle seems to stand still moves a needle that is not seen.
+HazardSet check_work(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, std::int32_t drive_mV) {
+  const bool lifted = mode == Mode::Active || mode == Mode::Hold;
+  const std::int32_t mean_um = monitor.history.mean_um();
+  const std::int64_t pull_V2 = squared_volts(drive_mV);
+  if (!lifted) monitor.advanced_um = mean_um, monitor.pull_V2 = monitor.rest_pull_V2;
+  if (mean_um > monitor.advanced_um + kAdvanced_um) {
+    monitor.advanced_um = mean_um;
+    monitor.pull_V2 = std::max(monitor.rest_pull_V2, pull_V2);
+  }
+  const bool idle = lifted && is_for_patient(plan) && pull_V2 > monitor.pull_V2 + kIdlePull_V2;
+  monitor.idle_ticks = debounced(monitor.idle_ticks, idle, kIdle_ticks);
+  return when(monitor.idle_ticks >= kIdle_ticks, Hazard::SensorFrozen);
 }
 
 // A needle goes back when the drive was lowered. One that seems to go back without is the laser's zero
@@ -94,6 +115,7 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorI
   monitor.found |= check_return(plan, monitor, seen.permit.mode, magnitude(m.command_mV));
   monitor.found |= check_code(monitor, m);
   monitor.found |= check_plausibility(plan, monitor, depth_um);
+  monitor.found |= check_work(plan, monitor, seen.permit.mode, m.command_mV);
   monitor.found |= when(monitor.not_back_ticks >= kNotBack_ticks, Hazard::NeedleNotBack);
 }
 

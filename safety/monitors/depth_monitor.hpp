@@ -25,6 +25,7 @@ struct DepthHistory {
   void push(std::int32_t depth);
   std::int64_t velocity_um_per_s() const { return std::int64_t{newest - before} * 125 / 8; }
   std::int32_t latest_um() const { return depth_um[(next - 1) % 32]; }
+  std::int32_t mean_um() const { return newest / 8; }
   std::int32_t surely_um() const {  // reached by both of the last two samples: one may be a spike
     return std::min(latest_um(), depth_um[(next - 2) % 32]);
   }
@@ -54,7 +55,9 @@ struct DepthMonitor {
   std::int32_t dropout_ticks = kDropout_ticks;  // nothing seen yet
   std::int32_t over_ticks = 0, hard_ticks = 0, step_ticks = 0, pop_ticks = 0, implausible_ticks = 0;
   std::int32_t not_back_ticks = 0;
-  std::int32_t deepest_um = 0, sunk_ticks = 0;  // since the drive was last lowered
+  std::int32_t deepest_um = 0, sunk_ticks = 0;   // since the drive was last lowered
+  std::int32_t advanced_um = 0, idle_ticks = 0;  // deepest depth seen, to kAdvanced_um
+  std::int64_t pull_V2 = 0, rest_pull_V2 = 0;    // |V|^2 there; without any motion
   std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;
 };
 

@@ -108,7 +108,9 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::SensorStale, StopCategory::C1Ramp, 4, "H-08 no new measurement", "R-18", Monitor::Link,
      "none for more than 3 ms"},
     {Hazard::SensorFrozen, StopCategory::C1Ramp, 20, "H-09 depth sensor frozen while the voltage moves",
-     "R-19", Monitor::Depth, "same code for 20 ms while the drive moves by more than 200 V"},
+     "R-19", Monitor::Depth,
+     "same code for 20 ms while the drive moves by more than 200 V, or V squared 18 kV^2 above its "
+     "value at the deepest depth seen"},
     {Hazard::LaserDropout, StopCategory::C1Ramp, 3, "H-11 depth sensor has no target", "R-20", Monitor::Depth,
      "3 samples without a target"},
     {Hazard::OffsetOrScale, StopCategory::C1Ramp, 50, "H-10 depth is not plausible at this voltage", "R-21",

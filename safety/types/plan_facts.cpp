@@ -83,6 +83,20 @@ std::int32_t half_period_ticks(const PlanFacts& plan) {
   return own ? plan.bench_half_period_ticks : kHalfPeriod_ticks;
 }
 
+std::int32_t lifting_drive_mV(const PlanFacts& plan) {
+  if (plan.band_count == 0) return 0;
+  const std::size_t count = plan.band_count < kMaxBands ? plan.band_count : kMaxBands;
+  const std::int32_t lifted_um = range_of(plan.bands[0]).high_um + kLifted_um;
+  for (std::size_t i = 1; i < count; ++i) {
+    const PlausibleBand& a = plan.bands[i - 1];
+    const PlausibleBand& b = plan.bands[i];
+    const std::int32_t from_um = range_of(a).high_um, to_um = range_of(b).high_um;
+    if (to_um >= lifted_um && from_um < lifted_um)
+      return between(a.drive_mV, b.drive_mV, lifted_um - from_um, to_um - from_um);
+  }
+  return plan.bands[count - 1].drive_mV;
+}
+
 DepthRange plausible_depth(const PlanFacts& plan, std::int32_t drive_low_mV, std::int32_t drive_high_mV) {
   return {plausible_at(plan, drive_low_mV).low_um, plausible_at(plan, drive_high_mV).high_um};
 }

@@ -50,6 +50,9 @@ constexpr bool is_for_patient(const PlanFacts& plan) {
 // Ticks between two changes of polarity that this plan is held to.
 std::int32_t half_period_ticks(const PlanFacts& plan);
 
+// |V|, mV, from which the needle could have lifted by 1 mm at most; the last band's where no band says so.
+std::int32_t lifting_drive_mV(const PlanFacts& plan);
+
 struct DepthRange {
   std::int32_t low_um = 0, high_um = 0;
 };
