@@ -43,8 +43,8 @@ drivers::SensorReading SimulatedStage::read() {
   return reading;
 }
 
-void SimulatedStage::write(const safety::GatedVoltage& voltage) {
-  state_ = step(model_, state_, {.voltage = voltage.mV() * 1e-3, .external_force = push_N_}, Seconds(kTick));
+void SimulatedStage::put_out(double volts) {
+  state_ = step(model_, state_, {.voltage = volts, .external_force = push_N_}, Seconds(kTick));
   now_us_ += std::chrono::microseconds(kTick).count();
 }
 

@@ -21,7 +21,10 @@ class SimulatedStage final : public drivers::NeedleStage {
   SimulatedStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors = {});
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override;
+  void write(const safety::GatedVoltage& voltage) override { put_out(voltage.mV() * 1e-3); }
+
+  // The next tick with these volts on the stack, whoever asked for them: a broken amplifier asks no gate.
+  void put_out(double volts);
 
   // Force down on plate A from the next write() on, N: a hand or a weight on the bench, without its inertia.
   void push(double force_N) { push_N_ = force_N; }

@@ -31,6 +31,9 @@ class SimulatedRobot {
                       });
   }
 
+  // As ControlCycle::wrap.
+  void wrap(FaultHooks& faults) { cycle_.wrap(faults); }
+
   std::int64_t ticks() const { return cycle_.ticks(); }
   Mode mode() const { return cycle_.mode(); }
   const control::RunnerState& controller() const { return controller_.runner; }

@@ -11,7 +11,8 @@
 #include "robot/common/progress.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/common/text/ras_point.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/controller_file.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "robot/procedure/provenance.hpp"
 #include "robot/report/procedure/report.hpp"
 #include "sim/plant/model_file.hpp"
@@ -48,6 +49,7 @@ Case case_of(const ProcedureOptions& options, Points points) {
   if (!options.series.empty()) given.series_uid = options.series;
   if (!options.fiducials.empty()) given.fiducials = options.fiducials;
   if (!options.model.empty()) given.rehearsal.model = options.model;
+  if (!options.controller.empty()) given.gains = read_controller_file(options.controller);
   if (options.seed) given.seed = *options.seed;
   return given;
 }

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "robot/procedure/procedure_options.hpp"
 #include "robot/report/procedure/run_record.hpp"
 

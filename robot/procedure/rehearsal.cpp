@@ -6,12 +6,15 @@
 #include "planner/plan/seal.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/cycle/plan_facts.hpp"
+#include "robot/procedure/fault_notes.hpp"
 #include "robot/procedure/images/confirmation_image.hpp"
 #include "robot/procedure/images/slice_geometry.hpp"
+#include "robot/procedure/link_faults.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/rehearsed_plant.hpp"
 #include "robot/procedure/run_metrics.hpp"
 #include "robot/procedure/run_notes.hpp"
+#include "sim/faults/faulty_stage.hpp"
 #include "sim/simulated_stage.hpp"
 
 namespace biopsy::robot {
@@ -110,7 +113,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
 }
 
 report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder, const Progress& progress,
-                           const std::stop_token& stop) {
+                           const std::stop_token& stop, const std::vector<sim::Fault>& faults) {
   const Plan& plan = std::get<Plan>(prepared.plan);
   const Case& given = prepared.given;
   const safety::PlanFacts facts = robot::plan_facts(plan, 1 + given.seed);
@@ -119,15 +122,22 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
       given.seed);
   // What both people of the rehearsal were shown and confirm.
   const std::uint64_t shown = planner::plan_tag(plan);
-  SimulatedRobot lockstep(plan, facts, step, {shown, shown});
+  sim::FaultyStage faulty(step, faults, given.seed);
+  LinkFaults links(faulty, given.seed);
+  SimulatedRobot lockstep(plan, facts, faulty, {shown, shown});
+  lockstep.wrap(links);
+  FaultNotes notes(faulty);
   const Robot robot = [&](const OperatorInputs& inputs) {
     CycleSample cycle;
     cycle.truth = truth_of(step);
     cycle.record = lockstep.run_cycle(inputs);
+    notes.add(cycle.record);
     cycle.setpoint = lockstep.controller().setpoint;
     return std::optional<CycleSample>(cycle);
   };
-  return rehearse_on(robot, prepared, folder, progress, stop);
+  report::RunRecord record = rehearse_on(robot, prepared, folder, progress, stop);
+  notes.finish(record);
+  return record;
 }
 
 }  // namespace biopsy::robot

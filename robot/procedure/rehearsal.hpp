@@ -8,8 +8,9 @@
 #include <string>
 
 #include "robot/cycle/run_cycle.hpp"
-#include "robot/procedure/prepared_case.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
 #include "robot/report/procedure/run_record.hpp"
+#include "sim/faults/fault.hpp"
 
 namespace biopsy::robot {
 
@@ -42,8 +43,10 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared,
                               const std::filesystem::path& folder, const Progress& progress,
                               const std::stop_token& stop = {});
 
-// The same in lockstep on a virtual clock: the same inputs give the same run, to the bit.
+// The same in lockstep on a virtual clock: the same inputs give the same run, to the bit. `faults` are put
+// between the plant and the robot.
 report::RunRecord rehearse(const PreparedCase& prepared, const std::filesystem::path& folder,
-                           const Progress& progress, const std::stop_token& stop = {});
+                           const Progress& progress, const std::stop_token& stop = {},
+                           const std::vector<sim::Fault>& faults = {});
 
 }  // namespace biopsy::robot

@@ -126,6 +126,9 @@ void measure_run(report::RunRecord& record) {
   record.overshoot_mm = overshoot;
   record.final_depth_mm = final_depth(record);
   record.left_depth_mm = left_depth(record);
+  if (record.simulated)
+    for (const report::Sample& sample : record.samples)
+      record.true_depth_max_mm = std::fmax(record.true_depth_max_mm, static_cast<double>(sample.tip_mm));
   measure_limits(record);
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
@@ -14,6 +15,7 @@
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/report/procedure/report.hpp"
+#include "sim/faults/fault_file.hpp"
 
 namespace biopsy::robot {
 namespace dry_run_cli {
@@ -23,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   ProcedureOptions procedure;
   bool live = false;
+  std::filesystem::path faults;
   LiveOptions network;
 };
 
@@ -32,6 +35,9 @@ void declare_dry_run(CLI::App& app, Options& options) {
       "--live", options.live,
       "through the [live robot's](../how-to/live.md) processes over DDS, in real time, instead of one "
       "virtual clock");
+  add(app, "--faults FILE", options.faults,
+      "put [faults](faults.md) into sensors, drive, links and contacts of the simulated stage")
+      ->excludes(live);
   add_live_options(app, options.network, live);
 }
 
@@ -43,16 +49,34 @@ Result finished(report::RunRecord& record, const PreparedCase& prepared, const s
           .json = report::report_json(record)};
 }
 
-Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& out, const Context& context,
-                   Clock::time_point started) {
+std::string fault_lines(const report::RunRecord& record) {
+  if (record.faults.empty()) return {};
+  std::string text = fmt::format("true depth at most {}\n", fixed(record.true_depth_max_mm, 2, "mm"));
+  for (const report::FaultResult& fault : record.faults) {
+    if (std::isnan(fault.began_s))
+      text += fmt::format("fault {} {}: never began\n", fault.signal, fault.kind);
+    else if (fault.detected_by.empty())
+      text +=
+          fmt::format("fault {} {}: from {:.3f} s, not detected\n", fault.signal, fault.kind, fault.began_s);
+    else
+      text += fmt::format("fault {} {}: from {:.3f} s, detected after {:.0f} ms by {}\n", fault.signal,
+                          fault.kind, fault.began_s, fault.detected_after_ms, fault.detected_by);
+  }
+  return text;
+}
+
+Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& out,
+                   const std::vector<sim::Fault>& faults, const Context& context, Clock::time_point started) {
   report::RunRecord record;
   {
     ProgressLine line;
     record = rehearse(
         prepared, out, [&line](double share, const std::string& what) { line.show(share, what); },
-        context.interrupted);
+        context.interrupted, faults);
   }
-  return finished(record, prepared, out, started);
+  Result result = finished(record, prepared, out, started);
+  result.text += fault_lines(record);
+  return result;
 }
 
 Result through_processes(const PreparedCase& prepared, const Options& options, const Context& context,
@@ -95,13 +119,15 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
 Result dry_run(const Options& options, const Context& context) {
   const auto started = Clock::now();
   const std::filesystem::path& out = options.procedure.out;
+  const std::vector<sim::Fault> faults =
+      options.faults.empty() ? std::vector<sim::Fault>{} : sim::read_faults(options.faults);
   const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
   if (std::holds_alternative<PlanRefusal>(prepared.plan)) {
     report::RunRecord refused = planned_record(prepared);
     return finished(refused, prepared, out, started);
   }
   return options.live ? through_processes(prepared, options, context, started)
-                      : in_lockstep(prepared, out, context, started);
+                      : in_lockstep(prepared, out, faults, context, started);
 }
 
 Result plan(const ProcedureOptions& options, const Context& context) {

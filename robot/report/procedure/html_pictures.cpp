@@ -46,6 +46,8 @@ std::string plan_facts(const Plan& plan) {
   const bool registered = plan.registration_fre_mm > 0;
   return facts({{"Target depth", fixed(plan.target_depth.value, 2, "mm")},
                 {"Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")},
+                {"Gains of the loop", fixed(1e-3 * plan.gains.proportional_V_per_mm, 2, "kV/mm") + ", " +
+                                          fixed(plan.gains.integral_V_per_mm_per_tick, 2, "kV/(mm s)")},
                 {"Target beside the axis", fixed(plan.axis_offset.value, 2, "mm")},
                 {"Entry, R, A, S", point(ras_from_lps(plan.target.p_SE))},
                 {"Target, R, A, S", point(ras_from_lps(plan.target.p_ST))},

@@ -60,6 +60,19 @@ Json trip_json(const Trip& trip) {
   return {{"time_s", number(trip.time_s)}, {"stop", label(trip.stop)}, {"reason", trip.reason}};
 }
 
+Json controller_json(const PiGains& gains) {
+  return {{"K_p_kV_per_mm", number(1e-3 * gains.proportional_V_per_mm)},
+          {"K_i_kV_per_mm_s", number(gains.integral_V_per_mm_per_tick)}};
+}
+
+Json fault_json(const FaultResult& fault) {
+  return {{"signal", fault.signal},
+          {"kind", fault.kind},
+          {"began_s", number(fault.began_s)},
+          {"detected_by", fault.detected_by.empty() ? Json(nullptr) : Json(fault.detected_by)},
+          {"detected_after_ms", number(fault.detected_after_ms)}};
+}
+
 Json limit_json(const LimitUse& use) {
   return {{"name", use.name},
           {"used", number(use.used)},
@@ -100,6 +113,9 @@ Json interface_json(const RunRecord& record) {
       {"rmse_all_mm", run_figure(record.rmse_all_mm)},
       {"overshoot_mm", run_figure(record.overshoot_mm)},
       {"peak_kV", run_figure(record.peak_kV)},
+      {"true_depth_max_mm", run_figure(record.true_depth_max_mm)},
+      {"faults", json_list(record.faults, fault_json)},
+      {"controller", record.plan ? controller_json(record.plan->gains) : Json(nullptr)},
       {"trips", json_list(record.trips, trip_json)},
       {"stages", json_list(record.steps,
                            [&](const StepResult& step) {

@@ -79,6 +79,14 @@ struct Trip {
   std::string reason;
 };
 
+// A fault that was put into a simulated run, and what noticed it.
+struct FaultResult {
+  std::string signal, kind;             // as in the file of faults
+  double began_s = kUnknown;            // from the start of the run; unknown: it never began
+  std::string detected_by = {};         // hazard, or "depth check"; empty: by nothing
+  double detected_after_ms = kUnknown;  // from its beginning
+};
+
 struct RunRecord {
   std::string title;
   bool simulated = true;
@@ -96,8 +104,10 @@ struct RunRecord {
   std::vector<StepResult> steps;
   std::vector<LimitUse> limits;
   std::vector<Trip> trips;
-  double final_depth_mm = kUnknown;  // laser, at the end of the last step
-  double left_depth_mm = kUnknown;   // laser, at the end of the run at 0 V: what friction left
+  double final_depth_mm = kUnknown;     // laser, at the end of the last step
+  double left_depth_mm = kUnknown;      // laser, at the end of the run at 0 V: what friction left
+  double true_depth_max_mm = kUnknown;  // deepest tip; simulation only
+  std::vector<FaultResult> faults;
   double image_depth_mm = kUnknown, image_depth_sigma_mm = kUnknown;
   std::string layer_at_tip;
   double rmse_settled_mm = kUnknown, rmse_all_mm = kUnknown, overshoot_mm = kUnknown, peak_kV = kUnknown;

@@ -193,7 +193,7 @@ TEST(Documents, EachIsLinkedFromTheReadme) {
 TEST(Documents, DescribeEveryEntryOfACaseFile) {
   const std::string reference = prose_of("reference/commands.md");
   const auto entries =
-      found_in(file_content(kSource / "robot/procedure/case.cpp"),
+      found_in(file_content(kSource / "robot/procedure/case/case.cpp"),
                R"rx((?:has|text|number|numbers|flag|table|tables|ras_point)\((?:table, )?"(\w+)")rx");
   EXPECT_GT(entries.size(), 20U);
   for (const std::string& entry : entries) EXPECT_TRUE(mentions(reference, entry)) << entry;

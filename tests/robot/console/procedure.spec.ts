@@ -97,7 +97,8 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   await expect(page.locator('[aria-current=step]')).toContainText(/Accepted|The run is over/)
   note({ acts: operator.acts })
   expect(operator.acts).toBeLessThanOrEqual(kActsMax)
-  if (['Hold', 'Armed', 'Active'].includes((await operator.modeNow())!)) await operator.button('Retract').click()
+  if (['Hold', 'Armed', 'Active'].includes((await operator.modeNow())!))
+    await page.getByRole('button', { name: 'Retract', exact: true }).click()
 
   // The report, to read and on paper
   const link = page.getByRole('link', { name: /Accepted. Open the report/ })

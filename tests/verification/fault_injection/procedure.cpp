@@ -1,6 +1,5 @@
 #include "tests/verification/fault_injection/procedure.hpp"
 
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 
@@ -9,19 +8,6 @@
 #include "tests/safety/situation.hpp"
 
 namespace biopsy::fault_injection {
-namespace {
-
-// The gate alone makes voltages; a broken amplifier does not ask it. The layout is that of GatedVoltage.
-safety::GatedVoltage forged(double volts) {
-  struct Twin {
-    std::int32_t mV;
-    bool enabled;
-  };
-  return std::bit_cast<safety::GatedVoltage>(Twin{static_cast<std::int32_t>(std::lround(volts * 1e3)), true});
-}
-
-}  // namespace
-
 drivers::SensorReading BreakableStage::read() {
   drivers::SensorReading reading = sound_.read();
   if (corruptors_.reading) corruptors_.reading(reading);
@@ -39,7 +25,7 @@ void BreakableStage::write(const safety::GatedVoltage& voltage) {
   const double volts =
       corruptors_.amplifier ? corruptors_.amplifier(asked_V, asked_.hv_enabled(), closed) : asked_V * closed;
   sound_.push(corruptors_.push_N ? corruptors_.push_N(truth().motion) : 0.0);
-  sound_.write(forged(volts));
+  sound_.put_out(volts);
 }
 
 void BreakableStage::pulse_from_supervisor() {

@@ -1,0 +1,140 @@
+#include "sim/faults/fault_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/toml_reader.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+constexpr double kLatest_s = 600.0;  // no rehearsal is longer
+constexpr double kDeepest_mm = 50.0;
+constexpr double kLongest_ms = 1000.0;
+
+constexpr std::array<std::string_view, 11> kSignals{
+    "depth",  "voltage_monitor", "current_monitor", "drive",   "measurement", "request",
+    "permit", "estop_a",         "estop_b",         "arm_key", "reset_key"};
+constexpr std::array<std::string_view, 13> kKinds{
+    "frozen",  "replay",        "offset", "scale",       "drift",           "lag", "quantised", "inverted",
+    "dropout", "other_surface", "noise",  "oscillation", "missing_polarity"};
+
+template <class Name, std::size_t size>
+Name named(TomlTable& table, std::string_view entry, const std::array<std::string_view, size>& names) {
+  const std::string text = table.text(entry);
+  const auto found = std::find(names.begin(), names.end(), text);
+  if (found == names.end())
+    table.refuse(entry, fmt::format("is \"{}\", which is not known", text),
+                 fmt::format("one of: {}", fmt::join(names, ", ")));
+  return static_cast<Name>(found - names.begin());
+}
+
+struct Unit {
+  std::string_view name;
+  double most;  // magnitude of a value
+};
+
+Unit unit_of(FaultSignal signal) {
+  switch (signal) {
+    case FaultSignal::Depth:
+      return {"mm", kDeepest_mm};
+    case FaultSignal::VoltageMonitor:
+    case FaultSignal::Drive:
+      return {"V", 20'000.0};
+    case FaultSignal::CurrentMonitor:
+      return {"A", 0.1};
+    default:
+      return {"", 0.0};
+  }
+}
+
+bool is_possible(FaultSignal signal, FaultKind kind) {
+  using enum FaultKind;
+  if (is_link(signal)) return kind == Frozen || kind == Lag || kind == Dropout;
+  if (is_contact(signal)) return kind == Frozen || kind == Inverted || kind == OtherSurface;
+  return kind != OtherSurface || signal == FaultSignal::Depth;
+}
+
+// The value's range; none: the kind has no value.
+std::optional<std::pair<double, double>> range_of(FaultKind kind, double most) {
+  using enum FaultKind;
+  switch (kind) {
+    case Replay:
+    case Lag:
+      return {{1.0, kLongest_ms}};
+    case Offset:
+    case Drift:
+    case OtherSurface:
+      return {{-most, most}};
+    case Scale:
+      return {{-10.0, 10.0}};
+    case Quantised:
+      return {{1e-9, most}};
+    case Oscillation:
+      return {{0.0, most}};
+    case Dropout:
+      return {{0.0, 1.0}};
+    case MissingPolarity:
+      return {{-1.0, 1.0}};
+    default:
+      return {};
+  }
+}
+
+Fault read_fault(TomlTable& table) {
+  Fault fault;
+  fault.signal = named<FaultSignal>(table, "signal", kSignals);
+  fault.kind = named<FaultKind>(table, "kind", kKinds);
+  if (!is_possible(fault.signal, fault.kind))
+    table.refuse("kind", fmt::format("cannot be \"{}\" on {}", name_of(fault.kind), name_of(fault.signal)),
+                 "links: frozen, lag, dropout; contacts: frozen, inverted, other_surface (0 open, 1 closed); "
+                 "other_surface elsewhere: depth only");
+  const Unit unit = unit_of(fault.signal);
+  const double most = is_contact(fault.signal) ? 1.0 : unit.most;
+  const auto range = range_of(fault.kind, most);
+  const bool in_ms = fault.kind == FaultKind::Replay || fault.kind == FaultKind::Lag;
+  if (range)
+    fault.value = table.number("value", range->first, range->second, in_ms ? "ms" : unit.name);
+  else if (table.has("value"))
+    table.number("value", -most, most, unit.name);  // allowed, and without a meaning: frozen, inverted, noise
+  if (table.has("noise")) fault.noise = table.number("noise", 0.0, most, unit.name);
+  if (table.has("from_depth_mm"))
+    fault.from_depth_mm = table.number("from_depth_mm", -kDeepest_mm, kDeepest_mm, "mm");
+  if (table.has("from_s")) fault.from_s = table.number("from_s", 0.0, kLatest_s, "s");
+  if (table.has("until_s")) {
+    fault.until_s = table.number("until_s", 0.0, kLatest_s, "s");
+    if (*fault.until_s <= fault.from_s.value_or(0.0))
+      table.refuse("until_s", "is not after the beginning", "give a time after from_s, counted from arming");
+  }
+  return fault;
+}
+
+}  // namespace
+
+std::string_view name_of(FaultSignal signal) {
+  return kSignals[static_cast<std::size_t>(signal)];
+}
+
+std::string_view name_of(FaultKind kind) {
+  return kKinds[static_cast<std::size_t>(kind)];
+}
+
+std::vector<Fault> parse_faults(const std::string& text, const std::string& file_name) {
+  return parse_toml(text, file_name, [&](TomlTable& root) {
+    std::vector<Fault> faults;
+    for (TomlTable& table : root.tables("fault")) faults.push_back(read_fault(table));
+    if (faults.empty())
+      throw ConfigError("no [[fault]] in the file", file_name, "give at least one, with signal and kind");
+    return faults;
+  });
+}
+
+std::vector<Fault> read_faults(const std::filesystem::path& file) {
+  return parse_faults(read_file(file, "give the path of a TOML file of faults"), file.string());
+}
+
+}  // namespace biopsy::sim

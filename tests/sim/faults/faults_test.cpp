@@ -1,0 +1,102 @@
+// Faults of a file: what is read, what is refused, and what the stage then shows. Inputs: text written for
+// this test, and the calibrated stage under a constant 4 kV.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
+#include "sim/faults/fault_file.hpp"
+#include "sim/faults/faulty_stage.hpp"
+#include "sim/plant/model_file.hpp"
+#include "tests/source_dir.hpp"
+
+namespace biopsy::sim {
+namespace {
+
+Fault parsed(const std::string& entries) {
+  return parse_faults("[[fault]]\n" + entries, "faults.toml").at(0);
+}
+
+TEST(FaultFile, ReadsEveryEntry) {
+  const Fault fault = parsed(
+      "signal = \"depth\"\nkind = \"drift\"\nfrom_depth_mm = 1.5\nfrom_s = 2\nuntil_s = 3\nvalue = "
+      "-0.1\nnoise = 0.01\n");
+  EXPECT_EQ(fault.signal, FaultSignal::Depth);
+  EXPECT_EQ(fault.kind, FaultKind::Drift);
+  EXPECT_EQ(fault.from_depth_mm, 1.5);
+  EXPECT_EQ(fault.from_s, 2.0);
+  EXPECT_EQ(fault.until_s, 3.0);
+  EXPECT_EQ(fault.value, -0.1);
+  EXPECT_EQ(fault.noise, 0.01);
+}
+
+TEST(FaultFile, RefusesWhatItCannotMean) {
+  for (const char* text : {"", "[[fault]]\n", "[[fault]]\nsignal = \"laser\"\nkind = \"frozen\"\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"stuck\"\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"offset\"\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"offset\"\nvalue = 500\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"offset\"\nvalue = nan\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"lag\"\nvalue = 0\n",
+                           "[[fault]]\nsignal = \"permit\"\nkind = \"scale\"\nvalue = 2\n",
+                           "[[fault]]\nsignal = \"drive\"\nkind = \"other_surface\"\nvalue = 2\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\nfrom_s = 3\nuntil_s = 2\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\nfrom = 3\n", "fault = 3\n"})
+    EXPECT_THROW(parse_faults(text, "faults.toml"), ConfigError) << text;
+}
+
+SimulatedStage calibrated_stage() {
+  PlantModel model = read_model(source_dir() / "sim/models/calibrated.toml");
+  return {model, 1};
+}
+
+// The last of `ticks` readings under 4 kV, and the sound stage's own at that moment.
+struct Shown {
+  drivers::SensorReading seen;
+  double true_mm;
+};
+Shown after(std::vector<Fault> faults, int ticks) {
+  SimulatedStage sound = calibrated_stage();
+  FaultyStage faulty(sound, std::move(faults), 1);
+  drivers::SensorReading seen;
+  for (int k = 0; k < ticks; ++k) {
+    seen = faulty.read();
+    sound.put_out(k % 500 < 250 ? 4500.0 : -4500.0);
+  }
+  return {seen, sound.truth().motion.x * 1e3};
+}
+
+TEST(FaultyStage, WithoutFaultsIsTheStage) {
+  SimulatedStage sound = calibrated_stage();
+  for (int k = 0; k < 1999; ++k) sound.read(), sound.put_out(k % 500 < 250 ? 4500.0 : -4500.0);
+  EXPECT_EQ(after({}, 2000).seen.depth_um, sound.read().depth_um);
+}
+
+TEST(FaultyStage, ShowsWhatTheKindSays) {
+  const Shown sound = after({}, 2000);
+  ASSERT_GT(sound.true_mm, 0.5);  // it moves, or nothing below means anything
+  const double depth_um = sound.seen.depth_um;
+  const auto depth = [&](FaultKind kind, double value) {
+    return after({{.signal = FaultSignal::Depth, .kind = kind, .value = value}}, 2000).seen.depth_um;
+  };
+  EXPECT_NEAR(depth(FaultKind::Offset, -1.0), depth_um - 1000.0, 1.0);
+  EXPECT_NEAR(depth(FaultKind::Scale, 0.5), depth_um * 0.5, 1.0);
+  EXPECT_NEAR(depth(FaultKind::Drift, 2.0), depth_um + 3998.0, 1.0);
+  EXPECT_EQ(depth(FaultKind::Inverted, 0.0), -depth_um);
+  EXPECT_EQ(depth(FaultKind::OtherSurface, 7.0), 7000);
+  EXPECT_EQ(depth(FaultKind::Quantised, 0.5) % 500, 0);
+  EXPECT_NEAR(depth(FaultKind::Lag, 200.0), after({}, 1800).seen.depth_um, 1.0);
+  EXPECT_LT(depth(FaultKind::Frozen, 0.0), 100);  // from the first reading on
+  EXPECT_FALSE(
+      after({{.signal = FaultSignal::Depth, .kind = FaultKind::Dropout, .value = 1.0}}, 10).seen.laser_valid);
+}
+
+TEST(FaultyStage, BeginsAtItsDepth) {
+  const Fault frozen{.kind = FaultKind::Frozen, .from_depth_mm = 0.4};
+  const Shown shown = after({frozen}, 2000);
+  EXPECT_NEAR(shown.seen.depth_um, 400.0, 150.0);
+  EXPECT_GT(shown.true_mm, 0.6);
+}
+
+}  // namespace
+}  // namespace biopsy::sim
