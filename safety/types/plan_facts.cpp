@@ -113,7 +113,7 @@ std::int32_t lifting_drive_mV(const PlanFacts& plan) {
     const PlausibleBand& a = plan.bands[i - 1];
     const PlausibleBand& b = plan.bands[i];
     const std::int32_t from_um = range_of(a).high_um, to_um = range_of(b).high_um;
-    if (to_um >= lifted_um && from_um < lifted_um)
+    if (to_um >= lifted_um)  // the first: the one before was below
       return between(a.drive_mV, b.drive_mV, lifted_um - from_um, to_um - from_um);
   }
   return plan.bands[count - 1].drive_mV;

@@ -171,6 +171,23 @@ TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {
   EXPECT_EQ(plausible_depth(plan, 1'000'000, 5'000'000).high_um, 2'825);
 }
 
+TEST(PlanFacts, DriveThatLiftsIsWhereTheBandsUpperEdgeHasRisenByAMillimetre) {
+  verifies("R-19");
+  PlanFacts plan = three_step_plan();  // upper edge 100, 2300, 4400 um at 0, 4, 8 kV
+  EXPECT_EQ(lifting_drive_mV(plan), 1'818'181);
+  plan.bands[1].high_um = 1'099;
+  EXPECT_NEAR(lifting_drive_mV(plan), 4'000'000 + 4e6 / 3'301, 2.0);
+  plan.bands[2].high_um = 1'099;
+  EXPECT_EQ(lifting_drive_mV(plan), 8'000'000) << "never: where the band ends";
+  plan.band_count = 0;
+  EXPECT_EQ(lifting_drive_mV(plan), 0);
+  for (std::size_t i = 0; i < kMaxBands; ++i) plan.bands[i] = {static_cast<std::int32_t>(i) * 1'000, 0, 0};
+  for (const std::uint32_t count : {31U, 32U, 33U, 0xFFFF'FFFFU}) {
+    plan.band_count = count;
+    EXPECT_EQ(lifting_drive_mV(plan), count == 31U ? 30'000 : 31'000);
+  }
+}
+
 TEST(PlanFacts, PlausibleBandOfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {
   PlanFacts plan = three_step_plan();
   plan.band_count = 0;
