@@ -9,7 +9,7 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr double kBehind_mm = 15.0;  // of the shaft behind the entry that is looked at
+constexpr double kBehind_mm = 30.0;  // of the shaft behind the entry that is looked at
 constexpr double kBeside_mm = 30.0;  // of tissue about the path that is registered
 
 void refuse_bad(const Volume& before, const Volume& after, const NeedleFrame& frame) {
@@ -61,8 +61,14 @@ void draw(const Volume& before, const Volume& after, const RegistrationResult& m
   else
     pictures.before.window = window_of(values);
   paint(values, pictures.before.window, pictures.before.picture);
-  pictures.tip_px = pictures.after.pixel(tip.depth_mm, tip.across_mm);
+  pictures.tip_px = pictures.after.pixel(tip.depth_mm, tip.beside_mm.value.x());
   if (tip_found) mark(pictures.after.picture, pictures.tip_px);
+}
+
+void write_placement(const NeedlePlacement& read, DepthCheck& check) {
+  check.depth = Millimetres(read.depth_mm), check.sigma = Millimetres(read.depth_sigma_mm);
+  check.lateral_mm = read.lateral_mm, check.lateral_sigma_mm = read.lateral_sigma_mm;
+  check.angle_deg = read.angle_deg, check.angle_sigma_deg = read.angle_sigma_deg;
 }
 
 }  // namespace
@@ -86,7 +92,7 @@ DepthReading read_depth(const Volume& before, const Volume& after, const NeedleF
   path.from_mm = -kBehind_mm;
   path.to_mm = end;
   const Corridor corridor = needle_corridor(before_part, after_part, motion, frame, path);
-  TipSettings search;
+  SearchReach search;
   search.depth_max_mm = depth_max.value;
   DepthReading reading{motion, {}};
   if (!corridor.voxels.empty()) reading.tip = find_tip(corridor, search);
@@ -105,8 +111,12 @@ DepthCheck check_depth(const Volume& before, const Volume& after, const Point& p
   check.verdict = judgement.verdict;
   check.reason = judgement.reason;
   check.tip_found = needle_seen(reading.tip, settings);
-  if (check.tip_found)
-    check.depth = Millimetres(tip.depth_mm) - settings.tip_offset, check.sigma = Millimetres(tip.sigma_mm);
+  if (check.tip_found) write_placement(placement_of(tip, settings), check);
+  if (settings.tip_offset) {
+    check.tip_offset_known = true;
+    check.tip_offset_mm = settings.tip_offset->value.value;
+    check.tip_offset_sigma_mm = settings.tip_offset->sigma.value;
+  }
   for (int a = 0; a < 3; ++a)
     check.shift_mm[a] = motion.shift_mm[a], check.rotation_deg[a] = motion.rotation_deg[a];
   check.registration_score = motion.score;

@@ -103,10 +103,13 @@ void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor
   }
 }
 
-void choose_places(const Grid& grid, Corridor& corridor) {
+Stack stack_of(const Grid& grid, Corridor& corridor) {
   constexpr double kStep_mm = 0.7;  // about the radius of the thinnest void that can be seen
   const Eigen::Vector3d spacing = grid.spacing_mm();
-  Eigen::Matrix3d sides;  // columns: voxel sides in needle coordinates
+  Stack stack;
+  stack.size = grid.size;
+  stack.voxel_at.assign(grid.voxel_count(), -1);
+  Eigen::Matrix3d& sides = stack.steps;
   Eigen::Vector3i count, beside;
   for (int a = 0; a < 3; ++a) {
     const Eigen::Vector3d side = grid.X_SI.linear().col(a);
@@ -123,8 +126,9 @@ void choose_places(const Grid& grid, Corridor& corridor) {
         for (int i = 0; i < n.x(); ++i)
           add(sides * ((Eigen::Vector3d(i, j, k).array() + 0.5) / n.cast<double>().array() - 0.5).matrix());
   };
-  each(count, [&](const Eigen::Vector3d& place) { corridor.places.push_back(place); });
-  each(beside, [&](const Eigen::Vector3d& place) { corridor.lateral.push_back(place.tail<2>()); });
+  each(count, [&](const Eigen::Vector3d& place) { stack.places.push_back(place); });
+  each(beside, [&](const Eigen::Vector3d& place) { stack.lateral.push_back(place.tail<2>()); });
+  return stack;
 }
 
 void find_coverage(const Volume& after, const Volume& prediction, const CorridorSettings& s,
@@ -154,7 +158,7 @@ Corridor needle_corridor(const Volume& before, const Volume& after, const Regist
   Prediction prediction = predicted(before, after, motion.X_after_before.inverse());
   match_brightness(after, {frame, settings.from_mm, settings.to_mm, settings.needle_mm}, prediction.value);
   find_coverage(after, prediction.value, settings, corridor);
-  choose_places(after.grid, corridor);
+  corridor.stacks.push_back(stack_of(after.grid, corridor));
 
   std::vector<float> steepness;
   const Eigen::Array3i stride = (kThin_mm / after.grid.spacing_mm().array()).round().max(1.0).cast<int>();
@@ -167,10 +171,11 @@ Corridor needle_corridor(const Volume& before, const Volume& after, const Regist
                             std::hypot(c.y(), c.z()) <= settings.radius_mm;
         if (!inside || !std::isfinite(prediction.value.voxels[n])) continue;
         const bool kept = i % stride.x() == 0 && j % stride.y() == 0 && k % stride.z() == 0;
+        corridor.stacks.back().voxel_at[n] = static_cast<std::int32_t>(corridor.voxels.size());
         if (kept) corridor.thinned.push_back(static_cast<std::uint32_t>(corridor.voxels.size()));
         corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()),
                                    static_cast<float>(c.z()), after.voxels[n], prediction.value.voxels[n],
-                                   0.0f});
+                                   0.0f, 0, static_cast<std::uint32_t>(n)});
         steepness.push_back(prediction.steepness.voxels[n]);
       }
   if (corridor.voxels.size() < 100) corridor.voxels.clear();

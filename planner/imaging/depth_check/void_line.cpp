@@ -80,7 +80,7 @@ LineProfile LineSearch::profile(const VoidLine& line) const {
       static_cast<std::size_t>(std::max((corridor_.t_max - corridor_.t_min) / kBin_mm, 0.0)) + 1;
   LineProfile result{corridor_.t_min, kBin_mm, std::vector<double>(bins, 0.0),
                      std::vector<double>(bins, 0.0)};
-  const DiscCoverage disc(line.radius_mm, corridor_.lateral);
+  const DiscCoverage disc(line.radius_mm, corridor_.stacks.front().lateral);
   const CellRange columns = cells_near(line.u, line.u_slope, disc.reach_mm);
   const CellRange rows = cells_near(line.v, line.v_slope, disc.reach_mm);
   for (int row = rows.first; row <= rows.last; ++row)

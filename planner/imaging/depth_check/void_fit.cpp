@@ -1,0 +1,238 @@
+#include "planner/imaging/depth_check/void_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "planner/imaging/depth_check/control_places.hpp"
+#include "planner/imaging/depth_check/void_shape.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
+constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
+constexpr std::size_t kShaftVoxelsMax = 1500, kTipVoxelsMax = 3000;
+constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
+constexpr std::array<double, 3> kStartsApart_mm{0.0, -2.0, 2.0};
+
+// What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
+// bounds. Zero: nothing is known.
+VoidVector prior_sigma() {
+  VoidVector sigma = VoidVector::Zero();
+  sigma[kLogRadius] = 0.8, sigma[kLogSoft] = 0.5, sigma[kRounding] = 0.35, sigma[kLoss] = 0.5;
+  return sigma;
+}
+
+VoidVector prior_mean(double radius_mm) {
+  VoidVector mean = VoidVector::Zero();
+  mean[kLogRadius] = std::log(radius_mm);
+  mean[kLogSoft] = std::log(std::max(0.35, 0.3 * radius_mm));
+  mean[kRounding] = 0.5, mean[kLoss] = 0.9;
+  return mean;
+}
+
+double huber(double z) {
+  const double size = std::abs(z);
+  return size <= kClip ? size * size : kClip * (2.0 * size - kClip);
+}
+
+class Fitting {
+ public:
+  Fitting(const Corridor& corridor, const VoidLine& line, double depth_mm)
+      : corridor_(corridor), tip_mm_(depth_mm), mean_(prior_mean(line.radius_mm)), sigma_(prior_sigma()) {
+    double voxel = 0.0;
+    for (const Stack& stack : corridor.stacks)
+      for (const Eigen::Vector2d& place : stack.lateral) voxel = std::max(voxel, place.norm());
+    const double reach = 1.5 * line.radius_mm + 1.5 + voxel;
+    std::vector<std::uint32_t> shaft, tip;
+    for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
+      const CorridorVoxel& one = corridor.voxels[n];
+      const double t = static_cast<double>(one.t);
+      const bool beside = std::hypot(static_cast<double>(one.u) - line.u - line.u_slope * t,
+                                     static_cast<double>(one.v) - line.v - line.v_slope * t) > reach;
+      if (beside || t > depth_mm + kBeyond_mm + corridor.along_mm) continue;
+      (t > depth_mm - kNear_mm ? tip : shaft).push_back(static_cast<std::uint32_t>(n));
+    }
+    keep(tip, kTipVoxelsMax), keep(shaft, kShaftVoxelsMax);
+  }
+
+  VoidVector start(const VoidLine& line, double depth_mm) const {
+    VoidVector x = mean_;
+    x[kDepth] = depth_mm;
+    x[kU] = line.u + line.u_slope * tip_mm_, x[kV] = line.v + line.v_slope * tip_mm_;
+    x[kUSlope] = line.u_slope, x[kVSlope] = line.v_slope;
+    return x;
+  }
+  VoidShape shape(const VoidVector& x) const {
+    VoidShape shape;
+    shape.depth = x[kDepth];
+    shape.line = {x[kU] - x[kUSlope] * tip_mm_, x[kV] - x[kVSlope] * tip_mm_, x[kUSlope], x[kVSlope],
+                  std::exp(std::clamp(x[kLogRadius], -1.2, 2.1))};
+    shape.soft = std::exp(std::clamp(x[kLogSoft], -1.6, 1.6));
+    shape.rounding = std::clamp(x[kRounding], 0.0, 1.0);
+    return shape;
+  }
+  std::size_t size() const { return used_.size(); }
+  const std::vector<std::uint32_t>& used() const { return used_; }
+
+  // Huber's cost of all voxels and the prior's.
+  double cost(const VoidVector& x) const {
+    const std::vector<double> z = residuals(x);
+    double sum = prior_cost(x);
+    for (double one : z) sum += huber(one);
+    return sum;
+  }
+  double prior_cost(const VoidVector& x) const {
+    double sum = 0.0;
+    for (int p = 0; p < kVoidParameters; ++p)
+      if (sigma_[p] > 0.0) sum += std::pow((x[p] - mean_[p]) / sigma_[p], 2);
+    return sum;
+  }
+  // (measured - model) / standard deviation
+  std::vector<double> residuals(const VoidVector& x) const {
+    const VoidShape s = shape(x);
+    const double loss = std::clamp(x[kLoss], 0.0, 1.1);
+    std::vector<double> z(used_.size());
+    for (std::size_t n = 0; n < used_.size(); ++n) {
+      const CorridorVoxel& voxel = corridor_.voxels[used_[n]];
+      const double model =
+          static_cast<double>(voxel.predicted) * (1.0 - loss * coverage(corridor_, voxel, s));
+      z[n] = (static_cast<double>(voxel.measured) - model) / std::sqrt(static_cast<double>(voxel.variance));
+    }
+    return z;
+  }
+  // Levenberg and Marquardt's least squares with numeric slopes.
+  VoidVector minimised(VoidVector x) const {
+    double best = cost(x), damping = 1e-2;
+    for (int iteration = 0; iteration < 25 && damping < 1e6; ++iteration) {
+      VoidMatrix normal;
+      VoidVector right;
+      normal_equations(x, normal, right, nullptr);
+      bool better = false;
+      for (; !better && damping < 1e6; damping *= better ? 0.2 : 5.0) {
+        VoidMatrix damped = normal;
+        damped.diagonal() *= 1.0 + damping;
+        damped.diagonal().array() += 1e-9;
+        const VoidVector step = damped.ldlt().solve(right);
+        if (!step.allFinite()) return x;
+        const double value = cost(x + step);
+        better = value < best;
+        if (!better) continue;
+        const bool done = best - value < 1e-3 * (1.0 + 1e-3 * best);
+        x += step, best = value;
+        if (done) return x;
+      }
+    }
+    return x;
+  }
+  void normal_equations(const VoidVector& x, VoidMatrix& normal, VoidVector& right,
+                        std::vector<TemplateVoxel>* slopes) const {
+    const std::vector<double> z = residuals(x);
+    std::array<std::vector<double>, kVoidParameters> moved;
+    VoidVector by;
+    by << 0.05, 0.05, 0.05, 0.002, 0.002, 0.03, 0.05, 0.1, 0.02;
+    if (x[kRounding] > 0.5) by[kRounding] = -by[kRounding];
+    if (x[kLoss] > 1.0) by[kLoss] = -by[kLoss];
+    for (int p = 0; p < kVoidParameters; ++p) {
+      VoidVector there = x;
+      there[p] += by[p];
+      moved[static_cast<std::size_t>(p)] = residuals(there);
+    }
+    normal.setZero(), right.setZero();
+    for (std::size_t n = 0; n < z.size(); ++n) {
+      VoidVector slope;
+      for (int p = 0; p < kVoidParameters; ++p)
+        slope[p] = (z[n] - moved[static_cast<std::size_t>(p)][n]) / by[p];
+      const double weight = std::abs(z[n]) <= kClip ? 1.0 : kClip / std::abs(z[n]);
+      normal += weight * slope * slope.transpose();
+      right += weight * z[n] * slope;
+      if (slopes) slopes->push_back({used_[n], std::sqrt(weight) * slope});
+    }
+    for (int p = 0; p < kVoidParameters; ++p)
+      if (sigma_[p] > 0.0) {
+        normal(p, p) += 1.0 / (sigma_[p] * sigma_[p]);
+        right[p] -= (x[p] - mean_[p]) / (sigma_[p] * sigma_[p]);
+      }
+  }
+
+ private:
+  void keep(const std::vector<std::uint32_t>& some, std::size_t most) {
+    const std::size_t every = some.size() / most + 1;
+    for (std::size_t n = 0; n < some.size(); n += every) used_.push_back(some[n]);
+  }
+
+  const Corridor& corridor_;
+  double tip_mm_;
+  VoidVector mean_, sigma_;
+  std::vector<std::uint32_t> used_;
+};
+
+}  // namespace
+
+VoidFit fit_void(const Corridor& corridor, const VoidLine& line, double depth_mm) {
+  const Fitting fitting(corridor, line, depth_mm);
+  VoidVector best = fitting.start(line, depth_mm);
+  double least = 1e300;
+  for (double apart : kStartsApart_mm) {
+    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
+    const double cost = fitting.cost(x);
+    if (cost < least) least = cost, best = x;
+  }
+  VoidFit fit;
+  const VoidShape shape = fitting.shape(best);
+  fit.line = shape.line;
+  fit.depth_mm = shape.depth;
+  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
+  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
+  fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
+  fit.loss = std::clamp(best[kLoss], 0.0, 1.1);
+  fit.chi2 = least - fitting.prior_cost(best);
+  fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
+
+  VoidMatrix normal;
+  VoidVector right;
+  std::vector<TemplateVoxel> slopes;
+  fitting.normal_equations(best, normal, right, &slopes);
+  normal.diagonal().array() += 1e-9;
+  const VoidMatrix alone = normal.inverse();  // covariance if voxels erred alone
+  const double clear_mm = fit.line.radius_mm + fit.soft_mm + 1.0;
+  const ControlPlaces control = at_control_places(corridor, slopes, alone, fit, kClip, clear_mm);
+  fit.control_places = control.count;
+  // A void that the model explains worse than the rest of the images is explained is read worse as well.
+  const double worse = std::max(fit.misfit / std::max(control.mean_square, 0.1), 1.0);
+  fit.covariance = worse * (control.covariance + alone);
+  fit.inflation = std::max(fit.covariance(kDepth, kDepth) / std::max(alone(kDepth, kDepth), 1e-12), 1.0);
+  return fit;
+}
+
+std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
+                                  const std::vector<double>& depths) {
+  double voxel_mm = 0.0;
+  for (const Stack& stack : corridor.stacks)
+    for (const Eigen::Vector2d& place : stack.lateral) voxel_mm = std::max(voxel_mm, place.norm());
+  const double reach = 0.5 * fit.line.radius_mm + 0.35 + voxel_mm;
+  std::vector<const CorridorVoxel*> core;
+  for (const CorridorVoxel& one : corridor.voxels) {
+    const double t = static_cast<double>(one.t);
+    if (std::hypot(static_cast<double>(one.u) - fit.line.u - fit.line.u_slope * t,
+                   static_cast<double>(one.v) - fit.line.v - fit.line.v_slope * t) <= reach)
+      core.push_back(&one);
+  }
+  std::vector<double> chi2;
+  for (double depth : depths) {
+    const VoidShape shape{fit.line, depth, fit.soft_mm, fit.rounding};
+    double sum = 0.0;
+    for (const CorridorVoxel* one : core) {
+      const double model =
+          static_cast<double>(one->predicted) * (1.0 - fit.loss * coverage(corridor, *one, shape));
+      sum +=
+          huber((static_cast<double>(one->measured) - model) / std::sqrt(static_cast<double>(one->variance)));
+    }
+    chi2.push_back(sum);
+  }
+  return chi2;
+}
+
+}  // namespace biopsy::imaging
