@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kPlacesMax = 160;
 constexpr double kAlongMost_mm = 8.0;    // how far a control place may lie ahead of or behind the needle's
-constexpr double kBesideMost_mm = 18.0;  // and beside
-constexpr double kKnown = 0.8;       // of what the fit knows about the depth must be known there as well
+constexpr double kBesideMost_mm = 22.0;  // and beside
+constexpr double kKnown = 0.8;           // of what the fit knows about the depth must be known there as well
 
 using Shift = Eigen::Vector3i;
 
@@ -57,7 +57,8 @@ ControlPlaces at_control_places(const Corridor& corridor, const std::vector<Temp
   double squares = 0.0;
   std::size_t voxels = 0;
   // A shift moves every stack's voxels alike in whole steps of the first.
-  const std::vector<Shift> shifts = shifts_of(corridor.stacks.front(), 2.0 * clear_mm);
+  const std::vector<Shift> shifts =
+      shifts_of(corridor.stacks.front(), clear_mm + fit.line.radius_mm + fit.soft_mm);
   const std::size_t every = shifts.size() / kPlacesMax + 1;
   for (std::size_t s = 0; s < shifts.size(); s += every) {
     VoidVector answer = VoidVector::Zero();

@@ -78,14 +78,18 @@ Judged doubt_about(const RegistrationResult& motion, const DepthCheckSettings& s
 // Is there a needle?
 Judged absence(const TipFinding& tip, const DepthCheckSettings& s) {
   if (needle_seen(tip, s)) return std::nullopt;
-  if (!(tip.visible >= s.evidence_min))
+  if (tip.loss > 0.0 && tip.control_places == 0)
+    return DepthJudgement{
+        Unsure, "Too little of the images lies around the path to measure how far off a reading is."};
+  const double lost_at_most = tip.loss + 2.0 * tip.loss_sigma;
+  if (!(tip.visible >= s.evidence_min && lost_at_most < s.needle_loss))
     return DepthJudgement{Unsure,
                           "A needle could not be told from noise and motion along this path: contrast is too "
                           "low."};
   return DepthJudgement{Reject,
-                        format("No needle found: along the path {:.0f} % of the signal is lost at most, "
-                               "{:.1f} standard deviations; {:.1f} are needed.",
-                               100.0 * tip.loss, tip.evidence, s.evidence_min)};
+                        format("No needle found: along the path {:.0f} % of the signal is lost at most; a "
+                               "needle would take {:.0f} %.",
+                               100.0 * lost_at_most, 100.0 * s.needle_loss)};
 }
 
 // A quantity of the needle that certainly misses its tolerance.
@@ -173,9 +177,12 @@ DepthJudgement accepted(const NeedlePlacement& read, const DepthCheckSettings& s
 NeedlePlacement placement_of(const TipFinding& tip, const DepthCheckSettings& s) {
   const TipOffset offset = s.tip_offset.value_or(TipOffset{Millimetres(0.0), Millimetres(0.0)});
   const double slope = tip.slope.value.norm();
-  return {tip.depth_mm - offset.value.value, std::hypot(tip.sigma_mm, offset.sigma.value),
-          tip.beside_mm.value.norm(),        length_sigma(tip.beside_mm),
-          std::atan(slope) * kDegreesPerRadian,       length_sigma(tip.slope) * kDegreesPerRadian / (1.0 + slope * slope)};
+  return {tip.depth_mm - offset.value.value,
+          std::hypot(tip.sigma_mm, offset.sigma.value),
+          tip.beside_mm.value.norm(),
+          length_sigma(tip.beside_mm),
+          std::atan(slope) * kDegreesPerRadian,
+          length_sigma(tip.slope) * kDegreesPerRadian / (1.0 + slope * slope)};
 }
 
 bool needle_seen(const TipFinding& tip, const DepthCheckSettings& s) {

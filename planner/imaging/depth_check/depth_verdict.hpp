@@ -40,6 +40,8 @@ struct DepthCheckSettings {
   double registration_min = 0.6;
   double evidence_min = 6.0;  // chance reaches 4.5 in the search of a whole corridor
   double loss_min = 0.25;     // less than this of the signal lost is no needle
+  double needle_loss =
+      0.6;  // what every needle takes away at least: where certainly less is lost, there is none
 };
 
 struct DepthJudgement {

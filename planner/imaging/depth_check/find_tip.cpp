@@ -80,13 +80,14 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
   const std::vector<LineCandidate> tops = line_candidates(corridor, reach);
   TipFinding found;
   found.seen_to_mm = corridor.t_max;
-  const LineCandidate& best = tops.front();
-  if (best.fit.gain <= 0.0) {
+  constexpr std::ptrdiff_t kFitted = 3;
+  const VoidFit fit = fit_void(corridor, {tops.begin(), tops.begin() + kFitted});
+  if (fit.gain <= 0.0) {
     found.visible = visibility(search, corridor, 1.0);
     return found;
   }
-  const VoidFit fit = fit_void(corridor, best.line, best.fit.tip_mm);
   found.loss = fit.loss;
+  found.loss_sigma = fit.sigma(kLoss);
   found.evidence = fit.loss / std::max(fit.sigma(kLoss), 1e-6);
   found.visible = visibility(search, corridor, fit.inflation);
   found.control_places = fit.control_places;

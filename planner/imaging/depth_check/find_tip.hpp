@@ -18,7 +18,8 @@ struct TipFinding {
   // same two images: whatever makes them differ everywhere (motion, ghosts, another sequence) lowers it.
   double evidence = 0.0;
   double visible = 0.0;  // evidence that a plain 1 mm void losing half its signal over 10 mm would have given
-  double loss = 0.0;     // fraction of the signal lost in the void
+  double loss_sigma = 0.0;
+  double loss = 0.0;  // fraction of the signal lost in the void
   double radius_mm = 0.0;
   double depth_mm = 0.0, sigma_mm = 0.0;   // end of the void, along the expected axis from the entry
   std::vector<double> depths_mm, weights;  // its likelihood at every depth; the weights add up to 1

@@ -17,9 +17,11 @@ struct Prediction {
   Volume value, steepness;
 };
 
-// The outermost layer has no neighbour to be interpolated with.
+// The outermost layer has no neighbour to be interpolated with: it holds for a quarter of a voxel beyond.
 bool well_inside(const Grid& grid, const Eigen::Vector3d& index) {
-  return (index.array() >= 0.0).all() && (index.array() <= grid.size.cast<double>().array() - 1.0).all();
+  constexpr double kBeyond = 0.25;
+  return (index.array() >= -kBeyond).all() &&
+         (index.array() <= grid.size.cast<double>().array() - 1.0 + kBeyond).all();
 }
 
 Prediction predicted(const Volume& before, const Volume& after, const RigidTransform& X_before_after) {
@@ -133,10 +135,12 @@ Stack stack_of(const Grid& grid, Corridor& corridor) {
 
 void find_coverage(const Volume& after, const Volume& prediction, const CorridorSettings& s,
                    Corridor& corridor) {
-  const Sampler seen(after), expected(prediction);
+  const AffineTransform X_IS = after.grid.X_SI.inverse();
   const auto covered = [&](double t) {
-    const Point p_S = corridor.frame.point(t, 0, 0);
-    return std::isfinite(seen.at(p_S)) && std::isfinite(expected.at(p_S));
+    const Eigen::Vector3i index =
+        (X_IS * corridor.frame.point(t, 0, 0)).array().round().cast<int>();  // the voxel it lies in
+    if (!after.grid.contains(index.x(), index.y(), index.z())) return false;
+    return std::isfinite(prediction.at(index.x(), index.y(), index.z()));
   };
   constexpr double kStep_mm = 0.25;
   double start =

@@ -42,7 +42,7 @@ struct Corridor {
 
 struct CorridorSettings {
   double from_mm = -15.0, to_mm = 120.0;  // along the axis from the entry
-  double radius_mm = 20.0;
+  double radius_mm = 25.0;
   double needle_mm =
       8.0;  // changes within this of the axis may be the needle: not used to learn what noise is
 };

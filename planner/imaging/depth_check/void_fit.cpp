@@ -15,7 +15,6 @@ constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fi
 constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
 constexpr std::size_t kShaftVoxelsMax = 1500, kTipVoxelsMax = 3000;
 constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
-constexpr std::array<double, 3> kStartsApart_mm{0.0, -2.0, 2.0};
 
 // What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
 // bounds. Zero: nothing is known.
@@ -169,32 +168,56 @@ class Fitting {
   std::vector<std::uint32_t> used_;
 };
 
-}  // namespace
+struct Fitted {
+  VoidFit fit;
+  VoidVector x = VoidVector::Zero();
+  VoidLine about;  // whose surroundings were fitted
+  double about_mm = 0.0;
+};
 
-VoidFit fit_void(const Corridor& corridor, const VoidLine& line, double depth_mm) {
+Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
+              const std::vector<double>& starts_mm) {
   const Fitting fitting(corridor, line, depth_mm);
-  VoidVector best = fitting.start(line, depth_mm);
+  Fitted best{{}, fitting.start(line, depth_mm), line, depth_mm};
   double least = 1e300;
-  for (double apart : kStartsApart_mm) {
+  for (double apart : starts_mm) {
     const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
     const double cost = fitting.cost(x);
-    if (cost < least) least = cost, best = x;
+    if (cost < least) least = cost, best.x = x;
   }
-  VoidFit fit;
-  const VoidShape shape = fitting.shape(best);
+  VoidFit& fit = best.fit;
+  const VoidShape shape = fitting.shape(best.x);
   fit.line = shape.line;
   fit.depth_mm = shape.depth;
   fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
   fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
   fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
-  fit.loss = std::clamp(best[kLoss], 0.0, 1.1);
-  fit.chi2 = least - fitting.prior_cost(best);
+  fit.loss = std::clamp(best.x[kLoss], 0.0, 1.1);
+  fit.chi2 = least - fitting.prior_cost(best.x);
+  VoidVector nothing = best.x;
+  nothing[kLoss] = 0.0;
+  fit.gain = fitting.cost(nothing) - fitting.prior_cost(nothing) - fit.chi2;
   fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
+  return best;
+}
 
+}  // namespace
+
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
+  Fitted best;
+  for (const LineCandidate& candidate : candidates) {
+    const Fitted one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0});
+    if (one.fit.gain > best.fit.gain) best = one;
+  }
+  if (best.fit.gain <= 0.0) return best.fit;
+  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
+  best = fitted(corridor, best.fit.line, best.fit.depth_mm, {0.0, -2.0, 2.0});
+  VoidFit fit = best.fit;
+  const Fitting fitting(corridor, best.about, best.about_mm);
   VoidMatrix normal;
   VoidVector right;
   std::vector<TemplateVoxel> slopes;
-  fitting.normal_equations(best, normal, right, &slopes);
+  fitting.normal_equations(best.x, normal, right, &slopes);
   normal.diagonal().array() += 1e-9;
   const VoidMatrix alone = normal.inverse();  // covariance if voxels erred alone
   const double clear_mm = fit.line.radius_mm + fit.soft_mm + 1.0;
@@ -203,7 +226,7 @@ VoidFit fit_void(const Corridor& corridor, const VoidLine& line, double depth_mm
   // A void that the model explains worse than the rest of the images is explained is read worse as well.
   const double worse = std::max(fit.misfit / std::max(control.mean_square, 0.1), 1.0);
   fit.covariance = worse * (control.covariance + alone);
-  fit.inflation = std::max(fit.covariance(kDepth, kDepth) / std::max(alone(kDepth, kDepth), 1e-12), 1.0);
+  fit.inflation = std::max(fit.covariance(kLoss, kLoss) / std::max(alone(kLoss, kLoss), 1e-12), 1.0);
   return fit;
 }
 

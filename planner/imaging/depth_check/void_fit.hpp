@@ -2,7 +2,7 @@
 // same two images how far off such a fit is.
 #pragma once
 
-#include "planner/imaging/depth_check/void_line.hpp"
+#include "planner/imaging/depth_check/line_candidates.hpp"
 
 namespace biopsy::imaging {
 
@@ -17,7 +17,8 @@ struct VoidFit {
   double depth_mm = 0.0;          // where the centreline has lost half of what it loses
   double u_mm = 0.0, v_mm = 0.0;  // beside the expected axis, there
   double soft_mm = 0.4, rounding = 0.5, loss = 0.0;
-  double chi2 = 0.0, misfit = 1.0;             // misfit: reduced chi-square
+  double gain = 0.0;                // what the void explains: fall of chi-square against "nothing changed"
+  double chi2 = 0.0, misfit = 1.0;  // misfit: reduced chi-square
   VoidMatrix covariance = VoidMatrix::Zero();  // of the parameters, as measured beside the void
   // How often larger the measured variance of the depth is than independent voxels would give it: neighbours
   // err alike (interpolation, motion). Evidence counts for that much less. 1 or more.
@@ -27,8 +28,9 @@ struct VoidFit {
   double sigma(VoidParameter p) const { return std::sqrt(std::max(covariance(p, p), 0.0)); }
 };
 
-// Starts from a line and a tip known to about 2 mm.
-VoidFit fit_void(const Corridor& corridor, const VoidLine& line, double depth_mm);
+// The best of the fits that start from `candidates`, lines and tips known to about 2 mm and 2 degrees. At
+// least one.
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates);
 
 // Chi-square of the void with its tip elsewhere and all else as fitted, for each of `depths`; voxels near the
 // centreline only, the form of a wide void's rim has no say in its depth.

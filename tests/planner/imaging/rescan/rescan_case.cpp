@@ -124,6 +124,10 @@ std::optional<RescanCase> drawn(const Pair& pair, Kind kind, std::uint64_t seed)
     RescanCase c;
     c.needle = drawn_needle(pair.after.grid, draw);
     if (!through_tissue(sampler, c.needle, tissue)) continue;
+    const Sampler earlier(pair.before);
+    if (std::isnan(earlier.at(c.needle.p_SE)) ||
+        std::isnan(earlier.at(c.needle.p_SE + (c.needle.tip_mm + 8.0) * c.needle.axis_S)))
+      continue;  // only one of the images shows it
     const double floor = draw.between(0.01, 0.04) * tissue;
     c.plan_p_SE = c.needle.p_SE;
     c.plan_axis_S = c.needle.axis_S;
