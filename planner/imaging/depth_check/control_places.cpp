@@ -10,7 +10,8 @@ namespace {
 constexpr std::size_t kPlacesMax = 160;
 constexpr double kAlongMost_mm = 8.0;    // how far a control place may lie ahead of or behind the needle's
 constexpr double kBesideMost_mm = 22.0;  // and beside
-constexpr double kKnown = 0.8;           // of what the fit knows about the depth must be known there as well
+constexpr double kKnown = 0.8;           // of what the fit is told must be told there as well
+constexpr double kNegligible = 0.02;     // a stack that tells less is not asked
 
 using Shift = Eigen::Vector3i;
 
@@ -33,6 +34,17 @@ std::vector<Shift> shifts_of(const Stack& stack, double nearest_mm) {
   return all;
 }
 
+// The corridor's voxel that lies `shift` from this one of the same stack; -1 where there is none.
+std::int32_t voxel_at(const Stack& stack, std::uint32_t cell, const Shift& shift) {
+  const auto n = static_cast<int>(cell);
+  const Eigen::Vector3i at =
+      shift + Eigen::Vector3i(n % stack.size.x(), (n / stack.size.x()) % stack.size.y(),
+                              n / (stack.size.x() * stack.size.y()));
+  if ((at.array() < 0).any() || (at.array() >= stack.size.array()).any()) return -1;
+  return stack
+      .voxel_at[static_cast<std::size_t>(at.x() + stack.size.x() * (at.y() + stack.size.y() * at.z()))];
+}
+
 }  // namespace
 
 ControlPlaces at_control_places(const Corridor& corridor, const std::vector<TemplateVoxel>& fitted,
@@ -52,40 +64,47 @@ ControlPlaces at_control_places(const Corridor& corridor, const std::vector<Temp
     left[n] =
         clear ? static_cast<float>(std::clamp(z, -clip, clip)) : std::numeric_limits<float>::quiet_NaN();
   }
-  double known_to_fit = 0.0;
-  for (const TemplateVoxel& one : fitted) known_to_fit += one.slope[kDepth] * one.slope[kDepth];
-  double squares = 0.0;
+  double squares = 0.0, told_by_all = 0.0;
   std::size_t voxels = 0;
-  // A shift moves every stack's voxels alike in whole steps of the first.
-  const std::vector<Shift> shifts =
-      shifts_of(corridor.stacks.front(), clear_mm + fit.line.radius_mm + fit.soft_mm);
-  const std::size_t every = shifts.size() / kPlacesMax + 1;
-  for (std::size_t s = 0; s < shifts.size(); s += every) {
-    VoidVector answer = VoidVector::Zero();
-    double known = 0.0;
-    for (const TemplateVoxel& one : fitted) {
-      const CorridorVoxel& voxel = corridor.voxels[one.voxel];
-      const Stack& stack = corridor.stacks[voxel.stack];
-      const auto cell = static_cast<int>(voxel.cell);
-      const Eigen::Vector3i at =
-          shifts[s] + Eigen::Vector3i(cell % stack.size.x(), (cell / stack.size.x()) % stack.size.y(),
-                                      cell / (stack.size.x() * stack.size.y()));
-      if ((at.array() < 0).any() || (at.array() >= stack.size.array()).any()) continue;
-      const std::int32_t there = stack.voxel_at[static_cast<std::size_t>(
-          at.x() + stack.size.x() * (at.y() + stack.size.y() * at.z()))];
-      if (there < 0) continue;
-      const float z = left[static_cast<std::size_t>(there)];
-      if (std::isnan(z)) continue;
-      known += one.slope[kDepth] * one.slope[kDepth];
-      answer += static_cast<double>(z) * one.slope;
-      squares += static_cast<double>(z * z), ++voxels;
+  // What the fit is told, each parameter counted by how well it is known.
+  const VoidVector scale = step_for.diagonal();
+  const auto told = [&](const TemplateVoxel& one) { return scale.dot(one.slope.cwiseProduct(one.slope)); };
+  for (const TemplateVoxel& one : fitted) told_by_all += told(one);
+  // Stacks err on their own: their errors' second moments add up.
+  result.count = std::numeric_limits<std::size_t>::max();
+  for (std::uint32_t s = 0; s < corridor.stacks.size(); ++s) {
+    const Stack& stack = corridor.stacks[s];
+    double told_by_stack = 0.0;
+    for (const TemplateVoxel& one : fitted)
+      if (corridor.voxels[one.voxel].stack == s) told_by_stack += told(one);
+    if (told_by_stack <= kNegligible * told_by_all) continue;
+    VoidMatrix moment = VoidMatrix::Zero();
+    std::size_t count = 0;
+    const std::vector<Shift> shifts = shifts_of(stack, clear_mm + fit.line.radius_mm + fit.soft_mm);
+    const std::size_t every = shifts.size() / kPlacesMax + 1;
+    for (std::size_t n = 0; n < shifts.size(); n += every) {
+      VoidVector answer = VoidVector::Zero();
+      double told_there = 0.0;
+      for (const TemplateVoxel& one : fitted) {
+        const CorridorVoxel& voxel = corridor.voxels[one.voxel];
+        if (voxel.stack != s) continue;
+        const std::int32_t there = voxel_at(stack, voxel.cell, shifts[n]);
+        if (there < 0) continue;
+        const auto z = static_cast<double>(left[static_cast<std::size_t>(there)]);
+        if (std::isnan(z)) continue;
+        told_there += told(one);
+        answer += z * one.slope;
+        squares += z * z, ++voxels;
+      }
+      if (!(told_there >= kKnown * told_by_stack)) continue;
+      const VoidVector error = step_for * answer;
+      moment += error * error.transpose();
+      ++count;
     }
-    if (!(known >= kKnown * known_to_fit)) continue;
-    const VoidVector error = step_for * answer;
-    result.covariance += error * error.transpose();
-    ++result.count;
+    if (count > 0) result.covariance += moment / static_cast<double>(count);
+    result.count = std::min(result.count, count);
   }
-  if (result.count > 0) result.covariance /= static_cast<double>(result.count);
+  if (told_by_all <= 0.0) result.count = 0;
   if (voxels > 0) result.mean_square = squares / static_cast<double>(voxels);
   return result;
 }

@@ -175,10 +175,11 @@ DepthJudgement accepted(const NeedlePlacement& read, const DepthCheckSettings& s
 }  // namespace
 
 NeedlePlacement placement_of(const TipFinding& tip, const DepthCheckSettings& s) {
-  const TipOffset offset = s.tip_offset.value_or(TipOffset{Millimetres(0.0), Millimetres(0.0)});
+  const double offset = s.tip_offset ? s.tip_offset->value.value : 0.0;
+  const double offset_sigma = s.tip_offset ? s.tip_offset->sigma.value : 0.0;
   const double slope = tip.slope.value.norm();
-  return {tip.depth_mm - offset.value.value,
-          std::hypot(tip.sigma_mm, offset.sigma.value),
+  return {tip.depth_mm - offset,
+          std::hypot(tip.sigma_mm, offset_sigma),
           tip.beside_mm.value.norm(),
           length_sigma(tip.beside_mm),
           std::atan(slope) * kDegreesPerRadian,

@@ -6,6 +6,7 @@
 
 #include "planner/imaging/depth_check/find_tip.hpp"
 #include "robot/msg/depth_check.hpp"
+#include "robot/msg/tip_offset.hpp"
 
 namespace biopsy::imaging {
 
@@ -13,12 +14,6 @@ namespace biopsy::imaging {
 struct DepthReading {
   RegistrationResult motion;
   TipFinding tip;
-};
-
-// How far a void goes on beyond the needle's tip, calibrated for one needle and sequence.
-struct TipOffset {
-  Millimetres value{0.0};
-  Millimetres sigma{0.2};
 };
 
 // What is asked of one quantity: to be read within the tolerance, and within the limit with the confidence.

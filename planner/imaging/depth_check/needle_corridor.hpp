@@ -2,6 +2,7 @@
 // be there.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "planner/imaging/registration/register_rigid.hpp"
@@ -33,11 +34,7 @@ struct Corridor {
   std::vector<CorridorVoxel> voxels;
   std::vector<std::uint32_t> thinned;  // enough of `voxels` for a search: every second of those of 0.3 mm
   std::vector<Stack> stacks;
-  double along_mm = 0.0;   // how far a voxel reaches along the needle
-  double pixel_mm = 0.0;   // smallest voxel side of the after image
-  double noise = 0.0;      // of one voxel in uniform tissue, image units
-  double misfit_mm = 0.0;  // registration error that explains the rest where the image is steep
-  double tissue = 0.0;     // median of `predicted`
+  double along_mm = 0.0;  // how far a voxel reaches along the needle, in the sharpest stack
 };
 
 struct CorridorSettings {
@@ -47,8 +44,13 @@ struct CorridorSettings {
       8.0;  // changes within this of the axis may be the needle: not used to learn what noise is
 };
 
-// Empty `voxels` where the two images do not overlap on the path.
-Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
-                         const NeedleFrame& frame, const CorridorSettings& settings);
+// Empty `voxels` where the images do not overlap on the path.
+Corridor needle_corridor(const Volume& before, std::span<const Volume> after,
+                         const RegistrationResult& motion, const NeedleFrame& frame,
+                         const CorridorSettings& settings);
+inline Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
+                                const NeedleFrame& frame, const CorridorSettings& settings) {
+  return needle_corridor(before, std::span(&after, 1), motion, frame, settings);
+}
 
 }  // namespace biopsy::imaging

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
 constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
-constexpr std::size_t kShaftVoxelsMax = 1500, kTipVoxelsMax = 3000;
+constexpr std::size_t kVoxelsMax = 3000, kVoxelsFirst = 800;  // about the tip; half of that along the shaft
 constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
 
 // What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
@@ -39,7 +39,7 @@ double huber(double z) {
 
 class Fitting {
  public:
-  Fitting(const Corridor& corridor, const VoidLine& line, double depth_mm)
+  Fitting(const Corridor& corridor, const VoidLine& line, double depth_mm, std::size_t voxels_max)
       : corridor_(corridor), tip_mm_(depth_mm), mean_(prior_mean(line.radius_mm)), sigma_(prior_sigma()) {
     double voxel = 0.0;
     for (const Stack& stack : corridor.stacks)
@@ -54,7 +54,7 @@ class Fitting {
       if (beside || t > depth_mm + kBeyond_mm + corridor.along_mm) continue;
       (t > depth_mm - kNear_mm ? tip : shaft).push_back(static_cast<std::uint32_t>(n));
     }
-    keep(tip, kTipVoxelsMax), keep(shaft, kShaftVoxelsMax);
+    keep(tip, voxels_max), keep(shaft, voxels_max / 2);
   }
 
   VoidVector start(const VoidLine& line, double depth_mm) const {
@@ -176,8 +176,8 @@ struct Fitted {
 };
 
 Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
-              const std::vector<double>& starts_mm) {
-  const Fitting fitting(corridor, line, depth_mm);
+              const std::vector<double>& starts_mm, std::size_t voxels_max) {
+  const Fitting fitting(corridor, line, depth_mm, voxels_max);
   Fitted best{{}, fitting.start(line, depth_mm), line, depth_mm};
   double least = 1e300;
   for (double apart : starts_mm) {
@@ -206,14 +206,14 @@ Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
 VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
   Fitted best;
   for (const LineCandidate& candidate : candidates) {
-    const Fitted one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0});
+    const Fitted one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
     if (one.fit.gain > best.fit.gain) best = one;
   }
   if (best.fit.gain <= 0.0) return best.fit;
   // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
-  best = fitted(corridor, best.fit.line, best.fit.depth_mm, {0.0, -2.0, 2.0});
+  best = fitted(corridor, best.fit.line, best.fit.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
   VoidFit fit = best.fit;
-  const Fitting fitting(corridor, best.about, best.about_mm);
+  const Fitting fitting(corridor, best.about, best.about_mm, kVoxelsMax);
   VoidMatrix normal;
   VoidVector right;
   std::vector<TemplateVoxel> slopes;

@@ -39,6 +39,7 @@ struct Case {
   std::vector<Millimetres> waypoints;
   planner::Pace pace;
   PiGains gains{};
+  std::optional<TipOffset> tip_offset;  // without it no confirmation image is accepted
   Rehearsal rehearsal;
   std::uint64_t seed = 1;
 };

@@ -49,6 +49,7 @@ void ConfirmationImages::take(std::size_t step, Millimetres tip, report::StepRes
   const Volume after = imaging::read_volume(folder_ / name);
   imaging::DepthCheckSettings check;
   check.expected = plan_.steps[step].depth;
+  check.tip_offset = plan_.tip_offset;
   imaging::DepthCheckPictures pictures;
   result.check = imaging::check_depth(prepared_.image, after, p_SE, axis_S, check, &pictures);
   result.image_path = name;
