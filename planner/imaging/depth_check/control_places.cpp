@@ -79,6 +79,7 @@ ControlPlaces at_control_places(const Corridor& corridor, const std::vector<Temp
       if (corridor.voxels[one.voxel].stack == s) told_by_stack += told(one);
     if (told_by_stack <= kNegligible * told_by_all) continue;
     VoidMatrix moment = VoidMatrix::Zero();
+    double loss_alone = 0.0;
     std::size_t count = 0;
     const std::vector<Shift> shifts = shifts_of(stack, clear_mm + fit.line.radius_mm + fit.soft_mm);
     const std::size_t every = shifts.size() / kPlacesMax + 1;
@@ -99,9 +100,13 @@ ControlPlaces at_control_places(const Corridor& corridor, const std::vector<Temp
       if (!(told_there >= kKnown * told_by_stack)) continue;
       const VoidVector error = step_for * answer;
       moment += error * error.transpose();
+      loss_alone += answer[kLoss] * answer[kLoss];
       ++count;
     }
-    if (count > 0) result.covariance += moment / static_cast<double>(count);
+    if (count > 0) {
+      result.covariance += moment / static_cast<double>(count);
+      result.loss_alone += loss_alone / static_cast<double>(count);
+    }
     result.count = std::min(result.count, count);
   }
   if (told_by_all <= 0.0) result.count = 0;

@@ -16,6 +16,8 @@ struct TemplateVoxel {
 
 struct ControlPlaces {
   VoidMatrix covariance = VoidMatrix::Zero();  // second moment of the parameters' errors
+  double loss_alone =
+      0.0;  // second moment of the loss fitted alone, all else held, times its squared information
   std::size_t count = 0;
   double mean_square = 1.0;  // of what is left over there, in standard deviations
 };

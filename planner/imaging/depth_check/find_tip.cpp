@@ -87,8 +87,8 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
     return found;
   }
   found.loss = fit.loss;
-  found.loss_sigma = fit.sigma(kLoss);
-  found.evidence = fit.loss / std::max(fit.sigma(kLoss), 1e-6);
+  found.loss_sigma = fit.loss_sigma;
+  found.evidence = fit.loss / std::max(fit.loss_sigma, 1e-6);
   found.visible = visibility(search, corridor, fit.inflation);
   found.control_places = fit.control_places;
   found.radius_mm = fit.line.radius_mm;

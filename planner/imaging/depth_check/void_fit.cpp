@@ -226,7 +226,12 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
   // A void that the model explains worse than the rest of the images is explained is read worse as well.
   const double worse = std::max(fit.misfit / std::max(control.mean_square, 0.1), 1.0);
   fit.covariance = worse * (control.covariance + alone);
-  fit.inflation = std::max(fit.covariance(kLoss, kLoss) / std::max(alone(kLoss, kLoss), 1e-12), 1.0);
+  // The loss with all else held: a thin void can be narrow and dark or wide and grey, but it is there.
+  double information = 0.0;
+  for (const TemplateVoxel& one : slopes) information += one.slope[kLoss] * one.slope[kLoss];
+  information = std::max(information, 1e-9);
+  fit.inflation = std::max(worse * (control.loss_alone / information + 1.0), 1.0);
+  fit.loss_sigma = std::sqrt(fit.inflation / information);
   return fit;
 }
 

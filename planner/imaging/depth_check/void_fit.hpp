@@ -20,8 +20,9 @@ struct VoidFit {
   double gain = 0.0;                // what the void explains: fall of chi-square against "nothing changed"
   double chi2 = 0.0, misfit = 1.0;  // misfit: reduced chi-square
   VoidMatrix covariance = VoidMatrix::Zero();  // of the parameters, as measured beside the void
-  // How often larger the measured variance of the depth is than independent voxels would give it: neighbours
-  // err alike (interpolation, motion). Evidence counts for that much less. 1 or more.
+  double loss_sigma = 0.0;                     // of the loss with all else held, measured likewise
+  // How many times larger its variance is than independent voxels would give it: neighbours err alike
+  // (interpolation, motion). Evidence counts for that much less. 1 or more.
   double inflation = 1.0;
   std::size_t control_places = 0;  // where it was measured
 
