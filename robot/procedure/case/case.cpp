@@ -79,14 +79,6 @@ void read_plan(TomlTable table, Case& out) {
   if (!out.layers.empty()) planner::check_layers(out.layers, table.where());
 }
 
-void read_rehearsal(TomlTable table, const fs::path& file, Rehearsal& out) {
-  if (table.has("model")) out.model = beside(file, table.text("model"));
-  if (table.has("tissues")) out.tissues = beside(file, table.text("tissues"));
-  if (table.has("snr")) out.snr = table.number("snr", 1.0, 1000.0);
-  if (table.has("patient_shift_mm")) out.motion_mm = table.number("patient_shift_mm", 0.0, 50.0);
-  if (table.has("patient_turn_deg")) out.motion_deg = table.number("patient_turn_deg", 0.0, 45.0);
-}
-
 Case case_of(TomlTable& root, const fs::path& file) {
   Case out = blank_case();
   out.title = root.has("title") ? root.text("title") : file.stem().string();
