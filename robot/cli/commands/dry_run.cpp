@@ -38,6 +38,7 @@ void declare_dry_run(CLI::App& app, Options& options) {
   add(app, "--faults FILE", options.faults,
       "put [faults](faults.md) into sensors, drive, links and contacts of the simulated stage")
       ->excludes(live);
+  add_image_source(app, options.procedure, live);
   add_live_options(app, options.network, live);
 }
 
