@@ -71,6 +71,13 @@ void weigh_depths(const Corridor& corridor, const VoidFit& fit, const SearchReac
   alone = weight_alone > 0.0 ? std::max(alone / weight_alone, 1e-4) : wanted;
   const double variance = weigh(std::max(wanted / alone, 1.0));
   found.sigma_mm = std::sqrt(std::max(variance, wanted));
+  // Where the tissue ahead is dark in both images, the void's end could lie anywhere in it: the shortest
+  // depth that is half as likely as the likeliest is what was seen.
+  constexpr double kAmbiguous_mm = 1.0;
+  const double likely = 0.5 * *std::max_element(found.weights.begin(), found.weights.end());
+  if (found.sigma_mm > kAmbiguous_mm)
+    for (std::size_t n = found.weights.size(); n-- > 0;)
+      if (found.weights[n] >= likely) found.depth_mm = found.depths_mm[n];
 }
 
 }  // namespace
