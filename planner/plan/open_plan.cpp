@@ -132,10 +132,19 @@ Plan read_plan(Parser& from) {
     if (!is_permitted(plan.gains)) from.fail();
     part = from.at_end() ? "" : from.text();
   }
-  if (part == "bench")
+  if (part == "bench") {
     plan.bench = BenchDrive{Seconds(from.number())};
-  else if (!part.empty())
-    from.fail();
+    part = from.at_end() ? "" : from.text();
+  }
+  if (part == "tip offset") {
+    TipOffset& offset = plan.tip_offset.emplace();
+    offset.needle = from.text();
+    offset.sequence = from.text();
+    read(from, offset.value);
+    read(from, offset.sigma);
+    part.clear();
+  }
+  if (!part.empty()) from.fail();
   return plan;
 }
 

@@ -210,7 +210,8 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
             .limits = {.depth_max = aim.depth() + kDepthMargin,
                        .v_max = Volts(0.0),
                        .plausible = model.plausible_depths()},
-            .gains = request.gains};
+            .gains = request.gains,
+            .tip_offset = request.tip_offset};
   for (const InsertionStep& step : plan.steps) plan.limits.v_max = std::max(plan.limits.v_max, step.v_max);
   seal(plan);
   return plan;

@@ -44,6 +44,7 @@ struct InsertionRequest {
   Staging staging = Staging::Automatic;
   Pace pace;
   PiGains gains{};
+  std::optional<TipOffset> tip_offset = std::nullopt;
   Tolerances tolerances;
 };
 

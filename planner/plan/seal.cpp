@@ -72,6 +72,13 @@ std::vector<std::uint8_t> canonical_bytes(const Plan& plan) {
     to.text("bench");
     to.number(plan.bench->half_period.count());
   }
+  if (plan.tip_offset) {
+    to.text("tip offset");
+    to.text(plan.tip_offset->needle);
+    to.text(plan.tip_offset->sequence);
+    to.number(plan.tip_offset->value.value);
+    to.number(plan.tip_offset->sigma.value);
+  }
   return to.bytes();
 }
 

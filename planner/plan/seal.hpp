@@ -12,7 +12,8 @@ namespace biopsy::planner {
 
 // Fields in the order of the struct, after the tag "biopsy-plan-1". Integers little-endian; strings and lists
 // with a 64-bit length before them; doubles as IEEE 754 bits, -0 as +0; X_SR as 16 doubles row by row; enums
-// and flags one byte. A plan for the bench has the text "bench" and its half period behind all that.
+// and flags one byte. A plan for the bench has the text "bench" and its half period behind all that; one
+// with a calibrated tip offset the text "tip offset", needle, sequence, value and standard deviation.
 std::vector<std::uint8_t> canonical_bytes(const Plan& plan);
 
 Sha256 seal_of(const Plan& plan);

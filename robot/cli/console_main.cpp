@@ -80,6 +80,7 @@ int main(int argc, char** argv) {
         "the operator's console page on this machine, for a robot that `biopsy up --console` brought up");
     command.add_option("RUN_FOLDER", options.run_folder, "of the robot: holds live.json")->required();
     robot::add_case_options(command, options.procedure);
+    robot::add_image_source(command, options.procedure, nullptr);
     command.add_option("--port", options.port, "of the page (default: any that is free)")
         ->check(robot::in_range(0, 65535));
     command.add_option("--page", options.page, "folder of the built page");

@@ -56,6 +56,25 @@ void add_procedure_options(CLI::App& app, ProcedureOptions& options) {
   add_out(app, options.out, "the report; one with other people's files is refused")->required();
 }
 
+void add_image_source(CLI::App& app, ProcedureOptions& options, CLI::Option* where) {
+  CLI::Option* folder =
+      add(app, "--images-from FOLDER", options.images_from,
+          "take the confirmation images from this folder, into which a scanner exports its series",
+          "the simulated scanner");
+  if (where != nullptr) folder->needs(where);
+  add(app, "--images-quiet S", options.images_quiet_s,
+      "a series is complete when nothing in that folder has changed for this time", "2")
+      ->check(in_range(0.2, 60.0, "s"))
+      ->needs(folder);
+  add(app, "--images-patience S", options.images_patience_s, "how long an image is waited for", "120")
+      ->check(in_range(1.0, 600.0, "s"))
+      ->needs(folder);
+  add(app, "--images-confirmed-by NAME", options.images_confirmed_by,
+      "the person who answers for images that do not name patient, frame of reference or time (NIfTI, NRRD, "
+      "MetaImage); without one such images leave the depth unsure")
+      ->needs(folder);
+}
+
 void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live) {
   CLI::Option* keys = add(app, "--keys FOLDER", options.keys, "folder of `biopsy keys init`",
                           "the user's own set; for a simulated stage one made for the run");

@@ -43,6 +43,10 @@ void add_case_options(CLI::App& app, ProcedureOptions& options);
 // The same and --out.
 void add_procedure_options(CLI::App& app, ProcedureOptions& options);
 
+// Where a live procedure's confirmation images come from. `where`: an option without which it has no
+// operator, or null.
+void add_image_source(CLI::App& app, ProcedureOptions& options, CLI::Option* where);
+
 // How the processes of a live robot find and trust each other. `live`: an option without which none of these
 // has a meaning, or null.
 void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live);

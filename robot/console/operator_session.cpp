@@ -49,6 +49,7 @@ OperatorSession::OperatorSession(PreparedCase opened, bool simulated, std::files
 
 // A running check shares ownership of its run: wait for it, so that both end.
 OperatorSession::~OperatorSession() {
+  if (run_) run_->images.cancel();
   wait_for_results();
 }
 
@@ -213,7 +214,7 @@ void OperatorSession::update_image() {
     run_->check = std::async(std::launch::async, [run = run_, step, tip = run_->notes.take_imaged_tip()] {
       report::StepResult result;
       result.step = run->plan().steps[step];
-      run->images.take(step, tip, result);
+      run->images.take(step, tip, std::chrono::milliseconds(kAcquisition_ticks), result);
       return result;
     });
   }

@@ -1,4 +1,4 @@
-// The needle's depth as measured in an image, independently of the laser.
+// The needle's position as measured in an image, independently of the laser.
 #pragma once
 
 #include <string>
@@ -9,16 +9,21 @@ namespace biopsy {
 
 enum class DepthVerdict : std::uint8_t {
   Unsure,  // the image is not conclusive
-  Accept,  // tip found where it was expected (or, without an expectation, found with confidence)
-  Reject,  // no needle, or tip elsewhere
+  Accept,  // needle found where it was expected (or, without an expected depth, found with confidence)
+  Reject,  // no needle, or needle elsewhere
 };
 
 struct DepthCheck {
   DepthVerdict verdict = DepthVerdict::Unsure;
   std::string reason;  // for display
   bool tip_found = false;
-  Millimetres depth;  // tip from the entry along the needle axis
-  Millimetres sigma;  // one standard deviation
+  Millimetres depth;  // tip from the entry along the planned axis; without a calibration the void's end
+  Millimetres sigma;  // one standard deviation, the calibration's included
+  double lateral_mm = 0.0, lateral_sigma_mm = 0.0;  // distance of the tip from the planned axis
+  double angle_deg = 0.0, angle_sigma_deg = 0.0;    // between needle and planned axis
+  // How far the void goes on beyond the tip, as calibrated for needle and sequence; taken off the depth.
+  bool tip_offset_known = false;
+  double tip_offset_mm = 0.0, tip_offset_sigma_mm = 0.0;
   // Patient motion from before to after: p_after = rotation * (p_before - entry) + entry + shift (LPS mm).
   double shift_mm[3] = {0, 0, 0};
   double rotation_deg[3] = {0, 0, 0};  // rotation vector, LPS axes

@@ -10,6 +10,7 @@
 #include "robot/common/sha256.hpp"
 #include "robot/common/units.hpp"
 #include "robot/msg/target.hpp"
+#include "robot/msg/tip_offset.hpp"
 
 namespace biopsy {
 
@@ -84,6 +85,8 @@ struct Plan {
   PlanLimits limits;
   PiGains gains{};
   std::optional<BenchDrive> bench = std::nullopt;  // absent: a plan for a patient
+  // Of the needle in its sequence; absent: no image of it is accepted.
+  std::optional<TipOffset> tip_offset = std::nullopt;
   Sha256 seal{};                                   // SHA-256 over all of the above
 
   std::string layer_at(Millimetres depth) const {

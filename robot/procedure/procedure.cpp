@@ -22,6 +22,21 @@ namespace biopsy::robot {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+ImageSource image_source(const ProcedureOptions& options) {
+  const auto milliseconds = [](double seconds) {
+    return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1e3));
+  };
+  if (!options.images_from.empty() && !fs::is_directory(options.images_from))
+    throw ConfigError("there is no such folder", options.images_from.string(),
+                      "give the folder into which the scanner exports its series");
+  return {options.images_from, milliseconds(options.images_quiet_s), milliseconds(options.images_patience_s),
+          options.images_confirmed_by};
+}
+
+}  // namespace
+
 Case case_of(const ProcedureOptions& options, Points points) {
   const bool by_image = !options.image.empty();
   if (by_image && !options.case_name.empty())
@@ -51,6 +66,7 @@ Case case_of(const ProcedureOptions& options, Points points) {
   if (!options.model.empty()) given.rehearsal.model = options.model;
   if (!options.controller.empty()) given.gains = read_controller_file(options.controller);
   if (options.seed) given.seed = *options.seed;
+  given.images = image_source(options);
   return given;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <future>
+
 #include "planner/imaging/registration/reslice.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/text/number_text.hpp"
@@ -68,6 +70,20 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
   return record;
 }
 
+namespace {
+
+// A scanner's image is waited for while the ticks go on; a simulated one is taken at once, between two ticks.
+std::future<report::StepResult> begin_check(ConfirmationImages& images, std::size_t step, Millimetres tip,
+                                            report::StepResult result) {
+  const auto policy = images.from_scanner() ? std::launch::async : std::launch::deferred;
+  return std::async(policy, [&images, step, tip, result = std::move(result)]() mutable {
+    images.take(step, tip, std::chrono::milliseconds(kAcquisition_ticks), result);
+    return std::move(result);
+  });
+}
+
+}  // namespace
+
 report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, const fs::path& folder,
                               const Progress& progress, const std::stop_token& stop) {
   const Plan& plan = std::get<Plan>(prepared.plan);
@@ -75,16 +91,21 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   report::RunRecord& record = notes.record();
   Operator person(plan);
   ConfirmationImages images(prepared, plan, folder);
+  std::future<report::StepResult> check;  // of an image that is being taken
   OperatorInputs inputs;
   CycleSample cycle;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
     // While an image is checked ticks queue up; the operator acts on the newest only.
-    if (cycle.newest) inputs = person.act(cycle.record, number);
-    if (person.wants_verdict()) {
-      report::StepResult& result = record.steps[inputs.accepted_step];
+    if (cycle.newest && !check.valid()) inputs = person.act(cycle.record, number);
+    if (person.wants_verdict() && !check.valid()) {
       progress(cycle.setpoint / plan.target_depth,
                fmt::format("checking the image of step {}", inputs.accepted_step + 1));
-      images.take(inputs.accepted_step, notes.take_imaged_tip(), result);
+      check = begin_check(images, inputs.accepted_step, notes.take_imaged_tip(),
+                          record.steps[inputs.accepted_step]);
+    }
+    if (check.valid() && check.wait_for(std::chrono::seconds(0)) != std::future_status::timeout) {
+      report::StepResult& result = record.steps[inputs.accepted_step];
+      result = check.get();
       person.judge(result.check->verdict, "depth check: " + result.check->reason);
     }
     if (stop.stop_requested()) {
@@ -105,6 +126,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
                            safety::name_of(cycle.record.supervisor.permit.mode),
                            fixed(cycle.record.measurement.depth_um * 1e-3, 2, "mm")));
   }
+  images.cancel();
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
   record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;

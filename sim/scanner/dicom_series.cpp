@@ -10,24 +10,10 @@
 #include <utility>
 
 #include "robot/common/config_error.hpp"
+#include "sim/scanner/content_uid.hpp"
 
 namespace biopsy::sim {
 namespace {
-
-// FNV-1a with 64 bits: the same content must give the same UID, nothing more.
-class ContentHash {
- public:
-  ContentHash& add(const void* data, std::size_t count) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t n = 0; n < count; ++n) state_ = (state_ ^ bytes[n]) * 0x100000001b3ULL;
-    return *this;
-  }
-  ContentHash& add(const std::string& text) { return add(text.c_str(), text.size() + 1); }  // with its zero
-  std::string uid() const { return fmt::format("2.25.{}", state_); }                        // PS3.5 B.2
-
- private:
-  std::uint64_t state_ = 0xcbf29ce484222325ULL;
-};
 
 bool is_uid(const std::string& text) {
   return !text.empty() && text.size() <= 64 && text.front() != '.' && text.back() != '.' &&
@@ -46,12 +32,12 @@ std::string short_text(std::string text) {
 
 SeriesIdentity complete_identity(const Volume& volume) {
   SeriesIdentity identity = volume.identity;
-  ContentHash content;
+  ContentUid content;
   content.add(volume.grid.size.data(), sizeof(int) * 3).add(volume.grid.X_SI.data(), sizeof(double) * 16);
   content.add(volume.voxels.data(), sizeof(float) * volume.voxels.size());
   content.add(identity.patient_id).add(identity.patient_name).add(identity.description).add(identity.date);
   const auto complete = [&](std::string& uid, const char* role) {
-    if (!is_uid(uid)) uid = ContentHash(content).add(std::string(role)).add(uid).uid();
+    if (!is_uid(uid)) uid = ContentUid(content).add(std::string(role)).add(uid).uid();
   };
   complete(identity.study_uid, "study");
   complete(identity.series_uid, "series");
@@ -68,7 +54,7 @@ SeriesIdentity complete_identity(const Volume& volume) {
 // Same series, other content or another place: another instance.
 std::string instance_uid_of(const Volume& volume, int k, const std::string& series_uid) {
   const Grid& grid = volume.grid;
-  ContentHash hash;
+  ContentUid hash;
   hash.add(series_uid).add(std::to_string(k)).add(grid.X_SI.data(), sizeof(double) * 16);
   hash.add(&volume.voxels[grid.index(0, 0, k)],
            sizeof(float) * (grid.index(0, 0, k + 1) - grid.index(0, 0, k)));
@@ -154,7 +140,7 @@ std::string joined(std::initializer_list<double> numbers) {
 // Attributes of type 2 (PS3.5, 7.4.3) that nothing is known of are there and empty.
 void put_identity(const SeriesIdentity& identity, const std::string& instance_uid, DcmItem& out) {
   put(out, {{DCM_SpecificCharacterSet, "ISO_IR 192"},
-            {DCM_ImageType, "DERIVED\\PRIMARY\\OTHER"},
+            {DCM_ImageType, "DERIVED\\SECONDARY\\OTHER"},
             {DCM_SOPClassUID, UID_MRImageStorage},
             {DCM_SOPInstanceUID, instance_uid},
             {DCM_StudyDate, identity.date},

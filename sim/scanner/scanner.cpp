@@ -8,6 +8,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/statistics.hpp"
 #include "sim/plant/seeded_noise.hpp"
+#include "sim/scanner/susceptibility/needle_image.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -92,15 +93,17 @@ double needle_left(const NeedleArtefact& needle, const Point& centre, double hal
   return sum / static_cast<double>(places.size());
 }
 
-void add_ghost(Volume& image, double fraction, int shift) {
+// Along the phase axis: 0 for i, 1 for j.
+void add_ghost(Volume& image, double fraction, int shift, int axis) {
   const std::vector<float> clean = image.voxels;
-  const int rows = image.grid.size.y();
+  const int lines = image.grid.size[axis];
   for (int k = 0; k < image.grid.size.z(); ++k)
-    for (int j = 0; j < rows; ++j)
+    for (int j = 0; j < image.grid.size.y(); ++j)
       for (int i = 0; i < image.grid.size.x(); ++i) {
-        const int from = ((j - shift) % rows + rows) % rows;  // aliases around the field of view
+        Eigen::Vector3i from(i, j, k);
+        from[axis] = ((from[axis] - shift) % lines + lines) % lines;  // aliases around the field of view
         image.voxels[image.grid.index(i, j, k)] +=
-            static_cast<float>(fraction) * clean[image.grid.index(i, from, k)];
+            static_cast<float>(fraction) * clean[image.grid.index(from.x(), from.y(), k)];
       }
 }
 
@@ -113,6 +116,9 @@ void add_noise(Volume& image, double sigma, std::uint64_t seed) {
 }
 
 void refuse_bad(const Volume& planning, const ScanSettings& settings, const Grid& grid) {
+  if (settings.needle && settings.body)
+    throw ConfigError("a painted needle and a needle with a field", "simulated scanner", "keep one of them");
+  refuse_bad_sequence(settings.sequence, "simulated scanner");
   const bool numbers = settings.motion.shift_mm.allFinite() && settings.motion.rotation_deg.allFinite() &&
                        settings.motion.about.allFinite() && std::isfinite(settings.snr) &&
                        std::isfinite(settings.drift) && std::isfinite(settings.ghost);
@@ -175,7 +181,9 @@ Volume scan(const Volume& planning, const ScanSettings& settings) {
         if (settings.needle) value *= needle_left(*settings.needle, p_S, 0.5 * spacing.norm(), voxel);
         image.voxels[image.grid.index(i, j, k)] = static_cast<float>(value);
       }
-  if (settings.ghost > 0.0) add_ghost(image, settings.ghost, settings.ghost_shift_voxels);
+  if (settings.body) image = image_with_needle(image, *settings.body, settings.sequence);
+  if (settings.ghost > 0.0)
+    add_ghost(image, settings.ghost, settings.ghost_shift_voxels, 1 - settings.sequence.read_axis);
   if (settings.snr > 0.0) add_noise(image, tissue_signal(planning) / settings.snr, settings.seed);
   return image;
 }

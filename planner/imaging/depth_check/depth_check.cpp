@@ -9,27 +9,49 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr double kBehind_mm = 15.0;  // of the shaft behind the entry that is looked at
+constexpr double kBehind_mm = 30.0;  // of the shaft behind the entry that is looked at
 constexpr double kBeside_mm = 30.0;  // of tissue about the path that is registered
 
-void refuse_bad(const Volume& before, const Volume& after, const NeedleFrame& frame) {
+bool is_empty(const Volume& volume) {
+  return volume.voxels.empty() || volume.voxels.size() != volume.grid.voxel_count();
+}
+
+bool shows(const Volume& volume, const Point& p_S) {
+  return !std::isnan(Sampler(volume).at(p_S));
+}
+
+// Path from the entry as far as the after image goes; -1 where it shows none of it.
+double path_end(std::span<const Volume> after, const NeedleFrame& frame, double depth_max) {
+  double end = -1.0;
+  for (const Volume& stack : after) {
+    const Sampler sampler(stack);
+    for (double t = 0.0; t <= depth_max; t += 0.5)
+      if (!std::isnan(sampler.at(frame.point(t, 0, 0)))) end = std::max(end, t);
+  }
+  return end;
+}
+
+void refuse_bad(const Volume& before, std::span<const Volume> after, const NeedleFrame& frame) {
   const auto where = "depth check";
-  if (before.voxels.empty() || after.voxels.empty() || before.voxels.size() != before.grid.voxel_count() ||
-      after.voxels.size() != after.grid.voxel_count())
+  if (is_empty(before) || std::any_of(after.begin(), after.end(), is_empty))
     throw ConfigError("an image has no voxels", where, "give two volumes that were read without complaint");
-  const double entry_before = Sampler(before).at(frame.p_SE), entry_after = Sampler(after).at(frame.p_SE);
-  if (std::isnan(entry_before) && std::isnan(entry_after))
+  const bool shown =
+      std::any_of(after.begin(), after.end(), [&](const Volume& stack) { return shows(stack, frame.p_SE); });
+  if (!shows(before, frame.p_SE) && !shown)
     throw ConfigError("the entry lies outside both images", where,
                       "check that entry and images are in one scanner frame (R,A,S or L,P,S mixed up?)");
 }
 
-// Path from behind the entry as far as the after image goes.
-double path_end(const Volume& after, const NeedleFrame& frame, double depth_max) {
-  const Sampler sampler(after);
-  double end = 0.0;
-  for (double t = 0.0; t <= depth_max; t += 0.5)
-    if (!std::isnan(sampler.at(frame.point(t, 0, 0)))) end = t;
-  return end;
+// The stack that shows most of the path, for axes and pictures.
+const Volume& widest_view(std::span<const Volume> after, const Point& p_SE, const Direction& axis_S) {
+  const Volume* best = &after.front();
+  int most = -1;
+  for (const Volume& stack : after) {
+    int shown = 0;
+    for (double t = -20.0; t <= 60.0 && !is_empty(stack); t += 1.0) shown += shows(stack, p_SE + t * axis_S);
+    if (shown > most) most = shown, best = &stack;
+  }
+  return *best;
 }
 
 void mark(Picture& picture, const Eigen::Vector2d& tip_px) {
@@ -61,21 +83,31 @@ void draw(const Volume& before, const Volume& after, const RegistrationResult& m
   else
     pictures.before.window = window_of(values);
   paint(values, pictures.before.window, pictures.before.picture);
-  pictures.tip_px = pictures.after.pixel(tip.depth_mm, tip.across_mm);
+  pictures.tip_px = pictures.after.pixel(tip.depth_mm, tip.beside_mm.value.x());
   if (tip_found) mark(pictures.after.picture, pictures.tip_px);
+}
+
+void write_placement(const NeedlePlacement& read, DepthCheck& check) {
+  check.depth = Millimetres(read.depth_mm), check.sigma = Millimetres(read.depth_sigma_mm);
+  check.lateral_mm = read.lateral_mm, check.lateral_sigma_mm = read.lateral_sigma_mm;
+  check.angle_deg = read.angle_deg, check.angle_sigma_deg = read.angle_sigma_deg;
 }
 
 }  // namespace
 
-DepthReading read_depth(const Volume& before, const Volume& after, const NeedleFrame& frame,
+DepthReading read_depth(const Volume& before, std::span<const Volume> after, const NeedleFrame& frame,
                         Millimetres depth_max) {
-  const double end = path_end(after, frame, depth_max.value);
+  const double end = std::max(path_end(after, frame, depth_max.value), 0.0);
   Box box{frame.p_SE, frame.p_SE};
   box.include(frame.point(-kBehind_mm, 0, 0), kBeside_mm);
   box.include(frame.point(std::min(end, 60.0), 0, 0), kBeside_mm);
   Box wide = box;
   wide.include(frame.point(end, 0, 0), 25.0);
-  const Volume after_part = cropped(after, wide);
+  std::vector<Volume> after_part;
+  for (const Volume& stack : after) {
+    Volume part = cropped(stack, wide);
+    if (!part.voxels.empty()) after_part.push_back(std::move(part));
+  }
   wide.include(box.low, 12.0);
   wide.include(box.high, 12.0);
   const Volume before_part = cropped(before, wide);
@@ -86,16 +118,19 @@ DepthReading read_depth(const Volume& before, const Volume& after, const NeedleF
   path.from_mm = -kBehind_mm;
   path.to_mm = end;
   const Corridor corridor = needle_corridor(before_part, after_part, motion, frame, path);
-  TipSettings search;
+  SearchReach search;
   search.depth_max_mm = depth_max.value;
   DepthReading reading{motion, {}};
   if (!corridor.voxels.empty()) reading.tip = find_tip(corridor, search);
   return reading;
 }
 
-DepthCheck check_depth(const Volume& before, const Volume& after, const Point& p_SE, const Direction& axis_S,
-                       const DepthCheckSettings& settings, DepthCheckPictures* pictures) {
-  const NeedleFrame frame = needle_frame(after.grid, p_SE, axis_S);
+DepthCheck check_depth(const Volume& before, std::span<const Volume> after, const Point& p_SE,
+                       const Direction& axis_S, const DepthCheckSettings& settings,
+                       DepthCheckPictures* pictures) {
+  if (after.empty()) throw ConfigError("no image", "depth check", "give the image with the needle");
+  const Volume& view = widest_view(after, p_SE, axis_S.normalized());
+  const NeedleFrame frame = needle_frame(view.grid, p_SE, axis_S);
   refuse_bad(before, after, frame);
   const DepthReading reading = read_depth(before, after, frame, settings.depth_max);
   const RegistrationResult& motion = reading.motion;
@@ -105,15 +140,18 @@ DepthCheck check_depth(const Volume& before, const Volume& after, const Point& p
   check.verdict = judgement.verdict;
   check.reason = judgement.reason;
   check.tip_found = needle_seen(reading.tip, settings);
-  if (check.tip_found)
-    check.depth = Millimetres(tip.depth_mm) - settings.tip_offset, check.sigma = Millimetres(tip.sigma_mm);
+  if (check.tip_found) write_placement(placement_of(tip, settings), check);
+  if (settings.tip_offset) {
+    check.tip_offset_known = true;
+    check.tip_offset_mm = settings.tip_offset->value.value;
+    check.tip_offset_sigma_mm = settings.tip_offset->sigma.value;
+  }
   for (int a = 0; a < 3; ++a)
     check.shift_mm[a] = motion.shift_mm[a], check.rotation_deg[a] = motion.rotation_deg[a];
   check.registration_score = motion.score;
   check.contrast_to_noise = tip.evidence;
   if (pictures)
-    draw(before, after, motion, frame, check.tip_found ? tip.depth_mm : 20.0, check.tip_found, tip,
-         *pictures);
+    draw(before, view, motion, frame, check.tip_found ? tip.depth_mm : 20.0, check.tip_found, tip, *pictures);
   return check;
 }
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "robot/common/text/number_text.hpp"
 
@@ -13,9 +15,51 @@ namespace {
 
 using enum DepthVerdict;
 using fmt::format;
+using Judged = std::optional<DepthJudgement>;
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+double normal_cdf(double z) {
+  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+// Probability that the tip lies within `band` of `expected`, both mm.
+double depth_within(const TipFinding& tip, double expected, double band, const DepthCheckSettings& s) {
+  const double offset = s.tip_offset->value.value, sigma = std::max(s.tip_offset->sigma.value, 1e-3);
+  double within = 0.0;
+  for (std::size_t n = 0; n < tip.depths_mm.size(); ++n) {
+    const double off = tip.depths_mm[n] - offset - expected;
+    within += tip.weights[n] * (normal_cdf((band - off) / sigma) - normal_cdf((-band - off) / sigma));
+  }
+  return within;
+}
+
+// Probability that a place is within `radius` of the axis; its errors are normal. Summed over a disc.
+double within_disc(const Planar& place, double radius) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance);
+  if (axes.info() != Eigen::Success || !place.value.allFinite()) return 0.0;
+  const Eigen::Vector2d sigma = axes.eigenvalues().cwiseMax(1e-12).cwiseSqrt();
+  const Eigen::Vector2d centre = axes.eigenvectors().transpose() * place.value;
+  constexpr int kStrips = 400;  // across the first axis; the second is integrated exactly
+  double within = 0.0;
+  for (int n = 0; n < kStrips; ++n) {
+    const double low = -radius + 2.0 * radius * n / kStrips, high = low + 2.0 * radius / kStrips;
+    const double half = std::sqrt(std::max(radius * radius - 0.25 * (low + high) * (low + high), 0.0));
+    within += (normal_cdf((high - centre.x()) / sigma.x()) - normal_cdf((low - centre.x()) / sigma.x())) *
+              (normal_cdf((half - centre.y()) / sigma.y()) - normal_cdf((-half - centre.y()) / sigma.y()));
+  }
+  return within;
+}
+
+double length_sigma(const Planar& place) {
+  const double length = place.value.norm();
+  if (length < 1e-9) return std::sqrt(0.5 * place.covariance.trace());
+  const Eigen::Vector2d towards = place.value / length;
+  return std::sqrt(std::max(towards.dot(place.covariance * towards), 0.0));
+}
 
 // Can these two images be compared at all?
-std::optional<DepthJudgement> doubt_about(const RegistrationResult& motion, const DepthCheckSettings& s) {
+Judged doubt_about(const RegistrationResult& motion, const DepthCheckSettings& s) {
   if (motion.points == 0)
     return DepthJudgement{Unsure, "The images have too little in common around the path to compare them."};
   if (!motion.within_limits)
@@ -32,82 +76,132 @@ std::optional<DepthJudgement> doubt_about(const RegistrationResult& motion, cons
 }
 
 // Is there a needle?
-std::optional<DepthJudgement> absence(const TipFinding& tip, const DepthCheckSettings& s) {
+Judged absence(const TipFinding& tip, const DepthCheckSettings& s) {
   if (needle_seen(tip, s)) return std::nullopt;
-  const bool would_show =
-      tip.visible >= std::max(s.evidence_min, s.evidence_over_control * tip.control_evidence);
-  if (!would_show)
+  if (tip.loss > 0.0 && tip.control_places == 0)
+    return DepthJudgement{
+        Unsure, "Too little of the images lies around the path to measure how far off a reading is."};
+  const double lost_at_most = tip.loss + 2.0 * tip.loss_sigma;
+  if (!(tip.visible >= s.evidence_min && lost_at_most < s.needle_loss))
     return DepthJudgement{Unsure,
                           "A needle could not be told from noise and motion along this path: contrast is too "
                           "low."};
   return DepthJudgement{Reject,
-                        format("No needle found: nothing along the path changed beyond chance (evidence "
-                               "{:.1f}, beside the path {:.1f}).",
-                               tip.evidence, tip.control_evidence)};
+                        format("No needle found: along the path {:.0f} % of the signal is lost at most; a "
+                               "needle would take {:.0f} %.",
+                               100.0 * lost_at_most, 100.0 * s.needle_loss)};
 }
 
-// Is it certain where it ends?
-std::optional<DepthJudgement> doubt_about(const TipFinding& tip, double depth, const DepthCheckSettings& s) {
-  const double low = tip.low_mm - s.tip_offset.value, high = tip.high_mm - s.tip_offset.value;
+// A quantity of the needle that certainly misses its tolerance.
+Judged miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
+  const double chance = 1.0 - s.missed_certainly;
+  if (within_disc(tip.beside_mm, s.lateral_mm.tolerance) < chance)
+    return DepthJudgement{Reject,
+                          format("The needle lies {:.1f} mm (+-{:.1f}) beside the planned axis; {:.1f} mm "
+                                 "are allowed.",
+                                 read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.tolerance)};
+  if (within_disc(tip.slope, std::tan(s.angle_deg.tolerance / kDegreesPerRadian)) < chance)
+    return DepthJudgement{Reject,
+                          format("The needle is tilted by {:.1f} degrees (+-{:.1f}) against the planned "
+                                 "axis; {:.1f} are allowed.",
+                                 read.angle_deg, read.angle_sigma_deg, s.angle_deg.tolerance)};
+  if (!s.expected || !s.tip_offset) return std::nullopt;
+  const double expected = s.expected->value;
+  if (tip.at_end) {
+    const double least = tip.seen_to_mm - s.tip_offset->value.value - 2.0 * read.depth_sigma_mm;
+    if (least > expected + s.depth_mm.tolerance)
+      return DepthJudgement{Reject,
+                            format("The void goes on to the end of the images, {:.1f} mm from the entry: "
+                                   "deeper than the planned {:.2f} mm.",
+                                   tip.seen_to_mm, expected)};
+    return std::nullopt;
+  }
+  if (depth_within(tip, expected, s.depth_mm.tolerance, s) >= chance) return std::nullopt;
+  const double off = read.depth_mm - expected;
+  return DepthJudgement{Reject,
+                        format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", read.depth_mm,
+                               std::abs(off), off > 0.0 ? "deeper than" : "short of", expected)};
+}
+
+// What keeps the needle's place from being certain.
+Judged doubt_about(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
   if (tip.at_end)
-    return DepthJudgement{Unsure, "The void goes on to where the images end: the tip is not in view."};
+    return DepthJudgement{Unsure,
+                          format("The void goes on to the end of what both images show, {:.1f} mm from "
+                                 "the entry: where the tip is cannot be seen.",
+                                 tip.seen_to_mm)};
   if (tip.gap_mm > 0.0)
     return DepthJudgement{Unsure,
                           format("The void along the path is interrupted for {:.1f} mm: it may not be one "
                                  "needle.",
                                  tip.gap_mm)};
-  if (tip.rival_against < std::max(s.rival_against_min, tip.control_evidence))
+  const double lateral = within_disc(tip.beside_mm, s.lateral_mm.limit);
+  if (!(read.lateral_mm <= s.lateral_mm.tolerance && lateral >= s.confidence))
     return DepthJudgement{Unsure,
-                          format("Two ends of the void are nearly as likely: {:.1f} mm and {:.1f} mm.", depth,
-                                 tip.rival_depth_mm - s.tip_offset.value)};
-  if (!(tip.darkest >= s.darkest_min))
-    return DepthJudgement{
-        Unsure, format("The tip is at about {:.1f} mm, but the image before is dark there already (a "
-                       "bubble, an old track or air): it could hide the tip.",
-                       depth)};
-  if (!(std::max(depth - low, high - depth) <= s.range_max.value))
-    return DepthJudgement{
-        Unsure, format("The tip may lie anywhere from {:.1f} to {:.1f} mm: the images differ as much "
-                       "beside the path.",
-                       low, high)};
-  if (!(tip.sigma_mm <= s.sigma_max.value))
+                          format("The needle is read {:.1f} mm (+-{:.1f}) beside the planned axis; that it "
+                                 "is within {:.1f} mm is not certain.",
+                                 read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.limit)};
+  const double angle = within_disc(tip.slope, std::tan(s.angle_deg.limit / kDegreesPerRadian));
+  if (!(read.angle_deg <= s.angle_deg.tolerance && angle >= s.confidence))
+    return DepthJudgement{Unsure, format("The needle's angle to the planned axis is read as {:.1f} degrees "
+                                         "(+-{:.1f}); that it is within {:.1f} degrees is not certain.",
+                                         read.angle_deg, read.angle_sigma_deg, s.angle_deg.limit)};
+  if (!s.tip_offset)
     return DepthJudgement{Unsure,
-                          format("The tip is at about {:.1f} mm, but only known to {:.2f} mm (one standard "
-                                 "deviation); {:.2f} mm is needed.",
-                                 depth, tip.sigma_mm, s.sigma_max.value)};
+                          format("The void ends at {:.2f} mm, but how far it goes on beyond the tip has not "
+                                 "been calibrated for this needle and sequence.",
+                                 read.depth_mm)};
+  const double centre = s.expected ? s.expected->value : read.depth_mm;
+  const double depth = depth_within(tip, centre, s.depth_mm.limit, s);
+  if (!(std::abs(read.depth_mm - centre) <= s.depth_mm.tolerance && depth >= s.confidence))
+    return DepthJudgement{Unsure,
+                          format("The tip is read at {:.2f} mm (+-{:.2f}); that it is within {:.1f} mm of {} "
+                                 "{:.2f} mm is not certain.",
+                                 read.depth_mm, read.depth_sigma_mm, s.depth_mm.limit,
+                                 s.expected ? "the planned" : "the read", centre)};
   return std::nullopt;
 }
 
-DepthJudgement against_plan(double depth, double sigma_mm, const DepthCheckSettings& s) {
+DepthJudgement accepted(const NeedlePlacement& read, const DepthCheckSettings& s) {
+  const std::string beside =
+      format("{:.1f} mm beside the planned axis, tilted by {:.1f} degrees", read.lateral_mm, read.angle_deg);
   if (!s.expected)
-    return {Accept, format("Tip found {:.2f} mm from the entry, known to {:.2f} mm.", depth, sigma_mm)};
-  const double off = depth - s.expected->value;
-  if (std::abs(off) <= s.tolerance.value)
-    return {Accept, format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm.", depth,
-                           rounded(off, 2), s.expected->value)};
-  if (std::abs(off) > s.tolerance.value + 2.0 * sigma_mm)
-    return {Reject, format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", depth,
-                           std::abs(off), off > 0.0 ? "deeper than" : "short of", s.expected->value)};
-  return {Unsure,
-          format("Tip found at {:.2f} mm; whether it is within {:.2f} mm of the planned {:.2f} mm cannot be "
-                 "told.",
-                 depth, s.tolerance.value, s.expected->value)};
+    return {Accept, format("Tip found {:.2f} mm from the entry, known to {:.2f} mm; {}.", read.depth_mm,
+                           read.depth_sigma_mm, beside)};
+  return {Accept, format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm; {}.", read.depth_mm,
+                         rounded(read.depth_mm - s.expected->value, 2), s.expected->value, beside)};
 }
 
 }  // namespace
 
+NeedlePlacement placement_of(const TipFinding& tip, const DepthCheckSettings& s) {
+  const double offset = s.tip_offset ? s.tip_offset->value.value : 0.0;
+  const double offset_sigma = s.tip_offset ? s.tip_offset->sigma.value : 0.0;
+  const double slope = tip.slope.value.norm();
+  return {tip.depth_mm - offset,
+          std::hypot(tip.sigma_mm, offset_sigma),
+          tip.beside_mm.value.norm(),
+          length_sigma(tip.beside_mm),
+          std::atan(slope) * kDegreesPerRadian,
+          length_sigma(tip.slope) * kDegreesPerRadian / (1.0 + slope * slope)};
+}
+
 bool needle_seen(const TipFinding& tip, const DepthCheckSettings& s) {
-  return tip.evidence >= s.evidence_min && tip.evidence >= s.evidence_over_control * tip.control_evidence &&
-         tip.loss >= s.loss_min;
+  return tip.evidence >= s.evidence_min && tip.loss >= s.loss_min && tip.control_places > 0;
 }
 
 DepthJudgement judge_depth(const DepthReading& reading, const DepthCheckSettings& settings) {
   const auto& [motion, tip] = reading;
-  const double depth = tip.depth_mm - settings.tip_offset.value;
   if (const auto doubt = doubt_about(motion, settings)) return *doubt;
   if (const auto absent = absence(tip, settings)) return *absent;
-  if (const auto doubt = doubt_about(tip, depth, settings)) return *doubt;
-  DepthJudgement judgement = against_plan(depth, tip.sigma_mm, settings);
+  const NeedlePlacement read = placement_of(tip, settings);
+  DepthJudgement judgement;
+  if (const auto missed = miss(tip, read, settings))
+    judgement = *missed;
+  else if (const auto doubt = doubt_about(tip, read, settings))
+    judgement = *doubt;
+  else
+    judgement = accepted(read, settings);
   const double moved_mm = motion.shift_mm.norm();
   constexpr double kWorthTelling_mm =
       1.0;  // the depth is the robot's; where the tissue went, a person must weigh

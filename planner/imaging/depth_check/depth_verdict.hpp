@@ -6,6 +6,7 @@
 
 #include "planner/imaging/depth_check/find_tip.hpp"
 #include "robot/msg/depth_check.hpp"
+#include "robot/msg/tip_offset.hpp"
 
 namespace biopsy::imaging {
 
@@ -15,23 +16,27 @@ struct DepthReading {
   TipFinding tip;
 };
 
+// What is asked of one quantity: to be read within the tolerance, and within the limit with the confidence.
+struct Allowance {
+  double tolerance, limit;
+};
+
 struct DepthCheckSettings {
   std::optional<Millimetres> expected;  // planned depth; used for the verdict only, never to find the tip
-  Millimetres tolerance{0.5};           // accept within this of the plan: half of an in-plane pixel of 1 mm
   Millimetres depth_max{120.0};         // a prostate through the perineum is 60 to 100 mm deep
-  Millimetres tip_offset{
-      0.0};  // how far the void ends beyond the real tip, from a calibration of the sequence
-  // A depth that is less certain is not accepted: three of these stay within the 1 mm that would harm.
-  Millimetres sigma_max{0.30};
-  Millimetres range_max{1.0};  // nor one that changes like those beside the path could have moved by this
+  std::optional<TipOffset> tip_offset;  // absent: nothing is accepted
+  Allowance depth_mm{0.5, 1.0};         // read within half a pixel of 1 mm; 1 mm would harm
+  Allowance lateral_mm{2.0, 3.0};       // needles bend and brackets sag by a couple of millimetres
+  Allowance angle_deg{2.0, 4.0};
+  double confidence = 0.95;        // that a quantity is within its limit
+  double missed_certainly = 0.99;  // that a quantity is beyond its tolerance
   // Registered images of one patient by one sequence correlate above 0.9, a guidance scan with a planning
   // scan 0.8.
   double registration_min = 0.6;
-  // The void must be larger than chance, and than the differences of the images beside the path.
-  double evidence_min = 8.0, evidence_over_control = 2.0;
-  double loss_min = 0.25;          // less than this of the signal lost is no needle
-  double darkest_min = 0.25;       // darker than this beside the rest, a bubble may pass for the tip
-  double rival_against_min = 5.0;  // evidence needed against any other tip; and more than beside the path
+  double evidence_min = 6.0;  // chance reaches 4.5 in the search of a whole corridor
+  double loss_min = 0.25;     // less than this of the signal lost is no needle
+  double needle_loss =
+      0.6;  // what every needle takes away at least: where certainly less is lost, there is none
 };
 
 struct DepthJudgement {
@@ -39,11 +44,19 @@ struct DepthJudgement {
   std::string reason;
 };
 
+// What was read of the needle, with standard deviations; the calibrated offset taken off.
+struct NeedlePlacement {
+  double depth_mm, depth_sigma_mm;
+  double lateral_mm, lateral_sigma_mm;
+  double angle_deg, angle_sigma_deg;
+};
+NeedlePlacement placement_of(const TipFinding& tip, const DepthCheckSettings& settings);
+
 // A void that beats chance, beats the rest of the image and is dark enough: a needle is there, wherever it
 // ends.
 bool needle_seen(const TipFinding& tip, const DepthCheckSettings& settings);
 
-// Worst news first; Accept only when nothing contradicts it.
+// Worst news first: Reject where one quantity certainly misses, Accept where all three certainly hold.
 DepthJudgement judge_depth(const DepthReading& reading, const DepthCheckSettings& settings);
 
 }  // namespace biopsy::imaging

@@ -17,9 +17,11 @@ struct Prediction {
   Volume value, steepness;
 };
 
-// The outermost layer has no neighbour to be interpolated with.
+// The outermost layer has no neighbour to be interpolated with: it holds for a quarter of a voxel beyond.
 bool well_inside(const Grid& grid, const Eigen::Vector3d& index) {
-  return (index.array() >= 0.0).all() && (index.array() <= grid.size.cast<double>().array() - 1.0).all();
+  constexpr double kBeyond = 0.25;
+  return (index.array() >= -kBeyond).all() &&
+         (index.array() <= grid.size.cast<double>().array() - 1.0 + kBeyond).all();
 }
 
 Prediction predicted(const Volume& before, const Volume& after, const RigidTransform& X_before_after) {
@@ -73,16 +75,17 @@ void match_brightness(const Volume& after, const NeedleMask& needle, Volume& pre
   }
 }
 
-// Learns noise from the flatter half of the tissue beside the needle and the registration error from the
-// steep quarter.
-void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor& corridor) {
-  std::vector<double> slopes, flat, steep, squared, values;
-  for (float slope : steepness) slopes.push_back(static_cast<double>(slope));
+// Of one stack's voxels, from `first` on. Noise from the flatter half of the tissue beside the needle, the
+// registration error from the steep quarter.
+void learn_noise(const std::vector<float>& steepness, double needle_mm, std::size_t first,
+                 Corridor& corridor) {
+  if (steepness.empty()) return;
+  std::vector<double> slopes(steepness.begin(), steepness.end()), flat, steep, squared, values;
   std::vector<double> sorted = slopes;
   std::sort(sorted.begin(), sorted.end());
   const double half = sorted[sorted.size() / 2], quarter = sorted[sorted.size() * 3 / 4];
-  for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
-    const CorridorVoxel& voxel = corridor.voxels[n];
+  for (std::size_t n = 0; n < slopes.size(); ++n) {
+    const CorridorVoxel& voxel = corridor.voxels[first + n];
     values.push_back(static_cast<double>(voxel.predicted));
     if (std::hypot(voxel.u, voxel.v) < static_cast<float>(needle_mm)) continue;
     const double change = std::abs(static_cast<double>(voxel.measured - voxel.predicted));
@@ -90,23 +93,25 @@ void learn_noise(const std::vector<float>& steepness, double needle_mm, Corridor
     if (slopes[n] >= quarter) steep.push_back(change), squared.push_back(slopes[n] * slopes[n]);
   }
   const auto middle_of = [](const std::vector<double>& of) { return of.empty() ? 0.0 : median(of); };
-  corridor.tissue = middle_of(values);
-  corridor.noise = std::max(kMadToSigma * middle_of(flat), 1e-3 * std::abs(corridor.tissue) + 1e-9);
-  const double rest = std::pow(kMadToSigma * middle_of(steep), 2) - std::pow(corridor.noise, 2);
+  const double noise = std::max(kMadToSigma * middle_of(flat), 1e-3 * std::abs(middle_of(values)) + 1e-9);
+  const double rest = std::pow(kMadToSigma * middle_of(steep), 2) - noise * noise;
   const double slope2 = middle_of(squared);
-  corridor.misfit_mm = slope2 > 0.0 ? std::sqrt(std::max(rest, 0.0) / slope2) : 0.0;
-  for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
-    CorridorVoxel& voxel = corridor.voxels[n];
+  // The registration error that explains what is left where the image is steep.
+  const double misfit_mm = slope2 > 0.0 ? std::sqrt(std::max(rest, 0.0) / slope2) : 0.0;
+  for (std::size_t n = 0; n < slopes.size(); ++n) {
+    CorridorVoxel& voxel = corridor.voxels[first + n];
     const double model = kModelError * static_cast<double>(voxel.predicted);
-    voxel.variance = static_cast<float>(std::pow(corridor.noise, 2) +
-                                        std::pow(corridor.misfit_mm * slopes[n], 2) + model * model);
+    voxel.variance = static_cast<float>(noise * noise + std::pow(misfit_mm * slopes[n], 2) + model * model);
   }
 }
 
-void choose_places(const Grid& grid, Corridor& corridor) {
+Stack stack_of(const Grid& grid, Corridor& corridor) {
   constexpr double kStep_mm = 0.7;  // about the radius of the thinnest void that can be seen
   const Eigen::Vector3d spacing = grid.spacing_mm();
-  Eigen::Matrix3d sides;  // columns: voxel sides in needle coordinates
+  Stack stack;
+  stack.size = grid.size;
+  stack.voxel_at.assign(grid.voxel_count(), -1);
+  Eigen::Matrix3d& sides = stack.steps;
   Eigen::Vector3i count, beside;
   for (int a = 0; a < 3; ++a) {
     const Eigen::Vector3d side = grid.X_SI.linear().col(a);
@@ -115,24 +120,37 @@ void choose_places(const Grid& grid, Corridor& corridor) {
     count[a] = std::clamp(static_cast<int>(std::ceil(spacing[a] / kStep_mm)), 1, 5);
     beside[a] = std::clamp(static_cast<int>(std::ceil(sides.col(a).tail<2>().norm() / kStep_mm)), 1, 5);
   }
-  corridor.along_mm = sides.row(0).cwiseAbs().sum();
-  corridor.pixel_mm = spacing.minCoeff();
+  const double along_mm = sides.row(0).cwiseAbs().sum();
+  corridor.along_mm = corridor.stacks.empty() ? along_mm : std::min(corridor.along_mm, along_mm);
   const auto each = [&](const Eigen::Vector3i& n, const auto& add) {
     for (int k = 0; k < n.z(); ++k)
       for (int j = 0; j < n.y(); ++j)
         for (int i = 0; i < n.x(); ++i)
           add(sides * ((Eigen::Vector3d(i, j, k).array() + 0.5) / n.cast<double>().array() - 0.5).matrix());
   };
-  each(count, [&](const Eigen::Vector3d& place) { corridor.places.push_back(place); });
-  each(beside, [&](const Eigen::Vector3d& place) { corridor.lateral.push_back(place.tail<2>()); });
+  each(count, [&](const Eigen::Vector3d& place) { stack.places.push_back(place); });
+  each(beside, [&](const Eigen::Vector3d& place) { stack.lateral.push_back(place.tail<2>()); });
+  return stack;
 }
 
-void find_coverage(const Volume& after, const Volume& prediction, const CorridorSettings& s,
-                   Corridor& corridor) {
-  const Sampler seen(after), expected(prediction);
+// One stack of the after image and what the before image says of it.
+struct Predicted {
+  const Volume* after;
+  Prediction before;
+
+  bool knows(const Point& p_S) const {
+    const Grid& grid = after->grid;
+    const Eigen::Vector3i index =
+        (grid.X_SI.inverse() * p_S).array().round().cast<int>();  // the voxel it lies in
+    return grid.contains(index.x(), index.y(), index.z()) &&
+           std::isfinite(before.value.at(index.x(), index.y(), index.z()));
+  }
+};
+
+void find_coverage(const std::vector<Predicted>& stacks, const CorridorSettings& s, Corridor& corridor) {
   const auto covered = [&](double t) {
-    const Point p_S = corridor.frame.point(t, 0, 0);
-    return std::isfinite(seen.at(p_S)) && std::isfinite(expected.at(p_S));
+    return std::any_of(stacks.begin(), stacks.end(),
+                       [&](const Predicted& stack) { return stack.knows(corridor.frame.point(t, 0, 0)); });
   };
   constexpr double kStep_mm = 0.25;
   double start =
@@ -143,38 +161,51 @@ void find_coverage(const Volume& after, const Volume& prediction, const Corridor
     corridor.t_max += kStep_mm;
 }
 
-}  // namespace
-
-Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
-                         const NeedleFrame& frame, const CorridorSettings& settings) {
-  Corridor corridor;
-  corridor.frame = frame;
-  corridor.radius_mm = settings.radius_mm;
-  if (after.voxels.empty() || before.voxels.empty()) return corridor;
-  Prediction prediction = predicted(before, after, motion.X_after_before.inverse());
-  match_brightness(after, {frame, settings.from_mm, settings.to_mm, settings.needle_mm}, prediction.value);
-  find_coverage(after, prediction.value, settings, corridor);
-  choose_places(after.grid, corridor);
-
+void add_stack(const Predicted& predicted, const CorridorSettings& settings, Corridor& corridor) {
+  const Volume& after = *predicted.after;
+  const std::size_t first = corridor.voxels.size();
+  const auto number = static_cast<std::uint32_t>(corridor.stacks.size());
+  corridor.stacks.push_back(stack_of(after.grid, corridor));
   std::vector<float> steepness;
   const Eigen::Array3i stride = (kThin_mm / after.grid.spacing_mm().array()).round().max(1.0).cast<int>();
   std::size_t n = 0;
   for (int k = 0; k < after.grid.size.z(); ++k)
     for (int j = 0; j < after.grid.size.y(); ++j)
       for (int i = 0; i < after.grid.size.x(); ++i, ++n) {
-        const Eigen::Vector3d c = frame.coordinates(after.grid.X_SI * Eigen::Vector3d(i, j, k));
+        const Eigen::Vector3d c = corridor.frame.coordinates(after.grid.X_SI * Eigen::Vector3d(i, j, k));
         const bool inside = c.x() >= corridor.t_min && c.x() <= corridor.t_max &&
                             std::hypot(c.y(), c.z()) <= settings.radius_mm;
-        if (!inside || !std::isfinite(prediction.value.voxels[n])) continue;
+        const float before = predicted.before.value.voxels[n];
+        if (!inside || !std::isfinite(before)) continue;
         const bool kept = i % stride.x() == 0 && j % stride.y() == 0 && k % stride.z() == 0;
+        corridor.stacks.back().voxel_at[n] = static_cast<std::int32_t>(corridor.voxels.size());
         if (kept) corridor.thinned.push_back(static_cast<std::uint32_t>(corridor.voxels.size()));
         corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()),
-                                   static_cast<float>(c.z()), after.voxels[n], prediction.value.voxels[n],
-                                   0.0f});
-        steepness.push_back(prediction.steepness.voxels[n]);
+                                   static_cast<float>(c.z()), after.voxels[n], before, 1.0f, number,
+                                   static_cast<std::uint32_t>(n)});
+        steepness.push_back(predicted.before.steepness.voxels[n]);
       }
+  learn_noise(steepness, settings.needle_mm, first, corridor);
+}
+
+}  // namespace
+
+Corridor needle_corridor(const Volume& before, std::span<const Volume> after,
+                         const RegistrationResult& motion, const NeedleFrame& frame,
+                         const CorridorSettings& settings) {
+  Corridor corridor;
+  corridor.frame = frame;
+  corridor.radius_mm = settings.radius_mm;
+  std::vector<Predicted> stacks;
+  for (const Volume& stack : after) {
+    if (stack.voxels.empty() || before.voxels.empty()) continue;
+    stacks.push_back({&stack, predicted(before, stack, motion.X_after_before.inverse())});
+    match_brightness(stack, {frame, settings.from_mm, settings.to_mm, settings.needle_mm},
+                     stacks.back().before.value);
+  }
+  find_coverage(stacks, settings, corridor);
+  for (const Predicted& stack : stacks) add_stack(stack, settings, corridor);
   if (corridor.voxels.size() < 100) corridor.voxels.clear();
-  if (!corridor.voxels.empty()) learn_noise(steepness, settings.needle_mm, corridor);
   return corridor;
 }
 

@@ -2,6 +2,7 @@
 // be there.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "planner/imaging/registration/register_rigid.hpp"
@@ -11,9 +12,19 @@ namespace biopsy::imaging {
 // One voxel of the after image. Place of its centre along (t) and beside (u, v) the expected axis, mm.
 struct CorridorVoxel {
   float t, u, v;
-  float measured;   // after
-  float predicted;  // before, moved and matched in brightness
-  float variance;   // of measured - predicted where nothing changed
+  float measured;             // after
+  float predicted;            // before, moved and matched in brightness
+  float variance;             // of measured - predicted where nothing changed
+  std::uint32_t stack, cell;  // which stack of slices it belongs to, and its index there
+};
+
+// Slices of one orientation: a volume, a slab, a single slice.
+struct Stack {
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();
+  Eigen::Matrix3d steps = Eigen::Matrix3d::Identity();  // columns: from voxel to voxel in needle coordinates
+  std::vector<std::int32_t> voxel_at;                   // of `voxels`, by index in the stack; -1 where none
+  std::vector<Eigen::Vector3d> places;   // (t, u, v) from a voxel's centre; their mean stands for the voxel's
+  std::vector<Eigen::Vector2d> lateral;  // the same for (u, v) alone
 };
 
 struct Corridor {
@@ -21,25 +32,25 @@ struct Corridor {
   double t_min = 0.0, t_max = 0.0;  // both images cover the axis between these
   double radius_mm = 0.0;
   std::vector<CorridorVoxel> voxels;
-  std::vector<std::uint32_t> thinned;    // enough of `voxels` for a search: every second of those of 0.3 mm
-  std::vector<Eigen::Vector3d> places;   // (t, u, v) from a voxel's centre; their mean stands for the voxel's
-  std::vector<Eigen::Vector2d> lateral;  // the same for (u, v) alone
-  double along_mm = 0.0;                 // how far a voxel reaches along the needle
-  double pixel_mm = 0.0;                 // smallest voxel side of the after image
-  double noise = 0.0;                    // of one voxel in uniform tissue, image units
-  double misfit_mm = 0.0;                // registration error that explains the rest where the image is steep
-  double tissue = 0.0;                   // median of `predicted`
+  std::vector<std::uint32_t> thinned;  // enough of `voxels` for a search: every second of those of 0.3 mm
+  std::vector<Stack> stacks;
+  double along_mm = 0.0;  // how far a voxel reaches along the needle, in the sharpest stack
 };
 
 struct CorridorSettings {
   double from_mm = -15.0, to_mm = 120.0;  // along the axis from the entry
-  double radius_mm = 20.0;
+  double radius_mm = 25.0;
   double needle_mm =
       8.0;  // changes within this of the axis may be the needle: not used to learn what noise is
 };
 
-// Empty `voxels` where the two images do not overlap on the path.
-Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
-                         const NeedleFrame& frame, const CorridorSettings& settings);
+// Empty `voxels` where the images do not overlap on the path.
+Corridor needle_corridor(const Volume& before, std::span<const Volume> after,
+                         const RegistrationResult& motion, const NeedleFrame& frame,
+                         const CorridorSettings& settings);
+inline Corridor needle_corridor(const Volume& before, const Volume& after, const RegistrationResult& motion,
+                                const NeedleFrame& frame, const CorridorSettings& settings) {
+  return needle_corridor(before, std::span(&after, 1), motion, frame, settings);
+}
 
 }  // namespace biopsy::imaging

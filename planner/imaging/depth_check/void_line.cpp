@@ -80,16 +80,22 @@ LineProfile LineSearch::profile(const VoidLine& line) const {
       static_cast<std::size_t>(std::max((corridor_.t_max - corridor_.t_min) / kBin_mm, 0.0)) + 1;
   LineProfile result{corridor_.t_min, kBin_mm, std::vector<double>(bins, 0.0),
                      std::vector<double>(bins, 0.0)};
-  const DiscCoverage disc(line.radius_mm, corridor_.lateral);
-  const CellRange columns = cells_near(line.u, line.u_slope, disc.reach_mm);
-  const CellRange rows = cells_near(line.v, line.v_slope, disc.reach_mm);
+  std::vector<DiscCoverage> discs;
+  double reach_mm = 0.0;
+  for (const Stack& stack : corridor_.stacks) {
+    discs.emplace_back(line.radius_mm, stack.lateral);
+    reach_mm = std::max(reach_mm, discs.back().reach_mm);
+  }
+  const CellRange columns = cells_near(line.u, line.u_slope, reach_mm);
+  const CellRange rows = cells_near(line.v, line.v_slope, reach_mm);
   for (int row = rows.first; row <= rows.last; ++row)
     for (int column = columns.first; column <= columns.last; ++column)
       for (std::uint32_t n : grid_[cell(row, column)]) {
         const CorridorVoxel& voxel = corridor_.voxels[n];
         const double t = static_cast<double>(voxel.t);
-        const double covered = disc.of_voxel(static_cast<double>(voxel.u) - line.u - line.u_slope * t,
-                                             static_cast<double>(voxel.v) - line.v - line.v_slope * t);
+        const double covered =
+            discs[voxel.stack].of_voxel(static_cast<double>(voxel.u) - line.u - line.u_slope * t,
+                                        static_cast<double>(voxel.v) - line.v - line.v_slope * t);
         if (covered <= 0.0) continue;
         const double predicted = static_cast<double>(voxel.predicted);
         const double shape = predicted * covered, weight = shape / static_cast<double>(voxel.variance);

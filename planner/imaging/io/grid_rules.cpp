@@ -8,9 +8,9 @@
 
 namespace biopsy::imaging {
 
-void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file) {
+void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file, int slices_min) {
   const std::string text = fmt::format("{} x {} x {} voxels", size.x(), size.y(), size.z());
-  if (size.minCoeff() < kSizeMin)
+  if (size.head<2>().minCoeff() < kSizeMin || size.z() < slices_min)
     throw ConfigError(text + fmt::format(": a volume needs at least {} along every axis", kSizeMin), file,
                       "give the whole stack of slices, not a single picture");
   if (size.maxCoeff() > kSizeMax || size.cast<double>().prod() > kVoxelsMax)
@@ -18,8 +18,8 @@ void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file) {
                       "the header is damaged, or the image must be cropped first");
 }
 
-void refuse_bad_grid(const Grid& grid, const std::string& file) {
-  refuse_bad_size(grid.size, file);
+void refuse_bad_grid(const Grid& grid, const std::string& file, int slices_min) {
+  refuse_bad_size(grid.size, file, slices_min);
   const std::string remedy =
       "export the image again from the scanner or archive; do not repair the header by hand";
   if (!grid.X_SI.matrix().allFinite())

@@ -19,7 +19,7 @@ inline constexpr double kVoxelsMax = 2147483648.0;
 // Throws ConfigError naming the file when a size is outside [3, 4096], the product exceeds 2^31, a number is
 // not finite, a spacing is outside (0, 100] mm, the origin is more than 10 m away or the axes are not
 // perpendicular.
-void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file);
-void refuse_bad_grid(const Grid& grid, const std::string& file);
+void refuse_bad_size(const Eigen::Vector3i& size, const std::string& file, int slices_min = kSizeMin);
+void refuse_bad_grid(const Grid& grid, const std::string& file, int slices_min = kSizeMin);
 
 }  // namespace biopsy::imaging

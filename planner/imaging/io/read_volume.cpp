@@ -30,9 +30,10 @@ void refuse_broken(const DicomFolder& folder) {
   if (!folder.broken.empty()) throw *folder.broken.front().refusal;
 }
 
-}  // namespace
+enum class Wanted { Volume, Stacks };
 
-Volume read_volume(const std::filesystem::path& path, const std::string& series_uid) {
+std::vector<Volume> read_series(const std::filesystem::path& path, const std::string& series_uid,
+                                Wanted wanted) {
   const VolumeFiles files = find_volume_files(path);
   const DicomFolder folder = scan_dicom_files(files.dicom);
   refuse_broken(folder);
@@ -49,13 +50,26 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
     return (file == path ? file.filename() : file.lexically_relative(path)).generic_string();
   };
   for (const DicomSeries& series : folder.series)
-    if (chosen(series.uid)) return read_dicom_series(series);
+    if (chosen(series.uid)) {
+      if (wanted == Wanted::Stacks) return read_dicom_slabs(series);
+      return {read_dicom_series(series)};
+    }
   for (const auto& file : files.nifti)
-    if (chosen(name_of(file))) return read_nifti(file);
+    if (chosen(name_of(file))) return {read_nifti(file)};
   for (const auto& file : files.nrrd)
-    if (chosen(name_of(file))) return read_nrrd(file);
+    if (chosen(name_of(file))) return {read_nrrd(file)};
   throw ConfigError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
                     path.string(), "choose one of them with --series UID");
+}
+
+}  // namespace
+
+Volume read_volume(const std::filesystem::path& path, const std::string& series_uid) {
+  return std::move(read_series(path, series_uid, Wanted::Volume).front());
+}
+
+std::vector<Volume> read_stacks(const std::filesystem::path& path, const std::string& series_uid) {
+  return read_series(path, series_uid, Wanted::Stacks);
 }
 
 }  // namespace biopsy::imaging

@@ -12,15 +12,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void take(const fs::path& file, VolumeFiles& files) {
-  if (looks_like_nifti(file))
-    files.nifti.push_back(file);
-  else if (looks_like_nrrd(file))
-    files.nrrd.push_back(file);
-  else if (looks_like_dicom(file))
-    files.dicom.push_back(file);
-}
-
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -36,19 +27,28 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 
 }  // namespace
 
+void add_volume_file(const fs::path& file, VolumeFiles& files) {
+  if (looks_like_nifti(file))
+    files.nifti.push_back(file);
+  else if (looks_like_nrrd(file))
+    files.nrrd.push_back(file);
+  else if (looks_like_dicom(file))
+    files.dicom.push_back(file);
+}
+
 VolumeFiles find_volume_files(const fs::path& path) {
   VolumeFiles files;
   std::error_code error;
   if (!fs::exists(path, error))
     throw ConfigError("there is no such file or folder", path.string(), "check the name");
   if (fs::is_directory(path, error)) {
-    for (const fs::path& file : files_below(path)) take(file, files);
+    for (const fs::path& file : files_below(path)) add_volume_file(file, files);
     if (files.empty())
       throw ConfigError("no image in this folder", path.string(),
                         "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
     return files;
   }
-  if (fs::is_regular_file(path, error)) take(path, files);
+  if (fs::is_regular_file(path, error)) add_volume_file(path, files);
   if (files.empty())
     throw ConfigError("not an image of a known format", path.string(),
                       "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");

@@ -16,4 +16,7 @@ struct VolumeFiles {
 // Throws ConfigError when the path does not exist, cannot be read, or is one file of an unknown format.
 VolumeFiles find_volume_files(const std::filesystem::path& path);
 
+// Adds a file to those of its format; a file of none is ignored.
+void add_volume_file(const std::filesystem::path& file, VolumeFiles& files);
+
 }  // namespace biopsy::imaging

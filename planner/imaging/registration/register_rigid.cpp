@@ -11,6 +11,12 @@
 namespace biopsy::imaging {
 namespace {
 
+constexpr int kThin = 5;  // slices
+
+bool is_thin(const Volume& volume) {
+  return volume.grid.size.z() <= kThin;
+}
+
 using Vector14 = Eigen::Matrix<double, 14, 1>;
 using Matrix14 = Eigen::Matrix<double, 14, 14>;
 
@@ -30,21 +36,39 @@ struct Place {
   double value;       // of the after image
 };
 
-std::vector<Place> places_to_compare(const Volume& after, const RegistrationSettings& s, double step_mm) {
+// A lattice in the box; for a stack of few slices, which a lattice would miss, one in each of its slices.
+void add_places(const Volume& after, const RegistrationSettings& s, double count,
+                std::vector<Place>& places) {
   const Sampler sampler(after);
   const Eigen::Vector3d half = (0.5 * (s.box.high - s.box.low)).cwiseMax(1e-6);
-  const Eigen::Vector3i count = (2.0 * half / step_mm).array().floor().cast<int>();
+  const auto add = [&](const Point& p_S) {
+    if (!s.box.contains(p_S) || (s.mask && s.mask->covers(p_S))) return;
+    const double value = sampler.at(p_S);
+    if (std::isnan(value)) return;
+    const Eigen::Vector3d x = (p_S - s.box.centre()).cwiseQuotient(half);
+    places.push_back({p_S, {1.0, x.x(), x.y(), x.z()}, value});
+  };
+  if (is_thin(after)) {
+    const Eigen::Vector3d sides = after.grid.size.cast<double>().cwiseProduct(after.grid.spacing_mm());
+    const double step_mm = std::sqrt(sides.x() * sides.y() * after.grid.size.z() / count);
+    const Eigen::Vector3d step = (step_mm / after.grid.spacing_mm().array()).max(1.0);
+    for (int k = 0; k < after.grid.size.z(); ++k)
+      for (double j = 0.0; j < after.grid.size.y(); j += step.y())
+        for (double i = 0.0; i < after.grid.size.x(); i += step.x())
+          add(after.grid.X_SI * Eigen::Vector3d(i, j, k));
+    return;
+  }
+  const double step_mm = std::cbrt((2.0 * half).prod() / count);
+  const Eigen::Vector3i steps = (2.0 * half / step_mm).array().floor().cast<int>();
+  for (int k = 0; k <= steps.z(); ++k)
+    for (int j = 0; j <= steps.y(); ++j)
+      for (int i = 0; i <= steps.x(); ++i) add(s.box.low + step_mm * Eigen::Vector3d(i, j, k));
+}
+
+std::vector<Place> places_to_compare(const std::vector<Volume>& after, const RegistrationSettings& s,
+                                     double count) {
   std::vector<Place> places;
-  for (int k = 0; k <= count.z(); ++k)
-    for (int j = 0; j <= count.y(); ++j)
-      for (int i = 0; i <= count.x(); ++i) {
-        const Point p_S = s.box.low + step_mm * Eigen::Vector3d(i, j, k);
-        if (s.mask && s.mask->covers(p_S)) continue;
-        const double value = sampler.at(p_S);
-        if (std::isnan(value)) continue;
-        const Eigen::Vector3d x = (p_S - s.box.centre()).cwiseQuotient(half);
-        places.push_back({p_S, {1.0, x.x(), x.y(), x.z()}, value});
-      }
+  for (const Volume& stack : after) add_places(stack, s, count / static_cast<double>(after.size()), places);
   return places;
 }
 
@@ -73,8 +97,9 @@ struct Fit {
 // One image pair at one scale.
 class Level {
  public:
-  Level(const Volume& before, const Volume& after, const RegistrationSettings& settings, double step_mm)
-      : before_(before), places_(places_to_compare(after, settings, step_mm)), about_(settings.about) {}
+  Level(const Volume& before, const std::vector<Volume>& after, const RegistrationSettings& settings,
+        double count)
+      : before_(before), places_(places_to_compare(after, settings, count)), about_(settings.about) {}
 
   const std::vector<Place>& places() const { return places_; }
   // -1 where less than half of the places overlap.
@@ -222,32 +247,44 @@ RegistrationResult finished(const Fit& fit, const RegistrationSettings& s) {
   return result;
 }
 
-// The box, no larger than the image.
-RegistrationSettings within_image(const Volume& after, RegistrationSettings settings) {
-  if (after.voxels.empty()) return settings;
-  Box image{after.grid.X_SI.translation(), after.grid.X_SI.translation()};
-  const Eigen::Vector3d last = after.grid.size.cast<double>().array() - 1.0;
-  for (int n = 1; n < 8; ++n)
-    image.include(after.grid.X_SI * Eigen::Vector3d((n & 1) ? last.x() : 0.0, (n & 2) ? last.y() : 0.0,
-                                                    (n & 4) ? last.z() : 0.0),
-                  0.0);
-  settings.box.low = settings.box.low.cwiseMax(image.low);
-  settings.box.high = settings.box.high.cwiseMin(image.high);
+// The box, no larger than the images.
+RegistrationSettings within_images(std::span<const Volume> after, RegistrationSettings settings) {
+  std::optional<Box> images;
+  for (const Volume& stack : after) {
+    if (stack.voxels.empty()) continue;
+    const Eigen::Vector3d last = stack.grid.size.cast<double>().array() - 1.0;
+    for (int n = 0; n < 8; ++n) {
+      const Point corner =
+          stack.grid.X_SI *
+          Eigen::Vector3d((n & 1) ? last.x() : 0.0, (n & 2) ? last.y() : 0.0, (n & 4) ? last.z() : 0.0);
+      if (!images) images = Box{corner, corner};
+      images->include(corner, is_thin(stack) ? 0.5 * stack.grid.spacing_mm().z() : 0.0);
+    }
+  }
+  if (!images) return settings;
+  settings.box.low = settings.box.low.cwiseMax(images->low);
+  settings.box.high = settings.box.high.cwiseMin(images->high);
   return settings;
+}
+
+std::vector<Volume> all_smoothed(std::span<const Volume> after, double sigma_mm) {
+  std::vector<Volume> result;
+  for (const Volume& stack : after) result.push_back(smoothed(stack, sigma_mm));
+  return result;
 }
 
 }  // namespace
 
-RegistrationResult register_rigid(const Volume& before, const Volume& after,
+RegistrationResult register_rigid(const Volume& before, std::span<const Volume> after,
                                   const RegistrationSettings& asked) {
-  const RegistrationSettings settings = within_image(after, asked);
+  const RegistrationSettings settings = within_images(after, asked);
   const Eigen::Vector3d sides = settings.box.high - settings.box.low;
   if (sides.minCoeff() <= 0.0) return {};
   // Places enough to average noise out, few enough for a tenth of a second.
-  const double coarse_step = std::cbrt(sides.prod() / 4000.0), fine_step = std::cbrt(sides.prod() / 30000.0);
-  const Volume before_coarse = smoothed(before, 0.7 * coarse_step),
-               after_coarse = smoothed(after, 0.7 * coarse_step);
-  const Level coarse(before_coarse, after_coarse, settings, coarse_step);
+  constexpr double kCoarse = 4000.0, kFine = 30000.0;
+  const double coarse_step = std::cbrt(sides.prod() / kCoarse), fine_step = std::cbrt(sides.prod() / kFine);
+  const Volume before_coarse = smoothed(before, 0.7 * coarse_step);
+  const Level coarse(before_coarse, all_smoothed(after, 0.7 * coarse_step), settings, kCoarse);
   if (coarse.places().size() < 200) return {};
 
   std::vector<Fit> fits;
@@ -255,8 +292,8 @@ RegistrationResult register_rigid(const Volume& before, const Volume& after,
     fits.push_back(coarse.refined(start, 20));
   std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.score > b.score; });
 
-  const Volume before_fine = smoothed(before, 0.5 * fine_step), after_fine = smoothed(after, 0.5 * fine_step);
-  const Level fine(before_fine, after_fine, settings, fine_step);
+  const Volume before_fine = smoothed(before, 0.5 * fine_step);
+  const Level fine(before_fine, all_smoothed(after, 0.5 * fine_step), settings, kFine);
   RegistrationResult result = finished(fine.refined(fits.front().motion, 20), settings);
   for (const Fit& other : fits)
     if (other.score > fits.front().score - 0.02)

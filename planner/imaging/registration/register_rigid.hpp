@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "planner/imaging/registration/region.hpp"
 #include "planner/imaging/registration/reslice.hpp"
@@ -46,7 +47,13 @@ struct RegistrationResult {
 // Six degrees of freedom by robust Gauss-Newton on squared differences with a linearly varying gain and bias,
 // from coarse to fine, from the best of a lattice of starts. In space rather than ECC in the needle's plane:
 // patients turn out of any plane, and slices of 3 mm give a plane too little of what it needs.
-RegistrationResult register_rigid(const Volume& before, const Volume& after,
+// `after` may be several stacks that were taken together (slabs of a few slices, orthogonal planes): one
+// motion explains them all.
+RegistrationResult register_rigid(const Volume& before, std::span<const Volume> after,
                                   const RegistrationSettings& settings);
+inline RegistrationResult register_rigid(const Volume& before, const Volume& after,
+                                         const RegistrationSettings& settings) {
+  return register_rigid(before, std::span(&after, 1), settings);
+}
 
 }  // namespace biopsy::imaging

@@ -14,6 +14,7 @@
 #include "robot/common/progress.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/common/text/ras_point.hpp"
+#include "robot/procedure/case/tip_calibration.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/labels.hpp"
 
@@ -21,25 +22,37 @@ namespace biopsy::robot {
 namespace check_cli {
 
 struct Options {
-  std::filesystem::path before, after;
+  std::filesystem::path before;
+  std::vector<std::filesystem::path> after;  // several: planes that were taken together
   std::string before_series, after_series;
-  std::string entry, axis;            // "R,A,S" in mm; the axis is a direction of any length
-  std::optional<double> expected_mm;  // planned depth
-  double tip_offset_mm = 0.0;
+  std::string entry, axis;              // "R,A,S" in mm; the axis is a direction of any length
+  std::optional<double> expected_mm;    // planned depth
+  std::optional<double> tip_offset_mm;  // by hand, without a calibration
+  double tip_offset_sigma_mm = 0.2;
+  std::filesystem::path tip_calibration;
   std::filesystem::path out;  // empty: no files
 };
 
 void declare(CLI::App& app, Options& options) {
   add(app, "--before PATH", options.before, "image without the needle")->required();
-  add(app, "--after PATH", options.after, "image with the needle")->required();
+  add(app, "--after PATH...", options.after,
+      "image with the needle: a volume, a slab of 1 to 3 slices, or up to three such planes")
+      ->required()
+      ->expected(1, 3);
   add(app, "--before-series UID", options.before_series, "series UID, where that folder holds several");
   add(app, "--after-series UID", options.after_series, "series UID, where that folder holds several");
   add(app, "--entry R,A,S", options.entry, "where depth is zero, mm")->required();
   add(app, "--axis R,A,S", options.axis, "direction of insertion, any length")->required();
   add(app, "--expected MM", options.expected_mm, "planned depth: accept only where the tip is there")
       ->check(in_range(0.0, 1000.0, "mm"));
-  add(app, "--tip-offset MM", options.tip_offset_mm, "how far the void ends beyond the real tip", "0")
+  add(app, "--tip-calibration FILE", options.tip_calibration,
+      "signed tip offset of this needle in this sequence, by `biopsy calibrate-tip`", "none");
+  add(app, "--tip-offset MM", options.tip_offset_mm,
+      "how far the void ends beyond the real tip, by hand; without any, nothing is accepted")
       ->check(in_range(-20.0, 20.0, "mm"));
+  add(app, "--tip-offset-sigma MM", options.tip_offset_sigma_mm,
+      "how well it is known, one standard deviation", "0.2")
+      ->check(in_range(0.01, 5.0, "mm"));
   add_out(app, options.out, "the result and two pictures")->default_str("no files");
 }
 
@@ -53,6 +66,18 @@ nlohmann::ordered_json as_json(const DepthCheck& result) {
   if (result.tip_found) {
     json["image_depth_mm"] = std::round(result.depth.value * 1e4) / 1e4;
     json["image_depth_sigma_mm"] = std::round(result.sigma.value * 1e4) / 1e4;
+  }
+  json["lateral_mm"] = json["lateral_sigma_mm"] = json["angle_deg"] = json["angle_sigma_deg"] = nullptr;
+  if (result.tip_found) {
+    json["lateral_mm"] = rounded(result.lateral_mm, 4);
+    json["lateral_sigma_mm"] = rounded(result.lateral_sigma_mm, 4);
+    json["angle_deg"] = rounded(result.angle_deg, 4);
+    json["angle_sigma_deg"] = rounded(result.angle_sigma_deg, 4);
+  }
+  json["tip_offset_mm"] = json["tip_offset_sigma_mm"] = nullptr;
+  if (result.tip_offset_known) {
+    json["tip_offset_mm"] = result.tip_offset_mm;
+    json["tip_offset_sigma_mm"] = result.tip_offset_sigma_mm;
   }
   json["shift_lps_mm"] = result.shift_mm;
   json["rotation_lps_deg"] = result.rotation_deg;
@@ -75,13 +100,44 @@ std::string text_of(const DepthCheck& result) {
   std::string text =
       fmt::format("verdict   {}\nreason    {}\n", report::label(result.verdict), result.reason);
   if (result.tip_found)
-    text += fmt::format("depth     {}, standard deviation {}\n", fixed(result.depth.value, 2, "mm"),
-                        fixed(result.sigma.value, 2, "mm"));
+    text += fmt::format(
+        "depth     {}, standard deviation {}{}\n"
+        "beside    {} from the planned axis, standard deviation {}\n"
+        "angle     {} degrees to the planned axis, standard deviation {}\n",
+        fixed(result.depth.value, 2, "mm"), fixed(result.sigma.value, 2, "mm"),
+        result.tip_offset_known ? "" : "; of the void's end: no tip offset",
+        fixed(result.lateral_mm, 2, "mm"), fixed(result.lateral_sigma_mm, 2, "mm"),
+        fixed(result.angle_deg, 1), fixed(result.angle_sigma_deg, 1));
   return text + fmt::format(
                     "motion    shift {} mm; turn {} degrees (LPS)\n"
                     "match     {} after registration; contrast to noise {}\n",
                     three(result.shift_mm), three(result.rotation_deg), fixed(result.registration_score, 3),
                     fixed(result.contrast_to_noise, 1));
+}
+
+std::optional<TipOffset> offset_of(const Options& options) {
+  if (options.tip_offset_mm && !options.tip_calibration.empty())
+    throw ConfigError("a tip offset by hand and a calibration", "--tip-offset", "give one of them");
+  if (!options.tip_calibration.empty()) return read_tip_calibration(options.tip_calibration).offset;
+  if (!options.tip_offset_mm) return std::nullopt;
+  return TipOffset{"by hand", "by hand", Millimetres(*options.tip_offset_mm),
+                   Millimetres(options.tip_offset_sigma_mm)};
+}
+
+std::vector<std::filesystem::path> inputs_of(const Options& options) {
+  std::vector<std::filesystem::path> all = options.after;
+  all.push_back(options.before);
+  all.push_back(options.tip_calibration);
+  return all;
+}
+
+std::vector<Volume> read_after(const Options& options) {
+  if (options.after.size() > 1 && !options.after_series.empty())
+    throw ConfigError("one series for several images", "--after-series", "give folders of one series each");
+  std::vector<Volume> all;
+  for (const std::filesystem::path& path : options.after)
+    for (Volume& stack : imaging::read_stacks(path, options.after_series)) all.push_back(std::move(stack));
+  return all;
 }
 
 Result run(const Options& options, const Context&) {
@@ -90,16 +146,15 @@ Result run(const Options& options, const Context&) {
   const double length = axis_S.norm();
   if (length < 1e-6) throw ConfigError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
   const Volume before = imaging::read_volume(options.before, options.before_series);
-  const Volume after = imaging::read_volume(options.after, options.after_series);
-  check_patients(before, after);
+  const std::vector<Volume> after = read_after(options);
+  for (const Volume& stack : after) check_patients(before, stack);
   if (!options.out.empty())
-    make_output_folder(options.out, {options.before, options.after},
-                       {"check.json", "before.png", "after.png"});
+    make_output_folder(options.out, inputs_of(options), {"check.json", "before.png", "after.png"});
   ProgressLine line;
   line.show(-1.0, "registering the images and looking for the tip");
   imaging::DepthCheckSettings settings;
   if (options.expected_mm) settings.expected = Millimetres(*options.expected_mm);
-  settings.tip_offset = Millimetres(options.tip_offset_mm);
+  settings.tip_offset = offset_of(options);
   imaging::DepthCheckPictures pictures;
   const DepthCheck result = imaging::check_depth(before, after, p_SE, axis_S / length, settings, &pictures);
   const std::string json = as_json(result).dump(2) + "\n";
@@ -125,7 +180,7 @@ Command check_command() {
               "patients "
               "are refused.",
           .examples = {"biopsy check --before out/gap/planning --after out/gap/images/stage-1 "
-                       "--entry -4.396,33.092,51.854 --axis -0.936,0.036,-0.349 --json"},
+                       "--entry -4.396,33.092,51.854 --axis -0.936,0.036,-0.349 --tip-offset 0 --json"},
           .exit_codes = "0 for any verdict, 2 for unusable input",
           .outputs = {{"check.json", "[the result for programs](#checkjson)"},
                       {"before.png", "the path before insertion"},

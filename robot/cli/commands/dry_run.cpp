@@ -41,6 +41,7 @@ void declare_dry_run(CLI::App& app, Options& options) {
       "put [faults](faults.md) into sensors and drive of the simulated stage and, without `--live`, links "
       "and "
       "contacts");
+  add_image_source(app, options.procedure, live);
   add_live_options(app, options.network, live);
 }
 

@@ -29,6 +29,7 @@
 namespace biopsy::robot {
 namespace up_cli {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr logging::Logger kLog{logging::Component::Cli};
@@ -64,6 +65,7 @@ void declare(CLI::App& app, Options& options) {
       ->check(in_range(0, 65535))
       ->needs(console)
       ->excludes(prepare);
+  add_image_source(app, options.procedure, console);
   add_live_options(app, options.live, nullptr);
 }
 
@@ -118,6 +120,12 @@ std::vector<std::string> console_arguments(const Options& options) {
   add("--fiducials", given.fiducials.string());
   add("--model", given.model.string());
   add("--seed", given.seed ? std::to_string(*given.seed) : "");
+  add("--images-from", given.images_from.empty() ? "" : fs::absolute(given.images_from).string());
+  if (!given.images_from.empty()) {
+    add("--images-quiet", fmt::format("{}", given.images_quiet_s));
+    add("--images-patience", fmt::format("{}", given.images_patience_s));
+    add("--images-confirmed-by", given.images_confirmed_by);
+  }
   add("--port", std::to_string(options.port));
   return words;
 }
@@ -225,6 +233,9 @@ Result run(const Options& options, const Context& context) {
   check_device_options(options.device, options.hardware);
   if (!drivers::is_simulated(options.device) && !options.procedure.model.empty())
     throw ConfigError("--model with a real stage, which is not simulated", "command line", "leave it out");
+  if (!drivers::is_simulated(options.device) && options.console && options.procedure.images_from.empty())
+    throw ConfigError("a real stage with simulated confirmation images", "command line",
+                      "add --images-from FOLDER, into which the scanner exports");
   const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
   const PreparedCase prepared = prepare_run(given, options.procedure.out, context.clearable);
   logging::log_to_file(options.procedure.out / "biopsy.log");

@@ -9,6 +9,7 @@
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/toml_reader.hpp"
 #include "robot/procedure/case/controller_file.hpp"
+#include "robot/procedure/case/tip_calibration.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -79,12 +80,17 @@ void read_plan(TomlTable table, Case& out) {
   if (!out.layers.empty()) planner::check_layers(out.layers, table.where());
 }
 
-void read_rehearsal(TomlTable table, const fs::path& file, Rehearsal& out) {
-  if (table.has("model")) out.model = beside(file, table.text("model"));
-  if (table.has("tissues")) out.tissues = beside(file, table.text("tissues"));
-  if (table.has("snr")) out.snr = table.number("snr", 1.0, 1000.0);
-  if (table.has("patient_shift_mm")) out.motion_mm = table.number("patient_shift_mm", 0.0, 50.0);
-  if (table.has("patient_turn_deg")) out.motion_deg = table.number("patient_turn_deg", 0.0, 45.0);
+// Needle and sequence of the confirmation images, and the calibration that holds for them.
+std::optional<TipOffset> read_needle(TomlTable table, const fs::path& file) {
+  const std::string needle = table.text("name"), sequence = table.text("sequence");
+  if (!table.has("tip_calibration")) return std::nullopt;
+  const TipOffset offset = read_tip_calibration(beside(file, table.text("tip_calibration"))).offset;
+  if (offset.needle != needle || offset.sequence != sequence)
+    throw ConfigError(fmt::format("the calibration is of needle \"{}\" in sequence \"{}\", the case asks for "
+                                  "\"{}\" in \"{}\"",
+                                  offset.needle, offset.sequence, needle, sequence),
+                      table.where(), "calibrate this needle with this sequence: biopsy calibrate-tip");
+  return offset;
 }
 
 Case case_of(TomlTable& root, const fs::path& file) {
@@ -96,6 +102,10 @@ Case case_of(TomlTable& root, const fs::path& file) {
   if (root.has("plan")) read_plan(root.table("plan"), out);
   if (root.has("controller")) out.gains = read_controller(root.table("controller"));
   if (root.has("rehearsal")) read_rehearsal(root.table("rehearsal"), file, out.rehearsal);
+  if (root.has("needle"))
+    out.tip_offset = read_needle(root.table("needle"), file);
+  else if (out.rehearsal.needle)
+    out.tip_offset.reset();  // the calibration that comes with the program is of the painted void
   if (root.has("seed")) out.seed = static_cast<std::uint64_t>(root.number("seed", 0.0, 9e15));
   if (!out.layers.empty() && !out.labels.empty())
     throw ConfigError("both a table of layers and a label map", file.string(), "keep one of them");
@@ -124,6 +134,7 @@ Case blank_case() {
   Case out;
   out.rehearsal.model = data_folder() / "sim/models/calibrated.toml";
   out.rehearsal.tissues = data_folder() / "sim/models/tissues.toml";
+  out.tip_offset = read_tip_calibration(data_folder() / "sim/models/tip_calibration.toml").offset;
   return out;
 }
 

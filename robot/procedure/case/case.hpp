@@ -1,6 +1,7 @@
 // One procedure: image, entry and target, tissue layers, robot pose, pace, and what a rehearsal simulates.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -11,15 +12,16 @@
 #include "planner/plan/insertion_steps.hpp"
 #include "planner/plan/layers.hpp"
 #include "robot/msg/plan.hpp"
+#include "robot/procedure/case/rehearsal_settings.hpp"
 
 namespace biopsy::robot {
 
-// What the simulated scanner adds to the confirmation images of a rehearsal.
-struct Rehearsal {
-  std::filesystem::path model, tissues;
-  double snr = 30.0;
-  double motion_mm = 0.5;   // the patient shifts by up to this between images,
-  double motion_deg = 0.5;  // and turns by up to this
+// Where confirmation images come from: with a folder, from a scanner that exports into it.
+struct ImageSource {
+  std::filesystem::path folder;                 // empty: the simulated scanner
+  std::chrono::milliseconds quiet{2000};        // without a change before a series counts as complete
+  std::chrono::milliseconds patience{120'000};  // how long an image is waited for
+  std::string confirmed_by;  // a person who answers for images that do not name their patient
 };
 
 struct Case {
@@ -39,7 +41,9 @@ struct Case {
   std::vector<Millimetres> waypoints;
   planner::Pace pace;
   PiGains gains{};
+  std::optional<TipOffset> tip_offset;  // without it no confirmation image is accepted
   Rehearsal rehearsal;
+  ImageSource images;  // of this run: given on the command line, not by the file
   std::uint64_t seed = 1;
 };
 

@@ -115,6 +115,7 @@ void plan_to_target(PreparedCase& out) {
   request.staging = given.staging;
   request.pace = given.pace;
   request.gains = given.gains;
+  request.tip_offset = given.tip_offset;
   out.plan = planner::plan_insertion(request);
 }
 

@@ -44,18 +44,24 @@ std::string plan_facts(const Plan& plan) {
   for (const Layer& layer : plan.layers)
     layers.push_back(layer.name + " " + fixed(layer.from.value, 2) + " to " + fixed(layer.to.value, 2, "mm"));
   const bool registered = plan.registration_fre_mm > 0;
-  return facts({{"Target depth", fixed(plan.target_depth.value, 2, "mm")},
-                {"Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")},
-                {"Gains of the loop", fixed(1e-3 * plan.gains.proportional_V_per_mm, 2, "kV/mm") + ", " +
-                                          fixed(plan.gains.integral_V_per_mm_per_tick, 2, "kV/(mm s)")},
-                {"Target beside the axis", fixed(plan.axis_offset.value, 2, "mm")},
-                {"Entry, R, A, S", point(ras_from_lps(plan.target.p_SE))},
-                {"Target, R, A, S", point(ras_from_lps(plan.target.p_ST))},
-                {"Layers along the path", joined(layers, "; ")},
-                {"Robot to scanner",
-                 registered ? "registered: FRE " + fixed(plan.registration_fre_mm, 2, "mm") +
-                                  ", expected error at the target " + fixed(plan.registration_tre_mm, 2, "mm")
-                            : "transform as given"}});
+  return facts(
+      {{"Target depth", fixed(plan.target_depth.value, 2, "mm")},
+       {"Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")},
+       {"Gains of the loop", fixed(1e-3 * plan.gains.proportional_V_per_mm, 2, "kV/mm") + ", " +
+                                 fixed(plan.gains.integral_V_per_mm_per_tick, 2, "kV/(mm s)")},
+       {"Tip offset",
+        plan.tip_offset ? fmt::format("{} ± {} of {} in sequence {}", fixed(plan.tip_offset->value.value, 2),
+                                      fixed(plan.tip_offset->sigma.value, 2, "mm"), plan.tip_offset->needle,
+                                      plan.tip_offset->sequence)
+                        : "not calibrated: no image will be accepted"},
+       {"Target beside the axis", fixed(plan.axis_offset.value, 2, "mm")},
+       {"Entry, R, A, S", point(ras_from_lps(plan.target.p_SE))},
+       {"Target, R, A, S", point(ras_from_lps(plan.target.p_ST))},
+       {"Layers along the path", joined(layers, "; ")},
+       {"Robot to scanner", registered ? "registered: FRE " + fixed(plan.registration_fre_mm, 2, "mm") +
+                                             ", expected error at the target " +
+                                             fixed(plan.registration_tre_mm, 2, "mm")
+                                       : "transform as given"}});
 }
 
 std::string step_picture(const RunRecord& record, const StepResult& step, bool after,

@@ -44,6 +44,10 @@ std::string triple_cell(const double (&values)[3]) {
          fixed(values[2], 1) + "</td>";
 }
 
+std::string with_sigma(const DepthCheck& check, double value, double sigma) {
+  return check.tip_found ? number_cell(fixed(value, 2) + " ± " + fixed(sigma, 2)) : number_cell(kUnknown, 2);
+}
+
 std::string check_row(const StepResult& result, std::size_t number) {
   const DepthCheck& check = *result.check;
   const double depth = check.tip_found ? check.depth.value : kUnknown;
@@ -51,7 +55,9 @@ std::string check_row(const StepResult& result, std::size_t number) {
       result.hv_switching_during_image ? " The drive switched while the image was taken." : "";
   return row({number_cell(std::to_string(number)), verdict_cell(check), number_cell(depth, 2),
               number_cell(check.tip_found ? check.sigma.value : kUnknown, 2),
-              number_cell(depth - result.depth_mm, 2), triple_cell(check.shift_mm),
+              number_cell(depth - result.depth_mm, 2),
+              with_sigma(check, check.lateral_mm, check.lateral_sigma_mm),
+              with_sigma(check, check.angle_deg, check.angle_sigma_deg), triple_cell(check.shift_mm),
               triple_cell(check.rotation_deg), number_cell(check.registration_score, 3),
               number_cell(check.contrast_to_noise, 1), text_cell(check.reason + switching)});
 }
@@ -117,8 +123,8 @@ std::string checks_section(const RunRecord& record) {
       table("Depth of the tip found in the image alone; the check does not use the laser. Shift and rotation "
             "of the patient from before to after, axes L, P, S.",
             {">Step", "Verdict", ">Depth<br />mm", ">Std. dev.<br />mm", ">Image − laser<br />mm",
-             "Shift<br />mm", "Rotation<br />deg", ">Registration<br />score", ">Contrast<br />to noise",
-             "Reason"},
+             ">Beside the axis<br />mm", ">Angle<br />deg", "Shift<br />mm", "Rotation<br />deg",
+             ">Registration<br />score", ">Contrast<br />to noise", "Reason"},
             rows));
 }
 

@@ -24,8 +24,14 @@ Volume after(double depth, double loss = 0.95, double noise = 15.0,
   });
 }
 
-DepthCheckSettings expecting(double depth) {
+DepthCheckSettings calibrated() {
   DepthCheckSettings settings;
+  settings.tip_offset = TipOffset{"scene", "scene", Millimetres(0.0), Millimetres(0.05)};
+  return settings;
+}
+
+DepthCheckSettings expecting(double depth) {
+  DepthCheckSettings settings = calibrated();
   settings.expected = Millimetres(depth);
   return settings;
 }
@@ -50,7 +56,7 @@ TEST(DepthCheck, RejectsATipElsewhereAndSaysOnWhichSide) {
 
 TEST(DepthCheck, ReadsTheSameDepthWhateverWasPlanned) {
   const Volume first = before(), second = after(20.0);
-  const DepthCheck free = check_depth(first, second, scene::kEntry, scene::kAxis);
+  const DepthCheck free = check_depth(first, second, scene::kEntry, scene::kAxis, calibrated());
   for (double planned : {5.0, 19.5, 40.0}) {
     const DepthCheck check = check_depth(first, second, scene::kEntry, scene::kAxis, expecting(planned));
     EXPECT_EQ(check.depth.value, free.depth.value);
@@ -59,9 +65,10 @@ TEST(DepthCheck, ReadsTheSameDepthWhateverWasPlanned) {
 }
 
 TEST(DepthCheck, RejectsWhenNoNeedleIsThereAndIsUnsureWhenNoiseHidesEverything) {
-  EXPECT_EQ(check_depth(before(), after(20.0, 0.0), scene::kEntry, scene::kAxis).verdict,
+  EXPECT_EQ(check_depth(before(), after(20.0, 0.0), scene::kEntry, scene::kAxis, calibrated()).verdict,
             DepthVerdict::Reject);
-  const DepthCheck noisy = check_depth(before(), after(20.0, 0.0, 250.0), scene::kEntry, scene::kAxis);
+  const DepthCheck noisy =
+      check_depth(before(), after(20.0, 0.0, 250.0), scene::kEntry, scene::kAxis, calibrated());
   EXPECT_EQ(noisy.verdict, DepthVerdict::Unsure) << noisy.reason;
 }
 
@@ -70,12 +77,12 @@ TEST(DepthCheck, NeverAcceptsImagesOfDifferentTissue) {
     return scene::tissue(Point(-p.y() + 9.0, p.z(), p.x())) *
            scene::left_by_needle(p, scene::kEntry, scene::kAxis, 20.0, 2.0);
   });
-  const DepthCheck check = check_depth(before(), other, scene::kEntry, scene::kAxis);
+  const DepthCheck check = check_depth(before(), other, scene::kEntry, scene::kAxis, calibrated());
   EXPECT_EQ(check.verdict, DepthVerdict::Unsure) << check.reason;
 }
 
 TEST(DepthCheck, IsUnsureWhenTheTipLeavesTheImage) {
-  const DepthCheck check = check_depth(before(), after(300.0), scene::kEntry, scene::kAxis);
+  const DepthCheck check = check_depth(before(), after(300.0), scene::kEntry, scene::kAxis, calibrated());
   EXPECT_EQ(check.verdict, DepthVerdict::Unsure) << check.reason;
 }
 
@@ -83,7 +90,7 @@ TEST(DepthCheck, TakesOffTheCalibratedTipOffset) {
   DepthCheckSettings settings;
   const Volume first = before(), second = after(20.0);
   const double plain = check_depth(first, second, scene::kEntry, scene::kAxis, settings).depth.value;
-  settings.tip_offset = Millimetres(0.7);
+  settings.tip_offset = TipOffset{"scene", "scene", Millimetres(0.7), Millimetres(0.3)};
   EXPECT_NEAR(check_depth(first, second, scene::kEntry, scene::kAxis, settings).depth.value, plain - 0.7,
               1e-12);
 }
@@ -115,35 +122,102 @@ TEST(DepthCheck, RefusesAnAxisWithoutLengthAnEmptyImageAndAnEntryOutsideBoth) {
   EXPECT_THROW(check_depth(image, image, Point(500.0, 0.0, 0.0), scene::kAxis), ConfigError);
 }
 
-TEST(JudgeDepth, DoubtsAnInterruptedVoidARivalTipAndACoarseDepth) {
+TEST(DepthCheck, AcceptsNothingWithoutACalibrationOfTheTip) {
+  DepthCheckSettings settings = expecting(20.0);
+  settings.tip_offset.reset();
+  const DepthCheck check = check_depth(before(), after(20.0), scene::kEntry, scene::kAxis, settings);
+  EXPECT_EQ(check.verdict, DepthVerdict::Unsure);
+  EXPECT_NE(check.reason.find("calibrated"), std::string::npos) << check.reason;
+  EXPECT_FALSE(check.tip_offset_known);
+}
+
+TEST(DepthCheck, RejectsANeedleBesideOrTiltedAgainstThePlannedAxis) {
+  const Volume first = before(), second = after(20.0);
+  const NeedleFrame frame = needle_frame(first.grid, scene::kEntry, scene::kAxis);
+  const DepthCheck beside =
+      check_depth(first, second, frame.point(0.0, 4.0, -3.0), scene::kAxis, expecting(20.0));
+  EXPECT_EQ(beside.verdict, DepthVerdict::Reject) << beside.reason;
+  EXPECT_NEAR(beside.lateral_mm, 5.0, 0.4);
+  const Direction tilted = (scene::kAxis + std::tan(6.0 / 57.29578) * frame.up).normalized();
+  const DepthCheck tilt = check_depth(first, second, scene::kEntry, tilted, expecting(20.0));
+  EXPECT_EQ(tilt.verdict, DepthVerdict::Reject) << tilt.reason;
+  EXPECT_NEAR(tilt.angle_deg, 6.0, 1.0);
+}
+
+// A reading that is accepted: each quantity sharp and where it was planned.
+DepthReading good_reading() {
   DepthReading good;
   good.motion.within_limits = true;
   good.motion.score = 0.95;
   good.motion.points = 10000;
-  good.tip.evidence = 50.0, good.tip.control_evidence = 5.0, good.tip.visible = 30.0, good.tip.loss = 0.9;
-  good.tip.depth_mm = 20.0, good.tip.sigma_mm = 0.1;
-  good.tip.low_mm = 19.8, good.tip.high_mm = 20.2;
-  ASSERT_EQ(judge_depth(good, {}).verdict, DepthVerdict::Accept);
-  const auto verdict_after = [&](const auto& corrupt) {
-    DepthReading reading = good;
+  good.tip.evidence = 50.0, good.tip.visible = 30.0, good.tip.loss = 0.9, good.tip.loss_sigma = 0.02;
+  good.tip.control_places = 100, good.tip.seen_to_mm = 60.0;
+  good.tip.beside_mm.covariance = 0.01 * Eigen::Matrix2d::Identity();
+  good.tip.slope.covariance = 1e-5 * Eigen::Matrix2d::Identity();
+  return good;
+}
+
+void spread_depth(TipFinding& tip, double depth, double sigma) {
+  tip.depth_mm = depth, tip.sigma_mm = sigma;
+  tip.depths_mm.clear(), tip.weights.clear();
+  double total = 0.0;
+  for (double d = 0.0; d < 60.0; d += 0.1) {
+    tip.depths_mm.push_back(d);
+    tip.weights.push_back(std::exp(-0.5 * std::pow((d - depth) / sigma, 2)));
+    total += tip.weights.back();
+  }
+  for (double& weight : tip.weights) weight /= total;
+}
+
+TEST(JudgeDepth, NamesTheQuantityThatIsUncertainOrMisses) {
+  const DepthCheckSettings settings = expecting(20.0);
+  const auto judged = [&](const auto& corrupt) {
+    DepthReading reading = good_reading();
+    spread_depth(reading.tip, 20.1, 0.15);
     corrupt(reading);
-    return judge_depth(reading, {}).verdict;
+    return judge_depth(reading, settings);
   };
+  const auto verdict_after = [&](const auto& corrupt) { return judged(corrupt).verdict; };
+  ASSERT_EQ(verdict_after([](DepthReading&) {}), DepthVerdict::Accept);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.gap_mm = 3.0; }), DepthVerdict::Unsure);
-  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.rival_against = 3.0; }), DepthVerdict::Unsure);
-  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.sigma_mm = 0.6; }), DepthVerdict::Unsure);
-  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.low_mm = 18.0; }), DepthVerdict::Unsure);
-  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.darkest = 0.1; }), DepthVerdict::Unsure);
-  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.at_end = true; }), DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.at_end = true; }), DepthVerdict::Reject);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.at_end = true, r.tip.seen_to_mm = 20.2; }),
+            DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { spread_depth(r.tip, 20.0, 0.8); }), DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { spread_depth(r.tip, 20.7, 0.15); }), DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { spread_depth(r.tip, 21.5, 0.15); }), DepthVerdict::Reject);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.beside_mm.value = {1.9, 2.0}; }), DepthVerdict::Reject);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.beside_mm.covariance *= 400.0; }),
+            DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.slope.value = {0.06, 0.0}; }), DepthVerdict::Reject);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.slope.covariance *= 400.0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.score = 0.3; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.motion.within_limits = false; }), DepthVerdict::Unsure);
-  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.control_evidence = 40.0; }), DepthVerdict::Unsure);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.control_places = 0; }), DepthVerdict::Unsure);
   EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.loss = 0.1; }), DepthVerdict::Reject);
-  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.sigma_mm = NAN; }), DepthVerdict::Accept);
-  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.depth_mm = NAN; }), DepthVerdict::Accept);
+  EXPECT_EQ(verdict_after([](DepthReading& r) { r.tip.loss = 0.1, r.tip.visible = 1.0; }),
+            DepthVerdict::Unsure);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.sigma_mm = r.tip.depth_mm = NAN; }),
+            DepthVerdict::Accept);
   EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.evidence = NAN; }), DepthVerdict::Accept);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.beside_mm.value.x() = NAN; }), DepthVerdict::Accept);
+  EXPECT_NE(verdict_after([](DepthReading& r) { r.tip.slope.covariance(0, 0) = NAN; }), DepthVerdict::Accept);
   EXPECT_NE(verdict_after([](DepthReading& r) { r.motion.score = NAN; }), DepthVerdict::Accept);
-  EXPECT_EQ(judge_depth({}, {}).verdict, DepthVerdict::Unsure);
+  EXPECT_EQ(judge_depth({}, settings).verdict, DepthVerdict::Unsure);
+  EXPECT_NE(judged([](DepthReading& r) {
+              r.tip.beside_mm.value = {2.6, 1.0};
+            }).reason.find("beside"),
+            std::string::npos);
+}
+
+TEST(JudgeDepth, CountsTheCalibrationsErrorAsItsOwn) {
+  DepthReading reading = good_reading();
+  spread_depth(reading.tip, 24.2, 0.15);
+  DepthCheckSettings settings = expecting(20.0);
+  settings.tip_offset = TipOffset{"n", "s", Millimetres(4.2), Millimetres(0.2)};
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Accept);
+  settings.tip_offset->sigma = Millimetres(1.0);
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Unsure);
 }
 
 }  // namespace

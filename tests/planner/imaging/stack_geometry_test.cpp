@@ -42,6 +42,30 @@ std::string refusal_of_slices(const std::vector<SlicePlane>& slices) {
   return "accepted";
 }
 
+TEST(StackSlabs, MakesOneStackForEachOrientationFromASingleSliceOn) {
+  std::mt19937 random(5);
+  std::vector<SlicePlane> slices;
+  for (const int count : {1, 3, 2})
+    for (SlicePlane slice : random_stack(random, count, 4.0)) {
+      slice.thickness_mm = 3.5;
+      slices.push_back(slice);
+    }
+  const std::vector<SliceStack> stacks = stack_slabs(slices);
+  ASSERT_EQ(stacks.size(), 3u);
+  EXPECT_EQ(stacks[0].grid.size.z(), 1);
+  EXPECT_NEAR(stacks[0].grid.spacing_mm().z(), 3.5, 1e-9);
+  EXPECT_EQ(stacks[1].grid.size.z(), 3);
+  EXPECT_NEAR(stacks[1].grid.spacing_mm().z(), 4.0, 1e-9);
+  EXPECT_EQ(stacks[2].order, (std::vector<std::size_t>{4, 5}));
+  for (const SliceStack& stack : stacks)
+    EXPECT_LT((stack.grid.X_SI.translation() - slices[stack.order.front()].p_SV).norm(), 1e-9);
+}
+
+TEST(StackSlabs, RefusesASingleSliceOfUnknownThickness) {
+  std::mt19937 random(6);
+  EXPECT_THROW(stack_slabs(random_stack(random, 1, 4.0)), ConfigError);
+}
+
 TEST(StackGeometry, IsTheSameHoweverTheFilesAreOrdered) {
   std::mt19937 random(1);
   for (int n = 0; n < 50; ++n) {

@@ -36,6 +36,21 @@ TEST(Seal, IsTheSha256OfTheDocumentedSerialisation) {
   EXPECT_TRUE(seal_holds(plan));
 }
 
+TEST(Seal, BreaksWithEveryFieldOfTheTipOffset) {
+  Plan sealed = sample_plan();
+  sealed.tip_offset = TipOffset{"titanium 18 G", "GRE TE 5", Millimetres(4.2), Millimetres(0.3)};
+  seal(sealed);
+  ASSERT_TRUE(seal_holds(sealed));
+  const std::vector<std::function<void(TipOffset&)>> changes = {
+      [](TipOffset& o) { o.needle += "."; }, [](TipOffset& o) { o.sequence += "."; },
+      [](TipOffset& o) { o.value += Millimetres(0.1); }, [](TipOffset& o) { o.sigma += Millimetres(0.1); }};
+  for (const auto& change : changes) {
+    Plan plan = sealed;
+    change(*plan.tip_offset);
+    EXPECT_FALSE(seal_holds(plan));
+  }
+}
+
 TEST(Seal, AnUnsealedPlanDoesNotHold) {
   EXPECT_FALSE(seal_holds(sample_plan()));
 }
@@ -57,7 +72,7 @@ TEST(Seal, BreaksWithEverySingleField) {
       [](Plan& p) { p.steps[0].v_max += Volts(1); }, [](Plan& p) { p.steps[0].dwell += Seconds(0.1); },
       [](Plan& p) { p.steps[0].image_confirms = false; }, [](Plan& p) { p.steps[0].why += "."; },
       [](Plan& p) { p.steps.push_back(p.steps[0]); }, [](Plan& p) { p.steps.clear(); },
-      [](Plan& p) { p.gains.proportional_V_per_mm += 1; },
+      [](Plan& p) { p.tip_offset = TipOffset{}; }, [](Plan& p) { p.gains.proportional_V_per_mm += 1; },
       [](Plan& p) { p.gains.integral_V_per_mm_per_tick += 0.1; },
       [](Plan& p) { p.limits.depth_max += Millimetres(0.1); }, [](Plan& p) { p.limits.v_max += Volts(1); },
       [](Plan& p) { p.limits.plausible[0].drive += Volts(1); },

@@ -121,6 +121,13 @@ std::optional<Case> drawn_case(const Volume& planning, double tissue, const Draw
   return std::nullopt;
 }
 
+// The painted void ends at the tip.
+imaging::DepthCheckSettings of_painted_void() {
+  imaging::DepthCheckSettings settings;
+  settings.tip_offset = TipOffset{"painted void", kSimulatedSequence, Millimetres(0.0), Millimetres(0.05)};
+  return settings;
+}
+
 struct Outcome {
   DepthCheck check;
   double depth_mm, error_mm;
@@ -133,7 +140,8 @@ Outcome read_rendering(const Volume& planning, const Case& c, const Draw& draw) 
   box.include(c.p_SE + c.depth_mm * c.axis_S, 55.0);
   const Volume part = imaging::cropped(planning, box);
   const Volume before = draw.adversarial ? sim::scan(part, c.before) : part;
-  const DepthCheck check = imaging::check_depth(before, sim::scan(part, c.after), c.p_SE, c.axis_S);
+  const DepthCheck check =
+      imaging::check_depth(before, sim::scan(part, c.after), c.p_SE, c.axis_S, of_painted_void());
   return {check, c.depth_mm, check.depth.value - c.depth_mm};
 }
 
@@ -242,7 +250,8 @@ TEST(DepthCheckCampaign, NeverAcceptsARealGuidanceScanWithoutNeedle) {
   if (!planning || !guidance) GTEST_SKIP() << "no real images beside the source folder";
   for (std::uint64_t n = 0; n < read_of(30); ++n) {
     const Point p_SE = Point(6, -27, 52) + 10.0 * random_direction(n, 1);
-    const DepthCheck check = imaging::check_depth(*planning, *guidance, p_SE, random_direction(n, 5));
+    const DepthCheck check =
+        imaging::check_depth(*planning, *guidance, p_SE, random_direction(n, 5), of_painted_void());
     EXPECT_NE(check.verdict, DepthVerdict::Accept) << check.reason;
   }
 }
@@ -255,8 +264,8 @@ TEST(DepthCheckCampaign, ReadsThePapersDepthsOnItsPhantomToATenthOfAMillimetre) 
     settings.needle = sim::NeedleArtefact{phantom.p_SE, phantom.axis_S, Millimetres(depth)};
     settings.motion = {phantom.p_SE, 2.0 * random_direction(seed, 1), 2.0 * random_direction(seed, 4)};
     settings.seed = seed++;
-    const DepthCheck check =
-        imaging::check_depth(phantom.image, sim::scan(phantom.image, settings), phantom.p_SE, phantom.axis_S);
+    const DepthCheck check = imaging::check_depth(phantom.image, sim::scan(phantom.image, settings),
+                                                  phantom.p_SE, phantom.axis_S, of_painted_void());
     EXPECT_EQ(check.verdict, DepthVerdict::Accept) << check.reason;
     EXPECT_NEAR(check.depth.value, depth, 0.1);
   }
@@ -269,8 +278,8 @@ TEST(DepthCheckCampaign, NeverAcceptsAnEmptyPhantom) {
     settings.motion = {phantom.p_SE, 4.0 * random_direction(seed, 1), 4.0 * random_direction(seed, 4)};
     settings.seed = seed;
     settings.snr = 15.0;
-    const DepthCheck check =
-        imaging::check_depth(phantom.image, sim::scan(phantom.image, settings), phantom.p_SE, phantom.axis_S);
+    const DepthCheck check = imaging::check_depth(phantom.image, sim::scan(phantom.image, settings),
+                                                  phantom.p_SE, phantom.axis_S, of_painted_void());
     EXPECT_NE(check.verdict, DepthVerdict::Accept) << check.reason;
   }
 }

@@ -251,23 +251,29 @@ TEST(Documents, PrintTheLibraryOfEffectsAsTheProgramDoes) {
 TEST(Documents, DescribeTheThresholdsOfTheDepthCheck) {
   const std::string page = prose_of("explanation/depth-check.md");
   const imaging::DepthCheckSettings check;
-  const imaging::TipSettings tip;
-  const auto expect_row = [&](const std::string& name, double value, const std::string& unit) {
-    std::ostringstream cell;
-    cell << "| " << value << unit << " |";
-    EXPECT_TRUE(row_of(page, name).ends_with(cell.str())) << name << " " << cell.str();
+  const imaging::SearchReach reach;
+  const auto expect_row = [&](const std::string& name, const std::string& cell) {
+    EXPECT_TRUE(row_of(page, name).ends_with("| " + cell + " |")) << name << " " << cell;
   };
-  expect_row("tolerance around the expected depth", check.tolerance.value, " mm");
-  expect_row("standard deviation, at most", check.sigma_max.value, " mm");
-  expect_row("range the tip may lie in, given what changes beside the path, at most", check.range_max.value,
-             " mm");
-  expect_row("correlation after registration, at least", check.registration_min, "");
-  expect_row("evidence (standard deviations above \"nothing changed\"), at least", check.evidence_min, "");
-  expect_row("and times that of the control paths, at least", check.evidence_over_control, "");
-  expect_row("evidence against any other tip, at least", check.rival_against_min, "");
-  expect_row("share of the signal lost in the void, at least", check.loss_min, "");
-  expect_row("needle beside its expected axis, at most", tip.deviation_max_mm, " mm");
-  expect_row("needle tilted against it, at most", tip.tilt_max_deg, " degrees");
+  const auto number = [](double value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+  };
+  const auto allowance = [&](const imaging::Allowance& of, const std::string& unit) {
+    return number(of.tolerance) + unit + " | " + number(of.limit) + unit;
+  };
+  expect_row("depth", allowance(check.depth_mm, " mm"));
+  expect_row("tip beside the planned axis", allowance(check.lateral_mm, " mm"));
+  expect_row("angle to the planned axis", allowance(check.angle_deg, " degrees"));
+  expect_row("confidence of an accept", number(100.0 * check.confidence) + " %");
+  expect_row("confidence of a reject", number(100.0 * check.missed_certainly) + " %");
+  expect_row("correlation after registration, at least", number(check.registration_min));
+  expect_row("evidence (lost signal over its standard deviation), at least", number(check.evidence_min));
+  expect_row("share of the signal lost in the void, at least", number(check.loss_min));
+  expect_row("no needle where less than this share is lost for certain", number(check.needle_loss));
+  expect_row("searched beside the axis, at the entry", number(reach.beside_mm) + " mm");
+  expect_row("searched against the axis", number(reach.tilt_deg) + " degrees");
 }
 
 TEST(Documents, DescribeEveryStateAndTransition) {

@@ -9,6 +9,9 @@
 
 #include "planner/imaging/io/dicom/dicom_fields.hpp"
 #include "planner/imaging/io/dicom/dicom_pixels.hpp"
+#include "planner/imaging/io/dicom/dicom_time.hpp"
+#include "planner/imaging/io/grid_rules.hpp"
+#include "robot/common/text/strict_number.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -130,6 +133,9 @@ void read_identity(DcmItem& dataset, DicomFile& file) {
   identity.date = ascii(text(DCM_SeriesDate));
   if (identity.date.empty()) identity.date = ascii(text(DCM_StudyDate));
   file.image_type = dicom_text(dataset, DCM_ImageType);
+  file.acquired = dicom_acquisition_time(dataset);
+  const auto images = strict_integer(dicom_text(dataset, DCM_ImagesInAcquisition));
+  if (images && *images > 0 && *images <= kSizeMax) file.images_in_acquisition = static_cast<int>(*images);
 }
 
 // A report, a structure set or a DICOMDIR says so by its class. A file that names no class, or the class of

@@ -1,6 +1,7 @@
 // What one DICOM file says about itself and about the slices in it, without the pixels.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,8 +23,10 @@ struct DicomSlice {
 struct DicomFile {
   std::filesystem::path file;
   SeriesIdentity identity;
-  std::string image_type;              // "ORIGINAL\PRIMARY\M"
-  bool readable = false;               // DICOM all through to the pixels
+  std::string image_type;                                         // "ORIGINAL\PRIMARY\M"
+  std::optional<std::chrono::system_clock::time_point> acquired;  // by the scanner's clock
+  int images_in_acquisition = 0;                                  // as stated; 0: not stated
+  bool readable = false;                                          // DICOM all through to the pixels
   bool is_image = false;               // a report, structure set or DICOMDIR is none
   std::vector<DicomSlice> slices;      // one, or one a frame of an enhanced image
   std::optional<ConfigError> refusal;  // why it cannot be part of a volume

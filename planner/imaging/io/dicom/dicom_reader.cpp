@@ -77,17 +77,18 @@ DicomFolder scan_dicom_files(const std::vector<std::filesystem::path>& files) {
   return folder;
 }
 
-SliceStack stack_series(const DicomSeries& series) {
+namespace {
+
+std::vector<SlicePlane> planes_of(const DicomSeries& series) {
   for (const DicomFile& file : series.files)
     if (file.refusal) throw *file.refusal;
   for (const DicomFile& file : series.files) refuse_mixture(series.files.front(), file);
   std::vector<SlicePlane> planes;
   for (const DicomSlice* slice : slices_of(series)) planes.push_back(slice->plane);
-  return stack_slices(planes);
+  return planes;
 }
 
-Volume read_dicom_series(const DicomSeries& series) {
-  const SliceStack stack = stack_series(series);
+Volume decoded(const DicomSeries& series, const SliceStack& stack) {
   const std::vector<const DicomSlice*> slices = slices_of(series);
   Volume volume;
   volume.grid = stack.grid;
@@ -102,6 +103,22 @@ Volume read_dicom_series(const DicomSeries& series) {
   }
   decoder.add_warnings(volume.warnings);
   return volume;
+}
+
+}  // namespace
+
+SliceStack stack_series(const DicomSeries& series) {
+  return stack_slices(planes_of(series));
+}
+
+Volume read_dicom_series(const DicomSeries& series) {
+  return decoded(series, stack_series(series));
+}
+
+std::vector<Volume> read_dicom_slabs(const DicomSeries& series) {
+  std::vector<Volume> volumes;
+  for (const SliceStack& stack : stack_slabs(planes_of(series))) volumes.push_back(decoded(series, stack));
+  return volumes;
 }
 
 }  // namespace biopsy::imaging

@@ -30,4 +30,7 @@ SliceStack stack_series(const DicomSeries& series);
 // DicomPixels do.
 Volume read_dicom_series(const DicomSeries& series);
 
+// One volume for each orientation in the series, of any number of slices; see stack_slabs.
+std::vector<Volume> read_dicom_slabs(const DicomSeries& series);
+
 }  // namespace biopsy::imaging

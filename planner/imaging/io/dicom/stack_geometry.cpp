@@ -121,32 +121,78 @@ void warn_of_contradictions(const SlicePlane& slice, SliceStack& stack) {
 
 }  // namespace
 
-SliceStack stack_slices(const std::vector<SlicePlane>& slices) {
+namespace {
+
+SliceStack stacked(const std::vector<SlicePlane>& slices, std::size_t least, double gap_of_one_mm) {
   if (slices.empty()) throw ConfigError("no slices", "series", "give a folder with an image series");
   for (const SlicePlane& slice : slices) refuse_bad_plane(slice);
   for (const SlicePlane& slice : slices) refuse_different_planes(slices.front(), slice);
   const SlicePlane& any = slices.front();
-  if (slices.size() < kSizeMin)
+  if (slices.size() < least)
     throw ConfigError(fmt::format("only {} slice{}: a volume needs at least {}", slices.size(),
-                                  slices.size() == 1 ? "" : "s", kSizeMin),
+                                  slices.size() == 1 ? "" : "s", least),
                       any.name, "give the folder with the whole series");
 
   const Direction normal = normal_of(any);
   SliceStack stack;
   stack.order = sorted_along(normal, slices);
   const SlicePlane &first = slices[stack.order.front()], &last = slices[stack.order.back()];
-  refuse_repeats_and_gaps(slices, stack, normal);
+  if (slices.size() > 1) refuse_repeats_and_gaps(slices, stack, normal);
 
-  const double gap = normal.dot(last.p_SV - first.p_SV) / static_cast<double>(slices.size() - 1);
+  const double gap = slices.size() > 1
+                         ? normal.dot(last.p_SV - first.p_SV) / static_cast<double>(slices.size() - 1)
+                         : gap_of_one_mm;
   stack.grid.size = {any.columns, any.rows, static_cast<int>(slices.size())};
   stack.grid.X_SI.linear().col(0) = first.along_row.normalized() * first.spacing_i_mm;
   stack.grid.X_SI.linear().col(1) = first.along_column.normalized() * first.spacing_j_mm;
   stack.grid.X_SI.linear().col(2) = normal * gap;
   stack.grid.X_SI.translation() = first.p_SV;
   refuse_off_grid(slices, stack, normal);
-  refuse_bad_grid(stack.grid, first.name);
+  refuse_bad_grid(stack.grid, first.name, static_cast<int>(least));
   warn_of_contradictions(any, stack);
   return stack;
+}
+
+bool in_one_stack(const SlicePlane& a, const SlicePlane& b) {
+  return a.columns == b.columns && a.rows == b.rows &&
+         (a.along_row - b.along_row).norm() < kDirectionTolerance &&
+         (a.along_column - b.along_column).norm() < kDirectionTolerance;
+}
+
+double stated_gap_mm(const SlicePlane& slice) {
+  const double gap = slice.stated_gap_mm > 0.0 ? slice.stated_gap_mm : slice.thickness_mm;
+  if (!(gap > 0.0))
+    throw ConfigError("a single slice whose header states no thickness", slice.name,
+                      "export it again with SliceThickness");
+  return gap;
+}
+
+}  // namespace
+
+SliceStack stack_slices(const std::vector<SlicePlane>& slices) {
+  return stacked(slices, kSizeMin, 0.0);
+}
+
+std::vector<SliceStack> stack_slabs(const std::vector<SlicePlane>& slices) {
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t n = 0; n < slices.size(); ++n) {
+    refuse_bad_plane(slices[n]);
+    const auto known = std::find_if(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& group) {
+      return in_one_stack(slices[group.front()], slices[n]);
+    });
+    if (known == groups.end())
+      groups.push_back({n});
+    else
+      known->push_back(n);
+  }
+  std::vector<SliceStack> stacks;
+  for (const std::vector<std::size_t>& group : groups) {
+    std::vector<SlicePlane> planes;
+    for (std::size_t n : group) planes.push_back(slices[n]);
+    stacks.push_back(stacked(planes, 1, group.size() == 1 ? stated_gap_mm(planes.front()) : 0.0));
+    for (std::size_t& n : stacks.back().order) n = group[n];
+  }
+  return stacks;
 }
 
 }  // namespace biopsy::imaging

@@ -36,4 +36,9 @@ inline constexpr double kStackTolerance_mm = 0.05;
 // slices, two at one place, a tilted stack (sheared, gantry tilt), uneven gaps (a missing slice).
 SliceStack stack_slices(const std::vector<SlicePlane>& slices);
 
+// The same for confirmation images, which are often a few slices in several planes: one stack for each
+// orientation, from one slice on; `order` counts in `slices`. A single slice has the spacing or thickness
+// that its header states; without any it is refused.
+std::vector<SliceStack> stack_slabs(const std::vector<SlicePlane>& slices);
+
 }  // namespace biopsy::imaging

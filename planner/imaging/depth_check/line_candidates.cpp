@@ -1,0 +1,146 @@
+#include "planner/imaging/depth_check/line_candidates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+namespace biopsy::imaging {
+namespace {
+
+// From the thinnest void seen in half-millimetre pixels to the widest of ten pixels of 1.2 mm.
+constexpr std::array<double, 5> kRadii{0.7, 1.2, 2.0, 3.3, 5.5};
+constexpr double kCell_mm = 0.75, kSlab_mm = 2.0;
+constexpr double kTiltStep_deg = 1.5;
+constexpr int kStarts = 4;  // a shaft may come into view behind the entry at one of these
+
+// Per slab: sums of template * change / variance and template^2 / variance, for a disc about each cell.
+struct SlabMaps {
+  int cells = 0;  // per side of a square about the axis
+  double t_min = 0.0;
+  std::vector<cv::Mat> match, energy;
+
+  double t(std::size_t slab) const { return t_min + (static_cast<double>(slab) + 0.5) * kSlab_mm; }
+  int cell_of(double beside_mm) const {
+    return static_cast<int>(std::floor(beside_mm / kCell_mm + 0.5)) + cells / 2;
+  }
+};
+
+// The voxels' own sums by cell, before any disc.
+SlabMaps point_maps(const Corridor& corridor) {
+  SlabMaps maps;
+  maps.cells = 2 * static_cast<int>(std::ceil(corridor.radius_mm / kCell_mm)) + 1;
+  maps.t_min = corridor.t_min;
+  const auto slabs =
+      static_cast<std::size_t>(std::max((corridor.t_max - corridor.t_min) / kSlab_mm, 0.0)) + 1;
+  for (std::size_t n = 0; n < slabs; ++n) {
+    maps.match.push_back(cv::Mat::zeros(maps.cells, maps.cells, CV_32F));
+    maps.energy.push_back(cv::Mat::zeros(maps.cells, maps.cells, CV_32F));
+  }
+  for (const CorridorVoxel& voxel : corridor.voxels) {
+    const auto slab = std::min(
+        static_cast<std::size_t>(std::max((static_cast<double>(voxel.t) - maps.t_min) / kSlab_mm, 0.0)),
+        slabs - 1);
+    const int row = maps.cell_of(static_cast<double>(voxel.v)),
+              column = maps.cell_of(static_cast<double>(voxel.u));
+    if (row < 0 || column < 0 || row >= maps.cells || column >= maps.cells) continue;
+    const float per_variance = voxel.predicted / voxel.variance;
+    maps.match[slab].at<float>(row, column) += per_variance * (voxel.predicted - voxel.measured);
+    maps.energy[slab].at<float>(row, column) += per_variance * voxel.predicted;
+  }
+  return maps;
+}
+
+// Share of a voxel's cross-section that a disc covers, by the distance of their centres in cells.
+cv::Mat disc_kernel(const Corridor& corridor, double radius_mm) {
+  std::vector<Eigen::Vector2d> places;
+  double wide = 0.0;
+  for (const Stack& stack : corridor.stacks)
+    for (const Eigen::Vector2d& place : stack.lateral) {
+      places.push_back(place);
+      wide = std::max(wide, place.norm());
+    }
+  const double soft = std::max(0.35, 0.25 * radius_mm);
+  const int half = static_cast<int>(std::ceil((radius_mm + soft + wide) / kCell_mm));
+  cv::Mat kernel(2 * half + 1, 2 * half + 1, CV_32F);
+  for (int row = -half; row <= half; ++row)
+    for (int column = -half; column <= half; ++column) {
+      double covered = 0.0;
+      for (const Eigen::Vector2d& place : places) {
+        const double from_axis = (place + kCell_mm * Eigen::Vector2d(column, row)).norm();
+        covered += std::clamp((radius_mm + soft - from_axis) / (2.0 * soft), 0.0, 1.0);
+      }
+      kernel.at<float>(row + half, column + half) =
+          static_cast<float>(covered / static_cast<double>(places.size()));
+    }
+  return kernel;
+}
+
+SlabMaps disc_maps(const SlabMaps& points, const cv::Mat& kernel) {
+  SlabMaps maps = points;
+  const cv::Mat squared = kernel.mul(kernel);
+  for (std::size_t n = 0; n < points.match.size(); ++n) {
+    cv::Mat match, energy;
+    cv::filter2D(points.match[n], match, CV_32F, kernel, cv::Point(-1, -1), 0.0, cv::BORDER_CONSTANT);
+    cv::filter2D(points.energy[n], energy, CV_32F, squared, cv::Point(-1, -1), 0.0, cv::BORDER_CONSTANT);
+    maps.match[n] = match, maps.energy[n] = energy;
+  }
+  return maps;
+}
+
+LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& reach) {
+  LineFit best;
+  const double behind = std::max(-maps.t_min, 0.0);
+  std::array<double, kStarts> match{}, energy{};
+  for (std::size_t slab = 0; slab < maps.match.size(); ++slab) {
+    const double t = maps.t(slab), end = t + 0.5 * kSlab_mm;
+    const int row = maps.cell_of(line.v + line.v_slope * t), column = maps.cell_of(line.u + line.u_slope * t);
+    const bool inside = row >= 0 && column >= 0 && row < maps.cells && column < maps.cells;
+    const double m = inside ? static_cast<double>(maps.match[slab].at<float>(row, column)) : 0.0;
+    const double e = inside ? static_cast<double>(maps.energy[slab].at<float>(row, column)) : 0.0;
+    for (int n = 0; n < kStarts; ++n) {
+      const double start = -behind * n / (kStarts - 1);
+      if (t < start - 0.5 * kSlab_mm) continue;
+      const auto s = static_cast<std::size_t>(n);
+      match[s] += m, energy[s] += e;
+      if (end < reach.depth_min_mm || end > reach.depth_max_mm || energy[s] <= 0.0) continue;
+      const double loss = std::clamp(match[s] / energy[s], 0.0, 1.1);
+      const double gain = loss * (2.0 * match[s] - loss * energy[s]);
+      if (gain > best.gain) best = {gain, loss, start, end};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<LineCandidate> line_candidates(const Corridor& corridor, const SearchReach& reach) {
+  const SlabMaps points = point_maps(corridor);
+  std::vector<LineCandidate> best;
+  for (double radius : kRadii) {
+    const SlabMaps maps = disc_maps(points, disc_kernel(corridor, radius));
+    LineCandidate top;
+    const double step = std::max(kCell_mm, 0.5 * radius);
+    const int n = static_cast<int>(std::ceil(reach.beside_mm / step));
+    const int tilts = static_cast<int>(std::floor(reach.tilt_deg / kTiltStep_deg));
+    const double slope = std::tan(kTiltStep_deg * std::numbers::pi / 180.0);
+    for (int i = -n; i <= n; ++i)
+      for (int j = -n; j <= n; ++j) {
+        if (std::hypot(i, j) > n) continue;
+        for (int a = -tilts; a <= tilts; ++a)
+          for (int b = -tilts; b <= tilts; ++b) {
+            if (std::hypot(a, b) > tilts) continue;
+            const VoidLine line{i * step, j * step, a * slope, b * slope, radius};
+            const LineFit fit = best_tip(maps, line, reach);
+            if (fit.gain > top.fit.gain) top = {line, fit};
+          }
+      }
+    best.push_back(top);
+  }
+  std::stable_sort(best.begin(), best.end(),
+                   [](const LineCandidate& a, const LineCandidate& b) { return a.fit.gain > b.fit.gain; });
+  return best;
+}
+
+}  // namespace biopsy::imaging

@@ -1,0 +1,266 @@
+#include "planner/imaging/depth_check/void_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "planner/imaging/depth_check/control_places.hpp"
+#include "planner/imaging/depth_check/void_shape.hpp"
+
+namespace biopsy::imaging {
+namespace {
+
+constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
+constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
+constexpr std::size_t kVoxelsMax = 3000, kVoxelsFirst = 800;  // about the tip; half of that along the shaft
+constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
+
+// What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
+// bounds. Zero: nothing is known.
+VoidVector prior_sigma() {
+  VoidVector sigma = VoidVector::Zero();
+  sigma[kLogRadius] = 0.8, sigma[kLogSoft] = 0.5, sigma[kRounding] = 0.35, sigma[kLoss] = 0.5;
+  return sigma;
+}
+
+VoidVector prior_mean(double radius_mm) {
+  VoidVector mean = VoidVector::Zero();
+  mean[kLogRadius] = std::log(radius_mm);
+  mean[kLogSoft] = std::log(std::max(0.35, 0.3 * radius_mm));
+  mean[kRounding] = 0.5, mean[kLoss] = 0.9;
+  return mean;
+}
+
+double huber(double z) {
+  const double size = std::abs(z);
+  return size <= kClip ? size * size : kClip * (2.0 * size - kClip);
+}
+
+class Fitting {
+ public:
+  Fitting(const Corridor& corridor, const VoidLine& line, double depth_mm, std::size_t voxels_max)
+      : corridor_(corridor), tip_mm_(depth_mm), mean_(prior_mean(line.radius_mm)), sigma_(prior_sigma()) {
+    double voxel = 0.0;
+    for (const Stack& stack : corridor.stacks)
+      for (const Eigen::Vector2d& place : stack.lateral) voxel = std::max(voxel, place.norm());
+    const double reach = 1.5 * line.radius_mm + 1.5 + voxel;
+    std::vector<std::uint32_t> shaft, tip;
+    for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
+      const CorridorVoxel& one = corridor.voxels[n];
+      const double t = static_cast<double>(one.t);
+      const bool beside = std::hypot(static_cast<double>(one.u) - line.u - line.u_slope * t,
+                                     static_cast<double>(one.v) - line.v - line.v_slope * t) > reach;
+      if (beside || t > depth_mm + kBeyond_mm + corridor.along_mm) continue;
+      (t > depth_mm - kNear_mm ? tip : shaft).push_back(static_cast<std::uint32_t>(n));
+    }
+    keep(tip, voxels_max), keep(shaft, voxels_max / 2);
+  }
+
+  VoidVector start(const VoidLine& line, double depth_mm) const {
+    VoidVector x = mean_;
+    x[kDepth] = depth_mm;
+    x[kU] = line.u + line.u_slope * tip_mm_, x[kV] = line.v + line.v_slope * tip_mm_;
+    x[kUSlope] = line.u_slope, x[kVSlope] = line.v_slope;
+    return x;
+  }
+  VoidShape shape(const VoidVector& x) const {
+    VoidShape shape;
+    shape.depth = x[kDepth];
+    shape.line = {x[kU] - x[kUSlope] * tip_mm_, x[kV] - x[kVSlope] * tip_mm_, x[kUSlope], x[kVSlope],
+                  std::exp(std::clamp(x[kLogRadius], -1.2, 2.1))};
+    shape.soft = std::exp(std::clamp(x[kLogSoft], -1.6, 1.6));
+    shape.rounding = std::clamp(x[kRounding], 0.0, 1.0);
+    return shape;
+  }
+  std::size_t size() const { return used_.size(); }
+  const std::vector<std::uint32_t>& used() const { return used_; }
+
+  // Huber's cost of all voxels and the prior's.
+  double cost(const VoidVector& x) const {
+    const std::vector<double> z = residuals(x);
+    double sum = prior_cost(x);
+    for (double one : z) sum += huber(one);
+    return sum;
+  }
+  double prior_cost(const VoidVector& x) const {
+    double sum = 0.0;
+    for (int p = 0; p < kVoidParameters; ++p)
+      if (sigma_[p] > 0.0) sum += std::pow((x[p] - mean_[p]) / sigma_[p], 2);
+    return sum;
+  }
+  // (measured - model) / standard deviation
+  std::vector<double> residuals(const VoidVector& x) const {
+    const VoidShape s = shape(x);
+    const double loss = std::clamp(x[kLoss], 0.0, 1.1);
+    std::vector<double> z(used_.size());
+    for (std::size_t n = 0; n < used_.size(); ++n) {
+      const CorridorVoxel& voxel = corridor_.voxels[used_[n]];
+      const double model =
+          static_cast<double>(voxel.predicted) * (1.0 - loss * coverage(corridor_, voxel, s));
+      z[n] = (static_cast<double>(voxel.measured) - model) / std::sqrt(static_cast<double>(voxel.variance));
+    }
+    return z;
+  }
+  // Levenberg and Marquardt's least squares with numeric slopes.
+  VoidVector minimised(VoidVector x) const {
+    double best = cost(x), damping = 1e-2;
+    for (int iteration = 0; iteration < 25 && damping < 1e6; ++iteration) {
+      VoidMatrix normal;
+      VoidVector right;
+      normal_equations(x, normal, right, nullptr);
+      bool better = false;
+      for (; !better && damping < 1e6; damping *= better ? 0.2 : 5.0) {
+        VoidMatrix damped = normal;
+        damped.diagonal() *= 1.0 + damping;
+        damped.diagonal().array() += 1e-9;
+        const VoidVector step = damped.ldlt().solve(right);
+        if (!step.allFinite()) return x;
+        const double value = cost(x + step);
+        better = value < best;
+        if (!better) continue;
+        const bool done = best - value < 1e-3 * (1.0 + 1e-3 * best);
+        x += step, best = value;
+        if (done) return x;
+      }
+    }
+    return x;
+  }
+  void normal_equations(const VoidVector& x, VoidMatrix& normal, VoidVector& right,
+                        std::vector<TemplateVoxel>* slopes) const {
+    const std::vector<double> z = residuals(x);
+    std::array<std::vector<double>, kVoidParameters> moved;
+    VoidVector by;
+    by << 0.05, 0.05, 0.05, 0.002, 0.002, 0.03, 0.05, 0.1, 0.02;
+    if (x[kRounding] > 0.5) by[kRounding] = -by[kRounding];
+    if (x[kLoss] > 1.0) by[kLoss] = -by[kLoss];
+    for (int p = 0; p < kVoidParameters; ++p) {
+      VoidVector there = x;
+      there[p] += by[p];
+      moved[static_cast<std::size_t>(p)] = residuals(there);
+    }
+    normal.setZero(), right.setZero();
+    for (std::size_t n = 0; n < z.size(); ++n) {
+      VoidVector slope;
+      for (int p = 0; p < kVoidParameters; ++p)
+        slope[p] = (z[n] - moved[static_cast<std::size_t>(p)][n]) / by[p];
+      const double weight = std::abs(z[n]) <= kClip ? 1.0 : kClip / std::abs(z[n]);
+      normal += weight * slope * slope.transpose();
+      right += weight * z[n] * slope;
+      if (slopes) slopes->push_back({used_[n], std::sqrt(weight) * slope});
+    }
+    for (int p = 0; p < kVoidParameters; ++p)
+      if (sigma_[p] > 0.0) {
+        normal(p, p) += 1.0 / (sigma_[p] * sigma_[p]);
+        right[p] -= (x[p] - mean_[p]) / (sigma_[p] * sigma_[p]);
+      }
+  }
+
+ private:
+  void keep(const std::vector<std::uint32_t>& some, std::size_t most) {
+    const std::size_t every = some.size() / most + 1;
+    for (std::size_t n = 0; n < some.size(); n += every) used_.push_back(some[n]);
+  }
+
+  const Corridor& corridor_;
+  double tip_mm_;
+  VoidVector mean_, sigma_;
+  std::vector<std::uint32_t> used_;
+};
+
+struct Fitted {
+  VoidFit fit;
+  VoidVector x = VoidVector::Zero();
+  VoidLine about;  // whose surroundings were fitted
+  double about_mm = 0.0;
+};
+
+Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
+              const std::vector<double>& starts_mm, std::size_t voxels_max) {
+  const Fitting fitting(corridor, line, depth_mm, voxels_max);
+  Fitted best{{}, fitting.start(line, depth_mm), line, depth_mm};
+  double least = 1e300;
+  for (double apart : starts_mm) {
+    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
+    const double cost = fitting.cost(x);
+    if (cost < least) least = cost, best.x = x;
+  }
+  VoidFit& fit = best.fit;
+  const VoidShape shape = fitting.shape(best.x);
+  fit.line = shape.line;
+  fit.depth_mm = shape.depth;
+  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
+  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
+  fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
+  fit.loss = std::clamp(best.x[kLoss], 0.0, 1.1);
+  fit.chi2 = least - fitting.prior_cost(best.x);
+  VoidVector nothing = best.x;
+  nothing[kLoss] = 0.0;
+  fit.gain = fitting.cost(nothing) - fitting.prior_cost(nothing) - fit.chi2;
+  fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
+  return best;
+}
+
+}  // namespace
+
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
+  Fitted best;
+  for (const LineCandidate& candidate : candidates) {
+    const Fitted one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
+    if (one.fit.gain > best.fit.gain) best = one;
+  }
+  if (best.fit.gain <= 0.0) return best.fit;
+  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
+  best = fitted(corridor, best.fit.line, best.fit.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
+  VoidFit fit = best.fit;
+  const Fitting fitting(corridor, best.about, best.about_mm, kVoxelsMax);
+  VoidMatrix normal;
+  VoidVector right;
+  std::vector<TemplateVoxel> slopes;
+  fitting.normal_equations(best.x, normal, right, &slopes);
+  normal.diagonal().array() += 1e-9;
+  const VoidMatrix alone = normal.inverse();  // covariance if voxels erred alone
+  const double clear_mm = fit.line.radius_mm + fit.soft_mm + 1.0;
+  const ControlPlaces control = at_control_places(corridor, slopes, alone, fit, kClip, clear_mm);
+  fit.control_places = control.count;
+  // A void that the model explains worse than the rest of the images is explained is read worse as well.
+  const double worse = std::max(fit.misfit / std::max(control.mean_square, 0.1), 1.0);
+  fit.covariance = worse * (control.covariance + alone);
+  // The loss with all else held: a thin void can be narrow and dark or wide and grey, but it is there.
+  double information = 0.0;
+  for (const TemplateVoxel& one : slopes) information += one.slope[kLoss] * one.slope[kLoss];
+  information = std::max(information, 1e-9);
+  fit.inflation = std::max(worse * (control.loss_alone / information + 1.0), 1.0);
+  fit.loss_sigma = std::sqrt(fit.inflation / information);
+  return fit;
+}
+
+std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
+                                  const std::vector<double>& depths) {
+  double voxel_mm = 0.0;
+  for (const Stack& stack : corridor.stacks)
+    for (const Eigen::Vector2d& place : stack.lateral) voxel_mm = std::max(voxel_mm, place.norm());
+  const double reach = 0.5 * fit.line.radius_mm + 0.35 + voxel_mm;
+  std::vector<const CorridorVoxel*> core;
+  for (const CorridorVoxel& one : corridor.voxels) {
+    const double t = static_cast<double>(one.t);
+    if (std::hypot(static_cast<double>(one.u) - fit.line.u - fit.line.u_slope * t,
+                   static_cast<double>(one.v) - fit.line.v - fit.line.v_slope * t) <= reach)
+      core.push_back(&one);
+  }
+  std::vector<double> chi2;
+  for (double depth : depths) {
+    const VoidShape shape{fit.line, depth, fit.soft_mm, fit.rounding};
+    double sum = 0.0;
+    for (const CorridorVoxel* one : core) {
+      const double model =
+          static_cast<double>(one->predicted) * (1.0 - fit.loss * coverage(corridor, *one, shape));
+      sum +=
+          huber((static_cast<double>(one->measured) - model) / std::sqrt(static_cast<double>(one->variance)));
+    }
+    chi2.push_back(sum);
+  }
+  return chi2;
+}
+
+}  // namespace biopsy::imaging
