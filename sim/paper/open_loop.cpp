@@ -56,6 +56,7 @@ OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, b
     run.time.push_back(now + drive.period + (drive.settle - settle));
     run.displacement.push_back(1e3 * displacement_reading(noiseless, state));
     run.plate_b.push_back(1e3 * plate_b(noiseless, state));
+    run.current.push_back(state.charge / drive.period);
   }
   return run;
 }
