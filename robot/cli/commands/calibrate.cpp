@@ -29,7 +29,9 @@ using sim::calibration::CalibratedParameter;
 using sim::calibration::Calibration;
 
 constexpr int kEvaluations = 600, kStarts = 4;
-constexpr int kStepsWithout = 4;                          // of a calibration without a figure
+constexpr int kStepsWithout = 4;  // of a calibration without a figure
+// Along the sensitivities: of measured runs alone, which cost a thousandth of the figures.
+constexpr int kFarSteps = 6, kLastSteps = 3, kStepsAlone = 30;
 constexpr double kWideSpread = 0.2, kNarrowSpread = 0.1;  // prior standard deviations
 
 struct Options {
@@ -119,11 +121,14 @@ sim::calibration::Question question_of(const Options& options) {
 
 Calibration calibrated(const sim::calibration::Question& question, const Options& options,
                        const std::stop_token& stop) {
+  const bool alone = !options.only_mine.empty();
   ProgressLine line;
   return sim::calibration::calibrate(
       question,
       {.starts = options.starts,
+       .far_steps = alone ? kStepsAlone : kFarSteps,
        .evaluations = options.evaluations,
+       .last_steps = alone ? kStepsAlone : kLastSteps,
        .seed = options.seed,
        .spread = options.starts > 0 ? kNarrowSpread : kWideSpread,
        .stop = stop},
