@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRigid = 20e3;     // N/m: three hundred times the stack's own stiffness
 constexpr double kRigidStep = 0.8;  // times 1/fastest rate: a third of the integrator's stability limit
-constexpr double kShortest = 12.0;  // s in which pouches and plate settle under the square wave
+constexpr double kShortest = 6.0;   // s in which pouches and plate settle under the square wave
 
 // Periodic state at the beginning of a half period with +amplitude: eq. (17) for the stack, and for the
 // retained charge the solution of its equation with s(a) = -s(0), a half a period.
@@ -56,6 +56,8 @@ OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, b
     run.time.push_back(now + drive.period + (drive.settle - settle));
     run.displacement.push_back(1e3 * displacement_reading(noiseless, state));
     run.plate_b.push_back(1e3 * plate_b(noiseless, state));
+    run.voltage.push_back(voltage);
+    run.current.push_back(state.charge / drive.period);
   }
   return run;
 }

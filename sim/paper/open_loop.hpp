@@ -18,9 +18,10 @@ struct OpenLoopDrive {
 };
 
 struct OpenLoopRun {
-  std::vector<double> time;          // s since the voltage was put on
-  std::vector<double> displacement;  // mm, plate A as the laser reads it, without its noise
-  std::vector<double> plate_b;       // mm
+  std::vector<double> time;              // s since the voltage was put on
+  std::vector<double> displacement;      // mm, plate A as the laser reads it, without its noise
+  std::vector<double> plate_b;           // mm
+  std::vector<double> voltage, current;  // V and A of the amplifier: held, and mean, since the record before
 };
 
 // From rest. With `skip_settling` the leakage starts where it settles under the square wave, eq. (15), and of

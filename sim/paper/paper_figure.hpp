@@ -2,7 +2,9 @@
 // made by sim/paper, printed by robot/report. Units (mm, s, kV, Hz, %) are named in the titles.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,12 @@ enum class RowKind : std::uint8_t {
   Shown,   // without a number in the paper to compare with; not scored
 };
 
+// A row by a calibration that left its figure out.
+struct HeldOutValue {
+  double ours = 0.0;
+  bool ok = false;
+};
+
 // One number or statement of the paper beside the model's. In Shown rows `paper` is a reference value.
 struct PaperRow {
   std::string figure;    // "6", "7a", "beyond"
@@ -42,6 +50,14 @@ struct PaperRow {
   bool ok = false;
   double margin = 0.0;  // of a Trend: relative distance from its limit; positive where it holds
   std::string note;     // how it was evaluated, or why it is missed; never empty where ok is false
+  std::optional<bool> leakage_ok{};        // met by the leakage model without effects; none: not compared
+  std::optional<HeldOutValue> held_out{};  // none: not measured for this model
+};
+
+// What a model was fitted to.
+struct FittedTo {
+  std::size_t unknowns = 0, numbers = 0, statements = 0;
+  std::string command;  // that left one figure out at a time
 };
 
 struct PaperFigure {
@@ -57,6 +73,7 @@ struct Reproduction {
   std::vector<PaperFigure> figures;
   std::vector<std::string> left_out;  // numbers of figures that an interruption left out
   double seconds = 0.0;               // wall time
+  std::optional<FittedTo> fitted{};   // none: not known of this model
 };
 
 }  // namespace biopsy

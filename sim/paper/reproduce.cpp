@@ -21,9 +21,10 @@ bool is_part_of(std::string_view number, std::string_view figure) {
 
 const std::vector<FigureEntry>& all_figures() {
   static const std::vector<FigureEntry> kFigures{
-      {"2", figure_2},   {"6", figure_6},   {"7a", figure_7a}, {"7b", figure_7b}, {"8a", figure_8a},
-      {"8b", figure_8b}, {"9a", figure_9a}, {"9b", figure_9b}, {"9c", figure_9c}, {"9d", figure_9d},
-      {"10", figure_10}, {"11", figure_11}, {"12", figure_12}, {"13", figure_13}, {"beyond", beyond}};
+      {"2", figure_2},   {"4", figure_4},   {"6", figure_6},   {"7a", figure_7a},
+      {"7b", figure_7b}, {"8a", figure_8a}, {"8b", figure_8b}, {"9a", figure_9a},
+      {"9b", figure_9b}, {"9c", figure_9c}, {"9d", figure_9d}, {"10", figure_10},
+      {"11", figure_11}, {"12", figure_12}, {"13", figure_13}, {"beyond", beyond}};
   return kFigures;
 }
 

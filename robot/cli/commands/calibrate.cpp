@@ -15,6 +15,8 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/text/number_text.hpp"
+#include "robot/report/study/calibration_report.hpp"
+#include "sim/paper/calibration/leave_one_out.hpp"
 #include "sim/paper/calibration/paper_text.hpp"
 #include "sim/plant/model_text.hpp"
 
@@ -26,13 +28,22 @@ using Json = nlohmann::ordered_json;
 using sim::calibration::CalibratedParameter;
 using sim::calibration::Calibration;
 
+constexpr int kEvaluations = 600, kStarts = 4;
+constexpr int kStepsWithout = 4;  // of a calibration without a figure
+// Along the sensitivities: of measured runs alone, which cost a thousandth of the figures.
+constexpr int kFarSteps = 6, kLastSteps = 3, kStepsAlone = 30;
+constexpr double kWideSpread = 0.2, kNarrowSpread = 0.1;  // prior standard deviations
+
 struct Options {
   fs::path model;  // empty: sim/models/calibrated.toml
   fs::path out;
-  std::vector<fs::path> data;  // measured runs that count beside the paper's rows
-  int evaluations = 0;         // of each search; 0: 600, or 1600 from nominal values
+  std::vector<fs::path> data;       // measured runs that count beside the paper's rows
+  std::vector<fs::path> only_mine;  // measured runs that count alone
+  int evaluations = kEvaluations;
+  int starts = 0;  // 0: kStarts from nominal values and for measured runs alone, else none
   std::uint64_t seed = 1;
-  bool from_nominal = false;  // begin at what was known beforehand, not at earlier answers
+  bool from_nominal = false;   // begin at what was known beforehand, not at earlier answers
+  bool leave_one_out = false;  // held_out.toml in place of a model
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -40,76 +51,120 @@ void declare(CLI::App& app, Options& options) {
             "sim/models/calibrated.toml");
   add(app, "--data FOLDER", options.data,
       "folder of a [data set](model-files.md#data-set) that counts beside the paper; may be repeated");
-  add(app, "--evaluations N", options.evaluations, "budget of a global search",
-      "600; `--from-nominal` has two searches, of 1600 each")
+  CLI::Option* mine = add(app, "--only-mine FOLDER", options.only_mine,
+                          "folder of a [data set](model-files.md#data-set) of a stage of your own: fitted "
+                          "alone, without the paper's "
+                          "figures, from the values of `--model`; may be repeated");
+  add(app, "--evaluations N", options.evaluations, "budget of the global search", "600")
       ->check(in_range(1, 1'000'000));
+  add(app, "--starts N", options.starts,
+      "starts of a first search from far away: the nominal values and draws around them",
+      "4 with `--from-nominal` and `--only-mine`, else none")
+      ->check(in_range(1, 1000));
   add_seed(app, options.seed, "the search");
-  app.add_flag("--from-nominal", options.from_nominal,
-               "begin at the nominal values, not at the result of earlier searches");
+  CLI::Option* nominal = app.add_flag("--from-nominal", options.from_nominal,
+                                      "begin at the nominal values, not at the result of earlier searches");
+  app.add_flag("--leave-one-out", options.leave_one_out,
+               "predict each figure by a calibration on all others, from the nominal values, and write "
+               "held_out.toml")
+      ->excludes(nominal)
+      ->excludes(mine);
+  mine->excludes(nominal);
   add_out(app, options.out, "the result")->required();
 }
-
-constexpr int kEvaluations = 600, kEvaluationsFromFar = 1600;
-// Population of CMA-ES: from the nominal values, and near an earlier result.
-constexpr int kFewDraws = 16, kManyDraws = 24;
-constexpr double kWideSpread = 0.2, kNarrowSpread = 0.15;  // prior standard deviations
-constexpr double kStrongCorrelation = 0.7;
 
 double three_digits(double value) {
   return std::stod(fmt::format("{:.2e}", value));
 }
 
+bool is_of_stage(const std::string& name) {
+  return !name.starts_with("film.") && !name.starts_with("joint.");
+}
+
+std::vector<sim::RecordedRun> runs_in(const std::vector<fs::path>& folders) {
+  std::vector<sim::RecordedRun> runs;
+  for (const fs::path& folder : folders)
+    for (sim::RecordedRun& run : sim::read_dataset(folder, sim::Drive::Stack).runs)
+      runs.push_back(std::move(run));
+  return runs;
+}
+
+// Parameters of the stage itself, known beforehand as `model` has them.
+std::vector<sim::calibration::Parameter> parameters_of(const sim::paper::PaperModel& model) {
+  std::vector<sim::calibration::Parameter> parameters;
+  for (sim::calibration::Parameter parameter : sim::calibration::standard_parameters()) {
+    if (!is_of_stage(parameter.name)) continue;
+    const double value = sim::calibration::value_of(model, parameter.name);
+    if (value >= parameter.low && value <= parameter.high) parameter.nominal = value;
+    parameter.start = parameter.nominal;
+    parameters.push_back(parameter);
+  }
+  return parameters;
+}
+
 sim::calibration::Question question_of(const Options& options) {
   sim::calibration::Question question;
   question.start = sim::paper::read_paper_model(options.model, data_folder() / "sim/models/paper.toml");
+  if (!options.only_mine.empty()) {
+    question.parameters = parameters_of(question.start);
+    question.runs = runs_in(options.only_mine);
+    return question;
+  }
   question.parameters = sim::calibration::standard_parameters();
   if (options.from_nominal)
     for (sim::calibration::Parameter& parameter : question.parameters) parameter.start = parameter.nominal;
   question.figures = sim::calibration::calibrated_figures();
   question.reach = sim::calibration::kReach;
-  for (const fs::path& folder : options.data)
-    for (sim::RecordedRun& run : sim::read_dataset(folder, sim::Drive::Stack).runs)
-      question.runs.push_back(std::move(run));
+  question.runs = runs_in(options.data);
   return question;
 }
 
 Calibration calibrated(const sim::calibration::Question& question, const Options& options,
                        const std::stop_token& stop) {
+  const bool alone = !options.only_mine.empty();
   ProgressLine line;
   return sim::calibration::calibrate(
       question,
-      {.far = options.from_nominal ? options.evaluations : 0,
+      {.starts = options.starts,
+       .far_steps = alone ? kStepsAlone : kFarSteps,
        .evaluations = options.evaluations,
+       .last_steps = alone ? kStepsAlone : kLastSteps,
        .seed = options.seed,
-       .population = options.from_nominal ? kManyDraws : kFewDraws,
-       .spread = options.from_nominal ? kNarrowSpread : kWideSpread,
+       .spread = options.starts > 0 ? kNarrowSpread : kWideSpread,
        .stop = stop},
       [&line](double share, const std::string& doing) { line.show(share, doing); });
 }
 
+std::string command_of(const Options& options) {
+  std::string command =
+      fmt::format("biopsy calibrate --evaluations {} --seed {}", options.evaluations, options.seed);
+  if (options.from_nominal) command += " --from-nominal";
+  if (options.starts > 0) command += fmt::format(" --starts {}", options.starts);
+  return command;
+}
+
 std::string source_of(const Options& options, const Calibration& result) {
-  std::string source =
-      fmt::format("biopsy calibrate --evaluations {} --seed {}{}: the paper's figures 6 to 13",
-                  options.evaluations, options.seed, options.from_nominal ? " --from-nominal" : "");
+  std::string source = "fitted by " + command_of(options) + ": ";
+  if (options.only_mine.empty()) source += "the paper's figures 6 to 13";
   for (const fs::path& folder : options.data) source += ", " + folder.filename().string();
+  for (std::size_t i = 0; i < options.only_mine.size(); ++i)
+    source += (i > 0 ? ", " : "") + options.only_mine[i].filename().string();
   if (result.kept_start) source += ", which found nothing better than its start";
   if (result.interrupted) source += ", interrupted";
   return source;
 }
 
 // Of the numbers found; the others keep the notes of the model that was started from.
-sim::ModelNotes notes_of(const Calibration& result, sim::ModelNotes notes, const std::string& source) {
+sim::ModelNotes notes_of(const Calibration& result, sim::ModelNotes notes, const std::string& source,
+                         bool mine) {
   for (const CalibratedParameter& found : result.parameters)
     notes.values[found.parameter.name] = {
         std::isfinite(found.std) ? std::optional(three_digits(found.std)) : std::nullopt,
         source + (found.only_prior ? ", from which it is not identifiable: its std is the prior's" : "") +
             "; prior: " + found.parameter.why};
-  notes.title = "SE-HASEL needle stage, calibrated on the paper's figures";
+  notes.title = mine ? "SE-HASEL needle stage, calibrated on its own measured runs"
+                     : "SE-HASEL needle stage, calibrated on the paper's figures";
   return notes;
-}
-
-bool is_of_stage(const std::string& name) {
-  return !name.starts_with("film.") && !name.starts_with("joint.");
 }
 
 double three_decimals(double value) {
@@ -131,131 +186,68 @@ sim::Correlations correlations_of_stage(const Calibration& result) {
 }
 
 void write_models(const Calibration& result, const sim::ModelNotes& given, const Options& options) {
-  const sim::ModelNotes notes = notes_of(result, given, source_of(options, result));
+  const sim::ModelNotes notes =
+      notes_of(result, given, source_of(options, result), !options.only_mine.empty());
   sim::ModelNotes stage_notes = notes;
   std::erase_if(stage_notes.values, [](const auto& entry) { return !is_of_stage(entry.first); });
   if (!result.interrupted) stage_notes.correlations = correlations_of_stage(result);
   atomic_write(options.out / "calibrated.toml", sim::model_toml(result.model.stage, stage_notes));
-  atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
+  if (options.only_mine.empty())
+    atomic_write(options.out / "paper.toml", sim::calibration::paper_toml(result.model, notes));
 }
 
-Json row_json(const PaperRow& row) {
-  return {{"figure", row.figure}, {"quantity", row.quantity}, {"unit", row.unit}, {"paper", row.paper},
-          {"ours", row.ours},     {"band", row.band},         {"ok", row.ok},     {"note", row.note}};
-}
-
-std::string json_text(const Calibration& result, const Options& options, double seconds) {
-  Json values = Json::array(), matrix = Json::array(), rows = Json::array();
-  for (const CalibratedParameter& found : result.parameters)
-    values.push_back({{"name", found.parameter.name},
-                      {"value", found.value},
-                      {"std", std::isfinite(found.std) ? Json(found.std) : Json(nullptr)},
-                      {"nominal", found.parameter.nominal},
-                      {"low", found.parameter.low},
-                      {"high", found.parameter.high},
-                      {"at_bound", found.at_bound},
-                      {"only_prior", found.only_prior},
-                      {"source", found.parameter.why}});
-  for (Eigen::Index i = 0; i < result.correlations.rows(); ++i) {
-    Json line = Json::array();
-    for (Eigen::Index j = 0; j < result.correlations.cols(); ++j)
-      line.push_back(three_decimals(result.correlations(i, j)));
-    matrix.push_back(line);
-  }
-  for (const PaperRow& row : result.rows) rows.push_back(row_json(row));
-  Json runs = Json::array();
-  for (const sim::calibration::RunFit& run : result.runs)
-    runs.push_back({{"name", run.name},
-                    {"rms_mm", 1e3 * run.rms},
-                    {"span_mm", 1e3 * run.span},
-                    {"followed", run.followed}});
-  Json all = {{"values", values},
-              {"correlations", matrix},
-              {"rows", rows},
-              {"runs", runs},
-              {"kept_start", result.kept_start},
-              {"cost_before", result.before},
-              {"cost_after", result.after},
-              {"evaluations", result.evaluations},
-              {"seed", options.seed},
-              {"seconds", seconds}};
-  if (result.interrupted) all["interrupted"] = true;
-  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::string correlations_text(const Calibration& result) {
+// Each figure predicted by the others, beside the model that is there.
+Result leave_one_out(const Options& options, const sim::calibration::Question& question,
+                     const Context& context) {
+  ProgressLine line;
+  sim::paper::HeldOut found = sim::calibration::leave_one_out(
+      question, kStepsWithout, [&line](double share, const std::string& doing) { line.show(share, doing); },
+      context.interrupted);
+  found.command = "biopsy calibrate --leave-one-out";
+  found.model = sim::paper::digests_of(options.model, data_folder() / "sim/models/paper.toml");
+  atomic_write(options.out / "held_out.toml", sim::paper::held_out_toml(found));
+  std::size_t ok = 0;
+  Json rows = Json::array();
   std::string text;
-  for (Eigen::Index i = 0; i < result.correlations.rows(); ++i)
-    for (Eigen::Index j = 0; j < i; ++j)
-      if (std::abs(result.correlations(i, j)) >= kStrongCorrelation)
-        text += fmt::format("strongly correlated: {} and {} ({:.2f})\n", result.parameters[j].parameter.name,
-                            result.parameters[i].parameter.name, result.correlations(i, j));
-  return text;
-}
-
-std::string result_text(const Calibration& result, double seconds) {
-  std::string text = fmt::format("{:<32} {:>10} {:>10} {:>10}\n", "", "value", "std", "nominal");
-  for (const CalibratedParameter& found : result.parameters)
-    text += fmt::format("{:<32} {:>10.4g} {:>10.2g} {:>10.4g}{}{}\n", found.parameter.name, found.value,
-                        found.std, found.parameter.nominal,
-                        found.at_bound ? "  at the bound of its plausible range" : "",
-                        found.only_prior ? "  not identifiable from the figures" : "");
-  text += correlations_text(result);
-  std::size_t reached = 0;
-  for (const PaperRow& row : result.rows) reached += row.ok ? 1 : 0;
-  text += fmt::format("\nrows reached: {} of {} (fitted; biopsy reproduce judges the model)\n", reached,
-                      result.rows.size());
-  for (const PaperRow& row : result.rows)
-    if (!row.ok)
-      text += fmt::format("  missed: {} {}: {:.4g} against {:.4g} {}\n", row.figure, row.quantity, row.ours,
-                          row.paper, row.unit);
-  if (result.kept_start) text += "nothing better was found than the start, the result of earlier searches\n";
-  if (result.interrupted) text += "interrupted: the best until then, without standard deviations\n";
-  return text + fmt::format("{}, {:.0f} s\n",
-                            counted(static_cast<std::size_t>(result.evaluations), "evaluation"), seconds);
-}
-
-// A measured run that is not followed is a finding, as a row of the paper is.
-std::string runs_text(const Calibration& result, const Options& options) {
-  if (result.runs.empty()) return {};
-  bool all = true;
-  std::string text = "\nmeasured runs, and their difference to the model:\n";
-  for (const sim::calibration::RunFit& run : result.runs) {
-    text += fmt::format("  {:<28} {:.3f} mm rms of {:.2f} mm{}\n", run.name, 1e3 * run.rms, 1e3 * run.span,
-                        run.followed ? "" : ": not followed");
-    all = all && run.followed;
+  for (const sim::paper::HeldOutRow& row : found.rows) {
+    ok += row.ok ? 1 : 0;
+    if (!row.ok) text += fmt::format("  missed: {} {}: {:.4g}\n", row.figure, row.quantity, row.ours);
+    rows.push_back(
+        {{"figure", row.figure}, {"quantity", row.quantity}, {"held_out", row.ours}, {"ok", row.ok}});
   }
-  if (all) return text;
-  text +=
-      "What is not followed to 5 % of its span is missing an effect, or is of another stage than the "
-      "paper's:\n";
-  for (const fs::path& folder : options.data)
-    text +=
-        fmt::format("  biopsy gap {} --model {} --out {}\n", folder.string(),
-                    (options.out / "calibrated.toml").string(), (options.out.parent_path() / "gap").string());
-  return text;
+  text += fmt::format("{} of {} rows met by calibrations without their figure\n\nrows: {}\n", ok,
+                      found.rows.size(), (options.out / "held_out.toml").string());
+  return {.text = text, .json = Json{{"rows", rows}}.dump(2) + "\n"};
 }
 
 Result run(const Options& given, const Context& context) {
   Options options = given;
   if (options.model.empty()) options.model = data_folder() / "sim/models/calibrated.toml";
-  if (options.evaluations == 0)
-    options.evaluations = options.from_nominal ? kEvaluationsFromFar : kEvaluations;
+  if (options.starts == 0 && (options.from_nominal || !options.only_mine.empty())) options.starts = kStarts;
   const sim::calibration::Question question = question_of(options);
   const sim::ModelNotes given_notes = sim::read_noted_model(options.model).notes;
   Inputs inputs = options.data;
+  inputs.insert(inputs.end(), options.only_mine.begin(), options.only_mine.end());
   inputs.push_back(options.model);
   claim_run_folder(options.out, inputs, context.clearable);
+  if (options.leave_one_out) return leave_one_out(options, question, context);
   const auto started = std::chrono::steady_clock::now();
   const Calibration result = calibrated(question, options, context.interrupted);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  const std::string json = json_text(result, options, seconds);
+  const report::CalibrationRun about{
+      command_of(options), options.seed,
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count(),
+      options.only_mine.empty() ? options.data : options.only_mine, options.out};
+  const std::string json = report::calibration_json(result, about);
   write_models(result, given_notes, options);
+  atomic_write(options.out / "report.html", report::calibration_html(result, about));
   atomic_write(options.out / "calibration.json", json);
-  return {.text = result_text(result, seconds) + runs_text(result, options) +
-                  fmt::format(
-                      "\nstage:  {}\nfilms:  {}\nvalues: {}\n", (options.out / "calibrated.toml").string(),
-                      (options.out / "paper.toml").string(), (options.out / "calibration.json").string()),
+  const std::string films =
+      options.only_mine.empty() ? fmt::format("films:  {}\n", (options.out / "paper.toml").string()) : "";
+  return {.text = report::calibration_text(result, about) +
+                  fmt::format("\nstage:  {}\n{}report: {}\nvalues: {}\n",
+                              (options.out / "calibrated.toml").string(), films,
+                              (options.out / "report.html").string(),
+                              (options.out / "calibration.json").string()),
           .json = json};
 }
 
@@ -268,17 +260,25 @@ Command calibrate_command() {
       .summary = "one parameter set for all of the paper's figures",
       .description =
           "Searches the parameters of the stage, within plausible ranges, for the set that reaches "
-          "most of the paper's rows. Measured runs given by `--data` count beside the paper's. "
+          "most of the paper's rows. Measured runs given by `--data` count beside the paper's; those given "
+          "by "
+          "`--only-mine` alone. "
           "Nothing in sim/models is touched: copy both models there to adopt them. The same seed "
           "and number of evaluations give the same result.",
       .long_examples = {"biopsy calibrate --out out/calibrated",
-                        "biopsy calibrate --data measured --out out/calibrated"},
+                        "biopsy calibrate --data measured --out out/calibrated",
+                        "biopsy calibrate --from-nominal --out out/calibrated",
+                        "biopsy calibrate --leave-one-out --out out/held-out"},
       .exit_codes =
           "0, 2 for unusable input, 130 where Ctrl-C ended the search; the best set until then is "
           "written, without standard deviations",
       .outputs = {{"calibrated.toml",
                    "the [model](model-files.md#model), with standard deviations, correlations and sources"},
-                  {"paper.toml", "the other films and the joint"},
+                  {"paper.toml", "the other films and the joint; not with `--only-mine`"},
+                  {"report.html", "the parameters, which of them the data tell, and what is missed"},
+                  {"held_out.toml",
+                   "with `--leave-one-out`, and then alone: each row by the calibration without its figure; "
+                   "`biopsy reproduce` shows `sim/models/held_out.toml` beside the model that it names"},
                   {"calibration.json", "[the numbers for programs](#calibrationjson)"}},
       .replaces_earlier_run = true,
       .json = "the content of [calibration.json](#calibrationjson)",

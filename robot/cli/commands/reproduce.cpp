@@ -11,6 +11,7 @@
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/report/study/reproduction_report.hpp"
+#include "sim/paper/held_out.hpp"
 
 namespace biopsy::robot {
 namespace reproduce_cli {
@@ -40,6 +41,18 @@ Reproduction reproduced(const sim::paper::PaperModel& model, const std::string& 
       stop);
 }
 
+// Beside the model: what the leakage model alone meets, and what was measured once of exactly this model.
+void compare(Reproduction& result, const std::string& figure, const fs::path& stage,
+             const std::stop_token& stop) {
+  const fs::path models = data_folder() / "sim/models", films = models / "paper.toml";
+  sim::paper::add_leakage_model(
+      result, reproduced(sim::paper::read_paper_model(models / "baseline.toml", films), figure, stop));
+  const fs::path held_out_file = models / "held_out.toml";
+  if (!fs::exists(held_out_file)) return;
+  const sim::paper::HeldOut held_out = sim::paper::read_held_out(held_out_file);
+  if (held_out.model == sim::paper::digests_of(stage, films)) sim::paper::add_held_out(result, held_out);
+}
+
 Result run(const Options& options, const Context& context) {
   sim::paper::figures_named(options.figure);  // refuses before anything is read or touched
   const fs::path stage = options.model.empty() ? data_folder() / "sim/models/calibrated.toml" : options.model;
@@ -47,6 +60,7 @@ Result run(const Options& options, const Context& context) {
       sim::paper::read_paper_model(stage, data_folder() / "sim/models/paper.toml");
   claim_run_folder(options.out, {stage}, context.clearable);
   Reproduction result = reproduced(model, options.figure, context.interrupted);
+  compare(result, options.figure, stage, context.interrupted);
   result.model = options.model.empty() ? "sim/models/calibrated.toml" : options.model.string();
   report::save_reproduction(result, options.out);
   std::string text = report::reproduction_console(result, isatty(STDOUT_FILENO) == 1);

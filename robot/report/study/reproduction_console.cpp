@@ -36,7 +36,9 @@ std::string reproduction_console(const Reproduction& r, bool colour) {
                                  "quantity", kQuantity, "paper", "ours", "band", "verdict", letters.plain);
   for (const PaperFigure& figure : r.figures)
     for (const PaperRow& row : figure.rows) text += line_of(row, letters);
-  return text + fmt::format("\n{}{}{}\n", letters.bold, score_sentence(score_of(r)), letters.plain);
+  text += fmt::format("\n{}{}{}\n", letters.bold, score_sentence(score_of(r)), letters.plain);
+  for (const std::string& remark : score_remarks(r)) text += remark + "\n";
+  return text;
 }
 
 }  // namespace biopsy::report

@@ -45,11 +45,12 @@ std::string row_class(const PaperRow& row) {
 }
 
 std::string table_row(const PaperRow& row) {
-  return markup::row({"<td class=\"quantity\">" + escaped(row.quantity) + "</td>",
-                      number_cell(paper_text(row)), number_cell(ours_text(row)), number_cell(band_text(row)),
-                      "<td class=\"verdict-cell\">" + verdict_text(row) + "</td>",
-                      "<td class=\"note\">" + escaped(row.note) + "</td>"},
-                     row_class(row));
+  return markup::row(
+      {"<td class=\"quantity\">" + escaped(row.quantity) + "</td>", number_cell(paper_text(row)),
+       number_cell(ours_text(row)), number_cell(band_text(row)),
+       "<td class=\"verdict-cell\">" + verdict_text(row) + "</td>", text_cell(leakage_text(row)),
+       text_cell(held_out_text(row)), "<td class=\"note\">" + escaped(row.note) + "</td>"},
+      row_class(row));
 }
 
 std::string rows_table(const PaperFigure& figure) {
@@ -57,7 +58,9 @@ std::string rows_table(const PaperFigure& figure) {
   for (const PaperRow& row : figure.rows) rows += table_row(row);
   if (rows.empty()) return {};
   const std::string before = figure.number == "beyond" ? ">Paper's PI loop, our model" : ">Paper";
-  return table("", {"Quantity", before, ">Ours", ">Band", "Verdict", "How it was read; why it is missed"},
+  return table("",
+               {"Quantity", before, ">Ours", ">Band", "Verdict", "Leakage model", "Held out",
+                "How it was read; why it is missed"},
                rows);
 }
 
@@ -102,6 +105,9 @@ std::string criterion_line(bool passed, const std::string& what, std::size_t mis
 
 std::string verdict_section(const Reproduction& r) {
   const PaperScore score = score_of(r);
+  std::string remarks;
+  for (const std::string& remark : score_remarks(r))
+    remarks += "<p class=\"bar-line\">" + escaped(remark) + "</p>\n";
   const bool passes = score.enough_numbers() && score.every_trend();
   return markup::verdict_section(
       passes ? "" : "doubted", score_sentence(score) + ".",
@@ -109,6 +115,7 @@ std::string verdict_section(const Reproduction& r) {
                      score.numbers - score.numbers_ok, score.numbers) +
           criterion_line(score.every_trend(), "every trend as stated", score.trends - score.trends_ok,
                          score.trends) +
+          remarks +
           fmt::format("<p class=\"bar-line\">Model: {}. Everything is simulated; computed in {}.</p>\n",
                       escaped(r.model), fixed(r.seconds, 1, "s")) +
           (r.left_out.empty() ? std::string()

@@ -16,8 +16,9 @@ void save_reproduction(const Reproduction& reproduction, const std::filesystem::
 // script.
 std::string reproduction_html(const Reproduction& reproduction);
 
-// {"rows": [{"figure", "quantity", "unit", "kind", "paper", "ours", "band", "ok", "note"}], "findings": [rows
-// that are missed, for the gap workflow], "model", "seconds"}. A number that could not be computed is null.
+// {"rows": [{"figure", "quantity", "unit", "kind", "paper", "ours", "band", "ok", "leakage_ok", "held_out",
+// "held_out_ok", "note"}], "findings": [rows that are missed, for the gap workflow], "score", "fitted",
+// "model", "seconds"}. A number that could not be computed is null.
 std::string reproduction_json(const Reproduction& reproduction);
 
 // The rows as a table for a terminal, misses with their reason, the score last. Without colour where the

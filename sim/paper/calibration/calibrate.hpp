@@ -1,5 +1,6 @@
-// One parameter set for all of the paper's figures: a global search by CMA-ES, last steps by Ceres, and
-// standard deviations from the figures' sensitivities.
+// One parameter set for all of the paper's figures: from far away several starts along the rows'
+// sensitivities, then CMA-ES, last steps along the sensitivities again, and from them the standard
+// deviations.
 #pragma once
 
 #include <functional>
@@ -7,20 +8,22 @@
 #include <string>
 
 #include "sim/paper/calibration/cma_es.hpp"
+#include "sim/paper/calibration/identifiability.hpp"
 #include "sim/paper/calibration/objective.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::sim::calibration {
 
-// Budgets in evaluations and not in time, so that the result is reproducible. Spreads: std of the first draws
-// around the start of a search, in prior stds.
+// Budgets in evaluations and not in time, so that the result is reproducible. spread: std of the first draws
+// of CMA-ES, in prior stds.
 struct CalibrationSettings {
-  int far = 0;            // evaluations of a first search from far away, with Pull::Even; 0: none
-  int evaluations = 600;  // of the search with Pull::Robust
-  int last_steps = 3;     // of Ceres
+  int starts = 0;     // of a first search from far away: the start and draws around it; 0: none
+  int far_steps = 6;  // Levenberg-Marquardt from each of them, with Pull::Even, and again with Pull::Robust
+  int evaluations = 600;  // of CMA-ES, from the best of them
+  int last_steps = 3;     // Levenberg-Marquardt with central differences
   std::uint64_t seed = 1;
   int population = 16;
-  double far_spread = 0.6, spread = 0.2;
+  double spread = 0.2;
   std::stop_token stop = {};  // ends the search with the best until then; standard deviations stay unknown
 };
 
@@ -35,6 +38,7 @@ struct Calibration {
   paper::PaperModel model;
   std::vector<CalibratedParameter> parameters;
   Eigen::MatrixXd correlations;      // of the parameters, in their order; empty where it was interrupted
+  Identifiability identifiability;   // likewise
   std::vector<PaperRow> rows;        // at the result, by the shortened experiments
   std::vector<RunFit> runs;          // and the measured runs
   double before = 0.0, after = 0.0;  // sum of squared residuals at the start and at the result

@@ -105,8 +105,9 @@ Eigen::VectorXd as_vector(const std::vector<double>& values) {
 
 std::vector<paper::FigureEntry> calibrated_figures() {
   std::vector<paper::FigureEntry> figures = paper::all_figures();
-  std::erase_if(figures,
-                [](const auto& figure) { return figure.number == "2" || figure.number == "beyond"; });
+  std::erase_if(figures, [](const auto& figure) {
+    return figure.number == "2" || figure.number == "4" || figure.number == "beyond";
+  });
   return figures;
 }
 
@@ -121,9 +122,7 @@ std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z
     for (std::size_t i = 0; i < found.size(); ++i) run(i);
   std::vector<PaperRow> rows;
   for (const std::vector<PaperRow>& some : found)
-    std::copy_if(some.begin(), some.end(), std::back_inserter(rows), [](const PaperRow& row) {
-      return row.kind != RowKind::Shown && row.quantity != paper::kSpringQuantity;
-    });
+    std::copy_if(some.begin(), some.end(), std::back_inserter(rows), paper::is_fitted);
   return rows;
 }
 

@@ -26,10 +26,10 @@ struct Question {
 // 10 kV, this robot 8 kV: a stage that needs more could not be rehearsed.
 inline constexpr double kReach = 8.1e-3;
 
-// All figures that depend on the stage: not Fig. 2 and not "beyond".
+// All figures with rows to fit: not Fig. 2, not Fig. 4 and not "beyond".
 std::vector<paper::FigureEntry> calibrated_figures();
 
-// The scored rows: without Shown rows and the printed stiffness.
+// The rows that are fitted (is_fitted).
 std::vector<PaperRow> rows_at(const Question& question, const Eigen::VectorXd& z, bool in_parallel);
 
 // Loss of a row that is far from being met. Even: proportional to the distance, for a search from far away.

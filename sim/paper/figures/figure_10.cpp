@@ -42,7 +42,7 @@ PaperFigure figure_10(const PaperModel& model) {
                drive_b = synchronous_motion(course, course.plate_b);
   PaperFigure figure{"10",
                      "Plates A and B while 5 mm is held",
-                     "Plate B moves to keep plate A in place; the spring filters most of that motion.",
+                     "Plate B moves to keep plate A in place, and goes with the reversals; plate A less.",
                      {},
                      {}};
   FigurePanel panel = displacement_panel("settled", course, {kFrom, kUntil});

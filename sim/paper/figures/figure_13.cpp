@@ -86,6 +86,8 @@ PaperFigure figure_13(const PaperModel& model) {
   figure.panels = {displacement_panel("gap", gap, {0.0, kHold}),
                    displacement_panel("liver", liver, {0.0, 2.0 * kHold})};
   add_rows(figure, model.needle, gap, liver);
+  add_window_rows(figure.rows, "13", "gap: ", 0.051, gap);
+  add_window_rows(figure.rows, "13", "liver: ", 0.067, liver);
   return figure;
 }
 

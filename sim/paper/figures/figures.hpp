@@ -12,8 +12,16 @@ namespace biopsy::sim::paper {
 // Row of the printed stiffness, a slip of units (docs/explanation/model.md): no model can reach it together
 // with Fig. 11, so calibration leaves it out.
 inline constexpr std::string_view kSpringQuantity = "stiffness of the series spring as printed";
+// Row of the printed oil, which eq. (18) cannot have together with the stroke (Fig. 4): left out as well.
+inline constexpr std::string_view kOilQuantity = "oil of a pouch";
+
+// Whether calibration fits the row: every number and statement but those two.
+inline bool is_fitted(const PaperRow& row) {
+  return row.kind != RowKind::Shown && row.quantity != kSpringQuantity && row.quantity != kOilQuantity;
+}
 
 PaperFigure figure_2(const PaperModel& model);   // leakage: closed form against simulation
+PaperFigure figure_4(const PaperModel& model);   // geometry and materials
 PaperFigure figure_6(const PaperModel& model);   // DC decay of three materials
 PaperFigure figure_7a(const PaperModel& model);  // DC, 0.2, 2 and 10 Hz
 PaperFigure figure_7b(const PaperModel& model);  // oscillation against frequency and load

@@ -37,12 +37,12 @@ Ticks ticks(const Course& course, double from, double to) {
 
 }  // namespace
 
-std::vector<bool> settled(const Course& course) {
+std::vector<bool> settled(const Course& course, double settling) {
   std::vector<bool> out(course.time.size());
   double since = 0.0;
   for (std::size_t k = 0; k < out.size(); ++k) {
     if (k > 0 && std::abs(course.target[k] - course.target[k - 1]) > kJump) since = course.time[k];
-    out[k] = course.time[k] - since >= kSettling;
+    out[k] = course.time[k] - since >= settling;
   }
   return out;
 }
@@ -51,8 +51,8 @@ double rmse(const Course& course) {
   return rmse_where(course, [](std::size_t) { return true; });
 }
 
-double rmse_settled(const Course& course) {
-  const std::vector<bool> chosen = settled(course);
+double rmse_settled(const Course& course, double settling) {
+  const std::vector<bool> chosen = settled(course, settling);
   return rmse_where(course, [&](std::size_t k) { return chosen[k]; });
 }
 
@@ -92,6 +92,10 @@ double mean_travel(const Course& course, bool rising) {
     count += 1.0;
   }
   return sum / count;
+}
+
+double visible_lag(const Course& course) {
+  return (mean_travel(course, false) - mean_travel(course, true)) / (kLineShare * course.time.back()) - 1.0;
 }
 
 double overshoot_percent(const Course& course) {

@@ -1,5 +1,7 @@
 #include "sim/paper/figures/rows.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -49,6 +51,15 @@ PaperRow shown_row(RowName name, double before, double ours, std::string note) {
   PaperRow out = row(std::move(name), RowKind::Shown, before, ours, 0.0, std::move(note));
   out.ok = true;
   return out;
+}
+
+void add_window_rows(std::vector<PaperRow>& rows, const std::string& figure, const std::string& of,
+                     double paper, const Course& course) {
+  for (const double settling : kOtherSettling)
+    rows.push_back(
+        shown_row({figure, fmt::format("{}RMSE from {:g} s after each jump on", of, settling), "mm"}, paper,
+                  rmse_settled(course, settling),
+                  fmt::format("how much the window of {:g} s, which is judged, decides", kSettling)));
 }
 
 double shortfall(const PaperRow& row) {

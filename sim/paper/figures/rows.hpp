@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "sim/paper/figures/loop_scores.hpp"
 #include "sim/paper/paper_figure.hpp"
 
 namespace biopsy::sim::paper {
@@ -22,6 +24,10 @@ PaperRow trend_row(std::string figure, std::string statement, double margin, std
 
 // For information only: `ours` beside a reference value `before`.
 PaperRow shown_row(RowName name, double before, double ours, std::string note);
+
+// The settled RMSE of `course` for the other windows, as shown rows.
+void add_window_rows(std::vector<PaperRow>& rows, const std::string& figure, const std::string& of,
+                     double paper, const Course& course);
 
 // How far a row is from being met: 0 inside its band, growing smoothly outside; the cost of calibration.
 // Number: |ln(ours/paper)| beyond the band, in bands. Others: relative shortfall. Not finite: 10.

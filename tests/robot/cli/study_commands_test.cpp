@@ -87,6 +87,56 @@ TEST(Reproduce, OneFigureLeavesItsRowsAndItsPageAndMissesAreNoFailure) {
   EXPECT_NE(file_content(folder / "out/report.html").find("Fig. 6"), std::string::npos);
 }
 
+// The example is of a stage near the baseline, which the search begins at.
+TEST(Calibrate, FitsAStageOfOnesOwnAlone) {
+  const ScratchFolder folder;
+  const Outcome answer = biopsy("calibrate --only-mine " + quoted(kSource / "docs/examples/recorded") +
+                                " --model " + quoted(kSource / "sim/models/baseline.toml") +
+                                " --starts 1 --evaluations 50 --out " + quoted(folder / "out"));
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const auto found = json_of(folder / "out/calibration.json");
+  EXPECT_TRUE(found["rows"].empty()) << "no row of the paper counts";
+  ASSERT_EQ(found["runs"].size(), 1U);
+  EXPECT_TRUE(found["runs"][0]["followed"]) << answer.text;
+  EXPECT_LT(found["told"].get<std::size_t>(), found["values"].size())
+      << "one staircase does not tell everything";
+  for (const auto& value : found["values"])
+    EXPECT_FALSE(value["name"].get<std::string>().starts_with("joint."));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/paper.toml"));
+  EXPECT_NE(file_content(folder / "out/calibrated.toml").find("fitted by biopsy calibrate"),
+            std::string::npos);
+  const std::string page = file_content(folder / "out/report.html");
+  EXPECT_NE(page.find("Told by the data"), std::string::npos);
+  EXPECT_NE(page.find("Combinations of parameters"), std::string::npos);
+}
+
+TEST(Calibrate, RefusesToLeaveFiguresOutOfAFitWithoutFigures) {
+  const ScratchFolder folder;
+  const Outcome answer =
+      biopsy("calibrate --leave-one-out --only-mine " + quoted(kSource / "docs/examples/recorded") +
+             " --out " + quoted(folder / "out"));
+  EXPECT_EQ(answer.code, 2) << answer.text;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+// A model of which nothing was held out has no such column; the leakage model stands beside every model.
+TEST(Reproduce, SaysOfAnotherModelThatItsFitIsNotKnown) {
+  const ScratchFolder folder;
+  const Outcome answer = biopsy("reproduce 6 --model " + quoted(kSource / "sim/models/rehearsal.toml") +
+                                " --out " + quoted(folder / "out"));
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const auto written = json_of(folder / "out/reproduce.json");
+  EXPECT_TRUE(written["fitted"].is_null());
+  for (const auto& row : written["rows"]) {
+    EXPECT_TRUE(row["held_out"].is_null());
+    EXPECT_TRUE(row["leakage_ok"].is_boolean()) << row["quantity"];
+  }
+  ASSERT_EQ(biopsy("reproduce 6 --out " + quoted(folder / "ours")).code, 0);
+  const auto ours = json_of(folder / "ours/reproduce.json");
+  EXPECT_FALSE(ours["fitted"].is_null());
+  for (const auto& row : ours["rows"]) EXPECT_TRUE(row["held_out_ok"].is_boolean()) << row["quantity"];
+}
+
 TEST(Design, LeavesAPageAndDesignsThatMeetTheDemands) {
   const ScratchFolder folder;
   const Outcome answer = biopsy("design --model " + quoted(kSource / "sim/models/baseline.toml") + " --out " +

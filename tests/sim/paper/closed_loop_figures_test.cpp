@@ -74,6 +74,20 @@ TEST(PaperClosedLoop, ResidualSetKeepsTheJointFromReturning) {
   EXPECT_TRUE(row(figure_12(model), "the voltage is 0 V").ok);
 }
 
+// Friction that breaks away at more than it slides with makes a slow sine stick and slip; without friction
+// plate A follows evenly.
+TEST(PaperClosedLoop, StickSlipNeedsFriction) {
+  PaperModel model = damped();
+  model.stage.baseline.c_s = 4.0;
+  model.stage.effects.zipping_hysteresis.reset();
+  model.stage.effects.stribeck_friction = StribeckFriction{};
+  model.stage.effects.stribeck_friction->sliding = 0.02;
+  model.stage.effects.stribeck_friction->breakaway = 0.15;
+  EXPECT_TRUE(row(figure_9b(model), "plate A sticks").ok) << row(figure_9b(model), "plate A sticks").note;
+  model.stage.effects.stribeck_friction.reset();
+  EXPECT_FALSE(row(figure_9b(model), "plate A sticks").ok) << row(figure_9b(model), "plate A sticks").note;
+}
+
 TEST(PaperClosedLoop, AnUnpuncturedLiverIsReported) {
   PaperModel model = damped();
   EXPECT_TRUE(row(figure_13(model), "liver: punctured").ok);

@@ -34,6 +34,32 @@ TEST(LoopScores, AnEdgeCostsItsArithmeticOverEverythingAndNothingOnceSettled) {
   EXPECT_NEAR(rmse_settled(course), 4.0 * std::exp(-4.0) * std::sqrt(0.25 / 16.0), 1e-4);
 }
 
+TEST(LoopScores, AShorterWindowCountsMoreOfTheEdge) {
+  const Course course = first_order();
+  // 16 exp(-4 t) from 1.5 s on, over 3.5 s and 13.5 s; from 3 s on, over 2 s and 12 s.
+  EXPECT_NEAR(rmse_settled(course, 1.5), 4.0 * std::exp(-3.0) * std::sqrt(0.25 / 17.0), 1e-3);
+  EXPECT_NEAR(rmse_settled(course, 3.0), 4.0 * std::exp(-6.0) * std::sqrt(0.25 / 14.0), 1e-4);
+}
+
+// A square wave of 20 s whose falling edges take longer than rising ones by `later`, each along a straight
+// line.
+Course lagging(double later) {
+  return written(40.0, square_target(2.0, 8.0, 0.05), [=](double t) {
+    const double since = std::fmod(t, 20.0);
+    const double rise = std::min(1.0, (since - 10.0) / 0.5), fall = std::min(1.0, since / (0.5 + later));
+    if (since >= 10.0) return 2.0 + 6.0 * rise;
+    return t < 10.0 ? 2.0 : 8.0 - 6.0 * fall;
+  });
+}
+
+// 90 % of the way is judged, and 40 s in a panel: a line covers 0.2 s of them.
+TEST(LoopScores, ALagIsSeenWhereItIsWiderThanALine) {
+  EXPECT_LT(visible_lag(lagging(0.0)), 0.0);
+  EXPECT_LT(visible_lag(lagging(0.2)), 0.0);
+  EXPECT_GT(visible_lag(lagging(0.25)), 0.0);
+  EXPECT_NEAR(visible_lag(lagging(0.5)), 0.9 * 0.5 / 0.2 - 1.0, 0.02);
+}
+
 TEST(LoopScores, NothingSettlesWhereTheTargetJumpsEverySecond) {
   const Course course = written(10.0, square_target(2.0, 8.0, 0.5), [](double) { return 0.0; });
   EXPECT_TRUE(std::isnan(rmse_settled(course)));
