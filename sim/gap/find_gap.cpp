@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/gap/examine/examine.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
@@ -128,6 +129,18 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
   return out;
 }
 
+// The finding where the recording itself is wrong: nothing was fitted.
+FoundGap not_searched(const Dataset& dataset, const PlantModel& model, std::vector<DataRemark> remarks) {
+  const Evidence evidence = prepare(dataset, model, {}, Sampling::Coarse);
+  const ScoredModel given = score_model({.model = model, .unknowns = {}}, evidence);
+  const Selection nothing{.start = given, .best = given, .fits = {}, .selected = {}};
+  FoundGap out = make_finding(model, given, nothing, evidence);
+  out.finding.verdict = GapVerdict::Unexplained;
+  out.model = model;
+  out.finding.data = std::move(remarks);
+  return out;
+}
+
 }  // namespace
 
 // Where whole runs leave the gap open, windows that start from the measured motion are tried.
@@ -138,6 +151,9 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
 // phase, so that the cost has no useful gradient: windows then find the effect and whole runs confirm it.
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                   const Progress& progress) {
+  progress(0.0, "examining the recording");
+  std::vector<DataRemark> remarks = examine(dataset, model, noise_of(dataset));
+  if (!remarks.empty() && remarks.front().blocks) return not_searched(dataset, model, std::move(remarks));
   Search found = search(dataset, model, options, progress);
   std::string warning;
   const bool whole = !options.window && !options.stop.stop_requested();
@@ -164,6 +180,7 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
+  out.finding.data = std::move(remarks);
   out.finding.interrupted = options.stop.stop_requested();
   if (out.finding.interrupted)
     out.finding.warnings.insert(

@@ -86,6 +86,15 @@ struct MarginChange {
   bool ok = true;                                 // with the new model
 };
 
+// Something about the recording that a person should correct, or know, before the result is used.
+struct DataRemark {
+  std::string cause;    // "unit", "sign", "swapped", "constant", "frozen", "clipped", "quantised", ...
+  std::string channel;  // column of the file, or key of dataset.toml
+  std::vector<std::string> runs;
+  bool blocks = false;   // nothing was searched: an effect would be named for an error of the recording
+  std::string sentence;  // what was found and what to do
+};
+
 struct GapFinding {
   GapVerdict verdict = GapVerdict::NoGap;
   std::string sentence;  // the verdict in words
@@ -104,6 +113,7 @@ struct GapFinding {
   std::vector<ResidualShape> shapes;  // best first
   NextExperiment next;
   std::vector<MarginChange> margins;
+  std::vector<DataRemark> data;  // found before any fit; those that block first
   std::vector<std::string> held_out_runs, training_runs, warnings;
   std::string model_before, model_after;  // as files
   double seconds = 0.0;                   // of work, wall time

@@ -50,6 +50,14 @@ Json candidate_json(const GapCandidate& c) {
           {"chosen", c.chosen}};
 }
 
+Json data_json(const DataRemark& remark) {
+  return {{"cause", remark.cause},
+          {"channel", remark.channel},
+          {"runs", remark.runs},
+          {"blocks", remark.blocks},
+          {"sentence", remark.sentence}};
+}
+
 Json shape_json(const ResidualShape& shape) {
   return {{"quantity", shape.quantity},
           {"unit", shape.unit},
@@ -91,6 +99,7 @@ std::string gap_json(const GapFinding& f) {
       {"shapes", json_list(f.shapes, shape_json)},
       {"margins", json_list(f.margins, margin_json)},
       {"warnings", f.warnings},
+      {"data", json_list(f.data, data_json)},
   };
   if (f.interrupted) report["interrupted"] = true;
   return json_file(report);

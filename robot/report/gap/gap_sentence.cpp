@@ -63,7 +63,15 @@ std::string parameter_sentence(const GapFinding& finding) {
       changes.empty() ? "small errors of calibration" : joined(changes), 100.0 * finding.gap_closed);
 }
 
+std::string recording_sentence(const GapFinding& finding) {
+  std::string out = "The recording is to be corrected first; nothing was fitted to it.";
+  for (const DataRemark& remark : finding.data)
+    if (remark.blocks) out += " " + remark.sentence;
+  return out;
+}
+
 std::string unexplained_sentence(const GapFinding& finding) {
+  if (!finding.data.empty() && finding.data.front().blocks) return recording_sentence(finding);
   std::string out = fmt::format(
       "Model and measurement differ by {:.3g} mm where the noise is {:.3g} mm, and nothing in the library "
       "explains it.{}",

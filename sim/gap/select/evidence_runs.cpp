@@ -9,6 +9,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/statistics.hpp"
+#include "sim/gap/examine/examine.hpp"
 #include "sim/gap/residual/window_starts.hpp"
 #include "sim/plant/plant.hpp"
 
@@ -95,9 +96,14 @@ EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, st
   return run;
 }
 
-// Which rows train: every third run is held out beginning with the second; one run alone gives its last
-// third.
-void split(std::vector<EvidenceRun>& runs) {
+// Which rows train: as the data set says; else every third run is held out beginning with the second; one run
+// alone gives its last third.
+void split(std::vector<EvidenceRun>& runs, const std::vector<RecordedRun>& recorded) {
+  if (recorded.front().role != RunRole::Unassigned) {
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      runs[i].training_rows = recorded[i].role == RunRole::Test ? 0 : runs[i].rows.size();
+    return;
+  }
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].training_rows = i % 3 == 1 ? 0 : runs[i].rows.size();
   if (runs.size() == 1) runs[0].training_rows = runs[0].rows.size() * 2 / 3;
 }
@@ -129,6 +135,14 @@ double estimated_noise(const std::vector<RecordedRun>& runs) {
   return std::max(1e-9, median(scatters));
 }
 
+double noise_of(const Dataset& dataset) {
+  if (!dataset.sensor_noise || *dataset.sensor_noise <= 0.0) return estimated_noise(dataset.runs);
+  double noise = *dataset.sensor_noise;
+  for (const RecordedRun& run : dataset.runs)
+    noise = std::max(noise, quantisation_step(run.displacement) / std::sqrt(12.0));
+  return noise;
+}
+
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
                  Sampling sampling) {
   Evidence evidence;
@@ -141,10 +155,10 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
   evidence.step_share = sampling == Sampling::Coarse ? kCoarse : kFine;
   evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
-  evidence.noise = evidence.noise_given ? *dataset.sensor_noise : estimated_noise(dataset.runs);
+  evidence.noise = noise_of(dataset);
   for (const RecordedRun& run : dataset.runs)
     evidence.runs.push_back(prepare_run(run, model, window, evidence.noise, evidence.step_share));
-  split(evidence.runs);
+  split(evidence.runs, dataset.runs);
   measure_extent(evidence);
   return evidence;
 }

@@ -50,6 +50,9 @@ enum class Sampling : std::uint8_t { Coarse, Fine };
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
                  Sampling sampling);
 
+// Standard deviation of one reading: given or estimated, at least that of its quantisation. m
+double noise_of(const Dataset& dataset);
+
 // Standard deviation of the readings' white part, from their own high-frequency scatter. m
 double estimated_noise(const std::vector<RecordedRun>& runs);
 
