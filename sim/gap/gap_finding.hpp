@@ -95,6 +95,23 @@ struct DataRemark {
   std::string sentence;  // what was found and what to do
 };
 
+// How model and data were compared, and what is known of the set-up.
+struct GapComparison {
+  std::vector<std::string> free;  // baseline parameters fitted without a prior
+  double window = 0.0;            // s; 0: each run in one piece
+  bool chosen = false;            // from the data; otherwise as told
+  std::string reason;
+  bool tissue = false;        // the needle may meet tissue
+  bool tissue_given = false;  // by the data set; otherwise by the drive
+};
+
+// What explains most of a gap and was not given as its name.
+struct RejectedName {
+  std::vector<std::string> effects;
+  double gap_closed = 0.0, rmse_after = 0.0;  // mm
+  std::vector<std::string> objections;        // clauses
+};
+
 struct GapFinding {
   GapVerdict verdict = GapVerdict::NoGap;
   std::string sentence;  // the verdict in words
@@ -106,6 +123,9 @@ struct GapFinding {
   double rmse_before = 0.0, rmse_after = 0.0, noise_floor = 0.0;  // held-out runs
   bool noise_given = false;                                       // by the data set; otherwise estimated
   double gap_closed = 0.0;
+  bool partial = false;   // the effects stand, but leave more than the noise
+  RejectedName rejected;  // of an unexplained gap; no effects: there was no candidate for a name
+  GapComparison comparison;
   std::vector<GapRegime> where;  // highest concentration of the error first
   std::vector<std::string> regime_names;
   std::vector<GapCandidate> candidates;

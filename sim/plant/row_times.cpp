@@ -11,7 +11,7 @@
 namespace biopsy::sim {
 namespace {
 
-constexpr double kLongestGap = 5.0;      // steps that may be interpolated
+constexpr double kLongestGap = 10.0;     // steps that may be interpolated
 constexpr double kRounding = 0.1;        // of a step
 constexpr double kPrinted = 1.1e-6;      // s, times printed to a microsecond
 constexpr double kManyIrregular = 0.05;  // of all steps: not a gap, but a clock that scatters

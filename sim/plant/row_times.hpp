@@ -13,7 +13,7 @@ namespace biopsy::sim {
 double fixed_period(const CsvTable& csv, const std::vector<double>& time);
 
 // The usual step of time stamps that scatter; refuses what interpolation cannot mend: time that stands or
-// goes back, and gaps of more than five steps.
+// goes back, and gaps of more than ten steps.
 double usual_period(const CsvTable& csv, const std::vector<double>& time);
 
 // `values` at time[0] + k period: between two readings on the straight line (`held`: the earlier value).

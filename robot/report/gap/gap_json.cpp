@@ -58,6 +58,23 @@ Json data_json(const DataRemark& remark) {
           {"sentence", remark.sentence}};
 }
 
+Json comparison_json(const GapComparison& how) {
+  return {{"free", how.free},
+          {"window_s", how.window > 0.0 ? json_number(how.window) : Json(nullptr)},
+          {"chosen_from_data", how.chosen},
+          {"reason", how.reason},
+          {"set_up", how.tissue ? "tissue" : "bench"},
+          {"set_up_given", how.tissue_given}};
+}
+
+Json rejected_json(const RejectedName& rejected) {
+  if (rejected.effects.empty()) return nullptr;
+  return {{"effects", rejected.effects},
+          {"gap_closed", json_number(rejected.gap_closed)},
+          {"rmse_after_mm", json_number(rejected.rmse_after)},
+          {"objections", rejected.objections}};
+}
+
 Json shape_json(const ResidualShape& shape) {
   return {{"quantity", shape.quantity},
           {"unit", shape.unit},
@@ -99,6 +116,9 @@ std::string gap_json(const GapFinding& f) {
       {"shapes", json_list(f.shapes, shape_json)},
       {"margins", json_list(f.margins, margin_json)},
       {"warnings", f.warnings},
+      {"partial", f.partial},
+      {"rejected", rejected_json(f.rejected)},
+      {"comparison", comparison_json(f.comparison)},
       {"data", json_list(f.data, data_json)},
   };
   if (f.interrupted) report["interrupted"] = true;

@@ -20,6 +20,7 @@ constexpr double kChanging = 0.8;        // share of rows outside spells that di
 constexpr double kJump = 5.0;            // usual steps, after a frozen reading
 constexpr std::size_t kClippedRows = 5;  // of one spell at the extreme value
 constexpr double kOutlier = 30.0;        // scatters of the readings against their neighbours' median
+constexpr double kOutlierRange = 0.02;   // of the range, that an outlier stands apart at least
 constexpr double kOutlierShare = 0.01;   // of all rows; more is no outlier
 constexpr double kOnGrid = 1e-3;         // of a step
 constexpr double kCoarse = 1.5;          // noises a step must have to matter
@@ -160,7 +161,8 @@ Found outliers(const Channels& c) {
   std::vector<double> off(x.size(), 0.0);
   for (std::size_t i = 2; i + 2 < x.size(); ++i)
     off[i] = std::abs(x[i] - median(std::vector<double>{x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]}));
-  const double scatter = std::max({c.noise, kMadToSigma * median(off), quantile(off, 0.99) / 5.0});
+  const double scatter = std::max({c.noise, kMadToSigma * median(off), quantile(off, 0.99) / 5.0,
+                                   kOutlierRange * range_of(x) / kOutlier});
   const auto count = std::ranges::count_if(off, [&](double d) { return d > kOutlier * scatter; });
   if (count == 0 || static_cast<double>(count) > kOutlierShare * static_cast<double>(x.size())) return {};
   const auto at = static_cast<std::size_t>(std::ranges::max_element(off) - off.begin());

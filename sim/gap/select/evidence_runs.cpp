@@ -156,6 +156,7 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
   evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
   evidence.noise = noise_of(dataset);
+  evidence.tissue = dataset.tissue.value_or(model.baseline.drive == Drive::Stack);
   for (const RecordedRun& run : dataset.runs)
     evidence.runs.push_back(prepare_run(run, model, window, evidence.noise, evidence.step_share));
   split(evidence.runs, dataset.runs);
