@@ -192,6 +192,7 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   }
   found.model = adopted ? best.model : given;
   f.noise_floor = evidence.noise * kMm;
+  f.noise_std = evidence.noise_std * kMm;
   f.noise_given = evidence.noise_given;
   f.rmse_before = std::sqrt(before.square) * kMm;
   f.rmse_after = adopted ? std::sqrt(selection.best.square) * kMm : f.rmse_before;

@@ -11,6 +11,7 @@ namespace {
 constexpr double kRate = 250.0, kSeconds = 8.0;  // Hz, s
 constexpr int kSteps = 16;                       // of the integrator between rows
 constexpr double kContact = 2e5;                 // N/m, of a contact that holds
+constexpr double kRoughWidth = 2e-3;             // m
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 std::vector<double> multisine(double peak, Dice& dice) {
@@ -41,8 +42,10 @@ std::vector<double> ridden(const Rig& rig, const std::vector<double>& force) {
   double x = 0.0, v = 0.0, anchor = 0.0;
   const auto acceleration = [&](double push, double at, double speed) {
     const double contact = kContact * (at - anchor);
-    return (push - contact * (rig.grip > 0.0)) / rig.mass - 2.0 * rig.damping_ratio * w * speed -
-           w * w * at * (1.0 + rig.stiffening * at * at);
+    const double off = (at - rig.rough_at) / kRoughWidth;
+    const double drag = rig.rough * std::exp(-off * off) * speed;
+    return (push - drag - contact * (rig.grip > 0.0)) / rig.mass - 2.0 * rig.damping_ratio * w * speed -
+           w * w * at * (1.0 + rig.lopsided * at + rig.stiffening * at * at);
   };
   std::vector<double> out;
   for (const double push : force) {
@@ -80,6 +83,15 @@ sim::Dataset rig_recording(const Rig& rig, double noise, std::uint64_t seed) {
     out.runs.push_back(std::move(run));
   }
   return out;
+}
+
+sim::Dataset ridden_again(const Rig& rig, sim::Dataset recording, double noise) {
+  Dice dice(recording.runs.size());
+  for (sim::RecordedRun& run : recording.runs) {
+    run.displacement = ridden(rig, run.input);
+    for (double& x : run.displacement) x += noise * dice.normal();
+  }
+  return recording;
 }
 
 std::string rig_model(const Rig& rig) {
