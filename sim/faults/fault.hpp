@@ -10,6 +10,7 @@ namespace biopsy::sim {
 
 enum class FaultSignal : std::uint8_t {
   Depth,           // reading of the laser, mm
+  DepthB,          // reading of the second laser, mm
   VoltageMonitor,  // V
   CurrentMonitor,  // A
   Drive,           // output of the amplifier, V; its enable works on

@@ -115,6 +115,10 @@ drivers::SensorReading FaultyStage::read() {
         reading.depth_um = reading.laser_code;
         if (is_lost(i)) reading.laser_valid = false;
         break;
+      case FaultSignal::DepthB:
+        reading.depth_b_um = to_count(shown(i, reading.depth_b_um * 1e-3) * 1e3);
+        if (is_lost(i)) reading.laser_b_valid = false;
+        break;
       case FaultSignal::VoltageMonitor:
         reading.monitor_mV = to_count(shown(i, reading.monitor_mV * 1e-3) * 1e3);
         if (is_lost(i)) reading.monitor_mV = 0;
