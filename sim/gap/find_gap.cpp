@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/gap/examine/examine.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/choose.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/make_finding.hpp"
+#include "sim/gap/select/objections.hpp"
 #include "sim/gap/select/verdict.hpp"
 #include "sim/plant/plant.hpp"
 
@@ -16,10 +19,8 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr int kIterations = 25;
-constexpr double kNotWorse = 1.05;       // held-out mean square
-constexpr double kWindow = 0.5;          // s: a few periods of the stage's ringing, a few stick-slip jumps
-constexpr double kShortWindow = 2.0;     // times 1/fastest rate: a third of the mechanism's period
-constexpr double kFewestReadings = 8.0;  // in a window
+constexpr double kNotWorse = 1.05;  // held-out mean square
+constexpr double kWindow = 0.5;     // s: a few periods of the stage's ringing, a few stick-slip jumps
 
 // The given model, fitted in the parameters that were declared free.
 Hypothesis fit_free_parameters(const Hypothesis& start, const Evidence& evidence) {
@@ -67,22 +68,25 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
               const Progress& progress, std::size_t most_effects = kMostEffects) {
   Search out{
       .evidence = prepare(dataset, model, options.window, Sampling::Fine), .as_given = {}, .selection = {}};
+  const Evidence coarse = prepare(dataset, model, options.window, Sampling::Coarse);
   Hypothesis start = baseline_hypothesis(model, options.free);
   progress(0.0, "simulating every run with the given model");
-  const Hypothesis before = fit_free_parameters(start, out.evidence);
+  const Hypothesis before = options.free_chosen ? Hypothesis{.model = model, .unknowns = {}}
+                                                : fit_free_parameters(start, out.evidence);
   out.as_given = score_model(before, out.evidence);
   out.selection = {.start = out.as_given, .best = out.as_given, .fits = {}, .selected = {}};
   if (is_only_noise(mean_square(residual(before.model, out.evidence, Part::All)), out.evidence)) return out;
   progress(0.05, "fitting the baseline parameters within their calibration errors");
   copy_fitted(start, before);
   fit(start, out.evidence, kIterations);
-  out.selection = select(std::move(start), prepare(dataset, model, options.window, Sampling::Coarse),
-                         out.evidence, progress, most_effects, options.stop);
+  out.selection = select(std::move(start), coarse, out.evidence, progress, most_effects, options.stop);
   out.interrupted = options.stop.stop_requested();
   if (out.interrupted) return out;
   progress(0.9, "final fit and standard deviations");
   out.selection.best = refined(out.selection.best, out.as_given.square, out.evidence);
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
+  if (out.verdict() == GapVerdict::Effect)
+    out.selection.objections = objections(out.selection, coarse, out.evidence);
   return out;
 }
 
@@ -101,17 +105,16 @@ bool is_stribeck(const Selection& selection) {
   return first.effect != kBaseline && library_effect(first.effect).info.name == StribeckFriction::info.name;
 }
 
-// Short enough for the mechanism's ringing to stay in phase with the model's.
-double short_window(const Dataset& dataset, const PlantModel& model) {
-  double period = 0.0;
-  for (const RecordedRun& run : dataset.runs) period = std::max(period, run.period);
-  return std::min(kWindow, std::max(kShortWindow / fastest_rate(model), kFewestReadings * period));
-}
-
 Search search_in_windows(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
                          double window, const Progress& progress) {
   progress(0.9, fmt::format("whole runs leave the gap open: repeating with windows of {:.2g} s", window));
-  return search(dataset, model, {.free = options.free, .window = window, .stop = options.stop}, progress, 1);
+  return search(dataset, model,
+                {.free = options.free,
+                 .window = window,
+                 .choose = options.choose,
+                 .free_chosen = options.free_chosen,
+                 .stop = options.stop},
+                progress, 1);
 }
 
 // The effect found in windows with its parameters fitted to whole runs, if it explains those as well.
@@ -128,6 +131,18 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
   return out;
 }
 
+// The finding where the recording itself is wrong: nothing was fitted.
+FoundGap not_searched(const Dataset& dataset, const PlantModel& model, std::vector<DataRemark> remarks) {
+  const Evidence evidence = prepare(dataset, model, {}, Sampling::Coarse);
+  const ScoredModel given = score_model({.model = model, .unknowns = {}}, evidence);
+  const Selection nothing{.start = given, .best = given, .fits = {}, .selected = {}};
+  FoundGap out = make_finding(model, given, nothing, evidence);
+  out.finding.verdict = GapVerdict::Unexplained;
+  out.model = model;
+  out.finding.data = std::move(remarks);
+  return out;
+}
+
 }  // namespace
 
 // Where whole runs leave the gap open, windows that start from the measured motion are tried.
@@ -136,8 +151,20 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
 // follow a whole run: where dry friction explains most and the gap stays open, the windows' result is taken
 // if it is Stribeck friction. An effect that shifts a mechanism's resonance puts model and measurement out of
 // phase, so that the cost has no useful gradient: windows then find the effect and whole runs confirm it.
-FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
+FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& told,
                   const Progress& progress) {
+  progress(0.0, "examining the recording");
+  std::vector<DataRemark> remarks = examine(dataset, model, noise_of(dataset));
+  if (!remarks.empty() && remarks.front().blocks) return not_searched(dataset, model, std::move(remarks));
+  SearchOptions options = told;
+  const bool chosen = told.choose && told.free.empty() && !told.window;
+  Choice choice;
+  if (chosen) {
+    choice = choose(dataset, model);
+    options.free = choice.free;
+    options.window = choice.window;
+    options.free_chosen = !choice.free.empty();
+  }
   Search found = search(dataset, model, options, progress);
   std::string warning;
   const bool whole = !options.window && !options.stop.stop_requested();
@@ -164,6 +191,13 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
+  out.finding.comparison = {.free = options.free,
+                            .window = options.window.value_or(0.0),
+                            .chosen = chosen,
+                            .reason = choice.reason,
+                            .tissue = found.evidence.tissue,
+                            .tissue_given = dataset.tissue.has_value()};
+  out.finding.data = std::move(remarks);
   out.finding.interrupted = options.stop.stop_requested();
   if (out.finding.interrupted)
     out.finding.warnings.insert(

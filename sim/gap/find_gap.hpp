@@ -16,6 +16,8 @@ namespace biopsy::sim::gap {
 struct SearchOptions {
   std::vector<std::string> free;  // baseline parameters fitted without a prior
   std::optional<double> window;   // s, cuts runs into windows that start from the measured motion
+  bool choose = true;             // both are taken from the data where neither is given: choose.hpp
+  bool free_chosen = false;       // `free` was: the given model is compared as it is
   std::stop_token stop = {};      // ends the search with the result so far
 };
 

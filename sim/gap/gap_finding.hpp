@@ -86,6 +86,32 @@ struct MarginChange {
   bool ok = true;                                 // with the new model
 };
 
+// Something about the recording that a person should correct, or know, before the result is used.
+struct DataRemark {
+  std::string cause;    // "unit", "sign", "swapped", "constant", "frozen", "clipped", "quantised", ...
+  std::string channel;  // column of the file, or key of dataset.toml
+  std::vector<std::string> runs;
+  bool blocks = false;   // nothing was searched: an effect would be named for an error of the recording
+  std::string sentence;  // what was found and what to do
+};
+
+// How model and data were compared, and what is known of the set-up.
+struct GapComparison {
+  std::vector<std::string> free;  // baseline parameters fitted without a prior
+  double window = 0.0;            // s; 0: each run in one piece
+  bool chosen = false;            // from the data; otherwise as told
+  std::string reason;
+  bool tissue = false;        // the needle may meet tissue
+  bool tissue_given = false;  // by the data set; otherwise by the drive
+};
+
+// What explains most of a gap and was not given as its name.
+struct RejectedName {
+  std::vector<std::string> effects;
+  double gap_closed = 0.0, rmse_after = 0.0;  // mm
+  std::vector<std::string> objections;        // clauses
+};
+
 struct GapFinding {
   GapVerdict verdict = GapVerdict::NoGap;
   std::string sentence;  // the verdict in words
@@ -95,8 +121,12 @@ struct GapFinding {
   std::vector<FoundEffect> effects;  // in the order found, the strongest first
   std::vector<ChangedParameter> parameters_changed;
   double rmse_before = 0.0, rmse_after = 0.0, noise_floor = 0.0;  // held-out runs
+  double noise_std = 0.0;  // of an estimated noise floor, mm
   bool noise_given = false;                                       // by the data set; otherwise estimated
   double gap_closed = 0.0;
+  bool partial = false;   // the effects stand, but leave more than the noise
+  RejectedName rejected;  // of an unexplained gap; no effects: there was no candidate for a name
+  GapComparison comparison;
   std::vector<GapRegime> where;  // highest concentration of the error first
   std::vector<std::string> regime_names;
   std::vector<GapCandidate> candidates;
@@ -104,6 +134,7 @@ struct GapFinding {
   std::vector<ResidualShape> shapes;  // best first
   NextExperiment next;
   std::vector<MarginChange> margins;
+  std::vector<DataRemark> data;  // found before any fit; those that block first
   std::vector<std::string> held_out_runs, training_runs, warnings;
   std::string model_before, model_after;  // as files
   double seconds = 0.0;                   // of work, wall time

@@ -2,6 +2,7 @@
 // columns, gaps, NaN, time that goes back and wrong units, naming file, line and column.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,9 +12,12 @@
 
 namespace biopsy::sim {
 
+enum class RunRole : std::uint8_t { Unassigned, Train, Test };
+
 // Row k: measured at time[k]; then input[k] is applied and held until the next row.
 struct RecordedRun {
   std::string name, file;
+  RunRole role = RunRole::Unassigned;
   double weight = 0.0;                 // kg on plate A
   double period = 1e-3;                // s between rows
   std::vector<double> time;            // s
@@ -27,6 +31,7 @@ struct RecordedRun {
 struct Dataset {
   std::string title;
   std::optional<double> sensor_noise;  // m
+  std::optional<bool> tissue = {};     // whether the needle meets tissue; empty: not said
   std::vector<RecordedRun> runs;
 };
 

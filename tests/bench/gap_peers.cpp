@@ -56,7 +56,7 @@ struct Attempt {
 
 // The round's most promising candidates, fitted; the least criterion first.
 std::vector<Attempt> attempts(const Hypothesis& current, const Evidence& evidence, double readings) {
-  const auto scores = score_candidates(current, evidence, open_candidates(current));
+  const auto scores = score_candidates(current, evidence, open_candidates(current, evidence.tissue));
   std::vector<Attempt> out(std::min(kFits, scores.size()));
   in_parallel(out.size(), [&](std::size_t i) {
     Attempt& one = out[i];

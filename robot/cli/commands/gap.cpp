@@ -28,6 +28,7 @@ struct Options {
   fs::path dataset, model, out;
   std::vector<std::string> free;  // baseline parameters that are not known
   std::optional<double> window;   // s; empty: each run from its start in one piece
+  bool as_given = false;          // neither is chosen from the data
   bool accept = false;            // the model file is replaced by what was found
   bool recheck = true;            // rehearse with the model that was found
 };
@@ -40,8 +41,12 @@ void declare(CLI::App& app, Options& options) {
       "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
       ->delimiter(',');
   add(app, "--window SECONDS", options.window,
-      "simulate in windows of this length, each from a free initial state", "each run in one piece")
+      "simulate in windows of this length, each from a free initial state",
+      "each run in one piece; windows where a mechanism drifts")
       ->check(in_range(1e-3, 1e6, "s"));
+  app.add_flag(
+      "--as-given", options.as_given,
+      "choose neither free numbers nor windows from the data: calibrated numbers, runs in one piece");
   app.add_flag(
       "--accept", options.accept,
       "replace the model file by the better model; the old one stays beside it as `NAME.toml.1`, `.2` "
@@ -131,7 +136,8 @@ GapFinding compared(const Options& options, const sim::Dataset& dataset, const s
   const auto started = std::chrono::steady_clock::now();
   ProgressLine line;
   const sim::gap::FoundGap found = sim::gap::find_gap(
-      dataset, given.model, {.free = options.free, .window = options.window, .stop = stop},
+      dataset, given.model,
+      {.free = options.free, .window = options.window, .choose = !options.as_given, .stop = stop},
       [&line](double share, const std::string& doing) { line.show(share, shortened(doing)); });
   GapFinding finding = found.finding;
   finding.dataset = dataset.title;

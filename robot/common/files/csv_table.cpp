@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
@@ -11,14 +12,25 @@
 namespace biopsy {
 namespace {
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> out;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    out.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return out;
-    line.remove_prefix(comma + 1);
-  }
+std::string_view unquoted(std::string_view cell) {
+  const bool quoted = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"';
+  return quoted ? trimmed(cell.substr(1, cell.size() - 2)) : cell;
+}
+
+char separator_of(std::string_view header) {
+  for (const char separator : {';', '\t'})
+    if (header.find(separator) != std::string_view::npos) return separator;
+  return ',';
+}
+
+// "1,5" is 1.5 where commas separate no cells.
+std::optional<double> number_of(std::string_view cell, char separator) {
+  const std::size_t comma = cell.find(',');
+  if (separator == ',' || comma == std::string_view::npos || cell.find('.') != std::string_view::npos)
+    return strict_number(cell);
+  std::string text(cell);
+  text[comma] = '.';
+  return strict_number(text);
 }
 
 }  // namespace
@@ -29,6 +41,8 @@ CsvTable CsvTable::parse(std::string text, std::string file_name) {
   table.text_ = std::make_shared<const std::string>(std::move(text));
   std::string_view rest = *table.text_;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  if (rest.starts_with("\xFF\xFE") || rest.starts_with("\xFE\xFF"))
+    throw ConfigError("is UTF-16 text", table.file_, "save it as CSV in UTF-8");
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     const std::string_view line = trimmed(rest.substr(0, end));
@@ -41,8 +55,19 @@ CsvTable CsvTable::parse(std::string text, std::string file_name) {
   return table;
 }
 
+std::vector<std::string_view> CsvTable::cells_of(std::string_view line) const {
+  std::vector<std::string_view> out;
+  while (true) {
+    const std::size_t end = line.find(separator_);
+    out.push_back(unquoted(trimmed(line.substr(0, end))));
+    if (end == std::string_view::npos) return out;
+    line.remove_prefix(end + 1);
+  }
+}
+
 void CsvTable::take_header(std::string_view line, std::size_t number) {
   header_line_ = number;
+  separator_ = separator_of(line);
   for (const std::string_view name : cells_of(line)) {
     if (name.empty() || has(name))
       throw ConfigError(fmt::format("column \"{}\" is empty or there twice", name), header_place(),
@@ -86,7 +111,7 @@ std::vector<double> CsvTable::numbers(std::string_view name, double low, double 
   const std::size_t at = column(name);
   for (std::size_t row = 0; row < rows(); ++row) {
     const std::string_view cell = cells_[row * names_.size() + at];
-    const auto value = strict_number(cell);
+    const auto value = number_of(cell, separator_);
     if (!value)
       throw ConfigError(fmt::format("column `{}`: \"{}\" is not a finite number", name, cell.substr(0, 40)),
                         place(row), "correct or remove the row");

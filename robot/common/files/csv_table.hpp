@@ -1,5 +1,6 @@
-// CSV: one header line of column names, then rows with one cell for each; commas between cells, no quotes.
-// Blanks around cells, empty lines, lines that begin with # and a byte order mark are skipped.
+// CSV: one header line of column names, then rows with one cell for each. Between cells there are commas, or
+// semicolons or tabs where the header has them; then a number may have a decimal comma. A cell may stand in
+// double quotes. Blanks around cells, empty lines, lines that begin with # and a byte order mark are skipped.
 #pragma once
 
 #include <filesystem>
@@ -31,10 +32,12 @@ class CsvTable {
  private:
   CsvTable() = default;
   std::size_t column(std::string_view name) const;
+  std::vector<std::string_view> cells_of(std::string_view line) const;
   void take_header(std::string_view line, std::size_t number);
   void take_row(std::string_view line, std::size_t number);
 
   std::string file_;
+  char separator_ = ',';
   std::shared_ptr<const std::string> text_;      // what names and cells look at
   std::vector<std::string_view> names_, cells_;  // cells row by row
   std::size_t header_line_ = 1;

@@ -14,7 +14,8 @@ namespace biopsy::report {
 namespace {
 
 constexpr std::size_t kLineWidth = 100;
-constexpr std::size_t kSentenceLines = 5, kMargins = 2, kRegimes = 3, kCandidates = 5, kNextLines = 3;
+constexpr std::size_t kSentenceLines = 5, kMargins = 2, kRegimes = 3, kCandidates = 5, kNextLines = 3,
+                      kRemarks = 2;
 
 // Indented lines, `most` of them; what does not fit is left out and marked.
 std::string wrapped_paragraph(const std::string& text, const std::string& indent, std::size_t most) {
@@ -89,6 +90,18 @@ std::string candidate_lines(const GapFinding& f) {
   return text;
 }
 
+// Remarks that block are in the verdict's sentence.
+std::string data_lines(const GapFinding& f) {
+  std::string text;
+  std::size_t shown = 0;
+  for (const DataRemark& remark : f.data)
+    if (!remark.blocks && ++shown <= kRemarks)
+      text += wrapped_paragraph(plain("Data: " + remark.sentence), "  ", 2);
+  if (!f.comparison.reason.empty())
+    text += wrapped_paragraph("Chosen from the data: " + plain(f.comparison.reason), "  ", 3);
+  return text.empty() ? text : "\n" + text;
+}
+
 std::string next_lines(const GapFinding& f) {
   if (f.next.name.empty()) return {};
   std::string text = "Next experiment: " + readable_name(f.next.name);
@@ -103,7 +116,8 @@ std::string next_lines(const GapFinding& f) {
 std::string gap_console(const GapFinding& f) {
   return wrapped_paragraph(std::string(badge_label(f.verdict)) + ". " + plain(f.sentence), "",
                            kSentenceLines) +
-         "\n" + rmse_line(f) + margin_lines(f) + where_lines(f) + candidate_lines(f) + next_lines(f) +
+         "\n" + rmse_line(f) + margin_lines(f) + where_lines(f) + candidate_lines(f) + data_lines(f) +
+         next_lines(f) +
          (f.warnings.empty() ? "" : "\n  " + counted(f.warnings.size(), "warning") + " in the report\n");
 }
 

@@ -60,6 +60,17 @@ std::string safety(const GapFinding& f) {
   return "<p class=\"safety\">" + text + "</p>\n";
 }
 
+// What the examination of the recording found: a person decides before reading on.
+std::string recording_section(const GapFinding& f) {
+  std::vector<std::string> items;
+  if (!f.comparison.reason.empty()) items.push_back("Chosen from the data: " + escaped(f.comparison.reason));
+  for (const DataRemark& remark : f.data)
+    items.push_back(escaped(remark.sentence +
+                            (remark.runs.empty() ? "" : " (" + joined(remark.runs, ", ", " and ") + ")")));
+  if (items.empty()) return {};
+  return "<section>\n<h2>The recording</h2>\n" + markup::list(items) + "</section>\n";
+}
+
 std::string verdict_section(const GapFinding& f) {
   std::string warnings;
   if (!f.warnings.empty())
@@ -76,8 +87,8 @@ std::string verdict_section(const GapFinding& f) {
 std::string gap_html(const GapFinding& f) {
   return markup::page(
       {.title = "Model gap – " + f.dataset, .heading = "Model gap: " + f.dataset, .style = markup::kGapStyle},
-      verdict_section(f) + gap_where_section(f) + gap_overlay_section(f) + gap_closer_section(f) +
-          gap_effects_section(f) + gap_parameters_section(f) + gap_shapes_section(f) +
+      verdict_section(f) + recording_section(f) + gap_where_section(f) + gap_overlay_section(f) +
+          gap_closer_section(f) + gap_effects_section(f) + gap_parameters_section(f) + gap_shapes_section(f) +
           gap_candidates_section(f) + gap_doubts_section(f) + gap_regimes_section(f) + gap_diff_section(f) +
           gap_margins_section(f) + gap_method_section(f));
 }

@@ -50,6 +50,31 @@ Json candidate_json(const GapCandidate& c) {
           {"chosen", c.chosen}};
 }
 
+Json data_json(const DataRemark& remark) {
+  return {{"cause", remark.cause},
+          {"channel", remark.channel},
+          {"runs", remark.runs},
+          {"blocks", remark.blocks},
+          {"sentence", remark.sentence}};
+}
+
+Json comparison_json(const GapComparison& how) {
+  return {{"free", how.free},
+          {"window_s", how.window > 0.0 ? json_number(how.window) : Json(nullptr)},
+          {"chosen_from_data", how.chosen},
+          {"reason", how.reason},
+          {"set_up", how.tissue ? "tissue" : "bench"},
+          {"set_up_given", how.tissue_given}};
+}
+
+Json rejected_json(const RejectedName& rejected) {
+  if (rejected.effects.empty()) return nullptr;
+  return {{"effects", rejected.effects},
+          {"gap_closed", json_number(rejected.gap_closed)},
+          {"rmse_after_mm", json_number(rejected.rmse_after)},
+          {"objections", rejected.objections}};
+}
+
 Json shape_json(const ResidualShape& shape) {
   return {{"quantity", shape.quantity},
           {"unit", shape.unit},
@@ -79,7 +104,8 @@ std::string gap_json(const GapFinding& f) {
       {"rmse_mm",
        {{"before", json_number(f.rmse_before)},
         {"after", json_number(f.rmse_after)},
-        {"noise_floor", json_number(f.noise_floor)}}},
+        {"noise_floor", json_number(f.noise_floor)},
+        {"noise_floor_std", f.noise_given ? Json(nullptr) : json_number(f.noise_std)}}},
       {"gap_closed", json_number(f.gap_closed)},
       {"where", json_list(f.where, regime_json)},
       {"next_experiment", experiment_json(f.next)},
@@ -91,6 +117,10 @@ std::string gap_json(const GapFinding& f) {
       {"shapes", json_list(f.shapes, shape_json)},
       {"margins", json_list(f.margins, margin_json)},
       {"warnings", f.warnings},
+      {"partial", f.partial},
+      {"rejected", rejected_json(f.rejected)},
+      {"comparison", comparison_json(f.comparison)},
+      {"data", json_list(f.data, data_json)},
   };
   if (f.interrupted) report["interrupted"] = true;
   return json_file(report);

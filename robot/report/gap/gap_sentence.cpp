@@ -44,9 +44,15 @@ std::string effect_sentence(const GapFinding& finding) {
   std::string out;
   for (const FoundEffect& effect : finding.effects)
     out += fmt::format("{} {}: {}. ", effect.sentence, readable_name(effect.name), numbers_of(effect));
-  return out + fmt::format("{} {:.0f} % of the disagreement, on runs that were not used for fitting.{}",
-                           finding.effects.size() > 1 ? "Together they explain" : "That explains",
-                           100.0 * finding.gap_closed, concentrated(finding));
+  return out +
+         fmt::format("{} {:.0f} % of the disagreement, on runs that were not used for fitting.{}",
+                     finding.effects.size() > 1 ? "Together they explain" : "That explains",
+                     100.0 * finding.gap_closed, concentrated(finding)) +
+         (finding.partial
+              ? fmt::format(
+                    " It is part of what is missing: {:.3g} mm are left where the noise is {:.3g} mm.",
+                    finding.rmse_after, finding.noise_floor)
+              : "");
 }
 
 std::string parameter_sentence(const GapFinding& finding) {
@@ -63,11 +69,28 @@ std::string parameter_sentence(const GapFinding& finding) {
       changes.empty() ? "small errors of calibration" : joined(changes), 100.0 * finding.gap_closed);
 }
 
+std::string rejected_sentence(const RejectedName& rejected) {
+  if (rejected.effects.empty()) return "";
+  std::vector<std::string> names;
+  for (const std::string& name : rejected.effects) names.push_back(readable_name(name));
+  return fmt::format(" The nearest, {}, closes {:.0f} % of it and is not its name: {}.",
+                     joined(names, " with "), 100.0 * rejected.gap_closed, joined(rejected.objections, "; "));
+}
+
+std::string recording_sentence(const GapFinding& finding) {
+  std::string out = "The recording is to be corrected first; nothing was fitted to it.";
+  for (const DataRemark& remark : finding.data)
+    if (remark.blocks) out += " " + remark.sentence;
+  return out;
+}
+
 std::string unexplained_sentence(const GapFinding& finding) {
+  if (!finding.data.empty() && finding.data.front().blocks) return recording_sentence(finding);
   std::string out = fmt::format(
       "Model and measurement differ by {:.3g} mm where the noise is {:.3g} mm, and nothing in the library "
       "explains it.{}",
       finding.rmse_before, finding.noise_floor, concentrated(finding));
+  out += rejected_sentence(finding.rejected);
   if (!finding.shapes.empty())
     out += fmt::format(" It depends most on {}, which accounts for {:.0f} % of its variance.",
                        readable_name(finding.shapes.front().quantity),

@@ -114,6 +114,10 @@ double Unknown::value(double at) const {
   return logarithmic ? scale * std::exp(at) : scale * at;
 }
 
+double Unknown::value_std() const {
+  return (logarithmic ? value() : std::abs(scale)) * std;
+}
+
 double Unknown::theta_of(double si) const {
   return logarithmic ? std::log(si / scale) : si / scale;
 }

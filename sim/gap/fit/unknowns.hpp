@@ -27,6 +27,7 @@ struct Unknown {
 
   double value(double at) const;  // SI, at a theta
   double value() const { return value(theta); }
+  double value_std() const;  // SI, of the value
   double theta_of(double si) const;
 };
 

@@ -143,10 +143,11 @@ std::string Candidate::name(Drive drive) const {
                                          : library_effect(effect).info.name);
 }
 
-std::vector<Candidate> open_candidates(const Hypothesis& current) {
+std::vector<Candidate> open_candidates(const Hypothesis& current, bool tissue) {
   std::vector<Candidate> out;
   for (std::size_t i = 0; i < library().size(); ++i)
-    if (!library()[i].present(current.model) && acts_on(library()[i], current.model.baseline.drive))
+    if (!library()[i].present(current.model) && acts_on(library()[i], current.model.baseline.drive) &&
+        (tissue || library()[i].info.attaches != Attachment::Tissue))
       out.push_back({.effect = static_cast<int>(i)});
   const auto& numbers = uncertain_baseline(current.model.baseline.drive);
   for (std::size_t i = 0; i < numbers.size(); ++i) {

@@ -28,8 +28,9 @@ struct Score {
   double share() const { return probes.empty() ? 0.0 : probes.front().share; }
 };
 
-// Effects that the model does not have and baseline parameters that still have a prior.
-std::vector<Candidate> open_candidates(const Hypothesis& current);
+// Effects that the model does not have and that can be there (of tissue only with `tissue`), and baseline
+// parameters that still have a prior.
+std::vector<Candidate> open_candidates(const Hypothesis& current, bool tissue);
 
 // All candidates against the residual of the current hypothesis, best first. Uses all cores.
 std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& evidence,

@@ -211,7 +211,7 @@ double held_out_effective_sample_size(const Evidence& evidence) {
 
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
                      const RoundName& name, const Progress& progress, const std::stop_token& stop) {
-  const std::vector<Candidate> open = open_candidates(now.hypothesis);
+  const std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
   progress(name.share, fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};

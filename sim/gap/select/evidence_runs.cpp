@@ -9,6 +9,8 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/statistics.hpp"
+#include "sim/gap/examine/examine.hpp"
+#include "sim/gap/residual/noise_estimate.hpp"
 #include "sim/gap/residual/window_starts.hpp"
 #include "sim/plant/plant.hpp"
 
@@ -22,26 +24,6 @@ constexpr double kStiffest = 8.0;      // times the given model's rate, beyond w
 constexpr double kLongestSpan = 5e-3;  // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
 constexpr std::size_t kFewestRows = 50;
-
-// Scatter of one run's differences of the given order, scaled to that of a single white reading.
-double difference_scatter(std::vector<double> values, int order) {
-  double gain = 1.0;  // variance of the order-th difference of unit white noise: (2n)! / (n!)^2
-  for (int n = 1; n <= order; ++n) gain *= 2.0 * (2.0 * n - 1.0) / n;
-  for (int n = 0; n < order; ++n) {
-    std::adjacent_difference(values.begin(), values.end(), values.begin());
-    values.erase(values.begin());
-  }
-  for (double& value : values) value = std::abs(value);
-  return kMadToSigma * median(std::move(values)) / std::sqrt(gain);
-}
-
-// Resolution of the sensor: the smallest change between neighbouring readings.
-double resolution(const std::vector<double>& values) {
-  double finest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] != values[i - 1]) finest = std::min(finest, std::abs(values[i] - values[i - 1]));
-  return std::isfinite(finest) ? finest : 0.0;
-}
 
 bool joins(const RecordedRun& run, std::size_t first, std::size_t row, double tolerance) {
   return std::abs(run.input[row] - run.input[first]) <= tolerance &&
@@ -95,9 +77,14 @@ EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, st
   return run;
 }
 
-// Which rows train: every third run is held out beginning with the second; one run alone gives its last
-// third.
-void split(std::vector<EvidenceRun>& runs) {
+// Which rows train: as the data set says; else every third run is held out beginning with the second; one run
+// alone gives its last third.
+void split(std::vector<EvidenceRun>& runs, const std::vector<RecordedRun>& recorded) {
+  if (recorded.front().role != RunRole::Unassigned) {
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      runs[i].training_rows = recorded[i].role == RunRole::Test ? 0 : runs[i].rows.size();
+    return;
+  }
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].training_rows = i % 3 == 1 ? 0 : runs[i].rows.size();
   if (runs.size() == 1) runs[0].training_rows = runs[0].rows.size() * 2 / 3;
 }
@@ -118,15 +105,15 @@ void measure_extent(Evidence& evidence) {
 }  // namespace
 
 double estimated_noise(const std::vector<RecordedRun>& runs) {
-  std::vector<double> scatters;
-  for (const RecordedRun& run : runs) {
-    // Motion only adds to a difference: the order with the least scatter is closest to the noise.
-    double least = std::numeric_limits<double>::infinity();
-    for (int order = 2; order <= 6; ++order)
-      least = std::min(least, difference_scatter(run.displacement, order));
-    scatters.push_back(std::max(least, resolution(run.displacement) / std::sqrt(12.0)));
-  }
-  return std::max(1e-9, median(scatters));
+  return estimate_noise(runs).value;
+}
+
+double noise_of(const Dataset& dataset) {
+  if (!dataset.sensor_noise || *dataset.sensor_noise <= 0.0) return estimated_noise(dataset.runs);
+  double noise = *dataset.sensor_noise;
+  for (const RecordedRun& run : dataset.runs)
+    noise = std::max(noise, quantisation_step(run.displacement) / std::sqrt(12.0));
+  return noise;
 }
 
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
@@ -141,10 +128,12 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
   evidence.step_share = sampling == Sampling::Coarse ? kCoarse : kFine;
   evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
-  evidence.noise = evidence.noise_given ? *dataset.sensor_noise : estimated_noise(dataset.runs);
+  evidence.noise = noise_of(dataset);
+  evidence.noise_std = evidence.noise_given ? 0.0 : estimate_noise(dataset.runs).std;
+  evidence.tissue = dataset.tissue.value_or(model.baseline.drive == Drive::Stack);
   for (const RecordedRun& run : dataset.runs)
     evidence.runs.push_back(prepare_run(run, model, window, evidence.noise, evidence.step_share));
-  split(evidence.runs);
+  split(evidence.runs, dataset.runs);
   measure_extent(evidence);
   return evidence;
 }

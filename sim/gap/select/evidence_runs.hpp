@@ -36,6 +36,8 @@ struct Evidence {
   std::vector<EvidenceRun> runs;
   double noise = 0.0;  // m, standard deviation of one reading
   bool noise_given = false;
+  double noise_std = 0.0;  // m, of an estimated noise
+  bool tissue = true;  // the needle may meet tissue: not where a force drives, unless the data set says so
   double training_seconds = 0.0, held_out_seconds = 0.0;
   double x_low = 0.0, x_high = 0.0;  // m, range of what was measured
   double u_max = 0.0;                // largest |input|
@@ -49,6 +51,9 @@ struct Evidence {
 enum class Sampling : std::uint8_t { Coarse, Fine };
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
                  Sampling sampling);
+
+// Standard deviation of one reading: given or estimated, at least that of its quantisation. m
+double noise_of(const Dataset& dataset);
 
 // Standard deviation of the readings' white part, from their own high-frequency scatter. m
 double estimated_noise(const std::vector<RecordedRun>& runs);

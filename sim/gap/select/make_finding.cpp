@@ -13,6 +13,7 @@
 #include "sim/gap/residual/residual_shape.hpp"
 #include "sim/gap/residual/trace.hpp"
 #include "sim/gap/select/next_experiment.hpp"
+#include "sim/gap/select/objections.hpp"
 #include "sim/gap/select/verdict.hpp"
 
 namespace biopsy::sim::gap {
@@ -35,7 +36,7 @@ double si_per_unit(const Unknown& u) {
 }
 
 double value_std(const Unknown& u) {  // in the unit of files
-  return (u.logarithmic ? u.value() : std::abs(u.scale)) * u.std / si_per_unit(u);
+  return u.value_std() / si_per_unit(u);
 }
 
 // Digits far below the standard deviation are not significant.
@@ -139,7 +140,8 @@ NextExperiment experiment_between(const Selection& selection, const Evidence& ev
     names.push_back(t.candidate.name(models.back().baseline.drive));
   }
   if (models.size() < 2) return {};
-  return next_experiment(models, names, evidence.noise, evidence.u_max);
+  return next_experiment(models, names, evidence.noise, evidence.u_max,
+                         {.x_low = evidence.x_low, .x_high = evidence.x_high, .input = evidence.u_max});
 }
 
 // Without noise the supervisor would take a simulated laser for a frozen one.
@@ -157,6 +159,19 @@ void name_runs(GapFinding& f, const Evidence& evidence) {
     if (run.training_rows < run.rows.size())
       f.held_out_runs.push_back(run.training_rows > 0 ? run.name + " (last third)" : run.name);
   }
+}
+
+RejectedName rejected_name(const ScoredModel& before, const Selection& selection, const Evidence& evidence) {
+  RejectedName out;
+  for (const SelectedTerm& term : selection.selected)
+    if (term.is_effect()) out.effects.push_back(term.candidate.name(before.drive()));
+  if (out.effects.empty()) return out;
+  out.gap_closed = gap_closed(before.square, selection.best.square, evidence.noise);
+  out.rmse_after = std::sqrt(selection.best.square) * kMm;
+  out.objections = selection.objections;
+  if (out.objections.empty())
+    out.objections.push_back("what it leaves is not noise, or another candidate leaves as little");
+  return out;
 }
 
 }  // namespace
@@ -177,6 +192,7 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   }
   found.model = adopted ? best.model : given;
   f.noise_floor = evidence.noise * kMm;
+  f.noise_std = evidence.noise_std * kMm;
   f.noise_given = evidence.noise_given;
   f.rmse_before = std::sqrt(before.square) * kMm;
   f.rmse_after = adopted ? std::sqrt(selection.best.square) * kMm : f.rmse_before;
@@ -185,6 +201,8 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   if (f.verdict == GapVerdict::Effect)
     for (const SelectedTerm& term : selection.selected)
       if (term.is_effect()) f.effects.push_back(describe(term, best));
+  f.partial = f.verdict == GapVerdict::Effect && !is_whole(selection, evidence);
+  if (f.verdict == GapVerdict::Unexplained) f.rejected = rejected_name(before, selection, evidence);
   for (FoundEffect& effect : f.effects)
     if (phase && effect.name == PeriodicDisturbance::info.name) effect.parameters.push_back(*phase);
   if (adopted) add_changed_parameters(found, given, best);

@@ -18,6 +18,9 @@
 namespace biopsy::sim::gap {
 namespace {
 
+constexpr double kAmplitudes[] = {1.0, 0.5, 0.2};  // of what was recorded
+constexpr double kFarAbove = 1e3;                  // noises, beyond which their number says nothing
+constexpr double kBeyond = 0.02;        // of the recorded range: a peak is not recorded to the last reading
 constexpr double kTick = 1e-3;          // s, the control period T
 constexpr double kHalfPeriod = 0.25;    // s, the 2 Hz square wave of paper IV.B
 constexpr double kStepShare = 0.1;      // of the fastest rate's time
@@ -83,30 +86,48 @@ double setpoint(double time) {
   return kDepths[std::min<std::size_t>(static_cast<std::size_t>(time / 4.0), std::size(kDepths) - 1)];
 }
 
-std::vector<Experiment> stack_menu() {
+// Amplitudes times `scale`.
+std::vector<Experiment> stack_menu(double scale) {
+  const auto scaled = [scale](double (*signal)(double)) {
+    return [=](double t) { return scale * signal(t); };
+  };
+  const auto kilovolts = [scale](double volts) { return 1e-3 * scale * volts; };
   return {
-      {"dc_hold", "Put 50 g on the plate, ramp DC to 4.5 kV within 1 s, hold it for 9 s, then 0 V for 8 s.",
-       18.0, [](double t) { return t < 10.0 ? kHoldVolts * soft_start(t) : 0.0; }, no_force},
+      {"dc_hold",
+       fmt::format(
+           "Put 50 g on the plate, ramp DC to {:.2g} kV within 1 s, hold it for 9 s, then 0 V for 8 s.",
+           kilovolts(kHoldVolts)),
+       18.0, scaled([](double t) { return t < 10.0 ? kHoldVolts * soft_start(t) : 0.0; }), no_force},
       {"voltage_staircase_up_and_down",
-       "Put 50 g on the plate and drive a 2 Hz square wave of amplitude 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, "
-       "1.6, 0.8 kV, 2 s each.",
-       18.0, staircase_volts, no_force},
+       fmt::format(
+           "Put 50 g on the plate and drive a 2 Hz square wave of amplitude {0:.2g}, {1:.2g}, {2:.2g}, "
+           "{3:.2g}, {4:.2g}, {3:.2g}, {2:.2g}, {1:.2g}, {0:.2g} kV, 2 s each.",
+           kilovolts(800.0), kilovolts(1600.0), kilovolts(2400.0), kilovolts(3200.0), kilovolts(4000.0)),
+       18.0, scaled(staircase_volts), no_force},
       {"frequency_sweep",
-       "Put 50 g on the plate and drive a square wave, its amplitude ramped to 3.5 kV within 1 s, its "
-       "frequency swept logarithmically from 0.5 to 10 Hz within 16 s.",
-       16.0, sweep_volts, no_force},
+       fmt::format(
+           "Put 50 g on the plate and drive a square wave, its amplitude ramped to {:.2g} kV within 1 s, "
+           "its frequency swept logarithmically from 0.5 to 10 Hz within 16 s.",
+           kilovolts(kSweepVolts)),
+       16.0, scaled(sweep_volts), no_force},
       {"weight_drop",
-       "Put 50 g on the plate, drive a 2 Hz square wave for 15 s, its amplitude ramped to 3.5 kV within 1 s; "
-       "after 5 s put another 50 g on at once, after 10 s take it off at once.",
-       15.0, [](double t) { return kSweepVolts * soft_start(t) * polarity(t); },
+       fmt::format(
+           "Put 50 g on the plate, drive a 2 Hz square wave for 15 s, its amplitude ramped to {:.2g} kV "
+           "within 1 s; after 5 s put another 50 g on at once, after 10 s take it off at once.",
+           kilovolts(kSweepVolts)),
+       15.0, scaled([](double t) { return kSweepVolts * soft_start(t) * polarity(t); }),
        [](double t) { return t >= 5.0 && t < 10.0 ? kDropped * kGravity : 0.0; }},
       {"slow_triangle",
-       "Put 50 g on the plate and ramp DC from 0 to 5 kV within 5 s and back within 5 s, twice.", 20.0,
-       [](double t) { return kTriangleVolts * triangle(t, 10.0); }, no_force},
+       fmt::format(
+           "Put 50 g on the plate and ramp DC from 0 to {:.2g} kV within 5 s and back within 5 s, twice.",
+           kilovolts(kTriangleVolts)),
+       20.0, scaled([](double t) { return kTriangleVolts * triangle(t, 10.0); }), no_force},
       {"closed_loop_steps",
-       "Put 50 g on the plate, close the loop (K_p = 0.8 kV/mm, K_i = 5 kV/(mm s), 2 Hz polarity) and set 2, "
-       "4, 6, 3 mm, 4 s each.",
-       16.0, setpoint, no_force, true},
+       fmt::format(
+           "Put 50 g on the plate, close the loop (K_p = 0.8 kV/mm, K_i = 5 kV/(mm s), 2 Hz polarity) and "
+           "set {:.2g}, {:.2g}, {:.2g}, {:.2g} mm, 4 s each.",
+           2.0 * scale, 4.0 * scale, 6.0 * scale, 3.0 * scale),
+       16.0, scaled(setpoint), no_force, true},
   };
 }
 
@@ -145,6 +166,22 @@ std::vector<Experiment> force_menu(const Baseline& baseline, double F) {
   };
 }
 
+// At the largest amplitude that was recorded, and at less where a stroke as long was not.
+std::vector<Experiment> scaled_menus(const Baseline& baseline, double largest_force,
+                                     const RecordedRange& recorded) {
+  const bool limited = std::isfinite(recorded.x_high - recorded.x_low);
+  const bool force = baseline.drive == Drive::Force;
+  const double full =
+      force ? std::min(largest_force, recorded.input) : std::min(1.0, recorded.input / kTriangleVolts);
+  std::vector<Experiment> out;
+  for (const double share : kAmplitudes) {
+    for (Experiment& one : force ? force_menu(baseline, share * full) : stack_menu(share * full))
+      out.push_back(std::move(one));
+    if (!limited) break;
+  }
+  return out;
+}
+
 // The paper's loop: amplitude for an error, with conditional integration while the amplitude is at a bound.
 double loop_volts(double error, double& integral) {
   const double amplitude = kProportional * error + integral + kIntegral * error;
@@ -152,9 +189,10 @@ double loop_volts(double error, double& integral) {
   return std::clamp(amplitude, 0.0, kEnvelope);
 }
 
-// Reading of plate A at each tick, m. A closed loop uses readings with noise; the returned ones have none.
+// Reading of plate A at each tick, m, and the largest input, V or N. A closed loop uses readings with noise;
+// the returned ones have none.
 std::vector<double> simulated(PlantModel model, const Experiment& experiment, double noise,
-                              std::uint64_t seed) {
+                              std::uint64_t seed, double* largest_input = nullptr) {
   model.weight = kWeight;
   model.effects.sensor_noise.reset();
   model.internal_step = std::clamp(kStepShare / fastest_rate(model), kShortestStep, kTick);
@@ -170,6 +208,7 @@ std::vector<double> simulated(PlantModel model, const Experiment& experiment, do
       return polarity(t) * loop_volts(setpoint_now - measured, integral);
     };
     const double input = experiment.closed_loop ? closed() : setpoint_now;
+    if (largest_input != nullptr) *largest_input = std::max(*largest_input, std::abs(input));
     // The plant uses the input of its drive.
     state = step(model, state, {.voltage = input, .force = input, .external_force = experiment.external(t)},
                  Seconds(kTick));
@@ -189,15 +228,20 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 struct Outcome {
   std::vector<double> readings;  // m
   double scatter = 0.0;  // m, RMS between two repetitions: a loop in a limit cycle does not repeat itself
-  bool allowed = true;   // plate A stays within the stroke
+  bool allowed = true;   // within the stroke, and within what was recorded
 };
 
-Outcome outcome_of(const PlantModel& candidate, const Experiment& experiment, double noise) {
-  Outcome out{.readings = simulated(candidate, experiment, noise, 1)};
+Outcome outcome_of(const PlantModel& candidate, const Experiment& experiment, double noise,
+                   const RecordedRange& recorded) {
+  double input = 0.0;
+  Outcome out{.readings = simulated(candidate, experiment, noise, 1, &input)};
   if (experiment.closed_loop)
     out.scatter = difference(out.readings, simulated(candidate, experiment, noise, 2));
-  if (candidate.baseline.drive == Drive::Stack)
-    out.allowed = *std::max_element(out.readings.begin(), out.readings.end()) <= kDeepest;
+  const auto [least, largest] = std::ranges::minmax(out.readings);
+  const double beyond = kBeyond * (recorded.x_high - recorded.x_low);
+  out.allowed = input <= recorded.input * (1.0 + 1e-9) && largest <= recorded.x_high + beyond &&
+                least >= recorded.x_low - beyond;
+  if (candidate.baseline.drive == Drive::Stack) out.allowed = out.allowed && largest <= kDeepest;
   return out;
 }
 
@@ -221,11 +265,12 @@ Closest closest_pair(const std::vector<Outcome>& outcomes) {
 }
 
 std::vector<Closest> closest_pairs(const std::vector<Experiment>& menu,
-                                   const std::vector<PlantModel>& candidates, double noise) {
+                                   const std::vector<PlantModel>& candidates, double noise,
+                                   const RecordedRange& recorded) {
   std::vector<std::vector<Outcome>> outcomes(menu.size(), std::vector<Outcome>(candidates.size()));
   in_parallel(menu.size() * candidates.size(), [&](std::size_t job) {
     const std::size_t e = job / candidates.size(), r = job % candidates.size();
-    outcomes[e][r] = outcome_of(candidates[r], menu[e], noise);
+    outcomes[e][r] = outcome_of(candidates[r], menu[e], noise, recorded);
   });
   std::vector<Closest> out;
   out.reserve(outcomes.size());
@@ -243,7 +288,8 @@ std::string listed(const std::vector<std::string>& names) {
 }  // namespace
 
 NextExperiment next_experiment(const std::vector<PlantModel>& candidates,
-                               const std::vector<std::string>& names, double noise, double largest_force) {
+                               const std::vector<std::string>& names, double noise, double largest_force,
+                               const RecordedRange& recorded) {
   assert(candidates.size() == names.size() && noise > 0.0);
   NextExperiment out;
   if (candidates.size() < 2) {
@@ -251,9 +297,8 @@ NextExperiment next_experiment(const std::vector<PlantModel>& candidates,
     return out;
   }
   const Baseline& baseline = candidates.front().baseline;
-  const std::vector<Experiment> menu =
-      baseline.drive == Drive::Force ? force_menu(baseline, largest_force) : stack_menu();
-  const std::vector<Closest> closest = closest_pairs(menu, candidates, noise);
+  const std::vector<Experiment> menu = scaled_menus(baseline, largest_force, recorded);
+  const std::vector<Closest> closest = closest_pairs(menu, candidates, noise, recorded);
   const auto best = std::max_element(closest.begin(), closest.end(),
                                      [](const Closest& a, const Closest& b) { return a.apart < b.apart; });
   out.difference = kMm * best->apart;
@@ -268,9 +313,11 @@ NextExperiment next_experiment(const std::vector<PlantModel>& candidates,
   const Experiment& experiment = menu[static_cast<std::size_t>(best - closest.begin())];
   out.name = experiment.name;
   out.separates = names;
-  out.sentence = fmt::format("{} There {} differ by {}{:.3g} mm, {:.1f} times the scatter of a reading.",
-                             experiment.instruction, listed(names), names.size() > 2 ? "at least " : "",
-                             out.difference, best->apart / noise);
+  const double ratio = best->apart / noise;
+  out.sentence =
+      fmt::format("{} There {} differ by {}{:.3g} mm, {} the scatter of a reading.", experiment.instruction,
+                  listed(names), names.size() > 2 ? "at least " : "", out.difference,
+                  ratio < kFarAbove ? fmt::format("{:.1f} times", ratio) : "far above");
   return out;
 }
 

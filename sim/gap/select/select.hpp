@@ -51,6 +51,7 @@ struct Selection {
   ScoredModel best;
   std::vector<CandidateFit> fits;  // of all rounds
   std::vector<SelectedTerm> selected;
+  std::vector<std::string> objections = {};  // to naming what was selected: objections.hpp
 };
 
 // `share`: of the work, in [0, 1]; an estimate: the number of rounds is not known in advance.

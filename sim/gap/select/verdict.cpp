@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kWellClosed = 0.9;         // of the RMSE above the noise
 constexpr double kWellBelowNoise = 0.5;     // remainder, in noises
+constexpr double kFollows = 0.02;           // of the range of motion
 constexpr double kSlightExcess = 0.25;      // excess square, in squares of the noise
 constexpr double kNoticed = 0.05;           // change of the mean square, in squares of the noise
 constexpr double kLeastClosed = 0.6;        // of the RMSE, enough where one candidate has a clear margin
@@ -29,6 +30,12 @@ bool relies_on_calibration_error(const Hypothesis& hypothesis) {
     return u.effect == kBaseline && std::isfinite(u.prior_std) &&
            std::abs(u.theta - u.prior_mean) > kCalibrationStds * u.prior_std;
   });
+}
+
+// What is left is small against the motion: a gap that wrong numbers made large is closed by any better ones.
+bool follows(double after, const Evidence& evidence) {
+  const double left = std::sqrt(excess(after, evidence));
+  return left < kWellBelowNoise * evidence.noise || left < kFollows * (evidence.x_high - evidence.x_low);
 }
 
 }  // namespace
@@ -64,11 +71,13 @@ GapVerdict verdict(const ScoredModel& before, const Selection& selection, const 
   const bool closed = well_explained(before.square, selection.best.square, evidence);
   if (std::none_of(selection.selected.begin(), selection.selected.end(),
                    [](const SelectedTerm& term) { return term.is_effect(); }))
-    return closed ? GapVerdict::Parameter : GapVerdict::Unexplained;
+    return closed && follows(selection.best.square, evidence) ? GapVerdict::Parameter
+                                                              : GapVerdict::Unexplained;
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
                           margin_over_next(selection) >= kClearMargin &&
                           !relies_on_calibration_error(selection.best.hypothesis);
-  return closed || stands_out ? GapVerdict::Effect : GapVerdict::Unexplained;
+  return selection.objections.empty() && (closed || stands_out) ? GapVerdict::Effect
+                                                                : GapVerdict::Unexplained;
 }
 
 }  // namespace biopsy::sim::gap

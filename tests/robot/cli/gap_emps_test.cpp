@@ -31,6 +31,34 @@ std::string as_run(const fs::path& recorded) {
   return out;
 }
 
+// The published file as it is, the model a guess, and no option.
+TEST(GapOnPublicData, NamesTheFrictionOfEmpsWithoutBeingTold) {
+  if (!fs::exists(kEmps)) GTEST_SKIP() << "needs the public data set at " << kEmps;
+  const ScratchFolder folder;
+  std::string list =
+      "title = \"EMPS\"\n[columns]\ntime = \"t_s\"\nforce = \"motor_force_N\"\ndisplacement = { name = "
+      "\"q_meas_m\", "
+      "unit = \"m\" }\n";
+  for (const char* run : {"emps_train", "emps_test_pulses"}) {
+    fs::copy_file(kEmps / (run + std::string(".csv")), folder / (run + std::string(".csv")));
+    list += fmt::format("\n[[run]]\nname = \"{0}\"\nfile = \"{0}.csv\"\nrole = \"{1}\"\n", run,
+                        run == std::string("emps_train") ? "train" : "test");
+  }
+  folder.write("dataset.toml", list);
+  folder.write("rig.toml", "[baseline]\ndrive = \"force\"\nm = 80\nc_s = 150\nk = 0\n");
+  const Outcome answer = biopsy("gap " + folder.path().string() + " --model " +
+                                (folder / "rig.toml").string() + " --out " + (folder / "out").string());
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json found = json_of(folder / "out/gap.json");
+  ASSERT_EQ(found["verdict"], "effect") << answer.text;
+  EXPECT_EQ(found["effects"][0]["name"], "coulomb_friction");
+  EXPECT_NEAR(found["effects"][0]["parameters"]["force_N"]["value"], 20.39, 0.12 * 20.39);  // published
+  EXPECT_EQ(found["comparison"]["window_s"], 0.5);
+  EXPECT_EQ(found["comparison"]["free"], (std::vector<std::string>{"m", "c_s"}));
+  EXPECT_EQ(found["comparison"]["set_up"], "bench");
+  EXPECT_TRUE(found["data"].empty()) << found["data"];
+}
+
 TEST(GapOnPublicData, FindsTheFrictionAndTheOffsetOfEmps) {
   if (!fs::exists(kEmps)) GTEST_SKIP() << "needs the public data set at " << kEmps;
   const ScratchFolder folder;

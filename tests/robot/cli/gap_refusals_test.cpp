@@ -51,6 +51,30 @@ TEST_F(GapRefuses, ARunOfAFewRows) {
   expect("data", "", {"run \"dc-80g\" has 3 rows", "50 rows"});
 }
 
+TEST_F(GapRefuses, AKeyThatIsUnknown) {
+  std::string list = file_content(folder_ / "data/dataset.toml");
+  list.replace(list.find("weight_g"), 8, "weight");
+  folder_.write("data/dataset.toml", list);
+  expect("data", "", {"unknown name `weight`", "weight_g"});
+}
+
+// Not refused, but not searched either: what is wrong with the recording stands in every output.
+TEST_F(GapRefuses, ToNameAnEffectForKilovolts) {
+  folder_.write("data/dataset.toml", file_content(folder_ / "data/dataset.toml") +
+                                         "[run.columns]\nvoltage = { factor = 0.001 }\n");
+  const Outcome answer =
+      biopsy("gap " + path("data") + " --model " + path("stage.toml") + " --out " + path("out"));
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  EXPECT_NE(answer.text.find("voltage_V is in kV"), std::string::npos) << answer.text;
+  const nlohmann::json found = json_of(folder_ / "out/gap.json");
+  EXPECT_EQ(found["verdict"], "unexplained");
+  EXPECT_TRUE(found["candidates"].empty());
+  EXPECT_EQ(found["data"][0]["cause"], "unit");
+  EXPECT_EQ(found["data"][0]["runs"], (std::vector<std::string>{"dc-80g"}));
+  EXPECT_NE(file_content(folder_ / "out/report.html").find("is in kV and not in V"), std::string::npos);
+  EXPECT_EQ(file_content(folder_ / "out/model.toml"), file_content(folder_ / "stage.toml"));
+}
+
 TEST_F(GapRefuses, AModelThatIsNotThere) {
   expect("data", "", {"error: ", "no-model.toml"}, "no-model.toml");
 }

@@ -188,6 +188,77 @@ TEST_F(DatasetFolder, RefusesAWeightInAnotherUnit) {
                  (folder.path() / "dataset.toml").string() + ":4", "`weight_kg`");
 }
 
+// Files as a spreadsheet in a country with decimal commas writes them, and columns of another instrument.
+TEST_F(DatasetFolder, SemicolonsDecimalCommasQuotesAndAByteOrderMarkAreUnderstood) {
+  const RecordedRun run =
+      read("\xEF\xBB\xBF\"time_s\";\"voltage_V\";\"displacement_mm\"\r\n0,000;0;0,5\r\n0,001;-1,5e3;0,75\r\n")
+          .runs[0];
+  EXPECT_EQ(run.input, (std::vector<double>{0.0, -1500.0}));
+  EXPECT_DOUBLE_EQ(run.displacement[1], 0.75e-3);
+  EXPECT_DOUBLE_EQ(
+      read("time_s\tvoltage_V\tdisplacement_mm\n0\t0\t0,5\n0.001\t1\t1\n").runs[0].displacement[0], 0.5e-3);
+  expect_refused("time_s;voltage_V;displacement_mm\n0;0;1.000,5\n0,001;0;0\n", csv_at(2),
+                 "not a finite number");
+  expect_refused(std::string("\xFF\xFEt\0", 4), (folder.path() / "a.csv").string(), "UTF-16");
+}
+
+TEST_F(DatasetFolder, ColumnsAreMappedWithUnitSignAndFactor) {
+  const std::string columns =
+      "[columns]\ntime = { name = \"t\", unit = \"ms\" }\nvoltage = { name = \"monitor\", unit = \"kV\" }\n"
+      "displacement = { name = \"laser\", unit = \"um\", sign = -1, factor = 2 }\n[[run]]\nname = "
+      "\"a\"\nfile = "
+      "\"a.csv\"\n";
+  const std::string csv = "t,monitor,laser,voltage_kV\n0,0,0,9\n1,1.5,-250,9\n";
+  const RecordedRun run = read(csv, Drive::Stack, columns).runs[0];
+  EXPECT_DOUBLE_EQ(run.period, 1e-3);
+  EXPECT_DOUBLE_EQ(run.input[1], 1500.0);
+  EXPECT_DOUBLE_EQ(run.displacement[1], 500e-6);
+  // A run's own columns go before those of the data set.
+  const RecordedRun own =
+      read(csv, Drive::Stack, columns + "[run.columns]\ndisplacement = { name = \"laser\", unit = \"mm\" }\n")
+          .runs[0];
+  EXPECT_DOUBLE_EQ(own.displacement[1], -0.25);
+}
+
+TEST_F(DatasetFolder, RefusesUnknownKeysUnitsAndMissingMappedColumns) {
+  const std::string toml = (folder.path() / "dataset.toml").string();
+  const std::string run = "[[run]]\nname = \"a\"\nfile = \"a.csv\"\n";
+  const auto text_of = [&](const std::string& text) {
+    return refusal([&] { read(kCsv, Drive::Stack, text); });
+  };
+  expect_refusal(text_of(run + "weight = 0.05\n"), toml + ":4", "unknown name `weight`");
+  expect_refusal(text_of("noise = 1\n" + run), toml + ":1", "unknown name `noise`");
+  expect_refusal(text_of("[columns]\nlaser = \"x\"\n" + run), toml + ":2", "unknown name `laser`");
+  expect_refusal(text_of("[columns]\ndisplacement = { units = \"um\" }\n" + run), toml + ":2",
+                 "unknown name");
+  expect_refusal(text_of("[columns]\ndisplacement = { unit = \"furlong\" }\n" + run), toml + ":2",
+                 "is no unit of displacement");
+  expect_refusal(text_of("[columns]\ndisplacement = { sign = 0.5 }\n" + run), toml + ":2",
+                 "neither 1 nor -1");
+  expect_refusal(text_of("[columns]\ndisplacement = \"laser\"\n" + run), csv_at(1),
+                 "column `laser` is missing");
+  expect_refusal(text_of("set_up = \"attic\"\n" + run), toml + ":1", "is unknown");
+  expect_refusal(text_of(run + "role = \"exam\"\n"), toml + ":4", "is unknown");
+  expect_refusal(text_of(run + "role = \"train\"\n"), toml, "the same for all");
+}
+
+TEST_F(DatasetFolder, TimeStampsThatScatterAreInterpolatedOnlyWhereItIsSaid) {
+  std::string csv = "time_s,voltage_V,displacement_mm\n";
+  for (int k = 0; k < 200; ++k) {
+    const double t = 1e-3 * (k + 0.3 * std::sin(2.4 * k));
+    if (k % 50 != 7) csv += fmt::format("{:.7f},{},{:.7f}\n", t, k / 10, std::sin(20.0 * t));
+  }
+  EXPECT_NE(refusal([&] { read(csv); }).find("are irregular"), std::string::npos);
+  const RecordedRun run =
+      read(csv, Drive::Stack, "resample = true\n" + std::string(kToml).substr(12)).runs[0];
+  ASSERT_GT(run.time.size(), 180U);
+  for (std::size_t i = 1; i + 1 < run.time.size(); ++i) {
+    EXPECT_NEAR(run.time[i] - run.time[i - 1], run.period, 1e-12);
+    EXPECT_NEAR(run.displacement[i], 1e-3 * std::sin(20.0 * run.time[i]), 1e-6);
+    EXPECT_EQ(run.input[i], std::round(run.input[i])) << "inputs are held, not interpolated";
+  }
+}
+
 TEST(Dataset, FolderWithoutADescriptionIsRefused) {
   const ScratchFolder folder;
   expect_refusal(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),

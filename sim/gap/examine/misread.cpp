@@ -1,0 +1,275 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+
+#include "robot/common/in_parallel.hpp"
+#include "robot/common/statistics.hpp"
+#include "sim/gap/examine/examine.hpp"
+#include "sim/gap/residual/predict.hpp"
+#include "sim/plant/plant.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr double kMisses = 0.3;     // misfit from which a run may be misread
+constexpr double kExplains = 0.35;  // of that misfit is left by the right reading
+constexpr double kLongest = 20.0;   // s of a run that are looked at
+constexpr std::size_t kFewestRows = 200;
+constexpr double kBallistic = 0.5;     // s, windows of a mechanism without a spring
+constexpr double kLongestShift = 2.0;  // s
+constexpr double kLate = 0.2;          // s; less is a lag of the sensor
+constexpr double kEarly = 0.005;       // s, and two rows: no effect comes before its cause
+constexpr double kVisible = 20.0;      // noises that a motion must have
+
+// One way in which the file may have been meant.
+struct Reading {
+  std::string cause, channel;
+  std::string meaning;  // "is in metres and not in millimetres"
+  std::string remedy;   // of dataset.toml
+  std::function<void(RecordedRun&)> apply;
+};
+
+// RMS difference, as a share of the larger one's RMS.
+double misfit(const std::vector<double>& a, const std::vector<double>& b) {
+  double apart = 0.0, aa = 0.0, bb = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    apart += (a[i] - b[i]) * (a[i] - b[i]), aa += a[i] * a[i], bb += b[i] * b[i];
+  const double largest = std::max(aa, bb);
+  return largest > 0.0 && std::isfinite(apart) ? std::sqrt(apart / largest) : 1.0;
+}
+
+void scale(std::vector<double>& values, double factor) {
+  for (double& value : values) value *= factor;
+}
+
+Reading in_unit(const std::string& quantity, const std::string& channel, const std::string& unit,
+                const std::string& expected, std::vector<double> RecordedRun::*values, double factor) {
+  return {"unit", channel, fmt::format("{} is in {} and not in {}", channel, unit, expected),
+          fmt::format("[columns] {} = {{ name = \"{}\", unit = \"{}\" }}", quantity, channel, unit),
+          [=](RecordedRun& run) { scale(run.*values, factor); }};
+}
+
+Reading slower(double factor) {
+  return {"unit", "time_s", fmt::format("time runs {:g} times as fast as time_s says", 1.0 / factor),
+          fmt::format("[columns] time = {{ factor = {:g} }}", factor), [factor](RecordedRun& run) {
+            scale(run.time, factor);
+            run.period *= factor;
+          }};
+}
+
+std::vector<Reading> readings(Drive drive) {
+  const bool stack = drive == Drive::Stack;
+  const std::string input = stack ? "voltage_V" : "force_N", key = stack ? "voltage" : "force";
+  const auto displacement = &RecordedRun::displacement;
+  std::vector<Reading> out{
+      in_unit("displacement", "displacement_mm", "m", "mm", displacement, 1e3),
+      in_unit("displacement", "displacement_mm", "um", "mm", displacement, 1e-3),
+      in_unit("displacement", "displacement_mm", "cm", "mm", displacement, 10.0),
+      in_unit("displacement", "displacement_mm", "nm", "mm", displacement, 1e-6),
+      in_unit(key, input, stack ? "kV" : "kN", stack ? "V" : "N", &RecordedRun::input, 1e3),
+      in_unit(key, input, stack ? "mV" : "mN", stack ? "V" : "N", &RecordedRun::input, 1e-3)};
+  const std::string turned = stack ? "displacement_mm" : "displacement_mm (or force_N)";
+  out.push_back({"sign", turned, "displacement_mm counts against the model's direction",
+                 "[columns] displacement = { sign = -1 }",
+                 [=](RecordedRun& run) { scale(run.displacement, -1.0); }});
+  out.push_back(
+      {"swapped", input, fmt::format("{} and displacement_mm are exchanged", input),
+       fmt::format("[columns] {} = {{ name = \"displacement_mm\", unit = \"{}\" }} and displacement = "
+                   "{{ name = \"{}\", unit = \"mm\" }}",
+                   key, stack ? "V" : "N", input),
+       [](RecordedRun& run) {
+         std::swap(run.input, run.displacement);
+         scale(run.input, 1e3);
+         scale(run.displacement, 1e-3);
+       }});
+  for (const double factor : {10.0, 0.1, 1e3, 1e-3, 2.0, 0.5, 60.0}) out.push_back(slower(factor));
+  if (!stack) return out;
+  out.push_back({"unit", "weight_g", "weight_g is in kg and not in g", "weight_g in grams",
+                 [](RecordedRun& run) { run.weight *= 1e3; }});
+  out.push_back({"unit", "weight_g", "weight_g is in mg and not in g", "weight_g in grams",
+                 [](RecordedRun& run) { run.weight *= 1e-3; }});
+  return out;
+}
+
+// Measured and predicted motion of one run. Without a spring a mechanism drifts: then each window's departure
+// from uniform motion.
+struct Motions {
+  std::vector<double> time, measured, predicted;
+  double size = 0.0, misfit = 0.0;  // m RMS of the larger one; of their difference, as a share of it
+};
+
+RecordedRun beginning(RecordedRun run) {
+  const auto rows =
+      std::min(run.time.size(), std::max(kFewestRows, static_cast<std::size_t>(kLongest / run.period) + 1));
+  for (std::vector<double>* values : {&run.time, &run.input, &run.displacement, &run.external_force})
+    values->resize(rows);
+  return run;
+}
+
+Motions motions(RecordedRun run, const PlantModel& model, double noise) {
+  const bool drifts = model.baseline.drive == Drive::Force && model.baseline.k <= 0.0;
+  Dataset alone{.title = {}, .sensor_noise = noise, .runs = {std::move(run)}};
+  const std::optional<double> window =
+      drifts ? std::optional(std::max(kBallistic, 8.0 * alone.runs[0].period)) : std::nullopt;
+  const Evidence evidence = prepare(alone, model, window, Sampling::Coarse);
+  const EvidenceRun& rows = evidence.runs.front();
+  Motions out;
+  out.predicted = predict(model, evidence, rows, rows.rows.size());
+  auto next = rows.windows.begin();
+  WindowStart start;
+  double begun = 0.0;
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    if (next != rows.windows.end() && next->row == i) start = *next++, begun = rows.rows[i].time;
+    const double uniform = drifts ? start.x + start.v * (rows.rows[i].time - begun) : 0.0;
+    out.time.push_back(rows.rows[i].time);
+    out.measured.push_back(rows.rows[i].measured - uniform);
+    out.predicted[i] -= uniform;
+  }
+  out.size = std::max(rms(out.measured), rms(out.predicted));
+  out.misfit = misfit(out.measured, out.predicted);
+  return out;
+}
+
+// `values` at `time` + shift, on straight lines; the ends held.
+std::vector<double> shifted(const Motions& motion, double shift) {
+  std::vector<double> out;
+  std::size_t at = 0;
+  const std::vector<double>&t = motion.time, &x = motion.measured;
+  for (const double now : t) {
+    const double wanted = now + shift;
+    while (at > 0 && t[at] > wanted) --at;
+    while (at + 2 < t.size() && t[at + 1] <= wanted) ++at;
+    const double share = std::clamp((wanted - t[at]) / (t[at + 1] - t[at]), 0.0, 1.0);
+    out.push_back(x[at] + share * (x[at + 1] - x[at]));
+  }
+  return out;
+}
+
+// Delay of the measured motion against the model's, s; 0 where none explains the misfit.
+double time_offset(const Motions& motion) {
+  const double fine = std::max(motion.time[1] - motion.time[0], 1e-3);
+  double best = 0.0, least = motion.misfit;
+  const auto look = [&](double from, double to, double step) {
+    for (double shift = from; shift <= to; shift += step)
+      if (const double m = misfit(shifted(motion, shift), motion.predicted); m < least)
+        least = m, best = shift;
+  };
+  look(-kLongestShift, kLongestShift, 10.0 * fine);
+  look(best - 10.0 * fine, best + 10.0 * fine, fine);
+  const bool strange = best > kLate || best < -std::max(kEarly, 2.0 * fine);
+  return strange && least < kExplains * motion.misfit ? best : 0.0;
+}
+
+struct Looked {
+  const Reading* reading = nullptr;
+  double offset = 0.0;               // s
+  double before = 0.0, after = 0.0;  // misfits
+};
+
+Looked look_at(const RecordedRun& recorded, const PlantModel& model, double noise,
+               const std::vector<Reading>& all) {
+  const RecordedRun run = beginning(recorded);
+  const Motions as_given = motions(run, model, noise);
+  Looked out{.before = as_given.misfit, .after = as_given.misfit};
+  if (as_given.misfit * as_given.size < kVisible * noise) return out;
+  for (const Reading& reading : all) {
+    if (as_given.misfit < kMisses) break;
+    RecordedRun other = recorded;
+    reading.apply(other);
+    const double rate = 1.0 / other.period;
+    if (rate < 1.0 || rate > 1e6) continue;
+    const Motions meant = motions(beginning(std::move(other)), model, noise);
+    if (meant.misfit < kExplains * as_given.misfit && meant.misfit < out.after)
+      out.after = meant.misfit, out.reading = &reading;
+  }
+  if (out.reading == nullptr && model.baseline.k > 0.0 && run.time.size() > 2)
+    out.offset = time_offset(as_given);
+  return out;
+}
+
+std::string share_text(double misfit) {
+  return fmt::format("{:.0f} %", 100.0 * std::max(0.0, 1.0 - misfit * misfit));
+}
+
+DataRemark misread(const Reading& reading, const std::vector<std::string>& runs, std::size_t of,
+                   const Looked& one) {
+  return {reading.cause, reading.channel, runs, true,
+          fmt::format("It seems that {} in {}: so read, the model reproduces {} of the motion of run {}, as "
+                      "given {}. If it is so, write in dataset.toml: {}{}.",
+                      reading.meaning, run_list(runs, of), share_text(one.after), runs.front(),
+                      share_text(one.before), reading.remedy,
+                      runs.size() == of ? "" : " (as [run.columns] of the run)")};
+}
+
+// Two runs that the model misses, each of which fits the other's input.
+std::optional<DataRemark> exchanged(const Dataset& dataset, const std::vector<std::size_t>& missed,
+                                    const PlantModel& model, double noise,
+                                    const std::vector<Looked>& looked) {
+  for (const std::size_t i : missed)
+    for (const std::size_t j : missed) {
+      const RecordedRun &a = dataset.runs[i], &b = dataset.runs[j];
+      if (j <= i || a.period != b.period) continue;
+      const std::size_t rows = std::min(a.time.size(), b.time.size());
+      RecordedRun mixed = a, other = b;
+      for (std::vector<double>* values : {&mixed.time, &mixed.input, &mixed.external_force, &other.time,
+                                          &other.input, &other.external_force})
+        values->resize(rows);
+      mixed.displacement.assign(b.displacement.begin(), b.displacement.begin() + static_cast<long>(rows));
+      other.displacement.assign(a.displacement.begin(), a.displacement.begin() + static_cast<long>(rows));
+      if (motions(beginning(mixed), model, noise).misfit < kExplains * looked[i].before &&
+          motions(beginning(other), model, noise).misfit < kExplains * looked[j].before)
+        return DataRemark{
+            "swapped",
+            "file",
+            {a.name, b.name},
+            true,
+            fmt::format("The displacements of runs {} and {} fit each other's input: their files "
+                        "or columns are exchanged. Correct `file` in dataset.toml.",
+                        a.name, b.name)};
+    }
+  return {};
+}
+
+DataRemark shifted_time(const std::string& run, double offset) {
+  return {
+      "time_offset",
+      "time_s",
+      {run},
+      true,
+      fmt::format("The displacement of run {} comes {:.3g} s {} the input that causes it, as the model sees "
+                  "it: the two columns were recorded with different clocks. Shift one of them.",
+                  run, std::abs(offset), offset < 0.0 ? "before" : "after")};
+}
+
+}  // namespace
+
+std::vector<DataRemark> examine_with_model(const Dataset& dataset, const PlantModel& model, double noise) {
+  const std::vector<Reading> all = readings(model.baseline.drive);
+  std::vector<Looked> looked(dataset.runs.size());
+  in_parallel(looked.size(), [&](std::size_t i) { looked[i] = look_at(dataset.runs[i], model, noise, all); });
+  std::vector<DataRemark> out;
+  std::map<const Reading*, std::vector<std::size_t>> by_reading;
+  std::vector<std::size_t> missed;
+  for (std::size_t i = 0; i < looked.size(); ++i) {
+    if (looked[i].reading != nullptr)
+      by_reading[looked[i].reading].push_back(i);
+    else if (looked[i].offset != 0.0)
+      out.push_back(shifted_time(dataset.runs[i].name, looked[i].offset));
+    else if (looked[i].before > kMisses)
+      missed.push_back(i);
+  }
+  for (const auto& [reading, which] : by_reading) {
+    std::vector<std::string> names;
+    for (const std::size_t i : which) names.push_back(dataset.runs[i].name);
+    out.push_back(misread(*reading, names, dataset.runs.size(), looked[which.front()]));
+  }
+  if (out.empty())
+    if (auto found = exchanged(dataset, missed, model, noise, looked)) out.push_back(std::move(*found));
+  return out;
+}
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,129 @@
+#include "sim/gap/select/objections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/gap/fit/fit.hpp"
+#include "sim/gap/residual/flexible.hpp"
+#include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/verdict.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr double kHalf = 0.5;          // of the RMSE above the noise that no calibration explains
+constexpr double kWhole = 0.95;        // of it
+constexpr double kNearNoise = 1.0;     // noises that are left
+constexpr double kFlexibleWins = 0.8;  // of the excess square that a name leaves
+constexpr double kAddsToCurve = 0.7;   // of the excess square that the curve leaves
+constexpr double kStillCloses = 0.5;   // with the runs exchanged
+constexpr double kSameStds = 4.0;      // between the two fits of a strength,
+constexpr double kSameShare = 0.5;     // and of it
+constexpr int kExchangedIterations = 8;
+
+double closed_by_names(const Selection& selection, const Evidence& evidence) {
+  return gap_closed(selection.start.square, selection.best.square, evidence.noise);
+}
+
+bool selected(const Selection& selection, const Unknown& u) {
+  return std::ranges::any_of(selection.selected, [&](const SelectedTerm& term) {
+    return term.is_effect() && term.candidate.effect == u.effect;
+  });
+}
+
+// Of each effect at least one strength, and where and above which level it acts, must be known.
+void add_unknown_parameters(std::vector<std::string>& out, const Selection& selection,
+                            const Evidence& evidence) {
+  for (const SelectedTerm& term : selection.selected) {
+    if (!term.is_effect()) continue;
+    const LibraryEffect& effect = library_effect(term.candidate.effect);
+    bool any_strength = false, known_strength = false;
+    for (const Unknown& u : selection.best.hypothesis.unknowns) {
+      if (u.effect != term.candidate.effect || !std::isfinite(u.std)) continue;
+      const LibraryParameter& p = effect.parameters[u.parameter];
+      const double std = u.value_std(),
+                   range = p.role == Role::Place ? evidence.x_high - evidence.x_low : 0.0;
+      if (p.role == Role::Strength) any_strength = true, known_strength |= std < std::abs(u.value());
+      if ((p.role == Role::Place || p.role == Role::Level) && std > std::max(std::abs(u.value()), range))
+        out.push_back(fmt::format("its {} is known to no better than {:.2g} +- {:.2g}", p.name,
+                                  u.value() / p.si_per_unit, std / p.si_per_unit));
+    }
+    if (any_strength && !known_strength)
+      out.push_back(fmt::format("no strength of {} is known to better than itself", effect.info.name));
+  }
+}
+
+Evidence exchanged(Evidence evidence) {
+  for (EvidenceRun& run : evidence.runs) run.training_rows = run.training_rows > 0 ? 0 : run.rows.size();
+  std::swap(evidence.training_seconds, evidence.held_out_seconds);
+  return evidence;
+}
+
+// Trained on the held-out runs, tested on the others.
+void add_instability(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
+  if (evidence.runs.size() < 2) return;  // the last third of one run cannot be simulated alone
+  const Evidence other = exchanged(evidence);
+  Hypothesis hypothesis = selection.best.hypothesis;
+  fit(hypothesis, other, kExchangedIterations);
+  Hypothesis start = selection.start.hypothesis;
+  fit(start, other, kExchangedIterations);
+  const double before = score_model(start, other).square, after = score_model(hypothesis, other).square;
+  const double closed = gap_closed(before, after, other.noise);
+  if (std::sqrt(excess(after, other)) > kNearNoise * other.noise && closed < kStillCloses)
+    out.push_back(fmt::format("with training and held-out runs exchanged it closes {:.0f} % of the gap",
+                              100.0 * closed));
+  estimate_uncertainty(hypothesis, other);
+  for (std::size_t i = 0; i < hypothesis.unknowns.size(); ++i) {
+    const Unknown &a = selection.best.hypothesis.unknowns[i], &b = hypothesis.unknowns[i];
+    if (!selected(selection, a) || library_effect(a.effect).parameters[a.parameter].role != Role::Strength)
+      continue;
+    const double apart = std::abs(a.value() - b.value());
+    if (apart > kSameStds * std::hypot(a.value_std(), b.value_std()) &&
+        apart > kSameShare * std::max(std::abs(a.value()), std::abs(b.value())))
+      out.push_back(fmt::format("its {} differs between the runs",
+                                library_effect(a.effect).parameters[a.parameter].name));
+  }
+}
+
+// A curve of its own may fit better than a name that leaves something; but then the name must add to it what
+// no curve can, such as a jump.
+void add_flexible(std::vector<std::string>& out, const Selection& selection, const Evidence& coarse) {
+  const std::vector<FlexibleFit> curves = fit_flexible(selection.start, coarse);
+  if (curves.empty()) return;
+  const FlexibleFit& curve = curves.front();
+  const double left =
+      excess(mean_square(residual(selection.best.hypothesis.model, coarse, Part::HeldOut)), coarse);
+  const double by_curve = excess(curve.square, coarse);
+  if (by_curve > kFlexibleWins * left) return;
+  const std::vector<FlexibleFit> both = fit_flexible(selection.best, coarse);
+  const auto same = std::ranges::find_if(
+      both, [&](const FlexibleFit& one) { return one.acts == curve.acts && one.variable == curve.variable; });
+  if (same != both.end() && excess(same->square, coarse) < kAddsToCurve * by_curve) return;
+  out.push_back(fmt::format("a {} as an additional {} leaves less ({:.3g} mm) than it does ({:.3g} mm)",
+                            curve.name(), curve.acts, 1e3 * std::sqrt(curve.square),
+                            1e3 * std::sqrt(selection.best.square)));
+}
+
+}  // namespace
+
+bool is_whole(const Selection& selection, const Evidence& evidence) {
+  return std::sqrt(excess(selection.best.square, evidence)) < kNearNoise * evidence.noise ||
+         closed_by_names(selection, evidence) >= kWhole;
+}
+
+std::vector<std::string> objections(const Selection& selection, const Evidence& coarse,
+                                    const Evidence& fine) {
+  std::vector<std::string> out;
+  const double closed = closed_by_names(selection, fine);
+  if (closed < kHalf && std::sqrt(excess(selection.best.square, fine)) > kNearNoise * fine.noise)
+    out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
+  add_unknown_parameters(out, selection, fine);
+  if (!out.empty()) return out;
+  add_instability(out, selection, coarse);
+  if (out.empty() && !is_whole(selection, fine)) add_flexible(out, selection, coarse);
+  return out;
+}
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,225 @@
+// Recordings that were damaged on purpose: each is named by its cause, and never by an effect. The recordings
+// are of two generators that share no code with sim/: the stage of generator/, the rig of recordings/.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "sim/gap/examine/examine.hpp"
+#include "sim/gap/find_gap.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
+#include "sim/plant/model_file.hpp"
+#include "tests/sim/gap/generator/hidden_data.hpp"
+#include "tests/sim/gap/recordings/rig.hpp"
+
+namespace biopsy::hidden {
+namespace {
+
+using sim::Dataset;
+using sim::RecordedRun;
+
+constexpr double kNoise = 10e-6;  // m
+
+struct Bench {
+  Dataset data;
+  sim::PlantModel model;
+};
+
+// A stage with small calibration errors, some friction, three short runs.
+const Bench& stage() {
+  static const Bench bench = [] {
+    HiddenCase one;
+    one.name = "stage";
+    one.kind = HiddenKind::Single;
+    one.terms = {{"coulomb_friction", 0.02}};
+    one.seed = 4711;
+    one.length = 0.35;
+    one.runs = 3;
+    one.plate_b = true;
+    return Bench{make_hidden(one), sim::parse_model(baseline_model(one), "model.toml")};
+  }();
+  return bench;
+}
+
+const Bench& rig() {
+  static const Bench bench{rig_recording({.damping_ratio = 0.13, .grip = 0.05}, kNoise, 7),
+                           sim::parse_model(rig_model({}), "rig.toml")};
+  return bench;
+}
+
+struct Damage {
+  std::string name, cause;
+  std::function<void(Dataset&)> apply;
+  bool stage = true, rig = true;
+};
+
+std::function<void(Dataset&)> each(std::function<void(RecordedRun&)> change) {
+  return [change](Dataset& data) {
+    for (RecordedRun& run : data.runs) change(run);
+  };
+}
+
+std::function<void(Dataset&)> one(std::function<void(RecordedRun&)> change) {
+  return [change](Dataset& data) { change(data.runs.back()); };
+}
+
+void scale(std::vector<double>& values, double factor) {
+  for (double& value : values) value *= factor;
+}
+
+void delay(std::vector<double>& values, long rows) {
+  std::vector<double> out(values.size(), values.front());
+  for (long i = 0; i < static_cast<long>(values.size()); ++i)
+    out[static_cast<std::size_t>(i)] =
+        values[static_cast<std::size_t>(std::clamp(i - rows, 0L, static_cast<long>(values.size()) - 1))];
+  values = out;
+}
+
+void swap_input(RecordedRun& run) {  // as numbers of a file
+  for (std::size_t i = 0; i < run.input.size(); ++i) {
+    const double volts = run.input[i];
+    run.input[i] = run.displacement[i] * 1e3;
+    run.displacement[i] = volts * 1e-3;
+  }
+}
+
+std::vector<Damage> damages() {
+  return {
+      {"metres", "unit", each([](RecordedRun& r) { scale(r.displacement, 1e-3); })},
+      {"micrometres", "unit", each([](RecordedRun& r) { scale(r.displacement, 1e3); })},
+      {"centimetres", "unit", each([](RecordedRun& r) { scale(r.displacement, 0.1); })},
+      {"kilo input", "unit", each([](RecordedRun& r) { scale(r.input, 1e-3); })},
+      {"milli input", "unit", each([](RecordedRun& r) { scale(r.input, 1e3); })},
+      {"metres in one run", "unit", one([](RecordedRun& r) { scale(r.displacement, 1e-3); })},
+      {"kilo input in one run", "unit", one([](RecordedRun& r) { scale(r.input, 1e-3); })},
+      {"sign", "sign", each([](RecordedRun& r) { scale(r.displacement, -1.0); })},
+      {"sign of one run", "sign", one([](RecordedRun& r) { scale(r.displacement, -1.0); })},
+      {"sign of the force", "sign", each([](RecordedRun& r) { scale(r.input, -1.0); }), false},
+      {"columns exchanged", "swapped", each(swap_input)},
+      {"columns exchanged in one run", "swapped", one(swap_input)},
+      {"files exchanged", "swapped",
+       [](Dataset& d) { std::swap(d.runs.front().displacement, d.runs.back().displacement); }},
+      {"dead", "constant", each([](RecordedRun& r) { std::ranges::fill(r.displacement, 0.0); })},
+      {"dead in one run", "constant", one([](RecordedRun& r) { std::ranges::fill(r.displacement, 1e-3); })},
+      {"input not recorded", "constant", each([](RecordedRun& r) { std::ranges::fill(r.input, 0.0); })},
+      {"frozen", "frozen", one([](RecordedRun& r) {
+         const std::size_t n = r.displacement.size();
+         for (std::size_t i = n * 45 / 100; i < n * 62 / 100; ++i)
+           r.displacement[i] = r.displacement[n * 45 / 100];
+       })},
+      {"dead from the middle on", "frozen", one([](RecordedRun& r) {
+         const std::size_t n = r.displacement.size();
+         for (std::size_t i = n / 2; i < n; ++i) r.displacement[i] = r.displacement[n / 2];
+       })},
+      {"clipped", "clipped", each([](RecordedRun& r) {
+         const double limit = 0.6 * std::ranges::max(r.displacement);
+         for (double& x : r.displacement) x = std::min(x, limit);
+       })},
+      {"outliers", "outliers", one([](RecordedRun& r) {
+         for (std::size_t i = 101; i < r.displacement.size(); i += 397) r.displacement[i] += 20e-3;
+       })},
+      {"copied run", "copied", [](Dataset& d) { d.runs.back().displacement = d.runs.front().displacement; }},
+      {"ten times too fast", "unit", each([](RecordedRun& r) { scale(r.time, 0.1), r.period *= 0.1; })},
+      {"ten times too slow", "unit", each([](RecordedRun& r) { scale(r.time, 10.0), r.period *= 10.0; }),
+       false},
+      {"reading before its cause", "time_offset",
+       each([](RecordedRun& r) { delay(r.displacement, -static_cast<long>(0.15 / r.period)); })},
+      {"reading half a second late", "time_offset",
+       each([](RecordedRun& r) { delay(r.displacement, static_cast<long>(0.5 / r.period)); })},
+      {"noise in micrometres", "unit", [](Dataset& d) { d.sensor_noise = *d.sensor_noise * 1e3; }},
+      {"weight in kilograms", "unit", each([](RecordedRun& r) { r.weight *= 1e-3; }), true, false}};
+}
+
+std::vector<DataRemark> examined(const Bench& bench, const Damage* damage) {
+  Dataset data = bench.data;
+  if (damage != nullptr) damage->apply(data);
+  return sim::gap::examine(data, bench.model, sim::gap::noise_of(data));
+}
+
+std::string listed(const std::vector<DataRemark>& remarks) {
+  std::string out;
+  for (const DataRemark& one : remarks)
+    out += fmt::format("{}{}: {}\n", one.cause, one.blocks ? "" : " (only a remark)", one.sentence);
+  return out;
+}
+
+void expect_named(const Bench& bench, const Damage& damage) {
+  const std::vector<DataRemark> remarks = examined(bench, &damage);
+  SCOPED_TRACE(damage.name + "\n" + listed(remarks));
+  const bool blocked = !remarks.empty() && remarks.front().blocks;
+  EXPECT_TRUE(blocked);
+  if (blocked) {
+    EXPECT_EQ(remarks.front().cause, damage.cause);
+  }
+}
+
+TEST(DamagedRecording, OfTheStageIsNamedByItsCause) {
+  for (const Damage& damage : damages())
+    if (damage.stage && damage.name != "files exchanged") expect_named(stage(), damage);
+}
+
+TEST(DamagedRecording, OfARigIsNamedByItsCause) {
+  for (const Damage& damage : damages())
+    if (damage.rig) expect_named(rig(), damage);
+}
+
+TEST(DamagedRecording, UndamagedNothingIsFound) {
+  for (const Bench* bench : {&stage(), &rig()}) EXPECT_EQ(listed(examined(*bench, nullptr)), "");
+}
+
+TEST(DamagedRecording, AQuantisedOneIsRemarkedAndItsNoiseRaised) {
+  Bench bench = rig();
+  for (RecordedRun& run : bench.data.runs)
+    for (double& x : run.displacement) x = std::round(x / 1e-4) * 1e-4;
+  const auto remarks = examined(bench, nullptr);
+  ASSERT_EQ(remarks.size(), 1U) << listed(remarks);
+  EXPECT_EQ(remarks[0].cause, "quantised");
+  EXPECT_NEAR(sim::gap::noise_of(bench.data), 1e-4 / std::sqrt(12.0), 1e-9);
+}
+
+TEST(DamagedRecording, ASlowlySampledResonanceIsRemarked) {
+  Bench bench = rig();
+  bench.model.baseline.k *= 1e4;
+  bench.model.baseline.c_s *= 1e2;
+  EXPECT_NE(listed(examined(bench, nullptr)).find("sampling (only a remark)"), std::string::npos);
+}
+
+TEST(DamagedRecording, RepeatedRunsThatDisagreeAreNamed) {
+  Bench bench = rig();
+  bench.data.runs[2] = bench.data.runs[0];
+  bench.data.runs[2].name = "again";
+  for (double& x : bench.data.runs[2].displacement) x = 0.7 * x + 3e-3;
+  const auto remarks = examined(bench, nullptr);
+  ASSERT_FALSE(remarks.empty());
+  EXPECT_EQ(remarks[0].cause, "repeats_differ") << listed(remarks);
+}
+
+TEST(DamagedRecording, IsNotSearchedAndKeepsTheModel) {
+  Dataset data = rig().data;
+  for (RecordedRun& run : data.runs) std::ranges::fill(run.displacement, 0.0);
+  const auto found = sim::gap::find_gap(data, rig().model, {});
+  EXPECT_EQ(found.finding.verdict, GapVerdict::Unexplained);
+  EXPECT_TRUE(found.finding.effects.empty());
+  EXPECT_TRUE(found.finding.candidates.empty());
+  ASSERT_FALSE(found.finding.data.empty());
+  EXPECT_EQ(found.finding.data[0].cause, "constant");
+}
+
+// No effect of the library, and nothing that is outside it, looks like a damaged recording.
+TEST(UndamagedRecording, WithAnyHiddenEffectIsNotBlocked) {
+  std::vector<std::string> blocked;
+  for (HiddenCase one : hidden_cases()) {
+    one.length = std::min(one.length, 0.4);
+    const Dataset data = make_hidden(one);
+    const sim::PlantModel model = sim::parse_model(baseline_model(one), "model.toml");
+    for (const DataRemark& remark : sim::gap::examine(data, model, sim::gap::noise_of(data)))
+      if (remark.blocks) blocked.push_back(one.name + ": " + remark.sentence);
+  }
+  EXPECT_TRUE(blocked.empty()) << fmt::format("{}", fmt::join(blocked, "\n"));
+}
+
+}  // namespace
+}  // namespace biopsy::hidden

@@ -1,0 +1,84 @@
+// Which name is given, and when none is: rigs of recordings/, which share no code with sim/. Nothing is told
+// about what is free.
+#include <gtest/gtest.h>
+
+#include "sim/gap/find_gap.hpp"
+#include "sim/gap/select/choose.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
+#include "sim/plant/model_file.hpp"
+#include "tests/sim/gap/recordings/rig.hpp"
+
+namespace biopsy::hidden {
+namespace {
+
+constexpr double kRigNoise = 5e-6;  // m
+
+sim::PlantModel model_of(const Rig& rig) {
+  return sim::parse_model(rig_model(rig), "rig.toml");
+}
+
+GapFinding found(const Rig& truth, const Rig& believed, std::uint64_t seed) {
+  return sim::gap::find_gap(rig_recording(truth, kRigNoise, seed), model_of(believed), {}).finding;
+}
+
+TEST(Naming, DryFrictionIsNamedThoughMassAndDampingAreNotWhatTheModelSays) {
+  const GapFinding f = found({.grip = 0.12}, {.mass = 0.55, .hertz = 2.9, .damping_ratio = 0.4}, 3);
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << f.rejected.effects.size();
+  EXPECT_EQ(f.effects.front().name, "coulomb_friction");
+  EXPECT_NEAR(f.effects.front().parameters.front().value, 0.12, 0.012);
+  EXPECT_TRUE(f.comparison.chosen);
+  EXPECT_FALSE(f.comparison.free.empty());
+}
+
+TEST(Naming, AStiffeningSpringIsNoTissueAndNoEndStop) {
+  const GapFinding f = found({.stiffening = 4e3}, {}, 5);
+  ASSERT_EQ(f.verdict, GapVerdict::Effect);
+  EXPECT_EQ(f.effects.front().name, "spring_hardening");
+  EXPECT_FALSE(f.partial);
+  EXPECT_FALSE(f.comparison.tissue);
+}
+
+TEST(Naming, DampingAroundAPlaceHasNoName) {
+  const GapFinding f = found({.rough = 6.0, .rough_at = 4e-3}, {}, 7);
+  EXPECT_EQ(f.verdict, GapVerdict::Unexplained);
+  EXPECT_TRUE(f.effects.empty());
+}
+
+TEST(Naming, ALopsidedSpringHasNoName) {
+  const GapFinding f = found({.lopsided = 25.0}, {}, 9);
+  EXPECT_EQ(f.verdict, GapVerdict::Unexplained);
+  EXPECT_TRUE(f.effects.empty());
+  EXPECT_TRUE(f.data.empty()) << f.data.front().sentence;
+}
+
+// Sampled six times in an oscillation: differences see the motion, a linear equation of motion does not.
+TEST(Noise, IsNotTakenFromFastMotion) {
+  for (const Rig& rig : {Rig{.hertz = 42.0, .damping_ratio = 0.01}, Rig{.hertz = 2.5}}) {
+    sim::Dataset data = rig_recording(rig, kRigNoise, 17);
+    std::uint32_t bits = 1;
+    for (sim::RecordedRun& run : data.runs)  // a force of all frequencies
+      for (double& x : run.input)
+        x = 5.0 * (static_cast<double>(bits = bits * 1664525U + 1013904223U) * 0x1p-32 - 0.5);
+    data = ridden_again(rig, data, kRigNoise);
+    EXPECT_NEAR(sim::gap::estimated_noise(data.runs), kRigNoise, 0.35 * kRigNoise) << rig.hertz;
+  }
+}
+
+TEST(Choice, OfAMechanismThatIsAsTheModelSaysIsNothing) {
+  const sim::gap::Choice choice = sim::gap::choose(rig_recording({}, kRigNoise, 11), model_of({}));
+  EXPECT_TRUE(choice.free.empty());
+  EXPECT_FALSE(choice.window);
+  EXPECT_EQ(choice.reason, "");
+}
+
+TEST(Choice, FreesWhatTheDataDetermineAndCutsWhatDrifts) {
+  const auto data = rig_recording({}, kRigNoise, 13);
+  const sim::gap::Choice wrong = sim::gap::choose(data, model_of({.mass = 0.6, .hertz = 2.0}));
+  EXPECT_EQ(wrong.free, (std::vector<std::string>{"m", "c_s", "k"}));
+  sim::PlantModel loose = model_of({});
+  loose.baseline.k = 0.0;
+  EXPECT_TRUE(sim::gap::choose(data, loose).window);
+}
+
+}  // namespace
+}  // namespace biopsy::hidden

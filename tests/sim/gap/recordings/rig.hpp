@@ -1,0 +1,28 @@
+// Recordings of a mass on a spring, made without sim/: its own parameters (natural frequency and damping
+// ratio), velocity Verlet in short steps, and a dry contact of Jenkins' kind (a stiff spring that slides).
+#pragma once
+
+#include <cstdint>
+
+#include "sim/plant/dataset.hpp"
+
+namespace biopsy::hidden {
+
+struct Rig {
+  double mass = 0.4, hertz = 2.5, damping_ratio = 0.15;  // kg, Hz, -
+  double grip = 0.0;                                     // N at which the contact slides
+  double stiffening = 0.0;                               // 1/m^2, of the spring's stiffness with x^2
+  double lopsided = 0.0;                                 // 1/m, of the spring's stiffness with x
+  double rough = 0.0, rough_at = 0.0;                    // N s/m of damping around a place, m
+};
+
+// Four runs of 8 s at 250 Hz, of a multisine and of steps. Readings in m with white noise [m].
+sim::Dataset rig_recording(const Rig& rig, double noise, std::uint64_t seed);
+
+// The same recording with the displacement that its inputs cause now.
+sim::Dataset ridden_again(const Rig& rig, sim::Dataset recording, double noise);
+
+// The model of a rig without grip and stiffening, as a file.
+std::string rig_model(const Rig& rig);
+
+}  // namespace biopsy::hidden
