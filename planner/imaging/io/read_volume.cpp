@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/metaimage/metaimage_reader.hpp"
 #include "planner/imaging/io/nifti/nifti_reader.hpp"
 #include "planner/imaging/io/nrrd/nrrd_reader.hpp"
 #include "planner/imaging/io/volume_files.hpp"
@@ -30,13 +31,24 @@ void refuse_broken(const DicomFolder& folder) {
   if (!folder.broken.empty()) throw *folder.broken.front().refusal;
 }
 
-}  // namespace
+// A program that knows nothing of the scanner writes this; so does one that lost what it knew.
+void warn_of_default_geometry(Volume& volume) {
+  const Eigen::Matrix3d axes = volume.grid.X_SI.linear();
+  if (!axes.cwiseAbs().isApprox(Eigen::Matrix3d::Identity(), 1e-9) ||
+      !volume.grid.X_SI.translation().isZero(1e-9))
+    return;
+  volume.warnings.push_back(
+      "the geometry is a default (voxels of 1 mm, the first at the scanner's centre, axes along the "
+      "patient's): "
+      "places in it are probably not those of a scanner");
+}
 
-Volume read_volume(const std::filesystem::path& path, const std::string& series_uid) {
+Volume read_chosen(const std::filesystem::path& path, const std::string& series_uid) {
   const VolumeFiles files = find_volume_files(path);
   const DicomFolder folder = scan_dicom_files(files.dicom);
   refuse_broken(folder);
-  const std::size_t count = folder.series.size() + files.nifti.size() + files.nrrd.size();
+  const std::size_t count =
+      folder.series.size() + files.nifti.size() + files.nrrd.size() + files.metaimage.size();
   if (count == 0)
     throw ConfigError("DICOM, but no image (a report, structure set or directory)", path.string(),
                       "give an image series");
@@ -54,8 +66,18 @@ Volume read_volume(const std::filesystem::path& path, const std::string& series_
     if (chosen(name_of(file))) return read_nifti(file);
   for (const auto& file : files.nrrd)
     if (chosen(name_of(file))) return read_nrrd(file);
+  for (const auto& file : files.metaimage)
+    if (chosen(name_of(file))) return read_metaimage(file);
   throw ConfigError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
                     path.string(), "choose one of them with --series UID");
+}
+
+}  // namespace
+
+Volume read_volume(const std::filesystem::path& path, const std::string& series_uid) {
+  Volume volume = read_chosen(path, series_uid);
+  warn_of_default_geometry(volume);
+  return volume;
 }
 
 }  // namespace biopsy::imaging
