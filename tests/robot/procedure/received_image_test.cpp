@@ -1,5 +1,7 @@
 // A confirmation image from a scanner's folder, through to the verdict. Inputs: the built-in phantom as
 // planning image; images of it with a needle, rendered and written as DICOM into the folder by the test.
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
 #include <gtest/gtest.h>
 
 #include "planner/imaging/io/read_volume.hpp"
@@ -12,6 +14,15 @@
 
 namespace biopsy::robot {
 namespace {
+
+// As a scanner labels what it measured; the simulator calls its images derived.
+void say_original(const std::filesystem::path& file) {
+  DcmFileFormat content;
+  content.loadFile(file.c_str());
+  content.loadAllDataIntoMemory();
+  content.getDataset()->putAndInsertString(DCM_ImageType, "ORIGINAL\\PRIMARY\\M");
+  content.saveFile(file.c_str(), EXS_LittleEndianExplicit);
+}
 
 struct ReceivedImage : testing::Test {
   ScratchFolder run, incoming;
@@ -38,7 +49,7 @@ struct ReceivedImage : testing::Test {
     Volume image = sim::scan(prepared.image, settings);
     image.identity.series_uid = "1.2.3.4.5";
     change(image);
-    sim::write_dicom_series(image, incoming / "series");
+    for (const auto& file : sim::write_dicom_series(image, incoming / "series")) say_original(file);
     report::StepResult result;
     images.take(0, plan().steps[0].depth, std::chrono::milliseconds(2000), result);
     return result;
