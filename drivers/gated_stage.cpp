@@ -9,6 +9,8 @@ Measurement GatedStage::measure() {
   last_.depth_um = reading.depth_um;
   last_.laser_code = reading.laser_code;
   last_.laser_valid = reading.laser_valid;
+  last_.depth_b_um = reading.depth_b_um;
+  last_.laser_b_valid = reading.laser_b_valid;
   last_.monitor_mV = reading.monitor_mV;
   last_.current_nA = reading.current_nA;
   return last_;

@@ -14,6 +14,8 @@ struct SensorReading {
   std::int32_t depth_um = 0;
   std::int32_t laser_code = 0;
   bool laser_valid = false;
+  std::int32_t depth_b_um = 0;  // second laser
+  bool laser_b_valid = false;
   std::int32_t monitor_mV = 0;
   std::int32_t current_nA = 0;
 };

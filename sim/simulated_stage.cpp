@@ -8,7 +8,8 @@
 namespace biopsy::sim {
 namespace {
 
-constexpr std::uint64_t kMonitorStream = 0x6d6f6e69;  // must not repeat the laser's noise
+// Must not repeat the first laser's noise.
+constexpr std::uint64_t kMonitorStream = 0x6d6f6e69, kSecondLaserStream = 0x6c617332;
 
 // Two independent uniform numbers of unit variance: noise of the monitors needs no tails, at a tenth of the
 // cost.
@@ -17,6 +18,13 @@ NormalPair uniform_pair(std::uint64_t seed, std::uint64_t counter) {
   const std::uint64_t bits = hashed(seed, counter);
   return {(static_cast<double>(bits >> 32) - 0x1.0p31) * kScale,
           (static_cast<double>(bits & 0xffffffffU) - 0x1.0p31) * kScale};
+}
+
+// The second laser looks at the needle's hub: it has noise of the same size, and nothing else of what the
+// model says of the first.
+double second_reading(const PlantModel& model, std::uint64_t seed, const PlantState& state) {
+  const double std = model.effects.sensor_noise ? model.effects.sensor_noise->std : 0.0;
+  return state.motion.x + std * normals(seed ^ kSecondLaserStream, state.readings).first;
 }
 
 std::int32_t rounded(double value) {
@@ -36,6 +44,8 @@ drivers::SensorReading SimulatedStage::read() {
   reading.laser_code = rounded(displacement_reading(model_, state_) * 1e6 / errors_.laser_code_um);
   reading.depth_um = reading.laser_code * errors_.laser_code_um;
   reading.laser_valid = true;
+  reading.depth_b_um = rounded(second_reading(model_, seed_, state_) * 1e6);
+  reading.laser_b_valid = true;
   const NormalPair noise = uniform_pair(seed_ ^ kMonitorStream, state_.readings);
   reading.monitor_mV = rounded(state_.u_i * 1e3 * (1.0 + errors_.monitor_noise * noise.first));
   const double average = state_.charge / Seconds(kTick).count();

@@ -152,7 +152,7 @@ SupervisorPulse read_supervisor_pulse(TomlTable table, const std::string& stage)
 
 void refuse_shared_inputs(const Config& config, const TomlTable& root) {
   std::set<std::uint32_t> used;
-  for (const AnalogInput* input : {&config.laser.input, &config.voltage.input, &config.current.input}) {
+  for (const AnalogInput* input : analog_inputs(config)) {
     const std::uint32_t last = input->terminal == kDiff ? input->number + kPair : input->number;
     for (std::uint32_t pin = input->number; pin <= last; pin += kPair)
       if (!used.insert(pin).second)
@@ -169,6 +169,7 @@ Config read(TomlTable& root) {
     config.serial = root.whole_number("serial", std::numeric_limits<std::uint32_t>::max());
   if (root.has("timeout_ms")) config.timeout_s = root.number("timeout_ms", 0.1, 20.0, "ms") * 1e-3;
   config.laser = read_laser(root.table("laser"));
+  if (root.has("second_laser")) config.second_laser = read_laser(root.table("second_laser"));
   config.voltage = read_monitor(root.table("voltage_monitor"), "kV", kTrip_kV);
   config.current = read_monitor(root.table("current_monitor"), "mA", kVisible_mA);
   config.command = read_command(root.table("command"));
@@ -183,6 +184,12 @@ Config read(TomlTable& root) {
 }
 
 }  // namespace
+
+std::vector<const AnalogInput*> analog_inputs(const Config& config) {
+  std::vector<const AnalogInput*> inputs{&config.laser.input, &config.voltage.input, &config.current.input};
+  if (config.second_laser) inputs.push_back(&config.second_laser->input);
+  return inputs;
+}
 
 Config parse_config(const std::string& text, const std::string& name) {
   return parse_toml(text, name, read);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace biopsy::nidaqmx {
 
@@ -60,12 +61,16 @@ struct Config {
   std::optional<std::uint32_t> serial;  // where given, no other board is accepted
   double timeout_s = 0.002;             // for one call within a tick
   Laser laser;
+  std::optional<Laser> second_laser;  // without it only plans for the bench can be run
   Monitor voltage, current;
   Command command;
   Interlock interlock;
   std::optional<PanelInputs> panel;
   std::optional<SupervisorPulse> supervisor_pulse;
 };
+
+// In the order in which the stage reads them: laser, voltage, current, second laser where there is one.
+std::vector<const AnalogInput*> analog_inputs(const Config& config);
 
 // Throw ConfigError, with file and line, for entries that are missing, unknown, out of range or inconsistent:
 // a monitor that cannot show 8.2 kV, a laser that cannot measure 2 mm beyond the stroke.

@@ -36,6 +36,14 @@ std::int32_t rounded(double value) {
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -kMost, kMost)));
 }
 
+std::int32_t depth_um(const Laser& laser, double volts) {
+  return rounded((volts - laser.zero_V) * laser.mm_per_V * 1e3);
+}
+
+bool is_valid(const Laser& laser, double volts) {
+  return volts >= laser.valid_low_V && volts <= laser.valid_high_V;
+}
+
 }  // namespace
 
 std::int64_t monotonic_us() {
@@ -76,8 +84,7 @@ void NidaqmxStage::find_board() {
 
 void NidaqmxStage::connect() {
   inputs_.emplace(daqmx_, "biopsy inputs");
-  for (const AnalogInput* input : {&config_.laser.input, &config_.voltage.input, &config_.current.input})
-    add_input(daqmx_, *inputs_, config_, *input);
+  for (const AnalogInput* input : analog_inputs(config_)) add_input(daqmx_, *inputs_, config_, *input);
   inputs_->start("analog inputs");
 
   output_.emplace(daqmx_, "biopsy command");
@@ -146,7 +153,7 @@ bool NidaqmxStage::read_panel() {
 
 drivers::SensorReading NidaqmxStage::read() {
   fresh_ = false;
-  reading_.laser_valid = false;
+  reading_.laser_valid = reading_.laser_b_valid = false;
   if (stopped_) return reading_;
   const std::int64_t now_us = clock_();
   const bool complete = read_panel() && read_voltages();
@@ -156,8 +163,12 @@ drivers::SensorReading NidaqmxStage::read() {
   const Laser& laser = config_.laser;
   const double step_V = (laser.input.high_V - laser.input.low_V) / kCodes;
   reading_.laser_code = rounded(volts_[0] / step_V);
-  reading_.depth_um = rounded((volts_[0] - laser.zero_V) * laser.mm_per_V * 1e3);
-  reading_.laser_valid = volts_[0] >= laser.valid_low_V && volts_[0] <= laser.valid_high_V;
+  reading_.depth_um = depth_um(laser, volts_[0]);
+  reading_.laser_valid = is_valid(laser, volts_[0]);
+  if (config_.second_laser) {
+    reading_.depth_b_um = depth_um(*config_.second_laser, volts_[3]);
+    reading_.laser_b_valid = is_valid(*config_.second_laser, volts_[3]);
+  }
   reading_.monitor_mV = rounded(volts_[1] * config_.voltage.per_V * 1e6);
   reading_.current_nA = rounded(volts_[2] * config_.current.per_V * 1e6);
   fresh_ = true;

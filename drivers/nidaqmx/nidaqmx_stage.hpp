@@ -58,7 +58,7 @@ class NidaqmxStage final : public drivers::HardwareNeedleStage {
   std::uint32_t serial_ = 0;
   std::optional<Task> inputs_, output_, lines_task_, panel_task_;
 
-  std::array<double, 3> volts_{};  // laser, voltage, current
+  std::array<double, 4> volts_{};  // as analog_inputs()
   drivers::SensorReading reading_;
   drivers::Panel panel_;
   drivers::DeviceError error_;

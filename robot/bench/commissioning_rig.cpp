@@ -44,7 +44,14 @@ control::VoltageProgram program_of(std::int32_t level_mV, std::uint32_t ticks) {
 
 Sample sample_of(const Measurement& m) {
   Sample sample;
-  sample.reading = {m.time_us, m.depth_um, m.laser_code, m.laser_valid, m.monitor_mV, m.current_nA};
+  sample.reading = {.time_us = m.time_us,
+                    .depth_um = m.depth_um,
+                    .laser_code = m.laser_code,
+                    .laser_valid = m.laser_valid,
+                    .depth_b_um = m.depth_b_um,
+                    .laser_b_valid = m.laser_b_valid,
+                    .monitor_mV = m.monitor_mV,
+                    .current_nA = m.current_nA};
   sample.command_mV = m.command_mV;
   return sample;
 }

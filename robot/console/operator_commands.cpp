@@ -154,10 +154,9 @@ OperatorSession::Answer OperatorSession::on(const commands::Reset& command) {
 OperatorSession::Answer OperatorSession::on(const commands::Judge& command) {
   const std::string why = why_no_judgement();
   if (!why.empty() || run_->imaged != command.stage) return refusal(command.id, Refused::NotNow, why);
-  const auto& check = run_->notes.record().steps[command.stage].check;
   if (command.judgement == console::Judgement::Accept) {
-    if (check->verdict != DepthVerdict::Accept)
-      return refusal(command.id, Refused::NotNow, "the image does not show the tip where it should be");
+    if (const std::string why_not = why_no_acceptance(); !why_not.empty())
+      return refusal(command.id, Refused::NotNow, why_not);
     run_->accepted = command.stage;
     run_->completed = run_->is_last(command.stage);
     return done(command.id);
@@ -213,12 +212,27 @@ std::string OperatorSession::why_no_judgement() const {
   return run_->ended || !run_->stopped_because.empty() ? "This run is over." : "";
 }
 
+// An image says where the needle is only while it is held there.
+std::string OperatorSession::why_no_acceptance() const {
+  if (const std::string why = why_no_judgement(); !why.empty()) return why;
+  const safety::SupervisorOutput& now = seen_.supervisor;
+  const bool held = now.permit.mode == Mode::Hold && now.step_done && now.step == *run_->imaged;
+  if (!held || silent_ || run_->left_hold)
+    return fmt::format("The needle is no longer held where this image shows it{}.",
+                       run_->left_hold ? ": " + *run_->left_hold : "");
+  const DepthCheck& check = *run_->notes.record().steps[*run_->imaged].check;
+  if (check.verdict == DepthVerdict::Accept) return {};
+  return check.verdict == DepthVerdict::Reject ? "The image shows the tip elsewhere than planned."
+                                               : "The image does not tell surely enough where the tip is.";
+}
+
 events::Disabled OperatorSession::disabled() const {
   const Mode mode = seen_.supervisor.permit.mode;
   events::Disabled why;
   why.arm = why_no_arm();
   why.insert = why_no_insert();
   why.judge = why_no_judgement();
+  why.accept = why_no_acceptance();
   if (!hv_permitted() || mode == Mode::Retract) why.retract = "No voltage: the needle is back or on its way.";
   if (mode != Mode::Trip)
     why.reset = mode == Mode::Lock ? "Locked: service only." : "Nothing to reset.";

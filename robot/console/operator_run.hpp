@@ -28,12 +28,14 @@ struct OperatorSession::Run {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   bool moved = false, ended = false, completed = false;
   std::int64_t cold_since_us = 0;
-  std::string stopped_because;
+  std::string stopped_because;  // by a person
+  std::string ended_by;         // by the robot
 
   std::optional<std::size_t> imaged;         // step whose image was begun last
   std::optional<std::int64_t> acquiring_us;  // since when
   std::future<report::StepResult> check;     // of step `imaged`
   std::optional<std::size_t> accepted;       // step
+  std::optional<std::string> left_hold;      // why, of the hold at the end of step `imaged`
 
   const Plan& plan() const { return std::get<Plan>(prepared.plan); }
   bool is_last(std::size_t step) const { return step + 1 >= plan().steps.size(); }

@@ -166,6 +166,7 @@ void OperatorSession::update_run(const CycleSample& sample, Mode before) {
   if (!run_ || run_->ended) return;
   if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(sample, inputs_);
   run_->moved = run_->moved || mode == Mode::Active;
+  note_end_of_hold(before);
   update_image();
   if (hv_permitted()) {
     run_->cold_since_us = now_us_;
@@ -175,6 +176,23 @@ void OperatorSession::update_run(const CycleSample& sample, Mode before) {
              !run_->check.valid()) {
     end_run();
   }
+}
+
+// What ended the hold in which an image was taken; a trip undoes what was accepted before.
+void OperatorSession::note_end_of_hold(Mode before) {
+  const safety::SupervisorOutput& now = seen_.supervisor;
+  const Mode mode = now.permit.mode;
+  if (mode == Mode::Active) run_->left_hold.reset();
+  const bool tripped = mode != before && (mode == Mode::Trip || mode == Mode::Lock);
+  const bool left = before == Mode::Hold && mode != Mode::Hold && mode != Mode::Active && run_->imaged;
+  if (!tripped && !left) return;
+  const bool hazard = now.reason != safety::Hazard::None;
+  const std::string why(hazard ? safety::name_of(now.reason) : safety::name_of(now.event));
+  if (left) run_->left_hold = why;
+  if (run_->completed && !tripped) return;  // its depth was accepted in time
+  run_->completed = false;
+  if (run_->stopped_because.empty() && (tripped || run_->imaged))
+    run_->ended_by = fmt::format("{}: {}", safety::name_of(mode), why);
 }
 
 void OperatorSession::update_image() {
@@ -223,8 +241,9 @@ void OperatorSession::end_run() {
   record.simulated = simulated_;
   record.outcome = run_->completed ? report::Outcome::Completed : report::Outcome::Stopped;
   if (!run_->completed)
-    record.refusal = run_->stopped_because.empty() ? "the needle retracted before its depth was accepted"
-                                                   : run_->stopped_because;
+    record.refusal = !run_->stopped_because.empty() ? run_->stopped_because
+                     : !run_->ended_by.empty()      ? run_->ended_by + "; the depth was not accepted before"
+                                                    : "the needle retracted before its depth was accepted";
   record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
     measure_run(run->notes.record());

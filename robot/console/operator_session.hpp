@@ -81,6 +81,7 @@ class OperatorSession {
   bool all_ticked() const { return ticks_ == std::array{true, true, true}; }
   void show_series();
   void update_run(const CycleSample& sample, Mode before);
+  void note_end_of_hold(Mode before);
   void update_image();
   void retract();
   void end_run();
@@ -89,6 +90,7 @@ class OperatorSession {
   std::string why_no_arm() const;
   std::string why_no_insert() const;
   std::string why_no_judgement() const;
+  std::string why_no_acceptance() const;
   bool hv_permitted() const;
 
   bool simulated_;

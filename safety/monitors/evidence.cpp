@@ -7,8 +7,9 @@ Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorI
   const bool stale = (link.found & bit(Hazard::SensorStale)) != 0;
   const DriveFindings drive = update(plan, memory.drive, seen, link.fresh, stale);
   const DepthFindings depth = update(plan, memory.depth, seen, link.fresh, drive.zero_volts);
+  const HazardSet agreement = update(plan, memory.agreement, seen.measurement, link.fresh);
   Evidence evidence;
-  evidence.clear = ~(link.found | drive.found | depth.found) & kAllHazards;
+  evidence.clear = ~(link.found | drive.found | depth.found | agreement) & kAllHazards;
   evidence.zero_volts = drive.zero_volts;
   evidence.needle_home = depth.needle_home;
   evidence.image_disturbed = drive.image_disturbed;

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 
+#include "safety/monitors/agreement_monitor.hpp"
 #include "safety/monitors/depth_monitor.hpp"
 #include "safety/monitors/link_monitor.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
@@ -38,6 +39,7 @@ struct EvidenceMemory {
   LinkMonitor link;
   VoltageMonitor drive;
   DepthMonitor depth;
+  AgreementMonitor agreement;
 };
 
 Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorInputs& seen);

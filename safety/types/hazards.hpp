@@ -109,14 +109,15 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "none for more than 3 ms"},
     {Hazard::SensorFrozen, StopCategory::C1Ramp, 20, "H-09 depth sensor frozen while the voltage moves",
      "R-19", Monitor::Depth,
-     "same code for 20 ms while the drive moves by more than 200 V, or V squared 18 kV^2 above its "
+     "same code for 20 ms while the drive moves by more than 200 V, or V squared 24 kV^2 above its "
      "value at the deepest depth seen"},
     {Hazard::LaserDropout, StopCategory::C1Ramp, 3, "H-11 depth sensor has no target", "R-20", Monitor::Depth,
-     "3 samples without a target"},
-    {Hazard::OffsetOrScale, StopCategory::C1Ramp, 50, "H-10 depth is not plausible at this voltage", "R-21",
+     "3 samples of either laser without a target (the second only with a patient)"},
+    {Hazard::OffsetOrScale, StopCategory::C1Ramp, 50, "H-10 depth reading is not plausible", "R-21",
      Monitor::Depth,
-     "more than 1 mm outside the plausible band for 50 ms, or with a patient back by more than 0.6 mm for 20 "
-     "ms without the drive being lowered"},
+     "with a patient, the two lasers more than 0.3 mm apart for 10 ms; more than 1 mm outside the plausible "
+     "band "
+     "for 50 ms; with a patient, back by more than 0.6 mm for 20 ms without the drive being lowered"},
     {Hazard::PolarityStuck, StopCategory::C1Ramp, 1500, "H-12 polarity is unbalanced: charge builds up",
      "R-22", Monitor::Voltage, "charge of the square wave unbalanced over about four periods"},
     {Hazard::WrongFrequency, StopCategory::C1Ramp, 1300, "H-13 polarity changes at the wrong rate", "R-23",
@@ -134,8 +135,8 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      Monitor::Link, "backlog above 1 s"},
     {Hazard::PlanImplausible, StopCategory::C1Ramp, 1, "H-20 plan is outside what the robot can do (units?)",
      "R-29", Monitor::Link,
-     "numbers of the plan that no robot of this kind can mean, or a step beyond the drives that the "
-     "plausible band knows"},
+     "numbers of the plan that no robot of this kind can mean, a step beyond the drives that the plausible "
+     "band knows, or with a patient a depth limit or a band wider than the supervisor allows"},
     {Hazard::PlanUnconfirmed, StopCategory::C1Ramp, 1, "H-19 plan lacks its two confirmations", "R-30",
      Monitor::Link,
      "two confirmations of this very plan are missing; for a bench plan also no patient and no needle"},

@@ -28,6 +28,28 @@ bool is_plausible(const PlausibleBand& band) {
          is_within(band.high_um, band.low_um, 2 * limits::kStroke_um);
 }
 
+// With a patient a plan cannot widen what its supervisor looks for: the seal tells who made it, not that it
+// is right. The plan ends 0.5 mm beyond what its deepest step may reach, which is 0.5 mm beyond that step
+// (robot/cycle/plan_facts).
+constexpr std::int32_t kBeyondSteps_um = 500;
+// Of every model and weight here the band at rest ends at 4.5 mm, where a needle may be held by friction, and
+// is 20.3 mm wide at most.
+constexpr std::int32_t kRestLow_um = -1'000, kRestHigh_um = 5'000, kBandWidth_um = 21'000;
+
+bool is_bounded(const PlanFacts& plan) {
+  std::int32_t deepest_um = 0;
+  for (std::size_t i = 0; i < plan.step_count; ++i)
+    deepest_um = std::max(deepest_um, plan.steps[i].depth_max_um);
+  if (plan.depth_max_um > deepest_um + kBeyondSteps_um) return false;
+  if (plan.bands[0].low_um < kRestLow_um || plan.bands[0].high_um > kRestHigh_um) return false;
+  for (std::size_t i = 0; i < plan.band_count; ++i)
+    if (plan.bands[i].high_um - plan.bands[i].low_um > kBandWidth_um) return false;
+  for (std::size_t i = 1; i < plan.band_count; ++i)
+    if (plan.bands[i].low_um < plan.bands[i - 1].low_um || plan.bands[i].high_um < plan.bands[i - 1].high_um)
+      return false;
+  return true;
+}
+
 // A depth that a band may mean, whatever stands there: what is interpolated cannot overflow.
 constexpr std::int32_t bounded_um(std::int32_t um) {
   return std::clamp(um, -limits::kStroke_um, 2 * limits::kStroke_um);
@@ -74,7 +96,7 @@ bool is_plausible(const PlanFacts& plan) {
   const std::int32_t judged_up_to_mV = plan.bands[plan.band_count - 1].drive_mV;
   for (std::size_t i = 0; i < plan.step_count; ++i)
     if (plan.steps[i].v_max_mV > judged_up_to_mV) return false;
-  return true;
+  return !is_for_patient(plan) || is_bounded(plan);
 }
 
 std::int32_t half_period_ticks(const PlanFacts& plan) {
@@ -91,7 +113,7 @@ std::int32_t lifting_drive_mV(const PlanFacts& plan) {
     const PlausibleBand& a = plan.bands[i - 1];
     const PlausibleBand& b = plan.bands[i];
     const std::int32_t from_um = range_of(a).high_um, to_um = range_of(b).high_um;
-    if (to_um >= lifted_um && from_um < lifted_um)
+    if (to_um >= lifted_um)  // the first: the one before was below
       return between(a.drive_mV, b.drive_mV, lifted_um - from_um, to_um - from_um);
   }
   return plan.bands[count - 1].drive_mV;

@@ -73,18 +73,22 @@ inline constexpr std::int32_t kPopThrough_um = 800;
 inline constexpr std::int32_t kDropout_ticks = 3;  // as for a stale sensor
 inline constexpr std::int32_t kFrozen_ticks = 20;  // safety concept; noise of 10 um changes the code every ms
 inline constexpr std::int32_t kFrozenMove_mV = 200'000;  // "while V moves": twice what counts as zero
-// Work without motion: |V|^2 beyond what made the deepest depth that was seen. Whatever the laser shows
-// instead of the needle (still with noise, a loop of old samples, another surface), the loop answers it with
-// pull. Of 600 rehearsals on stages of the posterior 24 kV^2 stop none, 16 one, 10 thirty-seven; on the
-// nominal stage 16 kV^2 are 2 mm of needle.
+// Work without motion: |V|^2 beyond what made the deepest depth that was seen. Whatever is shown instead of
+// the needle (still with noise, a loop of old samples, another surface), the loop answers it with pull.
+// Second line behind the two lasers, for what both of them show: of 600 rehearsals on stages of the posterior
+// 24 kV^2 stop none, 16 one, 10 thirty-seven; on the nominal stage 24 kV^2 are 3.6 mm of needle, 16 kV^2 2.9
+// mm.
 inline constexpr std::int32_t kAdvanced_um =
     100;  // five deviations of the mean of eight, with 50 um of noise
-inline constexpr std::int64_t kIdlePull_V2 = 18'000'000;
+inline constexpr std::int64_t kIdlePull_V2 = 24'000'000;
 inline constexpr std::int32_t kIdle_ticks = 20;
 // Up to the first motion: a multiple of the pull that the plausible band says could lift at all. Its upper
 // edge has friction and hysteresis for it, a stage on the way up both against it.
 inline constexpr std::int32_t kLifted_um = 1'000;
 inline constexpr std::int64_t kLiftPulls = 3;
+// The two lasers: 0.3 mm is four deviations of the difference of two with 50 um of noise each, and 20 mm/s
+// make 0.1 mm of 5 ms between them; in 10 ms a needle at 20 mm/s passes 0.2 mm more.
+inline constexpr std::int32_t kDiffer_um = 300, kDiffer_ticks = 10;
 inline constexpr std::int32_t kImplausible_um = 1'000;  // safety concept: residual > 1 mm ...
 inline constexpr std::int32_t kImplausible_ticks = 50;  // ... for 50 ms
 // Back without a drive lowered by 200 V in half a second: the charge that leaks between two changes of

@@ -10,6 +10,7 @@ namespace biopsy::sim {
 
 enum class FaultSignal : std::uint8_t {
   Depth,           // reading of the laser, mm
+  DepthB,          // reading of the second laser, mm
   VoltageMonitor,  // V
   CurrentMonitor,  // A
   Drive,           // output of the amplifier, V; its enable works on
@@ -37,6 +38,8 @@ enum class FaultKind : std::uint8_t {
   Oscillation,      // adds a 50 Hz sine of amplitude `value`
   MissingPolarity,  // one sign is lost: the positive one where `value` > 0
 };
+
+inline constexpr std::size_t kMostFaults = 32;  // in one run
 
 struct Fault {
   FaultSignal signal = FaultSignal::Depth;

@@ -16,9 +16,9 @@ constexpr double kLatest_s = 600.0;  // no rehearsal is longer
 constexpr double kDeepest_mm = 50.0;
 constexpr double kLongest_ms = 1000.0;
 
-constexpr std::array<std::string_view, 11> kSignals{
-    "depth",  "voltage_monitor", "current_monitor", "drive",   "measurement", "request",
-    "permit", "estop_a",         "estop_b",         "arm_key", "reset_key"};
+constexpr std::array<std::string_view, 12> kSignals{
+    "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "measurement",
+    "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key"};
 constexpr std::array<std::string_view, 13> kKinds{
     "frozen",  "replay",        "offset", "scale",       "drift",           "lag", "quantised", "inverted",
     "dropout", "other_surface", "noise",  "oscillation", "missing_polarity"};
@@ -41,6 +41,7 @@ struct Unit {
 Unit unit_of(FaultSignal signal) {
   switch (signal) {
     case FaultSignal::Depth:
+    case FaultSignal::DepthB:
       return {"mm", kDeepest_mm};
     case FaultSignal::VoltageMonitor:
     case FaultSignal::Drive:
@@ -56,7 +57,7 @@ bool is_possible(FaultSignal signal, FaultKind kind) {
   using enum FaultKind;
   if (is_link(signal)) return kind == Frozen || kind == Lag || kind == Dropout;
   if (is_contact(signal)) return kind == Frozen || kind == Inverted || kind == OtherSurface;
-  return kind != OtherSurface || signal == FaultSignal::Depth;
+  return kind != OtherSurface || signal == FaultSignal::Depth || signal == FaultSignal::DepthB;
 }
 
 // The value's range; none: the kind has no value.
@@ -92,7 +93,7 @@ Fault read_fault(TomlTable& table) {
   if (!is_possible(fault.signal, fault.kind))
     table.refuse("kind", fmt::format("cannot be \"{}\" on {}", name_of(fault.kind), name_of(fault.signal)),
                  "links: frozen, lag, dropout; contacts: frozen, inverted, other_surface (0 open, 1 closed); "
-                 "other_surface elsewhere: depth only");
+                 "other_surface elsewhere: depth and depth_b only");
   const Unit unit = unit_of(fault.signal);
   const double most = is_contact(fault.signal) ? 1.0 : unit.most;
   const auto range = range_of(fault.kind, most);
@@ -129,6 +130,9 @@ std::vector<Fault> parse_faults(const std::string& text, const std::string& file
     for (TomlTable& table : root.tables("fault")) faults.push_back(read_fault(table));
     if (faults.empty())
       throw ConfigError("no [[fault]] in the file", file_name, "give at least one, with signal and kind");
+    if (faults.size() > kMostFaults)
+      throw ConfigError(fmt::format("{} faults in one file", faults.size()), file_name,
+                        fmt::format("give at most {}; several files are several rehearsals", kMostFaults));
     return faults;
   });
 }

@@ -39,6 +39,12 @@ void FaultyStage::update_activity() {
   }
 }
 
+std::uint32_t FaultyStage::active_faults() const {
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < states_.size(); ++i) bits |= std::uint32_t{states_[i].active} << i;
+  return bits;
+}
+
 double FaultyStage::drawn(std::size_t i) {
   return uniform(seed_, (draws_++ << 5U) + i);
 }
@@ -114,6 +120,10 @@ drivers::SensorReading FaultyStage::read() {
         reading.laser_code = to_count(shown(i, reading.depth_um * 1e-3) * 1e3);
         reading.depth_um = reading.laser_code;
         if (is_lost(i)) reading.laser_valid = false;
+        break;
+      case FaultSignal::DepthB:
+        reading.depth_b_um = to_count(shown(i, reading.depth_b_um * 1e-3) * 1e3);
+        if (is_lost(i)) reading.laser_b_valid = false;
         break;
       case FaultSignal::VoltageMonitor:
         reading.monitor_mV = to_count(shown(i, reading.monitor_mV * 1e-3) * 1e3);

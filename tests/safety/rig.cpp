@@ -17,7 +17,7 @@ void Rig::sense() {
   measurement.time_us = now_us;
   measurement.depth_um = depth_um + static_cast<std::int32_t>(std::lround(10.0 * noise(random_)));
   measurement.laser_code = measurement.depth_um;
-  measurement.laser_valid = true;
+  measurement.laser_valid = measurement.laser_b_valid = true;
   const double volts_noise = 0.002 * static_cast<double>(std::abs(drive_mV)) + 5'000.0;
   measurement.monitor_mV = static_cast<std::int32_t>(drive_mV + std::lround(volts_noise * noise(random_)));
   const std::int64_t change = drive_mV - measurement.command_mV;
@@ -34,6 +34,7 @@ void Rig::supervise() {
   seen.now_us = now_us;
   seen.measurement = measurement;
   on_measurement(seen.measurement);
+  if (lasers_agree) seen.measurement.depth_b_um = seen.measurement.depth_um;
   seen.request = request;
   seen.permit = output.permit;
   seen.writers = writers;

@@ -61,6 +61,7 @@ class Rig {
   std::int64_t depth_nm = 0;
   std::int32_t writers = 1;
   std::int32_t push_um = 0;  // added to the true depth
+  bool lasers_agree = true;  // the second shows what the first does, also where a test corrupts it
   StopCategory stop = StopCategory::None;
 
  private:

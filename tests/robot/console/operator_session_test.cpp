@@ -8,7 +8,9 @@
 
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
+#include "safety/types/transitions.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/phantom.hpp"
 #include "tests/scratch_folder.hpp"
@@ -98,6 +100,86 @@ TEST(OperatorSession, ResetAfterATripNeedsTheConfirmedPlan) {
   console_.receive(Mode::Safe, safety::Hazard::None);
   ASSERT_EQ(console_.sent.size(), 2u);
   EXPECT_EQ(console_.sent[1][1], 0u);
+}
+
+// A run to the end of its only step, with the image checked. The robot is a table of what its supervisor may
+// say, in any order, without a supervisor behind it: the console must not rely on that.
+struct HeldRun {
+  Console console{read_case("gap")};
+
+  HeldRun() {
+    const Target target = console.session.prepared().target;
+    EXPECT_TRUE(console.open(console.session.prepared().image.identity.series_uid));
+    console.plan(target.p_SE, target.p_ST);
+    console.tick_all(true);
+    for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active}) says(mode);
+    for (int i = 0; i < kAcquisition_ticks + 10; ++i) says(Mode::Hold);
+    while (state().scanner != console::Scanner::Idle) {
+      std::this_thread::yield();
+      says(Mode::Hold);
+    }
+  }
+  void says(Mode mode, safety::Hazard reason = safety::Hazard::None,
+            safety::Event event = safety::Event::None) {
+    console.now_us += kTick_us;
+    console.session.inputs(console.now_us);
+    CycleSample cycle{};
+    cycle.truth.tip_mm = std::get<Plan>(console.session.prepared().plan).target_depth.value;
+    cycle.record.supervisor.permit.mode = mode;
+    cycle.record.supervisor.reason = reason;
+    cycle.record.supervisor.event = event;
+    cycle.record.supervisor.step_done = mode >= Mode::Hold;
+    console.session.update(cycle, console.now_us);
+  }
+  events::State state() { return console.session.state(kPage, console.now_us); }
+  bool accept() { return console.send(commands::Judge{1, 0, console::Judgement::Accept}); }
+  bool reject() { return console.send(commands::Judge{1, 0, console::Judgement::Reject}); }
+};
+
+TEST(OperatorSession, AcceptsADepthWhileTheNeedleIsHeldThere) {
+  HeldRun run;
+  EXPECT_EQ(run.state().disabled.accept, "");
+  EXPECT_TRUE(run.accept());
+  EXPECT_TRUE(run.state().completed);
+}
+
+TEST(OperatorSession, DoesNotAcceptADepthThatTheNeedleHasLeft) {
+  using safety::Event;
+  using safety::Hazard;
+  const std::tuple<std::vector<Mode>, Hazard, Event> kWays[] = {
+      {{Mode::Retract}, Hazard::None, Event::HoldTooLong},
+      {{Mode::Retract, Mode::Safe, Mode::Ready}, Hazard::OffsetOrScale, Event::Ramp},
+      {{Mode::Trip}, Hazard::Arc, Event::Fault},
+      {{Mode::Trip, Mode::Hold}, Hazard::Arc, Event::Fault}};  // no robot does that
+  for (const auto& [modes, reason, event] : kWays) {
+    HeldRun run;
+    for (const Mode mode : modes) run.says(mode, reason, event);
+    for (int i = 0; i < 100; ++i) run.says(modes.back(), reason);
+    EXPECT_NE(run.state().disabled.accept, "");
+    EXPECT_FALSE(run.accept());
+    EXPECT_FALSE(run.state().completed);
+    EXPECT_EQ(run.state().disabled.judge, "");  // it can still be rejected
+    EXPECT_TRUE(run.reject());
+  }
+}
+
+TEST(OperatorSession, ATripUndoesAnAcceptedDepth) {
+  HeldRun run;
+  ASSERT_TRUE(run.accept());
+  run.says(Mode::Trip, safety::Hazard::FastDrop, safety::Event::Fault);
+  EXPECT_FALSE(run.state().completed);
+  EXPECT_FALSE(run.accept());
+}
+
+TEST(OperatorSession, TheReportSaysWhatEndedTheHold) {
+  HeldRun run;
+  run.says(Mode::Retract, safety::Hazard::None, safety::Event::HoldTooLong);
+  for (int i = 0; i < 130'000 && run.state().report.empty(); ++i) run.says(Mode::Safe);
+  while (run.state().report.empty()) std::this_thread::yield();
+  const std::string report = file_content(run.console.folder / "run-1/report.json");
+  EXPECT_NE(report.find("\"stopped\""), std::string::npos);
+  EXPECT_NE(report.find(safety::name_of(safety::Event::HoldTooLong)), std::string::npos)
+      << report.substr(0, 600);
 }
 
 // Two patients in one folder; neither series nor points are given.

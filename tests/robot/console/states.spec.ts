@@ -29,16 +29,16 @@ test.beforeAll(async () => {
 })
 test.afterAll(() => robot.stop())
 
-const kQuiet = { arm: '', insert: '', retract: '', reset: '', judge: '', plan: '' }
+const kQuiet = { arm: '', insert: '', retract: '', reset: '', judge: '', accept: '', plan: '' }
 const no = (some: Partial<typeof kQuiet>) => ({ ...kQuiet, ...some })
-const kCold = no({ insert: 'Arm first.', retract: 'No voltage: the needle is back or on its way.', reset: 'Nothing to reset.', judge: 'No image was taken yet.', plan: 'It is confirmed.' })
-const kHot = no({ arm: 'It is armed.', reset: 'Nothing to reset.', judge: 'No image was taken yet.', plan: 'It is confirmed.' })
+const kCold = no({ insert: 'Arm first.', retract: 'No voltage: the needle is back or on its way.', reset: 'Nothing to reset.', judge: 'No image was taken yet.', accept: 'No image was taken yet.', plan: 'It is confirmed.' })
+const kHot = no({ arm: 'It is armed.', reset: 'Nothing to reset.', judge: 'No image was taken yet.', accept: 'No image was taken yet.', plan: 'It is confirmed.' })
 const kStopped = no({ ...kCold, arm: 'Stopped: Reset first.', reset: '' })
 const kAlarm = { severity: 'Alarm', code: 'E-120', what: 'STOP was pressed.', robot_did: 'High voltage off, needle falls back.', to_do: 'Look at the needle, then Reset.' }
 const kWarning = { severity: 'Warning', code: 'E-204', what: 'Depth limit reached (61.0 mm).', robot_did: 'Needle held.', to_do: 'Release, then Retract or Replan.' }
 const kNoTip = { verdict: 'unsure', reason: 'No needle was found in the image.', tip_found: false, error: 0, confidence: 0.4 }
 
-const kHeld = { mode: 'Hold', step: 'Confirm', stage_done: true, hold_left: 7.5, depth: 2.5, drive: 1.9, disabled: no({ ...kHot, judge: '', insert: 'The plan is done: look at the image, then Retract.' }) }
+const kHeld = { mode: 'Hold', step: 'Confirm', stage_done: true, hold_left: 7.5, depth: 2.5, drive: 1.9, disabled: no({ ...kHot, judge: '', accept: '', insert: 'The plan is done: look at the image, then Retract.' }) }
 
 // Name, State, further events, and whether a baseline is kept.
 type Scene = { name: string; state: Record<string, unknown>; more?: () => Message[]; kept?: boolean }
@@ -51,7 +51,7 @@ const kScenes: Scene[] = [
   { name: 'hold', state: { mode: 'Hold', step: 'Insert', hold_left: 8.5, depth: 1.2, drive: 2.1, alarms: [kWarning], disabled: kHot } },
   { name: 'scanner', state: { ...kHeld, scanner: 'Acquiring' } },
   { name: 'confirm', state: kHeld, more: () => [checked], kept: true },
-  { name: 'confirm-no-tip', state: kHeld, more: () => [{ ...checked, ...kNoTip }] },
+  { name: 'confirm-no-tip', state: { ...kHeld, disabled: no({ ...kHeld.disabled, accept: 'The image does not tell surely enough where the tip is.' }) }, more: () => [{ ...checked, ...kNoTip }] },
   { name: 'trip', state: { mode: 'Trip', step: 'Confirm', depth: 0.4, alarms: [kAlarm], disabled: kStopped }, kept: true },
   { name: 'stopped', state: { mode: 'Trip', step: 'Confirm', report: '/report.html', alarms: [kAlarm], disabled: kStopped } },
   { name: 'watched', state: { mode: 'Active', step: 'Insert', depth: 1.2, drive: 3.4, controller: false, disabled: kHot } },

@@ -40,8 +40,8 @@ TEST(DepthMonitor, PullWithoutMotionIsNamedWhateverNoiseTheLaserShows) {
   for (const auto shown : {noisy_constant, repeated_ramp}) {
     DepthBench bench;
     const std::int32_t named_mV = named_at_mV(bench, shown);
-    // sqrt(16 + 18) kV = 5.83 kV, and 20 ticks of 1 V.
-    EXPECT_NEAR(named_mV, 5'850'000, 10'000);
+    // sqrt(16 + 24) kV = 6.32 kV, and 20 ticks of 1 V.
+    EXPECT_NEAR(named_mV, 6'345'000, 10'000);
   }
 }
 

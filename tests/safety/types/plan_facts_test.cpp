@@ -68,8 +68,7 @@ TEST(PlanFacts, HalfPeriodOfABenchPlanIsItsOwnBetweenItsEdges) {
 TEST(PlanFacts, NumbersOfDepthAndResidualEndAtTheStroke) {
   verifies("R-29");
   const auto only_step = [](PlanFacts& plan, std::int32_t depth_um) {
-    plan.step_count = 1, plan.steps[0].depth_max_um = 100;
-    plan.depth_max_um = depth_um;
+    plan.step_count = 1, plan.steps[0].depth_max_um = plan.depth_max_um = depth_um;
   };
   expect_edges(100, 12'000, only_step);
   expect_edges(1, 12'000, [](PlanFacts& plan, std::int32_t um) { plan.tissue_residual_max_um = um; });
@@ -90,16 +89,52 @@ TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
   expect_edges(0, 3'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[0].drive_mV = mV; });
   expect_edges(1, 7'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[1].drive_mV = mV; });
   expect_edges(7'500'000, 8'200'000, [](PlanFacts& plan, std::int32_t mV) { plan.bands[2].drive_mV = mV; });
+  const auto on_bench = [](PlanFacts& plan) { plan.bench_half_period_ticks = 250; };
   for (const std::size_t i : {0U, 1U, 2U}) {
     const std::int32_t high_um = three_step_plan().bands[i].high_um,
                        low_um = three_step_plan().bands[i].low_um;
-    expect_edges(-12'000, high_um, [i](PlanFacts& plan, std::int32_t um) { plan.bands[i].low_um = um; });
-    expect_edges(low_um, 24'000, [i](PlanFacts& plan, std::int32_t um) { plan.bands[i].high_um = um; });
+    expect_edges(-12'000, high_um,
+                 [=](PlanFacts& plan, std::int32_t um) { on_bench(plan), plan.bands[i].low_um = um; });
+    expect_edges(low_um, 24'000,
+                 [=](PlanFacts& plan, std::int32_t um) { on_bench(plan), plan.bands[i].high_um = um; });
   }
-  const auto all_low = [](PlanFacts& plan, std::int32_t um) {
-    plan.bands[2].low_um = plan.bands[2].high_um = um;
+  const auto all_low = [=](PlanFacts& plan, std::int32_t um) {
+    on_bench(plan), plan.bands[2].low_um = plan.bands[2].high_um = um;
   };
   expect_edges(-12'000, 24'000, all_low);
+}
+
+TEST(PlanFacts, WithAPatientTheDepthLimitEndsHalfAMillimetreBeyondTheDeepestStep) {
+  verifies("R-29");
+  const auto limit = [](PlanFacts& plan, std::int32_t um) { plan.depth_max_um = um; };
+  expect_edges(4'000, 4'500, limit);
+  expect_edges(4'000, 12'000, [&](PlanFacts& plan, std::int32_t um) {
+    plan.bench_half_period_ticks = 250, limit(plan, um);
+  });
+  expect_edges(3'800, 4'300, [&](PlanFacts& plan, std::int32_t um) {  // the deepest is not the last
+    plan.steps[2].depth_max_um = 3'700, limit(plan, um);
+  });
+}
+
+TEST(PlanFacts, WithAPatientTheBandIsNarrowAtRestAndNowhereWiderThanAStageCanBe) {
+  verifies("R-29");
+  expect_edges(-1'000, 100, [](PlanFacts& plan, std::int32_t um) { plan.bands[0].low_um = um; });
+  expect_edges(-100, 2'300, [](PlanFacts& plan, std::int32_t um) { plan.bands[0].high_um = um; });
+  const auto at_rest_alone = [](PlanFacts& plan, std::int32_t um) {
+    plan.bands[0].high_um = um;
+    for (const std::size_t i : {1U, 2U}) plan.bands[i].low_um = plan.bands[i].high_um = 6'000;
+  };
+  expect_edges(-100, 5'000, at_rest_alone);
+  expect_edges(2'300, 23'000, [](PlanFacts& plan, std::int32_t um) {
+    plan.bands[1].low_um = 0, plan.bands[2].low_um = 2'000, plan.bands[2].high_um = um;
+    plan.bands[1].high_um = 2'300;
+  });
+}
+
+TEST(PlanFacts, WithAPatientTheBandRisesWithTheDrive) {
+  verifies("R-29");
+  expect_edges(-100, 2'300, [](PlanFacts& plan, std::int32_t um) { plan.bands[1].low_um = um; });
+  expect_edges(1'700, 4'400, [](PlanFacts& plan, std::int32_t um) { plan.bands[1].high_um = um; });
 }
 
 TEST(PlanFacts, NumbersOfNoStepReachBeyondTheDrivesThatTheBandKnows) {
@@ -134,6 +169,23 @@ TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {
   EXPECT_EQ(at(8'000'001), (std::pair{3'600, 4'400}));
   EXPECT_EQ(plausible_depth(plan, 1'000'000, 5'000'000).low_um, 350);
   EXPECT_EQ(plausible_depth(plan, 1'000'000, 5'000'000).high_um, 2'825);
+}
+
+TEST(PlanFacts, DriveThatLiftsIsWhereTheBandsUpperEdgeHasRisenByAMillimetre) {
+  verifies("R-19");
+  PlanFacts plan = three_step_plan();  // upper edge 100, 2300, 4400 um at 0, 4, 8 kV
+  EXPECT_EQ(lifting_drive_mV(plan), 1'818'181);
+  plan.bands[1].high_um = 1'099;
+  EXPECT_NEAR(lifting_drive_mV(plan), 4'000'000 + 4e6 / 3'301, 2.0);
+  plan.bands[2].high_um = 1'099;
+  EXPECT_EQ(lifting_drive_mV(plan), 8'000'000) << "never: where the band ends";
+  plan.band_count = 0;
+  EXPECT_EQ(lifting_drive_mV(plan), 0);
+  for (std::size_t i = 0; i < kMaxBands; ++i) plan.bands[i] = {static_cast<std::int32_t>(i) * 1'000, 0, 0};
+  for (const std::uint32_t count : {31U, 32U, 33U, 0xFFFF'FFFFU}) {
+    plan.band_count = count;
+    EXPECT_EQ(lifting_drive_mV(plan), count == 31U ? 30'000 : 31'000);
+  }
 }
 
 TEST(PlanFacts, PlausibleBandOfFewOrOfTooManyPointsIsReadNoFurtherThanThereAre) {

@@ -41,6 +41,8 @@ Measurement any_measurement(Draw& draw, const Measurement& before) {
   m.depth_um = draw.whole(-2'000, 14'000);
   m.laser_code = draw.whole(0, 3) == 0 ? before.laser_code : m.depth_um;
   m.laser_valid = draw.whole(0, 6) != 0;
+  m.depth_b_um = draw.coin() ? m.depth_um : draw.whole(-2'000, 14'000);
+  m.laser_b_valid = draw.whole(0, 6) != 0;
   m.command_mV = draw.whole(-9'000'000, 9'000'000);
   m.monitor_mV = draw.coin() ? m.command_mV : draw.whole(-9'000'000, 9'000'000);
   m.current_nA = draw.whole(-40'000'000, 40'000'000);

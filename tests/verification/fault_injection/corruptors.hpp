@@ -20,6 +20,7 @@ struct Corruptors {
   std::function<void(robot::OperatorInputs&)> world = {};  // operator, scanner, panel
   std::function<void(robot::Environment&)> environment = {};
   std::function<void(drivers::SensorReading&)> reading = {};
+  bool one_laser = false;  // `reading` is of the first laser alone
   // V, signed, on the stack. A sound one gives what is asked while the relay is closed.
   std::function<double(double asked_V, bool enabled, bool relay_closed)> amplifier = {};
   std::function<double(const sim::Motion&)> push_N = {};            // a force from outside, withdrawing

@@ -89,6 +89,29 @@ Corruptors run(Draw& draw, Procedure& procedure, const TickRecord& now) {
               }};
 }
 
+// The first laser alone departs, in any way: its error is a sum of a jump, a drift, a wrong scale and a
+// swing, or it stands still.
+Corruptors depart(Draw& draw, Procedure& procedure, const TickRecord&) {
+  const double jump_um = draw.within(-3'000.0, 3'000.0), drift_um = draw.within(-10.0, 10.0);
+  const double scale = draw.within(0.5, 1.5), swing_um = draw.within(0.0, 1'000.0);
+  const double turn = draw.within(0.001, 0.1);  // radians each tick
+  const std::int32_t stuck_um = procedure.last().measurement.depth_um;
+  const bool sticks = draw.whole(0, 3) == 0;
+  return {.reading =
+              [=, tick = 0.0](drivers::SensorReading& r) mutable {
+                ++tick;
+                const double error = jump_um + drift_um * tick + swing_um * std::sin(turn * tick);
+                const double shown_um = sticks ? stuck_um : scale * r.depth_um + error;
+                r.depth_um = static_cast<std::int32_t>(std::clamp(shown_um, -1e6, 1e6));
+                r.laser_code = r.depth_um;
+              },
+          .one_laser = true,
+          .shows =
+              [](const ObservedTick& s) {
+                return std::abs(s.seen.measurement.depth_um - s.seen.measurement.depth_b_um) > 300;
+              }};
+}
+
 }  // namespace
 
 std::vector<FaultClass> sensor_faults() {
@@ -105,7 +128,13 @@ std::vector<FaultClass> sensor_faults() {
   // A jump is first a needle that moved: far beyond the plan, or back faster than any can fall.
   offset.instead =
       bit(Hazard::HardOverDepth) | bit(Hazard::OverDepth) | bit(Hazard::FastDrop) | bit(Hazard::PopThrough);
-  return {stale, frozen, dropout, offset};
+
+  FaultClass departs = offset;
+  departs.id = "R-21/one-laser";
+  departs.what = "one of two lasers departs";
+  departs.inject = depart;
+  departs.row = 10;
+  return {stale, frozen, dropout, offset, departs};
 }
 
 }  // namespace biopsy::fault_injection

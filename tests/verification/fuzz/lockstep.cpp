@@ -27,7 +27,8 @@ void corrupt(Feed& feed, safety::SupervisorInputs& s) {
     case 0:
       return fill(feed, s.measurement);
     case 1:
-      return feed.fill(s.measurement.depth_um, s.measurement.laser_code, s.measurement.laser_valid);
+      return feed.fill(s.measurement.depth_um, s.measurement.laser_code, s.measurement.laser_valid,
+                       s.measurement.depth_b_um, s.measurement.laser_b_valid);
     case 2:
       return feed.fill(s.measurement.monitor_mV, s.measurement.current_nA, s.measurement.command_mV);
     case 3:

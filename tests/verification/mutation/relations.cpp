@@ -162,7 +162,7 @@ class Course {
     if (dice_.one_in(150)) drift_um_ = static_cast<std::int32_t>(dice_.below(200)) - 100;
     if (dice_.one_in(250)) depth_um_ = dice_.of(kDepths_um) / 2;
     if (dice_.one_in(100)) drive_mV_ = dice_.of(kVolts_mV) / (1 + static_cast<std::int32_t>(dice_.below(2)));
-    if (dice_.one_in(200)) spoil_ = dice_.below(24);
+    if (dice_.one_in(200)) spoil_ = dice_.below(28);
     fill();
     if (dice_.below(6) != 0) corrupt();
   }
@@ -181,7 +181,7 @@ class Course {
         seen_.permit.mode >= Mode::Armed && seen_.permit.mode <= Mode::Retract;
     seen_.permit.v_max_mV = 8'000'000, seen_.permit.depth_max_um = 3'600;
     depth_um_ += drift_um_;
-    m.depth_um = depth_um_, m.laser_valid = true;
+    m.depth_um = m.depth_b_um = depth_um_, m.laser_valid = m.laser_b_valid = true;
     ++m.laser_code;
     const bool negative = (seen_.request.seq / 250) % 2 != 0;
     m.command_mV = negative && drive_mV_ > kLeast ? -drive_mV_ : drive_mV_;
@@ -261,6 +261,15 @@ class Course {
         break;
       case 20:
         seen_.writers = static_cast<std::int32_t>(dice_.below(3));
+        break;
+      case 21:
+        m.laser_b_valid = dice_.one_in(2);
+        break;
+      case 22:
+        m.depth_b_um += (dice_.one_in(2) ? 300 : -300) + static_cast<std::int32_t>(dice_.below(3)) - 1;
+        break;
+      case 23:
+        m.laser_valid = dice_.one_in(8), m.depth_b_um -= 301;
         break;
       default:
         break;

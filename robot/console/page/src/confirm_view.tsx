@@ -43,8 +43,7 @@ function Picture(props: { of: Checked; after: boolean }) {
 
 function Buttons(props: { of: Checked }) {
   const why = disabledReason.value || state.value?.disabled.judge || ''
-  const sure = props.of.verdict === 'accept'
-  const whyNotAccept = why || (sure ? '' : 'The image does not show the tip where it should be.')
+  const whyNotAccept = disabledReason.value || state.value?.disabled.accept || ''
   const judge = (judgement: Judgement) => void send({ type: 'Judge', stage: props.of.stage, judgement })
   return (
     <div class="row">

@@ -107,6 +107,9 @@ double converted(const Input& input) {
     volts = board->plant.u_i * 1e-3 * board->monitor_gain + board->monitor_offset_V +
             board->monitor_noise_V * noise.first;
   if (input.channel == "Dev1/ai2") volts = board->plant.charge / 1e-3 * 1e3 / 4.0 + 1e-5 * noise.first;
+  if (input.channel == "Dev1/ai3")
+    volts = board->laser_zero_V + board->plant.motion.x * 1e3 / board->laser_mm_per_V +
+            board->laser_noise_V * noise.first;
   if (input.channel == "Dev1/ai0" && board->laser_stuck) volts = board->laser_stuck_V;
   const double step_V = (input.high_V - input.low_V) / 65536.0;
   return std::clamp(std::round(volts / step_V) * step_V, input.low_V, input.high_V);

@@ -1,0 +1,101 @@
+#include "robot/procedure/campaign/fault_grid.hpp"
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+#include <string_view>
+
+namespace biopsy::robot {
+namespace {
+
+using sim::Fault;
+using sim::FaultKind;
+using sim::FaultSignal;
+
+struct Grid {
+  std::vector<FaultEntry> entries;
+
+  // One entry a size. `noise`: of what the fault shows.
+  void add(FaultSignal signal, FaultKind kind, std::string_view unit, FaultBegin begin,
+           std::initializer_list<double> sizes, double noise = 0.0) {
+    for (const double size : sizes)
+      entries.push_back(
+          {fmt::format("{} {} {:g}{}{}{}", name_of(signal), name_of(kind), size, unit.empty() ? "" : " ",
+                       unit, begin == FaultBegin::Start ? ", from the start" : ""),
+           begin,
+           {Fault{.signal = signal, .kind = kind, .value = size, .noise = noise}}});
+  }
+  // Sizes of the noise.
+  void add_noisy(FaultSignal signal, FaultKind kind, std::string_view unit,
+                 std::initializer_list<double> noises) {
+    for (const double noise : noises)
+      entries.push_back({fmt::format("{} {}, noise {:g} {}", name_of(signal), name_of(kind), noise, unit),
+                         FaultBegin::Motion,
+                         {Fault{.signal = signal, .kind = kind, .noise = noise}}});
+  }
+  void add_plain(FaultSignal signal, FaultKind kind, FaultBegin begin) {
+    entries.push_back({fmt::format("{} {}{}", name_of(signal), name_of(kind),
+                                   begin == FaultBegin::Start ? ", from the start" : ""),
+                       begin,
+                       {Fault{.signal = signal, .kind = kind}}});
+  }
+};
+
+void add_depth(Grid& grid) {
+  using enum FaultKind;
+  using enum FaultBegin;
+  constexpr FaultSignal kDepth = FaultSignal::Depth;
+  grid.add_plain(kDepth, Frozen, Motion);
+  grid.add_noisy(kDepth, Frozen, "mm", {0.001, 0.003, 0.01, 0.03, 0.05});
+  grid.add(kDepth, Replay, "ms", Motion, {20, 50, 100, 200, 500});
+  for (const FaultBegin begin : {Start, Motion}) {
+    grid.add(kDepth, Offset, "mm", begin, {-5, -2, -1, -0.5, -0.2, -0.1, 0.1, 0.2, 0.5, 1, 2, 5});
+    grid.add(kDepth, Scale, "", begin, {0.5, 0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.5});
+    grid.add(kDepth, Lag, "ms", begin, {2, 5, 10, 20, 50, 100, 200});
+    grid.add_plain(kDepth, Inverted, begin);
+  }
+  grid.add(kDepth, Drift, "mm/s", Motion,
+           {-10, -3, -1, -0.3, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.3, 1, 3, 10});
+  grid.add(kDepth, Quantised, "mm", Motion, {0.01, 0.05, 0.1, 0.5, 1});
+  grid.add(kDepth, OtherSurface, "mm", Motion, {-2, 0, 0.5, 1, 2, 4, 8}, 0.02);
+  grid.add(kDepth, Dropout, "", Motion, {0.01, 0.1, 0.3, 0.6, 0.9, 1});
+  grid.add_noisy(kDepth, Noise, "mm", {0.05, 0.1, 0.3, 1});
+}
+
+void add_monitors(Grid& grid) {
+  using enum FaultKind;
+  using enum FaultBegin;
+  constexpr FaultSignal kVoltage = FaultSignal::VoltageMonitor, kCurrent = FaultSignal::CurrentMonitor;
+  grid.add(kVoltage, Scale, "", Motion, {0, 0.5, 0.8, 0.9, 0.98, 1.02, 1.1, 1.5});
+  grid.add(kVoltage, Offset, "V", Motion, {-1000, -200, -50, 50, 200, 1000});
+  grid.add_plain(kVoltage, Frozen, Motion);
+  grid.add(kVoltage, Lag, "ms", Motion, {2, 10, 50, 200});
+  grid.add(kCurrent, Scale, "", Start, {0, 0.5, 2});
+  grid.add(kCurrent, Scale, "", Motion, {0, 0.5, 2});
+}
+
+void add_drive(Grid& grid) {
+  using enum FaultKind;
+  using enum FaultBegin;
+  constexpr FaultSignal kDrive = FaultSignal::Drive;
+  for (const FaultBegin begin : {Start, Motion})
+    grid.add(kDrive, Scale, "", begin, {0, 0.5, 0.8, 0.9, 0.98, 1.02, 1.1, 1.2, 1.5});
+  grid.add_plain(kDrive, Frozen, Motion);
+  grid.add(kDrive, Drift, "V/s", Motion, {-2000, -500, -100, 100, 500, 2000});
+  grid.add(kDrive, Oscillation, "V", Motion, {50, 200, 500, 1000, 2000});
+  grid.add(kDrive, MissingPolarity, "", Motion, {-1, 1});
+  grid.add(kDrive, Dropout, "", Motion, {0.1, 0.5, 1});
+  grid.add(kDrive, Lag, "ms", Motion, {2, 10, 50});
+}
+
+}  // namespace
+
+std::vector<FaultEntry> fault_grid() {
+  Grid grid;
+  add_depth(grid);
+  add_monitors(grid);
+  add_drive(grid);
+  return grid.entries;
+}
+
+}  // namespace biopsy::robot
