@@ -79,16 +79,47 @@ bool lies_inside(const Grid& grid, const Point& p_S) {
   return (index.array() >= -0.5).all() && (index.array() <= last.array()).all();
 }
 
+// Points are typed as R, A, S; other programs, and DICOM itself, write L, P, S.
+Point as_if_lps(const Point& p_S) {
+  return {-p_S.x(), -p_S.y(), p_S.z()};
+}
+
+std::string ras_text(const Point& p_S) {
+  const Point ras = ras_from_lps(p_S);
+  return fmt::format("R, A, S {}, {}, {} mm", fixed(ras.x(), 1), fixed(ras.y(), 1), fixed(ras.z(), 1));
+}
+
 void refuse_outside(const PreparedCase& prepared) {
+  const Grid& grid = prepared.image.grid;
   for (const auto& [name, point] :
        {std::pair("entry", prepared.given.p_SE), std::pair("target", prepared.given.p_ST)}) {
-    if (!point || lies_inside(prepared.image.grid, *point)) continue;
-    const Point ras = ras_from_lps(*point);
-    throw ConfigError(fmt::format("the {} at R, A, S {}, {}, {} mm lies outside the image", name,
-                                  fixed(ras.x(), 1), fixed(ras.y(), 1), fixed(ras.z(), 1)),
+    if (!point || lies_inside(grid, *point)) continue;
+    const std::string hint =
+        lies_inside(grid, as_if_lps(*point))
+            ? fmt::format(
+                  "; read as L, P, S the same numbers lie inside it, at {}: turn the first two signs "
+                  "if they were copied from a program that shows L, P, S",
+                  ras_text(as_if_lps(*point)))
+            : "";
+    throw ConfigError(fmt::format("the {} at {} lies outside the image{}", name, ras_text(*point), hint),
                       prepared.given.image.string(),
                       "`biopsy image` prints where its first and last voxel lie; give a point between them");
   }
+}
+
+// Both readings lie in the image: only a person knows which was meant.
+void ask_for_the_frame(PreparedCase& prepared) {
+  const Grid& grid = prepared.image.grid;
+  const auto& [entry, target] = std::pair(prepared.given.p_SE, prepared.given.p_ST);
+  if (!entry || !target) return;
+  const Point other = as_if_lps(*target);
+  if (!lies_inside(grid, as_if_lps(*entry)) || !lies_inside(grid, other)) return;
+  if ((other - *target).norm() < 1.0) return;  // the same place for a robot
+  prepared.plan_warnings.push_back(
+      fmt::format("were the points typed as R, A, S? Read as L, P, S they lie in the image too: the target "
+                  "would then be at "
+                  "{}, {} from where it is planned",
+                  ras_text(other), fixed((other - *target).norm(), 1, "mm")));
 }
 
 // What is read later, in the middle of a run.
@@ -111,6 +142,7 @@ PreparedCase prepare_run(const Case& given, const fs::path& out, const std::vect
   keep_apart(out, files_of(given), clearable);
   PreparedCase prepared = prepare(given, out);
   refuse_outside(prepared);
+  ask_for_the_frame(prepared);
   claim_run_folder(out, files_of(given), clearable);
   return prepared;
 }

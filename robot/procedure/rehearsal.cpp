@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <future>
 
 #include "planner/imaging/registration/reslice.hpp"
+#include "planner/imaging/views/plane_views.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/procedure/fault_notes.hpp"
+#include "robot/procedure/images/anatomical_orientation.hpp"
 #include "robot/procedure/images/confirmation_image.hpp"
 #include "robot/procedure/images/slice_geometry.hpp"
 #include "robot/procedure/link_faults.hpp"
@@ -43,6 +46,24 @@ void draw_planning_slice(const PreparedCase& prepared, const Plan& plan, report:
   record.planning_geometry = geometry_of(slice);
 }
 
+void draw_planes(const PreparedCase& prepared, const Plan& plan, report::RunRecord& record) {
+  const Point p_SE = plan.target.p_SE, p_ST = plan.target.p_ST;
+  const Millimetres extent{std::clamp(4.0 * (p_ST - p_SE).norm(), 40.0, 240.0)};
+  for (const imaging::PlaneView& view : imaging::plane_views(prepared.image, p_ST, extent)) {
+    const Eigen::Vector2d entry = view.pixel(p_SE), target = view.pixel(p_ST);
+    report::BodyPlane plane;
+    plane.name = view.name;
+    plane.place = view.coordinate() +
+                  (view.slice > 0 ? fmt::format(", slice {} of {}", view.slice, view.slices) : ", resliced");
+    plane.window = fmt::format("black {:.0f}, white {:.0f}", view.window.black, view.window.white);
+    plane.picture = view.picture;
+    plane.entry_px = {entry.x(), entry.y()}, plane.target_px = {target.x(), target.y()};
+    plane.right = anatomical_directions(view.right_S), plane.left = anatomical_directions(-view.right_S);
+    plane.bottom = anatomical_directions(view.down_S), plane.top = anatomical_directions(-view.down_S);
+    record.planes.push_back(std::move(plane));
+  }
+}
+
 }  // namespace
 
 report::RunRecord planned_record(const PreparedCase& prepared) {
@@ -51,6 +72,11 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
   record.series = prepared.image.identity;
   record.image_source = prepared.given.phantom ? "built-in phantom" : prepared.given.image.string();
   record.image_warnings = prepared.image.warnings;
+  record.image_warnings.insert(record.image_warnings.end(), prepared.plan_warnings.begin(),
+                               prepared.plan_warnings.end());
+  record.registration = !prepared.given.fiducials.empty() ? "registered"
+                        : prepared.given.transform        ? "given"
+                                                          : "assumed";
   record.seed = prepared.given.seed;
   record.simulated_s = 0.0;
   if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) {
@@ -63,6 +89,7 @@ report::RunRecord planned_record(const PreparedCase& prepared) {
   record.plan = plan;
   record.outcome = report::Outcome::Stopped;
   draw_planning_slice(prepared, plan, record);
+  draw_planes(prepared, plan, record);
   for (const InsertionStep& step : plan.steps) {
     record.steps.emplace_back();
     record.steps.back().step = step;

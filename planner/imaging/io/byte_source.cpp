@@ -22,6 +22,17 @@ void ByteSource::Closer::operator()(void* file) const {
   gzclose(static_cast<gzFile>(file));
 }
 
+struct ByteSource::Inflater {
+  z_stream stream{};
+  std::array<unsigned char, 1 << 16> input;
+  bool ended = false;
+};
+
+void ByteSource::InflaterDeleter::operator()(Inflater* inflater) const {
+  inflateEnd(&inflater->stream);
+  delete inflater;
+}
+
 ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset)
     : path_(file), packing_(packing) {
   const ConfigError unreadable("cannot be opened", file.string(), "check the name and the permissions");
@@ -31,10 +42,13 @@ ByteSource::ByteSource(const std::filesystem::path& file, Packing packing, std::
   if (offset > length)
     throw ConfigError("truncated: the data should begin behind the end of the file", file.string(),
                       kRemedyForDamage);
-  most_left_ = (length - offset) * (packing == Packing::Gzip ? kBestDeflate : 1);
-  if (packing == Packing::Plain) {
+  most_left_ = (length - offset) * (packing == Packing::Plain ? 1 : kBestDeflate);
+  if (packing != Packing::Gzip) {
     plain_.open(file, std::ios::binary);
     if (!plain_.seekg(static_cast<std::streamoff>(offset))) throw unreadable;
+    if (packing == Packing::Plain) return;
+    zlib_.reset(new Inflater);
+    if (inflateInit(&zlib_->stream) != Z_OK) throw unreadable;
     return;
   }
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
@@ -54,6 +68,7 @@ std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
     plain_.read(reinterpret_cast<char*>(bytes), static_cast<std::streamsize>(count));
     return static_cast<std::size_t>(plain_.gcount());
   }
+  if (packing_ == Packing::Zlib) return inflate_some(bytes, count);
   const gzFile file = static_cast<gzFile>(gzip_.get());
   const int got = gzread(file, bytes, static_cast<unsigned>(std::min<std::size_t>(count, 1U << 24)));
   int code = Z_OK;
@@ -61,6 +76,28 @@ std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
     throw ConfigError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedyForDamage);
   return static_cast<std::size_t>(got);
+}
+
+std::size_t ByteSource::inflate_some(std::byte* bytes, std::size_t count) {
+  z_stream& stream = zlib_->stream;
+  const uInt wanted = static_cast<uInt>(std::min<std::size_t>(count, 1U << 24));
+  stream.next_out = reinterpret_cast<Bytef*>(bytes);
+  stream.avail_out = wanted;
+  while (stream.avail_out > 0 && !zlib_->ended) {
+    if (stream.avail_in == 0) {
+      plain_.read(reinterpret_cast<char*>(zlib_->input.data()),
+                  static_cast<std::streamsize>(zlib_->input.size()));
+      stream.next_in = zlib_->input.data();
+      stream.avail_in = static_cast<uInt>(plain_.gcount());
+      if (stream.avail_in == 0) break;  // the file ends before the stream does
+    }
+    const int code = inflate(&stream, Z_NO_FLUSH);
+    zlib_->ended = code == Z_STREAM_END;
+    if (code != Z_OK && code != Z_STREAM_END)
+      throw ConfigError(fmt::format("truncated or damaged ({})", stream.msg ? stream.msg : "zlib"),
+                        path_.string(), kRemedyForDamage);
+  }
+  return wanted - stream.avail_out;
 }
 
 void ByteSource::read(std::span<std::byte> bytes) {

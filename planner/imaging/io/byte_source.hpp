@@ -1,5 +1,5 @@
-// Bytes of a file in order, plain or gzip-compressed, with the promise that nothing is invented: what is
-// missing or damaged throws ConfigError naming the file.
+// Bytes of a file in order, plain or compressed (gzip, zlib), with the promise that nothing is invented: what
+// is missing or damaged throws ConfigError naming the file.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace biopsy::imaging {
 
 class ByteSource {
  public:
-  enum class Packing : std::uint8_t { Plain, Gzip };
+  enum class Packing : std::uint8_t { Plain, Gzip, Zlib };
 
   // Starts `offset` bytes into the file as it lies on the disk. Refuses a file that cannot be opened, and
   // Gzip where the bytes are not gzip.
@@ -34,13 +34,20 @@ class ByteSource {
  private:
   std::size_t read_some(std::byte* bytes, std::size_t count);
 
+  std::size_t inflate_some(std::byte* bytes, std::size_t count);
+
   struct Closer {
     void operator()(void* file) const;
+  };
+  struct Inflater;  // zlib's stream and its input
+  struct InflaterDeleter {
+    void operator()(Inflater* inflater) const;
   };
   std::filesystem::path path_;
   Packing packing_;
   std::ifstream plain_;
   std::unique_ptr<void, Closer> gzip_;  // zlib's gzFile
+  std::unique_ptr<Inflater, InflaterDeleter> zlib_;
   std::uint64_t most_left_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/metaimage/metaimage_reader.hpp"
 #include "planner/imaging/io/nifti/nifti_reader.hpp"
 #include "planner/imaging/io/nrrd/nrrd_reader.hpp"
 #include "planner/imaging/io/volume_files.hpp"
@@ -32,12 +33,25 @@ void refuse_broken(const DicomFolder& folder) {
 
 enum class Wanted { Volume, Stacks };
 
+// A program that knows nothing of the scanner writes this; so does one that lost what it knew.
+void warn_of_default_geometry(Volume& volume) {
+  const Eigen::Matrix3d axes = volume.grid.X_SI.linear();
+  if (!axes.cwiseAbs().isApprox(Eigen::Matrix3d::Identity(), 1e-9) ||
+      !volume.grid.X_SI.translation().isZero(1e-9))
+    return;
+  volume.warnings.push_back(
+      "the geometry is a default (voxels of 1 mm, the first at the scanner's centre, axes along the "
+      "patient's): "
+      "places in it are probably not those of a scanner");
+}
+
 std::vector<Volume> read_series(const std::filesystem::path& path, const std::string& series_uid,
                                 Wanted wanted) {
   const VolumeFiles files = find_volume_files(path);
   const DicomFolder folder = scan_dicom_files(files.dicom);
   refuse_broken(folder);
-  const std::size_t count = folder.series.size() + files.nifti.size() + files.nrrd.size();
+  const std::size_t count =
+      folder.series.size() + files.nifti.size() + files.nrrd.size() + files.metaimage.size();
   if (count == 0)
     throw ConfigError("DICOM, but no image (a report, structure set or directory)", path.string(),
                       "give an image series");
@@ -58,6 +72,8 @@ std::vector<Volume> read_series(const std::filesystem::path& path, const std::st
     if (chosen(name_of(file))) return {read_nifti(file)};
   for (const auto& file : files.nrrd)
     if (chosen(name_of(file))) return {read_nrrd(file)};
+  for (const auto& file : files.metaimage)
+    if (chosen(name_of(file))) return {read_metaimage(file)};
   throw ConfigError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
                     path.string(), "choose one of them with --series UID");
 }
@@ -65,11 +81,15 @@ std::vector<Volume> read_series(const std::filesystem::path& path, const std::st
 }  // namespace
 
 Volume read_volume(const std::filesystem::path& path, const std::string& series_uid) {
-  return std::move(read_series(path, series_uid, Wanted::Volume).front());
+  Volume volume = std::move(read_series(path, series_uid, Wanted::Volume).front());
+  warn_of_default_geometry(volume);
+  return volume;
 }
 
 std::vector<Volume> read_stacks(const std::filesystem::path& path, const std::string& series_uid) {
-  return read_series(path, series_uid, Wanted::Stacks);
+  std::vector<Volume> stacks = read_series(path, series_uid, Wanted::Stacks);
+  for (Volume& stack : stacks) warn_of_default_geometry(stack);
+  return stacks;
 }
 
 }  // namespace biopsy::imaging

@@ -1,5 +1,5 @@
-// One medical image, from a file or a folder of DICOM, NIfTI-1 or NRRD, with its place in the scanner (LPS
-// mm).
+// One medical image, from a file or a folder of DICOM, NIfTI, NRRD or MetaImage, with its place in the
+// scanner (LPS mm).
 #pragma once
 
 #include <filesystem>

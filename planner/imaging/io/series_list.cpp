@@ -1,6 +1,7 @@
 #include "planner/imaging/io/series_list.hpp"
 
 #include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/metaimage/metaimage_reader.hpp"
 #include "planner/imaging/io/nifti/nifti_reader.hpp"
 #include "planner/imaging/io/nrrd/nrrd_reader.hpp"
 #include "planner/imaging/io/volume_files.hpp"
@@ -69,6 +70,8 @@ std::vector<SeriesSummary> list_series(const std::filesystem::path& path) {
     summaries.push_back(summary_of_file(file, path, "NIfTI", read_nifti_header));
   for (const auto& file : files.nrrd)
     summaries.push_back(summary_of_file(file, path, "NRRD", read_nrrd_header));
+  for (const auto& file : files.metaimage)
+    summaries.push_back(summary_of_file(file, path, "MetaImage", read_metaimage_header));
   return summaries;
 }
 

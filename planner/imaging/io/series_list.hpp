@@ -9,7 +9,7 @@
 namespace biopsy::imaging {
 
 struct SeriesSummary {
-  std::string series_uid;  // SeriesInstanceUID; for NIfTI and NRRD the file's name below the folder
+  std::string series_uid;  // SeriesInstanceUID; for the other formats the file's name below the folder
   std::string description, modality, format;
   int slices = 0;
   Eigen::Vector3i size = Eigen::Vector3i::Zero();  // voxels, zero where there is a problem

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "planner/imaging/io/dicom/dicom_header.hpp"
+#include "planner/imaging/io/metaimage/metaimage_reader.hpp"
 #include "planner/imaging/io/nifti/nifti_reader.hpp"
 #include "planner/imaging/io/nrrd/nrrd_reader.hpp"
 #include "robot/common/config_error.hpp"
@@ -11,6 +12,9 @@ namespace biopsy::imaging {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr const char* kFormats =
+    "give DICOM, NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd)";
 
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -32,6 +36,8 @@ void add_volume_file(const fs::path& file, VolumeFiles& files) {
     files.nifti.push_back(file);
   else if (looks_like_nrrd(file))
     files.nrrd.push_back(file);
+  else if (looks_like_metaimage(file))
+    files.metaimage.push_back(file);
   else if (looks_like_dicom(file))
     files.dicom.push_back(file);
 }
@@ -43,15 +49,11 @@ VolumeFiles find_volume_files(const fs::path& path) {
     throw ConfigError("there is no such file or folder", path.string(), "check the name");
   if (fs::is_directory(path, error)) {
     for (const fs::path& file : files_below(path)) add_volume_file(file, files);
-    if (files.empty())
-      throw ConfigError("no image in this folder", path.string(),
-                        "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+    if (files.empty()) throw ConfigError("no image in this folder", path.string(), kFormats);
     return files;
   }
   if (fs::is_regular_file(path, error)) add_volume_file(path, files);
-  if (files.empty())
-    throw ConfigError("not an image of a known format", path.string(),
-                      "give DICOM, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)");
+  if (files.empty()) throw ConfigError("not an image of a known format", path.string(), kFormats);
   return files;
 }
 

@@ -7,9 +7,9 @@
 namespace biopsy::imaging {
 
 struct VolumeFiles {
-  std::vector<std::filesystem::path> dicom, nifti, nrrd;  // sorted by name
+  std::vector<std::filesystem::path> dicom, nifti, nrrd, metaimage;  // sorted by name
 
-  bool empty() const { return dicom.empty() && nifti.empty() && nrrd.empty(); }
+  bool empty() const { return dicom.empty() && nifti.empty() && nrrd.empty() && metaimage.empty(); }
 };
 
 // One file, or a folder with all below it (links to folders are not followed, other files are ignored).

@@ -57,7 +57,7 @@ std::vector<IncomingSeries> series_among(const VolumeFiles& files) {
     all.back().files = {file.file};
     all.back().problem = file.refusal->what();
   }
-  for (const auto* others : {&files.nifti, &files.nrrd})
+  for (const auto* others : {&files.nifti, &files.nrrd, &files.metaimage})
     for (const fs::path& file : *others) all.push_back(incoming_of(file));
   return all;
 }

@@ -163,6 +163,9 @@ std::vector<OutputFile> plan_outputs() {
   return {{"report.html", "the report for people"},
           {"report.json", "[the report for programs](#reportjson)"},
           {"planning.png", "the planning image along the needle"},
+          {"axial.png", "the planning image in three planes through the target, radiological convention"},
+          {"coronal.png", "the same"},
+          {"sagittal.png", "the same"},
           {"planning", "the planning image of a built-in case, as DICOM"}};
 }
 
@@ -173,7 +176,7 @@ Command dry_run_command() {
   std::vector<OutputFile> outputs = plan_outputs();
   outputs.insert(outputs.end(),
                  {{"run.csv", "[each tick](#runcsv); only where something ran"},
-                  {"stage-*.png", "the needle before and after each step of the plan"},
+                  {"stage-*.png", "the needle before and after each step of the plan, and the difference"},
                   {"images", "the confirmation image of each step, as DICOM"},
                   {"procedure.log.sqlite", "with `--live`: the [procedure log](procedure-log.md)", true},
                   {"*.log", "with `--live`: the [diagnostic log](diagnostic-log.md) of each process", true}});

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "planner/imaging/io/labels.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "planner/imaging/io/series_list.hpp"
 #include "planner/plan/fiducial_file.hpp"
@@ -88,16 +89,36 @@ PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
     out.target.p_SE = given.p_SE.value_or(Point::Zero());
     out.target.p_ST = given.p_ST.value_or(Point::Zero());
     if (!given.labels.empty()) out.labels = imaging::read_volume(given.labels);
-    if (out.labels) check_frames(out.image, *out.labels);
+    if (out.labels) {
+      check_frames(out.image, *out.labels);
+      imaging::refuse_unlike_labels(*out.labels, given.labels.string());
+      for (const std::string& warning : out.labels->warnings)
+        out.image.warnings.push_back("label map: " + warning);
+    }
   }
   out.target.patient_id = out.image.identity.patient_id;
   out.target.series_uid = out.image.identity.series_uid;
   return out;
 }
 
+namespace {
+
+// Tissue that nobody named is planned through as "unknown": a person must know.
+std::vector<std::string> warnings_of_layers(const std::vector<Layer>& layers, bool labelled) {
+  double unlabelled_mm = 0.0;
+  for (const Layer& layer : layers)
+    if (layer.name == "unlabelled") unlabelled_mm += (layer.to - layer.from).value;
+  if (!labelled || unlabelled_mm <= 0.0) return {};
+  return {fmt::format("{:.1f} mm of the needle's path and of the margin behind the target have no label",
+                      unlabelled_mm)};
+}
+
+}  // namespace
+
 void plan_to_target(PreparedCase& out) {
   const Case& given = out.given;
   out.layers = layers_of(given, out.labels ? &*out.labels : nullptr, out.label_names, out.target);
+  out.plan_warnings = warnings_of_layers(out.layers, out.labels.has_value() && given.layers.empty());
   const auto pose = pose_of(given, out.target);
   if (const auto* refusal = std::get_if<PlanRefusal>(&pose)) {
     out.plan = *refusal;

@@ -21,6 +21,7 @@ struct PreparedCase {
   std::variant<Plan, PlanRefusal> plan;
   std::optional<Volume> labels;  // of the tissues, on the same patient
   planner::LabelNames label_names;
+  std::vector<std::string> plan_warnings = {};  // what a person must know of points and path
 };
 
 // Reads the image, without a plan yet; `target` holds the points that the case names. A phantom is first

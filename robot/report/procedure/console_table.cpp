@@ -73,6 +73,8 @@ std::string plan_lines(const RunRecord& record) {
       known_parts({series.modality, series.description, series.date, record.image_source}) + "\n";
   for (const std::string& warning : record.image_warnings) text += "  Warning  " + plain(warning) + "\n";
   if (!record.plan) return text;
+  if (record.registration == "assumed")
+    text += "  Warning  the robot's place is assumed: aimed at the entry along the path, not registered\n";
   const Point target = ras_from_lps(record.plan->target.p_ST);
   return text +
          fmt::format("  Target   {} deep, at R, A, S {}, {}, {} mm; {} beside the axis\n",

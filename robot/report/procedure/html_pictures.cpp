@@ -7,6 +7,7 @@
 #include "robot/common/text/text_layout.hpp"
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/plot/needle_overlay.hpp"
+#include "robot/report/plot/plane_overlay.hpp"
 #include "robot/report/plot/png.hpp"
 #include "robot/report/procedure/html_sections.hpp"
 #include "robot/report/procedure/labels.hpp"
@@ -35,15 +36,27 @@ std::string planning_picture(const RunRecord& record) {
                 "yellow: path, with a tick at each layer boundary; magenta cross: target.");
 }
 
+std::string plane_pictures(const RunRecord& record) {
+  std::vector<std::string> planes;
+  for (const BodyPlane& plane : record.planes) planes.push_back(plane_overlay(plane, record.simulated));
+  if (planes.empty()) return {};
+  return "<h3>Planes through the target</h3>\n" + markup::panels(planes) +
+         paragraph(
+             "Radiological convention: the patient's right is at the left of axial and coronal pictures. "
+             "Dashed "
+             "lines cross at the target; yellow: the needle's path, as seen from the side.");
+}
+
 std::string point(const Point& p) {
   return fmt::format("{}, {}, {} mm", fixed(p.x(), 1), fixed(p.y(), 1), fixed(p.z(), 1));
 }
 
-std::string plan_facts(const Plan& plan) {
+std::string plan_facts(const Plan& plan, const std::string& registration) {
   std::vector<std::string> layers;
   for (const Layer& layer : plan.layers)
     layers.push_back(layer.name + " " + fixed(layer.from.value, 2) + " to " + fixed(layer.to.value, 2, "mm"));
   const bool registered = plan.registration_fre_mm > 0;
+  const bool assumed = registration == "assumed";
   return facts(
       {{"Target depth", fixed(plan.target_depth.value, 2, "mm")},
        {"Deepest allowed", fixed(plan.limits.depth_max.value, 2, "mm")},
@@ -61,7 +74,13 @@ std::string plan_facts(const Plan& plan) {
        {"Robot to scanner", registered ? "registered: FRE " + fixed(plan.registration_fre_mm, 2, "mm") +
                                              ", expected error at the target " +
                                              fixed(plan.registration_tre_mm, 2, "mm")
-                                       : "transform as given"}});
+                            : assumed ? "assumed: aimed at the entry along the path"
+                                      : "transform as given"}});
+}
+
+// All pictures of a step have one scale.
+Millimetres depth_shown(const StepResult& step) {
+  return step.check && step.check->tip_found ? std::max(step.step.depth, step.check->depth) : step.step.depth;
 }
 
 std::string step_picture(const RunRecord& record, const StepResult& step, bool after,
@@ -69,8 +88,7 @@ std::string step_picture(const RunRecord& record, const StepResult& step, bool a
   const Picture& slice = after ? step.after : step.before;
   if (slice.width == 0) return {};
   if (!step.geometry) return figure(image(slice, title), escaped(title) + ".");
-  TipDepths depths{step.step.depth, step.step.depth, after && step.check ? &*step.check : nullptr};
-  if (step.check && step.check->tip_found) depths.shown = std::max(depths.shown, step.check->depth);
+  const TipDepths depths{step.step.depth, depth_shown(step), after && step.check ? &*step.check : nullptr};
   return figure(tip_overlay(slice, *step.geometry, depths, overlay_text(record, title)),
                 escaped(title) + ".");
 }
@@ -83,6 +101,15 @@ std::string step_pictures(const RunRecord& record, std::size_t index) {
   html += step_picture(record, step, false, fmt::format("Step {}, before", index + 1));
   html += step_picture(record, step, true, fmt::format("Step {}, after, registered to before", index + 1));
   html += "</div>\n";
+  const std::string title = fmt::format("Step {}, after minus before", index + 1);
+  if (const Picture difference = difference_of(step.before, step.after);
+      difference.width > 0 && step.geometry)
+    html += figure(tip_overlay(difference, *step.geometry,
+                               {step.step.depth, depth_shown(step), step.check ? &*step.check : nullptr},
+                               overlay_text(record, title)),
+                   escaped(title) +
+                       ": grey where nothing changed, dark where signal was lost. White bar: the tip "
+                       "within two standard deviations.");
   if (step.check) html += paragraph(step.check->reason);
   return html;
 }
@@ -90,7 +117,13 @@ std::string step_pictures(const RunRecord& record, std::size_t index) {
 }  // namespace
 
 std::string plan_section(const RunRecord& record) {
-  return section("Plan", planning_picture(record) + (record.plan ? plan_facts(*record.plan) : ""));
+  std::string html;
+  if (record.plan && record.registration == "assumed")
+    html = markup::alarm(
+        "The robot's place in the scanner is assumed, not registered: give fiducials or a transform "
+        "before a needle is moved by this plan.");
+  return section("Plan", html + planning_picture(record) + plane_pictures(record) +
+                             (record.plan ? plan_facts(*record.plan, record.registration) : ""));
 }
 
 std::string figure_section(const RunRecord& record) {

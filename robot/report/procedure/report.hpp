@@ -10,7 +10,8 @@
 namespace biopsy::report {
 
 // report.html, report.json, run.csv (where something ran), planning.png and, for each step with images,
-// stage-N-before.png and stage-N-after.png. Makes the folder. Throws ConfigError where it cannot write.
+// axial.png, coronal.png, sagittal.png, stage-N-before.png, -after.png and -difference.png. Makes the folder.
+// Throws ConfigError where it cannot write.
 void save_report(const RunRecord& record, const std::filesystem::path& folder);
 
 // One self-contained page for screen and A4: no script, nothing from a network. The verdict comes first.

@@ -145,6 +145,7 @@ std::string report_json(const RunRecord& record) {
   report["seed"] = record.seed;
   report["series"] = series_json(record);
   report["warnings"] = record.image_warnings;
+  report["registration"] = json_text(record.registration);
   report["limits"] = json_list(record.limits, limit_json);
   report["provenance"] = Json::object();
   for (const auto& [name, value] : record.provenance) report["provenance"][name] = value;

@@ -2,6 +2,7 @@
 // An unknown number stays kUnknown: it is printed as a dash and written as null.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -46,6 +47,15 @@ struct SliceGeometry {
   double mm_per_pixel = 0;
   // Where the picture's sides lie in the patient, e.g. "AR" for anterior and right; empty: not drawn.
   std::string left = {}, right = {}, top = {}, bottom = {};
+};
+
+// A plane of the body through the target; pixels count from the centre of the first one.
+struct BodyPlane {
+  std::string name;           // "Axial"
+  std::string place, window;  // "S 51.9 mm, slice 12 of 40"; "black 0, white 812"
+  Picture picture;
+  std::array<double, 2> entry_px{}, target_px{};
+  std::string left, right, top, bottom;  // the patient's sides
 };
 
 // What became of one planned step.
@@ -94,13 +104,16 @@ struct RunRecord {
   std::string refusal;  // empty unless refused or stopped
   std::string remedy;
   SeriesIdentity series;
-  std::string image_source;  // path as given
-  std::vector<std::string> image_warnings;
+  std::string image_source;                 // path as given
+  std::vector<std::string> image_warnings;  // of image, points and path
+  std::string
+      registration;  // "registered", "given" or "assumed": how the robot's place in the scanner is known
   std::optional<Plan> plan;
   Picture planning_slice;  // slice through the needle
   std::optional<SliceGeometry>
-      planning_geometry;        // the report then draws layers, entry, target and path over it
-  std::vector<Sample> samples;  // one per tick
+      planning_geometry;          // the report then draws layers, entry, target and path over it
+  std::vector<BodyPlane> planes;  // axial, coronal, sagittal
+  std::vector<Sample> samples;    // one per tick
   std::vector<StepResult> steps;
   std::vector<LimitUse> limits;
   std::vector<Trip> trips;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nifti/nifti1.h>
+#include <nifti/nifti2.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -44,6 +45,33 @@ std::string nifti_content(const nifti_1_header& header, std::size_t voxels = 4 *
   for (std::size_t n = 0; n < voxels; ++n) {
     const Number value = static_cast<Number>(static_cast<int>(n) - 10);
     content.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  }
+  return content;
+}
+
+// The image of nifti_header() as NIfTI-2, byte by byte: offsets of its fields from nifti2.h.
+inline std::string nifti2_content(bool swapped) {
+  std::string content(544, '\0');
+  const auto put = [&](std::size_t at, auto value) {
+    char bytes[sizeof(value)];
+    std::memcpy(bytes, &value, sizeof(value));
+    if (swapped) std::reverse(bytes, bytes + sizeof(value));
+    std::copy(bytes, bytes + sizeof(value), content.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  put(0, std::int32_t{540});
+  content.replace(4, 8, std::string("n+2\0\r\n\x1a\n", 8));
+  put(12, std::int16_t{DT_INT16}), put(14, std::int16_t{16});
+  const std::int64_t dim[8] = {3, 4, 5, 6, 1, 1, 1, 1};
+  const double pixdim[8] = {1, 1, 2, 3, 0, 0, 0, 0};
+  for (std::size_t n = 0; n < 8; ++n) put(16 + 8 * n, dim[n]), put(104 + 8 * n, pixdim[n]);
+  put(168, std::int64_t{544});
+  put(348, std::int32_t{1});  // sform
+  const double rows[12] = {1, 0, 0, 10, 0, 2, 0, 20, 0, 0, 3, 30};
+  for (std::size_t n = 0; n < 12; ++n) put(400 + 8 * n, rows[n]);
+  put(500, std::int32_t{NIFTI_UNITS_MM});
+  for (int n = 0; n < 120; ++n) {
+    content.resize(content.size() + 2);
+    put(content.size() - 2, static_cast<std::int16_t>(n - 10));
   }
   return content;
 }

@@ -182,9 +182,48 @@ TEST_F(NiftiReader, RefusesOtherKindsByName) {
   expect_refused("two files");
   std::memcpy(header.magic, "\0\0\0", 4);
   expect_refused("Analyze");
-  header = nifti_header();
-  header.sizeof_hdr = 540;
-  expect_refused("NIfTI-2");
+}
+
+// The same grid and voxels under a header of version 2.
+TEST_F(NiftiReader, ReadsVersion2AsVersion1) {
+  write_content(folder / "one.nii", nifti_content(header));
+  const Volume one = read_volume(folder / "one.nii");
+  for (const bool swapped : {false, true}) {
+    write_content(folder / "two.nii", nifti2_content(swapped));
+    const Volume two = read_volume(folder / "two.nii");
+    EXPECT_EQ(two.voxels, one.voxels);
+    EXPECT_TRUE(two.grid.X_SI.matrix().isApprox(one.grid.X_SI.matrix()));
+  }
+  write_gzip(folder / "two.nii.gz", nifti2_content(false));
+  EXPECT_EQ(read_volume(folder / "two.nii.gz").voxels, one.voxels);
+}
+
+TEST_F(NiftiReader, RefusesVersion2ThatATextTransferDamaged) {
+  std::string content = nifti2_content(false);
+  content[8] = '\n';
+  write_content(folder / "two.nii", content);
+  EXPECT_REFUSED(folder / "two.nii", "two.nii", "transfer as text");
+  content = nifti2_content(false);
+  const std::int64_t huge = std::int64_t{1} << 40;
+  std::memcpy(content.data() + 16 + 8, &huge, sizeof(huge));  // dim[1]
+  write_content(folder / "two.nii", content);
+  EXPECT_REFUSED(folder / "two.nii", "two.nii", "more than 4096");
+}
+
+TEST_F(NiftiReader, WarnsOfAGeometryThatIsADefault) {
+  const auto warns = [&] {
+    write_content(folder / "image.nii", nifti_content(header));
+    const auto warnings = read_volume(folder / "image.nii").warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& text) { return text.find("default") != std::string::npos; });
+  };
+  EXPECT_FALSE(warns());
+  for (int a = 0; a < 3; ++a)
+    for (int c = 0; c < 4; ++c)
+      (a == 0 ? header.srow_x : a == 1 ? header.srow_y : header.srow_z)[c] = a == c ? 1.0F : 0.0F;
+  EXPECT_TRUE(warns());
+  header.srow_z[3] = -20.0F;
+  EXPECT_FALSE(warns());
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 #include "planner/imaging/io/read_volume.hpp"
 #include "tests/planner/imaging/dicom_fixture.hpp"
+#include "tests/planner/imaging/io/jpeg2000_fixture.hpp"
+#include "tests/planner/imaging/io/metaimage_fixture.hpp"
 #include "tests/planner/imaging/nifti_fixture.hpp"
 #include "tests/planner/imaging/refusal.hpp"
 
@@ -89,6 +91,27 @@ TEST(DamagedFiles, PackedNiftiIsReadOrRefused) {
   ScratchFolder folder;
   write_gzip(folder / "image.nii.gz", nifti_content(nifti_header()));
   EXPECT_GT(refused_of(folder.path(), folder / "image.nii.gz", 60, 400), 200);
+}
+
+TEST(DamagedFiles, Nifti2IsReadOrRefused) {
+  ScratchFolder folder;
+  write_content(folder / "image.nii", nifti2_content(false));
+  EXPECT_GT(refused_of(folder.path(), folder / "image.nii", 544, 400), 60);
+}
+
+TEST(DamagedFiles, MetaImageIsReadOrRefused) {
+  for (const bool packed : {false, true}) {
+    ScratchFolder folder;
+    const std::string header = metaimage_header(packed);
+    write_content(folder / "image.mha", header + metaimage_voxels(packed));
+    EXPECT_GT(refused_of(folder.path(), folder / "image.mha", header.size(), 400), 80);
+  }
+}
+
+TEST(DamagedFiles, Jpeg2000IsReadOrRefused) {
+  ScratchFolder folder;
+  write_jpeg2000_stack(folder.path(), 4);
+  EXPECT_GT(refused_of(folder.path(), folder / "b.dcm", 1200, 150), 30);
 }
 
 TEST(DamagedFiles, NrrdIsReadOrRefused) {

@@ -88,15 +88,10 @@ TEST(RealImages, OneSliceIsTheSameInEveryEncoding) {
   ASSERT_EQ(plain.size(), 64U * 64U);
   EXPECT_EQ(plain[0], 905.0F);  // the first words of the file's pixel data
   EXPECT_EQ(plain[1], 1019.0F);
-  for (const char* name : {"MR_small_RLE.dcm", "MR_small_bigendian.dcm", "MR_small_expb.dcm",
-                           "MR_small_implicit.dcm", "MR_small_jpeg_ls_lossless.dcm", "MR_small_padded.dcm"})
+  for (const char* name :
+       {"MR_small_RLE.dcm", "MR_small_bigendian.dcm", "MR_small_expb.dcm", "MR_small_implicit.dcm",
+        "MR_small_jpeg_ls_lossless.dcm", "MR_small_padded.dcm", "MR_small_jp2klossless.dcm"})
     EXPECT_EQ(pixels(name), plain) << name;
-  try {
-    pixels("MR_small_jp2klossless.dcm");
-    FAIL() << "JPEG 2000 has no decoder here";
-  } catch (const ConfigError& refusal) {
-    EXPECT_NE(refusal.what_is_wrong.find("JPEG 2000"), std::string::npos) << refusal.what();
-  }
   try {
     pixels("MR_truncated.dcm");
     FAIL() << "truncated pixels were read";
@@ -122,7 +117,7 @@ TEST(RealImages, BigEndianNiftiWithAxesToTheLeft) {
   EXPECT_TRUE(volume.grid.X_SI.translation().isApprox(Point(-32, 40, -16)));
   EXPECT_TRUE(corner(volume).isApprox(Point(-32 + 64, 40 - 80, -16 + 48)));
   EXPECT_REFUSED(kNibabel / "functional.nii", "functional.nii", "4-D");
-  EXPECT_REFUSED(kNibabel / "example_nifti2.nii.gz", "example_nifti2.nii.gz", "NIfTI-2");
+  EXPECT_REFUSED(kNibabel / "example_nifti2.nii.gz", "example_nifti2.nii.gz", "4-D");
 }
 
 TEST(RealImages, TemplatesOfTheBrainPlaceTheMidlineAtZero) {

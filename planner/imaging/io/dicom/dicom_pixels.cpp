@@ -2,6 +2,8 @@
 
 #include <dcmtk/dcmdata/dcfcache.h>
 #include <dcmtk/dcmdata/dcpixel.h>
+#include <dcmtk/dcmdata/dcpixseq.h>
+#include <dcmtk/dcmdata/dcpxitem.h>
 #include <dcmtk/dcmdata/dcrledrg.h>
 #include <dcmtk/dcmjpeg/djdecode.h>
 #include <dcmtk/dcmjpls/djdecode.h>
@@ -13,6 +15,7 @@
 #include <mutex>
 
 #include "planner/imaging/io/dicom/dicom_fields.hpp"
+#include "planner/imaging/io/dicom/jpeg2000.hpp"
 #include "planner/imaging/io/grid_rules.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/text/strict_number.hpp"
@@ -23,7 +26,12 @@ namespace {
 constexpr const char* kCopyAgain = "copy the file again from the scanner or archive";
 constexpr const char* kUncompressed = "export the series uncompressed (Explicit VR Little Endian)";
 
+bool is_jpeg2000(E_TransferSyntax syntax) {
+  return syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000;
+}
+
 bool is_decoded(E_TransferSyntax syntax) {
+  if (is_jpeg2000(syntax)) return true;
   switch (syntax) {
     case EXS_RLELossless:
     case EXS_JPEGProcess1:
@@ -153,6 +161,8 @@ struct DicomPixels::Open {
 
   DcmDataset& dataset() { return *content.getDataset(); }
   void find_pixels(std::uint64_t file_bytes);
+  std::vector<std::uint8_t> jpeg2000_stream(int frame);
+  void append_jpeg2000(int frame, double slope, double intercept, std::vector<float>& voxels);
 };
 
 // Holds the promise of the header against what the file has, before anything of that size is allocated.
@@ -180,6 +190,37 @@ void DicomPixels::Open::find_pixels(std::uint64_t file_bytes) {
                       file, kCopyAgain);
 }
 
+// The fragments of a frame (PS3.5 A.4): one each, or all of them where there is one frame.
+std::vector<std::uint8_t> DicomPixels::Open::jpeg2000_stream(int frame) {
+  const E_TransferSyntax syntax = dataset().getOriginalXfer();
+  DcmPixelSequence* sequence = nullptr;
+  if (pixels->getEncapsulatedRepresentation(syntax, nullptr, sequence).bad() || !sequence)
+    throw ConfigError("holds no compressed pixels", file, kCopyAgain);
+  const auto fragments = static_cast<int>(sequence->card()) - 1;  // the first is the table of offsets
+  if (fragments < 1 || (format.frames > 1 && fragments != format.frames))
+    throw ConfigError(fmt::format("{} fragments of {} frames", fragments, format.frames), file,
+                      kUncompressed);
+  std::vector<std::uint8_t> stream;
+  const int first = format.frames > 1 ? frame : 0, last = format.frames > 1 ? frame : fragments - 1;
+  for (int n = first; n <= last; ++n) {
+    DcmPixelItem* item = nullptr;
+    Uint8* bytes = nullptr;
+    if (sequence->getItem(item, static_cast<unsigned long>(n) + 1).bad() || !item ||
+        item->getUint8Array(bytes).bad() || !bytes)
+      throw ConfigError(fmt::format("frame {} is missing", frame + 1), file, kCopyAgain);
+    stream.insert(stream.end(), bytes, bytes + item->getLength());
+  }
+  return stream;
+}
+
+void DicomPixels::Open::append_jpeg2000(int frame, double slope, double intercept,
+                                        std::vector<float>& voxels) {
+  const std::vector<std::uint8_t> stream = jpeg2000_stream(frame);
+  for (const std::int32_t value :
+       decode_jpeg2000(stream, format.columns, format.rows, format.bits_stored, format.is_signed, file))
+    voxels.push_back(static_cast<float>(static_cast<double>(value) * slope + intercept));
+}
+
 DicomPixels::DicomPixels(const std::filesystem::path& path) : open_(std::make_unique<Open>()) {
   ready_dicom_library();
   open_->file = path.string();
@@ -204,6 +245,10 @@ bool DicomPixels::lossy() const {
 
 bool DicomPixels::append_frame(int frame, double slope, double intercept, std::vector<float>& voxels) {
   const PixelFormat& format = open_->format;
+  if (is_jpeg2000(open_->dataset().getOriginalXfer())) {
+    open_->append_jpeg2000(frame, slope, intercept, voxels);
+    return format.bits_stored > 24;
+  }
   std::vector<Uint8> bytes(format.frame_bytes() + format.frame_bytes() % 2);  // DCMTK wants an even buffer
   OFString colours;
   const OFCondition decoded = open_->pixels->getUncompressedFrame(

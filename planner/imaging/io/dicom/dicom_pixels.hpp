@@ -33,8 +33,8 @@ void ready_dicom_library();
 class DicomPixels {
  public:
   // Opens the file. Throws ConfigError naming it: unreadable, no pixels, truncated, a compression that is not
-  // decoded (JPEG 2000 and the video formats), 32-bit big endian, or what read_pixel_format refuses.
-  // Uncompressed little and big endian, deflated, RLE, JPEG and JPEG-LS are read.
+  // decoded (the video formats), 32-bit big endian, or what read_pixel_format refuses.
+  // Uncompressed little and big endian, deflated, RLE, JPEG, JPEG-LS and JPEG 2000 are read.
   explicit DicomPixels(const std::filesystem::path& file);
   ~DicomPixels();
 

@@ -1,0 +1,10 @@
+# OpenJPEG's own package file lies in a folder named for its version.
+find_path(OpenJpeg_INCLUDE openjpeg.h PATH_SUFFIXES openjpeg-2.5 openjpeg-2.4 openjpeg-2.3)
+find_library(OpenJpeg_LIBRARY openjp2)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OpenJpeg REQUIRED_VARS OpenJpeg_INCLUDE OpenJpeg_LIBRARY)
+if(OpenJpeg_FOUND AND NOT TARGET openjpeg)
+  add_library(openjpeg INTERFACE IMPORTED)
+  target_include_directories(openjpeg SYSTEM INTERFACE ${OpenJpeg_INCLUDE})
+  target_link_libraries(openjpeg INTERFACE ${OpenJpeg_LIBRARY})
+endif()

@@ -1,0 +1,84 @@
+// Which arriving images can be the confirmation of this needle in this patient. Inputs: headers made here.
+#include "robot/procedure/images/image_objection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace biopsy::robot {
+namespace {
+
+using namespace std::chrono_literals;
+
+const auto kArrived = std::chrono::system_clock::time_point(1'800'000'000s);
+
+imaging::IncomingSeries arriving() {
+  imaging::IncomingSeries image;
+  image.files = {"a.dcm"};
+  image.identity = {"Doe^Jane", "4711", "1.2.3", "1.2.3.8", "1.2.3.99", "MR", "t2 confirm", "20270115"};
+  image.image_type = "ORIGINAL\\PRIMARY\\M";
+  image.acquired = kArrived + 20s;
+  return image;
+}
+
+ExpectedImage expected() {
+  return {{"DOE^Jane^^", "4711", "1.2.3", "1.2.3.7", "1.2.3.99", "MR", "t2 plan", "20270115"},
+          kArrived,
+          kArrived + 60s,
+          {},
+          ""};
+}
+
+TEST(ImageObjection, IsNoneToAnImageOfThisPatientTakenNow) {
+  EXPECT_EQ(image_objection(arriving(), expected()), "");
+}
+
+TEST(ImageObjection, NamesWhatIsWrong) {
+  using Change = std::function<void(imaging::IncomingSeries&)>;
+  const std::vector<std::pair<Change, const char*>> changes{
+      {[](auto& i) { i.problem = "two slices are missing"; }, "cannot be read"},
+      {[](auto& i) { i.identity.patient_id = "4712"; }, "another patient"},
+      {[](auto& i) { i.identity.patient_name = "Roe^Jane"; }, "another patient"},
+      {[](auto& i) { i.identity.frame_of_reference_uid = "1.2.3.98"; }, "frame of reference"},
+      {[](auto& i) { i.identity.series_uid = "1.2.3.7"; }, "planning series"},
+      {[](auto& i) { i.identity.patient_name = "SIMULATED^Doe"; }, "simulated"},
+      {[](auto& i) { i.identity.modality = "CT"; }, "CT"},
+      {[](auto& i) { i.identity.description = "3-plane Localizer"; }, "described"},
+      {[](auto& i) { i.image_type = "DERIVED\\PRIMARY\\MPR"; }, "derived"},
+      {[](auto& i) { i.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER"; }, "localiser"},
+      {[](auto& i) { i.acquired = kArrived - 30s; }, "before the needle arrived"},
+      {[](auto& i) { i.acquired = kArrived + 2h; }, "clock is wrong"},
+      {[](auto& i) { i.acquired.reset(); }, "when it was acquired"},
+      {[](auto& i) { i.identity.patient_id.clear(); }, "nobody answers"},
+      {[](auto& i) { i.identity.frame_of_reference_uid.clear(); }, "nobody answers"}};
+  for (const auto& [change, reason] : changes) {
+    imaging::IncomingSeries image = arriving();
+    change(image);
+    const std::string said = image_objection(image, expected());
+    EXPECT_NE(said.find(reason), std::string::npos) << reason << ": " << said;
+  }
+}
+
+TEST(ImageObjection, IsToTimeThatRunsBackwards) {
+  ExpectedImage second = expected();
+  second.last_acquired = kArrived + 20s;
+  EXPECT_NE(image_objection(arriving(), second), "");
+  second.last_acquired = kArrived + 10s;
+  EXPECT_EQ(image_objection(arriving(), second), "");
+}
+
+// A person answers for what a file does not say, never for what it says wrongly.
+TEST(ImageObjection, LetsAPersonAnswerForWhatIsNotSaid) {
+  ExpectedImage answered = expected();
+  answered.confirmed_by = "R. Nurse";
+  imaging::IncomingSeries image;
+  image.files = {"image.nii"};
+  EXPECT_NE(image_objection(image, expected()), "");
+  EXPECT_EQ(image_objection(image, answered), "");
+  image = arriving();
+  image.identity.patient_id = "4712";
+  EXPECT_NE(image_objection(image, answered), "");
+}
+
+}  // namespace
+}  // namespace biopsy::robot

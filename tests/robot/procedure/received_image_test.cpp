@@ -1,0 +1,97 @@
+// A confirmation image from a scanner's folder, through to the verdict. Inputs: the built-in phantom as
+// planning image; images of it with a needle, rendered and written as DICOM into the folder by the test.
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
+#include <gtest/gtest.h>
+
+#include "planner/imaging/io/read_volume.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
+#include "robot/procedure/images/confirmation_image.hpp"
+#include "sim/scanner/dicom_series.hpp"
+#include "sim/scanner/scanner.hpp"
+#include "sim/scanner/simulated_mark.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+// As a scanner labels what it measured; the simulator calls its images derived.
+void say_original(const std::filesystem::path& file) {
+  DcmFileFormat content;
+  content.loadFile(file.c_str());
+  content.loadAllDataIntoMemory();
+  content.getDataset()->putAndInsertString(DCM_ImageType, "ORIGINAL\\PRIMARY\\M");
+  content.saveFile(file.c_str(), EXS_LittleEndianExplicit);
+}
+
+struct ReceivedImage : testing::Test {
+  ScratchFolder run, incoming;
+  PreparedCase prepared;
+
+  void SetUp() override {
+    Case given = read_case("gap");
+    given.images = {incoming.path(), std::chrono::milliseconds(100), std::chrono::milliseconds(1500), ""};
+    prepared = prepare(given, run.path());
+    ASSERT_TRUE(std::holds_alternative<Plan>(prepared.plan));
+  }
+  const Plan& plan() const { return std::get<Plan>(prepared.plan); }
+
+  // The first step's check of an image with the needle where the plan has it, changed by `change`.
+  template <class Change>
+  report::StepResult check_of(Change&& change) {
+    ConfirmationImages images(prepared, plan(), run / "out");
+    EXPECT_TRUE(images.from_scanner());
+    sim::ScanSettings settings;
+    settings.needle = sim::NeedleArtefact{.p_SE = plan().X_SR.translation(),
+                                          .axis_S = plan().X_SR.linear().col(2),
+                                          .tip_depth = plan().steps[0].depth};
+    settings.snr = 60.0;
+    Volume image = sim::scan(prepared.image, settings);
+    image.identity.series_uid = "1.2.3.4.5";
+    change(image);
+    for (const auto& file : sim::write_dicom_series(image, incoming / "series")) say_original(file);
+    report::StepResult result;
+    images.take(0, plan().steps[0].depth, std::chrono::milliseconds(2000), result);
+    return result;
+  }
+};
+
+// The writer states no time of acquisition, as for a file without an identity.
+TEST_F(ReceivedImage, OfThisPatientIsCheckedOnceAPersonAnswersForIt) {
+  prepared.given.images.confirmed_by = "R. Nurse";
+  const report::StepResult result = check_of([](Volume&) {});
+  ASSERT_TRUE(result.check);
+  EXPECT_TRUE(result.check->tip_found) << result.check->reason;
+  EXPECT_NEAR(result.check->depth.value, plan().steps[0].depth.value, 0.5);
+  EXPECT_NE(result.image_path.find("series"), std::string::npos);
+}
+
+TEST_F(ReceivedImage, WithoutATimeLeavesTheDepthUnsure) {
+  const report::StepResult result = check_of([](Volume&) {});
+  ASSERT_TRUE(result.check);
+  EXPECT_EQ(result.check->verdict, DepthVerdict::Unsure);
+  EXPECT_NE(result.check->reason.find("when it was acquired"), std::string::npos) << result.check->reason;
+}
+
+TEST_F(ReceivedImage, OfAnotherPatientOrASimulatorIsNoConfirmation) {
+  prepared.given.images.confirmed_by = "R. Nurse";
+  EXPECT_NE(check_of([](Volume& image) {
+              image.identity.patient_id = "OTHER";
+            }).check->reason.find("another patient"),
+            std::string::npos);
+  std::filesystem::remove_all(incoming / "series");
+  EXPECT_NE(check_of([](Volume& image) { sim::mark_simulated(image); }).check->reason.find("simulated"),
+            std::string::npos);
+}
+
+TEST_F(ReceivedImage, ThatDoesNotComeIsSaid) {
+  prepared.given.images.patience = std::chrono::milliseconds(200);
+  ConfirmationImages images(prepared, plan(), run / "out");
+  report::StepResult result;
+  images.take(0, Millimetres(1.0), std::chrono::milliseconds(2000), result);
+  EXPECT_EQ(result.check->verdict, DepthVerdict::Unsure);
+  EXPECT_NE(result.check->reason.find("no new image"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace biopsy::robot
