@@ -29,7 +29,7 @@ using sim::calibration::CalibratedParameter;
 using sim::calibration::Calibration;
 
 constexpr int kEvaluations = 600, kStarts = 4;
-constexpr int kStepsWithout = 4;  // of a calibration without a figure
+constexpr int kStepsWithout = 6;  // of a calibration without a figure
 // Along the sensitivities: of measured runs alone, which cost a thousandth of the figures.
 constexpr int kFarSteps = 6, kLastSteps = 3, kStepsAlone = 30;
 constexpr double kWideSpread = 0.2, kNarrowSpread = 0.1;  // prior standard deviations

@@ -69,9 +69,9 @@ std::vector<std::string> score_remarks(const Reproduction& r) {
   const std::size_t held = s.held_out_numbers.of + s.held_out_trends.of;
   if (held > 0)
     remarks.push_back(
-        fmt::format("Held out: each figure by a calibration on all others meets {} of {} numbers and {} of "
-                    "{} statements ({:.0f} "
-                    "%).",
+        fmt::format("Held out, each row by a calibration without its figure: {} of {} numbers and {} of {} "
+                    "statements met "
+                    "({:.0f} %).",
                     s.held_out_numbers.ok, s.held_out_numbers.of, s.held_out_trends.ok, s.held_out_trends.of,
                     100.0 * static_cast<double>(s.held_out_numbers.ok + s.held_out_trends.ok) /
                         static_cast<double>(held)));

@@ -23,11 +23,11 @@ struct Share {
 struct PaperScore {
   std::size_t numbers = 0, numbers_ok = 0;  // bounds included
   std::size_t trends = 0, trends_ok = 0;
-  std::size_t theory = 0, theory_ok = 0;    // closed forms against the simulation: no numbers of the paper
-  std::size_t bounds = 0, bounds_ok = 0;    // of the numbers those that the paper gives as "less than"
-  Share leakage_numbers, leakage_trends;    // what the leakage model without effects meets
-  Share beyond_leakage;                     // what this model meets of the rows that the leakage model misses
-  Share held_out_numbers, held_out_trends;  // each figure by a calibration on the others
+  std::size_t theory = 0, theory_ok = 0;      // closed forms against the simulation: no numbers of the paper
+  std::size_t bounds = 0, bounds_ok = 0;      // of the numbers those that the paper gives as "less than"
+  Share leakage_numbers{}, leakage_trends{};  // what the leakage model without effects meets
+  Share beyond_leakage{};  // what this model meets of the rows that the leakage model misses
+  Share held_out_numbers{}, held_out_trends{};  // each figure by a calibration on the others
 
   void add(const PaperRow& row);
   // The bar has two parts: nine numbers of ten within their band, and every trend as stated.

@@ -1,7 +1,8 @@
 #include "sim/paper/calibration/gradient_steps.hpp"
 
-#include <ceres/ceres.h>
-
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
 #include <functional>
 
 #include "robot/common/in_parallel.hpp"
@@ -40,8 +41,7 @@ Eigen::MatrixXd central_differences(const std::vector<Parameter>& parameters, co
 
 // At the upper edge of a range backward.
 Eigen::MatrixXd forward_differences(const std::vector<Parameter>& parameters, const Vector& z,
-                                    const Residuals& f) {
-  const Vector here = f(z);
+                                    const Vector& here, const Residuals& f) {
   Eigen::MatrixXd out(here.size(), z.size());
   in_parallel(static_cast<std::size_t>(z.size()), [&](std::size_t i) {
     const auto parameter = static_cast<Eigen::Index>(i);
@@ -53,39 +53,36 @@ Eigen::MatrixXd forward_differences(const std::vector<Parameter>& parameters, co
   return out;
 }
 
-class RowsForCeres : public ceres::CostFunction {
- public:
-  RowsForCeres(const Question& question, int rows, Pull pull, Differences differences)
-      : question_(question), pull_(pull), differences_(differences) {
-    set_num_residuals(rows);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(question.parameters.size()));
-  }
+// Damping of Levenberg-Marquardt that is tried at once, times the last that helped.
+constexpr std::array kDampings{0.03, 0.3, 3.0, 30.0};
+constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-4, kMostDamping = 1e4;
+constexpr double kFarthestStep = 1.5;  // prior stds of any parameter
+constexpr double kGain = 2e-3;         // of the cost: less ends the descent
 
-  int evaluations() const { return evaluations_; }
-
-  bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
-    const Vector z =
-        Eigen::Map<const Vector>(parameters[0], static_cast<Eigen::Index>(question_.parameters.size()));
-    Eigen::Map<Vector>(out, num_residuals()) = residuals(question_, z, true, pull_);
-    ++evaluations_;
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const auto f = [this](const Vector& point) { return residuals(question_, point, false, pull_); };
-    const Vector here = within(question_.parameters, z);  // Ceres has no bounds here
-    const bool forward = differences_ == Differences::Forward;
-    Eigen::Map<RowMajor>(jacobians[0], num_residuals(), z.size()) =
-        forward ? forward_differences(question_.parameters, here, f)
-                : central_differences(question_.parameters, here, f);
-    evaluations_ += static_cast<int>(forward ? 1 + z.size() : 2 * z.size());
-    return true;
-  }
-
- private:
-  const Question& question_;
-  Pull pull_;
-  Differences differences_;
-  mutable int evaluations_ = 0;  // Ceres calls from one thread
+struct Trial {
+  double damping = 0.0;
+  Vector z, residuals;
 };
+
+// The steps of all dampings from one point, their residuals computed in parallel; the best.
+Trial best_trial(const std::vector<Parameter>& parameters, const Vector& z, const Vector& r,
+                 const Eigen::MatrixXd& J, double damping, const Residuals& f) {
+  std::array<Trial, kDampings.size()> trials;
+  in_parallel(trials.size(), [&](std::size_t i) {
+    Trial& trial = trials[i];
+    trial.damping = damping * kDampings[i];
+    Eigen::MatrixXd A = J.transpose() * J;
+    A.diagonal().array() += trial.damping;
+    Vector step = -A.ldlt().solve(J.transpose() * r);
+    const double longest = step.cwiseAbs().maxCoeff();
+    if (longest > kFarthestStep) step *= kFarthestStep / longest;
+    trial.z = within(parameters, z + step);
+    trial.residuals = f(trial.z);
+  });
+  return *std::min_element(trials.begin(), trials.end(), [](const Trial& one, const Trial& other) {
+    return one.residuals.squaredNorm() < other.residuals.squaredNorm();
+  });
+}
 
 }  // namespace
 
@@ -97,20 +94,31 @@ Vector within(const std::vector<Parameter>& parameters, Vector z) {
   return z;
 }
 
-Descent descend(const Question& question, const Vector& z, int steps, Pull pull, Differences differences) {
-  Descent out{z};
-  const int rows = static_cast<int>(residuals(question, z, true, pull).size());
-  auto* cost = new RowsForCeres(question, rows, pull, differences);  // the problem's
-  ceres::Problem problem;
-  problem.AddResidualBlock(cost, nullptr, out.z.data());
-  ceres::Solver::Options options;
-  options.max_num_iterations = steps;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.initial_trust_region_radius = 1.0;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return {within(question.parameters, out.z), cost->evaluations() + 1};
+Descent descend(const Question& question, const Vector& start, int steps, Pull pull,
+                Differences differences) {
+  const std::vector<Parameter>& parameters = question.parameters;
+  const auto f = [&](const Vector& point) { return residuals(question, point, false, pull); };
+  Descent out{within(parameters, start), 1};
+  Vector r = residuals(question, out.z, true, pull);
+  double damping = kFirstDamping;
+  for (int step = 0; step < steps && damping <= kMostDamping; ++step) {
+    const bool forward = differences == Differences::Forward;
+    const Eigen::MatrixXd J =
+        forward ? forward_differences(parameters, out.z, r, f) : central_differences(parameters, out.z, f);
+    out.evaluations +=
+        static_cast<int>((forward ? 1 : 2) * out.z.size() + static_cast<Eigen::Index>(kDampings.size()));
+    const Trial best = best_trial(parameters, out.z, r, J, damping, f);
+    const double before = r.squaredNorm(), after = best.residuals.squaredNorm();
+    if (!(after < before)) {
+      damping *= kDampings.back();
+      continue;
+    }
+    out.z = best.z;
+    r = best.residuals;
+    damping = std::max(kLeastDamping, best.damping);
+    if (after > (1.0 - kGain) * before) break;
+  }
+  return out;
 }
 
 Eigen::MatrixXd sensitivities(const Question& question, const Vector& z) {

@@ -1,4 +1,5 @@
-// Steps along the rows' sensitivities, by Ceres, and the covariance that these give.
+// Levenberg-Marquardt along the rows' sensitivities. Several dampings are tried at once, in parallel: within
+// the few steps that a search can pay for, a refused step would cost a whole Jacobian.
 #pragma once
 
 #include <Eigen/Core>

@@ -29,6 +29,8 @@ paper::HeldOut leave_one_out(const Question& question, int steps, const Calibrat
     if (figures.empty() || figures.back() != whole_figure(figure.number))
       figures.push_back(whole_figure(figure.number));
   const auto nominal = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(question.parameters.size()));
+  for (const PaperRow& row : rows_at(question, nominal, true))
+    ++(row.kind == RowKind::Trend ? out.statements : out.numbers);
   for (std::size_t i = 0; i < figures.size() && !stop.stop_requested(); ++i) {
     Question rest = question;
     std::erase_if(rest.figures,
@@ -47,7 +49,6 @@ paper::HeldOut leave_one_out(const Question& question, int steps, const Calibrat
       if (whole_figure(figure.number) != figures[i]) continue;
       for (const PaperRow& row : figure.run(model).rows) {
         if (!paper::is_fitted(row)) continue;
-        ++(row.kind == RowKind::Trend ? out.statements : out.numbers);
         out.rows.push_back({row.figure, row.quantity, row.ours, row.ok});
       }
     }

@@ -75,7 +75,8 @@ TEST(PaperScore, SaysWhatWasFittedWhatIsPredictedAndWhatTheLeakageModelMeetsAnyw
   const std::vector<std::string> remarks = score_remarks(compared_example());
   ASSERT_EQ(remarks.size(), 3U);
   EXPECT_EQ(remarks[0], "Fitted: 21 unknowns to 20 numbers and 47 statements of the paper.");
-  EXPECT_NE(remarks[1].find("0 of 1 numbers and 0 of 0 statements (0 %)"), std::string::npos) << remarks[1];
+  EXPECT_NE(remarks[1].find("0 of 1 numbers and 0 of 0 statements met (0 %)"), std::string::npos)
+      << remarks[1];
   EXPECT_NE(remarks[2].find(
                 "1 of 5 numbers and 1 of 2 statements; of the 5 rows that it misses, this model meets 2"),
             std::string::npos)
