@@ -45,7 +45,7 @@ TEST(Naming, DampingAroundAPlaceHasNoName) {
 }
 
 TEST(Naming, ALopsidedSpringHasNoName) {
-  const GapFinding f = found({.lopsided = 25.0}, {}, 9);
+  const GapFinding f = found({.lopsided = 8.0}, {}, 9);
   EXPECT_EQ(f.verdict, GapVerdict::Unexplained);
   EXPECT_TRUE(f.effects.empty());
   EXPECT_TRUE(f.data.empty()) << f.data.front().sentence;
