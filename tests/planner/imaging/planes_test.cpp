@@ -37,14 +37,14 @@ Volume imaged_with_needle(const Grid& grid, double depth) {
   });
 }
 
-DepthCheckSettings expecting(double depth) {
+DepthCheckSettings planned_at(double depth) {
   DepthCheckSettings settings;
   settings.expected = Millimetres(depth);
   settings.tip_offset = TipOffset{"scene", "scene", Millimetres(0.0), Millimetres(0.05)};
   return settings;
 }
 
-Volume before() {
+Volume planning_scene() {
   return scene::imaged(scene::grid(1.0, 2.0), [](const Point& p) { return scene::tissue(p); });
 }
 
@@ -57,9 +57,9 @@ std::vector<Grid> three_planes(int slices) {
 TEST(Planes, ThreeOrthogonalSlicesShowDepthPlaceAndAngle) {
   std::vector<Volume> after;
   for (const Grid& grid : three_planes(1)) after.push_back(imaged_with_needle(grid, kTip_mm));
-  const Volume first = before();
+  const Volume first = planning_scene();
   const std::clock_t start = std::clock();
-  const DepthCheck check = check_depth(first, after, scene::kEntry, scene::kAxis, expecting(kTip_mm));
+  const DepthCheck check = check_depth(first, after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   RecordProperty("cpu_s", std::to_string(seconds));
   EXPECT_EQ(check.verdict, DepthVerdict::Accept) << check.reason;
@@ -73,17 +73,17 @@ TEST(Planes, ThreeOrthogonalSlicesShowDepthPlaceAndAngle) {
 TEST(Planes, ThreeOrthogonalSlicesRejectWhatIsElsewhere) {
   std::vector<Volume> after;
   for (const Grid& grid : three_planes(1)) after.push_back(imaged_with_needle(grid, kTip_mm));
-  const Volume first = before();
-  EXPECT_EQ(check_depth(first, after, scene::kEntry, scene::kAxis, expecting(kTip_mm + 8.0)).verdict,
+  const Volume first = planning_scene();
+  EXPECT_EQ(check_depth(first, after, scene::kEntry, scene::kAxis, planned_at(kTip_mm + 8.0)).verdict,
             DepthVerdict::Reject);
   const Point beside = scene::kEntry + 5.0 * scene::kAxis.unitOrthogonal();
-  EXPECT_NE(check_depth(first, after, beside, scene::kAxis, expecting(kTip_mm)).verdict,
+  EXPECT_NE(check_depth(first, after, beside, scene::kAxis, planned_at(kTip_mm)).verdict,
             DepthVerdict::Accept);
 }
 
 TEST(Planes, ASlabOfThreeSlicesShowsTheDepth) {
   const std::vector<Volume> after{imaged_with_needle(three_planes(3).front(), kTip_mm)};
-  const DepthCheck check = check_depth(before(), after, scene::kEntry, scene::kAxis, expecting(kTip_mm));
+  const DepthCheck check = check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
   EXPECT_NE(check.verdict, DepthVerdict::Reject) << check.reason;
   EXPECT_TRUE(check.tip_found) << check.reason;
   EXPECT_NEAR(check.depth.value, kTip_mm, 0.7);
@@ -93,7 +93,7 @@ TEST(Planes, NeverAcceptASliceWithoutNeedle) {
   for (const Grid& grid : three_planes(1)) {
     const std::vector<Volume> after{scene::imaged(
         grid, [](const Point& p) { return std::abs(scene::tissue(p - kShift) + 12.0 * scene::grain(p)); })};
-    const DepthCheck check = check_depth(before(), after, scene::kEntry, scene::kAxis, expecting(kTip_mm));
+    const DepthCheck check = check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
     EXPECT_NE(check.verdict, DepthVerdict::Accept) << check.reason;
   }
 }
