@@ -57,6 +57,7 @@ class Entries {
     if (!value.is_array()) fail(name, "is not a list");
     return value;
   }
+  bool has(const char* name) const { return object_.contains(name); }
   void refuse_rest() const {
     for (const auto& [name, value] : object_.items())
       if (!known_.contains(name)) fail(name, "is not known");
@@ -113,6 +114,7 @@ std::string to_json(const LiveSettings& settings) {
                     {"fifo_priority", settings.fifo_priority},
                     {"model", settings.model.string()},
                     {"tissues", settings.tissues.string()},
+                    {"faults", settings.faults.string()},
                     {"weight_g", settings.weight_g},
                     {"seed", settings.seed},
                     {"layers", layers}};
@@ -140,6 +142,7 @@ LiveSettings parse_settings(const std::string& text, const std::string& name) {
   settings.fifo_priority = from.integer<int>("fifo_priority", 0, 90);
   settings.model = from.text("model");
   settings.tissues = from.text("tissues");
+  if (from.has("faults")) settings.faults = from.text("faults");
   settings.weight_g = from.number("weight_g", 0.0, 1000.0);
   settings.seed = from.integer<std::uint64_t>("seed", 0, INT64_MAX);
   for (const Json& layer : from.list("layers")) settings.layers.push_back(layer_from(layer, name));
@@ -153,7 +156,7 @@ LiveSettings read_settings(const fs::path& run_folder) {
 
 std::uint64_t config_tag(const fs::path& run_folder, const LiveSettings& settings) {
   std::string bytes = read_file(settings_file(run_folder), kRemedy);
-  for (const fs::path& file : {settings.model, settings.tissues, settings.device_config})
+  for (const fs::path& file : {settings.model, settings.tissues, settings.faults, settings.device_config})
     if (!file.empty()) bytes += read_file(file, kRemedy);
   const std::uint64_t tag = first_64_bits(sha256(bytes));
   return tag == 0 ? 1 : tag;

@@ -26,6 +26,7 @@ struct LiveSettings {
   int fifo_priority = 0;  // SCHED_FIFO of the control processes, 0 to 90; 0: ordinary scheduling
   // of the simulated stage
   std::filesystem::path model, tissues;
+  std::filesystem::path faults;  // that are put into it; empty: none
   double weight_g = 50.0;
   std::uint64_t seed = 1;
   std::vector<Layer> layers;  // along the needle's path

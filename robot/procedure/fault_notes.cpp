@@ -13,19 +13,19 @@ constexpr std::int64_t kStart_ticks = 500;
 
 }  // namespace
 
-FaultNotes::FaultNotes(const sim::FaultyStage& stage) : stage_(stage), before_(stage.faults().size()) {
-  for (const sim::Fault& fault : stage.faults())
+FaultNotes::FaultNotes(const std::vector<sim::Fault>& faults) : before_(faults.size()) {
+  for (const sim::Fault& fault : faults)
     results_.push_back(
         {.signal = std::string(name_of(fault.signal)), .kind = std::string(name_of(fault.kind))});
 }
 
-void FaultNotes::add(const CycleRecord& tick) {
+void FaultNotes::add(const CycleRecord& tick, std::uint32_t active) {
   const double now_s = static_cast<double>(ticks_) * 1e-3;
   const safety::HazardSet found = ticks_ < kStart_ticks ? 0 : tick.evidence.hazards();
   for (std::size_t i = 0; i < results_.size(); ++i) {
     report::FaultResult& result = results_[i];
     if (std::isnan(result.began_s)) {
-      if (!stage_.is_active(i)) continue;
+      if ((active >> i & 1U) == 0) continue;
       result.began_s = now_s;
       before_[i] = last_;
     }

@@ -148,12 +148,13 @@ report::RunRecord rehearse(const PreparedCase& prepared, const fs::path& folder,
   LinkFaults links(faulty, given.seed);
   SimulatedRobot lockstep(plan, facts, faulty, {shown, shown});
   lockstep.wrap(links);
-  FaultNotes notes(faulty);
+  FaultNotes notes(faults);
   const Robot robot = [&](const OperatorInputs& inputs) {
     CycleSample cycle;
     cycle.truth = truth_of(step);
     cycle.record = lockstep.run_cycle(inputs);
-    notes.add(cycle.record);
+    cycle.truth.active_faults = faulty.active_faults();
+    notes.add(cycle.record, cycle.truth.active_faults);
     cycle.setpoint = lockstep.controller().setpoint;
     return std::optional<CycleSample>(cycle);
   };

@@ -20,7 +20,8 @@ using Progress = std::function<void(double share, const std::string& what)>;
 // True position of needle and plate; known in simulation only.
 struct Truth {
   double tip_mm = 0.0, plate_b_mm = 0.0;
-  int layers_entered = 0;  // whose surface gave way
+  int layers_entered = 0;           // whose surface gave way
+  std::uint32_t active_faults = 0;  // sim::FaultyStage
 };
 
 // One tick of a robot; the truth is that at its beginning.

@@ -39,6 +39,8 @@ enum class FaultKind : std::uint8_t {
   MissingPolarity,  // one sign is lost: the positive one where `value` > 0
 };
 
+inline constexpr std::size_t kMostFaults = 32;  // in one run
+
 struct Fault {
   FaultSignal signal = FaultSignal::Depth;
   FaultKind kind = FaultKind::Frozen;

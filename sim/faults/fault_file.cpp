@@ -130,6 +130,9 @@ std::vector<Fault> parse_faults(const std::string& text, const std::string& file
     for (TomlTable& table : root.tables("fault")) faults.push_back(read_fault(table));
     if (faults.empty())
       throw ConfigError("no [[fault]] in the file", file_name, "give at least one, with signal and kind");
+    if (faults.size() > kMostFaults)
+      throw ConfigError(fmt::format("{} faults in one file", faults.size()), file_name,
+                        fmt::format("give at most {}; several files are several rehearsals", kMostFaults));
     return faults;
   });
 }

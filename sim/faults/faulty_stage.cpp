@@ -39,6 +39,12 @@ void FaultyStage::update_activity() {
   }
 }
 
+std::uint32_t FaultyStage::active_faults() const {
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < states_.size(); ++i) bits |= std::uint32_t{states_[i].active} << i;
+  return bits;
+}
+
 double FaultyStage::drawn(std::size_t i) {
   return uniform(seed_, (draws_++ << 5U) + i);
 }

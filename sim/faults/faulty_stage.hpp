@@ -22,6 +22,7 @@ class FaultyStage final : public drivers::NeedleStage {
   const std::vector<Fault>& faults() const { return faults_; }
   // Of faults()[i], in the tick of the last read().
   bool is_active(std::size_t i) const { return states_[i].active; }
+  std::uint32_t active_faults() const;  // the same, bit i
 
  private:
   // What one fault remembers of its signal.

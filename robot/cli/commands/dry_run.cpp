@@ -7,11 +7,13 @@
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/common/logging/log_session.hpp"
 #include "robot/common/logging/logger.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/live/session/live_session.hpp"
+#include "robot/procedure/fault_notes.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/report/procedure/report.hpp"
@@ -36,8 +38,9 @@ void declare_dry_run(CLI::App& app, Options& options) {
       "through the [live robot's](../how-to/live.md) processes over DDS, in real time, instead of one "
       "virtual clock");
   add(app, "--faults FILE", options.faults,
-      "put [faults](faults.md) into sensors, drive, links and contacts of the simulated stage")
-      ->excludes(live);
+      "put [faults](faults.md) into sensors and drive of the simulated stage and, without `--live`, links "
+      "and "
+      "contacts");
   add_image_source(app, options.procedure, live);
   add_live_options(app, options.network, live);
 }
@@ -80,7 +83,18 @@ Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& ou
   return result;
 }
 
-Result through_processes(const PreparedCase& prepared, const Options& options, const Context& context,
+// Links and contacts of live processes are real.
+void refuse_beyond_stage(const std::vector<sim::Fault>& faults, const std::filesystem::path& file) {
+  for (const sim::Fault& fault : faults)
+    if (is_link(fault.signal) || is_contact(fault.signal))
+      throw ConfigError(fmt::format("a fault of {} cannot be put into live processes", name_of(fault.signal)),
+                        file.string(),
+                        "leave out --live, or give faults of depth, depth_b, voltage_monitor, "
+                        "current_monitor or drive");
+}
+
+Result through_processes(const PreparedCase& prepared, const Options& options,
+                         const std::vector<sim::Fault>& faults, const Context& context,
                          Clock::time_point started) {
   constexpr logging::Logger log{logging::Component::Cli};
   logging::log_to_file(options.procedure.out / "biopsy.log");
@@ -92,19 +106,23 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
   {
     ProgressLine line;
     line.show(-1.0, "starting the processes");
-    LiveSession session(options.network, std::string(drivers::kStageDevices[0]), {}, prepared,
-                        options.procedure.out);
+    LiveOptions network = options.network;
+    network.faults = options.faults;
+    LiveSession session(network, std::string(drivers::kStageDevices[0]), {}, prepared, options.procedure.out);
     session.wait_until_healthy();
     session.send_plan(std::get<Plan>(prepared.plan));
     std::optional<std::string> ended;
+    FaultNotes notes(faults);
     const Robot robot = [&](const OperatorInputs& inputs) -> std::optional<CycleSample> {
       std::optional<CycleSample> sample = session.robot().tick(inputs);
+      if (sample) notes.add(sample->record, sample->truth.active_faults);
       if (!ended) ended = session.launcher().ended();
       return sample;
     };
     record = rehearse_on(
         robot, prepared, options.procedure.out,
         [&line](double share, const std::string& what) { line.show(share, what); }, context.interrupted);
+    notes.finish(record);
     if (ended) record.refusal += (record.refusal.empty() ? "" : "; ") + *ended;
     lost = session.robot().lost();
     trouble = session.stop();
@@ -112,6 +130,7 @@ Result through_processes(const PreparedCase& prepared, const Options& options, c
   }
   for (const std::string& line : trouble) log.error("{}", line);
   Result result = finished(record, prepared, options.procedure.out, started);
+  result.text += fault_lines(record);
   result.text += fmt::format("procedure log: {}\n", log_file);
   if (lost > 0) result.text += fmt::format("{} missing in the report\n", counted(lost, "tick"));
   return result;
@@ -122,12 +141,13 @@ Result dry_run(const Options& options, const Context& context) {
   const std::filesystem::path& out = options.procedure.out;
   const std::vector<sim::Fault> faults =
       options.faults.empty() ? std::vector<sim::Fault>{} : sim::read_faults(options.faults);
+  if (options.live) refuse_beyond_stage(faults, options.faults);
   const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
   if (std::holds_alternative<PlanRefusal>(prepared.plan)) {
     report::RunRecord refused = planned_record(prepared);
     return finished(refused, prepared, out, started);
   }
-  return options.live ? through_processes(prepared, options, context, started)
+  return options.live ? through_processes(prepared, options, faults, context, started)
                       : in_lockstep(prepared, out, faults, context, started);
 }
 

@@ -5,7 +5,6 @@
 
 #include "drivers/digital_io/io_views.hpp"
 #include "drivers/needle_stage.hpp"
-#include "sim/simulated_stage.hpp"
 
 namespace biopsy::robot {
 
@@ -13,14 +12,16 @@ namespace biopsy::robot {
 // last. Its converter is the shared output; the stack gets that voltage through the interlock's relay only.
 class SimulatedNeedleStage final : public drivers::NeedleStage {
  public:
-  SimulatedNeedleStage(sim::SimulatedStage& stage, digital_io::StageIo& io, const digital_io::IoReader& relay)
+  // `stage`: the plant, or what stands between it and its sensors.
+  SimulatedNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& io,
+                       const digital_io::IoReader& relay)
       : stage_(stage), io_(io), relay_(relay) {}
 
   drivers::SensorReading read() override;
   void write(const safety::GatedVoltage& voltage) override;
 
  private:
-  sim::SimulatedStage& stage_;
+  drivers::NeedleStage& stage_;
   digital_io::StageIo& io_;
   const digital_io::IoReader& relay_;
   std::int64_t written_ns_ = 0;

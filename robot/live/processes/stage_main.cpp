@@ -7,6 +7,8 @@
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/stage_loop.hpp"
 #include "robot/procedure/rehearsed_plant.hpp"
+#include "sim/faults/fault_file.hpp"
+#include "sim/faults/faulty_stage.hpp"
 
 namespace {
 
@@ -41,16 +43,19 @@ void run_simulated(live::LiveProcess& process, digital_io::StageIo& io) {
   sim::SimulatedStage simulated(
       robot::rehearsed_plant(settings.model, settings.tissues, settings.layers, settings.weight_g),
       settings.seed);
-  robot::SimulatedNeedleStage stage(simulated, io, relay);
+  const std::vector<sim::Fault> faults =
+      settings.faults.empty() ? std::vector<sim::Fault>{} : sim::read_faults(settings.faults);
+  sim::FaultyStage faulty(simulated, faults, settings.seed);
+  robot::SimulatedNeedleStage stage(faulty, io, relay);
   live::StageLoop loop(process.bus(), stage, io, process.config_tag());
   transport::Writer<StageTruth> truths(process.bus());
   run(process, loop, [&] {
     const sim::PlantState& state = simulated.truth();
-    truths.write(
-        {.seq = loop.measured().seq,
-         .tip_nm = nanometres(state.motion.x),
-         .plate_b_nm = nanometres(sim::plate_b(simulated.model(), state)),
-         .layers_entered = static_cast<std::uint8_t>(sim::layers_entered(simulated.model(), state))});
+    truths.write({.seq = loop.measured().seq,
+                  .tip_nm = nanometres(state.motion.x),
+                  .plate_b_nm = nanometres(sim::plate_b(simulated.model(), state)),
+                  .layers_entered = static_cast<std::uint8_t>(sim::layers_entered(simulated.model(), state)),
+                  .active_faults = faulty.active_faults()});
   });
 }
 

@@ -86,7 +86,9 @@ CycleSample LiveRobot::cycle_of(const Measurement& next) const {
   cycle.record.request = request_;
   cycle.record.drive_mV = next.command_mV;
   cycle.record.supervisor = supervisor_output(decision_, permit_);
-  cycle.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered};
+  cycle.record.evidence.clear =
+      safety::kAllHazards & ~safety::bit(cycle.record.supervisor.worst);  // as far as is told
+  cycle.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered, truth_.active_faults};
   cycle.setpoint = from_um(request_.setpoint_um);
   return cycle;
 }

@@ -79,6 +79,7 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
   settings.fifo_priority = options.fifo_priority;
   settings.model = fs::absolute(given.rehearsal.model);
   settings.tissues = fs::absolute(given.rehearsal.tissues);
+  if (!options.faults.empty()) settings.faults = fs::absolute(options.faults);
   settings.weight_g = given.weight.value;
   settings.seed = given.seed;
   settings.layers = prepared.layers;

@@ -16,7 +16,7 @@ const Eigen::Vector3d kShift(1.0, -1.5, 0.8);
 constexpr double kTip_mm = 20.0;
 
 // `slices` of 1 x 1 x 3 mm whose first axes are `right` and `down`, the middle one through the needle.
-Grid plane(const Direction& right, const Direction& down, int slices) {
+Grid slices_in(const Direction& right, const Direction& down, int slices) {
   Grid g;
   g.size = {80, 80, slices};
   const Direction normal = right.cross(down);
@@ -51,7 +51,8 @@ Volume planning_scene() {
 // Two planes that contain the needle, and one across it.
 std::vector<Grid> three_planes(int slices) {
   const Direction across = scene::kAxis.unitOrthogonal(), up = scene::kAxis.cross(across);
-  return {plane(scene::kAxis, across, slices), plane(scene::kAxis, up, slices), plane(across, up, slices)};
+  return {slices_in(scene::kAxis, across, slices), slices_in(scene::kAxis, up, slices),
+          slices_in(across, up, slices)};
 }
 
 TEST(Planes, ThreeOrthogonalSlicesShowDepthPlaceAndAngle) {
@@ -83,7 +84,8 @@ TEST(Planes, ThreeOrthogonalSlicesRejectWhatIsElsewhere) {
 
 TEST(Planes, ASlabOfThreeSlicesShowsTheDepth) {
   const std::vector<Volume> after{imaged_with_needle(three_planes(3).front(), kTip_mm)};
-  const DepthCheck check = check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
+  const DepthCheck check =
+      check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
   EXPECT_NE(check.verdict, DepthVerdict::Reject) << check.reason;
   EXPECT_TRUE(check.tip_found) << check.reason;
   EXPECT_NEAR(check.depth.value, kTip_mm, 0.7);
@@ -93,7 +95,8 @@ TEST(Planes, NeverAcceptASliceWithoutNeedle) {
   for (const Grid& grid : three_planes(1)) {
     const std::vector<Volume> after{scene::imaged(
         grid, [](const Point& p) { return std::abs(scene::tissue(p - kShift) + 12.0 * scene::grain(p)); })};
-    const DepthCheck check = check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
+    const DepthCheck check =
+        check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
     EXPECT_NE(check.verdict, DepthVerdict::Accept) << check.reason;
   }
 }
