@@ -86,8 +86,16 @@ nlohmann::ordered_json as_json(const DepthCheck& result) {
   return json;
 }
 
+// An image that the simulated scanner made of patient X is of "SIMULATED-X": it may be compared with those of
+// X.
+std::string patient_of(const Volume& image) {
+  constexpr std::string_view kSimulated = "SIMULATED-";
+  const std::string& id = image.identity.patient_id;
+  return id.starts_with(kSimulated) ? id.substr(kSimulated.size()) : id;
+}
+
 void check_patients(const Volume& before, const Volume& after) {
-  const std::string &a = before.identity.patient_id, &b = after.identity.patient_id;
+  const std::string a = patient_of(before), b = patient_of(after);
   if (!a.empty() && !b.empty() && a != b)
     throw ConfigError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b),
                       "--before, --after", "give two images of one patient");

@@ -16,7 +16,7 @@ const Eigen::Vector3d kShift(1.0, -1.5, 0.8);
 constexpr double kTip_mm = 20.0;
 
 // `slices` of 1 x 1 x 3 mm whose first axes are `right` and `down`, the middle one through the needle.
-Grid plane(const Direction& right, const Direction& down, int slices) {
+Grid slices_in(const Direction& right, const Direction& down, int slices) {
   Grid g;
   g.size = {80, 80, slices};
   const Direction normal = right.cross(down);
@@ -37,29 +37,30 @@ Volume imaged_with_needle(const Grid& grid, double depth) {
   });
 }
 
-DepthCheckSettings expecting(double depth) {
+DepthCheckSettings planned_at(double depth) {
   DepthCheckSettings settings;
   settings.expected = Millimetres(depth);
   settings.tip_offset = TipOffset{"scene", "scene", Millimetres(0.0), Millimetres(0.05)};
   return settings;
 }
 
-Volume before() {
+Volume planning_scene() {
   return scene::imaged(scene::grid(1.0, 2.0), [](const Point& p) { return scene::tissue(p); });
 }
 
 // Two planes that contain the needle, and one across it.
 std::vector<Grid> three_planes(int slices) {
   const Direction across = scene::kAxis.unitOrthogonal(), up = scene::kAxis.cross(across);
-  return {plane(scene::kAxis, across, slices), plane(scene::kAxis, up, slices), plane(across, up, slices)};
+  return {slices_in(scene::kAxis, across, slices), slices_in(scene::kAxis, up, slices),
+          slices_in(across, up, slices)};
 }
 
 TEST(Planes, ThreeOrthogonalSlicesShowDepthPlaceAndAngle) {
   std::vector<Volume> after;
   for (const Grid& grid : three_planes(1)) after.push_back(imaged_with_needle(grid, kTip_mm));
-  const Volume first = before();
+  const Volume first = planning_scene();
   const std::clock_t start = std::clock();
-  const DepthCheck check = check_depth(first, after, scene::kEntry, scene::kAxis, expecting(kTip_mm));
+  const DepthCheck check = check_depth(first, after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   RecordProperty("cpu_s", std::to_string(seconds));
   EXPECT_EQ(check.verdict, DepthVerdict::Accept) << check.reason;
@@ -73,17 +74,18 @@ TEST(Planes, ThreeOrthogonalSlicesShowDepthPlaceAndAngle) {
 TEST(Planes, ThreeOrthogonalSlicesRejectWhatIsElsewhere) {
   std::vector<Volume> after;
   for (const Grid& grid : three_planes(1)) after.push_back(imaged_with_needle(grid, kTip_mm));
-  const Volume first = before();
-  EXPECT_EQ(check_depth(first, after, scene::kEntry, scene::kAxis, expecting(kTip_mm + 8.0)).verdict,
+  const Volume first = planning_scene();
+  EXPECT_EQ(check_depth(first, after, scene::kEntry, scene::kAxis, planned_at(kTip_mm + 8.0)).verdict,
             DepthVerdict::Reject);
   const Point beside = scene::kEntry + 5.0 * scene::kAxis.unitOrthogonal();
-  EXPECT_NE(check_depth(first, after, beside, scene::kAxis, expecting(kTip_mm)).verdict,
+  EXPECT_NE(check_depth(first, after, beside, scene::kAxis, planned_at(kTip_mm)).verdict,
             DepthVerdict::Accept);
 }
 
 TEST(Planes, ASlabOfThreeSlicesShowsTheDepth) {
   const std::vector<Volume> after{imaged_with_needle(three_planes(3).front(), kTip_mm)};
-  const DepthCheck check = check_depth(before(), after, scene::kEntry, scene::kAxis, expecting(kTip_mm));
+  const DepthCheck check =
+      check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
   EXPECT_NE(check.verdict, DepthVerdict::Reject) << check.reason;
   EXPECT_TRUE(check.tip_found) << check.reason;
   EXPECT_NEAR(check.depth.value, kTip_mm, 0.7);
@@ -93,7 +95,8 @@ TEST(Planes, NeverAcceptASliceWithoutNeedle) {
   for (const Grid& grid : three_planes(1)) {
     const std::vector<Volume> after{scene::imaged(
         grid, [](const Point& p) { return std::abs(scene::tissue(p - kShift) + 12.0 * scene::grain(p)); })};
-    const DepthCheck check = check_depth(before(), after, scene::kEntry, scene::kAxis, expecting(kTip_mm));
+    const DepthCheck check =
+        check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
     EXPECT_NE(check.verdict, DepthVerdict::Accept) << check.reason;
   }
 }
