@@ -25,9 +25,15 @@ Volume with_spot(const Point& spot_S, const Eigen::Matrix3d& turn) {
   return volume;
 }
 
+// The middle of what is white.
 Eigen::Vector2d brightest(const Picture& picture) {
-  const auto at = std::max_element(picture.rgb.begin(), picture.rgb.end()) - picture.rgb.begin();
-  return {static_cast<double>(at / 3 % picture.width), static_cast<double>(at / 3 / picture.width)};
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double count = 0.0;
+  for (int row = 0; row < picture.height; ++row)
+    for (int column = 0; column < picture.width; ++column)
+      if (picture.rgb[3 * static_cast<std::size_t>(row * picture.width + column)] == 255)
+        sum += Eigen::Vector2d(column, row), ++count;
+  return sum / count;
 }
 
 TEST(PlaneViews, FollowRadiologicalConvention) {

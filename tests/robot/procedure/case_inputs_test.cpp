@@ -57,6 +57,8 @@ struct Points : testing::Test {
   // The phantom about the scanner's centre, so that each point has a mirror image in it, or where it was.
   PreparedCase prepared(bool central, bool mirrored, Volume* labels = nullptr) {
     Volume image = phantom.image;
+    image.identity.frame_of_reference_uid = "1.2.3.99";
+    if (labels != nullptr) labels->identity.frame_of_reference_uid = "1.2.3.99";
     const Point centre = image.grid.X_SI * (0.5 * (image.grid.size.cast<double>().array() - 1.0)).matrix();
     Point p_SE = phantom.p_SE;
     if (central) image.grid.X_SI.translation() -= centre, p_SE -= centre;
