@@ -104,7 +104,12 @@ std::optional<IncomingSeries> WatchedFolder::poll(std::chrono::steady_clock::tim
   }
   for (IncomingSeries& series : series_among(fresh)) {
     if (!series.problem.empty() && still < 4 * quiet_) continue;
-    for (const fs::path& file : series.files) past_[file] = seen_[file];
+    for (const fs::path& file : series.files) {
+      past_[file] = seen_[file];
+      const auto changed = std::chrono::time_point_cast<std::chrono::system_clock::duration>(
+          std::chrono::file_clock::to_sys(seen_[file].second));
+      series.written = std::max(series.written, changed);
+    }
     return std::move(series);
   }
   return std::nullopt;

@@ -19,6 +19,7 @@ struct IncomingSeries {
   SeriesIdentity identity;                                        // empty where the format has none
   std::string image_type;                                         // DICOM: "ORIGINAL\PRIMARY\M"
   std::optional<std::chrono::system_clock::time_point> acquired;  // its first slice, by the scanner's clock
+  std::chrono::system_clock::time_point written;                  // last change of its newest file
   std::string problem;                                            // why it is no volume; empty: it is one
 };
 

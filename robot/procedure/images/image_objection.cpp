@@ -62,6 +62,9 @@ std::string objection_to_identity(const imaging::IncomingSeries& image, const Ex
 }
 
 std::string objection_to_time(const imaging::IncomingSeries& image, const ExpectedImage& expected) {
+  if (image.written < expected.arrived - kClockTolerance)
+    return fmt::format("the image was written at {}, before the needle arrived at {}",
+                       clock_text(image.written), clock_text(expected.arrived));
   if (!image.acquired)
     return expected.confirmed_by.empty()
                ? "the image does not say when it was acquired, and nobody answers for it"

@@ -24,8 +24,8 @@ struct ExpectedImage {
 inline constexpr std::chrono::seconds kClockTolerance{2};
 
 // One sentence, or nothing where there is no objection: another patient or frame of reference, the planning
-// series itself, simulated or derived images, a localiser, acquired before the needle arrived, before the
-// confirmation before it, or in the future; without a time or an identity that nobody answers for.
+// series itself, simulated or derived images, a localiser, acquired or written before the needle arrived,
+// before the confirmation before it, or in the future; without a time or an identity that nobody answers for.
 std::string image_objection(const imaging::IncomingSeries& image, const ExpectedImage& expected);
 
 }  // namespace biopsy::robot

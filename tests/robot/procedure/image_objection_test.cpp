@@ -18,6 +18,7 @@ imaging::IncomingSeries arriving() {
   image.identity = {"Doe^Jane", "4711", "1.2.3", "1.2.3.8", "1.2.3.99", "MR", "t2 confirm", "20270115"};
   image.image_type = "ORIGINAL\\PRIMARY\\M";
   image.acquired = kArrived + 20s;
+  image.written = kArrived + 25s;
   return image;
 }
 
@@ -47,6 +48,7 @@ TEST(ImageObjection, NamesWhatIsWrong) {
       {[](auto& i) { i.image_type = "DERIVED\\PRIMARY\\MPR"; }, "derived"},
       {[](auto& i) { i.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER"; }, "localiser"},
       {[](auto& i) { i.acquired = kArrived - 30s; }, "before the needle arrived"},
+      {[](auto& i) { i.written = kArrived - 5s; }, "was written at"},
       {[](auto& i) { i.acquired = kArrived + 2h; }, "clock is wrong"},
       {[](auto& i) { i.acquired.reset(); }, "when it was acquired"},
       {[](auto& i) { i.identity.patient_id.clear(); }, "nobody answers"},
@@ -73,6 +75,7 @@ TEST(ImageObjection, LetsAPersonAnswerForWhatIsNotSaid) {
   answered.confirmed_by = "R. Nurse";
   imaging::IncomingSeries image;
   image.files = {"image.nii"};
+  image.written = kArrived + 5s;
   EXPECT_NE(image_objection(image, expected()), "");
   EXPECT_EQ(image_objection(image, answered), "");
   image = arriving();

@@ -1,0 +1,110 @@
+// What a case and its points say of scanner, needle and path. Inputs: case files written here over the
+// built-in phantom's image.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "robot/common/config_error.hpp"
+#include "robot/procedure/case/prepared_case.hpp"
+#include "robot/procedure/procedure.hpp"
+#include "sim/scanner/dicom_series.hpp"
+#include "sim/scanner/phantom.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+const std::string kPhantomCase = "[image]\nphantom = \"paper\"\n[target]\ndepth_mm = 2.5\n";
+
+Case case_with(const std::string& tables) {
+  ScratchFolder folder;
+  write_content(folder / "case.toml", kPhantomCase + tables);
+  return read_case((folder / "case.toml").string());
+}
+
+TEST(CaseFile, ReadsNeedleAndSequenceOfTheSimulatedScanner) {
+  const Rehearsal none = case_with("").rehearsal;
+  EXPECT_FALSE(none.needle);
+  const Rehearsal given = case_with(
+                              "[rehearsal]\ncoil_shading = 0.3\nghost = 0.05\nghost_shift_voxels = 12\n"
+                              "[rehearsal.needle]\nmaterial = \"nitinol\"\ndiameter_mm = 0.9\n"
+                              "[rehearsal.sequence]\necho = \"spin\"\nfield_T = 3.0\nread_axis = \"column\"\n"
+                              "field_direction_ras = [0, 1, 0]\nslice_profile = \"gaussian\"\n")
+                              .rehearsal;
+  ASSERT_TRUE(given.needle);
+  EXPECT_EQ(given.needle->susceptibility_ppm, 245.0);
+  EXPECT_EQ(given.needle->diameter.value, 0.9);
+  EXPECT_EQ(given.sequence.echo, sim::Sequence::Echo::Spin);
+  EXPECT_EQ(given.sequence.read_axis, 1);
+  EXPECT_TRUE(given.sequence.b0_S.isApprox(-Direction::UnitY()));
+  EXPECT_EQ(given.ghost_shift_voxels, 12);
+}
+
+TEST(CaseFile, RefusesNeedlesAndSequencesThatAreNone) {
+  for (const char* tables :
+       {"[rehearsal.needle]\nmaterial = \"wood\"\n", "[rehearsal.needle]\ndiameter_mm = 50\n",
+        "[rehearsal.needle]\nmaterial = \"glass\"\nsusceptibility_ppm = 3\n",
+        "[rehearsal.needle]\ncolour = \"red\"\n", "[rehearsal.sequence]\necho = \"stimulated\"\n",
+        "[rehearsal.sequence]\nfield_T = 99\n", "[rehearsal.sequence]\nbandwidth_Hz_per_pixel = 0\n",
+        "[rehearsal.sequence]\nfield_direction_ras = [0, 0]\n", "[rehearsal]\nghost = 2\n"})
+    EXPECT_THROW(case_with(tables), ConfigError) << tables;
+}
+
+struct Points : testing::Test {
+  ScratchFolder folder, out;
+  sim::Phantom phantom = sim::paper_phantom({.voxel = Millimetres(0.5)});
+
+  // The phantom about the scanner's centre, so that each point has a mirror image in it, or where it was.
+  PreparedCase prepared(bool central, bool mirrored, Volume* labels = nullptr) {
+    Volume image = phantom.image;
+    image.identity.frame_of_reference_uid = "1.2.3.99";
+    if (labels != nullptr) labels->identity.frame_of_reference_uid = "1.2.3.99";
+    const Point centre = image.grid.X_SI * (0.5 * (image.grid.size.cast<double>().array() - 1.0)).matrix();
+    Point p_SE = phantom.p_SE;
+    if (central) image.grid.X_SI.translation() -= centre, p_SE -= centre;
+    if (labels != nullptr) labels->grid = image.grid;
+    sim::write_dicom_series(image, folder / "image");
+    if (labels != nullptr) sim::write_dicom_series(*labels, folder / "labels");
+    Case given = blank_case();
+    given.image = folder / "image";
+    if (labels != nullptr) given.labels = folder / "labels";
+    given.p_SE = p_SE, given.p_ST = p_SE + 4.0 * phantom.axis_S;
+    if (mirrored)
+      for (auto* point : {&given.p_SE, &given.p_ST})
+        **point = Point(-(**point).x(), -(**point).y(), (**point).z());
+    return prepare_run(given, out / "run", {});
+  }
+};
+
+bool warns(const PreparedCase& prepared, const std::string& of) {
+  return std::any_of(prepared.plan_warnings.begin(), prepared.plan_warnings.end(),
+                     [&](const std::string& text) { return text.find(of) != std::string::npos; });
+}
+
+TEST_F(Points, TypedAsLpsOutsideTheImageAreRefusedWithAHint) {
+  try {
+    prepared(false, true);
+    FAIL() << "points outside the image were taken";
+  } catch (const ConfigError& refusal) {
+    EXPECT_NE(refusal.what_is_wrong.find("outside the image"), std::string::npos);
+    EXPECT_NE(refusal.what_is_wrong.find("L, P, S"), std::string::npos) << refusal.what_is_wrong;
+  }
+}
+
+TEST_F(Points, ThatFitInBothFramesAreAskedBack) {
+  EXPECT_TRUE(warns(prepared(true, false), "were the points typed as R, A, S?"));
+}
+
+TEST_F(Points, ThatFitInOneFrameAreNot) {
+  EXPECT_FALSE(warns(prepared(false, false), "R, A, S?"));
+}
+
+TEST_F(Points, OnAPathWithoutALabelAreAWarning) {
+  Volume labels = phantom.labels;
+  for (float& value : labels.voxels) value = value == 3.0F ? 0.0F : value;  // the liver was not drawn
+  const PreparedCase gap = prepared(false, false, &labels);
+  EXPECT_TRUE(warns(gap, "have no label"));
+}
+
+}  // namespace
+}  // namespace biopsy::robot
