@@ -95,7 +95,7 @@ void expect_the_bar(const std::string& name, std::uint64_t of_right, std::uint64
 }
 
 TEST(RescanCheck, MeetsTheBarOnAFewNeedlesInARescan) {
-  expect_the_bar("rescan", 10, 3);
+  expect_the_bar("rescan", 10, 2);
 }
 
 TEST(RescanCampaign, MeetsTheBarInARescan) {
