@@ -119,6 +119,11 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) 
   return alarms;
 }
 
+Alarm standing_stop_alarm() {
+  return alarm(Severity::Alarm, "E-122", "STOP was pressed.", "Not ready: it cannot be armed.",
+               "Reset, once it is clear why it was pressed.");
+}
+
 Alarm silence_alarm() {
   return alarm(Severity::Alarm, "E-121", "The robot is silent.",
                "It holds the needle, then retracts it automatically.",

@@ -31,6 +31,8 @@ bool waits_for_plan(safety::Hazard worst);
 
 // Alarms of this tick, most severe first.
 std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator);
+// STOP without high voltage, until Reset.
+console::events::Alarm standing_stop_alarm();
 console::events::Alarm silence_alarm();
 
 }  // namespace biopsy::robot

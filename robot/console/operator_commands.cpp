@@ -122,6 +122,8 @@ OperatorSession::Answer OperatorSession::on(const commands::Press& command) {
 // In force until high voltage is off, whatever else is commanded.
 OperatorSession::Answer OperatorSession::on(const commands::Stop& command) {
   hold_.cancel();
+  const Mode mode = seen_.supervisor.permit.mode;
+  standing_stop_ = !hv_permitted() && mode != Mode::Trip && mode != Mode::Lock;
   stopped_ = true;
   stop_until_us_ = now_us_ + kStopLasts_us;
   if (run_ && !run_->ended && !run_->completed) run_->stopped_because = "STOP was pressed";
@@ -143,6 +145,11 @@ OperatorSession::Answer OperatorSession::on(const commands::Retract& command) {
 }
 
 OperatorSession::Answer OperatorSession::on(const commands::Reset& command) {
+  if (standing_stop_) {  // its own request, which it may take back anywhere
+    standing_stop_ = stopped_ = false;
+    stop_until_us_ = 0;
+    return done(command.id);
+  }
   if (!simulated_) return refusal(command.id, Refused::OnlyOnDevice);
   if (seen_.supervisor.permit.mode != Mode::Trip)
     return refusal(command.id, Refused::NotNow, disabled().reset);
@@ -189,7 +196,7 @@ std::string OperatorSession::why_no_arm() const {
   if (hv_permitted()) return "It is armed.";
   if (run_ && !run_->ended) return "The last run is not over: judge its image.";
   if (!all_ticked()) return "Tick all three checks first.";
-  if (mode == Mode::Trip) return "Stopped: Reset first.";
+  if (mode == Mode::Trip || standing_stop_) return "Stopped: Reset first.";
   if (mode == Mode::Lock) return "Locked: service only.";
   if (mode != Mode::Ready) return fmt::format("Not ready yet: {}.", safety::name_of(seen_.supervisor.worst));
   return simulated_ ? "" : "Turn the arm key on the device.";
@@ -234,7 +241,9 @@ events::Disabled OperatorSession::disabled() const {
   why.judge = why_no_judgement();
   why.accept = why_no_acceptance();
   if (!hv_permitted() || mode == Mode::Retract) why.retract = "No voltage: the needle is back or on its way.";
-  if (mode != Mode::Trip)
+  if (standing_stop_)
+    why.reset = "";
+  else if (mode != Mode::Trip)
     why.reset = mode == Mode::Lock ? "Locked: service only." : "Nothing to reset.";
   else if (!simulated_)
     why.reset = "Turn the reset key on the device.";

@@ -109,7 +109,7 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   if (inserting) last_token_ = *held;
   inputs.press = {last_token_, inserting};
   if (now_us < retract_until_us_) inputs.stop = StopCategory::C1Ramp;
-  if (now_us < stop_until_us_) inputs.stop = StopCategory::C0Off;
+  if (now_us < stop_until_us_ || standing_stop_) inputs.stop = StopCategory::C0Off;
   inputs.finish = finish_;
   if (run_) {
     inputs.acquiring = run_->acquiring_us.has_value();
@@ -132,7 +132,7 @@ void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   if (hv_permitted() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
   if (hv_permitted() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
   if (!hv_permitted()) finish_ = false;
-  if (mode == Mode::Ready || mode == Mode::Armed) stopped_ = false;
+  if ((mode == Mode::Ready || mode == Mode::Armed) && !standing_stop_) stopped_ = false;
   const bool waiting = all_ticked() && !hv_permitted();
   if (waiting && now_us - ticked_us_ > kTicksLive_us) {
     ticks_ = {};
@@ -309,6 +309,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.report = report_.empty() ? "" : "/report.html";
   state.disabled = disabled();
   state.alarms = alarms_of(seen_, stopped_);
+  if (standing_stop_) state.alarms.insert(state.alarms.begin(), standing_stop_alarm());
   if (silent_) state.alarms.insert(state.alarms.begin(), silence_alarm());
   return state;
 }

@@ -115,6 +115,9 @@ class OperatorSession {
   std::int64_t now_us_ = 0, mode_since_us_ = 0;
   std::int64_t arm_until_us_ = 0, reset_until_us_ = 0, stop_until_us_ = 0, retract_until_us_ = 0;
   bool stopped_ = false, finish_ = false, adjusts_ = false;
+  // STOP while no high voltage was on: a request that stands until Reset takes it back. (Under voltage the
+  // supervisor itself latches, as Trip.)
+  bool standing_stop_ = false;
   std::shared_ptr<Run> run_;  // the present one or the last
   std::uint32_t version_ = 1, seq_ = 0, runs_ = 0;
   std::filesystem::path report_;

@@ -102,6 +102,26 @@ TEST(OperatorSession, ResetAfterATripNeedsTheConfirmedPlan) {
   EXPECT_EQ(console_.sent[1][1], 0u);
 }
 
+TEST(OperatorSession, AStopWithoutVoltageStandsUntilItIsReset) {
+  for (const Mode mode : {Mode::Safe, Mode::Ready}) {
+    Console console_(read_case("gap"));
+    console_.receive(mode, safety::Hazard::None);
+    EXPECT_NE(console_.session.state(kPage, console_.now_us).disabled.reset, "");
+    ASSERT_TRUE(console_.send(commands::Stop{1}));
+    for (int i = 0; i < 5'000; ++i) console_.receive(i % 2 == 0 ? Mode::Safe : mode, safety::Hazard::None);
+    EXPECT_EQ(console_.session.inputs(console_.now_us).stop, StopCategory::C0Off);
+    const events::State stopped = console_.session.state(kPage, console_.now_us);
+    ASSERT_FALSE(stopped.alarms.empty());
+    EXPECT_EQ(stopped.alarms[0].what, "STOP was pressed.");
+    EXPECT_EQ(stopped.disabled.reset, "");
+    EXPECT_NE(stopped.disabled.arm, "");
+    ASSERT_TRUE(console_.send(commands::Reset{1}));
+    console_.receive(mode, safety::Hazard::None);
+    EXPECT_EQ(console_.session.inputs(console_.now_us).stop, StopCategory::None);
+    EXPECT_TRUE(console_.session.state(kPage, console_.now_us).alarms.empty());
+  }
+}
+
 // A run to the end of its only step, with the image checked. The robot is a table of what its supervisor may
 // say, in any order, without a supervisor behind it: the console must not rely on that.
 struct HeldRun {
