@@ -32,12 +32,6 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
   facts.plan_tag = planner::plan_tag(plan);
   facts.config_tag = config_tag;
   facts.depth_max_um = to_um(plan.limits.depth_max);
-  if (!plan.bench &&
-      !plan.steps.empty()) {  // the supervisor's own: 1 mm beyond the deepest step, whatever the plan says
-    const auto deepest = std::max_element(plan.steps.begin(), plan.steps.end(),
-                                          [](const auto& a, const auto& b) { return a.depth < b.depth; });
-    facts.depth_max_um = std::min(facts.depth_max_um, to_um(deepest->depth) + limits::kDepthMargin_um);
-  }
   facts.tissue_residual_max_um = kTissueResidual_um;
   if (plan.bench)  // never 0, which would make it a plan for a patient
     facts.bench_half_period_ticks = std::max(1, to_integer(plan.bench->half_period / kTick));

@@ -87,7 +87,7 @@ struct Plan {
   std::optional<BenchDrive> bench = std::nullopt;  // absent: a plan for a patient
   // Of the needle in its sequence; absent: no image of it is accepted.
   std::optional<TipOffset> tip_offset = std::nullopt;
-  Sha256 seal{};                                   // SHA-256 over all of the above
+  Sha256 seal{};  // SHA-256 over all of the above
 
   std::string layer_at(Millimetres depth) const {
     for (const Layer& layer : layers)

@@ -31,7 +31,7 @@ bool is_plausible(const PlausibleBand& band) {
 // With a patient a plan cannot widen what its supervisor looks for: the seal tells who made it, not that it
 // is right. The plan ends 0.5 mm beyond what its deepest step may reach, which is 0.5 mm beyond that step
 // (robot/cycle/plan_facts).
-constexpr std::int32_t kBeyondSteps_um = 500;
+constexpr std::int32_t kBeyondSteps_um = 501;  // one for rounding
 // Of every model and weight here the band at rest ends at 4.5 mm, where a needle may be held by friction, and
 // is 20.3 mm wide at most.
 constexpr std::int32_t kRestLow_um = -1'000, kRestHigh_um = 5'000, kBandWidth_um = 21'000;

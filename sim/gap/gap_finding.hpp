@@ -121,7 +121,7 @@ struct GapFinding {
   std::vector<FoundEffect> effects;  // in the order found, the strongest first
   std::vector<ChangedParameter> parameters_changed;
   double rmse_before = 0.0, rmse_after = 0.0, noise_floor = 0.0;  // held-out runs
-  double noise_std = 0.0;  // of an estimated noise floor, mm
+  double noise_std = 0.0;                                         // of an estimated noise floor, mm
   bool noise_given = false;                                       // by the data set; otherwise estimated
   double gap_closed = 0.0;
   bool partial = false;   // the effects stand, but leave more than the noise

@@ -15,7 +15,7 @@ namespace {
 
 using enum DepthVerdict;
 using fmt::format;
-using Judged = std::optional<DepthJudgement>;
+using MaybeJudgement = std::optional<DepthJudgement>;
 
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
@@ -59,7 +59,7 @@ double length_sigma(const Planar& place) {
 }
 
 // Can these two images be compared at all?
-Judged doubt_about(const RegistrationResult& motion, const DepthCheckSettings& s) {
+MaybeJudgement doubt_about(const RegistrationResult& motion, const DepthCheckSettings& s) {
   if (motion.points == 0)
     return DepthJudgement{Unsure, "The images have too little in common around the path to compare them."};
   if (!motion.within_limits)
@@ -76,7 +76,7 @@ Judged doubt_about(const RegistrationResult& motion, const DepthCheckSettings& s
 }
 
 // Is there a needle?
-Judged absence(const TipFinding& tip, const DepthCheckSettings& s) {
+MaybeJudgement absence(const TipFinding& tip, const DepthCheckSettings& s) {
   if (needle_seen(tip, s)) return std::nullopt;
   if (tip.loss > 0.0 && tip.control_places == 0)
     return DepthJudgement{
@@ -93,7 +93,7 @@ Judged absence(const TipFinding& tip, const DepthCheckSettings& s) {
 }
 
 // A quantity of the needle that certainly misses its tolerance.
-Judged miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
+MaybeJudgement miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
   const double chance = 1.0 - s.missed_certainly;
   if (within_disc(tip.beside_mm, s.lateral_mm.tolerance) < chance)
     return DepthJudgement{Reject,
@@ -124,7 +124,7 @@ Judged miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheck
 }
 
 // What keeps the needle's place from being certain.
-Judged doubt_about(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
+MaybeJudgement doubt_about(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
   if (tip.at_end)
     return DepthJudgement{Unsure,
                           format("The void goes on to the end of what both images show, {:.1f} mm from "

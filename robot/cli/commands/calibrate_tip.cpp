@@ -117,20 +117,21 @@ Result run(const Options& options, const Context&) {
 
 Command calibrate_tip_command() {
   using namespace calibrate_tip_cli;
-  return {.name = "calibrate-tip",
-          .summary = "how far a needle's void goes on beyond its tip",
-          .description =
-              "Reads where the void ends in images of a needle at a known depth and writes the signed "
-              "tip offset of this needle in this sequence: "
-              "[depth check](../explanation/depth-check.md#calibration-of-the-tip). Without one no "
-              "confirmation image is accepted.",
-          .examples = {"biopsy calibrate-tip --before before --after after --entry 9.2,-22,20 --axis 0,0,1 "
-                       "--depth 43 --needle 'titanium 18 G' --sequence 'GRE TE 5' --out calibration"},
-          .exit_codes = "0, 2 for unusable input",
-          .outputs = {{"tip_calibration.toml", "offset and measurements"},
-                      {"tip_calibration.sig", "its signature"}},
-          .json = "needle, sequence, `tip_offset_mm`, `tip_offset_sigma_mm`, number of measurements",
-          .declare = with_options(declare, run)};
+  return {
+      .name = "calibrate-tip",
+      .summary = "how far a needle's void goes on beyond its tip",
+      .description =
+          "Reads where the void ends in images of a needle at a known depth and writes the signed "
+          "tip offset of this needle in this sequence: "
+          "[depth check](../explanation/depth-check.md#calibration-of-the-tip). Without one no "
+          "confirmation image is accepted.",
+      .long_examples = {"biopsy calibrate-tip --before scans/before --after scans/after --entry 9.2,-22,20 "
+                        "--axis 0,0,1 --depth 43 --needle titanium-18G --sequence GRE-TE5 --out calibration"},
+      .exit_codes = "0, 2 for unusable input",
+      .outputs = {{"tip_calibration.toml", "offset and measurements"},
+                  {"tip_calibration.sig", "its signature"}},
+      .json = "`needle`, `sequence`, `tip_offset_mm`, `tip_offset_sigma_mm`, `measurements` (their number)",
+      .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Eigen::Index kLags = 6;
 constexpr std::size_t kFewestForLags = 300;  // rows
-constexpr double kMotionIn = 0.85;            // of the differences' scatter, below which they contain motion
+constexpr double kMotionIn = 0.85;           // of the differences' scatter, below which they contain motion
 constexpr double kInputRidge = 1e-12;
 
 // Scatter of one run's differences of the given order, scaled to that of a single white reading.

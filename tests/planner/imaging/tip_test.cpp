@@ -43,7 +43,9 @@ bool stands_out(const TipFinding& tip) {
 TEST(FindTip, ReadsTheDepthOfThinAndWideVoids) {
   for (double radius : {0.8, 1.5, 3.0, 6.0}) {
     const TipFinding tip = found_with(scene::grid(0.8, 2.4), {20.0, radius});
-    EXPECT_TRUE(stands_out(tip)) << radius << " evidence " << tip.evidence << " loss " << tip.loss << " control places " << tip.control_places << " depth " << tip.depth_mm << " radius " << tip.radius_mm;
+    EXPECT_TRUE(stands_out(tip)) << radius << " evidence " << tip.evidence << " loss " << tip.loss
+                                 << " control places " << tip.control_places << " depth " << tip.depth_mm
+                                 << " radius " << tip.radius_mm;
     EXPECT_NEAR(tip.depth_mm, 20.0, 0.3) << radius;
     EXPECT_LT(std::abs(tip.depth_mm - 20.0), 3.5 * tip.sigma_mm) << radius;
     EXPECT_NEAR(tip.radius_mm, radius, 0.25 * radius + 0.2);

@@ -123,6 +123,8 @@ TEST(Registry, PrintsEveryResultAsJsonAndNothingElse) {
       {"check --before " + path("dry/planning") + " --after " + path("dry/images/stage-1") +
            " --entry -4.396,33.092,51.854 --axis -0.936,0.036,-0.349",
        "verdict", "check"},
+      {"campaign gap --faults " + examples + "/faults.toml --runs 1 --out " + path("campaign"), "entries",
+       "campaign"},
       {"image " + path("dry/planning") + " --png " + path("png"), "image", "image"},
       {"simulate " + examples + "/recorded --model " + models + "/baseline.toml --out " + path("sim"), "runs",
        "simulate"},
@@ -131,6 +133,11 @@ TEST(Registry, PrintsEveryResultAsJsonAndNothingElse) {
       {"characterise --dry-run", "plan", "characterise"},
       {"keys init --keys " + path("keys"), "until", "keys init"},
       {"keys check --keys " + path("keys"), "good", "keys check"},
+      {"calibrate-tip --before " + path("dry/planning") + " --after " + path("dry/images/stage-1") +
+           " --entry -4.396,33.092,51.854 --axis -0.936,0.036,-0.349 --depth 2.55 --needle n --sequence s "
+           "--key " +
+           path("keys/commissioning/signing_key.pem") + " --out " + path("tip"),
+       "tip_offset_mm", "calibrate-tip"},
       {"up gap --prepare --keys " + path("keys") + " --domain 201 --out " + path("up"), "prepared", "up"},
       {"commission --device sim --yes --key " + path("keys/commissioning/signing_key.pem") + " --out " +
            path("commissioned"),

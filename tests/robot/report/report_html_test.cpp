@@ -117,7 +117,7 @@ TEST(ReportHtml, MarksASimulatedRunInTitleBannerPrintAndEveryPictureAndARealRunN
   EXPECT_NE(html.find("<title>SIMULATED"), std::string::npos);
   EXPECT_NE(html.find("class=\"watermark\""), std::string::npos);
   const std::size_t drawings = count_of(html, "class=\"needle\"") + count_of(html, "class=\"chart\"");
-  EXPECT_EQ(drawings, 6U);  // plan, run, two stages before and after
+  EXPECT_EQ(drawings, 8U);  // plan, run; of two steps before, after and their difference
   EXPECT_EQ(count_of(html, "font-weight=\"bold\">SIMULATED</text>"), drawings);
   record.simulated = false;
   EXPECT_EQ(report_html(record).find("SIMULATED"), std::string::npos);

@@ -107,11 +107,11 @@ TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
 TEST(PlanFacts, WithAPatientTheDepthLimitEndsHalfAMillimetreBeyondTheDeepestStep) {
   verifies("R-29");
   const auto limit = [](PlanFacts& plan, std::int32_t um) { plan.depth_max_um = um; };
-  expect_edges(4'000, 4'500, limit);
+  expect_edges(4'000, 4'501, limit);
   expect_edges(4'000, 12'000, [&](PlanFacts& plan, std::int32_t um) {
     plan.bench_half_period_ticks = 250, limit(plan, um);
   });
-  expect_edges(3'800, 4'300, [&](PlanFacts& plan, std::int32_t um) {  // the deepest is not the last
+  expect_edges(3'800, 4'301, [&](PlanFacts& plan, std::int32_t um) {  // the deepest is not the last
     plan.steps[2].depth_max_um = 3'700, limit(plan, um);
   });
 }

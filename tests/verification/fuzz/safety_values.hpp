@@ -20,8 +20,8 @@ inline void fill(Feed& feed, DriveRequest& r) {
 }
 
 inline void fill(Feed& feed, Measurement& m) {
-  feed.fill(m.seq, m.time_us, m.depth_um, m.laser_code, m.laser_valid, m.depth_b_um, m.laser_b_valid, m.monitor_mV, m.current_nA,
-            m.command_mV, m.hv_enabled, m.answer, m.answered_seq, m.verdict);
+  feed.fill(m.seq, m.time_us, m.depth_um, m.laser_code, m.laser_valid, m.depth_b_um, m.laser_b_valid,
+            m.monitor_mV, m.current_nA, m.command_mV, m.hv_enabled, m.answer, m.answered_seq, m.verdict);
 }
 
 inline void fill(Feed& feed, safety::GateState& s) {
