@@ -130,10 +130,22 @@ std::optional<Flaw> flaw_of_end(const LogHead& chain, const LogHead& head) {
   return std::nullopt;
 }
 
-}  // namespace
+// Of the log's files: what a writer changes.
+struct FileTimes {
+  std::uintmax_t size = 0, wal_size = 0;
+  fs::file_time_type changed{}, wal_changed{};
 
-Verdict verify(const fs::path& log, const PublicKey& key, const std::function<void(const Record&)>& each) {
-  const fs::path file = readable(log);
+  bool operator==(const FileTimes&) const = default;
+};
+
+FileTimes times_of(const fs::path& log) {
+  std::error_code absent;
+  return {fs::file_size(log, absent), fs::file_size(wal_of(log), absent), fs::last_write_time(log, absent),
+          fs::last_write_time(wal_of(log), absent)};
+}
+
+Verdict verify_once(const fs::path& file, const PublicKey& key,
+                    const std::function<void(const Record&)>& each) {
   // Beside an empty file SQLite would delete the WAL.
   if (fs::file_size(file) == 0) return Flaw{FlawKind::NotALog, 0, "the file is empty"};
   int code = SQLITE_OK;
@@ -156,6 +168,26 @@ Verdict verify(const fs::path& log, const PublicKey& key, const std::function<vo
   if (head && !flaw) flaw = flaw_of_end(chain, *head);
   if (head && flaw) return *flaw;
   return verdict;
+}
+
+// Nothing could be read, and not a record was passed on.
+bool is_unreadable(const Verdict& verdict) {
+  const auto* flaw = std::get_if<Flaw>(&verdict);
+  return flaw != nullptr && flaw->kind == FlawKind::Damaged && flaw->record == 0;
+}
+
+}  // namespace
+
+// How a log is opened follows from the files beside it. A recorder that makes or drops one of them in that
+// moment leaves a reading that fails: it is taken again, as long as the files go on changing.
+Verdict verify(const fs::path& log, const PublicKey& key, const std::function<void(const Record&)>& each) {
+  constexpr int kReadingsMax = 50;
+  const fs::path file = readable(log);
+  for (int reading = 1;; ++reading) {
+    const FileTimes before = times_of(file);
+    Verdict verdict = verify_once(file, key, each);
+    if (!is_unreadable(verdict) || reading == kReadingsMax || times_of(file) == before) return verdict;
+  }
 }
 
 }  // namespace biopsy::recorder
