@@ -131,7 +131,9 @@ TEST_P(Document, EveryCommandRunsAsWritten) {
       else  // in real time: a machine that stalls stops a procedure
         live_tests::on_a_steady_host([&] {
           answer = biopsy(words);
-          return answer.code == 3 ? "the procedure was stopped\n" + answer.text : std::string();
+          return answer.code == 3 && promised_code(line.text) != 3
+                     ? "the procedure was stopped\n" + answer.text
+                     : std::string();
         });
       if (IsSkipped()) return;
       ASSERT_EQ(answer.code, promised_code(line.text)) << where << "\n" << answer.text;
