@@ -12,7 +12,7 @@ namespace biopsy::sim {
 // tenth of the period, naming the line; and rates outside 20 Hz to 100 kHz.
 double fixed_period(const CsvTable& csv, const std::vector<double>& time);
 
-// The usual step of time stamps that scatter; refuses what interpolation cannot mend: time that stands or
+// The usual step of time stamps that scatter; refuses what interpolation cannot correct: time that stands or
 // goes back, and gaps of more than ten steps.
 double usual_period(const CsvTable& csv, const std::vector<double>& time);
 
