@@ -18,7 +18,7 @@ struct AgreementMonitor {
   std::int32_t dropout_ticks = kDropout_ticks;  // of the second laser; nothing seen yet
 };
 
-// To be called for each new measurement. Without a patient there may be one laser.
+// `fresh`: the measurement is a new one; an old one counts nothing. Without a patient there may be one laser.
 HazardSet update(const PlanFacts& plan, AgreementMonitor& monitor, const Measurement& measured, bool fresh);
 
 }  // namespace biopsy::safety
