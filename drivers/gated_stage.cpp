@@ -13,6 +13,7 @@ Measurement GatedStage::measure() {
   last_.laser_b_valid = reading.laser_b_valid;
   last_.monitor_mV = reading.monitor_mV;
   last_.current_nA = reading.current_nA;
+  last_.brake_fitted = reading.brake_fitted;
   return last_;
 }
 
@@ -23,6 +24,7 @@ void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::i
   stage_.write(result.voltage);
   last_.command_mV = result.voltage.mV();
   last_.hv_enabled = result.voltage.hv_enabled();
+  last_.brake_on = result.voltage.brake_on();
   last_.verdict = result.verdict;
   last_.answer = result.answer;
   last_.answered_seq = result.answered_seq;

@@ -18,6 +18,7 @@ struct SensorReading {
   bool laser_b_valid = false;
   std::int32_t monitor_mV = 0;
   std::int32_t current_nA = 0;
+  bool brake_fitted = false;  // the stage can lock the needle
 };
 
 class NeedleStage {
@@ -25,7 +26,7 @@ class NeedleStage {
   virtual ~NeedleStage() = default;
   // Newest reading of every sensor; called once at the beginning of each tick.
   virtual SensorReading read() = 0;
-  // Puts a voltage on the converter, where it stays until the next call.
+  // Puts a voltage on the converter and locks the needle or lets it go, until the next call.
   virtual void write(const safety::GatedVoltage& voltage) = 0;
 };
 

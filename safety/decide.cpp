@@ -19,6 +19,11 @@ constexpr StopCategory needed_stop(HazardSet hazards) {
   return StopCategory::None;
 }
 
+// Counted no further than anything compares it with.
+constexpr std::int32_t longest_ms(Mode mode) {
+  return mode == Mode::Hold ? limits::kHoldMax_ms - 1 : limits::kArmedMax_ms;
+}
+
 bool is_locked_out(const TransitionInputs& t) {
   return (t.hazards & kLocking) != 0;
 }
@@ -27,6 +32,7 @@ bool is_locked_out(const TransitionInputs& t) {
 // requires.
 Refusal refusal_to_go_on(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
+  if (t.input.acquiring) return Refusal::ImageRunning;  // the drive would switch in it
   if (!t.state.step_done) return Refusal::None;
   const std::uint32_t steps = std::min<std::uint32_t>(t.plan.step_count, kMaxSteps);
   if (steps == 0 || t.state.step >= steps - 1) return Refusal::PlanDone;
@@ -76,7 +82,7 @@ Event event_in_armed(const TransitionInputs& t) {
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.stop == StopCategory::C2Hold) return Event::Stop;
   if (t.ticks >= limits::kArmedMax_ms) return Event::ArmedTooLong;
-  if (t.pressed) return Event::Move;
+  if (t.pressed && !t.input.acquiring) return Event::Move;
   return Event::None;
 }
 
@@ -94,7 +100,8 @@ Event event_in_hold(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
-  if (t.ticks >= limits::kHoldMax_ms) return Event::HoldTooLong;
+  // A locked needle at 0 V does not drift: it may stay as long as a scan.
+  if (t.ticks >= limits::kHoldMax_ms && !t.evidence.still) return Event::HoldTooLong;
   if (t.pressed && refusal_to_go_on(t) == Refusal::None) return Event::Move;
   return Event::None;
 }
@@ -130,6 +137,7 @@ Refusal refusal_to_arm(const TransitionInputs& t) {
 Refusal refusal_to_move(const TransitionInputs& t) {
   if (t.state.mode != Mode::Armed && t.state.mode != Mode::Hold) return Refusal::NotArmed;
   if (!t.pressed) return Refusal::TokenSpent;
+  if (t.input.acquiring) return Refusal::ImageRunning;
   const Refusal refusal = refusal_to_go_on(t);
   return refusal == Refusal::None ? Refusal::NotArmed : refusal;  // the mode ends in this very tick
 }
@@ -145,7 +153,7 @@ TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState&
           evidence,
           hazards,
           std::min(std::max(input.stop, needed_stop(hazards)), StopCategory::C0Off),
-          std::min(state.ticks_in_mode, limits::kArmedMax_ms) + 1,
+          std::min(state.ticks_in_mode, longest_ms(state.mode)) + 1,
           input.motion.held && input.motion.token > state.token,
           input.local_arm && !state.arm_was_down,
           input.local_reset && !state.reset_was_down};
@@ -215,6 +223,8 @@ std::string_view name_of(Refusal refusal) {
       return "the depth check of this step has not been accepted";
     case Refusal::PlanDone:
       return "the plan has no further step";
+    case Refusal::ImageRunning:
+      return "an image is being taken";
   }
   return "unknown refusal";
 }

@@ -49,6 +49,7 @@ GateVerdict verdict_on(const GateState& state, const Permit& permit, std::int64_
 void switch_off(GateState& state) {
   state.drive_mV = 0;
   state.enabled = false;
+  state.brake_on = false;
 }
 
 // Stops by itself: no permit is in force any more, until one disables HV.
@@ -102,6 +103,8 @@ GateVerdict apply_command(GateState& state, const DriveRequest* request, std::in
   if (off) return switch_off(state), wanted_mV == 0 ? GateVerdict::Granted : GateVerdict::Limited;
   const bool may_increase = state.permit.mode == Mode::Active && state.permit.stop == StopCategory::None;
   const GateVerdict about_drive = drive(state, wanted_mV, may_increase && new_request && permit_is_good);
+  // One lost request must not let a locked needle go.
+  state.brake_on = state.permit.brake && (new_request ? request->brake : state.brake_on);
   return new_request ? about_drive : GateVerdict::NoRequest;
 }
 
@@ -124,7 +127,7 @@ GateResult gate(const GateState& state, const DriveRequest* request, const Permi
   next.started = true;
   next.now_us = now_us;
   result.verdict = decide(next, request, permit, now_us, sound, writer_count);
-  result.voltage = GatedVoltage(next.drive_mV, next.enabled);
+  result.voltage = GatedVoltage(next.drive_mV, next.enabled, next.brake_on);
   result.answered_seq = next.permit.seq;
   if (next.permit.seq != 0)
     result.answer = answer_to(next.permit.challenge, next.drive_mV, next.permit.mode, next.permit.seq);

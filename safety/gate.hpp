@@ -5,7 +5,8 @@
 // disables HV in that tick (a permit lives 5 ms, so a dead supervisor costs <= 5 ms) and latches: it stays
 // off until it has accepted a permit that disables HV, that is, until the supervisor has passed a disarmed
 // state. Without a new request the voltage neither rises nor changes sign but follows the envelope down: a
-// silent controller ends in a C1 ramp.
+// silent controller ends in a C1 ramp. The brake that locks the needle is on only under a permit that says
+// so, and lets go wherever HV is disabled.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +21,19 @@ struct GateResult;
 // The only type that the actuator accepts. Made by the gate alone; off needs no permit.
 class GatedVoltage {
  public:
-  static constexpr GatedVoltage off() { return {0, false}; }
+  static constexpr GatedVoltage off() { return {0, false, false}; }
   constexpr std::int32_t mV() const { return mV_; }  // signed high voltage
   constexpr bool hv_enabled() const { return hv_enabled_; }
+  constexpr bool brake_on() const { return brake_on_; }  // the needle is locked
 
  private:
-  constexpr GatedVoltage(std::int32_t mV, bool hv_enabled) : mV_(mV), hv_enabled_(hv_enabled) {}
+  constexpr GatedVoltage(std::int32_t mV, bool hv_enabled, bool brake_on)
+      : mV_(mV), hv_enabled_(hv_enabled), brake_on_(brake_on) {}
   friend GateResult gate(const GateState&, const DriveRequest*, const Permit*, std::int64_t, std::int32_t);
 
   std::int32_t mV_;
   bool hv_enabled_;
+  bool brake_on_;
 };
 
 // Default-constructed at each start of the driver, after it wrote 0 V: bound to no session.
@@ -40,6 +44,7 @@ struct GateState {
   std::uint32_t request_seq = 0;
   std::int32_t drive_mV = 0;  // put out last, signed
   bool enabled = false;
+  bool brake_on = false;
   bool started = false;                        // the clock has been read once
   GateVerdict latched = GateVerdict::Granted;  // not Granted: off for this reason until a permit disables HV
 };

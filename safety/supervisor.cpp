@@ -100,6 +100,9 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64
   permit.plan_tag = plan.plan_tag;
   permit.config_tag = plan.config_tag;
   permit.challenge = challenge_of(state.session, state.seq);
+  // Taken at a step's end only; then kept until the drive carries the needle again.
+  const bool arrived = state.mode == Mode::Hold && state.step_done;
+  permit.brake = arrived || (evidence.locked && (state.mode == Mode::Active || state.mode == Mode::Hold));
   const StepLimits allowed = step_limits(plan, state.step);
   switch (state.mode) {
     case Mode::Armed:

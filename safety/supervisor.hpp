@@ -28,6 +28,7 @@ enum class Refusal : std::uint8_t {
   TokenSpent,
   DepthNotAccepted,
   PlanDone,
+  ImageRunning,
 };
 
 struct SupervisorState {

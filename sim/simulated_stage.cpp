@@ -49,12 +49,25 @@ drivers::SensorReading SimulatedStage::read() {
   const NormalPair noise = uniform_pair(seed_ ^ kMonitorStream, state_.readings);
   reading.monitor_mV = rounded(state_.u_i * 1e3 * (1.0 + errors_.monitor_noise * noise.first));
   const double average = state_.charge / Seconds(kTick).count();
+  reading.brake_fitted = model_.brake.has_value();
   reading.current_nA = rounded((average + errors_.current_noise_A * noise.second) * 1e9);
   return reading;
 }
 
-void SimulatedStage::put_out(double volts) {
-  state_ = step(model_, state_, {.voltage = volts, .external_force = push_N_}, Seconds(kTick));
+void SimulatedStage::move_brake(bool on, double holding) {
+  if (!model_.brake) return;
+  const Brake& brake = *model_.brake;
+  const bool grips = grip_.stiffness > 0.0;
+  brake_s_ = on == grips ? 0.0 : brake_s_ + Seconds(kTick).count();
+  if (on && !grips && brake_s_ > brake.engage_s)
+    grip_ = {brake.stiffness, brake.damping, holding * brake.holding_N, state_.motion.x};
+  if (!on && brake_s_ > brake.release_s) grip_ = {};
+  grip_.follow(state_.motion.x);
+}
+
+void SimulatedStage::put_out(double volts, bool brake_on, double holding) {
+  move_brake(brake_on, holding);
+  state_ = step(model_, state_, {.voltage = volts, .external_force = push_N_, .grip = grip_}, Seconds(kTick));
   now_us_ += std::chrono::microseconds(kTick).count();
 }
 

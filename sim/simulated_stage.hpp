@@ -21,10 +21,13 @@ class SimulatedStage final : public drivers::NeedleStage {
   SimulatedStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors = {});
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override { put_out(voltage.mV() * 1e-3); }
+  void write(const safety::GatedVoltage& voltage) override {
+    put_out(voltage.mV() * 1e-3, voltage.brake_on());
+  }
 
-  // The next tick with these volts on the stack, whoever asked for them: a broken amplifier asks no gate.
-  void put_out(double volts);
+  // The next tick with these volts on the stack and this command of the brake, whoever asked for them: a
+  // broken amplifier asks no gate. `holding`: share that a worn brake has of its force.
+  void put_out(double volts, bool brake_on = false, double holding = 1.0);
 
   // Force down on plate A from the next write() on, N: a hand or a weight on the bench, without its inertia.
   void push(double force_N) { push_N_ = force_N; }
@@ -39,8 +42,12 @@ class SimulatedStage final : public drivers::NeedleStage {
   DeviceErrors errors_;
   std::uint64_t seed_;
   PlantState state_;
+  void move_brake(bool on, double holding);
+
   std::int64_t now_us_ = 0;
   double push_N_ = 0.0;
+  Grip grip_;
+  double brake_s_ = 0.0;  // for how long it has been commanded to do what it does not do yet
 };
 
 }  // namespace biopsy::sim

@@ -111,6 +111,10 @@ Interlock read_interlock(TomlTable table) {
   if (table.has("enable")) interlock.enable_line = numbered(table, "enable", "line", kLines);
   if (interlock.enable_line == interlock.pulse_line)
     table.refuse("enable", "is the line of the pulse", "give each its own line");
+  if (table.has("brake")) interlock.brake_line = numbered(table, "brake", "line", kLines);
+  if (interlock.brake_line &&
+      (interlock.brake_line == interlock.pulse_line || interlock.brake_line == interlock.enable_line))
+    table.refuse("brake", "is the line of another output", "give each its own line");
   return interlock;
 }
 

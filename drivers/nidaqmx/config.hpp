@@ -40,6 +40,7 @@ struct Interlock {
   std::uint32_t port = 0;
   std::uint32_t pulse_line = 0;
   std::optional<std::uint32_t> enable_line;  // high: the amplifier's output may be on
+  std::optional<std::uint32_t> brake_line;   // high: the brake holds the needle
 };
 
 // Contacts to the port's inputs; high = contact closed.

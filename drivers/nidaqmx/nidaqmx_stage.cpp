@@ -99,7 +99,8 @@ void NidaqmxStage::connect() {
 
   const Interlock& interlock = config_.interlock;
   std::string lines = line(config_, interlock.port, interlock.pulse_line);
-  if (interlock.enable_line) lines += ", " + line(config_, interlock.port, *interlock.enable_line);
+  for (const std::optional<std::uint32_t>& other : {interlock.enable_line, interlock.brake_line})
+    if (other) lines += ", " + line(config_, interlock.port, *other);
   lines_task_.emplace(daqmx_, "biopsy interlock");
   require_success(daqmx_, daqmx_.create_do_chan(lines_task_->handle(), lines.c_str(), "", kChanForAllLines),
                   lines);
@@ -171,6 +172,7 @@ drivers::SensorReading NidaqmxStage::read() {
   }
   reading_.monitor_mV = rounded(volts_[1] * config_.voltage.per_V * 1e6);
   reading_.current_nA = rounded(volts_[2] * config_.current.per_V * 1e6);
+  reading_.brake_fitted = config_.interlock.brake_line.has_value();
   fresh_ = true;
   return reading_;
 }
@@ -184,14 +186,15 @@ void NidaqmxStage::write(const safety::GatedVoltage& voltage) {
       daqmx_.write_analog_scalar_f64(output_->handle(), 0, config_.timeout_s, command_V, nullptr);
   // Unlike a missed reading, a missed voltage stays on the converter.
   if (!is_good(status)) stop_for_good();
-  write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_);
+  write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_, voltage.brake_on());
 }
 
-void NidaqmxStage::write_lines(bool enabled, bool pulse) {
+void NidaqmxStage::write_lines(bool enabled, bool pulse, bool brake) {
   const auto bit = [](std::uint32_t number) { return 1U << number; };
   std::uint32_t lines = lines_ & bit(config_.interlock.pulse_line);
   if (pulse) lines ^= bit(config_.interlock.pulse_line);
   if (enabled && config_.interlock.enable_line) lines |= bit(*config_.interlock.enable_line);
+  if (enabled && brake && config_.interlock.brake_line) lines |= bit(*config_.interlock.brake_line);
   if (lines == lines_) return;
   if (is_good(daqmx_.write_digital_scalar_u32(lines_task_->handle(), 0, config_.timeout_s, lines, nullptr)))
     lines_ = lines;

@@ -48,7 +48,7 @@ class NidaqmxStage final : public drivers::HardwareNeedleStage {
   bool is_good(Status status);  // keeps an error in error_
   bool read_voltages();
   bool read_panel();
-  void write_lines(bool enabled, bool pulse);
+  void write_lines(bool enabled, bool pulse, bool brake);
   void stop_for_good() { stopped_ = true; }
 
   Config config_;

@@ -87,6 +87,7 @@ int main(int argc, char** argv) {
     std::string level, format;
     robot::log_options(command, level, format);
     if (!parse(command, argc, argv)) return 0;
+    options.procedure.real_time = true;
     logging::LogSettings log = robot::log_settings("biopsy-console", level, format);
     log.file = options.run_folder / "console.log";
     const logging::LogSession session(log);

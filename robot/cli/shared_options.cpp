@@ -7,6 +7,7 @@
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/text/strict_number.hpp"
+#include "robot/procedure/case/rehearsal_settings.hpp"
 
 namespace biopsy::robot {
 
@@ -73,6 +74,12 @@ void add_image_source(CLI::App& app, ProcedureOptions& options, CLI::Option* whe
       "the person who answers for images that do not name patient, frame of reference or time (NIfTI, NRRD, "
       "MetaImage); without one such images leave the depth unsure")
       ->needs(folder);
+  app.add_option("--scan", options.scan_s,
+                 "how long a simulated image takes, where the stage can lock its needle meanwhile")
+      ->type_name("S")
+      ->default_str("the case's, 30; in real time 2")
+      ->check(in_range(kScanMin_s, kScanMax_s, "s"))
+      ->excludes(folder);
 }
 
 void add_live_options(CLI::App& app, LiveOptions& options, CLI::Option* live) {

@@ -26,8 +26,7 @@ constexpr std::int64_t kTicksLive_us = 60'000'000;  // checks expire after a min
 constexpr std::int64_t kArmHold_us = 2'000'000;
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
-constexpr std::int64_t kAcquisition_us = kAcquisition_ticks * 1'000;
-constexpr std::size_t kRunMax_ticks = 600'000;  // as long as any procedure may take
+constexpr std::size_t kRunMax_ticks = 600'000;       // as long as any procedure may take
 
 double seconds_left(std::int64_t since_us, std::int64_t lasts_us, std::int64_t now_us) {
   return static_cast<double>(std::max<std::int64_t>(since_us + lasts_us - now_us, 0)) * 1e-6;
@@ -113,6 +112,7 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   inputs.finish = finish_;
   if (run_) {
     inputs.acquiring = run_->acquiring_us.has_value();
+    inputs.hold_still = run_->locking || inputs.acquiring;
     inputs.depth_accepted = run_->accepted.has_value();
     inputs.accepted_step = static_cast<std::uint32_t>(run_->accepted.value_or(0));
   }
@@ -195,28 +195,38 @@ void OperatorSession::note_end_of_hold(Mode before) {
     run_->ended_by = fmt::format("{}: {}", safety::name_of(mode), why);
 }
 
+// Locked first, where the stage can: then nothing drifts and nothing switches while the scanner works.
+void OperatorSession::begin_image(std::size_t step) {
+  run_->imaged = step;
+  if (!run_->plan().steps[step].image_confirms)
+    run_->accepted = step;
+  else if (seen_.measurement.brake_fitted)
+    run_->locking = true;
+  else
+    run_->acquiring_us = now_us_;
+}
+
 void OperatorSession::update_image() {
   const std::size_t step = seen_.supervisor.step;
   const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.step_done;
-  if (waits && run_->imaged != step) {
-    run_->imaged = step;
-    if (run_->plan().steps[step].image_confirms)
-      run_->acquiring_us = now_us_;
-    else
-      run_->accepted = step;
-  }
+  if (waits && run_->imaged != step) begin_image(step);
+  if (waits && run_->locking && is_quiet(seen_)) run_->locking = false, run_->acquiring_us = now_us_;
   if (run_->acquiring_us && !waits) {  // the needle moved: this image is invalid
     run_->acquiring_us.reset();
     run_->notes.take_imaged_tip();
   }
-  if (run_->acquiring_us && now_us_ - *run_->acquiring_us >= kAcquisition_us) {
+  run_->locking = run_->locking && waits;
+  const auto scan = std::chrono::round<std::chrono::microseconds>(
+      scan_time(seen_.measurement.brake_fitted, run_->prepared.given.rehearsal.scan));
+  if (run_->acquiring_us && now_us_ - *run_->acquiring_us >= scan.count()) {
     run_->acquiring_us.reset();
-    run_->check = std::async(std::launch::async, [run = run_, step, tip = run_->notes.take_imaged_tip()] {
-      report::StepResult result;
-      result.step = run->plan().steps[step];
-      run->images.take(step, tip, std::chrono::milliseconds(kAcquisition_ticks), result);
-      return result;
-    });
+    run_->check =
+        std::async(std::launch::async, [run = run_, step, scan, tip = run_->notes.take_imaged_tip()] {
+          report::StepResult result;
+          result.step = run->plan().steps[step];
+          run->images.take(step, tip, std::chrono::round<std::chrono::milliseconds>(scan), result);
+          return result;
+        });
   }
   using std::chrono::seconds;
   if (!run_->check.valid() || run_->check.wait_for(seconds(0)) != std::future_status::ready) return;

@@ -17,6 +17,7 @@ RunnerState at_rest(RunnerState state, Millimetres depth) {
   state.setpoint = std::max(Millimetres(0), depth);
   state.drive_ticks = 0;
   state.raising = false;
+  state.lock = {};
   return state;
 }
 
@@ -56,33 +57,53 @@ RunnerState held(const PiGains& gains, RunnerState state, Millimetres error, Vol
   return state;
 }
 
+// The setpoint waits where the needle is: one that slipped is brought back at the step's speed.
+RunnerState lifted(RunnerState state, Millimetres depth, Volts envelope) {
+  state.lock = lift(state.lock, state.loop.amplitude, envelope);
+  state.setpoint = std::min(state.setpoint, depth);
+  state.raising = false;
+  return state;
+}
+
+RunnerState driven(const PiGains& gains, RunnerState state, const InsertionStep& step, Millimetres depth,
+                   Volts envelope) {
+  if (!state.raising) state.loop = pi_resume(gains, state.loop.amplitude, state.setpoint - depth);
+  state.raising = true;
+  state.setpoint = advanced(state.setpoint, step);
+  state.loop = pi_step(gains, state.loop, state.setpoint - depth, envelope);
+  return judge(state, step, step.depth - depth);
+}
+
 }  // namespace
 
 RunnerStep run_steps(const Plan& plan, RunnerState state, const Measurement& measurement,
-                     const Permit& permit, std::uint32_t step_index, bool finish) {
-  assert(step_index < plan.steps.size());
-  const InsertionStep& step = plan.steps[step_index];
+                     const Permit& permit, const Task& task) {
+  assert(task.step < plan.steps.size());
+  const InsertionStep& step = plan.steps[task.step];
   const PiGains& gains = plan.gains;
   const Millimetres depth = from_um(measurement.depth_um), error = step.depth - depth;
-  state = enter_step(state, step_index);
+  const Volts envelope = from_mV(permit.v_max_mV);
+  state = enter_step(state, task.step);
   state.mean_error += kMeanShare * (error - state.mean_error);
   if (!permit.hv_enable) {
     state = at_rest(state, depth);
   } else if (permit.slew_up_mV_per_tick <= 0) {
-    state = held(gains, state, error, from_mV(permit.v_max_mV));
+    if (!state.lock.on) state = held(gains, state, error, envelope);
+    state.lock = lock_in_hold(state.lock, permit.brake, task.hold_still, state.loop.amplitude);
+    state.loop.amplitude = std::min(unloaded(state.lock, state.loop.amplitude), envelope);
+  } else if (state.lock.on && permit.brake) {
+    state = lifted(state, depth, envelope);
   } else {
-    if (!state.raising) state.loop = pi_resume(gains, state.loop.amplitude, state.setpoint - depth);
-    state.raising = true;
-    state.setpoint = advanced(state.setpoint, step);
-    state.loop = pi_step(gains, state.loop, state.setpoint - depth, from_mV(permit.v_max_mV));
-    state = judge(state, step, error);
+    state.lock = {};
+    state = driven(gains, state, step, depth, envelope);
   }
   DriveRequest request;
   request.seq = ++state.seq;
   request.wanted_mV = permit.hv_enable ? polarity(state.drive_ticks++) * to_mV(state.loop.amplitude) : 0;
-  request.step = step_index;
+  request.brake = state.lock.on;
+  request.step = task.step;
   request.step_reached = state.reached;
-  request.finished = finish;
+  request.finished = task.finish;
   request.measured_seq = measurement.seq;
   request.setpoint_um = to_um(state.setpoint);
   return {state, request};

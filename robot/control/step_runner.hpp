@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "robot/control/needle_lock.hpp"
 #include "robot/control/pi_loop.hpp"
 #include "robot/msg/fixed_messages.hpp"
 #include "robot/msg/plan.hpp"
@@ -34,6 +35,7 @@ struct RunnerState {
   std::uint32_t settled_ticks = 0;  // consecutive
   bool raising = false;             // the last permit allowed |V| to rise
   bool reached = false;             // latched until the step changes
+  NeedleLock lock;
 };
 
 struct RunnerStep {
@@ -41,8 +43,14 @@ struct RunnerStep {
   DriveRequest request;
 };
 
-// `step`: index of the step that the supervisor selected. `finish`: requests the retraction.
+// What the operator and the supervisor want of the controller.
+struct Task {
+  std::uint32_t step = 0;   // index of the step that the supervisor selected
+  bool hold_still = false;  // for an image: lock the needle in the hold
+  bool finish = false;      // requests the retraction
+};
+
 RunnerStep run_steps(const Plan& plan, RunnerState state, const Measurement& measurement,
-                     const Permit& permit, std::uint32_t step, bool finish);
+                     const Permit& permit, const Task& task);
 
 }  // namespace biopsy::control

@@ -22,7 +22,8 @@ DriveRequest control(const ControllerInputs& in, ControllerMemory& memory) {
   DriveRequest request;
   if (memory.plan && in.step < memory.plan->steps.size()) {
     const control::RunnerStep step =
-        control::run_steps(*memory.plan, memory.runner, in.measurement, in.permit, in.step, in.finish);
+        control::run_steps(*memory.plan, memory.runner, in.measurement, in.permit,
+                           {.step = in.step, .hold_still = in.hold_still, .finish = in.finish});
     memory.runner = step.state;
     request = step.request;
   } else {

@@ -15,6 +15,7 @@ struct ControllerInputs {
   Permit permit;
   std::uint32_t step = 0;      // that the supervisor wants driven
   bool finish = false;         // the operator is done: withdraw
+  bool hold_still = false;     // the operator wants an image: lock the needle
   std::uint32_t overruns = 0;  // control periods missed since start
 };
 

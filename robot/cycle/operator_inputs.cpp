@@ -18,6 +18,7 @@ OperatorAct operator_act(const OperatorInputs& inputs) {
   act.stop = inputs.stop;
   act.finish = inputs.finish;
   act.acquiring = inputs.acquiring;
+  act.hold_still = inputs.hold_still;
   act.arm = inputs.remote_arm;
   act.reset = inputs.remote_reset;
   act.patient_motion_um = inputs.patient_motion_um;

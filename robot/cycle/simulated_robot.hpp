@@ -26,7 +26,8 @@ class SimulatedRobot {
                         return control({.measurement = measurement,
                                         .permit = decided.permit,
                                         .step = decided.step,
-                                        .finish = operator_inputs.finish},
+                                        .finish = operator_inputs.finish,
+                                        .hold_still = operator_inputs.hold_still},
                                        controller_);
                       });
   }

@@ -38,7 +38,7 @@ void ControllerLoop::turn(std::chrono::nanoseconds timeout) {
   const std::int64_t woke_ns = realtime::monotonic_ns();
   permits_.take_newest(inputs_.permit);
   if (decisions_.take_newest(decision_) > 0) inputs_.step = decision_.step;
-  if (acts_.take_newest(act_) > 0) inputs_.finish = act_.finish;
+  if (acts_.take_newest(act_) > 0) inputs_.finish = act_.finish, inputs_.hold_still = act_.hold_still;
   std::uint32_t count = 0;
   for (; measurements_.take(inputs_.measurement); ++count)
     requests_.write(robot::control(inputs_, controller_));

@@ -11,10 +11,15 @@ constexpr std::int64_t kAnswerMax_ticks =
     200;  // from a press to motion, over a bus; afterwards it was refused
 constexpr std::int64_t kStepMax_ticks = 60'000;  // a step that is not reached in a minute never will be
 constexpr std::int64_t kReturn_ticks = 1'500;    // time for gravity to withdraw the needle
+constexpr std::int64_t kQuiet_ticks = 200;       // vibration of the brake has died away
+constexpr std::int64_t kLockMax_ticks = 3'000;   // ten times what a sound brake and a ramp take
 constexpr int kPressesMax = 5;                   // unexpected holds before an operator gives up
 constexpr int kRepeatedImagesMax = 1;            // of a step: a hold lasts 10 s
 
 }  // namespace
+
+Operator::Operator(const Plan& plan, Seconds scan)
+    : plan_(plan), scan_ticks_(static_cast<std::int64_t>(scan / Seconds(kTick))) {}
 
 void Operator::go(Phase phase, std::int64_t tick) {
   phase_ = phase;
@@ -45,7 +50,8 @@ void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
     accepted_step_ = seen.supervisor.step;
     accepted_ = !plan_.steps[accepted_step_].image_confirms;
     completed_ = accepted_ && accepted_step_ + 1 == plan_.steps.size();
-    go(accepted_ ? Phase::Pause : Phase::Image, tick);
+    const Phase image = seen.measurement.brake_fitted ? Phase::Lock : Phase::Image;
+    go(accepted_ ? Phase::Pause : image, tick);
   } else if (held && ++repeated_presses_ <= kPressesMax) {
     go(Phase::Pause, tick);
   } else if (held) {
@@ -56,6 +62,14 @@ void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
         fmt::format("step {} was not reached within {} s", seen.supervisor.step + 1, kStepMax_ticks / 1000));
     go(Phase::Withdraw, tick);
   }
+}
+
+void Operator::follow_lock(const CycleRecord& seen, std::int64_t tick) {
+  if (!is_quiet(seen)) quiet_since_ = tick;
+  if (tick - quiet_since_ >= kQuiet_ticks) go(Phase::Image, tick);
+  if (phase_ != Phase::Lock || tick - since_ < kLockMax_ticks) return;
+  give_up("the brake did not lock the needle for its image");
+  go(Phase::Withdraw, tick);
 }
 
 // Advances the script; the inputs are then a function of the phase.
@@ -88,9 +102,14 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
     case Phase::Insert:
       follow_insertion(seen, tick);
       break;
-    case Phase::Image:
-      if (waited >= kAcquisition_ticks) go(Phase::Judge, tick);
+    case Phase::Lock:
+      follow_lock(seen, tick);
       break;
+    case Phase::Image: {
+      const Seconds scan = scan_time(seen.measurement.brake_fitted, scan_ticks_ * Seconds(kTick));
+      if (waited * Seconds(kTick) >= scan) go(Phase::Judge, tick);
+      break;
+    }
     case Phase::Judge:
       break;
     case Phase::Pause: {
@@ -115,7 +134,8 @@ OperatorInputs Operator::act(const CycleRecord& seen, std::int64_t tick) {
   OperatorInputs inputs = OperatorInputs::idle();
   inputs.arm = phase_ == Phase::Arm;
   inputs.press = {phase_ == Phase::Insert ? token_ : 0, phase_ == Phase::Insert};
-  inputs.acquiring = phase_ == Phase::Image;
+  inputs.acquiring = phase_ == Phase::Image || phase_ == Phase::Judge;  // a scanner's image is waited for
+  inputs.hold_still = phase_ == Phase::Lock || inputs.acquiring;
   inputs.finish = phase_ == Phase::Withdraw;
   inputs.depth_accepted = accepted_;
   inputs.accepted_step = accepted_step_;

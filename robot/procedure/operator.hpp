@@ -1,8 +1,9 @@
 // The operator of a rehearsal, as a script: arms, holds the button while the needle moves, releases it at
-// each step's end, has an image taken where the plan wants one (once more where it is unsure), goes on when
-// it is accepted, and withdraws at the end.
+// each step's end, has the needle locked and an image taken where the plan wants one (once more where it is
+// unsure), goes on when it is accepted, and withdraws at the end.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -13,7 +14,8 @@ namespace biopsy::robot {
 
 class Operator {
  public:
-  explicit Operator(const Plan& plan) : plan_(plan) {}
+  // `scan`: how long an image takes where the stage can lock the needle.
+  Operator(const Plan& plan, Seconds scan);
 
   // Every tick of the robot, in order.
   void observe(const CycleRecord& seen) { moved_ = moved_ || seen.supervisor.permit.mode == Mode::Active; }
@@ -31,16 +33,30 @@ class Operator {
   const std::string& stopped_because() const { return stopped_because_; }
 
  private:
-  enum class Phase : std::uint8_t { WaitReady, Arm, Press, Insert, Image, Judge, Pause, Withdraw, Done };
+  enum class Phase : std::uint8_t {
+    WaitReady,
+    Arm,
+    Press,
+    Insert,
+    Lock,
+    Image,
+    Judge,
+    Pause,
+    Withdraw,
+    Done
+  };
 
   void go(Phase phase, std::int64_t tick);
   void give_up(const std::string& reason);
   void follow(const CycleRecord& seen, std::int64_t tick);
   void follow_insertion(const CycleRecord& seen, std::int64_t tick);
+  void follow_lock(const CycleRecord& seen, std::int64_t tick);
 
   const Plan& plan_;
+  const std::int64_t scan_ticks_;
   Phase phase_ = Phase::WaitReady;
-  std::int64_t since_ = 0;   // tick at which the phase began
+  std::int64_t since_ = 0;  // tick at which the phase began
+  std::int64_t quiet_since_ = 0;
   bool judged_ = false;      // since the last act()
   bool moved_ = false;       // the needle was driven since the last press
   std::uint32_t token_ = 0;  // of the present press
@@ -50,6 +66,16 @@ class Operator {
   std::string stopped_because_;
 };
 
-inline constexpr std::int64_t kAcquisition_ticks = 2000;  // one fast gradient-echo stack through the needle
+// One fast gradient-echo stack through the needle: what a hold without a brake has time for.
+inline constexpr Seconds kFastScan{2.0};
+
+// How long an image of this stage takes in a rehearsal.
+constexpr Seconds scan_time(bool brake_fitted, Seconds scan) {
+  return brake_fitted ? scan : std::min(scan, kFastScan);
+}
+// The needle is locked, and there is no voltage that could switch.
+inline bool is_quiet(const CycleRecord& seen) {
+  return seen.measurement.brake_on && seen.drive_mV == 0;
+}
 
 }  // namespace biopsy::robot

@@ -13,6 +13,7 @@
 #include "robot/common/text/ras_point.hpp"
 #include "robot/procedure/case/controller_file.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
+#include "robot/procedure/operator.hpp"
 #include "robot/procedure/provenance.hpp"
 #include "robot/report/procedure/report.hpp"
 #include "sim/plant/model_file.hpp"
@@ -67,6 +68,9 @@ Case case_of(const ProcedureOptions& options, Points points) {
   if (!options.controller.empty()) given.gains = read_controller_file(options.controller);
   if (options.seed) given.seed = *options.seed;
   given.images = image_source(options);
+  Seconds& scan = given.rehearsal.scan;
+  if (options.real_time) scan = std::min(scan, kFastScan);  // people do not wait for an image that is drawn
+  if (options.scan_s) scan = Seconds(*options.scan_s);
   return given;
 }
 

@@ -101,10 +101,10 @@ namespace {
 
 // A scanner's image is waited for while the ticks go on; a simulated one is taken at once, between two ticks.
 std::future<report::StepResult> begin_check(ConfirmationImages& images, std::size_t step, Millimetres tip,
-                                            report::StepResult result) {
+                                            Seconds scan, report::StepResult result) {
   const auto policy = images.from_scanner() ? std::launch::async : std::launch::deferred;
-  return std::async(policy, [&images, step, tip, result = std::move(result)]() mutable {
-    images.take(step, tip, std::chrono::milliseconds(kAcquisition_ticks), result);
+  return std::async(policy, [&images, step, tip, scan, result = std::move(result)]() mutable {
+    images.take(step, tip, std::chrono::round<std::chrono::milliseconds>(scan), result);
     return std::move(result);
   });
 }
@@ -116,7 +116,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   const Plan& plan = std::get<Plan>(prepared.plan);
   RunNotes notes(prepared);
   report::RunRecord& record = notes.record();
-  Operator person(plan);
+  Operator person(plan, prepared.given.rehearsal.scan);
   ConfirmationImages images(prepared, plan, folder);
   std::future<report::StepResult> check;  // of an image that is being taken
   OperatorInputs inputs;
@@ -127,13 +127,15 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     if (person.wants_verdict() && !check.valid()) {
       progress(cycle.setpoint / plan.target_depth,
                fmt::format("checking the image of step {}", inputs.accepted_step + 1));
-      check = begin_check(images, inputs.accepted_step, notes.take_imaged_tip(),
+      const Seconds scan = scan_time(cycle.record.measurement.brake_fitted, prepared.given.rehearsal.scan);
+      check = begin_check(images, inputs.accepted_step, notes.take_imaged_tip(), scan,
                           record.steps[inputs.accepted_step]);
     }
     if (check.valid() && check.wait_for(std::chrono::seconds(0)) != std::future_status::timeout) {
       report::StepResult& result = record.steps[inputs.accepted_step];
       result = check.get();
       person.judge(result.check->verdict, "depth check: " + result.check->reason);
+      inputs.acquiring = false;
     }
     if (stop.stop_requested()) {
       record.refusal = "interrupted";

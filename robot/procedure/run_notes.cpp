@@ -1,5 +1,6 @@
 #include "robot/procedure/run_notes.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace biopsy::robot {
@@ -20,6 +21,7 @@ report::Sample sample_of(const CycleSample& cycle, std::int64_t number) {
   sample.mode = tick.supervisor.permit.mode;
   sample.stop = tick.supervisor.permit.stop;
   sample.step = static_cast<std::uint8_t>(tick.supervisor.step);
+  sample.locked = tick.measurement.brake_on;
   sample.verdict = tick.measurement.verdict;
   return sample;
 }
@@ -62,7 +64,13 @@ void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
     result.layer_at_tip = layer_at(plan_, cycle.truth);
   }
   if (!inputs.acquiring) return;
-  if (tip_count_ == 0) result.image_s = static_cast<double>(number) * 1e-3;
+  if (tip_count_ == 0) {
+    result.image_s = static_cast<double>(number) * 1e-3;
+    tip_low_mm_ = tip_high_mm_ = cycle.truth.tip_mm;
+  }
+  tip_low_mm_ = std::min(tip_low_mm_, cycle.truth.tip_mm);
+  tip_high_mm_ = std::max(tip_high_mm_, cycle.truth.tip_mm);
+  result.image_motion_mm = tip_high_mm_ - tip_low_mm_;
   tip_sum_mm_ += cycle.truth.tip_mm;
   ++tip_count_;
   result.hv_switching_during_image = result.hv_switching_during_image || seen.supervisor.image_disturbed;

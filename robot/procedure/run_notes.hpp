@@ -26,7 +26,7 @@ class RunNotes {
   const Plan& plan_;
   report::RunRecord record_;
   Mode mode_ = Mode::Boot;
-  double tip_sum_mm_ = 0.0;
+  double tip_sum_mm_ = 0.0, tip_low_mm_ = 0.0, tip_high_mm_ = 0.0;
   std::int64_t tip_count_ = 0;
 };
 

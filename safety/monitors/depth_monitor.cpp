@@ -1,6 +1,7 @@
 #include "safety/monitors/depth_monitor.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "safety/monitors/debounce.hpp"
 #include "safety/types/limits.hpp"
@@ -60,7 +61,9 @@ HazardSet check_code(DepthMonitor& monitor, const Measurement& m) {
   return when(moved && monitor.same_code_ticks >= kFrozen_ticks, Hazard::SensorFrozen);
 }
 
-HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::int32_t depth_um) {
+// Not of a locked needle: the drive says nothing about where it is.
+HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::int32_t depth_um,
+                             bool locked) {
   const std::int32_t low_mV = monitor.window.lowest_mV(), high_mV = monitor.window.highest_mV();
   if (low_mV != monitor.range_low_mV || high_mV != monitor.range_high_mV ||
       plan.plan_tag != monitor.range_tag) {
@@ -70,8 +73,26 @@ HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::
   }
   const bool outside =
       depth_um < monitor.range.low_um - kImplausible_um || depth_um > monitor.range.high_um + kImplausible_um;
-  monitor.implausible_ticks = debounced(monitor.implausible_ticks, outside, kImplausible_ticks);
+  monitor.implausible_ticks = debounced(monitor.implausible_ticks, outside && !locked, kImplausible_ticks);
   return when(monitor.implausible_ticks >= kImplausible_ticks, Hazard::OffsetOrScale);
+}
+
+// The brake has the needle only where a permit lets it.
+bool is_locked(const SupervisorInputs& seen) {
+  const Mode mode = seen.permit.mode;
+  return seen.measurement.brake_on && (mode == Mode::Active || mode == Mode::Hold);
+}
+
+// Whether it stays where the brake took it.
+void watch_brake(DepthMonitor& monitor, bool locked) {
+  const std::int32_t mean_um = monitor.history.mean_um();
+  if (!locked) monitor.locked_um = mean_um, monitor.locked_ticks = monitor.slip_ticks = 0;
+  const std::int32_t moved_um = std::abs(mean_um - monitor.locked_um);
+  const bool slips = moved_um > limits::kStill_um + kStillNoise_um;
+  // Once it has slipped, the image shows it elsewhere, wherever it is later.
+  if (monitor.slip_ticks < kSlip_ticks)
+    monitor.slip_ticks = debounced(monitor.slip_ticks, slips, kSlip_ticks);
+  monitor.locked_ticks = debounced(monitor.locked_ticks, locked, limits::kLockedMax_ms);
 }
 
 // Pull that rises and rises while the needle seems to stand still moves a needle that is not seen.
@@ -108,13 +129,15 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorI
   if (monitor.dropout_ticks >= kDropout_ticks) monitor.history.fill(depth_um);
   monitor.history.push(depth_um);
   monitor.needle_home = depth_um < limits::kReturned_um;
+  const bool locked = is_locked(seen);
+  watch_brake(monitor, locked);
   monitor.not_back_ticks =
-      debounced(monitor.not_back_ticks, zero_volts && !monitor.needle_home, kNotBack_ticks);
+      debounced(monitor.not_back_ticks, zero_volts && !monitor.needle_home && !locked, kNotBack_ticks);
   monitor.found = check_depth(plan, monitor, seen.permit, depth_um);
   monitor.found |= check_motion(monitor, seen.permit.mode);
   monitor.found |= check_return(plan, monitor, seen.permit.mode, magnitude(m.command_mV));
   monitor.found |= check_code(monitor, m);
-  monitor.found |= check_plausibility(plan, monitor, depth_um);
+  monitor.found |= check_plausibility(plan, monitor, depth_um, locked);
   monitor.found |= check_work(plan, monitor, seen.permit.mode, m.command_mV);
   monitor.found |= when(monitor.not_back_ticks >= kNotBack_ticks, Hazard::NeedleNotBack);
 }
@@ -165,7 +188,11 @@ DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Supervi
     monitor.dropout_ticks = debounced(monitor.dropout_ticks, !m.laser_valid, kDropout_ticks);
   }
   const bool dropout = monitor.dropout_ticks >= kDropout_ticks;
-  return {monitor.found | when(dropout, Hazard::LaserDropout), monitor.needle_home && !dropout};
+  const bool locked = is_locked(seen);
+  const bool still =
+      locked && !dropout && monitor.slip_ticks < kSlip_ticks && monitor.locked_ticks < limits::kLockedMax_ms;
+  return {monitor.found | when(dropout, Hazard::LaserDropout), monitor.needle_home && !dropout, locked,
+          still};
 }
 
 }  // namespace biopsy::safety

@@ -1,5 +1,5 @@
-// Monitors the needle (over-depth, pop-through, fast drop, no return) and the plausibility of the depth
-// sensor.
+// Monitors the needle (over-depth, pop-through, fast drop, no return), the brake that holds it for an image,
+// and the plausibility of the depth sensor.
 #pragma once
 
 #include <algorithm>
@@ -58,12 +58,16 @@ struct DepthMonitor {
   std::int32_t deepest_um = 0, sunk_ticks = 0;   // since the drive was last lowered
   std::int32_t advanced_um = 0, idle_ticks = 0;  // deepest depth seen, to kAdvanced_um
   std::int64_t pull_V2 = 0, rest_pull_V2 = 0;    // |V|^2 there; without any motion
+  std::int32_t locked_um = 0, locked_ticks = 0;  // where and for how long the brake has held the needle
+  std::int32_t slip_ticks = 0;
   std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;
 };
 
 struct DepthFindings {
   HazardSet found = 0;
   bool needle_home = false;
+  bool locked = false;  // by the brake
+  bool still = false;   // and where it was when the brake took it, for no longer than kLockedMax_ms
 };
 
 // `zero_volts`: as the drive monitor found it in this tick.

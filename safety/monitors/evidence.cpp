@@ -12,7 +12,9 @@ Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorI
   evidence.clear = ~(link.found | drive.found | depth.found | agreement) & kAllHazards;
   evidence.zero_volts = drive.zero_volts;
   evidence.needle_home = depth.needle_home;
-  evidence.image_disturbed = drive.image_disturbed;
+  evidence.locked = depth.locked;
+  evidence.still = depth.still && drive.zero_volts;
+  evidence.image_disturbed = drive.image_disturbed || (seen.acquiring && depth.locked && !depth.still);
   evidence.drive_mV = drive.drive_mV;
   evidence.ceiling_mV = drive.ceiling_mV;
   return evidence;

@@ -28,6 +28,8 @@ struct Evidence {
   bool zero_volts = false;      // command and monitor below 100 V, three ticks in a row
   bool needle_home = false;     // depth measured and below 1 mm
   bool image_disturbed = true;  // the drive switched while an image was taken: flag the image
+  bool locked = false;          // the brake has the needle
+  bool still = false;           // and it has not moved, for no longer than it may last, at 0 V
   std::int32_t drive_mV = 0;    // |V| the gate put out last
   std::int32_t ceiling_mV = 0;  // no rise beyond: the pull would lead the needle's response
 

@@ -26,6 +26,7 @@ inline std::int32_t tissue_residual_um(const PlanFacts& plan, TissueMonitor& mon
   const std::int32_t depth_um =
       std::clamp(measured.depth_um, -1'000'000, 1'000'000);  // no sensor reaches a metre
   monitor.mean_drive_mV += (std::abs(drive_mV) - monitor.mean_drive_mV) / kMean_ticks;
+  if (measured.brake_on) return 0;  // the drive says nothing about a locked needle
   const DepthRange range = plausible_depth(plan, monitor.mean_drive_mV, monitor.mean_drive_mV);
   return std::max({range.low_um - depth_um, depth_um - range.high_um, 0});
 }

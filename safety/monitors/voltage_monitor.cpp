@@ -40,7 +40,8 @@ HazardSet check_current(VoltageMonitor& monitor, const Measurement& m) {
 HazardSet check_obedience(VoltageMonitor& monitor, const Measurement& m, const Permit& permit) {
   const bool beyond = magnitude(m.command_mV) > std::int64_t{permit.v_max_mV} + kDisobey_mV;
   monitor.disobey_ticks =
-      debounced(monitor.disobey_ticks, beyond || m.hv_enabled != permit.hv_enable, kDisobey_ticks);
+      debounced(monitor.disobey_ticks,
+                beyond || m.hv_enabled != permit.hv_enable || (m.brake_on && !permit.brake), kDisobey_ticks);
   return when(monitor.disobey_ticks >= kDisobey_ticks, Hazard::DriverDisobeys);
 }
 
@@ -132,6 +133,15 @@ std::int32_t check_pull(const PlanFacts& plan, VoltageMonitor& monitor, const Me
   return static_cast<std::int32_t>(std::min(root_of(monitor.pull_V2 + kPullLead_V2), kMost_V) * 1'000);
 }
 
+// A locked needle is let go under no more drive than held it before.
+std::int32_t check_lock(VoltageMonitor& monitor, const Measurement& m) {
+  if (m.brake_on && !monitor.brake_on)
+    monitor.locked_mV =
+        static_cast<std::int32_t>(std::min<std::int64_t>(magnitude(m.command_mV), limits::kDriveMax_mV));
+  monitor.brake_on = m.brake_on;
+  return m.brake_on ? monitor.locked_mV : limits::kDriveMax_mV;
+}
+
 bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
   return std::abs(std::int64_t{after_mV} - before_mV) > limits::kZeroVolt_mV;
 }
@@ -149,7 +159,7 @@ DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Super
     monitor.found |= check_obedience(monitor, m, seen.permit);
     monitor.found |= check_zero(monitor, m, seen.permit.mode);
     monitor.found |= check_wave(plan, monitor, m, seen.permit.mode);
-    monitor.ceiling_mV = check_pull(plan, monitor, m, seen.permit.mode);
+    monitor.ceiling_mV = std::min(check_pull(plan, monitor, m, seen.permit.mode), check_lock(monitor, m));
     monitor.command_mV = m.command_mV;
   }
   findings.found = monitor.found;

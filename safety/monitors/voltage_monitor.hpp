@@ -30,6 +30,8 @@ struct VoltageMonitor {
   bool wrong_frequency = false;
   std::int64_t pull_V2 = 0;  // mean of V^2 over kPull_ticks, to which the pull of the pouches is proportional
   std::int32_t ceiling_mV = 0;
+  bool brake_on = false;       // in the last measurement
+  std::int32_t locked_mV = 0;  // |V| when the brake took the needle
 };
 
 struct DriveFindings {
@@ -37,7 +39,9 @@ struct DriveFindings {
   bool zero_volts = false;
   bool image_disturbed = true;
   std::int32_t drive_mV = 0;
-  std::int32_t ceiling_mV = 0;  // |V| beyond which the pull would lead its mean by too much
+  // |V| beyond which the pull would lead its mean by too much, or a locked needle would jump when it is let
+  // go
+  std::int32_t ceiling_mV = 0;
 };
 
 // `fresh`: the measurement is new; `stale`: none for more than 3 ms.

@@ -21,10 +21,13 @@ inline constexpr std::int32_t kStroke_um = 12'000;  // paper IV: 11 pouches lift
 inline constexpr std::int32_t kDepthMargin_um = 1'000;  // plan margin: 50 ms at 20 mm/s
 inline constexpr std::int32_t kDepthHard_um = 2'000;    // never further beyond the plan than this
 inline constexpr std::int32_t kReturned_um = 1'000;     // needle counts as withdrawn below this depth
+inline constexpr std::int32_t kStill_um = 100;  // an image may be blurred by so much: a tenth of a voxel
 // Time
 // ------------------------------------------------------------------------------------------------------------
 inline constexpr std::int32_t kPermitTtl_us = 5'000;  // five missed permits end the permission
 inline constexpr std::int32_t kHoldMax_ms = 10'000;   // DC drifts: a hold is not a place to stay
+// Locked by the brake and without voltage nothing drifts: a scan of a minute, once more, and time to think.
+inline constexpr std::int32_t kLockedMax_ms = 180'000;
 inline constexpr std::int32_t kArmedMax_ms = 30'000;  // without a press the arming expires
 
 }  // namespace biopsy::limits

@@ -94,6 +94,9 @@ inline constexpr std::int32_t kImplausible_ticks = 50;  // ... for 50 ms
 // Back without a drive lowered by 200 V in half a second: the charge that leaks between two changes of
 // polarity makes 0.35 mm in the softest of 1200 healthy procedures. Slower than a fall, which is named first.
 inline constexpr std::int32_t kLowered_mV = 200'000, kSunk_um = 600, kSunk_ticks = 20;
+// Of the mean of eight readings: five of its deviations with 27 um of noise. Longer than the noise is
+// correlated.
+inline constexpr std::int32_t kStillNoise_um = 50, kSlip_ticks = 20;
 inline constexpr std::int32_t kNotBack_ticks = 500;  // safety concept: > 1 mm 500 ms after 0 V
 
 // Supervisor

@@ -14,6 +14,7 @@ enum class FaultSignal : std::uint8_t {
   VoltageMonitor,  // V
   CurrentMonitor,  // A
   Drive,           // output of the amplifier, V; its enable works on
+  Brake,           // 1: grips, 0: lets go; Scale: of the force with which it holds
   Measurement,     // link from the stage to the supervisor
   Request,         // link from the controller to supervisor and gate
   Permit,          // link from the supervisor to the gate

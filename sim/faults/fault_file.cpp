@@ -16,8 +16,8 @@ constexpr double kLatest_s = 600.0;  // no rehearsal is longer
 constexpr double kDeepest_mm = 50.0;
 constexpr double kLongest_ms = 1000.0;
 
-constexpr std::array<std::string_view, 12> kSignals{
-    "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "measurement",
+constexpr std::array<std::string_view, 13> kSignals{
+    "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "brake",    "measurement",
     "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key"};
 constexpr std::array<std::string_view, 13> kKinds{
     "frozen",  "replay",        "offset", "scale",       "drift",           "lag", "quantised", "inverted",
@@ -48,6 +48,8 @@ Unit unit_of(FaultSignal signal) {
       return {"V", 20'000.0};
     case FaultSignal::CurrentMonitor:
       return {"A", 0.1};
+    case FaultSignal::Brake:
+      return {"", 1.0};
     default:
       return {"", 0.0};
   }
@@ -56,6 +58,7 @@ Unit unit_of(FaultSignal signal) {
 bool is_possible(FaultSignal signal, FaultKind kind) {
   using enum FaultKind;
   if (is_link(signal)) return kind == Frozen || kind == Lag || kind == Dropout;
+  if (signal == FaultSignal::Brake) return kind == Frozen || kind == Lag || kind == Dropout || kind == Scale;
   if (is_contact(signal)) return kind == Frozen || kind == Inverted || kind == OtherSurface;
   return kind != OtherSurface || signal == FaultSignal::Depth || signal == FaultSignal::DepthB;
 }
@@ -92,7 +95,8 @@ Fault read_fault(TomlTable& table) {
   fault.kind = named<FaultKind>(table, "kind", kKinds);
   if (!is_possible(fault.signal, fault.kind))
     table.refuse("kind", fmt::format("cannot be \"{}\" on {}", name_of(fault.kind), name_of(fault.signal)),
-                 "links: frozen, lag, dropout; contacts: frozen, inverted, other_surface (0 open, 1 closed); "
+                 "links: frozen, lag, dropout; brake: these and scale; contacts: frozen, inverted, "
+                 "other_surface (0 open, 1 closed); "
                  "other_surface elsewhere: depth and depth_b only");
   const Unit unit = unit_of(fault.signal);
   const double most = is_contact(fault.signal) ? 1.0 : unit.most;

@@ -142,14 +142,21 @@ drivers::SensorReading FaultyStage::read() {
 
 void FaultyStage::write(const safety::GatedVoltage& voltage) {
   double volts = voltage.mV() * 1e-3;
+  double grips = voltage.brake_on() ? 1.0 : 0.0, holding = 1.0;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
-    if (faults_[i].signal != FaultSignal::Drive) continue;
-    volts = shown(i, volts);
-    if (is_lost(i)) volts = 0.0;
+    if (faults_[i].signal == FaultSignal::Drive) {
+      volts = shown(i, volts);
+      if (is_lost(i)) volts = 0.0;
+    } else if (faults_[i].signal == FaultSignal::Brake && faults_[i].kind == FaultKind::Scale) {
+      if (states_[i].active) holding *= std::max(0.0, faults_[i].value);
+    } else if (faults_[i].signal == FaultSignal::Brake) {
+      grips = shown(i, grips);
+      if (is_lost(i)) grips = 0.0;
+    }
   }
   if (armed_ticks_ >= 0 || voltage.hv_enabled()) ++armed_ticks_;
   // A disabled amplifier gives nothing, whatever its input does.
-  sound_.put_out(voltage.hv_enabled() ? volts : 0.0);
+  sound_.put_out(voltage.hv_enabled() ? volts : 0.0, grips > 0.5, holding);
 }
 
 }  // namespace biopsy::sim

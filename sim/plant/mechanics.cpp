@@ -89,6 +89,7 @@ double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) 
   const bool stack = b.drive == Drive::Stack;
   const PlateMotion plate{m.x, m.v, s.state.x_max, s.state.time + at.since, stack};
   double down = b.c_s * m.v + s.inputs.external_force + tissue_load(s, m, plate);
+  if (s.inputs.grip.stiffness > 0.0) down += s.inputs.grip.load(m.x, m.v);
   if (s.has.load) {
     double load = with_effects<false>(0.0, s, m, plate);
     if (!stack) load -= frame_spring_push(s, m);

@@ -66,6 +66,16 @@ void read_effects(TomlTable table, NotedModel& out) {
   });
 }
 
+Brake read_brake(TomlTable table) {
+  Brake brake;
+  brake.holding_N = table.number("holding_N", 0.1, 1000.0, "N");
+  brake.stiffness = table.number("stiffness_N_per_mm", 0.1, 500.0, "N/mm") * 1e3;
+  brake.damping = table.number("damping_N_s_per_m", 0.0, 1000.0, "N s/m");
+  brake.engage_s = table.number("engage_ms", 0.0, 100.0, "ms") * 1e-3;
+  brake.release_s = table.number("release_ms", 0.0, 100.0, "ms") * 1e-3;
+  return brake;
+}
+
 Correlations read_correlations(TomlTable table, const ModelNotes& notes) {
   Correlations out;
   out.values = table.texts("values");
@@ -89,6 +99,7 @@ NotedModel model_of(TomlTable& root) {
   if (root.has("title")) out.notes.title = root.text("title");
   read_baseline(root.table("baseline"), out);
   if (root.has("effect")) read_effects(root.table("effect"), out);
+  if (root.has("brake")) out.model.brake = read_brake(root.table("brake"));
   if (root.has("correlation"))
     out.notes.correlations = read_correlations(root.table("correlation"), out.notes);
   return out;

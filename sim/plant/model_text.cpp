@@ -81,6 +81,18 @@ void write_effect(const Effect& effect, const ModelNotes& notes, ModelText& text
   }
 }
 
+void write_brake(const Brake& brake, ModelText& text) {
+  text.line("\n# Locks the needle for an image; no part of the paper's stage.\n[brake]");
+  const auto value = [&](std::string_view name, double number, std::string_view comment) {
+    text.line(fmt::format("{:<22} # {}", fmt::format("{} = {}", name, number), comment));
+  };
+  value("holding_N", brake.holding_N, "N, slips beyond");
+  value("stiffness_N_per_mm", brake.stiffness * 1e-3, "N/mm, of the clamped parts");
+  value("damping_N_s_per_m", brake.damping, "N s/m");
+  value("engage_ms", brake.engage_s * 1e3, "ms, from the command until it grips");
+  value("release_ms", brake.release_s * 1e3, "ms, until it has let go");
+}
+
 // Left out where a value has no deviation any more.
 void write_correlations(const ModelNotes& notes, ModelText& text) {
   if (!notes.correlations) return;
@@ -123,6 +135,7 @@ std::string model_toml(const PlantModel& model, const ModelNotes& notes) {
   for_each_effect(model.effects, [&](const auto& slot) {
     if (slot) write_effect(*slot, notes, text);
   });
+  if (model.brake) write_brake(*model.brake, text);
   write_correlations(notes, text);
   std::string out = text.finished();
   parse_model(out, kNameInMessages);  // refuses what a reader would refuse

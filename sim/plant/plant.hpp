@@ -14,6 +14,7 @@ struct PlantInputs {
   double voltage = 0.0;         // V, signed, held over the step (Drive::Stack)
   double force = 0.0;           // N on plate A, up (Drive::Force)
   double external_force = 0.0;  // N, pushes plate A down
+  Grip grip{};                  // of the brake
 };
 
 // What is integrated smoothly. SI.

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/effects/effect_list.hpp"
+#include "sim/plant/brake.hpp"
 
 namespace biopsy::sim {
 
@@ -52,6 +54,7 @@ inline constexpr std::size_t kMaxLayers = 8;
 struct PlantModel {
   Baseline baseline;
   Effects effects;
+  std::optional<Brake> brake;       // none: the stage cannot lock the needle
   std::vector<TissueLayer> tissue;  // in order of depth; at most kMaxLayers
   double weight = 0.050;            // kg put on plate A; belongs to a run
   double internal_step = 1e-3;      // s, largest step of the integrator

@@ -9,9 +9,12 @@
 
 namespace biopsy::safety {
 
-// Nobody requests a stop; nothing is known to be absent.
+// Nobody requests a stop or takes an image; nothing is known to be absent.
 struct Situation : SupervisorInputs {
-  Situation() { stop = StopCategory::None; }
+  Situation() {
+    stop = StopCategory::None;
+    acquiring = false;
+  }
   Evidence evidence;
 };
 
@@ -24,7 +27,7 @@ inline std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, 
 inline Situation healthy() {
   Situation input;
   input.now_us = 123'456;
-  input.evidence = {kAllHazards, true, true, false, 5'000'000, 8'000'000};
+  input.evidence = {kAllHazards, true, true, false, false, false, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
   return input;
 }

@@ -24,6 +24,8 @@ namespace dry_run_cli {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr Seconds kRealScan{20.0};
+
 struct Options {
   ProcedureOptions procedure;
   bool live = false;
@@ -90,7 +92,7 @@ void refuse_beyond_stage(const std::vector<sim::Fault>& faults, const std::files
       throw ConfigError(fmt::format("a fault of {} cannot be put into live processes", name_of(fault.signal)),
                         file.string(),
                         "leave out --live, or give faults of depth, depth_b, voltage_monitor, "
-                        "current_monitor or drive");
+                        "current_monitor, drive or brake");
 }
 
 Result through_processes(const PreparedCase& prepared, const Options& options,
@@ -131,7 +133,14 @@ Result through_processes(const PreparedCase& prepared, const Options& options,
   for (const std::string& line : trouble) log.error("{}", line);
   Result result = finished(record, prepared, options.procedure.out, started);
   result.text += fault_lines(record);
-  result.text += fmt::format("procedure log: {}\n", log_file);
+  const Seconds scan = prepared.given.rehearsal.scan;
+  if (!options.procedure.images_from.empty() || scan >= kRealScan)
+    result.text += fmt::format("procedure log: {}\n", log_file);
+  else
+    result.text += fmt::format(
+        "procedure log: {}\nEach image was drawn in {:g} s; a scanner takes 20 to 60 s: `--scan 30` waits as "
+        "long.\n",
+        log_file, scan.count());
   if (lost > 0) result.text += fmt::format("{} missing in the report\n", counted(lost, "tick"));
   return result;
 }
@@ -142,7 +151,9 @@ Result dry_run(const Options& options, const Context& context) {
   const std::vector<sim::Fault> faults =
       options.faults.empty() ? std::vector<sim::Fault>{} : sim::read_faults(options.faults);
   if (options.live) refuse_beyond_stage(faults, options.faults);
-  const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
+  ProcedureOptions procedure = options.procedure;
+  procedure.real_time = options.live;
+  const PreparedCase prepared = prepare_run(case_of(procedure), out, context.clearable);
   if (std::holds_alternative<PlanRefusal>(prepared.plan)) {
     report::RunRecord refused = planned_record(prepared);
     return finished(refused, prepared, out, started);

@@ -66,6 +66,7 @@ void declare(CLI::App& app, Options& options) {
       ->needs(console)
       ->excludes(prepare);
   add_image_source(app, options.procedure, console);
+  app.get_option("--scan")->needs(console);
   add_live_options(app, options.live, nullptr);
 }
 
@@ -126,6 +127,7 @@ std::vector<std::string> console_arguments(const Options& options) {
     add("--images-patience", fmt::format("{}", given.images_patience_s));
     add("--images-confirmed-by", given.images_confirmed_by);
   }
+  if (given.scan_s) add("--scan", fmt::format("{}", *given.scan_s));
   add("--port", std::to_string(options.port));
   return words;
 }

@@ -88,6 +88,21 @@ void add_drive(Grid& grid) {
   grid.add(kDrive, Lag, "ms", Motion, {2, 10, 50});
 }
 
+// Frozen: from its first hold, some seconds after arming, locked; before that it never locks.
+void add_brake(Grid& grid) {
+  using enum FaultKind;
+  using enum FaultBegin;
+  constexpr FaultSignal kBrake = FaultSignal::Brake;
+  grid.add_plain(kBrake, Frozen, Start);
+  for (const double from_s : {10.0, 20.0, 40.0})
+    grid.entries.push_back({fmt::format("brake frozen {:g} s after arming", from_s),
+                            Start,
+                            {Fault{.signal = kBrake, .kind = Frozen, .from_s = from_s}}});
+  grid.add(kBrake, Scale, "", Start, {0, 0.02, 0.05, 0.1, 0.2, 0.5});
+  grid.add(kBrake, Dropout, "", Start, {0.01, 0.1, 0.5});
+  grid.add(kBrake, Lag, "ms", Start, {5, 50, 200, 1000});
+}
+
 }  // namespace
 
 std::vector<FaultEntry> fault_grid() {
@@ -95,6 +110,7 @@ std::vector<FaultEntry> fault_grid() {
   add_depth(grid);
   add_monitors(grid);
   add_drive(grid);
+  add_brake(grid);
   return grid.entries;
 }
 

@@ -65,6 +65,7 @@ void read_rehearsal(TomlTable table, const std::filesystem::path& file, Rehearsa
   const auto beside = [&](const std::string& path) { return file.parent_path() / path; };
   if (table.has("model")) out.model = beside(table.text("model"));
   if (table.has("tissues")) out.tissues = beside(table.text("tissues"));
+  if (table.has("scan_s")) out.scan = Seconds(table.number("scan_s", kScanMin_s, kScanMax_s, "s"));
   if (table.has("snr")) out.snr = table.number("snr", 1.0, 1000.0);
   if (table.has("patient_shift_mm")) out.motion_mm = table.number("patient_shift_mm", 0.0, 50.0, "mm");
   if (table.has("patient_turn_deg")) out.motion_deg = table.number("patient_turn_deg", 0.0, 45.0, "degrees");

@@ -13,9 +13,13 @@ class TomlTable;
 
 namespace biopsy::robot {
 
+// A single slice; and no longer than a locked needle may be held, with time to look at the image.
+inline constexpr double kScanMin_s = 0.1, kScanMax_s = 120.0;
+
 // Plant and tissue, and what the simulated scanner adds to the confirmation images.
 struct Rehearsal {
   std::filesystem::path model, tissues;
+  Seconds scan{30.0};  // that a confirmation image takes where the stage can lock the needle meanwhile
   double snr = 30.0;
   double motion_mm = 0.5;   // the patient shifts by up to this between images,
   double motion_deg = 0.5;  // and turns by up to this

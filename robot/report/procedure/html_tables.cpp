@@ -52,7 +52,7 @@ std::string check_row(const StepResult& result, std::size_t number) {
   const DepthCheck& check = *result.check;
   const double depth = check.tip_found ? check.depth.value : kUnknown;
   const std::string switching =
-      result.hv_switching_during_image ? " The drive switched while the image was taken." : "";
+      result.hv_switching_during_image ? " The drive switched, or the needle slipped, in this image." : "";
   return row({number_cell(std::to_string(number)), verdict_cell(check), number_cell(depth, 2),
               number_cell(check.tip_found ? check.sigma.value : kUnknown, 2),
               number_cell(depth - result.depth_mm, 2),

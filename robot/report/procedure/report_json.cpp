@@ -57,6 +57,7 @@ Json step_json(const StepResult& result, std::size_t index) {
       {"layer_at_tip", json_text(result.layer_at_tip)},
       {"image_s", number(result.image_s)},
       {"hv_switching_during_image", result.hv_switching_during_image},
+      {"image_motion_mm", number(result.image_motion_mm)},
       {"image", json_text(result.image_path)},
       {"check", result.check ? check_json(*result.check) : Json(nullptr)},
   };

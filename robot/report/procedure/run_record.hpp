@@ -36,6 +36,7 @@ struct Sample {
   Mode mode = Mode::Boot;
   StopCategory stop = StopCategory::None;
   std::uint8_t step = 0;
+  bool locked = false;  // by the brake
   GateVerdict verdict = GateVerdict::Refused;
 };
 
@@ -70,8 +71,9 @@ struct StepResult {
   std::optional<DepthCheck> check;
   double image_s = kUnknown;  // when the confirmation image was taken, from the start of the run
   bool hv_switching_during_image = false;
-  std::string image_path;  // relative to the report's folder
-  Picture before, after;   // registered slices through the needle, same pixels; empty where there is no image
+  double image_motion_mm = kUnknown;  // between the needle's extremes while it was taken; simulation only
+  std::string image_path;             // relative to the report's folder
+  Picture before, after;  // registered slices through the needle, same pixels; empty where there is no image
   std::optional<SliceGeometry>
       geometry;  // of both; the report then draws the detected tip, otherwise `after` shows it
 };

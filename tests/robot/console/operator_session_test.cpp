@@ -133,7 +133,7 @@ struct HeldRun {
     console.plan(target.p_SE, target.p_ST);
     console.tick_all(true);
     for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active}) says(mode);
-    for (int i = 0; i < kAcquisition_ticks + 10; ++i) says(Mode::Hold);
+    for (int i = 0; i < kFastScan / Seconds(kTick) + 10; ++i) says(Mode::Hold);
     while (state().scanner != console::Scanner::Idle) {
       std::this_thread::yield();
       says(Mode::Hold);

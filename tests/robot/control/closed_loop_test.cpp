@@ -55,7 +55,7 @@ Trace driven(const std::string& model_name, double target_mm, int ticks = 12000,
     Measurement measurement;
     measurement.depth_um =
         static_cast<std::int32_t>(std::lround(sim::displacement_reading(model, plant) * 1e6));
-    const RunnerStep result = run_steps(plan, state, measurement, permit, 0, false);
+    const RunnerStep result = run_steps(plan, state, measurement, permit, {});
     state = result.state;
     const double push = k < trouble.until ? trouble.push_N : 0.0;
     plant = sim::step(model, plant, {.voltage = result.request.wanted_mV * 1e-3, .external_force = push},

@@ -52,7 +52,8 @@ struct Bench {
                     bool finish = false) {
     Measurement measurement;
     measurement.depth_um = to_um(Millimetres(depth_mm));
-    const RunnerStep result = run_steps(plan, state, measurement, permit, step_index, finish);
+    const RunnerStep result =
+        run_steps(plan, state, measurement, permit, {.step = step_index, .finish = finish});
     state = result.state;
     return result.request;
   }

@@ -31,7 +31,8 @@ void VariedOperator::reach(const robot::CycleRecord& seen) {
   accepted_ = !plan_.steps[accepted_step_].image_confirms;
   if (accepted_) completed_ = accepted_step_ + 1 == plan_.steps.size();
   if (!accepted_)
-    go(Step::Image, robot::kAcquisition_ticks);
+    go(seen.measurement.brake_fitted ? Step::Lock : Step::Image,
+       static_cast<std::int32_t>(robot::kFastScan / Seconds(kTick)));
   else
     go(completed_ ? Step::Withdraw : Step::Think, draw_.whole(150, 4'000));
 }
@@ -73,6 +74,9 @@ void VariedOperator::watch(const robot::CycleRecord& seen) {
     case Step::Insert:
       insert(seen);
       break;
+    case Step::Lock:
+      if (robot::is_quiet(seen)) go(Step::Image, draw_.whole(20'000, 60'000));
+      break;
     case Step::Image:
       if (--left_ > 0) break;
       accepted_ = true;
@@ -95,6 +99,7 @@ robot::OperatorInputs VariedOperator::act(const robot::CycleRecord& seen) {
   world.arm = step_ == Step::Arm;
   world.press = {token_, held_};
   world.acquiring = step_ == Step::Image;
+  world.hold_still = step_ == Step::Lock || world.acquiring;
   world.finish = step_ == Step::Withdraw && !(by_stop_ && gave_up());
   if (step_ == Step::Withdraw && by_stop_ && gave_up()) world.stop = StopCategory::C1Ramp;
   world.depth_accepted = accepted_;

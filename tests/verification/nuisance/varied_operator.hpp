@@ -21,7 +21,7 @@ class VariedOperator {
   std::int32_t releases() const { return releases_; }
 
  private:
-  enum class Step : std::uint8_t { Wait, Arm, Think, Insert, Image, Withdraw, Done };
+  enum class Step : std::uint8_t { Wait, Arm, Think, Insert, Lock, Image, Withdraw, Done };
 
   void go(Step step, std::int32_t ticks);
   void watch(const robot::CycleRecord& seen);
