@@ -31,8 +31,8 @@ bool is_locked_out(const TransitionInputs& t) {
 // Whether the needle may advance: within a step always, past its end only with the depth check that the plan
 // requires.
 Refusal refusal_to_go_on(const TransitionInputs& t) {
-  if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   if (t.input.acquiring) return Refusal::ImageRunning;  // the drive would switch in it
+  if (t.stop != StopCategory::None) return Refusal::Unhealthy;
   if (!t.state.step_done) return Refusal::None;
   const std::uint32_t steps = std::min<std::uint32_t>(t.plan.step_count, kMaxSteps);
   if (steps == 0 || t.state.step >= steps - 1) return Refusal::PlanDone;
@@ -96,11 +96,11 @@ Event event_in_active(const TransitionInputs& t) {
   return Event::None;
 }
 
+// A locked needle at 0 V does not drift: it may stay as long as a scan.
 Event event_in_hold(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
-  // A locked needle at 0 V does not drift: it may stay as long as a scan.
   if (t.ticks >= limits::kHoldMax_ms && !t.evidence.still) return Event::HoldTooLong;
   if (t.pressed && refusal_to_go_on(t) == Refusal::None) return Event::Move;
   return Event::None;

@@ -57,6 +57,32 @@ struct Bench {
   }
 };
 
+TEST(Gate, TheBrakeIsOnUnderALivePermitThatSaysSoAndNowhereElse) {
+  verifies("R-54");
+  Bench bench;
+  bench.raise_to(2'000'000);
+  bench.request.brake = true;
+  EXPECT_FALSE(bench.tick(0).voltage.brake_on()) << "not permitted";
+  bench.permit.brake = true;
+  EXPECT_TRUE(bench.tick(0).voltage.brake_on());
+  EXPECT_TRUE(bench.call(nullptr, &bench.permit).voltage.brake_on()) << "a lost request does not let go";
+  bench.request.brake = false;
+  EXPECT_FALSE(bench.tick(0).voltage.brake_on());
+  bench.request.brake = true;
+  EXPECT_TRUE(bench.tick(0).voltage.brake_on());
+  bench.permit.brake = false;
+  EXPECT_FALSE(bench.tick(0).voltage.brake_on()) << "the permission ends";
+  bench.permit.brake = true;
+  bench.tick(0);
+  EXPECT_FALSE(bench.call(nullptr, nullptr, 5'000).voltage.brake_on()) << "the permit expired";
+  EXPECT_FALSE(bench.tick(0).voltage.brake_on()) << "and what is latched off stays off";
+  bench.raise_to(2'000'000);
+  bench.request.brake = true;
+  EXPECT_TRUE(bench.tick(0).voltage.brake_on());
+  bench.disarm();
+  EXPECT_FALSE(bench.tick(0).voltage.brake_on()) << "HV off lets go, whatever the permit says of the brake";
+}
+
 TEST(Gate, GivesNothingForNothing) {
   verifies("R-34", "R-47");
   const GateResult result = gate(GateState{}, nullptr, nullptr, 0, 0);

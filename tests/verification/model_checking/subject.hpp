@@ -18,7 +18,7 @@ struct Subject {
                SupervisorOutput*);
   void (*gate)(const safety::GateState*, const DriveRequest*, const Permit*, std::int64_t now_us,
                std::int32_t writer_count, safety::GateState*, std::int32_t* mV, bool* hv_enabled,
-               GateVerdict*);
+               bool* brake_on, GateVerdict*);
 };
 
 Subject shipped();

@@ -80,6 +80,7 @@ Permit permit_of(Dice& dice, const GateState& state) {
   permit.epoch = dice.below(20) == 0 ? dice.below(3) : permit.epoch;
   permit.ttl_us = dice.one_in(10) ? dice.of(kSteps_us) : limits::kPermitTtl_us;
   permit.hv_enable = !dice.one_in(6);
+  permit.brake = dice.one_in(2);
   permit.mode = dice.one_in(4) ? static_cast<Mode>(dice.below(9)) : Mode::Active;
   permit.stop =
       permit.hv_enable && !dice.one_in(10) ? StopCategory::None : static_cast<StopCategory>(dice.below(4));
@@ -96,14 +97,15 @@ void hash_gate(Hash& hash) {
     if (dice.one_in(300)) state = {};
     const Permit permit = permit_of(dice, state);
     const DriveRequest request{.seq = state.request_seq + (dice.one_in(10) ? dice.below(4) - 2 : 1),
-                               .wanted_mV = dice.of(kVolts_mV)};
+                               .wanted_mV = dice.of(kVolts_mV),
+                               .brake = dice.one_in(2)};
     const std::int64_t now_us = state.now_us + (dice.one_in(30) ? dice.of(kSteps_us) : 1'000);
     const GateResult result =
         gate(state, dice.one_in(8) ? nullptr : &request, dice.one_in(8) ? nullptr : &permit, now_us,
              dice.one_in(100) ? static_cast<std::int32_t>(dice.below(3)) : 1);
     state = result.state;
-    hash.add(result.voltage.mV(), result.voltage.hv_enabled(), result.verdict, result.answer,
-             result.answered_seq);
+    hash.add(result.voltage.mV(), result.voltage.hv_enabled(), result.voltage.brake_on(), result.verdict,
+             result.answer, result.answered_seq);
   }
 }
 
@@ -116,6 +118,9 @@ Situation input_of(Dice& dice, const SupervisorState& state) {
   input.evidence.zero_volts = driven ? dice.one_in(40) : !dice.one_in(40);
   input.evidence.needle_home = !dice.one_in(5);
   input.evidence.image_disturbed = dice.one_in(5);
+  input.evidence.locked = dice.one_in(3);
+  input.evidence.still = dice.one_in(3);
+  input.acquiring = dice.one_in(10);
   input.evidence.drive_mV = static_cast<std::int32_t>(dice.below(8'000'001));
   input.evidence.ceiling_mV = static_cast<std::int32_t>(dice.below(8'000'001));
   input.self_test = dice.one_in(20) ? static_cast<SelfTest>(dice.below(3)) : SelfTest::Passed;
@@ -143,7 +148,7 @@ void hash_step(Hash& hash) {
     const Permit& permit = output.permit;
     hash.add(permit.session, permit.epoch, permit.seq, permit.issued_us, permit.ttl_us, permit.mode,
              permit.stop, permit.hv_enable, permit.v_max_mV, permit.slew_up_mV_per_tick, permit.depth_max_um,
-             permit.challenge);
+             permit.brake, permit.challenge);
     hash.add(output.event, output.worst, output.reason, output.refusal, output.step, output.step_done,
              output.image_allowed, output.image_disturbed, output.interlock_pulse);
     hash.add(next.last_event, next.token, next.ticks_in_mode, next.ticks_since_held, next.held_mV);
@@ -162,7 +167,8 @@ class Course {
     if (dice_.one_in(150)) drift_um_ = static_cast<std::int32_t>(dice_.below(200)) - 100;
     if (dice_.one_in(250)) depth_um_ = dice_.of(kDepths_um) / 2;
     if (dice_.one_in(100)) drive_mV_ = dice_.of(kVolts_mV) / (1 + static_cast<std::int32_t>(dice_.below(2)));
-    if (dice_.one_in(200)) spoil_ = dice_.below(28);
+    if (dice_.one_in(200)) spoil_ = dice_.below(29);
+    if (dice_.one_in(400)) locked_ = !locked_;
     fill();
     if (dice_.below(6) != 0) corrupt();
   }
@@ -185,6 +191,7 @@ class Course {
     ++m.laser_code;
     const bool negative = (seen_.request.seq / 250) % 2 != 0;
     m.command_mV = negative && drive_mV_ > kLeast ? -drive_mV_ : drive_mV_;
+    m.brake_on = seen_.permit.brake = locked_;
     m.monitor_mV = m.command_mV, m.current_nA = 0, m.verdict = GateVerdict::Granted;
     m.answered_seq = seen_.permit.seq;
     m.answer = answer_to(challenge_of(5, m.answered_seq), m.command_mV, seen_.permit.mode, m.answered_seq);
@@ -271,6 +278,9 @@ class Course {
       case 23:
         m.laser_valid = dice_.one_in(8), m.depth_b_um -= 301;
         break;
+      case 24:
+        m.brake_on = dice_.one_in(2);
+        break;
       default:
         break;
     }
@@ -281,6 +291,7 @@ class Course {
   SupervisorInputs seen_;
   EvidenceMemory memory_;
   std::int32_t depth_um_ = 0, drift_um_ = 0, drive_mV_ = 0;
+  bool locked_ = false;
   std::uint32_t spoil_ = 99;
 };
 
@@ -292,7 +303,7 @@ void hash_evidence(Hash& hash) {
       course.tick();
       const Evidence evidence = assess(course.plan(), course.memory(), course.seen());
       hash.add(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.image_disturbed,
-               evidence.drive_mV, evidence.ceiling_mV);
+               evidence.locked, evidence.still, evidence.drive_mV, evidence.ceiling_mV);
       Measurement sane = course.seen().measurement;
       sane.command_mV %= 10'000'000, sane.depth_um %= 1'000'000;
       hash.add(tissue_residual_um(course.plan(), tissue, sane));

@@ -30,9 +30,9 @@ class GateExplorer {
  private:
   GateStep take(const safety::GateState& before, const GateInput& input) {
     const std::int64_t now_us = before.now_us + input.dt_us;
-    GateStep step{before, input, now_us, after_, 0, false, GateVerdict::Refused};
+    GateStep step{before, input, now_us, after_, 0, false, false, GateVerdict::Refused};
     subject_.gate(&before, input.request ? &*input.request : nullptr, input.permit ? &*input.permit : nullptr,
-                  now_us, input.writers, &after_, &step.mV, &step.hv_enabled, &step.verdict);
+                  now_us, input.writers, &after_, &step.mV, &step.hv_enabled, &step.brake_on, &step.verdict);
     ++result_.transitions;
     return step;
   }
@@ -68,9 +68,9 @@ class GateExplorer {
                            safety::name_of(input.permit->mode), static_cast<int>(input.permit->stop),
                            input.permit->hv_enable ? "enabled" : "off", input.permit->v_max_mV / 1'000);
     if (input.request)
-      words += fmt::format(", request (seq {:+}) for {} V",
+      words += fmt::format(", request (seq {:+}) for {} V{}",
                            static_cast<std::int32_t>(input.request->seq - state.request_seq),
-                           input.request->wanted_mV / 1'000);
+                           input.request->wanted_mV / 1'000, input.request->brake ? " and the brake" : "");
     return words;
   }
 

@@ -92,6 +92,18 @@ const std::array<GateInvariant, kGateInvariants> kGateInvariantTable{{
        return Finding{old.session != now.session, now.session > old.session && !now.hv_enable && !alive &&
                                                       s.before.drive_mV == 0 && !s.before.enabled};
      }},
+    {"gate-brake-needs-a-live-permit",
+     "The brake is on only under a live permit that enables the drive and the brake.",
+     [](const GateStep& s) {
+       return Finding{s.brake_on, s.is_live() && s.after.permit.hv_enable && s.after.permit.brake};
+     }},
+    {"gate-brake-follows-the-request", "The brake changes by a new request, or because it may not stay on.",
+     [](const GateStep& s) {
+       const bool may = s.is_live() && s.after.permit.hv_enable && s.after.permit.brake;
+       const bool wanted = s.is_request_new() && s.input.request->brake;
+       return Finding{s.brake_on != s.before.brake_on,
+                      s.brake_on ? wanted : !may || (s.is_request_new() && !wanted)};
+     }},
     {"gate-life", "A permit's life begins once: the same one again does not lengthen it.",
      [](const GateStep& s) {
        return Finding{!s.was_honoured() && s.before.permit.seq != 0, s.after.permit_us == s.before.permit_us};

@@ -12,8 +12,9 @@ constexpr std::uint32_t kSession = 5, kEpoch = 10, kSeq = 1'000;
 constexpr unsigned kAgeAt = 25, kLatchedAt = 28, kContentAt = 32, kFlagsAt = 37;
 
 Permit content(Mode mode, StopCategory stop, bool enable, std::int32_t v_max_mV, std::int32_t slew,
-               std::int32_t ttl_us = 5'000) {
+               std::int32_t ttl_us = 5'000, bool brake = false) {
   Permit permit;
+  permit.brake = brake;
   permit.mode = mode, permit.stop = stop, permit.hv_enable = enable;
   permit.v_max_mV = v_max_mV, permit.slew_up_mV_per_tick = slew, permit.ttl_us = ttl_us;
   return permit;
@@ -33,12 +34,15 @@ std::vector<Permit> all_contents() {
           content(Mode::Hold, StopCategory::None, true, kMost, kMost),
           content(Mode::Active, StopCategory::C2Hold, true, kMost, kMost),
           content(Mode::Retract, StopCategory::C1Ramp, true, 600'000, 0),
+          content(Mode::Hold, StopCategory::C2Hold, true, kMost, 0, 5'000, true),
+          content(Mode::Active, StopCategory::None, true, 600'000, kMost, 5'000, true),
+          content(Mode::Safe, StopCategory::C0Off, false, 0, 0, 5'000, true),
           content(Mode::Active, StopCategory::C0Off, true, kMost, kMost)};
 }
 
 bool is_same_content(const Permit& a, const Permit& b) {
   return a.mode == b.mode && a.stop == b.stop && a.hv_enable == b.hv_enable && a.v_max_mV == b.v_max_mV &&
-         a.slew_up_mV_per_tick == b.slew_up_mV_per_tick &&
+         a.slew_up_mV_per_tick == b.slew_up_mV_per_tick && a.brake == b.brake &&
          (a.ttl_us == b.ttl_us || a.ttl_us == 0 || b.ttl_us == 0);
 }
 
@@ -46,8 +50,13 @@ bool is_same_content(const Permit& a, const Permit& b) {
 
 GateSpace::GateSpace(bool quick) : contents_(all_contents()) {
   set_arrivals();
-  asked_ = {
-      {}, {true, 0, -kMost}, {true, 1, 0}, {true, 1, kMost}, {true, 1, std::numeric_limits<int>::min()}};
+  asked_ = {{},
+            {true, 0, -kMost},
+            {true, 1, 0},
+            {true, 1, 0, true},
+            {true, 0, 0, true},
+            {true, 1, kMost},
+            {true, 1, std::numeric_limits<int>::min()}};
   if (!quick) asked_.push_back({true, -1, kMost}), asked_.push_back({true, 1, 600'000});
   beats_ = {{1'000, 1}, {5'000, 1}, {1'000, 0}, {1'000, 2}, {0, 1}, {-1'000, 1}, {5'001, 1}};
   if (!quick)
@@ -81,6 +90,7 @@ GateInput GateSpace::at(std::uint32_t index, const safety::GateState& state) con
     input.request.emplace();
     input.request->seq = state.request_seq + asked.seq;
     input.request->wanted_mV = asked.wanted_mV;
+    input.request->brake = asked.brake;
   }
   if (arrival.kind == Arrival::Kind::Again) input.permit = state.permit;
   if (arrival.kind != Arrival::Kind::New) return input;
@@ -101,14 +111,15 @@ std::size_t GateSpace::content_of(const Permit& permit) const {
   return static_cast<std::size_t>((exact != contents_.end() ? exact : any) - contents_.begin());
 }
 
-// voltage 25 | age 3 | latched 4 | content 5 | dead, bound, enabled, started, asked
+// voltage 25 | age 3 | latched 4 | content 5 | dead, bound, enabled, started, asked, brake
 std::uint64_t GateSpace::key_of(const safety::GateState& state) const {
   const bool bound = state.permit.seq != 0, dead = state.permit.ttl_us == 0;
   const std::int64_t age_us = bound && !dead ? state.now_us - state.permit_us : kEndOfLife_us;
   const auto age = static_cast<std::uint64_t>(std::clamp<std::int64_t>(age_us, 0, kEndOfLife_us) / 1'000);
   const std::uint64_t flags = std::uint64_t{dead} | std::uint64_t{bound} << 1U |
                               std::uint64_t{state.enabled} << 2U | std::uint64_t{state.started} << 3U |
-                              std::uint64_t{state.request_seq != 0} << 4U;
+                              std::uint64_t{state.request_seq != 0} << 4U |
+                              std::uint64_t{state.brake_on} << 5U;
   return static_cast<std::uint64_t>(state.drive_mV + 16'000'000) | age << kAgeAt |
          static_cast<std::uint64_t>(state.latched) << kLatchedAt |
          (bound ? content_of(state.permit) : 0) << kContentAt | flags << kFlagsAt;
@@ -128,6 +139,7 @@ safety::GateState GateSpace::state_of(std::uint64_t key) const {
   state.enabled = flag(2);
   state.started = flag(3);
   state.request_seq = flag(4) ? kSeq : 0;
+  state.brake_on = flag(5);
   state.latched = static_cast<GateVerdict>((key >> kLatchedAt) & 0xFU);
   return state;
 }

@@ -43,6 +43,7 @@ class GateSpace {
     bool any = false;
     int seq = 0;
     std::int32_t wanted_mV = 0;
+    bool brake = false;
   };
   struct Beat {
     std::int64_t dt_us;

@@ -32,19 +32,19 @@ constexpr SeededBug kBugs[] = {
      "decide.cpp",
      "if (t.stop == StopCategory::C1Ramp) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms)",
+     "  if (t.ticks >= limits::kHoldMax_ms",
      "if ((t.hazards & kC1) != 0) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms)"},
+     "  if (t.ticks >= limits::kHoldMax_ms"},
     {"stop-ignored-after-a-while", "In Hold a requested stop counts for five seconds only.", Part::Supervisor,
      "decide.cpp",
      "if (t.stop == StopCategory::C1Ramp) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms)",
+     "  if (t.ticks >= limits::kHoldMax_ms",
      "if ((t.hazards & kC1) != 0 || (t.stop == StopCategory::C1Ramp && t.ticks < 5'000)) return "
      "Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms)"},
+     "  if (t.ticks >= limits::kHoldMax_ms"},
     {"c1-before-c0", "Where C0 and C1 hazards are present together the milder is taken.", Part::Supervisor,
      "decide.cpp",
      "  if ((hazards & kC0) != 0) return StopCategory::C0Off;\n"
@@ -65,6 +65,26 @@ constexpr SeededBug kBugs[] = {
     {"epoch-not-raised", "A trip keeps the epoch: permits from before stay alive.", Part::Supervisor,
      "supervisor.cpp", "if (next.mode == Mode::Trip || next.mode == Mode::Lock) ++next.epoch;",
      "if (next.mode == Mode::Lock) ++next.epoch;"},
+    // Image and brake
+    {"image-ignored", "A press goes on from Hold while an image is taken.", Part::Supervisor, "decide.cpp",
+     "  if (t.input.acquiring) return Refusal::ImageRunning;  // the drive would switch in it\n", ""},
+    {"image-ignored-when-armed", "The first press moves while an image is taken.", Part::Supervisor,
+     "decide.cpp", "if (t.pressed && !t.input.acquiring) return Event::Move;",
+     "if (t.pressed) return Event::Move;"},
+    {"locked-is-still", "A hold never ends while the brake is on, wherever the needle is.", Part::Supervisor,
+     "decide.cpp", "&& !t.evidence.still", "&& !t.evidence.locked"},
+    {"brake-anywhere", "The brake may take the needle in any hold.", Part::Supervisor, "supervisor.cpp",
+     "state.mode == Mode::Hold && state.step_done", "state.mode == Mode::Hold"},
+    {"brake-kept-in-ramp", "A locked needle stays locked in a ramp down.", Part::Supervisor, "supervisor.cpp",
+     "(evidence.locked && (state.mode == Mode::Active || state.mode == Mode::Hold))",
+     "(evidence.locked && hv_permitted(state.mode))"},
+    {"brake-without-permit", "The gate locks whenever the controller asks.", Part::Gate, "gate.cpp",
+     "state.permit.brake && (new_request", "(new_request"},
+    {"brake-kept-when-off", "Switching off keeps the brake.", Part::Gate, "gate.cpp",
+     "  state.brake_on = false;\n", ""},
+    {"brake-kept-on-new-request", "A request that lets go is not followed.", Part::Gate, "gate.cpp",
+     "new_request ? request->brake : state.brake_on",
+     "new_request && request->brake ? true : state.brake_on"},
     // Hold-to-run
     {"token-not-greater", "The token of the last press is accepted again.", Part::Supervisor, "decide.cpp",
      "input.motion.held && input.motion.token > state.token",

@@ -93,7 +93,9 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
   }
   if (!moving && mode != Mode::Armed)
     input.evidence.ceiling_mV = static_cast<std::int32_t>((choice >> 20) % 8'000'001);
-  if (mode != Mode::Hold) input.depth_accepted = chosen(15);
+  if (mode != Mode::Hold) input.depth_accepted = chosen(15), input.evidence.still = chosen(16);
+  if (!moving && mode != Mode::Armed) input.evidence.locked = chosen(17);
+  if (mode != Mode::Hold && mode != Mode::Armed) input.acquiring = chosen(18);
   if (input.request.step != state.step) input.request.step = state.step + other;
   if (mode != Mode::Hold || input.accepted_step != state.step) input.accepted_step = state.step + other;
 }
@@ -120,7 +122,7 @@ bool has_equal_outcome(const SupervisorState& next, const SupervisorOutput& outp
          permit.stop == equivalent.stop && permit.hv_enable == equivalent.hv_enable &&
          permit.v_max_mV == equivalent.v_max_mV &&
          permit.slew_up_mV_per_tick == equivalent.slew_up_mV_per_tick &&
-         permit.depth_max_um == equivalent.depth_max_um &&
+         permit.depth_max_um == equivalent.depth_max_um && permit.brake == equivalent.brake &&
          output.interlock_pulse == other_output.interlock_pulse &&
          output.image_allowed == other_output.image_allowed;
 }

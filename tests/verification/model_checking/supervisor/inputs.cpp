@@ -101,7 +101,11 @@ void InputSpace::set_sizes(Mode mode) {
             moving ? 8U : 1U,
             mode == Mode::Hold ? 4U : 1U,
             moving || mode == Mode::Armed ? drives : 1U,
-            mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock ? 4U : 1U};
+            mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock ? 4U : 1U,
+            mode == Mode::Hold || mode == Mode::Armed ? 2U : 1U,
+            mode == Mode::Hold     ? 3U
+            : mode == Mode::Active ? 2U
+                                   : 1U};
 }
 
 void InputSpace::set_worse(Mode mode) {
@@ -112,7 +116,7 @@ void InputSpace::set_worse(Mode mode) {
   of(Dimension::Stop) = {{0, 1}, {1, 2}, {2, 3}};
   of(Dimension::Motion) = worse_motions(mode);
   for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey, Dimension::SelfTest,
-                            Dimension::NeedleHome})
+                            Dimension::NeedleHome, Dimension::Image, Dimension::Brake})
     of(d) = chain_down(size_of(d));
   of(Dimension::Drive) = size_of(Dimension::Drive) == 4
                              ? std::vector<Worsening>{{3, 1}, {3, 2}, {1, 0}, {2, 0}}
@@ -181,6 +185,13 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
     case Dimension::Network:
       input.remote_arm = (value & 1U) != 0;
       input.remote_reset = (value & 2U) != 0;
+      break;
+    case Dimension::Image:
+      input.acquiring = !forgotten && value == 0;
+      break;
+    case Dimension::Brake:
+      input.evidence.locked = value != 0;
+      input.evidence.still = value == 2;
       break;
   }
 }

@@ -29,8 +29,10 @@ enum class Dimension : std::uint8_t {
   Depth,    // refused, accepted, accepted for the next step, accepted for the one before
   Drive,    // {|V|, ceiling}: both 0, both 1 mV, all under no ceiling, all
   Network,  // {arm} x {reset} asked over it
+  Image,    // being taken, not
+  Brake,    // off, on, on with the needle still
 };
-inline constexpr std::size_t kDimensions = 12;
+inline constexpr std::size_t kDimensions = 14;
 using Digits = std::array<std::uint8_t, kDimensions>;
 
 enum class Grain : std::uint8_t {

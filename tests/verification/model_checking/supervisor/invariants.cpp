@@ -26,7 +26,7 @@ constexpr bool hv_permitted(Mode mode) {
   return mode == Mode::Armed || mode == Mode::Active || mode == Mode::Hold || mode == Mode::Retract;
 }
 constexpr bool is_off(const Permit& permit) {
-  return !permit.hv_enable && permit.v_max_mV == 0 && permit.slew_up_mV_per_tick == 0;
+  return !permit.hv_enable && permit.v_max_mV == 0 && permit.slew_up_mV_per_tick == 0 && !permit.brake;
 }
 bool has_step(const Step& s, std::uint32_t step) {
   return step < std::min<std::uint32_t>(s.plan.step_count, safety::kMaxSteps);
@@ -251,7 +251,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     // Times
     {"timer-runs", "The time in a mode starts at 0, and each tick adds one, up to a bound.",
      [](const Step& s) {
-       const std::int32_t ticks = std::min(s.before.ticks_in_mode, kArmed_ms) + 1;
+       const std::int32_t most = s.before.mode == Mode::Hold ? kHold_ms - 1 : kArmed_ms;
+       const std::int32_t ticks = std::min(s.before.ticks_in_mode, most) + 1;
        return Finding{true, s.after.ticks_in_mode == (s.after.mode == s.before.mode ? ticks : 0)};
      }},
     {"boot-ends", "Boot ends within 10 s.",
@@ -262,9 +263,20 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        return Finding{s.stays(Mode::Armed), s.after.ticks_in_mode < kArmed_ms};
      }},
-    {"hold-ends", "Hold ends within 10 s.",
+    {"hold-ends", "Hold ends within 10 s, but for a locked needle that stays where it is.",
      [](const Step& s) {
-       return Finding{s.stays(Mode::Hold), s.after.ticks_in_mode < kHold_ms};
+       return Finding{s.stays(Mode::Hold) && !s.input.evidence.still, s.after.ticks_in_mode < kHold_ms};
+     }},
+    {"image-waits", "No motion begins while an image is taken.",
+     [](const Step& s) {
+       return Finding{s.enters(Mode::Active), !s.input.acquiring};
+     }},
+    {"brake-takes-at-the-end",
+     "The brake may take the needle at a step's end only, and keep it in Active and Hold.",
+     [](const Step& s) {
+       const bool held = s.after.mode == Mode::Active || s.after.mode == Mode::Hold;
+       const bool arrived = s.after.mode == Mode::Hold && s.after.step_done;
+       return Finding{true, s.output.permit.brake == (arrived || (held && s.input.evidence.locked))};
      }},
     {"retract-ends", "Retract ends within 300 ms.",
      [](const Step& s) {

@@ -1,0 +1,171 @@
+// The needle locked for an image: what the monitors say of it, and of a brake that does not hold.
+#include <gtest/gtest.h>
+
+#include "safety/monitors/evidence.hpp"
+#include "safety/monitors/tissue_monitor.hpp"
+#include "safety/types/limits.hpp"
+#include "tests/safety/monitor_bench.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+// A needle held at 2 mm by 4 kV, with the brake on since `locked()`.
+struct LockedBench : DepthBench {
+  LockedBench() : DepthBench(Mode::Hold) {
+    seen.measurement.command_mV = 4'000'000;
+    samples(600, 2'000);
+  }
+  void lock() { seen.measurement.brake_on = true; }
+  DepthFindings at(std::int32_t depth_um) {
+    seen.measurement.depth_um = depth_um;
+    ++seen.measurement.laser_code;
+    return update(plan, monitor, seen, true, zero_volts);
+  }
+  DepthFindings stay(int ticks, std::int32_t depth_um) {
+    DepthFindings last;
+    for (int i = 0; i < ticks; ++i) last = at(depth_um);
+    return last;
+  }
+};
+
+TEST(BrakeMonitor, ALockedNeedleIsNoWrongSensorAtZeroVolts) {
+  verifies("R-02", "R-21", "R-54");
+  LockedBench bench;
+  bench.lock();
+  bench.seen.measurement.command_mV = 0;
+  bench.zero_volts = true;
+  const DepthFindings found = bench.stay(60'000, 2'030);
+  EXPECT_EQ(found.found, 0U) << "0 V explains no depth, and the needle need not be back";
+  EXPECT_TRUE(found.locked);
+  EXPECT_TRUE(found.still);
+  bench.seen.measurement.brake_on = false;
+  EXPECT_NE(bench.stay(50, 2'030).found & bit(Hazard::OffsetOrScale), 0U);
+  EXPECT_NE(bench.stay(500, 2'030).found & bit(Hazard::NeedleNotBack), 0U) << "a brake that does not let go";
+}
+
+TEST(BrakeMonitor, ANeedleThatSlipsByMoreThanATenthOfAMillimetreIsNotStillAnyMore) {
+  verifies("R-54");
+  for (const std::int32_t sign : {1, -1}) {
+    LockedBench bench;
+    bench.lock();
+    EXPECT_TRUE(bench.stay(1'000, 2'000 + sign * 150).still) << "a tenth, and the noise of a mean of eight";
+    EXPECT_TRUE(bench.stay(19, 2'000 + sign * 160).still);
+    EXPECT_FALSE(bench.at(2'000 + sign * 160).still);
+    EXPECT_FALSE(bench.stay(1'000, 2'000).still) << "the image shows it elsewhere, wherever it is now";
+    EXPECT_TRUE(bench.stay(1, 2'000).locked);
+    bench.seen.measurement.brake_on = false;
+    bench.stay(10, 1'000);
+    bench.lock();
+    EXPECT_TRUE(bench.stay(30, 1'000).still) << "taken anew, elsewhere";
+  }
+}
+
+TEST(BrakeMonitor, ANeedleIsLockedForThreeMinutesAtMostAndOnlyInActiveOrHold) {
+  verifies("R-54");
+  LockedBench bench;
+  bench.lock();
+  EXPECT_TRUE(bench.stay(limits::kLockedMax_ms - 1, 2'000).still);
+  EXPECT_FALSE(bench.at(2'000).still);
+  for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold,
+                          Mode::Retract, Mode::Trip, Mode::Lock}) {
+    LockedBench elsewhere;
+    elsewhere.lock();
+    elsewhere.seen.permit.mode = mode;
+    EXPECT_EQ(elsewhere.at(2'000).locked, mode == Mode::Active || mode == Mode::Hold) << name_of(mode);
+  }
+}
+
+TEST(BrakeMonitor, ABlindLaserSeesNothingStill) {
+  verifies("R-54");
+  LockedBench bench;
+  bench.lock();
+  EXPECT_TRUE(bench.stay(100, 2'000).still);
+  bench.seen.measurement.laser_valid = false;
+  EXPECT_FALSE(bench.stay(3, 2'000).still);
+}
+
+TEST(BrakeMonitor, ALockedNeedleIsLetGoUnderNoMoreThanHeldItBefore) {
+  verifies("R-54");
+  for (const std::int32_t sign : {1, -1}) {
+    VoltageBench bench;
+    bench.seen.permit.brake = true;
+    for (int i = 0; i < 2'000; ++i) bench.ceiling_mV(sign * 3'500'000);
+    EXPECT_GT(bench.ceiling_mV(sign * 3'500'000), 3'500'000);
+    bench.seen.measurement.brake_on = true;
+    EXPECT_EQ(bench.ceiling_mV(sign * 3'500'000), 3'500'000);
+    for (int i = 0; i < 60'000; ++i) bench.ceiling_mV(0);
+    EXPECT_EQ(bench.ceiling_mV(0), 1'095'000) << "from rest as ever";
+    for (int i = 0; i < 5'000; ++i) bench.ceiling_mV(bench.monitor.ceiling_mV);
+    EXPECT_EQ(bench.monitor.ceiling_mV, 3'500'000);
+    bench.seen.measurement.brake_on = false;
+    EXPECT_GT(bench.ceiling_mV(3'500'000), 3'500'000);
+  }
+  VoltageBench beyond;
+  beyond.seen.permit.brake = beyond.seen.measurement.brake_on = true;
+  beyond.monitor.pull_V2 = 64'000'000;
+  EXPECT_EQ(beyond.ceiling_mV(20'000'000), 8'000'000) << "whatever is measured";
+}
+
+TEST(BrakeMonitor, ABrakeThatIsOnWithoutPermissionIsADriverThatDisobeys) {
+  verifies("R-09", "R-54");
+  VoltageBench bench;
+  bench.seen.measurement.brake_on = true;
+  bench.sample(0, 0), bench.sample(0, 0);
+  EXPECT_FALSE(bench.names(Hazard::DriverDisobeys));
+  bench.sample(0, 0);
+  EXPECT_TRUE(bench.names(Hazard::DriverDisobeys));
+  VoltageBench permitted;
+  permitted.seen.permit.brake = true;
+  for (int i = 0; i < 10; ++i) permitted.sample(0, 0);
+  EXPECT_FALSE(permitted.names(Hazard::DriverDisobeys)) << "nor need it be on";
+}
+
+TEST(BrakeMonitor, TheDriveSaysNothingAboutTheTissueOfALockedNeedle) {
+  verifies("R-32", "R-54");
+  TissueMonitor monitor;
+  Measurement m;
+  m.depth_um = 2'000;
+  EXPECT_GT(tissue_residual_um(three_step_plan(), monitor, m), 0);
+  m.brake_on = true;
+  EXPECT_EQ(tissue_residual_um(three_step_plan(), monitor, m), 0);
+}
+
+// The whole of the evidence, around a stage that behaves.
+TEST(BrakeMonitor, AnImageOfANeedleThatSlippedIsFlagged) {
+  verifies("R-49", "R-54");
+  Rig rig;
+  ASSERT_TRUE(rig.go_to(Mode::Hold));
+  bool brake = false;
+  std::int32_t slip_um = 0;
+  const std::int32_t there_um = rig.measurement.depth_um;
+  rig.on_measurement = [&](Measurement& m) {
+    m.brake_on = brake;
+    if (brake) m.depth_um = m.laser_code = there_um + slip_um + static_cast<std::int32_t>(m.seq % 3);
+  };
+  rig.on_observation = [](SupervisorInputs& s) { s.acquiring = true, s.permit.brake = true; };
+  brake = true;
+  rig.run(20);
+  rig.wanted_mV = 0;
+  rig.run(200);
+  EXPECT_TRUE(rig.evidence.locked && rig.evidence.still);
+  EXPECT_FALSE(rig.evidence.image_disturbed);
+  slip_um = -200;
+  rig.run(60);
+  EXPECT_TRUE(rig.evidence.locked && !rig.evidence.still);
+  EXPECT_TRUE(rig.evidence.image_disturbed);
+}
+
+TEST(BrakeMonitor, OnlyANeedleWithoutVoltageIsStill) {
+  verifies("R-54");
+  Rig rig;
+  ASSERT_TRUE(rig.go_to(Mode::Hold));
+  rig.on_measurement = [](Measurement& m) { m.brake_on = true; };
+  rig.on_observation = [](SupervisorInputs& s) { s.permit.brake = true; };
+  rig.run(50);
+  EXPECT_TRUE(rig.evidence.locked);
+  EXPECT_FALSE(rig.evidence.still);
+}
+
+}  // namespace
+}  // namespace biopsy::safety
