@@ -80,7 +80,7 @@ std::size_t lockstep_run(const Biopsy& biopsy, std::uint64_t seed, Record* recor
   sim::SimulatedStage stage(biopsy.model, seed);
   const std::uint64_t tag = planner::plan_tag(biopsy.plan);
   robot::SimulatedRobot lockstep(biopsy.plan, biopsy.facts, stage, {tag, tag});
-  robot::Operator person(biopsy.plan);
+  robot::Operator person(biopsy.plan, robot::kFastScan);
   robot::CycleRecord tick;
   std::int64_t k = 0;
   for (; k < 120'000 && !person.done(); ++k) {

@@ -11,7 +11,7 @@ constexpr std::int64_t kMoving_ticks = 300;
 }  // namespace
 
 Motion move(robot::LiveSession& session, const Plan& plan, std::int64_t ticks) {
-  robot::Operator person(plan);
+  robot::Operator person(plan, robot::kFastScan);
   robot::CycleRecord seen;
   std::int64_t moved = 0;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {

@@ -31,7 +31,7 @@ void BreakableStage::write(const safety::GatedVoltage& voltage) {
   const double volts =
       corruptors_.amplifier ? corruptors_.amplifier(asked_V, asked_.hv_enabled(), closed) : asked_V * closed;
   sound_.push(corruptors_.push_N ? corruptors_.push_N(truth().motion) : 0.0);
-  sound_.put_out(volts);
+  sound_.put_out(volts, asked_.brake_on() && closed);
 }
 
 void BreakableStage::pulse_from_supervisor() {
@@ -42,7 +42,7 @@ Procedure::Procedure(const Scenario& scenario)
     : scenario_(scenario),
       stage_(scenario, corruptors_),
       supervised_(scenario.plan, scenario.facts, stage_, {scenario.facts.plan_tag, scenario.facts.plan_tag}),
-      operator_(scenario.plan) {
+      operator_(scenario.plan, scenario.scan) {
   supervised_.wrap(*this);
   robot::load_plan(scenario.plan, controller_);
 }
@@ -54,15 +54,19 @@ TickRecord Procedure::tick() {
   robot::Environment environment = robot::Environment::healthy();
   if (operator_.wants_verdict()) operator_.judge(DepthVerdict::Accept, "");
   if (corruptors_.world) corruptors_.world(world);
+  inputs_ = world;
   if (corruptors_.environment) corruptors_.environment(environment);
-  last_ = supervised_.run(
-      world, environment, [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
-        DriveRequest request = robot::control(
-            {.measurement = measured, .permit = decided.permit, .step = decided.step, .finish = world.finish},
-            controller_);
-        if (corruptors_.request) corruptors_.request(request);
-        return request;
-      });
+  last_ = supervised_.run(world, environment,
+                          [&](const Measurement& measured, const safety::SupervisorOutput& decided) {
+                            DriveRequest request = robot::control({.measurement = measured,
+                                                                   .permit = decided.permit,
+                                                                   .step = decided.step,
+                                                                   .finish = world.finish,
+                                                                   .hold_still = world.hold_still},
+                                                                  controller_);
+                            if (corruptors_.request) corruptors_.request(request);
+                            return request;
+                          });
   operator_.observe(last_);
   if (last_.supervisor.interlock_pulse) stage_.pulse_from_supervisor();
   line_.mode = last_.supervisor.permit.mode;

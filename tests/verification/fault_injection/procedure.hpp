@@ -68,6 +68,7 @@ class Procedure final : private robot::FaultHooks {
   bool over() const { return operator_.done(); }
   const robot::Operator& simulated_operator() const { return operator_; }
   const robot::CycleRecord& last() const { return last_; }
+  const robot::OperatorInputs& inputs() const { return inputs_; }  // of the last tick
   const Scenario& scenario() const { return scenario_; }
   safety::PlanFacts& facts() { return supervised_.plan_facts(); }  // the supervisor's memory of the plan
 
@@ -83,6 +84,7 @@ class Procedure final : private robot::FaultHooks {
   robot::ControllerMemory controller_;
   robot::Operator operator_;
   robot::CycleRecord last_;
+  robot::OperatorInputs inputs_;
   std::int32_t switched_from_mV_ = 0;
   Observer observer_;
   safety::SupervisorInputs seen_;  // of this tick, for the observer

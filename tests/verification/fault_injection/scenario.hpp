@@ -6,6 +6,7 @@
 
 #include "planner/plan/nominal_stage.hpp"
 #include "robot/msg/plan.hpp"
+#include "robot/procedure/operator.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "sim/plant/plant_model.hpp"
 #include "sim/tissue/tissue.hpp"
@@ -26,6 +27,7 @@ struct Scenario {
   safety::PlanFacts facts;
   sim::PlantModel plant;
   std::uint64_t noise_seed = 1;
+  Seconds scan = robot::kFastScan;  // that an image takes
 };
 
 Scenario draw_scenario(const NominalModels& models, std::uint64_t seed);
