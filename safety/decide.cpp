@@ -60,17 +60,22 @@ Event event_in_boot(const TransitionInputs& t) {
   return Event::None;
 }
 
+// Friction may hold a needle short of its place: a patient's is drawn back by hand before it is ready again.
+bool is_needle_back(const TransitionInputs& t) {
+  return t.evidence.needle_back || !is_for_patient(t.plan);
+}
+
 Event event_in_safe(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (!t.evidence.zero_volts) return Event::VoltagePresent;
-  if (t.stop == StopCategory::None) return Event::Healthy;
+  if (t.stop == StopCategory::None && is_needle_back(t)) return Event::Healthy;
   return Event::None;
 }
 
 Event event_in_ready(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (!t.evidence.zero_volts) return Event::VoltagePresent;
-  if (t.hazards != 0) return Event::Unhealthy;
+  if (t.hazards != 0 || !is_needle_back(t)) return Event::Unhealthy;
   if (t.stop != StopCategory::None) return Event::Stop;
   if (t.arm_edge) return Event::Arm;
   return Event::None;
@@ -129,6 +134,7 @@ Event event_in_trip(const TransitionInputs& t) {
 
 Refusal refusal_to_arm(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
+  if (t.state.mode == Mode::Safe && !is_needle_back(t)) return Refusal::NeedleOut;
   if (t.state.mode != Mode::Ready) return Refusal::NotReady;
   return Refusal::VoltageLeft;  // in this very tick: else it would be armed
 }

@@ -32,6 +32,9 @@ class SimulatedStage final : public drivers::NeedleStage {
   // Force down on plate A from the next write() on, N: a hand or a weight on the bench, without its inertia.
   void push(double force_N) { push_N_ = force_N; }
 
+  // A person has plate A in the hand, at x (m), and lets go.
+  void place(double x_m) { set_state(model_, state_, x_m, 0.0); }
+
   // True state, for reports and the simulated scanner.
   const PlantState& truth() const { return state_; }
   const PlantModel& model() const { return model_; }

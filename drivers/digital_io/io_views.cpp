@@ -84,11 +84,14 @@ RelayReading IoReader::relay() const {
   return reading;
 }
 
-std::int32_t IoReader::load_voltage_seen_mV(std::int64_t now_ns) const {
+bool IoReader::is_supplied(std::int64_t now_ns) const {
   const RelayReading seen = relay();
   const bool alive = std::abs(now_ns - seen.ticked_ns) / 1'000 < safety::kInterlock_us;
-  const ConverterOutput output = converter();
-  return alive && seen.output.closed && output.hv_enabled ? output.mV : 0;
+  return alive && seen.output.closed && converter().hv_enabled;
+}
+
+std::int32_t IoReader::load_voltage_seen_mV(std::int64_t now_ns) const {
+  return is_supplied(now_ns) ? converter().mV : 0;
 }
 
 }  // namespace biopsy::digital_io

@@ -77,9 +77,11 @@ class IoReader {
   PanelLevels panel() const;
   RelayReading relay() const;
 
-  // The voltage on the stack at `now_ns`: the converter's present value while the relay is closed and HV
-  // enabled, else 0. A relay whose last tick is not within kInterlock_us of `now_ns` (on either side: it may
-  // have ticked since) counts as open, as a real one does that loses its supply.
+  // Whether amplifier and brake are supplied at `now_ns`: the relay is closed and HV enabled. A relay whose
+  // last tick is not within kInterlock_us of `now_ns` (on either side: it may have ticked since) counts as
+  // open, as a real one does that loses its supply.
+  bool is_supplied(std::int64_t now_ns) const;
+  // The voltage on the stack then: the converter's present value, or 0.
   std::int32_t load_voltage_seen_mV(std::int64_t now_ns) const;
 
  private:

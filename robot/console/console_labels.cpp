@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdlib>
 
 #include "safety/types/hazards.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -110,6 +112,11 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) 
       if (supervisor.worst != Hazard::None && !waits_for_plan(supervisor.worst))
         alarms.push_back(alarm(Severity::Notice, code_of(supervisor.worst), sentence(supervisor.worst),
                                "Not ready.", what_to_do(supervisor.worst)));
+      else if (std::abs(tick.measurement.depth_um) > limits::kBack_um && tick.measurement.laser_valid)
+        alarms.push_back(alarm(
+            Severity::Notice, "E-123",
+            fmt::format("The needle is {:.2f} mm from where it waits.", tick.measurement.depth_um * 1e-3),
+            "Not ready.", "Draw the stage back along its guide by hand."));
       break;
     case Mode::Ready:
     case Mode::Armed:

@@ -129,6 +129,7 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorI
   if (monitor.dropout_ticks >= kDropout_ticks) monitor.history.fill(depth_um);
   monitor.history.push(depth_um);
   monitor.needle_home = depth_um < limits::kReturned_um;
+  monitor.needle_back = std::abs(monitor.history.mean_um()) <= limits::kBack_um;
   const bool locked = is_locked(seen);
   watch_brake(monitor, locked);
   monitor.not_back_ticks =
@@ -188,11 +189,14 @@ DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Supervi
     monitor.dropout_ticks = debounced(monitor.dropout_ticks, !m.laser_valid, kDropout_ticks);
   }
   const bool dropout = monitor.dropout_ticks >= kDropout_ticks;
-  const bool locked = is_locked(seen);
-  const bool still =
-      locked && !dropout && monitor.slip_ticks < kSlip_ticks && monitor.locked_ticks < limits::kLockedMax_ms;
-  return {monitor.found | when(dropout, Hazard::LaserDropout), monitor.needle_home && !dropout, locked,
-          still};
+  DepthFindings findings;
+  findings.found = monitor.found | when(dropout, Hazard::LaserDropout);
+  findings.needle_home = monitor.needle_home && !dropout;
+  findings.needle_back = monitor.needle_back && !dropout;
+  findings.locked = is_locked(seen);
+  findings.still = findings.locked && !dropout && monitor.slip_ticks < kSlip_ticks &&
+                   monitor.locked_ticks < limits::kLockedMax_ms;
+  return findings;
 }
 
 }  // namespace biopsy::safety

@@ -46,7 +46,7 @@ struct DriveWindow {
 
 struct DepthMonitor {
   HazardSet found = 0;  // of the depth; stands until the next valid one
-  bool needle_home = false;
+  bool needle_home = false, needle_back = false;
   DepthHistory history;
   DriveWindow window;
   DepthRange range;  // plausible at range_low/high_mV, to look it up only on change
@@ -65,7 +65,7 @@ struct DepthMonitor {
 
 struct DepthFindings {
   HazardSet found = 0;
-  bool needle_home = false;
+  bool needle_home = false, needle_back = false;
   bool locked = false;  // by the brake
   bool still = false;   // and where it was when the brake took it, for no longer than kLockedMax_ms
 };

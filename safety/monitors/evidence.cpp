@@ -12,6 +12,7 @@ Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorI
   evidence.clear = ~(link.found | drive.found | depth.found | agreement) & kAllHazards;
   evidence.zero_volts = drive.zero_volts;
   evidence.needle_home = depth.needle_home;
+  evidence.needle_back = depth.needle_back;
   evidence.locked = depth.locked;
   evidence.still = depth.still && drive.zero_volts;
   evidence.image_disturbed = drive.image_disturbed || (seen.acquiring && depth.locked && !depth.still);

@@ -27,6 +27,7 @@ struct Evidence {
   HazardSet clear = 0;          // bit set: this hazard was looked for and is absent
   bool zero_volts = false;      // command and monitor below 100 V, three ticks in a row
   bool needle_home = false;     // depth measured and below 1 mm
+  bool needle_back = false;     // and within 0.1 mm of where it waits
   bool image_disturbed = true;  // the drive switched while an image was taken: flag the image
   bool locked = false;          // the brake has the needle
   bool still = false;           // and it has not moved, for no longer than it may last, at 0 V

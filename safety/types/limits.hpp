@@ -21,6 +21,8 @@ inline constexpr std::int32_t kStroke_um = 12'000;  // paper IV: 11 pouches lift
 inline constexpr std::int32_t kDepthMargin_um = 1'000;  // plan margin: 50 ms at 20 mm/s
 inline constexpr std::int32_t kDepthHard_um = 2'000;    // never further beyond the plan than this
 inline constexpr std::int32_t kReturned_um = 1'000;     // needle counts as withdrawn below this depth
+// And is back below this: only then a plan for a patient becomes ready.
+inline constexpr std::int32_t kBack_um = 100;
 inline constexpr std::int32_t kStill_um = 100;  // an image may be blurred by so much: a tenth of a voxel
 // Time
 // ------------------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ inline std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, 
 inline Situation healthy() {
   Situation input;
   input.now_us = 123'456;
-  input.evidence = {kAllHazards, true, true, false, false, false, 5'000'000, 8'000'000};
+  input.evidence = {kAllHazards, true, true, true, false, false, false, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
   return input;
 }

@@ -26,7 +26,7 @@ void SimulatedNeedleStage::write(const safety::GatedVoltage& voltage) {
   const std::int64_t elapsed = written_ns_ == 0 ? 1 : (now_ns - written_ns_ + kTick_ns / 2) / kTick_ns;
   const std::int64_t ticks = std::clamp<std::int64_t>(elapsed, 0, kCatchUp_ticks);
   written_ns_ = written_ns_ == 0 || ticks == kCatchUp_ticks ? now_ns : written_ns_ + ticks * kTick_ns;
-  const bool on = relay_.load_voltage_seen_mV(now_ns) != 0;
+  const bool on = relay_.is_supplied(now_ns);
   for (std::int64_t tick = 0; tick < ticks; ++tick) stage_.write(on ? voltage : safety::GatedVoltage::off());
 }
 

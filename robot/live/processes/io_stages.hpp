@@ -9,7 +9,7 @@
 namespace biopsy::robot {
 
 // The simulated stage in real time: one write() advances the plant by the milliseconds that went by since the
-// last. Its converter is the shared output; the stack gets that voltage through the interlock's relay only.
+// last. Its converter is the shared output; stack and brake get what the interlock's relay lets through.
 class SimulatedNeedleStage final : public drivers::NeedleStage {
  public:
   // `stage`: the plant, or what stands between it and its sensors.

@@ -7,6 +7,7 @@
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/stage_loop.hpp"
 #include "robot/procedure/rehearsed_plant.hpp"
+#include "sim/draw_back.hpp"
 #include "sim/faults/fault_file.hpp"
 #include "sim/faults/faulty_stage.hpp"
 
@@ -49,7 +50,9 @@ void run_simulated(live::LiveProcess& process, digital_io::StageIo& io) {
   robot::SimulatedNeedleStage stage(faulty, io, relay);
   live::StageLoop loop(process.bus(), stage, io, process.config_tag());
   transport::Writer<StageTruth> truths(process.bus());
+  sim::DrawBack person;
   run(process, loop, [&] {
+    person.tick(simulated, loop.measured().hv_enabled);
     const sim::PlantState& state = simulated.truth();
     truths.write({.seq = loop.measured().seq,
                   .tip_nm = nanometres(state.motion.x),

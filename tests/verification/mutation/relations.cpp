@@ -117,6 +117,7 @@ Situation input_of(Dice& dice, const SupervisorState& state) {
   const bool driven = state.mode == Mode::Active || state.mode == Mode::Hold || state.mode == Mode::Retract;
   input.evidence.zero_volts = driven ? dice.one_in(40) : !dice.one_in(40);
   input.evidence.needle_home = !dice.one_in(5);
+  input.evidence.needle_back = !dice.one_in(5);
   input.evidence.image_disturbed = dice.one_in(5);
   input.evidence.locked = dice.one_in(3);
   input.evidence.still = dice.one_in(3);
@@ -302,8 +303,9 @@ void hash_evidence(Hash& hash) {
     for (int i = 0; i < 25'000; ++i) {
       course.tick();
       const Evidence evidence = assess(course.plan(), course.memory(), course.seen());
-      hash.add(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.image_disturbed,
-               evidence.locked, evidence.still, evidence.drive_mV, evidence.ceiling_mV);
+      hash.add(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.needle_back,
+               evidence.image_disturbed, evidence.locked, evidence.still, evidence.drive_mV,
+               evidence.ceiling_mV);
       Measurement sane = course.seen().measurement;
       sane.command_mV %= 10'000'000, sane.depth_um %= 1'000'000;
       hash.add(tissue_residual_um(course.plan(), tissue, sane));

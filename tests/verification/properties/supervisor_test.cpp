@@ -60,7 +60,7 @@ RC_GTEST_PROP(Supervisor, AStopThatDoesNotExistStopsAsTheStrongest, ()) {
   safety::SupervisorState state = safety::started(1);
   state.mode = *rc::gen::element(Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract);
   safety::Situation input;
-  input.evidence = {kAllHazards, true, true, false, 0};
+  input.evidence = {kAllHazards, true, true, true, false, false, false, 0};
   input.stop = static_cast<StopCategory>(*rc::gen::inRange(3, 256));
   const auto [next, output] = safety::step(safety::three_step_plan(), state, input);
   RC_ASSERT(next.mode == Mode::Trip);

@@ -66,6 +66,11 @@ constexpr SeededBug kBugs[] = {
      "supervisor.cpp", "if (next.mode == Mode::Trip || next.mode == Mode::Lock) ++next.epoch;",
      "if (next.mode == Mode::Lock) ++next.epoch;"},
     // Image and brake
+    {"ready-with-the-needle-out", "A needle that friction holds out is no reason not to be ready.",
+     Part::Supervisor, "decide.cpp", "t.stop == StopCategory::None && is_needle_back(t)",
+     "t.stop == StopCategory::None"},
+    {"stays-ready-with-the-needle-out", "A needle pulled out in Ready stays unnoticed.", Part::Supervisor,
+     "decide.cpp", "t.hazards != 0 || !is_needle_back(t)", "t.hazards != 0"},
     {"image-ignored", "A press goes on from Hold while an image is taken.", Part::Supervisor, "decide.cpp",
      "  if (t.input.acquiring) return Refusal::ImageRunning;  // the drive would switch in it\n", ""},
     {"image-ignored-when-armed", "The first press moves while an image is taken.", Part::Supervisor,

@@ -90,6 +90,7 @@ safety::Situation unpack(const SpinInput& packed, const safety::SupervisorState&
   input.evidence.clear = safety::kAllHazards & ~kHazard[packed.hazard];
   input.evidence.zero_volts = packed.zero != 0;
   input.evidence.needle_home = packed.home != 0;
+  input.evidence.needle_back = true;
   input.evidence.drive_mV = kHeld_mV;
   input.evidence.ceiling_mV = 8'000'000;
   input.self_test = static_cast<safety::SelfTest>(packed.self_test);

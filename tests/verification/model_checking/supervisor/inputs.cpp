@@ -105,7 +105,8 @@ void InputSpace::set_sizes(Mode mode) {
             mode == Mode::Hold || mode == Mode::Armed ? 2U : 1U,
             mode == Mode::Hold     ? 3U
             : mode == Mode::Active ? 2U
-                                   : 1U};
+                                   : 1U,
+            mode == Mode::Safe || mode == Mode::Ready ? 2U : 1U};
 }
 
 void InputSpace::set_worse(Mode mode) {
@@ -116,7 +117,7 @@ void InputSpace::set_worse(Mode mode) {
   of(Dimension::Stop) = {{0, 1}, {1, 2}, {2, 3}};
   of(Dimension::Motion) = worse_motions(mode);
   for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey, Dimension::SelfTest,
-                            Dimension::NeedleHome, Dimension::Image, Dimension::Brake})
+                            Dimension::NeedleHome, Dimension::Image, Dimension::Brake, Dimension::NeedleBack})
     of(d) = chain_down(size_of(d));
   of(Dimension::Drive) = size_of(Dimension::Drive) == 4
                              ? std::vector<Worsening>{{3, 1}, {3, 2}, {1, 0}, {2, 0}}
@@ -192,6 +193,9 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
     case Dimension::Brake:
       input.evidence.locked = value != 0;
       input.evidence.still = value == 2;
+      break;
+    case Dimension::NeedleBack:
+      input.evidence.needle_back = forgotten || value == 1;
       break;
   }
 }

@@ -31,8 +31,9 @@ enum class Dimension : std::uint8_t {
   Network,  // {arm} x {reset} asked over it
   Image,    // being taken, not
   Brake,    // off, on, on with the needle still
+  NeedleBack,
 };
-inline constexpr std::size_t kDimensions = 14;
+inline constexpr std::size_t kDimensions = 15;
 using Digits = std::array<std::uint8_t, kDimensions>;
 
 enum class Grain : std::uint8_t {

@@ -267,6 +267,15 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        return Finding{s.stays(Mode::Hold) && !s.input.evidence.still, s.after.ticks_in_mode < kHold_ms};
      }},
+    {"ready-needs-the-needle-back",
+     "With a patient Ready is entered, kept and left for Armed with the needle back only.",
+     [](const Step& s) {
+       const bool patient = s.plan.bench_half_period_ticks <= 0;
+       return Finding{
+           patient && (s.after.mode == Mode::Ready && (s.before.mode == Mode::Safe || s.stays(Mode::Ready)) ||
+                       s.enters(Mode::Armed)),
+           s.input.evidence.needle_back};
+     }},
     {"image-waits", "No motion begins while an image is taken.",
      [](const Step& s) {
        return Finding{s.enters(Mode::Active), !s.input.acquiring};

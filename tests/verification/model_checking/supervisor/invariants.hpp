@@ -40,7 +40,7 @@ struct Invariant {
   Finding (*check)(const Step&);
 };
 
-inline constexpr std::size_t kInvariants = 51;
+inline constexpr std::size_t kInvariants = 52;
 extern const std::array<Invariant, kInvariants> kInvariantTable;
 
 // Bit i: invariant i said something, invariant i is broken.

@@ -1,0 +1,60 @@
+// Friction may leave the needle short of its place at 0 V: it is called back only when it is measured there.
+#include <gtest/gtest.h>
+
+#include "tests/safety/monitor_bench.hpp"
+#include "tests/safety/situation.hpp"
+#include "tests/safety/verifies.hpp"
+
+namespace biopsy::safety {
+namespace {
+
+TEST(Supervisor, IsReadyWithAPatientOnlyWithTheNeedleBack) {
+  verifies("R-55");
+  for (const bool bench : {false, true})
+    for (const bool back : {false, true}) {
+      Moment safe(Mode::Safe), ready(Mode::Ready);
+      for (Moment* moment : {&safe, &ready}) {
+        if (bench) moment->plan.bench_half_period_ticks = 250;
+        moment->input.evidence.needle_back = back;
+      }
+      EXPECT_EQ(safe.mode(), back || bench ? Mode::Ready : Mode::Safe);
+      EXPECT_EQ(ready.mode(), back || bench ? Mode::Ready : Mode::Safe);
+      ready.input.local_arm = true;
+      EXPECT_EQ(ready.mode(), back || bench ? Mode::Armed : Mode::Safe);
+      safe.input.local_arm = true;
+      if (!back && !bench) EXPECT_EQ(safe.refusal(), Refusal::NeedleOut);
+    }
+}
+
+TEST(DepthMonitor, NeedleIsBackWithinATenthOfAMillimetreEitherWayAndSeen) {
+  verifies("R-55");
+  for (const std::int32_t sign : {1, -1}) {
+    DepthBench bench;
+    const auto back = [&](std::int32_t depth_um) {
+      bench.samples(8, sign * depth_um);
+      return update(bench.plan, bench.monitor, bench.seen, true, bench.zero_volts).needle_back;
+    };
+    EXPECT_TRUE(back(100));
+    EXPECT_FALSE(back(102));
+    EXPECT_TRUE(back(0));
+    bench.seen.measurement.laser_valid = false;
+    bool blind = true;
+    for (int i = 0; i < 3; ++i) blind = update(bench.plan, bench.monitor, bench.seen, true, true).needle_back;
+    EXPECT_FALSE(blind);
+  }
+}
+
+// 27 um of noise and nothing else must not make a ready robot unready: half an hour.
+TEST(DepthMonitor, NoiseOfTheLaserDoesNotMoveANeedleAway) {
+  verifies("R-55");
+  DepthBench bench;
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 27.0);
+  for (int i = 0; i < 1'800'000; ++i) {
+    bench.sample(static_cast<std::int32_t>(std::lround(noise(random))));
+    ASSERT_TRUE(bench.monitor.needle_back || i < 8) << i;
+  }
+}
+
+}  // namespace
+}  // namespace biopsy::safety
