@@ -28,6 +28,11 @@ constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to with
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
 constexpr std::size_t kRunMax_ticks = 600'000;       // as long as any procedure may take
 
+std::int64_t hold_limit_us(const CycleRecord& seen) {
+  const std::int32_t most_ms = seen.measurement.brake_on ? limits::kLockedMax_ms : limits::kHoldMax_ms;
+  return std::int64_t{most_ms} * 1'000;
+}
+
 double seconds_left(std::int64_t since_us, std::int64_t lasts_us, std::int64_t now_us) {
   return static_cast<double>(std::max<std::int64_t>(since_us + lasts_us - now_us, 0)) * 1e-6;
 }
@@ -308,7 +313,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.ticks = ticks_;
   const Mode mode = supervisor.permit.mode;
   if (mode == Mode::Hold)
-    state.hold_left = seconds_left(mode_since_us_, std::int64_t{limits::kHoldMax_ms} * 1'000, now_us);
+    state.hold_left = seconds_left(mode_since_us_, hold_limit_us(seen_), now_us);
   if (mode == Mode::Armed)
     state.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
   if (all_ticked() && !hv_permitted()) state.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);

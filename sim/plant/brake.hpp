@@ -13,6 +13,8 @@ struct Brake {
   double damping = 0.0;    // N s/m
   double engage_s = 0.0;   // from the command until it grips
   double release_s = 0.0;  // until it has let go
+
+  bool operator==(const Brake&) const = default;
 };
 
 // What a brake that grips does to plate A; without stiffness: nothing.

@@ -12,7 +12,7 @@ class DrivenStage {
   explicit DrivenStage(drivers::NeedleStage& stage) : stage_(stage, 0) { tick(0, false); }
 
   // One tick: reads, then writes the requested voltage through the gate.
-  Measurement tick(std::int32_t wanted_mV, bool enabled = true) {
+  Measurement tick(std::int32_t wanted_mV, bool enabled = true, bool brake = false) {
     const Measurement measured = stage_.measure();
     now_us_ += 1'000;
     Permit permit;
@@ -24,7 +24,8 @@ class DrivenStage {
     permit.stop = enabled ? StopCategory::None : StopCategory::C0Off;
     permit.v_max_mV = 8'000'000;
     permit.slew_up_mV_per_tick = 400'000;
-    const DriveRequest request{.seq = seq_, .wanted_mV = wanted_mV};
+    permit.brake = true;
+    const DriveRequest request{.seq = seq_, .wanted_mV = wanted_mV, .brake = brake};
     stage_.drive(&request, &permit, now_us_, 1);
     return measured;
   }

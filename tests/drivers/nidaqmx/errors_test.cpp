@@ -54,6 +54,33 @@ TEST_F(NidaqmxErrors, HealthyTicksFeedTheInterlock) {
   EXPECT_EQ(board_.lines & 0b10U, 0b10U) << "enabled";
 }
 
+TEST(NidaqmxBrake, IsALineOfTheBoardThatIsHighWhileTheNeedleIsLockedAndTheDriveEnabled) {
+  fake::Board& board = *fake_reset();
+  Config config = laboratory();
+  config.interlock.brake_line = 2;
+  NidaqmxStage stage(config, fake_now_us);
+  DrivenStage driven(stage);
+  EXPECT_TRUE(driven.tick(2'000'000).brake_fitted);
+  EXPECT_EQ(board.lines & 0b100U, 0U);
+  driven.tick(2'000'000, true, true);
+  EXPECT_EQ(board.lines & 0b100U, 0b100U);
+  EXPECT_TRUE(driven.tick(2'000'000, true, false).brake_on);
+  EXPECT_EQ(board.lines & 0b100U, 0U);
+  driven.tick(0, false, true);
+  EXPECT_EQ(board.lines & 0b110U, 0U) << "neither enabled nor locked";
+  driven.tick(0, true, true);
+  fake_fail("DAQmxWriteAnalogScalarF64", -200088, 1);
+  driven.tick(0, true, true);
+  EXPECT_EQ(board.lines & 0b110U, 0U) << "stopped for good: it lets go";
+}
+
+TEST(NidaqmxBrake, AStageWithoutTheLineHasNone) {
+  fake_reset();
+  NidaqmxStage stage(laboratory(), fake_now_us);
+  DrivenStage driven(stage);
+  EXPECT_FALSE(driven.tick(2'000'000).brake_fitted);
+}
+
 TEST_F(NidaqmxErrors, ReadingThatTimesOutIsNotRenewedAndTheNextOneIs) {
   for (const Status late : {-200284, -200279, -200278}) {
     const drivers::SensorReading before = stage_.read();

@@ -18,6 +18,8 @@ class DelayedRobot {
   DelayedRobot(std::uint32_t steps, std::size_t delay)
       : steps_(steps), on_the_way_(delay, OperatorInputs::idle()) {}
 
+  bool brake_fitted = false;
+
   CycleRecord tick(const OperatorInputs& inputs) {
     on_the_way_.push_back(inputs);
     const OperatorInputs now = on_the_way_.front();
@@ -36,6 +38,11 @@ class DelayedRobot {
     record.supervisor.permit.mode = mode_;
     record.supervisor.step = step_;
     record.supervisor.step_done = done_;
+    record.measurement.brake_fitted = brake_fitted;
+    record.measurement.brake_on = brake_fitted && mode_ == Mode::Hold && (now.hold_still || locked_);
+    locked_ = record.measurement.brake_on;
+    unloading_ = locked_ ? unloading_ + 1 : 0;
+    record.drive_mV = mode_ == Mode::Hold && unloading_ < 350 ? 3'000'000 : 0;
     return record;
   }
 
@@ -49,8 +56,8 @@ class DelayedRobot {
   std::deque<OperatorInputs> on_the_way_;
   Mode mode_ = Mode::Boot;
   std::uint32_t step_ = 0, token_ = 0;
-  int moving_ = 0;
-  bool done_ = false;
+  int moving_ = 0, unloading_ = 0;
+  bool done_ = false, locked_ = false;
 };
 
 struct Procedure {
@@ -65,7 +72,7 @@ Procedure rehearse(std::uint32_t steps, std::size_t delay, std::size_t queued,
   Plan plan;
   plan.steps.resize(steps);
   for (InsertionStep& step : plan.steps) step.image_confirms = true;
-  Operator script(plan);
+  Operator script(plan, kFastScan);
   DelayedRobot robot(steps, delay);
   std::deque<CycleRecord> waiting;
   Procedure procedure;
@@ -102,6 +109,41 @@ TEST(Operator, TakesOneImageOfEachStepHoweverLateTicksAre) {
         ASSERT_EQ(procedure.images.size(), steps);
         for (const auto& [step, images] : procedure.images) EXPECT_EQ(images, 1) << "step " << step;
       }
+}
+
+// Of a stage with a brake: when the image began and how long it took, in ticks.
+TEST(Operator, TakesTheImageOfALockedNeedleOnceItIsQuietAndForAsLongAsTheScannerTakes) {
+  Plan plan;
+  plan.steps.resize(2);
+  for (InsertionStep& step : plan.steps) step.image_confirms = true;
+  for (const double scan_s : {2.0, 60.0}) {
+    Operator script(plan, Seconds(scan_s));
+    DelayedRobot robot(2, 7);
+    robot.brake_fitted = true;
+    CycleRecord seen;
+    int images = 0;
+    std::int64_t begun = 0;
+    bool before = false;
+    for (std::int64_t number = 0; number < 300'000 && !script.done(); ++number) {
+      const OperatorInputs inputs = script.act(seen, number);
+      if (inputs.acquiring && !before) {
+        begun = number;
+        EXPECT_TRUE(is_quiet(seen));
+      }
+      if (inputs.acquiring) EXPECT_TRUE(inputs.hold_still && seen.drive_mV == 0);
+      before = inputs.acquiring;
+      if (script.wants_verdict()) {
+        ++images;
+        EXPECT_EQ(number - begun, static_cast<std::int64_t>(scan_s * 1e3));
+        script.judge(DepthVerdict::Accept, "");
+        before = false;
+      }
+      seen = robot.tick(inputs);
+      script.observe(seen);
+    }
+    EXPECT_TRUE(script.completed()) << script.stopped_because();
+    EXPECT_EQ(images, 2);
+  }
 }
 
 TEST(Operator, RepeatsAnUnsureImageOnce) {

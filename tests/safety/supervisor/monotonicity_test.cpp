@@ -29,6 +29,10 @@ Situation random_input(Dice& dice, const SupervisorState& state) {
   input.evidence.zero_volts =
       state.mode == Mode::Active || state.mode == Mode::Hold ? dice.one_in(2) : !dice.one_in(20);
   input.evidence.needle_home = !dice.one_in(5);
+  input.evidence.needle_back = !dice.one_in(5);
+  input.evidence.locked = dice.one_in(3);
+  input.evidence.still = input.evidence.locked && dice.one_in(2);
+  input.acquiring = dice.one_in(10);
   input.evidence.drive_mV = static_cast<std::int32_t>(dice.below(8'000'001));
   input.self_test = dice.one_in(10) ? static_cast<SelfTest>(dice.below(3)) : SelfTest::Passed;
   input.local_arm = dice.one_in(2);
@@ -51,6 +55,9 @@ constexpr Worsening kWorsenings[] = {
     [](Situation& s, Dice& dice) { s.evidence.clear &= ~bit(static_cast<Hazard>(dice.below(kHazards))); },
     [](Situation& s, Dice&) { s.evidence.zero_volts = false; },
     [](Situation& s, Dice&) { s.evidence.needle_home = false; },
+    [](Situation& s, Dice&) { s.evidence.needle_back = false; },
+    [](Situation& s, Dice&) { s.evidence.still = false; },
+    [](Situation& s, Dice&) { s.acquiring = true; },
     [](Situation& s, Dice&) {
       s.self_test = s.self_test == SelfTest::Passed ? SelfTest::Pending : SelfTest::Failed;
     },
@@ -67,7 +74,7 @@ constexpr Worsening kWorsenings[] = {
     [](Situation& s, Dice&) { s.evidence.drive_mV /= 2; },
     [](Situation& s, Dice&) { s.evidence = Evidence{}; },
 };
-constexpr unsigned kRelease = 7, kNoMotion = 8;
+constexpr unsigned kRelease = 10, kNoMotion = 11;
 
 std::int32_t rise_limit(const Permit& permit) {
   return permit.slew_up_mV_per_tick > 0 ? permit.v_max_mV : 0;

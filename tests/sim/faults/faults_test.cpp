@@ -40,6 +40,7 @@ TEST(FaultFile, RefusesWhatItCannotMean) {
                            "[[fault]]\nsignal = \"depth\"\nkind = \"lag\"\nvalue = 0\n",
                            "[[fault]]\nsignal = \"permit\"\nkind = \"scale\"\nvalue = 2\n",
                            "[[fault]]\nsignal = \"drive\"\nkind = \"other_surface\"\nvalue = 2\n",
+                           "[[fault]]\nsignal = \"brake\"\nkind = \"offset\"\nvalue = 1\n",
                            "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\nfrom_s = 3\nuntil_s = 2\n",
                            "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\nfrom = 3\n", "fault = 3\n"})
     EXPECT_THROW(parse_faults(text, "faults.toml"), ConfigError) << text;
@@ -89,6 +90,39 @@ TEST(FaultyStage, ShowsWhatTheKindSays) {
   EXPECT_LT(depth(FaultKind::Frozen, 0.0), 100);  // from the first reading on
   EXPECT_FALSE(
       after({{.signal = FaultSignal::Depth, .kind = FaultKind::Dropout, .value = 1.0}}, 10).seen.laser_valid);
+}
+
+// A locked needle at 0 V: where it is 300 ms later.
+double held_mm(const std::vector<Fault>& faults) {
+  SimulatedStage sound = calibrated_stage();
+  FaultyStage faulty(sound, faults, 1);
+  for (int k = 0; k < 2000; ++k) faulty.read(), sound.put_out(k % 500 < 250 ? 4500.0 : -4500.0);
+  const double before_mm = sound.truth().motion.x * 1e3;
+  safety::GateState gate;
+  Permit permit{.session = 1, .epoch = 1, .ttl_us = 5'000};
+  DriveRequest request{.brake = true};
+  for (int k = 0; k < 300; ++k) {
+    faulty.read();
+    ++permit.seq, ++request.seq;
+    permit.hv_enable = permit.brake = k > 0;  // the first permit of a session is off
+    permit.mode = k > 0 ? Mode::Hold : Mode::Safe;
+    const safety::GateResult result = safety::gate(gate, &request, &permit, 1'000 * (k + 1), 1);
+    gate = result.state;
+    faulty.write(result.voltage);
+  }
+  return sound.truth().motion.x * 1e3 - before_mm;
+}
+
+TEST(FaultyStage, ABrakeHoldsTheNeedleAndAFaultyOneDoesNot) {
+  EXPECT_NEAR(held_mm({}), 0.0, 0.1);
+  using enum FaultKind;
+  for (const Fault& fault : {Fault{.signal = FaultSignal::Brake, .kind = Frozen},
+                             Fault{.signal = FaultSignal::Brake, .kind = Scale, .value = 0.0},
+                             Fault{.signal = FaultSignal::Brake, .kind = Scale, .value = 0.02},
+                             Fault{.signal = FaultSignal::Brake, .kind = Dropout, .value = 1.0},
+                             Fault{.signal = FaultSignal::Brake, .kind = Lag, .value = 1000.0}})
+    EXPECT_LT(held_mm({fault}), -0.3) << name_of(fault.kind) << fault.value;
+  EXPECT_NEAR(held_mm({Fault{.signal = FaultSignal::Brake, .kind = Scale, .value = 0.5}}), 0.0, 0.1);
 }
 
 TEST(FaultyStage, BeginsAtItsDepth) {

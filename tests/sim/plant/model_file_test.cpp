@@ -102,6 +102,13 @@ INSTANTIATE_TEST_SUITE_P(
     Files, ModelFileRefuses,
     testing::Values(
         Refused{"UnknownBaselineName", "[baseline]\nK = 0.8\nkk = 1\n", "m.toml:3: ", "unknown name `kk`"},
+        Refused{"BrakeWithoutItsForce", "[baseline]\n[brake]\nstiffness_N_per_mm = 20\n",
+                "m.toml:2: ", "`holding_N` is missing"},
+        Refused{
+            "BrakeOfNoForce",
+            "[baseline]\n[brake]\nholding_N = 0\nstiffness_N_per_mm = 20\ndamping_N_s_per_m = 1\nengage_ms = "
+            "1\nrelease_ms = 1\n",
+            "m.toml:3: ", "outside [0.1, 1000]"},
         Refused{"UnknownEffect", "[baseline]\n\n[effect.magic]\nx = 1\n",
                 "m.toml:3: ", "unknown name `magic`"},
         Refused{"UnknownParameter", "[baseline]\n[effect.coulomb_friction]\nforce_N = 0.1\nmu = 0.2\n",

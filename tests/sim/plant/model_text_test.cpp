@@ -111,7 +111,9 @@ TEST(ModelText, KeepsTheShippedModelsAndTheirSources) {
     const NotedModel again = parse_noted_model(text, "m.toml");
     expect_same(shipped.model, again.model, text);
     EXPECT_EQ(shipped.notes, again.notes);
+    EXPECT_EQ(shipped.model.brake, again.model.brake);
   }
+  EXPECT_TRUE(read_noted_model(models_folder() / "calibrated.toml").model.brake);
 }
 
 TEST(ModelText, LeavesCorrelationsOutOnceADeviationIsGone) {

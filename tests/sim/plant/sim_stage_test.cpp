@@ -51,6 +51,53 @@ TEST(SimulatedStage, ReadsRestBeforeAnythingIsWritten) {
   EXPECT_LT(std::abs(reading.current_nA), 150);  // seven standard deviations of its noise
 }
 
+PlantModel braked(const Brake& brake) {
+  PlantModel model;
+  model.effects.coulomb_friction.emplace().force = 0.02;
+  model.brake = brake;
+  return model;
+}
+
+// Newton's and Hooke's laws by hand: a clamped plate carries its weight after the pull is gone, and yields by
+// that over the clamp's stiffness.
+TEST(SimulatedStage, ALockedNeedleYieldsByTheLoadOverTheStiffnessOfTheClamp) {
+  constexpr double kStiffness = 20e3;
+  SimulatedStage stage(braked({.holding_N = 5.0, .stiffness = kStiffness, .damping = 5.0}), 1);
+  for (int k = 0; k < 3000; ++k) stage.put_out(k % 500 < 250 ? 4500.0 : -4500.0);
+  const double lifted = stage.truth().motion.x;
+  ASSERT_GT(lifted, 1e-3);
+  for (int k = 0; k < 40'000; ++k) stage.put_out(0.0, true);
+  const PlantModel& model = stage.model();
+  const double load_N =
+      model.mass_A() * model.baseline.g -
+      std::max(0.0, model.mass_A() * model.baseline.g - model.baseline.k * stage.truth().motion.x);
+  EXPECT_NEAR(lifted - stage.truth().motion.x, load_N / kStiffness, 0.02 / kStiffness + 2e-6);
+  EXPECT_EQ(stage.truth().motion.v, 0.0);
+  for (int k = 0; k < 3000; ++k) stage.put_out(0.0, false);
+  EXPECT_LT(stage.truth().motion.x, 0.3e-3) << "let go, it falls back";
+}
+
+TEST(SimulatedStage, ABrakeThatIsTooWeakSlipsAndOneThatIsLateGripsLater) {
+  for (const bool late : {false, true}) {
+    const Brake brake = late ? Brake{.holding_N = 5.0, .stiffness = 20e3, .damping = 5.0, .engage_s = 0.03}
+                             : Brake{.holding_N = 0.1, .stiffness = 20e3, .damping = 5.0};
+    SimulatedStage stage(braked(brake), 1);
+    for (int k = 0; k < 3000; ++k) stage.put_out(k % 500 < 250 ? 4500.0 : -4500.0);
+    const double lifted = stage.truth().motion.x;
+    for (int k = 0; k < 3000; ++k) stage.put_out(0.0, true);
+    EXPECT_LT(stage.truth().motion.x, lifted - 0.2e-3);
+    if (late) EXPECT_GT(stage.truth().motion.x, 0.3e-3);
+  }
+}
+
+TEST(SimulatedStage, WithoutABrakeSaysSoAndIsNotLocked) {
+  SimulatedStage plain(PlantModel{}, 1), other(PlantModel{}, 1);
+  EXPECT_FALSE(plain.read().brake_fitted);
+  EXPECT_TRUE(SimulatedStage(braked({.holding_N = 1.0, .stiffness = 1e3}), 1).read().brake_fitted);
+  for (int k = 0; k < 500; ++k) plain.put_out(3000.0, true), other.put_out(3000.0, false);
+  EXPECT_EQ(plain.truth().motion.x, other.truth().motion.x);
+}
+
 TEST(SimulatedStage, OneMillisecondPassesWithEachWriteAndNoneWithARead) {
   SimulatedStage stage(PlantModel{}, 1);
   for (int k = 1; k <= 5; ++k) {
