@@ -172,7 +172,7 @@ class ConsoleOperator {
   }
   void wait_for_check(std::uint32_t stage) {
     const auto scanner = [&] { return session_.state(kPage, now_us_).scanner; };
-    ASSERT_TRUE(ticks_until([&] { return scanner() == console::Scanner::Checking; }, 3'000))
+    ASSERT_TRUE(ticks_until([&] { return scanner() == console::Scanner::Checking; }, 35'000))
         << "stage " << stage;
     session_.wait_for_results();
     tick();

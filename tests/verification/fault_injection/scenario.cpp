@@ -18,6 +18,8 @@ void vary(Draw& draw, double& value, double share) {
 
 // How stages of one kind differ: pouches and films by a few per cent, guides and dampers by more.
 void vary_stage(Draw& draw, sim::PlantModel& plant) {
+  plant.brake
+      .reset();  // most faults show in a needle that is free; those of the brake have classes of their own
   vary(draw, plant.baseline.K, 0.01);
   vary(draw, plant.baseline.tau, 0.10);
   vary(draw, plant.baseline.eps_film, 0.03);

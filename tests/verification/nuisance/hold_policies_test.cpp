@@ -20,8 +20,8 @@
 namespace biopsy::fault_injection {
 namespace {
 
-constexpr int kStages = 200;
-constexpr double kDepth_mm = 3.5, kStill_mm = 0.1;
+constexpr int kDrawnStages = 200;
+constexpr double kDepth_mm = 3.5, kPlace_mm = 0.1;
 constexpr std::uint32_t kApproach_ticks = 15'000, kImage_ticks = 60'000;
 
 // What is put out in tick `k` of the hold.
@@ -72,14 +72,14 @@ double still_s(sim::SimulatedStage stage, HeldDrive drive, const Policy& policy)
     stage.put_out(output.volts, output.brake);
     const double depth_mm = stage.truth().motion.x * 1e3;
     if (k <= kLock_ticks) start_mm = depth_mm;
-    if (std::abs(depth_mm - start_mm) > kStill_mm) return (k - kLock_ticks) * 1e-3;
+    if (std::abs(depth_mm - start_mm) > kPlace_mm) return (k - kLock_ticks) * 1e-3;
   }
   return kImage_ticks * 1e-3;
 }
 
 TEST(HoldPolicies, OnlyABrakeKeepsEveryStageStillForAMinuteWithoutAnEdge) {
   const sim::tuning::UncertainStages drawn = sim::tuning::uncertain_stages(
-      sim::read_noted_model(source_dir() / "sim/models/calibrated.toml"), kStages, 1);
+      sim::read_noted_model(source_dir() / "sim/models/calibrated.toml"), kDrawnStages, 1);
   std::vector<std::vector<double>> times(kPolicies.size());
   std::mutex one;
   in_parallel(drawn.stages.size(), [&](std::size_t i) {
@@ -101,11 +101,12 @@ TEST(HoldPolicies, OnlyABrakeKeepsEveryStageStillForAMinuteWithoutAnEdge) {
   std::vector<int> whole(kPolicies.size());
   for (std::size_t p = 0; p < kPolicies.size(); ++p) {
     whole[p] = static_cast<int>(std::ranges::count_if(times[p], [](double s) { return s >= 60.0; }));
-    std::cout << kPolicies[p].first << ": still for a minute in " << whole[p] << " of " << kStages
+    std::cout << kPolicies[p].first << ": still for a minute in " << whole[p] << " of " << kDrawnStages
               << ", median " << median(times[p]) << " s, shortest " << std::ranges::min(times[p]) << " s\n";
   }
-  EXPECT_EQ(whole.back(), kStages);
-  for (std::size_t p = 1; p + 1 < kPolicies.size(); ++p) EXPECT_LT(whole[p], kStages) << kPolicies[p].first;
+  EXPECT_EQ(whole.back(), kDrawnStages);
+  for (std::size_t p = 1; p + 1 < kPolicies.size(); ++p)
+    EXPECT_LT(whole[p], kDrawnStages) << kPolicies[p].first;
 }
 
 }  // namespace

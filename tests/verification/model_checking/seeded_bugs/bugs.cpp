@@ -140,9 +140,8 @@ constexpr SeededBug kBugs[] = {
      "supervisor.cpp", "rising_mV(t.plan, t.state, t.evidence) : held_mV(t.state)",
      "step_limits(t.plan, t.state.step).v_max_mV : held_mV(t.state)"},
     {"voltage-ignored-in-safe", "Safe does not look at the voltage.", Part::Supervisor, "decide.cpp",
-     "  if (!t.evidence.zero_volts) return Event::VoltagePresent;\n"
-     "  if (t.stop == StopCategory::None) return Event::Healthy;",
-     "  if (t.stop == StopCategory::None) return Event::Healthy;"},
+     "  if (!t.evidence.zero_volts) return Event::VoltagePresent;\n  if (t.stop == StopCategory::None",
+     "  if (t.stop == StopCategory::None"},
     {"steepness-not-limited", "A plan may ask for any steepness.", Part::Supervisor, "supervisor.cpp",
      "std::clamp(allowed.slew_up_mV_per_tick, 0, limits::kSlewUpMax_mV_per_tick)",
      "allowed.slew_up_mV_per_tick"},
