@@ -25,17 +25,41 @@ export function connect(): void {
 
 function open(): void {
   socket = new WebSocket(`ws://${location.host}/live?t=${token}`)
-  socket.onopen = () => void (robot.connected.value = true)
+  socket.onopen = () => {
+    robot.noteMessage()
+    robot.connected.value = true
+  }
   socket.onmessage = (event) => onEvent(JSON.parse(event.data as string) as Event)
   socket.onclose = onClose
 }
 
 function onClose(): void {
   robot.connected.value = false
+  void findCause()
   for (const handler of lostHandlers) handler()
   for (const answer of waiting.values()) answer(unanswered)
   waiting.clear()
   setTimeout(open, kReconnect_ms)
+}
+
+// A refused WebSocket does not say why.
+async function findCause(): Promise<void> {
+  try {
+    const { status } = await fetch(withToken('/status'), { signal: AbortSignal.timeout(kReconnect_ms), cache: 'no-store' })
+    robot.closed.value = status === 403 ? 'token' : status === 503 ? 'full' : 'silent'
+  } catch (error) {
+    robot.closed.value = (error as Error).name === 'TimeoutError' ? 'silent' : 'ended'
+  }
+}
+
+// What an earlier start of the console told is gone.
+function welcome(message: Extract<Event, { type: 'Welcome' }>): void {
+  const before = robot.welcome.value
+  robot.welcome.value = message
+  if (!before || before.session === message.session) return
+  robot.restarted.value = robot.opened.value !== null
+  robot.opened.value = robot.planned.value = robot.refused.value = null
+  robot.checked.value = []
 }
 
 const unanswered: Answer = {
@@ -43,8 +67,8 @@ const unanswered: Answer = {
   done: false,
   code: 'E-100',
   what: 'The console does not answer.',
-  robot_did: 'It holds the needle, then retracts it automatically.',
-  to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
+  robot_did: 'It was not sent later either.',
+  to_do: 'Use the hardware E-stop in an emergency.',
 }
 
 function onEvent(message: Event): void {
@@ -52,9 +76,10 @@ function onEvent(message: Event): void {
     robot.noteMessage()
     switch (message.type) {
       case 'Welcome':
-        robot.welcome.value = message
+        welcome(message)
         break
       case 'Opened':
+        robot.restarted.value = false
         if (robot.opened.value?.series.series_uid !== message.series.series_uid) robot.opened.value = message
         break
       case 'Planned':
@@ -63,6 +88,7 @@ function onEvent(message: Event): void {
         break
       case 'State':
         robot.state.value = message
+        if (message.measured) robot.everMeasured.value = true
         break
       case 'Telemetry':
         robot.appendTelemetry(message)
