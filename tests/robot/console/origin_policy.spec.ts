@@ -80,3 +80,25 @@ test('without the token there is nothing', async ({ request, page }) => {
   await expect(page.locator('[data-name=mode]')).toContainText('NO LINK')
   await expect(page.getByText('Waiting for the console…')).toBeVisible()
 })
+
+test('a request with a body is answered', async ({ request }) => {
+  const { origin, search } = new URL(robot.url)
+  for (const bytes of [1, 100, 200_000])
+    expect((await request.post(`${origin}/status${search}`, { data: Buffer.alloc(bytes, 'x') })).status()).toBe(413)
+  expect((await request.post(`${origin}/status${search}`)).status()).toBe(405)
+})
+
+test('the page is sent compressed', async ({ page }) => {
+  const sent = new Map<string, { encoding: string; bytes: number }>()
+  page.on('response', async (response) => {
+    const { encodedDataLength } = { encodedDataLength: (await response.request().sizes()).responseBodySize }
+    sent.set(new URL(response.url()).pathname, { encoding: response.headers()['content-encoding'] ?? 'none', bytes: encodedDataLength })
+  })
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await expect.poll(() => sent.size).toBeGreaterThanOrEqual(3)
+  const files = [...sent].filter(([path]) => path === '/' || path.startsWith('/assets/'))
+  expect(files.length).toBeGreaterThanOrEqual(3)
+  for (const [path, { encoding }] of files) expect(encoding, path).toBe('gzip')
+  expect(files.reduce((sum, [, { bytes }]) => sum + bytes, 0)).toBeLessThan(600_000)
+})

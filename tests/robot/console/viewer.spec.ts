@@ -79,7 +79,7 @@ test('zoom, window, resize and change of planes leave the marks on their voxels'
     await operator.button(plane).click()
     await onTheVoxels(operator, volume, `plane_${plane}`)
   }
-  await operator.button('Reset view').click()
+  await operator.button('Fit view').click()
   await onTheVoxels(operator, volume, 'reset')
   expect(await pixelsPerMm(page)).toBeCloseTo(scale, 1)
 })

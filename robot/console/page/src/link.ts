@@ -9,6 +9,8 @@ type WithoutId<T> = T extends { id: number } ? Omit<T, 'id'> : never
 
 const token = new URLSearchParams(location.search).get('t') ?? ''
 const kReconnect_ms = 1000
+const kTick_ms = 50
+const kFrozen_ms = 250
 
 let socket: WebSocket | null = null
 let lastId = 0
@@ -20,7 +22,13 @@ export const onConnectionLost = (handler: () => void) => void lostHandlers.push(
 
 export function connect(): void {
   open()
-  setInterval(() => void (robot.linkAge.value = 50 * Math.floor((performance.now() - robot.lastMessageAt) / 50)), 50)
+  let before = performance.now()
+  setInterval(() => {
+    const now = performance.now()
+    const froze = now - before > kFrozen_ms // what arrived meanwhile comes next: then the age is known again
+    before = now
+    if (!froze) robot.linkAge.value = kTick_ms * Math.floor((now - robot.lastMessageAt) / kTick_ms)
+  }, kTick_ms)
 }
 
 function open(): void {

@@ -48,7 +48,7 @@ export function LossScreen() {
   const screen = kScreens[why]
   const last = state.value
   return (
-    <section class="loss" aria-label={screen.title} data-screen={why}>
+    <section class="loss" tabIndex={0} aria-label={screen.title} data-screen={why}>
       <h2>{screen.title}</h2>
       <p>{screen.text}</p>
       {last && everMeasured.value && (

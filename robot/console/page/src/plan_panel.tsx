@@ -142,7 +142,7 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
   const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || over)
   const why = disabledReason.value || now?.disabled.plan || ''
   return (
-    <section class="plan" aria-label="plan">
+    <section class="plan" aria-label="plan" tabIndex={0}>
       <StopCard />
       <h2>Plan</h2>
       <Points />

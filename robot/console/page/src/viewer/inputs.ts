@@ -15,7 +15,7 @@ export const kList: [string, string][] = [
   ['right drag', 'window: right wider, up brighter'],
   ['Ctrl + wheel, + and -', 'zoom about the crosshair'],
   ['[ and ], ; and \'', 'window narrower, wider; darker, brighter'],
-  ['0', 'reset zoom, pan and window'],
+  ['0', 'fit: zoom, pan and window as at first'],
   ['1, 2, 3', 'axial, coronal, sagittal large'],
   ['m', 'ruler on and off'],
   ['x', 'crosshair on and off'],

@@ -57,7 +57,7 @@ export function Tools() {
     <div class="group">
       <Act name="Zoom out" text="−" act={() => view.zoomBy(1 / view.kZoomStep)} />
       <Act name="Zoom in" text="+" act={() => view.zoomBy(view.kZoomStep)} />
-      <Act name="Reset view" act={view.resetView} />
+      <Act name="Fit view" act={view.resetView} />
       <Act name="Ruler" pressed={view.ruling.value} act={() => void (view.ruling.value = !view.ruling.value)} />
       <Act name="List of keys" text="?" pressed={listed.value} act={() => void (listed.value = !listed.value)} />
     </div>
