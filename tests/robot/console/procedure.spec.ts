@@ -66,7 +66,7 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   expect(ready_s).toBeLessThanOrEqual(kReadyMax_s)
   await expect(page.getByText('SIMULATED').first()).toBeVisible()
   await expect(page.getByText('built-in sample case')).toBeVisible()
-  await expect(page.locator('button:not([aria-disabled=true])')).toHaveText([/^Open the sample/, 'STOP'])
+  await expect(page.locator(':is(main, .plan, .acts) button:not([aria-disabled=true])')).toHaveText([/^Open the sample/, 'STOP'])
   await shoot('1-image')
   await expectAccessible(page)
   await operator.openSeries()

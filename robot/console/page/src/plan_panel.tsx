@@ -14,6 +14,12 @@ function Points() {
       <dd data-name="entry">{current?.entry[0] ? `${ras(current.entry[0].ras as Vec3)} mm` : 'not set'}</dd>
       <dt>Target</dt>
       <dd data-name="target">{current?.target[0] ? `${ras(current.target[0].ras as Vec3)} mm` : 'not set'}</dd>
+      {opened.value && !plan.value && (
+        <>
+          <dt>Reach</dt>
+          <dd>{mm(opened.value.reach)} mm from the entry: dotted circle</dd>
+        </>
+      )}
       {plan.value && (
         <>
           <dt>Depth</dt>

@@ -5,6 +5,7 @@ import type { Vec3 } from './robot'
 
 const kOutside = /skin|muscle|fat|air|gel|phantom/i // tissues that a path may begin in
 const kOffAxis_mm = 0.5
+const kThin_mm = 0.3 // less, and a tip within its tolerance may lie in the next tissue
 
 export function warningsOf(plan: Planned, series: Series | undefined): string[] {
   const all: string[] = []
@@ -25,5 +26,3 @@ export function warningsOf(plan: Planned, series: Series | undefined): string[] 
   for (const warning of series?.warnings ?? []) all.push(`Image: ${warning}`)
   return all
 }
-
-const kThin_mm = 0.3

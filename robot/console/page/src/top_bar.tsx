@@ -4,6 +4,8 @@ import { isKnown, linkAge, linked, opened, state, welcome } from './robot'
 import { dark } from './theme'
 import { mm } from './viewer/geometry'
 
+const kAge_ms = 100 // finer steps would paint the page again and again
+
 // A label, a shape and, for the two stopped modes, the only saturated colour.
 const kShapes: Record<Mode, string> = {
   Boot: 'M4,14h20',
@@ -56,7 +58,7 @@ export function TopBar() {
       <Value name="Depth" text={known ? `${mm(now.depth, 2)} mm` : 'OLD'} />
       <Value name="Voltage" text={known ? `${mm(Math.abs(now.drive), 2)} kV` : 'OLD'} />
       <Value name="Scanner" text={linked.value ? (now?.scanner ?? 'Idle').toLowerCase() : 'OLD'} />
-      <Value name="Link" text={linked.value ? `${linkAge.value} ms` : 'lost'} />
+      <Value name="Link" text={linked.value ? `${kAge_ms * Math.floor(linkAge.value / kAge_ms)} ms` : 'lost'} />
       <button aria-pressed={dark.value} onClick={() => void (dark.value = !dark.value)}>
         Dark
       </button>
