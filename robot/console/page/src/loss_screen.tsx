@@ -23,7 +23,7 @@ const kScreens: Record<Exclude<Loss, 'starting'> | 'robot', Screen> = {
   },
   silent: {
     title: 'Link lost',
-    text: 'The connection is there, but the console sends nothing. A robot without its operator holds the needle at once, and takes the voltage off within 10 s.',
+    text: 'The connection is there, but the console sends nothing. A robot without its operator holds the needle at once, and lets go after 10 s; where the needle is locked for an image, after 3 min.',
     steps: [kLookFirst, 'Wait: this page continues by itself when the console answers.', 'If it does not, look at the window of `biopsy up`.'],
   },
   ended: {

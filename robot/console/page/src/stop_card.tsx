@@ -40,6 +40,8 @@ interface Step {
 
 function steps(): Step[] {
   const all: Step[] = [{ text: 'Look at the needle and at the patient.' }]
+  if (isKnown.value && Math.abs(state.value!.depth) > kBack_mm)
+    all.push({ text: 'If the needle does not come back by itself, draw the stage back along its guide by hand.' })
   if (stopped.value!.code === kStandingStop) all.push({ text: 'Find out why STOP was pressed.' })
   if (lit.value !== 'reset' && opened.value) {
     if (!plan.value) all.push({ text: 'Set entry and target.' })

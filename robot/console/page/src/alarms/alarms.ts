@@ -34,7 +34,7 @@ const kLost: Record<Loss, Pick<Alarm, 'what' | 'robot_did' | 'to_do'>> = {
 
 const kRestarted: Alarm = {
   severity: 'Warning',
-  code: 'E-123',
+  code: 'E-124',
   what: 'The console was started anew.',
   robot_did: 'The robot held the needle, then took the voltage off. Points, plan and checks are gone.',
   to_do: 'Look at the needle. Then open the series again.',
