@@ -104,9 +104,9 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) 
       break;
     case Mode::Trip:
       if (reason == Hazard::None)
-        alarms.push_back(alarm(Severity::Alarm, "E-120",
-                               stopped_by_operator ? "STOP was pressed." : "A stop was requested.",
-                               "High voltage off: nothing holds the needle.", "Look at the needle, then Reset."));
+        alarms.push_back(alarm(
+            Severity::Alarm, "E-120", stopped_by_operator ? "STOP was pressed." : "A stop was requested.",
+            "High voltage off: nothing holds the needle.", "Look at the needle, then Reset."));
       else
         alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
                                "High voltage off: nothing holds the needle.", what_to_do_stopped(reason)));

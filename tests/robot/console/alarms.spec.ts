@@ -2,11 +2,11 @@
 // with the past.
 import { expect, type Page, test } from '@playwright/test'
 
-import { expectAccessible } from './accessibility'
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
-import { kAlarm, kCold, kWarning } from './scenes'
-import { freezePage } from './tap'
+import { expectAccessible } from './support/accessibility'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
+import { kAlarm, kCold, kWarning } from './support/scenes'
+import { freezePage } from './support/tap'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())

@@ -2,10 +2,10 @@
 // words stand out from what is behind them.
 import { expect, type Page, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
-import { checkedOf, kScenes, showScene } from './scenes'
-import type { Message } from './tap'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
+import { checkedOf, kScenes, showScene } from './support/scenes'
+import type { Message } from './support/tap'
 
 const kContrast = 4.5
 

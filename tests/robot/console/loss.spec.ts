@@ -2,10 +2,10 @@
 // values turn OLD at once, and STOP says that it does not reach the robot.
 import { expect, type Page, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { pause, Robot } from './robot'
-import { freezePage, lastEvent } from './tap'
-import { TcpProxy } from './tcp_proxy'
+import { PageOperator } from './support/page_operator'
+import { pause, Robot } from './support/robot'
+import { freezePage, lastEvent } from './support/tap'
+import { TcpProxy } from './support/tcp_proxy'
 
 let robot: Robot
 test.beforeEach(async () => {

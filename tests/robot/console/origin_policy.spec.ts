@@ -1,8 +1,8 @@
 // One page controls, others watch and may stop; requests from elsewhere and malformed messages are refused with a reason.
 import { expect, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())

@@ -2,11 +2,11 @@
 // against the page's own arithmetic.
 import { expect, test } from '@playwright/test'
 
-import { note, round } from './figures'
-import { distance, PageOperator } from './page_operator'
-import { drawn, misplaced, pixelsPerMm, readVolume } from './picture'
-import { Robot } from './robot'
-import { lastEvent, freezePage } from './tap'
+import { note, round } from './support/figures'
+import { distance, PageOperator } from './support/page_operator'
+import { drawn, misplaced, pixelsPerMm, readVolume } from './support/picture'
+import { Robot } from './support/robot'
+import { lastEvent, freezePage } from './support/tap'
 
 const kNear_mm = 0.1
 const kVoxel_mm = 0.25 // of the phantom; the comparison of images resolves two thirds of it

@@ -5,10 +5,10 @@ import { gzipSync } from 'node:zlib'
 
 import { type Browser, expect, type Page, test } from '@playwright/test'
 
-import { note, round } from './figures'
-import { distance, kEntry, kGapDepth_mm, PageOperator } from './page_operator'
-import { expectAccessible } from './accessibility'
-import { pause, Robot } from './robot'
+import { note, round } from './support/figures'
+import { distance, kEntry, kGapDepth_mm, PageOperator } from './support/page_operator'
+import { expectAccessible } from './support/accessibility'
+import { pause, Robot } from './support/robot'
 
 const kActsMax = 12
 const kBundleMax_kB = 500

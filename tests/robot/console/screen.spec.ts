@@ -2,11 +2,11 @@
 // not scroll, and nothing lies over the alarms.
 import { expect, type Page, test } from '@playwright/test'
 
-import { expectAccessible } from './accessibility'
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
-import { checkedOf, kScenes, showScene } from './scenes'
-import { lastEvent, type Message } from './tap'
+import { expectAccessible } from './support/accessibility'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
+import { checkedOf, kScenes, showScene } from './support/scenes'
+import { lastEvent, type Message } from './support/tap'
 
 // The last: a screen of 1920 x 1080 at 200 %.
 const kSizes = [[1920, 1080], [1366, 768], [1280, 720], [1024, 768], [960, 540]] as const

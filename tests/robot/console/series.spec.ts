@@ -6,10 +6,10 @@ import { join } from 'node:path'
 
 import { expect, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { expectAccessible } from './accessibility'
-import { kProgram, Robot } from './robot'
-import { lastEvent } from './tap'
+import { PageOperator } from './support/page_operator'
+import { expectAccessible } from './support/accessibility'
+import { kProgram, Robot } from './support/robot'
+import { lastEvent } from './support/tap'
 
 const folder = mkdtempSync(join(tmpdir(), 'biopsy-series-'))
 let robot: Robot

@@ -3,11 +3,11 @@
 // --update-snapshots=all`.
 import { expect, type Page, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { expectAccessible } from './accessibility'
-import { Robot } from './robot'
-import { checkedOf, kCold, kScenes, no, showScene } from './scenes'
-import { lastEvent, type Message, freezePage } from './tap'
+import { PageOperator } from './support/page_operator'
+import { expectAccessible } from './support/accessibility'
+import { Robot } from './support/robot'
+import { checkedOf, kCold, kScenes, no, showScene } from './support/scenes'
+import { lastEvent, type Message, freezePage } from './support/tap'
 
 const robot = new Robot()
 let checked: Message

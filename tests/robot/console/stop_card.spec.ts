@@ -1,10 +1,10 @@
 // After a stop the page says what happened, where the needle is as measured, and the steps back, with one lit control.
 import { expect, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
-import { kAlarm, kScenes, kStanding, kStopped, no, showScene } from './scenes'
-import { freezePage, lastEvent } from './tap'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
+import { kAlarm, kScenes, kStanding, kStopped, no, showScene } from './support/scenes'
+import { freezePage, lastEvent } from './support/tap'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())

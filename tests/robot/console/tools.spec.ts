@@ -1,12 +1,12 @@
 // Tools of the viewer, by mouse and by keyboard; and what the page says of a plan before it is confirmed.
 import { expect, test } from '@playwright/test'
 
-import { expectAccessible } from './accessibility'
-import { distance, PageOperator, type Vec3 } from './page_operator'
-import { pixelsPerMm } from './picture'
-import { Robot } from './robot'
-import { kCold, no } from './scenes'
-import { freezePage, lastEvent } from './tap'
+import { expectAccessible } from './support/accessibility'
+import { distance, PageOperator, type Vec3 } from './support/page_operator'
+import { pixelsPerMm } from './support/picture'
+import { Robot } from './support/robot'
+import { kCold, no } from './support/scenes'
+import { freezePage, lastEvent } from './support/tap'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())

@@ -2,10 +2,10 @@
 // voxels, and inputs that are not on the page's own list change nothing.
 import { expect, type Page, test } from '@playwright/test'
 
-import { note, round } from './figures'
-import { distance, PageOperator } from './page_operator'
-import { bare, misplaced, type Nifti, pixelsPerMm, readVolume } from './picture'
-import { Robot } from './robot'
+import { note, round } from './support/figures'
+import { distance, PageOperator } from './support/page_operator'
+import { bare, misplaced, type Nifti, pixelsPerMm, readVolume } from './support/picture'
+import { Robot } from './support/robot'
 
 const kVoxel_mm = 0.25 // of the phantom; the comparison of images resolves two thirds of it
 
