@@ -13,6 +13,7 @@
 #include "robot/common/files/file.hpp"
 #include "robot/common/logging/program.hpp"
 #include "robot/console/console_loop.hpp"
+#include "robot/console/server/origin_policy.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/monotonic_session_id.hpp"
 #include "robot/procedure/procedure.hpp"
@@ -48,10 +49,15 @@ void serve(const Options& options) {
   robot::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
   // Starts at the seconds since 1970 at least, so that tokens rise from one start of the console to the next.
   const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
+  // Started again for the same robot it keeps the address, so that pages that were open find it.
+  const fs::path address_file = folder / "console.url";
+  const auto before = console::address_of(read_file_if_present(address_file));
+  const bool again = before && (options.port == 0 || options.port == before->port);
   robot::ConsoleLoop loop(robot, std::move(opened),
-                          {options.page, own, options.port, simulated, first_token});
-  atomic_write(folder / "console.url", loop.url());
-  fs::permissions(folder / "console.url", fs::perms::owner_read | fs::perms::owner_write);
+                          {options.page, own, again ? before->port : options.port, simulated, first_token,
+                           again ? before->token : std::string()});
+  atomic_write(address_file, loop.url());
+  fs::permissions(address_file, fs::perms::owner_read | fs::perms::owner_write);
   fmt::print("{}\n", loop.url());
   std::fflush(stdout);
   while (!signals.came()) loop.step();

@@ -79,6 +79,10 @@ events::Checked checked_of(std::size_t step, const report::StepResult& result) {
   checked.found = check.depth.value;
   checked.sigma = check.sigma.value;
   checked.error = check.tip_found ? check.depth.value - result.step.depth.value : 0.0;
+  checked.lateral = check.lateral_mm;
+  checked.lateral_sigma = check.lateral_sigma_mm;
+  checked.angle = check.angle_deg;
+  checked.angle_sigma = check.angle_sigma_deg;
   checked.confidence = check.registration_score;
   checked.before_png = base64(report::png_bytes(result.before));
   checked.after_png = base64(report::png_bytes(result.after));

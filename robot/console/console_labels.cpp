@@ -50,6 +50,18 @@ Alarm alarm(Severity severity, std::string code, std::string what, std::string r
   return {severity, std::move(code), std::move(what), std::move(robot_did), std::move(to_do)};
 }
 
+const char* what_to_do_stopped(Hazard hazard) {
+  switch (hazard) {
+    case Hazard::EStop:
+    case Hazard::EStopDisagrees:
+      return "Find out why it was pressed, release it, then Reset.";
+    case Hazard::LogBacklog:
+      return "Check the disk of the log, then Reset.";
+    default:
+      return "Look at the needle, then Reset.";
+  }
+}
+
 const char* what_to_do(Hazard hazard) {
   switch (hazard) {
     case Hazard::PatientMotion:
@@ -64,7 +76,7 @@ const char* what_to_do(Hazard hazard) {
     case Hazard::LogBacklog:
       return "Check the disk of the log.";
     default:
-      return "Look at the needle. Retract or Reset, then plan again.";
+      return "Look at the needle, then Retract.";
   }
 }
 
@@ -92,19 +104,20 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) 
       break;
     case Mode::Trip:
       if (reason == Hazard::None)
-        alarms.push_back(alarm(Severity::Alarm, "E-120",
-                               stopped_by_operator ? "STOP was pressed." : "A stop was requested.",
-                               "High voltage off, needle falls back.", "Look at the needle, then Reset."));
+        alarms.push_back(alarm(
+            Severity::Alarm, "E-120", stopped_by_operator ? "STOP was pressed." : "A stop was requested.",
+            "High voltage off: nothing holds the needle.", "Look at the needle, then Reset."));
       else
         alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
-                               "High voltage off, needle falls back.", what_to_do(reason)));
+                               "High voltage off: nothing holds the needle.", what_to_do_stopped(reason)));
       break;
     case Mode::Retract:
     case Mode::Hold:
       if (reason != Hazard::None)
-        alarms.push_back(alarm(Severity::Warning, code_of(reason), sentence(reason),
-                               supervisor.permit.mode == Mode::Hold ? "Needle held." : "Needle retracted.",
-                               what_to_do(reason)));
+        alarms.push_back(
+            alarm(Severity::Warning, code_of(reason), sentence(reason),
+                  supervisor.permit.mode == Mode::Hold ? "Needle held." : "The needle is being retracted.",
+                  supervisor.permit.mode == Mode::Hold ? what_to_do(reason) : "Wait until it is back."));
       break;
     case Mode::Boot:
     case Mode::Safe:
@@ -133,8 +146,8 @@ Alarm standing_stop_alarm() {
 
 Alarm silence_alarm() {
   return alarm(Severity::Alarm, "E-121", "The robot is silent.",
-               "It holds the needle, then retracts it automatically.",
-               "Use the hardware E-stop if the needle must come back now.");
+               "By itself it holds the needle, then takes the voltage off; this page cannot see it.",
+               "Look at the needle. Use the hardware E-stop if it must come back now.");
 }
 
 }  // namespace biopsy::robot

@@ -52,8 +52,9 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& 
   callbacks.received = [this](Client client, const std::string& text) { on_message(client, text); };
   callbacks.disconnected = [this](Client client) { on_disconnect(client); };
   callbacks.document = [this](const std::string& path) { return document(path); };
-  server_ =
-      std::make_unique<console::HttpServer>(settings.page, settings.port, console::new_token(), callbacks);
+  server_ = std::make_unique<console::HttpServer>(
+      settings.page, settings.port, settings.token.empty() ? console::new_token() : settings.token,
+      callbacks);
 }
 
 void ConsoleLoop::on_connect(Client client) {
@@ -139,6 +140,7 @@ void ConsoleLoop::send_changes() {
     welcome.simulated = settings_.simulated;
     welcome.title = session_.prepared().given.title;
     welcome.sample = session_.prepared().given.phantom;
+    welcome.session = std::to_string(settings_.first_token);
     welcome.series = session_.series().all();
     server_->send(client, text_of(welcome), Reliability::Reliable);
     if (!changed) send_all(client);

@@ -21,6 +21,7 @@ class ConsoleLoop {
     std::uint16_t port = 0;              // 0: any that is free
     bool simulated = true;
     std::uint32_t first_token = 1;
+    std::string token;  // of the address; empty: a new one
   };
   // `robot` must outlive this. Throws ConfigError.
   ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& settings);

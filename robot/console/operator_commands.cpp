@@ -240,7 +240,8 @@ events::Disabled OperatorSession::disabled() const {
   why.insert = why_no_insert();
   why.judge = why_no_judgement();
   why.accept = why_no_acceptance();
-  if (!hv_permitted() || mode == Mode::Retract) why.retract = "No voltage: the needle is back or on its way.";
+  if (!hv_permitted() || mode == Mode::Retract)
+    why.retract = mode == Mode::Retract ? "The needle is being retracted." : "High voltage is off.";
   if (standing_stop_)
     why.reset = "";
   else if (mode != Mode::Trip)

@@ -273,6 +273,7 @@ std::optional<events::Opened> OperatorSession::opened() const {
   if (has_points(prepared_.given))
     opened.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
   opened.volume = series_.file_name();
+  opened.reach = (limits::kStroke_um - limits::kDepthMargin_um) * 1e-3;
   return opened;
 }
 

@@ -105,6 +105,10 @@ std::string board_text(const std::array<Health, kCount<Process>>& board,
   return text;
 }
 
+// A console that ended by itself: so often, so long afterwards.
+constexpr int kRestartsMax = 5;
+constexpr std::chrono::seconds kRestartAfter{2};
+
 // What the console must know to plan the same case.
 std::vector<std::string> console_arguments(const Options& options) {
   const ProcedureOptions& given = options.procedure;
@@ -164,7 +168,7 @@ Ending bring_down(LiveSession& session, std::optional<std::string> ended) {
 }
 
 // The console requests motion. Where it ends by itself the robot holds the needle, then retracts; the other
-// processes go on, so that it can be started again.
+// processes go on, and it is started again with the same address.
 Ending run_with_console(const Options& options, const PreparedCase& prepared, realtime::StopSignals& signals,
                         const Context& context) {
   LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out,
@@ -175,6 +179,9 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
   const auto started = Clock::now();
   std::optional<std::string> ended;
   bool announced = false;
+  constexpr auto kNever = Clock::time_point::max();
+  Clock::time_point restart_at = kNever;
+  int restarts = 0;
   while (!signals.came() && !ended) {
     if (!announced && std::filesystem::exists(address)) {
       announced = true;
@@ -182,8 +189,16 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
       if (options.open) open_in_browser(first_line(address));
     }
     if (const auto alone = session.launcher().ended(Process::Person)) {
-      if (!announced) ended = alone;
-      kLog.error("{}; the robot holds the needle, then retracts it; Ctrl-C stops the robot", *alone);
+      if (!announced || restarts == kRestartsMax) ended = alone;
+      kLog.error(
+          "{}; the robot holds the needle, then retracts it; {}", *alone,
+          ended ? "the robot is brought down" : "the console is started again, without points and plan");
+      restart_at = Clock::now() + kRestartAfter;
+    }
+    if (!ended && Clock::now() > restart_at) {
+      restart_at = kNever;
+      ++restarts;
+      session.launcher().start(Process::Person, console_arguments(options));
     }
     if (!ended) ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))

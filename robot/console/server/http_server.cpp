@@ -14,6 +14,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/console/server/gzip.hpp"
 #include "robot/console/server/origin_policy.hpp"
 
 namespace biopsy::console {
@@ -28,7 +29,7 @@ using Tcp = asio::ip::tcp;
 using Error = beast::error_code;
 
 constexpr std::size_t kHeaderMax_bytes = 8'192, kMessageMax_bytes = 4'096, kClientsMax = 8,
-                      kHttpSessionsMax = 64;
+                      kHttpSessionsMax = 64, kUnread_bytes = 1'000'000;
 constexpr std::chrono::seconds kRequestMax{5}, kPing{2};
 constexpr std::chrono::seconds kAnswerMax{60};  // a volume of 200 MB to a busy page
 
@@ -64,8 +65,9 @@ std::map<std::string, Document> read_page(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     if (!entry.is_regular_file()) continue;
+    const auto body = std::make_shared<const std::string>(read_file(entry.path()));
     page["/" + fs::relative(entry.path(), folder).generic_string()] = {
-        media_type_of(entry.path()), std::make_shared<const std::string>(read_file(entry.path()))};
+        media_type_of(entry.path()), body, false, std::make_shared<const std::string>(gzip(*body))};
   }
   if (!page.contains("/index.html"))
     throw ConfigError("the console's page does not exist", folder.string(), "build it: ./dev console");
@@ -181,6 +183,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void serve() {
     stream_.expires_after(kRequestMax);
     http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](Error error, std::size_t) {
+      if (error == http::error::body_limit) return self->refuse(http::status::payload_too_large, "GET only");
       if (!error) self->answer();
     });
   }
@@ -201,6 +204,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (received.method() != http::verb::get) return refuse(http::status::method_not_allowed, "GET only");
     if (const auto file = state_.page.find(path); file != state_.page.end()) return send(file->second);
     if (!state_.policy->has_token(request)) return refuse(http::status::forbidden, "no token");
+    if (path == "/status")  // why a page gets no WebSocket
+      return state_.web_sockets.size() >= kClientsMax
+                 ? refuse(http::status::service_unavailable, "too many pages")
+                 : refuse(http::status::ok, "ready");
     if (const auto made = state_.callbacks.document(path)) return send(*made);
     refuse(http::status::not_found, "no such page");
   }
@@ -223,7 +230,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void send(const Document& document) {
-    body_ = document.body;
+    const std::string_view accepted(parser_.get()[http::field::accept_encoding].data(),
+                                    parser_.get()[http::field::accept_encoding].size());
+    const bool compressed = document.gzipped && accepted.find("gzip") != std::string_view::npos;
+    body_ = compressed ? document.gzipped : document.body;
     response_.emplace(std::piecewise_construct, std::make_tuple(body_->data(), body_->size()),
                       std::make_tuple(status_, 11u));
     auto& response = *response_;
@@ -234,13 +244,29 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     response.set("Cross-Origin-Opener-Policy", "same-origin");
     response.set("Cross-Origin-Resource-Policy", "same-origin");
     response.set(http::field::cache_control, "no-store");
+    if (document.gzipped) response.set(http::field::vary, "Accept-Encoding");
+    if (compressed) response.set(http::field::content_encoding, "gzip");
     response.keep_alive(false);
     response.prepare_payload();
     stream_.expires_after(kAnswerMax);
     http::async_write(stream_, response, [self = shared_from_this()](Error, std::size_t) {
       Error ignored;
       self->stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
+      self->left_ = kUnread_bytes;
+      self->stream_.expires_after(kRequestMax);
+      self->drain();
     });
+  }
+
+  // What the client still sends is read and dropped: closed before, the answer could be lost.
+  void drain() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kHeaderMax_bytes),
+                            [self = shared_from_this()](Error error, std::size_t read) {
+                              if (error || read > self->left_) return;
+                              self->left_ -= read;
+                              self->drain();
+                            });
   }
 
   beast::tcp_stream stream_;
@@ -248,6 +274,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   beast::flat_buffer buffer_;
   http::request_parser<http::string_body> parser_;
   http::status status_ = http::status::ok;
+  std::size_t left_ = 0;
   std::shared_ptr<const std::string> body_;
   std::optional<http::response<http::span_body<const char>>> response_;
 };

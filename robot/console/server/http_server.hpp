@@ -17,7 +17,8 @@ namespace biopsy::console {
 struct Document {
   std::string media_type;
   std::shared_ptr<const std::string> body;
-  bool self_contained = false;  // has its own style, no script and no link
+  bool self_contained = false;                           // has its own style, no script and no link
+  std::shared_ptr<const std::string> gzipped = nullptr;  // the same, for browsers that take it
 };
 
 // Called on the server's thread.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 #include "robot/common/config_error.hpp"
 
@@ -12,6 +13,7 @@ namespace biopsy::console {
 namespace {
 
 constexpr std::array<std::string_view, 2> kNames{"127.0.0.1", "localhost"};
+constexpr std::size_t kTokenDigits = 32;
 
 // Takes as long for every wrong token.
 bool equal(std::string_view a, std::string_view b) {
@@ -48,6 +50,22 @@ std::string new_token() {
   std::string token;
   for (const unsigned char byte : random) token += fmt::format("{:02x}", byte);
   return token;
+}
+
+std::optional<Address> address_of(std::string_view url) {
+  constexpr std::string_view kStart = "http://127.0.0.1:", kKey = "/?t=";
+  if (!url.starts_with(kStart)) return std::nullopt;
+  url.remove_prefix(kStart.size());
+  Address address;
+  const auto [end, error] = std::from_chars(url.data(), url.data() + url.size(), address.port);
+  if (error != std::errc()) return std::nullopt;
+  url.remove_prefix(static_cast<std::size_t>(end - url.data()));
+  if (!url.starts_with(kKey)) return std::nullopt;
+  address.token = url.substr(kKey.size(), kTokenDigits);
+  const bool digits = std::all_of(address.token.begin(), address.token.end(),
+                                  [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+  if (!digits || address.token.size() != kTokenDigits) return std::nullopt;
+  return address;
 }
 
 bool RateLimit::allows(std::int64_t now_us) {

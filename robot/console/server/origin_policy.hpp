@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -31,6 +32,13 @@ class OriginPolicy {
 
 // 32 random hexadecimal digits. Throws ConfigError where the system has no randomness.
 std::string new_token();
+
+// Port and token of a page's address as HttpServer::url() gives it; none: it is no such address.
+struct Address {
+  std::uint16_t port = 0;
+  std::string token;
+};
+std::optional<Address> address_of(std::string_view url);
 
 // Messages of one client: a short burst, then a constant rate.
 class RateLimit {

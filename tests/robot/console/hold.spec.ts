@@ -1,10 +1,10 @@
 // Hold to run: losing pointer, focus or page holds the needle, and only a new press continues.
 import { expect, type Locator, type Page, test } from '@playwright/test'
 
-import { note } from './figures'
-import { PageOperator } from './page_operator'
-import { DevtoolsBrowser } from './devtools_browser'
-import { Robot } from './robot'
+import { note } from './support/figures'
+import { PageOperator } from './support/page_operator'
+import { DevtoolsBrowser } from './support/devtools_browser'
+import { Robot } from './support/robot'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())

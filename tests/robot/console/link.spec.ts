@@ -1,10 +1,10 @@
 // Page, connection and console fail one by one while the needle moves: it is held, and the page shows the failure.
 import { expect, test } from '@playwright/test'
 
-import { TcpProxy } from './tcp_proxy'
-import { note } from './figures'
-import { PageOperator } from './page_operator'
-import { pause, Robot } from './robot'
+import { TcpProxy } from './support/tcp_proxy'
+import { note } from './support/figures'
+import { PageOperator } from './support/page_operator'
+import { pause, Robot } from './support/robot'
 
 const kRetract_ms = 11_000 // the bus considers a process lost after 10 s; a hold does not last longer either
 

@@ -1,8 +1,8 @@
 // One page controls, others watch and may stop; requests from elsewhere and malformed messages are refused with a reason.
 import { expect, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())
@@ -79,4 +79,26 @@ test('without the token there is nothing', async ({ request, page }) => {
   await page.goto(origin + '/?t=0123456789abcdef0123456789abcdef')
   await expect(page.locator('[data-name=mode]')).toContainText('NO LINK')
   await expect(page.getByText('Waiting for the console…')).toBeVisible()
+})
+
+test('a request with a body is answered', async ({ request }) => {
+  const { origin, search } = new URL(robot.url)
+  for (const bytes of [1, 100, 200_000])
+    expect((await request.post(`${origin}/status${search}`, { data: Buffer.alloc(bytes, 'x') })).status()).toBe(413)
+  expect((await request.post(`${origin}/status${search}`)).status()).toBe(405)
+})
+
+test('the page is sent compressed', async ({ page }) => {
+  const sent = new Map<string, { encoding: string; bytes: number }>()
+  page.on('response', async (response) => {
+    const { encodedDataLength } = { encodedDataLength: (await response.request().sizes()).responseBodySize }
+    sent.set(new URL(response.url()).pathname, { encoding: response.headers()['content-encoding'] ?? 'none', bytes: encodedDataLength })
+  })
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await expect.poll(() => sent.size).toBeGreaterThanOrEqual(3)
+  const files = [...sent].filter(([path]) => path === '/' || path.startsWith('/assets/'))
+  expect(files.length).toBeGreaterThanOrEqual(3)
+  for (const [path, { encoding }] of files) expect(encoding, path).toBe('gzip')
+  expect(files.reduce((sum, [, { bytes }]) => sum + bytes, 0)).toBeLessThan(600_000)
 })

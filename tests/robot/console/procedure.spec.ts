@@ -5,10 +5,10 @@ import { gzipSync } from 'node:zlib'
 
 import { type Browser, expect, type Page, test } from '@playwright/test'
 
-import { note, round } from './figures'
-import { distance, kEntry, kGapDepth_mm, PageOperator } from './page_operator'
-import { expectAccessible } from './accessibility'
-import { pause, Robot } from './robot'
+import { note, round } from './support/figures'
+import { distance, kEntry, kGapDepth_mm, PageOperator } from './support/page_operator'
+import { expectAccessible } from './support/accessibility'
+import { pause, Robot } from './support/robot'
 
 const kActsMax = 12
 const kBundleMax_kB = 500
@@ -66,7 +66,7 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   expect(ready_s).toBeLessThanOrEqual(kReadyMax_s)
   await expect(page.getByText('SIMULATED').first()).toBeVisible()
   await expect(page.getByText('built-in sample case')).toBeVisible()
-  await expect(page.locator('button:not([aria-disabled=true])')).toHaveText([/^Open the sample/, 'STOP'])
+  await expect(page.locator(':is(main, .plan, .acts) button:not([aria-disabled=true])')).toHaveText([/^Open the sample/, 'STOP'])
   await shoot('1-image')
   await expectAccessible(page)
   await operator.openSeries()

@@ -3,7 +3,8 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p tests
-rm -f tests/*.ts
+rm -rf tests/*.ts tests/support
 cp "$here"/*.ts tests/
+cp -r "$here/support" tests/
 export BASELINES="$here/baselines"
 exec ./node_modules/.bin/playwright test -c tests "$@"

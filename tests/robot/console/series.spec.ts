@@ -6,31 +6,35 @@ import { join } from 'node:path'
 
 import { expect, test } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
-import { expectAccessible } from './accessibility'
-import { kProgram, Robot } from './robot'
-import { lastEvent } from './tap'
+import { PageOperator } from './support/page_operator'
+import { expectAccessible } from './support/accessibility'
+import { kProgram, Robot } from './support/robot'
+import { lastEvent } from './support/tap'
 
 const folder = mkdtempSync(join(tmpdir(), 'biopsy-series-'))
 let robot: Robot
 
-// Beside the planning image: one with the needle, the same of another patient, and a file that is no image.
+// Beside the planning image: a second series of the same patient, the same of another patient, and a file that is no
+// image. Each name is as long as the one that it replaces.
 test.beforeAll(async () => {
   const run = join(folder, 'run')
   const images = join(folder, 'images')
   execFileSync(kProgram, ['dry-run', 'gap', '--out', run], { stdio: 'ignore' })
   cpSync(join(run, 'planning'), join(images, 'planning'), { recursive: true })
-  cpSync(join(run, 'images/stage-1'), join(images, 'needle'), { recursive: true })
   const uid = (of: string) => /^series .*\n +(\S+)$/m.exec(execFileSync(kProgram, ['image', join(images, of)]).toString())![1]!
-  const needle = uid('needle')
-  mkdirSync(join(images, 'other-patient'))
-  for (const slice of readdirSync(join(images, 'needle'))) {
-    const bytes = readFileSync(join(images, 'needle', slice)).toString('latin1')
-    const other = bytes.replaceAll('PHANTOM', 'MRJONES').replaceAll(needle, needle.slice(0, -3) + '000')
-    writeFileSync(join(images, 'other-patient', slice), other.replaceAll('confirmation', 'another one!'), 'latin1')
+  const planning = uid('planning')
+  const copy = (to: string, end: string, description: string, patient: string) => {
+    mkdirSync(join(images, to))
+    for (const slice of readdirSync(join(images, 'planning'))) {
+      const bytes = readFileSync(join(images, 'planning', slice)).toString('latin1')
+      const other = bytes.replaceAll(planning, planning.slice(0, -3) + end).replaceAll('muscle, gap, liver', description)
+      writeFileSync(join(images, to, slice), other.replaceAll('PHANTOM', patient), 'latin1')
+    }
   }
+  copy('second', '001', 'second acquisition', 'PHANTOM')
+  copy('other-patient', '002', 'another one here!!', 'MRJONES')
   writeFileSync(join(images, 'lost.nii'), Buffer.alloc(400))
-  robot = new Robot(['--image', images, '--series', uid('planning'), '--entry=-4.396,33.092,51.854', '--target=-6.6,33.1,50.7'])
+  robot = new Robot(['--image', images, '--series', planning, '--entry=-4.396,33.092,51.854', '--target=-6.6,33.1,50.7'])
   await robot.start()
 })
 test.afterAll(async () => {
@@ -61,8 +65,8 @@ test('opening another series clears points and plan', async ({ page }) => {
   await operator.imageShown()
   const before = (await lastEvent(page, 'Opened')).series.series_uid
   await operator.click('Other series')
-  await operator.button(/confirmation, stage 1/).click()
-  await expect(page.locator('.caption')).toContainText('confirmation, stage 1', { timeout: 30_000 })
+  await operator.button(/second acquisition/).click()
+  await expect(page.locator('.caption')).toContainText('second acquisition', { timeout: 30_000 })
   await operator.imageShown()
   expect((await lastEvent(page, 'Opened')).series.series_uid).not.toBe(before)
   await expect(page.locator('dd[data-name=entry]')).toHaveText('not set')
@@ -71,10 +75,31 @@ test('opening another series clears points and plan', async ({ page }) => {
   await expect(page.locator('[data-name=planned-depth]')).toBeVisible()
 
   await operator.click('Other series')
-  const otherPatient = page.locator('.empty li').filter({ hasText: 'another one!' })
+  const otherPatient = page.locator('.empty li').filter({ hasText: 'another one here!!' })
   await otherPatient.getByRole('button').click()
   await expect(otherPatient.locator('.why')).toContainText('another patient', { timeout: 30_000 })
   await expect(otherPatient.getByRole('button')).toHaveAttribute('aria-disabled', 'true')
-  await operator.button(/confirmation, stage 1/).click() // back to the one that is open
+  await operator.button(/second acquisition/).click() // back to the one that is open
   await operator.imageShown()
+})
+
+// A browser has sixteen drawing contexts, and takes the oldest away from whoever opens one more.
+const kReopenings = process.env.SOAK_MINUTES ? 100 : 25
+test(`the image opened ${kReopenings} times keeps its drawing context`, async ({ page }) => {
+  test.setTimeout(kReopenings * 10_000)
+  const complaints: string[] = []
+  page.on('console', (message) => /context/i.test(message.text()) && complaints.push(message.text()))
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await operator.imageShown()
+  for (let n = 0; n < kReopenings; ++n) {
+    await operator.click('Other series')
+    await expect(page.locator('body[data-image=shown]')).toHaveCount(0)
+    await operator.button(/second acquisition/).click()
+    await operator.imageShown()
+  }
+  await operator.button('axial').click()
+  await expect(page.locator('[data-tile="large axial"]')).toBeAttached()
+  expect(complaints.filter((text) => /too many|lost|oldest/i.test(text))).toEqual([])
+  expect(await page.evaluate(() => document.querySelector('canvas')!.getContext('webgl2')!.isContextLost())).toBe(false)
 })

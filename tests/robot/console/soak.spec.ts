@@ -3,9 +3,9 @@ import { readFileSync } from 'node:fs'
 
 import { expect, test } from '@playwright/test'
 
-import { note, round } from './figures'
-import { PageOperator } from './page_operator'
-import { pause, Robot } from './robot'
+import { note, round } from './support/figures'
+import { PageOperator } from './support/page_operator'
+import { pause, Robot } from './support/robot'
 
 const kMinutes = Number(process.env.SOAK_MINUTES)
 const kWarm_share = 0.25 // until then buffers fill: 30 s of plots

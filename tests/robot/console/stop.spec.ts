@@ -1,9 +1,9 @@
 // STOP, from the click to the moment when the stage itself reports 0 V.
 import { expect, test } from '@playwright/test'
 
-import { note, spread } from './figures'
-import { PageOperator } from './page_operator'
-import { Robot } from './robot'
+import { note, spread } from './support/figures'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
 
 const kStopMax_ms = 100
 const kStops = 5

@@ -1,8 +1,9 @@
 // The bottom bar, always there: Arm, Hold to insert, Retract, Reset and, bottom right, STOP.
 import type { Button } from './generated/messages'
-import { held, release, press } from './hold'
+import { held, press, release } from './hold'
 import { send } from './link'
-import { refused, state, disabledReason } from './robot'
+import { linked, refused, state, disabledReason } from './robot'
+import { lit } from './stop_card'
 
 // Pressed by pointer or key, acts while held; key repeats belong to the same press.
 function HoldButton(props: { button: Button; name: string; why: string }) {
@@ -40,10 +41,13 @@ function HoldButton(props: { button: Button; name: string; why: string }) {
   )
 }
 
-function Click(props: { name: string; why: string; act: () => void }) {
+function Click(props: { name: string; why: string; lit?: boolean; act: () => void }) {
   return (
     <div class="act">
-      <button aria-disabled={props.why !== ''} onClick={() => props.why === '' && props.act()}>
+      <button
+        class={props.lit ? 'lit' : ''}
+        data-lit={props.lit ?? false}
+        aria-disabled={props.why !== ''} onClick={() => props.why === '' && props.act()}>
         {props.name}
       </button>
       <span class="why">{props.why}</span>
@@ -75,7 +79,7 @@ export function ActionBar() {
       <HoldButton button="Arm" name={armName()} why={common || no?.arm || ''} />
       <HoldButton button="Insert" name="Hold to insert" why={common || no?.insert || ''} />
       <Click name="Retract" why={common || no?.retract || ''} act={() => void send({ type: 'Retract' })} />
-      <Click name="Reset" why={common || no?.reset || ''} act={() => void send({ type: 'Reset' })} />
+      <Click name="Reset" lit={lit.value === 'reset'} why={common || no?.reset || ''} act={() => void send({ type: 'Reset' })} />
       <div class="refusal" role="status">
         {state.value && !state.value.controlled && (
           <button onClick={() => void send({ type: 'TakeControl' })}>Take control</button>
@@ -88,15 +92,20 @@ export function ActionBar() {
       </div>
       <div class="stopping">
         <button
+          data-dead={!linked.value}
           onPointerDown={() => {
             release()
             stop()
           }}
           onKeyDown={(event) => (event.key === ' ' || event.key === 'Enter') && !event.repeat && stop()}
         >
-          STOP
+          {linked.value ? 'STOP' : 'STOP: NO LINK'}
         </button>
-        <p>Software stop. Use the hardware E-stop in an emergency.</p>
+        <p>
+          {linked.value
+            ? 'Software stop. Use the hardware E-stop in an emergency.'
+            : 'It does not reach the robot. Use the hardware E-stop.'}
+        </p>
       </div>
     </footer>
   )

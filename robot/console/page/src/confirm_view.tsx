@@ -2,6 +2,8 @@
 import type { Checked, Judgement } from './generated/messages'
 import { send, withToken } from './link'
 import { checked, state, welcome, disabledReason } from './robot'
+import { tipText } from './stop_card'
+import { mm } from './viewer/geometry'
 
 // Both pictures have the same pixels.
 function Picture(props: { of: Checked; after: boolean }) {
@@ -46,7 +48,7 @@ function Buttons(props: { of: Checked }) {
   const whyNotAccept = disabledReason.value || state.value?.disabled.accept || ''
   const judge = (judgement: Judgement) => void send({ type: 'Judge', stage: props.of.stage, judgement })
   return (
-    <div class="row">
+    <div class="row decide">
       <button aria-disabled={whyNotAccept !== ''} title={whyNotAccept} onClick={() => judge('Accept')}>
         Accept this depth
       </button>
@@ -82,7 +84,8 @@ function Report(props: { path: string; completed: boolean }) {
 function NoImage(props: { path: string }) {
   return (
     <div class="confirm" role="status">
-      <h2>The needle went back before its step ended: no image was taken.</h2>
+      <h2>The step did not end: no image was taken.</h2>
+      <p data-name="tip-now">{tipText.value}</p>
       <Report path={props.path} completed={false} />
       <p>Another run begins with the three checks.</p>
     </div>
@@ -111,17 +114,27 @@ export function ConfirmView() {
       <dl>
         <div>
           <dt>Planned</dt>
-          <dd>{last.planned.toFixed(2)} mm</dd>
+          <dd>{mm(last.planned, 2)} mm</dd>
         </div>
         <div>
           <dt>In the image</dt>
           <dd data-name="found-depth">
-            {last.tip_found ? `${last.found.toFixed(2)} ± ${last.sigma.toFixed(2)} mm` : 'no tip found'}
+            {last.tip_found ? `${mm(last.found, 2)} ± ${mm(last.sigma, 2)} mm` : 'no tip found'}
           </dd>
         </div>
         <div>
           <dt>Error</dt>
-          <dd data-name="error">{last.tip_found ? `${last.error.toFixed(2)} mm` : 'unknown'}</dd>
+          <dd data-name="error">{last.tip_found ? `${mm(last.error, 2)} mm` : 'unknown'}</dd>
+        </div>
+        <div>
+          <dt>Beside the path</dt>
+          <dd data-name="lateral">
+            {last.tip_found ? `${mm(last.lateral, 2)} ± ${mm(last.lateral_sigma, 2)} mm` : 'unknown'}
+          </dd>
+        </div>
+        <div>
+          <dt>Angle to it</dt>
+          <dd data-name="angle">{last.tip_found ? `${mm(last.angle)} ± ${mm(last.angle_sigma)} deg` : 'unknown'}</dd>
         </div>
         <div>
           <dt>Confidence</dt>

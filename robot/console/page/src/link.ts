@@ -9,6 +9,8 @@ type WithoutId<T> = T extends { id: number } ? Omit<T, 'id'> : never
 
 const token = new URLSearchParams(location.search).get('t') ?? ''
 const kReconnect_ms = 1000
+const kTick_ms = 50
+const kFrozen_ms = 250
 
 let socket: WebSocket | null = null
 let lastId = 0
@@ -20,22 +22,52 @@ export const onConnectionLost = (handler: () => void) => void lostHandlers.push(
 
 export function connect(): void {
   open()
-  setInterval(() => void (robot.linkAge.value = 50 * Math.floor((performance.now() - robot.lastMessageAt) / 50)), 50)
+  let before = performance.now()
+  setInterval(() => {
+    const now = performance.now()
+    const froze = now - before > kFrozen_ms // what arrived meanwhile comes next: then the age is known again
+    before = now
+    if (!froze) robot.linkAge.value = kTick_ms * Math.floor((now - robot.lastMessageAt) / kTick_ms)
+  }, kTick_ms)
 }
 
 function open(): void {
   socket = new WebSocket(`ws://${location.host}/live?t=${token}`)
-  socket.onopen = () => void (robot.connected.value = true)
+  socket.onopen = () => {
+    robot.noteMessage()
+    robot.connected.value = true
+  }
   socket.onmessage = (event) => onEvent(JSON.parse(event.data as string) as Event)
   socket.onclose = onClose
 }
 
 function onClose(): void {
   robot.connected.value = false
+  void findCause()
   for (const handler of lostHandlers) handler()
   for (const answer of waiting.values()) answer(unanswered)
   waiting.clear()
   setTimeout(open, kReconnect_ms)
+}
+
+// A refused WebSocket does not say why.
+async function findCause(): Promise<void> {
+  try {
+    const { status } = await fetch(withToken('/status'), { signal: AbortSignal.timeout(kReconnect_ms), cache: 'no-store' })
+    robot.closed.value = status === 403 ? 'token' : status === 503 ? 'full' : 'silent'
+  } catch (error) {
+    robot.closed.value = (error as Error).name === 'TimeoutError' ? 'silent' : 'ended'
+  }
+}
+
+// What an earlier start of the console told is gone.
+function welcome(message: Extract<Event, { type: 'Welcome' }>): void {
+  const before = robot.welcome.value
+  robot.welcome.value = message
+  if (!before || before.session === message.session) return
+  robot.restarted.value = robot.opened.value !== null
+  robot.opened.value = robot.planned.value = robot.refused.value = null
+  robot.checked.value = []
 }
 
 const unanswered: Answer = {
@@ -43,8 +75,8 @@ const unanswered: Answer = {
   done: false,
   code: 'E-100',
   what: 'The console does not answer.',
-  robot_did: 'It holds the needle, then retracts it automatically.',
-  to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
+  robot_did: 'It was not sent later either.',
+  to_do: 'Use the hardware E-stop in an emergency.',
 }
 
 function onEvent(message: Event): void {
@@ -52,9 +84,10 @@ function onEvent(message: Event): void {
     robot.noteMessage()
     switch (message.type) {
       case 'Welcome':
-        robot.welcome.value = message
+        welcome(message)
         break
       case 'Opened':
+        robot.restarted.value = false
         if (robot.opened.value?.series.series_uid !== message.series.series_uid) robot.opened.value = message
         break
       case 'Planned':
@@ -63,6 +96,7 @@ function onEvent(message: Event): void {
         break
       case 'State':
         robot.state.value = message
+        if (message.measured) robot.everMeasured.value = true
         break
       case 'Telemetry':
         robot.appendTelemetry(message)

@@ -1,13 +1,15 @@
 import { render } from 'preact'
 
 import { ActionBar } from './action_bar'
+import { AlarmLine, AlarmList } from './alarms/alarm_line'
 import { ConfirmView } from './confirm_view'
-import { ImageView } from './image_view'
 import { connect } from './link'
+import { LossScreen } from './loss_screen'
 import { PlanPanel } from './plan_panel'
 import { Plots } from './plots'
 import { StepRail } from './step_rail'
-import { AlarmLine, TopBar } from './top_bar'
+import { TopBar } from './top_bar'
+import { ImageView } from './viewer/image_view'
 
 render(
   <div class="page">
@@ -16,10 +18,12 @@ render(
     <StepRail />
     <ImageView>
       <ConfirmView />
+      <LossScreen />
     </ImageView>
     <PlanPanel>
       <Plots />
     </PlanPanel>
+    <AlarmList />
     <ActionBar />
   </div>,
   document.getElementById('page')!,

@@ -1,8 +1,10 @@
 // The plan: points, depth, layers, steps, limits; and the three checks before arming.
 import type { Tick } from './generated/messages'
-import { mm, ras } from './geometry'
+import { mm, ras } from './viewer/geometry'
 import { send } from './link'
-import { opened, plan, planned, state, disabledReason, type Vec3 } from './robot'
+import { disabledReason, isKnown, kBack_mm, opened, plan, planned, state, type Vec3 } from './robot'
+import { lit, StopCard, tipText } from './stop_card'
+import { warningsOf } from './plan_warnings'
 
 function Points() {
   const current = planned.value
@@ -12,6 +14,12 @@ function Points() {
       <dd data-name="entry">{current?.entry[0] ? `${ras(current.entry[0].ras as Vec3)} mm` : 'not set'}</dd>
       <dt>Target</dt>
       <dd data-name="target">{current?.target[0] ? `${ras(current.target[0].ras as Vec3)} mm` : 'not set'}</dd>
+      {opened.value && !plan.value && (
+        <>
+          <dt>Reach</dt>
+          <dd>{mm(opened.value.reach)} mm from the entry: dotted circle</dd>
+        </>
+      )}
       {plan.value && (
         <>
           <dt>Depth</dt>
@@ -68,19 +76,20 @@ function Steps() {
 }
 
 // Value, warn tick, hard tick, number and unit.
-function Limit(props: { name: string; value: number; warn: number; hard: number; unit: string }) {
+function Limit(props: { name: string; value: number | null; warn: number; hard: number; unit: string }) {
+  const shown = props.value === null ? 'OLD' : mm(props.value, 2)
   const x = (value: number) => `${Math.min((100 * Math.max(value, 0)) / (1.1 * props.hard), 100)}%`
   return (
     <div class="limit">
       <span>{props.name}</span>
-      <svg role="img" aria-label={`${props.name} ${props.value.toFixed(2)} of ${props.hard.toFixed(2)} ${props.unit}`}>
-        <rect x="0" y="4" width="100%" height="14" fill="#f7f8f9" stroke="#3d464e" />
-        <rect x="0" y="4" width={x(props.value)} height="14" fill="#5c6670" />
-        <line x1={x(props.warn)} x2={x(props.warn)} y1="2" y2="20" stroke="#15191d" stroke-dasharray="3 2" />
-        <line x1={x(props.hard)} x2={x(props.hard)} y1="0" y2="22" stroke="#15191d" stroke-width="3" />
+      <svg role="img" aria-label={`${props.name} ${shown} of ${mm(props.hard, 2)} ${props.unit}`}>
+        <rect x="0" y="4" width="100%" height="14" class="bar" />
+        <rect x="0" y="4" width={x(props.value ?? 0)} height="14" class="filled" />
+        <line x1={x(props.warn)} x2={x(props.warn)} y1="2" y2="20" class="tick" stroke-dasharray="3 2" />
+        <line x1={x(props.hard)} x2={x(props.hard)} y1="0" y2="22" class="tick" stroke-width="3" />
       </svg>
       <span>
-        {props.value.toFixed(2)} / {props.hard.toFixed(2)} {props.unit}
+        {shown} / {mm(props.hard, 2)} {props.unit}
       </span>
     </div>
   )
@@ -95,7 +104,7 @@ function Checks() {
     ['Risks', 'High voltage comes on and the needle moves. The E-stop is in reach.'],
   ]
   return (
-    <div class="checks">
+    <div class={lit.value === 'checks' ? 'checks lit' : 'checks'} data-lit={lit.value === 'checks'}>
       {ticks.map(([tick, text], n) => (
         <label key={tick}>
           <input
@@ -114,6 +123,24 @@ function Checks() {
   )
 }
 
+function Warnings() {
+  const all = warningsOf(plan.value!, opened.value?.series)
+  if (all.length === 0) return null
+  return (
+    <ul class="warnings" data-name="warnings">
+      {all.map((one) => (
+        <li key={one}>{one}</li>
+      ))}
+    </ul>
+  )
+}
+
+// Armed with the needle not at its rest, the run would begin elsewhere than planned.
+function Residual() {
+  if (!isKnown.value || Math.abs(state.value!.depth) <= kBack_mm) return null
+  return <p data-name="residual">{tipText.value}</p>
+}
+
 export function PlanPanel(props: { children?: preact.ComponentChildren }) {
   const current = planned.value
   const now = state.value
@@ -121,7 +148,8 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
   const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || over)
   const why = disabledReason.value || now?.disabled.plan || ''
   return (
-    <section class="plan" aria-label="plan">
+    <section class="plan" aria-label="plan" tabIndex={0}>
+      <StopCard />
       <h2>Plan</h2>
       <Points />
       {current?.refusal && (
@@ -133,11 +161,15 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
       {plan.value && (
         <>
           <Layers />
+          <Warnings />
+          {checking && <Residual />}
           {checking ? <Checks /> : <Steps />}
-          <Limit name="Depth" value={now?.depth ?? 0} warn={plan.value.depth} hard={plan.value.depth_max} unit="mm" />
-          <Limit name="Voltage" value={Math.abs(now?.drive ?? 0)} warn={plan.value.v_max} hard={8} unit="kV" />
+          <Limit name="Depth" value={isKnown.value ? now!.depth : null} warn={plan.value.depth} hard={plan.value.depth_max} unit="mm" />
+          <Limit name="Voltage" value={isKnown.value ? Math.abs(now!.drive) : null} warn={plan.value.v_max} hard={8} unit="kV" />
           {!plan.value.confirmed && (
             <button
+              class={lit.value === 'plan' ? 'lit' : ''}
+              data-lit={lit.value === 'plan'}
               aria-disabled={why !== ''}
               title={why}
               onClick={() => void send({ type: 'ConfirmPlan', seal: plan.value!.seal })}

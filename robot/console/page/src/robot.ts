@@ -18,11 +18,25 @@ export let lastMessageAt = 0 // performance.now(), ms
 export const linkAge = signal(0) // ms, in steps
 export const noteMessage = () => void (lastMessageAt = performance.now())
 export const kOld_ms = 200
-const kLost_ms = 2500 // without data from the robot the console sends once a second
+const kLost_ms = 1500 // without data from the robot the console sends once a second
+
+// Why there is no connection, as far as the page can tell.
+export type Loss = 'starting' | 'silent' | 'token' | 'full' | 'ended'
+export const closed = signal<Loss>('starting') // of a connection that is not open
 
 export const isOld = computed(() => !connected.value || linkAge.value > kOld_ms)
 // A pulled cable does not close the socket: missing messages count as well.
 export const linked = computed(() => connected.value && linkAge.value < kLost_ms)
+export const loss = computed<Loss | null>(() => (linked.value ? null : connected.value ? 'silent' : closed.value))
+// The console answers, the robot does not.
+export const robotSilent = computed(() => linked.value && state.value !== null && !state.value.measured && everMeasured.value)
+export const everMeasured = signal(false)
+// An earlier start of the console knew points and plan that this one does not.
+export const restarted = signal(false)
+
+export const kBack_mm = 0.1 // so near to 0 the needle is back
+export const isKnown = computed(() => !isOld.value && (state.value?.measured ?? false))
+
 export const controls = computed(() => linked.value && (state.value?.controller ?? false))
 export const plan = computed(() => (planned.value?.stages.length ? planned.value : null))
 

@@ -1,6 +1,7 @@
 // The current step, decided by the server, and what to do in it.
 import type { Step } from './generated/messages'
 import { planned, state } from './robot'
+import { stopped } from './stop_card'
 
 const kSteps: [Step, string][] = [
   ['Image', 'Open a series.'],
@@ -12,6 +13,7 @@ const kSteps: [Step, string][] = [
 ]
 
 function hintOf(step: Step, hint: string): string {
+  if (stopped.value) return 'Stopped: follow the steps beside the image.'
   if (step === 'Plan' && planned.value?.entry.length === 0) return 'Click where the tip waits, then Set entry.'
   if (step === 'Plan' && planned.value?.target.length === 0) return 'Click where it shall go, then Set target.'
   if (step === 'Plan') return 'Look at depth, layers and limits. Confirm the plan.'

@@ -1,6 +1,10 @@
-// Always in view: state, patient, depth, voltage, scanner, age of the link; and below it the alarm line.
+// Always in view: state, patient, depth, voltage, scanner, age of the link.
 import type { Mode } from './generated/messages'
-import { isOld, linkAge, linked, opened, refused, state, welcome } from './robot'
+import { isKnown, linkAge, linked, opened, state, welcome } from './robot'
+import { dark } from './theme'
+import { mm } from './viewer/geometry'
+
+const kAge_ms = 100 // finer steps would paint the page again and again
 
 // A label, a shape and, for the two stopped modes, the only saturated colour.
 const kShapes: Record<Mode, string> = {
@@ -29,13 +33,13 @@ export function TopBar() {
   const series = opened.value?.series
   const mode = now?.mode ?? 'Boot'
   const stopped = mode === 'Trip' || mode === 'Lock'
-  const known = now?.measured && !isOld.value
+  const known = isKnown.value && now
   return (
     <header class="top">
       <h1>Needle biopsy</h1>
       <div class="mode" data-name="mode" data-mode={mode}>
         <svg width="28" height="28" aria-hidden="true">
-          <path d={kShapes[mode]} fill="none" stroke={stopped ? '#b00020' : '#15191d'} stroke-width="3.5" />
+          <path d={kShapes[mode]} fill="none" stroke={stopped ? 'var(--alarm)' : 'var(--ink)'} stroke-width="3.5" />
         </svg>
         {linked.value ? mode.toUpperCase() : 'NO LINK'}
       </div>
@@ -51,36 +55,13 @@ export function TopBar() {
           'No series is open'
         )}
       </div>
-      <Value name="Depth" text={known ? `${(Math.round(100 * now.depth) / 100 + 0).toFixed(2)} mm` : 'OLD'} />
-      <Value name="Voltage" text={known ? `${Math.abs(now.drive).toFixed(2)} kV` : 'OLD'} />
-      <Value name="Scanner" text={(now?.scanner ?? 'Idle').toLowerCase()} />
-      <Value name="Link" text={linked.value ? `${linkAge.value} ms` : 'lost'} />
+      <Value name="Depth" text={known ? `${mm(now.depth, 2)} mm` : 'OLD'} />
+      <Value name="Voltage" text={known ? `${mm(Math.abs(now.drive), 2)} kV` : 'OLD'} />
+      <Value name="Scanner" text={linked.value ? (now?.scanner ?? 'Idle').toLowerCase() : 'OLD'} />
+      <Value name="Link" text={linked.value ? `${kAge_ms * Math.floor(linkAge.value / kAge_ms)} ms` : 'lost'} />
+      <button aria-pressed={dark.value} onClick={() => void (dark.value = !dark.value)}>
+        Dark
+      </button>
     </header>
-  )
-}
-
-export function AlarmLine() {
-  const lost = !linked.value && {
-    severity: 'Alarm',
-    code: 'E-100',
-    what: 'No link to the console.',
-    robot_did: 'The robot holds the needle, then retracts it automatically.',
-    to_do: 'Use the hardware E-stop in an emergency. The page tries again.',
-  }
-  const asked = refused.value && { severity: 'Notice', ...refused.value }
-  const worst = lost || state.value?.alarms[0] || asked
-  return (
-    <section class={`alarm ${worst ? worst.severity : ''}`} role="alert" aria-label="alarms">
-      {worst ? (
-        <>
-          <b>{worst.severity === 'Notice' ? 'NOTE' : worst.severity.toUpperCase()}</b>
-          <span data-name="alarm">
-            <b>{worst.code}</b> {worst.what} {worst.robot_did} {worst.to_do}
-          </span>
-        </>
-      ) : (
-        <span>No alarms</span>
-      )}
-    </section>
   )
 }

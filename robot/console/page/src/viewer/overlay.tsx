@@ -1,10 +1,14 @@
-// Drawn over the image: entry, target, path, live tip, points proposed by the case, scale bars. SVG, so that a test can
-// read every position in mm from the page. Dashed: in front of or behind the displayed slice.
-import { add, length, letterOf, minus, project, type Tile } from './geometry'
-import { crosshair, tiles } from './viewer'
-import { isOld, opened, plan, planned, state, type Vec3 } from './robot'
+// Drawn over the image, in each of its frames: crosshair, entry, target, path, live tip, points proposed by the case, the
+// stage's reach, ruler, scale bars. SVG, so that a test can read every position in mm from the page. Dashed: in front of
+// or behind the displayed slice.
+import { add, length, letterOf, minus, mm, project, type Tile } from './geometry'
+import { crossed, crosshair, ruler, rulerLength, tiles } from './view'
+import { isOld, opened, plan, planned, state, type Vec3 } from '../robot'
 
 const kOff_mm = 0.5
+const kBars_mm = [100, 50, 20, 10, 5, 2, 1]
+const kGap_px = 16
+const kTextMin_px = 110 // below this height words would cover the picture
 const kTipSigma_mm = 0.1 // the laser's loop settles within this; paper IV.F
 
 const mmText = (p: Vec3) => p.map((v) => v.toFixed(3)).join(',')
@@ -57,6 +61,35 @@ function Tip(props: { tile: Tile; from: Vec3; to: Vec3 }) {
   )
 }
 
+// Open in the middle: what it points at stays in view.
+function Cross(props: { tile: Tile; at: Vec3 }) {
+  const { left, top, width, height } = props.tile
+  const { x, y } = project(props.tile, props.at)
+  const lines = `M${left},${y}H${x - kGap_px}M${x + kGap_px},${y}H${left + width}M${x},${top}V${y - kGap_px}M${x},${y + kGap_px}V${top + height}`
+  return <path class="cross" data-name="cross" d={lines} />
+}
+
+// Where the stage's stroke ends, all around the entry: cut by the slice.
+function Reach(props: { tile: Tile; entry: Vec3; reach: number }) {
+  const { x, y, off } = project(props.tile, props.entry)
+  const across = Math.sqrt(Math.max(props.reach ** 2 - off ** 2, 0)) / length(props.tile.right)
+  return across > 0 ? <circle class="reach" data-name="reach" data-mm={props.reach} cx={x} cy={y} r={across} /> : null
+}
+
+function Ruler(props: { tile: Tile }) {
+  if (!ruler.value) return null
+  const [a, b] = [project(props.tile, ruler.value.from), project(props.tile, ruler.value.to)]
+  const off = Math.max(Math.abs(a.off), Math.abs(b.off)) > kOff_mm
+  return (
+    <g class="ruler" data-name="ruler" data-mm={rulerLength.value.toFixed(3)}>
+      <line x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-dasharray={off ? '6 4' : 'none'} />
+      <text x={b.x + 10} y={b.y - 10}>
+        {mm(rulerLength.value)} mm
+      </text>
+    </g>
+  )
+}
+
 // Sides of the patient.
 function Letters(props: { tile: Tile }) {
   const { left, top, width, height, right, down } = props.tile
@@ -80,14 +113,15 @@ function Letters(props: { tile: Tile }) {
 
 function Scale(props: { tile: Tile }) {
   const { tile } = props
-  const mm = 10 / length(tile.right) + 82 < tile.width / 2 ? 10 : 5 // leaves room for the letter in the middle
-  const wide = mm / length(tile.right)
+  // The longest that leaves room for the letter in the middle.
+  const bar = kBars_mm.find((one) => one / length(tile.right) + 82 < tile.width / 2) ?? kBars_mm.at(-1)!
+  const wide = bar / length(tile.right)
   const [x, y] = [tile.left + tile.width - wide - 68, tile.top + tile.height - 12]
   return (
-    <g class="scale" data-mm={mm}>
+    <g class="scale" data-mm={bar}>
       <path d={`M${x},${y - 5}V${y}H${x + wide}V${y - 5}`} />
       <text x={x + wide + 6} y={y}>
-        {mm} mm
+        {bar} mm
       </text>
     </g>
   )
@@ -107,17 +141,26 @@ export function Overlay() {
             <rect x={tile.left} y={tile.top} width={tile.width} height={tile.height} />
           </clipPath>
           <g clip-path={`url(#tile${n})`}>
+            {crosshair.value && crossed.value && <Cross tile={tile} at={crosshair.value} />}
+            {opened.value && (entry ?? proposal) && (
+              <Reach tile={tile} entry={entry ?? (proposal!.entry_ras as Vec3)} reach={opened.value.reach} />
+            )}
             {proposal && !entry && <Mark tile={tile} at={proposal.entry_ras as Vec3} kind="entry" proposed />}
             {proposal && !target && <Mark tile={tile} at={proposal.target_ras as Vec3} kind="target" proposed />}
             {entry && target && <Path tile={tile} from={entry} to={target} />}
             {entry && <Mark tile={tile} at={entry} kind="entry" />}
             {target && <Mark tile={tile} at={target} kind="target" />}
             {plan.value && entry && target && <Tip tile={tile} from={entry} to={target} />}
-            <text class="plane" x={tile.left + 14} y={tile.top + 26}>
-              {tile.plane}
-            </text>
-            <Letters tile={tile} />
-            <Scale tile={tile} />
+            <Ruler tile={tile} />
+            {tile.height > kTextMin_px && (
+              <>
+                <text class="plane" x={tile.left + 14} y={tile.top + 26}>
+                  {tile.plane}
+                </text>
+                <Letters tile={tile} />
+                <Scale tile={tile} />
+              </>
+            )}
           </g>
         </g>
       ))}

@@ -1,5 +1,5 @@
 // Points in R, A, S millimetres, and the flat tiles that show them.
-import type { Vec3 } from './robot'
+import type { Vec3 } from '../robot'
 
 export const add = (a: Vec3, b: Vec3, k = 1): Vec3 => [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
 export const minus = (a: Vec3, b: Vec3): Vec3 => add(a, b, -1)
@@ -13,6 +13,7 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
 
 // One tile of the viewer, in CSS pixels: the pixel (x, y) shows the point origin + x * right + y * down.
 export interface Tile {
+  n: number // of the viewer
   plane: Plane
   left: number
   top: number
@@ -52,7 +53,11 @@ export function letterOf(way: Vec3, sign: number): string {
   return (sign * way[axis]! > 0 ? 'RAS' : 'LPI')[axis]!
 }
 
-export const mm = (value: number, digits = 1) => value.toFixed(digits)
+// Never "-0.00": what rounds to zero has no sign.
+export const mm = (value: number, digits = 1) => {
+  const text = value.toFixed(digits)
+  return Number(text) === 0 ? text.replace('-', '') : text
+}
 export const ras = (p: Vec3) => {
   const letters = [p[0] < 0 ? 'L' : 'R', p[1] < 0 ? 'P' : 'A', p[2] < 0 ? 'I' : 'S']
   return p.map((v, n) => `${letters[n]} ${Math.abs(v).toFixed(1)}`).join('  ')

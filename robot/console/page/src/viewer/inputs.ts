@@ -1,0 +1,134 @@
+// Every input that the image takes, and what each does; there is no other. The list is what `?` shows.
+import { opened, type Vec3 } from '../robot'
+import { add, kPlanes, length, pointAt, type Tile } from './geometry'
+import * as view from './view'
+
+const kFine_mm = 0.1
+const kWindow_px = 200 // of a drag doubles the window
+const kWindowStep = 0.15
+
+export const kList: [string, string][] = [
+  ['click or left drag', 'move the crosshair (with Ruler: measure)'],
+  ['wheel, Page Up, Page Down', 'one slice'],
+  ['arrows', 'one voxel; with Shift 0.1 mm'],
+  ['middle drag', 'pan'],
+  ['right drag', 'window: right wider, up brighter'],
+  ['Ctrl + wheel, + and -', 'zoom about the crosshair'],
+  ['[ and ], ; and \'', 'window narrower, wider; darker, brighter'],
+  ['0', 'fit: zoom, pan and window as at first'],
+  ['1, 2, 3', 'axial, coronal, sagittal large'],
+  ['m', 'ruler on and off'],
+  ['x', 'crosshair on and off'],
+  ['Ctrl + Z, Ctrl + Y', 'undo and redo entry or target'],
+  ['Esc, anywhere', 'STOP'],
+  ['?', 'this list'],
+]
+
+export interface Acts {
+  undo(): void
+  redo(): void
+  list(): void
+}
+
+const tileAt = (x: number, y: number): Tile | undefined =>
+  view.tiles.value.find((tile) => x >= tile.left && x < tile.left + tile.width && y >= tile.top && y < tile.top + tile.height)
+
+// Returns what takes every listener away again.
+export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
+  const over = new AbortController()
+  const on = <Name extends keyof HTMLElementEventMap>(name: Name, act: (event: HTMLElementEventMap[Name]) => void) =>
+    canvas.addEventListener(name, act, { signal: over.signal, passive: false })
+  let dragged: { tile: Tile; button: number; last: [number, number]; from: Vec3 } | null = null
+
+  on('pointerdown', (event) => {
+    if (dragged) return
+    const [x, y] = [event.offsetX, event.offsetY]
+    const tile = tileAt(x, y)
+    if (!tile || event.button > 2) return
+    event.preventDefault()
+    canvas.focus()
+    canvas.setPointerCapture(event.pointerId)
+    dragged = { tile, button: event.button, last: [x, y], from: pointAt(tile, x, y) }
+    if (event.button !== 0) return
+    if (view.ruling.value) view.ruler.value = { from: dragged.from, to: dragged.from }
+    else view.moveTo(dragged.from)
+  })
+  on('pointermove', (event) => {
+    if (!dragged) return
+    const [x, y] = [event.offsetX, event.offsetY]
+    const { tile, last } = dragged
+    if (dragged.button === 1) view.pan(tile, last, [x, y])
+    else if (dragged.button === 2) view.changeWindow((x - last[0]) / kWindow_px, (y - last[1]) / kWindow_px)
+    else if (tileAt(x, y)?.n === tile.n) {
+      // The slice of this tile does not change by a move in it: its points are those of the press.
+      if (view.ruling.value) view.ruler.value = { from: dragged.from, to: pointAt(tile, x, y) }
+      else view.moveTo(pointAt(tile, x, y))
+    }
+    dragged.last = [x, y]
+  })
+  const drop = () => void (dragged = null)
+  on('pointerup', drop)
+  on('pointercancel', drop)
+  on('lostpointercapture', drop)
+  on('contextmenu', (event) => event.preventDefault())
+  on('dragover', (event) => event.preventDefault())
+  on('drop', (event) => event.preventDefault())
+
+  on('wheel', (event) => {
+    event.preventDefault()
+    const tile = tileAt(event.offsetX, event.offsetY)
+    if (!tile || dragged || event.deltaY === 0) return
+    if (event.ctrlKey) view.zoomBy(event.deltaY < 0 ? view.kZoomStep : 1 / view.kZoomStep)
+    else view.moveSlice(tile, event.deltaY < 0 ? 1 : -1)
+  })
+
+  on('keydown', (event) => {
+    if (!actOn(event, acts)) return
+    event.preventDefault()
+    event.stopPropagation()
+  })
+  return () => over.abort()
+}
+
+// False: not on the list.
+function actOn(event: KeyboardEvent, acts: Acts): boolean {
+  const tile = view.largeTile.value
+  const at = view.crosshair.value
+  if (!tile || !at || event.altKey || event.metaKey) return false
+  if (event.ctrlKey) {
+    const again = event.key === 'y' || (event.key === 'Z' && event.shiftKey)
+    if (!again && event.key !== 'z') return false
+    if (again) acts.redo()
+    else acts.undo()
+    return true
+  }
+  const nudge = (way: Vec3, sign: number) => {
+    const step = event.shiftKey ? kFine_mm : (opened.value?.series.spacing[0] ?? 1)
+    view.moveTo(add(at, way, (sign * step) / length(way)))
+  }
+  const keys: Record<string, () => void> = {
+    ArrowRight: () => nudge(tile.right, 1),
+    ArrowLeft: () => nudge(tile.right, -1),
+    ArrowDown: () => nudge(tile.down, 1),
+    ArrowUp: () => nudge(tile.down, -1),
+    PageUp: () => view.moveSlice(tile, 1),
+    PageDown: () => view.moveSlice(tile, -1),
+    '+': () => view.zoomBy(view.kZoomStep),
+    '=': () => view.zoomBy(view.kZoomStep),
+    '-': () => view.zoomBy(1 / view.kZoomStep),
+    '[': () => view.changeWindow(-kWindowStep, 0),
+    ']': () => view.changeWindow(kWindowStep, 0),
+    ';': () => view.changeWindow(0, kWindowStep),
+    "'": () => view.changeWindow(0, -kWindowStep),
+    '0': view.resetView,
+    '1': () => view.arrange(kPlanes[0]!),
+    '2': () => view.arrange(kPlanes[1]!),
+    '3': () => view.arrange(kPlanes[2]!),
+    m: () => void (view.ruling.value = !view.ruling.value),
+    x: () => void (view.crossed.value = !view.crossed.value),
+    '?': acts.list,
+  }
+  const act = Object.hasOwn(keys, event.key) ? keys[event.key] : undefined
+  act?.()
+  return act !== undefined
+}

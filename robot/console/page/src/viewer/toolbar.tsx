@@ -1,0 +1,123 @@
+// Below the image: points, planes, tools, read-outs; and the list of inputs.
+import { signal } from '@preact/signals'
+
+import { disabledReason, opened, welcome } from '../robot'
+import { kPlanes, mm, ras } from './geometry'
+import { kList } from './inputs'
+import { redo, setPoint, undo, whyNoRedo, whyNoUndo } from './points'
+import * as view from './view'
+
+export const listed = signal(false) // the list of inputs is shown
+export const choosing = signal(false) // the list of series is shown, to open another one
+
+function Act(props: { name: string; text?: string; why?: string; pressed?: boolean; act: () => void }) {
+  const why = props.why ?? ''
+  return (
+    <button
+      class={props.text ? 'tool' : ''}
+      aria-label={props.text ? props.name : undefined}
+      aria-disabled={why !== ''}
+      aria-pressed={props.pressed}
+      title={why || (props.text ? props.name : '')}
+      onClick={() => why === '' && props.act()}
+    >
+      {props.text ?? props.name}
+    </button>
+  )
+}
+
+export function Picking() {
+  const why = disabledReason.value
+  const at = view.crosshair.value
+  return (
+    <div class="group">
+      <Act name="Set entry" why={why} act={() => at && void setPoint('Entry', at)} />
+      <Act name="Set target" why={why} act={() => at && void setPoint('Target', at)} />
+      <Act name="Undo" text="↶" why={why || whyNoUndo.value} act={() => void undo()} />
+      <Act name="Redo" text="↷" why={why || whyNoRedo.value} act={() => void redo()} />
+      {(welcome.value?.series.length ?? 0) > 1 && (
+        <Act name="Other series" why={why} act={() => void (choosing.value = true)} />
+      )}
+    </div>
+  )
+}
+
+export function Planes() {
+  return (
+    <div class="group">
+      {kPlanes.map((plane) => (
+        <Act key={plane} name={plane} pressed={view.large.value === plane} act={() => view.arrange(plane)} />
+      ))}
+    </div>
+  )
+}
+
+export function Tools() {
+  return (
+    <div class="group">
+      <Act name="Zoom out" text="−" act={() => view.zoomBy(1 / view.kZoomStep)} />
+      <Act name="Zoom in" text="+" act={() => view.zoomBy(view.kZoomStep)} />
+      <Act name="Fit view" act={view.resetView} />
+      <Act name="Ruler" pressed={view.ruling.value} act={() => void (view.ruling.value = !view.ruling.value)} />
+      <Act name="List of keys" text="?" pressed={listed.value} act={() => void (listed.value = !listed.value)} />
+    </div>
+  )
+}
+
+export function Slice() {
+  const tile = view.largeTile.value
+  const at = view.crosshair.value
+  if (!tile || !at) return null
+  const stack = view.stackOf(tile)
+  const slice = Math.min(Math.max(Math.round(stack.at(at)), 0), stack.count - 1)
+  return (
+    <label class="slice">
+      <span>
+        {tile.plane} slice <b data-name="slice">{slice + 1}</b> of {stack.count}
+      </span>
+      <input
+        type="range"
+        min="1"
+        max={stack.count}
+        value={slice + 1}
+        onInput={(event) => view.toSlice(tile, Number(event.currentTarget.value) - 1)}
+      />
+    </label>
+  )
+}
+
+export function Caption() {
+  const series = opened.value!.series
+  const { low, high } = view.windowed.value
+  return (
+    <p class="caption">
+      {welcome.value?.simulated && <b>SIMULATED · </b>}
+      {series.description}
+      {series.oblique > 0.5 && ` · OBLIQUE ${series.oblique.toFixed(0)} deg`}
+      <span data-name="zoom"> · zoom {mm(view.zoom.value)}</span>
+      <span data-name="window">
+        {' '}
+        · window {mm(high - low, 0)} level {mm((low + high) / 2, 0)}
+      </span>
+      {view.moved.value && ' · moved'}
+      {view.crosshair.value && <span data-name="place"> · {ras(view.crosshair.value)} mm</span>}
+    </p>
+  )
+}
+
+export function InputList() {
+  if (!listed.value) return null
+  return (
+    <section class="inputs" aria-label="keys and mouse">
+      <dl>
+        {kList.map(([input, does]) => (
+          <div key={input}>
+            <dt>{input}</dt>
+            <dd>{does}</dd>
+          </div>
+        ))}
+      </dl>
+      <button onClick={() => void (listed.value = false)}>Close the list</button>
+    </section>
+  )
+}

@@ -1,0 +1,110 @@
+// Alarms in the manner of IEC 60601-1-8: priorities with their flash rates and sounds, a pause, acknowledgement, a list
+// with the past.
+import { expect, type Page, test } from '@playwright/test'
+
+import { expectAccessible } from './support/accessibility'
+import { PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
+import { kAlarm, kCold, kWarning } from './support/scenes'
+import { freezePage } from './support/tap'
+
+const robot = new Robot()
+test.beforeAll(() => robot.start())
+test.afterAll(() => robot.stop())
+
+const kNotice = { severity: 'Notice', code: 'E-230', what: 'The log is behind.', robot_did: 'Not ready.', to_do: 'Check the disk of the log.' }
+
+// Records the pulses that the page asks its loudspeaker for.
+async function listen(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    const pulses: { from: number; to: number; hz: number }[] = []
+    Object.assign(window, { pulses })
+    const start = OscillatorNode.prototype.start
+    OscillatorNode.prototype.start = function (this: OscillatorNode, when = 0) {
+      pulses.push({ from: when, to: 0, hz: this.frequency.value })
+      Object.assign(this, { pulse: pulses.at(-1) })
+      start.call(this, when)
+    }
+    const stop = OscillatorNode.prototype.stop
+    OscillatorNode.prototype.stop = function (this: OscillatorNode & { pulse?: { to: number } }, when = 0) {
+      if (this.pulse && when > 0) this.pulse.to = when
+      stop.call(this, when)
+    }
+  })
+}
+const pulses = (page: Page): Promise<{ from: number; to: number; hz: number }[]> =>
+  page.evaluate(() => (window as unknown as { pulses: [] }).pulses)
+const forget = (page: Page) => page.evaluate(() => void ((window as unknown as { pulses: unknown[] }).pulses.length = 0))
+
+async function watched(page: Page): Promise<PageOperator> {
+  await listen(page)
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await freezePage(page, { mode: 'Safe', step: 'Check', disabled: kCold })
+  await page.mouse.click(700, 20) // a browser is silent before the first click
+  return operator
+}
+const raise = (page: Page, alarms: object[]) => freezePage(page, { mode: 'Safe', step: 'Check', alarms, disabled: kCold })
+
+for (const [alarm, priority, count, flash_s] of [[kAlarm, 'high', 10, '0.5s'], [kWarning, 'medium', 3, '2s'], [kNotice, 'low', 2, '0s']] as const)
+  test(`an alarm of ${priority} priority: ${count} pulses, its flash rate`, async ({ page }) => {
+    await watched(page)
+    await raise(page, [alarm])
+    const line = page.locator('.alarm')
+    await expect(line).toHaveAttribute('data-priority', priority)
+    await expect(line.locator('.mark')).toContainText(priority.toUpperCase())
+    expect(await line.evaluate((one) => getComputedStyle(one).animationDuration)).toBe(flash_s)
+    await expect.poll(async () => (await pulses(page)).length).toBe(count)
+    for (const { from, to, hz } of await pulses(page)) {
+      expect(hz).toBeGreaterThanOrEqual(150)
+      expect(hz).toBeLessThanOrEqual(1000)
+      expect(to - from).toBeGreaterThanOrEqual(priority === 'high' ? 0.075 : 0.125)
+      expect(to - from).toBeLessThanOrEqual(priority === 'high' ? 0.2 : 0.25)
+    }
+    await expectAccessible(page)
+  })
+
+test('sound is paused and returns; acknowledging silences what is there, not what comes', async ({ page }) => {
+  const operator = await watched(page)
+  await operator.button('Alarms').first().waitFor()
+  await raise(page, [kWarning])
+  await expect.poll(async () => (await pulses(page)).length).toBe(3)
+  await operator.button('Pause sound').click()
+  await expect(page.locator('[data-name=audio-paused]')).toContainText(/Sound paused: 1[12]\d s/)
+  await forget(page)
+  await raise(page, [kAlarm, kWarning])
+  await page.waitForTimeout(500)
+  expect(await pulses(page)).toEqual([])
+  await operator.button('Sound on').click()
+  await expect.poll(async () => (await pulses(page)).length).toBe(10)
+
+  await operator.button('Acknowledge').click()
+  await expect(page.locator('.alarm')).toHaveClass(/acknowledged/)
+  expect(await page.locator('.alarm').evaluate((one) => getComputedStyle(one).animationName)).toBe('none')
+  await expect(page.locator('[data-name=alarm]')).toContainText(kAlarm.code) // it stands as long as its cause
+  await forget(page)
+  await raise(page, [kAlarm, kWarning, kNotice])
+  await expect.poll(async () => (await pulses(page)).length).toBe(2)
+  await expect(page.locator('[data-name=alarm]')).toContainText(kNotice.code) // before those that are known
+})
+
+test('the list shows what is and what was, newest first', async ({ page }) => {
+  const operator = await watched(page)
+  await raise(page, [kWarning])
+  await expect(page.locator('[data-name=alarm-count]')).toHaveText('1')
+  await operator.button('Acknowledge').click()
+  await raise(page, [kAlarm])
+  await expect(page.locator('[data-name=alarm]')).toContainText(kAlarm.code)
+  await operator.button(/^Alarms: 1/).click()
+  const rows = page.locator('.alarm-list tbody tr')
+  await expect(rows).toHaveCount(2)
+  await expect(rows.nth(0)).toContainText(kAlarm.code)
+  await expect(rows.nth(0)).toHaveAttribute('data-active', 'true')
+  await expect(rows.nth(0).locator('td').nth(2)).toHaveText('no')
+  await expect(rows.nth(1)).toContainText(kWarning.code)
+  await expect(rows.nth(1)).toHaveAttribute('data-active', 'false')
+  await expect(rows.nth(1).locator('td').nth(2)).toHaveText(/^\d\d:\d\d:\d\d$/)
+  await expectAccessible(page)
+  // STOP and the alarms stay in reach.
+  await expect(operator.button('STOP')).toBeInViewport({ ratio: 1 })
+})

@@ -1,0 +1,130 @@
+// Tools of the viewer, by mouse and by keyboard; and what the page says of a plan before it is confirmed.
+import { expect, test } from '@playwright/test'
+
+import { expectAccessible } from './support/accessibility'
+import { distance, PageOperator, type Vec3 } from './support/page_operator'
+import { pixelsPerMm } from './support/picture'
+import { Robot } from './support/robot'
+import { kCold, no } from './support/scenes'
+import { freezePage, lastEvent } from './support/tap'
+
+const robot = new Robot()
+test.beforeAll(() => robot.start())
+test.afterAll(() => robot.stop())
+
+test('the ruler measures what the scale bar says', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const scale = await pixelsPerMm(page)
+  const before = await operator.mm('crosshair')
+  await operator.button('Ruler').click()
+  const box = (await page.locator('[data-tile^=large] rect').first().boundingBox())!
+  const [x, y] = [box.x + box.width / 3, box.y + box.height / 3]
+  await page.mouse.move(x, y)
+  await page.mouse.down()
+  await page.mouse.move(x + 120, y + 90, { steps: 3 })
+  await page.mouse.up()
+  const measured = Number(await page.locator('[data-tile^=large] [data-name=ruler]').getAttribute('data-mm'))
+  expect(Math.abs(measured - 150 / scale)).toBeLessThan(0.1)
+  expect(distance(await operator.mm('crosshair'), before)).toBe(0) // a ruler moves nothing else
+  await operator.button('Ruler').click()
+})
+
+test('slice number, slider and keys agree', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const slice = async () => Number(await page.locator('[data-name=slice]').textContent())
+  const from = await slice()
+  const canvas = page.locator('canvas[tabindex]')
+  await canvas.focus()
+  await page.keyboard.press('PageUp')
+  await expect.poll(slice).toBe(from + 1)
+  await page.locator('.slice input').focus()
+  await page.keyboard.press('ArrowRight')
+  await expect.poll(slice).toBe(from + 2)
+  const [series, before] = [(await lastEvent(page, 'Opened')).series, await operator.mm('crosshair')]
+  await canvas.focus()
+  await page.keyboard.press('PageDown')
+  await expect.poll(async () => distance(await operator.mm('crosshair'), before)).toBeCloseTo(series.spacing[2], 2)
+  await page.keyboard.press('2')
+  await expect(page.locator('[data-tile="large coronal"]')).toBeAttached()
+  await page.keyboard.press('1')
+})
+
+test('the crosshair is open in the middle', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await operator.clickAt('target')
+  const mark = (await page.locator('[data-tile^=large] [data-name=target]').boundingBox())!
+  const middle = { x: mark.x + mark.width / 2, y: mark.y + mark.height / 2 }
+  // Sampled along the lines: how near they come to the middle of the mark.
+  const nearest = await page.locator('[data-tile^=large] [data-name=cross]').evaluate((path: SVGPathElement, { x, y }) => {
+    const canvas = path.ownerSVGElement!.getBoundingClientRect()
+    const at = (n: number) => path.getPointAtLength(n)
+    const lengths = Array.from({ length: Math.ceil(path.getTotalLength()) }, (_, n) => n)
+    return Math.min(...lengths.map((n) => Math.hypot(at(n).x + canvas.x - x, at(n).y + canvas.y - y)))
+  }, middle)
+  expect(nearest).toBeGreaterThan(10)
+  expect(nearest).toBeLessThan(25)
+})
+
+test('undo and redo of a point, by button and key; the server has the same', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const entry = async () => (await lastEvent(page, 'Planned')).target[0].ras as Vec3
+  const first = await entry()
+  await operator.clickAt('target')
+  await page.locator('canvas[tabindex]').focus()
+  await page.keyboard.press('Shift+ArrowUp')
+  await operator.click('Set target')
+  await expect.poll(async () => distance(await entry(), first)).toBeGreaterThan(0.05)
+  const second = await entry()
+  await operator.button('Undo').click()
+  await expect.poll(async () => distance(await entry(), first)).toBeLessThan(0.001)
+  await operator.button('Redo').click()
+  await expect.poll(async () => distance(await entry(), second)).toBeLessThan(0.001)
+  await page.locator('canvas[tabindex]').focus()
+  await page.keyboard.press('Control+z')
+  await expect.poll(async () => distance(await entry(), first)).toBeLessThan(0.001)
+})
+
+test('? lists every input, and leaves STOP and the alarms in view', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await page.locator('canvas[tabindex]').focus()
+  await page.keyboard.press('?')
+  await expect(page.locator('.inputs dt')).toHaveCount(14)
+  await expect(operator.button('STOP')).toBeInViewport({ ratio: 1 })
+  await expect(page.locator('.alarm')).toBeInViewport({ ratio: 1 })
+  await expectAccessible(page)
+  await operator.button('Close the list').click()
+  await expect(page.locator('.inputs')).toHaveCount(0)
+})
+
+test('the reach of the stage is drawn around the entry', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await operator.clickAt('entry')
+  const reach = page.locator('[data-tile^=large] [data-name=reach]')
+  const { reach: told } = await lastEvent(page, 'Opened')
+  expect(told).toBe(11) // stroke of 12 mm less the margin of 1 mm
+  const radius = await reach.evaluate((circle: SVGCircleElement) => circle.r.baseVal.value)
+  expect(Math.abs(radius / (await pixelsPerMm(page)) - told)).toBeLessThan(0.1)
+})
+
+test('a plan that is thin is told before it is confirmed', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const planned = await lastEvent(page, 'Planned')
+  const show = (layers: object[]) =>
+    freezePage(page, { mode: 'Safe', step: 'Plan', disabled: no({ ...kCold, plan: '' }) }, [{ ...planned, confirmed: false, depth: 2.5, layers } as never])
+  const warnings = page.locator('[data-name=warnings] li')
+  await show([{ name: 'unknown', from: 0, to: 11 }])
+  await expect(warnings).toContainText(['2.5 mm of the path are of unknown tissue.'])
+  await show([{ name: 'liver', from: 0, to: 11 }])
+  await expect(warnings).toContainText(['The entry lies in liver: the path does not begin at the skin.'])
+  await show([{ name: 'skin', from: 0, to: 2.4 }, { name: 'liver', from: 2.4, to: 11 }])
+  await expect(warnings).toContainText(['The target is 0.1 mm from the edge of liver.'])
+  await show([{ name: 'skin', from: 0, to: 1 }, { name: 'liver', from: 1, to: 11 }])
+  await expect(warnings.filter({ hasText: /tissue|entry lies|edge/ })).toHaveCount(0)
+})
