@@ -45,6 +45,11 @@ double median(std::vector<double> values) {
   return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
+std::string rejection(const Answer& answer) {
+  if (answer.rejected.empty()) return {};
+  return fmt::format("; rejected {}: {}", fmt::join(answer.rejected, " + "), fmt::join(answer.objections, "; "));
+}
+
 std::string expectation(const HiddenCase& hidden) {
   switch (hidden.kind) {
     case HiddenKind::Outside:
@@ -80,6 +85,8 @@ Answer answer_of(const GapFinding& finding) {
   Answer out{verdict_word(finding.verdict),
              {},
              {},
+             finding.rejected.effects,
+             finding.rejected.objections,
              finding.rmse_before,
              finding.rmse_after,
              finding.noise_floor,
@@ -151,9 +158,9 @@ void Score::add(const HiddenCase& hidden, const Answer& answer) {
       break;
   }
   lines_.push_back(fmt::format(
-      "{} {:11} {:40} expected {:34} found {}; rmse {:.4f} -> {:.4f} (noise {:.4f}) mm, closed {:.3f}",
+      "{} {:11} {:40} expected {:34} found {}; rmse {:.4f} -> {:.4f} (noise {:.4f}) mm, closed {:.3f}{}",
       right ? "  " : "!!", hidden.group, hidden.name, expectation(hidden), found(answer), answer.rmse_before,
-      answer.rmse_after, answer.noise, answer.gap_closed));
+      answer.rmse_after, answer.noise, answer.gap_closed, rejection(answer)));
   const bool in_library = hidden.kind != HiddenKind::Nothing && hidden.kind != HiddenKind::Outside;
   if (in_library) gap_closed.push_back(answer.gap_closed);
   seconds.push_back(answer.seconds);
