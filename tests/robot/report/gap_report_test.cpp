@@ -103,14 +103,14 @@ TEST(GapJson, BearsNamesThatAreNotUtf8) {
   EXPECT_EQ(ordered_json::parse(gap_json(f))["held_out_runs"][0], "ramp-\uFFFD");
 }
 
-TEST(GapReport, LeavesThreeWholeFilesAndNothingElse) {
+TEST(GapReport, LeavesFourWholeFilesAndNothingElse) {
   const ScratchFolder folder;
   save_gap(example_effect(), folder.path() / "made" / "on the way");
   Names names;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "made" / "on the way"))
     names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (Names{"gap.json", "model.toml", "report.html"}));
+  EXPECT_EQ(names, (Names{"gap.json", "model.toml", "report.html", "signals.csv"}));
   EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "model.toml"), example_effect().model_after);
   EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "gap.json"), gap_json(example_effect()));
 }

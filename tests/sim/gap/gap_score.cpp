@@ -47,7 +47,8 @@ double median(std::vector<double> values) {
 
 std::string rejection(const Answer& answer) {
   if (answer.rejected.empty()) return {};
-  return fmt::format("; rejected {}: {}", fmt::join(answer.rejected, " + "), fmt::join(answer.objections, "; "));
+  return fmt::format("; rejected {}: {}", fmt::join(answer.rejected, " + "),
+                     fmt::join(answer.objections, "; "));
 }
 
 std::string expectation(const HiddenCase& hidden) {
@@ -85,13 +86,13 @@ Answer answer_of(const GapFinding& finding) {
   Answer out{verdict_word(finding.verdict),
              {},
              {},
-             finding.rejected.effects,
-             finding.rejected.objections,
              finding.rmse_before,
              finding.rmse_after,
              finding.noise_floor,
              finding.gap_closed,
-             finding.seconds};
+             finding.seconds,
+             finding.rejected.effects,
+             finding.rejected.objections};
   for (const FoundEffect& effect : finding.effects) {
     AnsweredEffect named{effect.name, effect.probability, {}, {}};
     for (const GapProbability& other : effect.confused_with) named.confused_with.push_back(other.name);
