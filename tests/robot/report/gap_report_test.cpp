@@ -37,7 +37,7 @@ void expect_interface(const ordered_json& gap) {
   EXPECT_EQ(Names(all.begin(), all.begin() + 9), interface);
   EXPECT_EQ(Names(all.begin() + 9, all.end()),
             (Names{"sentence", "training_runs", "candidates", "shapes", "margins", "warnings",
-                   "noise_floor_std_mm", "partial", "rejected", "comparison", "data"}));
+                   "noise_floor_std_mm", "partial", "rejected", "comparison", "data", "fits", "straw_men"}));
   EXPECT_EQ(keys(gap["rmse_mm"]), (Names{"before", "after", "noise_floor"}));
   for (const auto& effect : gap["effects"]) {
     EXPECT_EQ(keys(effect), (Names{"name", "probability", "parameters", "confused_with"}));
