@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "sim/gap/examine/examine.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/residual/straw_men.hpp"
 #include "sim/gap/select/choose.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/make_finding.hpp"
@@ -52,7 +54,7 @@ ScoredModel refined(const ScoredModel& best, double before, const Evidence& evid
 }
 
 struct Search {
-  Evidence evidence;
+  Evidence evidence, coarse;
   ScoredModel as_given;
   Selection selection;
   bool interrupted = false;
@@ -65,10 +67,12 @@ struct Search {
 };
 
 Search search(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
-              const Progress& progress, std::size_t most_effects = kMostEffects) {
-  Search out{
-      .evidence = prepare(dataset, model, options.window, Sampling::Fine), .as_given = {}, .selection = {}};
-  const Evidence coarse = prepare(dataset, model, options.window, Sampling::Coarse);
+              const Progress& progress, std::shared_ptr<Work> work, std::size_t most_effects = kMostEffects) {
+  Search out{.evidence = prepare(dataset, model, options.window, Sampling::Fine),
+             .coarse = prepare(dataset, model, options.window, Sampling::Coarse),
+             .as_given = {},
+             .selection = {}};
+  out.coarse.work = out.evidence.work = std::move(work);
   Hypothesis start = baseline_hypothesis(model, options.free);
   progress(0.0, "simulating every run with the given model");
   const Hypothesis before = options.free_chosen ? Hypothesis{.model = model, .unknowns = {}}
@@ -79,14 +83,14 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   progress(0.05, "fitting the baseline parameters within their calibration errors");
   copy_fitted(start, before);
   fit(start, out.evidence, kIterations);
-  out.selection = select(std::move(start), coarse, out.evidence, progress, most_effects, options.stop);
+  out.selection = select(std::move(start), out.coarse, out.evidence, progress, most_effects, options.stop);
   out.interrupted = options.stop.stop_requested();
   if (out.interrupted) return out;
   progress(0.9, "final fit and standard deviations");
   out.selection.best = refined(out.selection.best, out.as_given.square, out.evidence);
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
   if (out.verdict() == GapVerdict::Effect)
-    out.selection.objections = objections(out.selection, coarse, out.evidence);
+    out.selection.objections = objections(out.selection, out.coarse, out.evidence);
   return out;
 }
 
@@ -106,7 +110,7 @@ bool is_stribeck(const Selection& selection) {
 }
 
 Search search_in_windows(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
-                         double window, const Progress& progress) {
+                         double window, const Progress& progress, const std::shared_ptr<Work>& work) {
   progress(0.9, fmt::format("whole runs leave the gap open: repeating with windows of {:.2g} s", window));
   return search(dataset, model,
                 {.free = options.free,
@@ -114,20 +118,23 @@ Search search_in_windows(const Dataset& dataset, const PlantModel& model, const 
                  .choose = options.choose,
                  .free_chosen = options.free_chosen,
                  .stop = options.stop},
-                progress, 1);
+                progress, work, 1);
 }
 
 // The effect found in windows with its parameters fitted to whole runs, if it explains those as well.
 std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search& windows) {
-  if (windows.verdict() != GapVerdict::Effect || windows.interrupted) return std::nullopt;
+  const std::vector<SelectedTerm>& selected = windows.selection.selected;
+  if (windows.interrupted || selected.empty() || !selected.front().is_effect()) return std::nullopt;
   Search out = whole;
   out.selection = windows.selection;
+  out.selection.objections.clear();  // were of windows, which a noisy start blurs
   out.selection.start = whole.selection.start;
   Hypothesis& best = out.selection.best.hypothesis;
   fit(best, whole.evidence, kIterations);
   out.selection.best = refined(score_model(best, whole.evidence), whole.as_given.square, whole.evidence);
   if (!well_explained(whole.as_given.square, out.selection.best.square, whole.evidence)) return std::nullopt;
   estimate_uncertainty(out.selection.best.hypothesis, whole.evidence);
+  out.selection.objections = objections(out.selection, whole.coarse, whole.evidence);
   return out;
 }
 
@@ -165,11 +172,12 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
     options.window = choice.window;
     options.free_chosen = !choice.free.empty();
   }
-  Search found = search(dataset, model, options, progress);
+  Search found = search(dataset, model, options, progress, std::make_shared<Work>());
   std::string warning;
-  const bool whole = !options.window && !options.stop.stop_requested();
+  const bool exhausted = is_exhausted(found.evidence);
+  const bool whole = !options.window && !options.stop.stop_requested() && !exhausted;
   if (whole && found.gap_remains() && friction_dominated(found.selection)) {
-    Search again = search_in_windows(dataset, model, options, kWindow, progress);
+    Search again = search_in_windows(dataset, model, options, kWindow, progress, found.evidence.work);
     if (!again.interrupted && is_stribeck(again.selection)) {
       found = std::move(again);
       warning = fmt::format(
@@ -179,8 +187,8 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
     }
   } else if (whole && found.verdict() == GapVerdict::Unexplained && model.baseline.drive == Drive::Force) {
     const double window = short_window(dataset, found.as_given.hypothesis.model);
-    std::optional<Search> named =
-        confirmed_on_whole_runs(found, search_in_windows(dataset, model, options, window, progress));
+    std::optional<Search> named = confirmed_on_whole_runs(
+        found, search_in_windows(dataset, model, options, window, progress, found.evidence.work));
     if (named) {
       found = std::move(*named);
       warning = fmt::format(
@@ -190,7 +198,18 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
     }
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
+  if (!options.window) out.finding.straw_men = straw_men(dataset, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
+  if (found.selection.cut_short || (exhausted && out.finding.verdict == GapVerdict::Unexplained))
+    out.finding.warnings.emplace_back(
+        "The search ended at its limit of simulated steps: fewer combinations of effects were tried than for "
+        "a shorter or a softer recording. Give shorter runs, or parameters nearer to the truth, to have more "
+        "tried.");
+  if (found.coarse.searched < 1.0)
+    out.finding.warnings.push_back(fmt::format(
+        "Candidates were searched on the first {:.0f} % of each run; the figures are of the first "
+        "{:.0f} %.",
+        100.0 * found.coarse.searched, 100.0 * found.evidence.searched));
   out.finding.comparison = {.free = options.free,
                             .window = options.window.value_or(0.0),
                             .chosen = chosen,

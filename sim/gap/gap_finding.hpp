@@ -65,6 +65,30 @@ struct GapTrace {
   std::vector<std::uint8_t> regime;  // index into regime_names of GapFinding, the main one at each point
 };
 
+// How well the models follow one run, or the held-out part of one.
+struct RunFit {
+  std::string run;
+  bool held_out = false;
+  double before_percent = 0.0, after_percent = 0.0;  // 100 (1 - |residual| / |motion about its mean|)
+  // Of the new model's residual: largest |autocorrelation|, and |correlation| with the input before it, over
+  // the first 25 rows; white noise stays below `bound` at 99 % of the lags.
+  double whiteness = 0.0, input_correlation = 0.0, bound = 0.0;
+};
+
+// Every row of a run; all vectors of equal length. mm, input in V or N.
+struct GapSignals {
+  std::string run;
+  std::size_t training_rows = 0;  // the first so many
+  std::vector<double> time, input, measured, before, after;
+};
+
+// A model without physics, fitted to the training runs and simulated on the held-out ones.
+struct StrawMan {
+  std::string name;
+  int order = 0;
+  double rmse = 0.0;  // mm, held-out runs
+};
+
 // Mean of an unexplained residual as a function of one quantity.
 struct ResidualShape {
   std::string quantity, unit;
@@ -131,6 +155,9 @@ struct GapFinding {
   std::vector<std::string> regime_names;
   std::vector<GapCandidate> candidates;
   std::vector<GapTrace> traces;
+  std::vector<RunFit> fits;
+  std::vector<StrawMan> straw_men;
+  std::vector<GapSignals> signals;
   std::vector<ResidualShape> shapes;  // best first
   NextExperiment next;
   std::vector<MarginChange> margins;

@@ -197,6 +197,9 @@ Command gap_command() {
       .outputs =
           {{"report.html",
             "the report for people; [how to read it](../how-to/find-missing-effects.md#3-read-the-report)"},
+           {"signals.csv",
+            "of every row: run, role (train or test), input, measured displacement, that of the model before "
+            "and after, and both residuals"},
            {"gap.json", "[the answer for programs](#gapjson)"},
            {"model.toml", "the better model. Where nothing was found, the model that was given"}},
       .replaces_earlier_run = true,

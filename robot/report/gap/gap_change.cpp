@@ -151,6 +151,37 @@ std::string gap_margins_section(const GapFinding& finding) {
             rows));
 }
 
+std::string gap_fits_section(const GapFinding& finding) {
+  if (finding.fits.empty()) return {};
+  std::string rows;
+  for (const RunFit& fit : finding.fits)
+    rows += row({text_cell(fit.run), text_cell(fit.held_out ? "held out" : "fitted"),
+                 number_cell(fit.before_percent, 1), number_cell(fit.after_percent, 1),
+                 number_cell(fit.whiteness, 3), number_cell(fit.input_correlation, 3),
+                 number_cell(fit.bound, 3)});
+  std::string html = table(
+      "Fit: 100 (1 - |residual| / |motion about its mean|). Correlations of the residual after: the largest "
+      "with "
+      "itself and with the input, over 25 rows; of white noise 99 % of the lags stay below the bound. A "
+      "residual "
+      "beyond it still holds something that a model could predict.",
+      {"Run", "Role", ">Fit before<br />%", ">Fit after<br />%", ">With itself", ">With the input", ">Bound"},
+      rows);
+  if (!finding.straw_men.empty()) {
+    const int decimals = decimals_for(finding.noise_floor);
+    std::string peers =
+        row({text_cell("the model after"), text_cell(""), number_cell(finding.rmse_after, decimals)},
+            "chosen") +
+        row({text_cell("the model before"), text_cell(""), number_cell(finding.rmse_before, decimals)});
+    for (const StrawMan& one : finding.straw_men)
+      peers += row(
+          {text_cell(one.name), number_cell(fmt::format("{}", one.order)), number_cell(one.rmse, decimals)});
+    html += table("Models without physics, fitted to the same runs and simulated on the held-out ones.",
+                  {"Model", ">Order", ">Held-out RMSE<br />mm"}, peers);
+  }
+  return section("Fit by run", html);
+}
+
 std::string gap_method_section(const GapFinding& finding) {
   const auto fitted = std::count_if(finding.candidates.begin(), finding.candidates.end(),
                                     [](const GapCandidate& c) { return c.fitted; });

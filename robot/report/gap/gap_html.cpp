@@ -71,6 +71,13 @@ std::string recording_section(const GapFinding& f) {
   return "<section>\n<h2>The recording</h2>\n" + markup::list(items) + "</section>\n";
 }
 
+// A run's name between quotes, its own quotes doubled.
+std::string csv_cell(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : plain(text)) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
 std::string verdict_section(const GapFinding& f) {
   std::string warnings;
   if (!f.warnings.empty())
@@ -89,13 +96,27 @@ std::string gap_html(const GapFinding& f) {
       {.title = "Model gap – " + f.dataset, .heading = "Model gap: " + f.dataset, .style = markup::kGapStyle},
       verdict_section(f) + recording_section(f) + gap_where_section(f) + gap_overlay_section(f) +
           gap_closer_section(f) + gap_effects_section(f) + gap_parameters_section(f) + gap_shapes_section(f) +
-          gap_candidates_section(f) + gap_doubts_section(f) + gap_regimes_section(f) + gap_diff_section(f) +
-          gap_margins_section(f) + gap_method_section(f));
+          gap_candidates_section(f) + gap_doubts_section(f) + gap_regimes_section(f) + gap_fits_section(f) +
+          gap_diff_section(f) + gap_margins_section(f) + gap_method_section(f));
+}
+
+std::string signals_csv(const GapFinding& f) {
+  std::string out =
+      fmt::format("run,role,time_s,{},measured_mm,before_mm,after_mm,residual_before_mm,residual_after_mm\n",
+                  f.force_drive ? "force_N" : "voltage_V");
+  for (const GapSignals& one : f.signals)
+    for (std::size_t i = 0; i < one.time.size(); ++i)
+      out += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{:.4g}\n", csv_cell(one.run),
+                         i < one.training_rows ? "train" : "test", one.time[i], one.input[i], one.measured[i],
+                         one.before[i], one.after[i], one.measured[i] - one.before[i],
+                         one.measured[i] - one.after[i]);
+  return out;
 }
 
 void save_gap(const GapFinding& f, const std::filesystem::path& folder) {
   atomic_write(folder / "model.toml", f.model_after);
   atomic_write(folder / "report.html", gap_html(f));
+  atomic_write(folder / "signals.csv", signals_csv(f));
   atomic_write(folder / "gap.json", gap_json(f));  // last: its presence means that the rest is there
 }
 

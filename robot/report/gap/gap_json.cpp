@@ -84,6 +84,20 @@ Json shape_json(const ResidualShape& shape) {
           {"count", numbers(shape.count)}};
 }
 
+Json fit_json(const RunFit& fit) {
+  return {{"run", fit.run},
+          {"held_out", fit.held_out},
+          {"before_percent", json_number(fit.before_percent)},
+          {"after_percent", json_number(fit.after_percent)},
+          {"whiteness", json_number(fit.whiteness)},
+          {"input_correlation", json_number(fit.input_correlation)},
+          {"bound", json_number(fit.bound)}};
+}
+
+Json straw_man_json(const StrawMan& one) {
+  return {{"name", one.name}, {"order", one.order}, {"rmse_mm", json_number(one.rmse)}};
+}
+
 Json margin_json(const MarginChange& m) {
   return {{"plan", m.plan},
           {"quantity", m.quantity},
@@ -121,6 +135,8 @@ std::string gap_json(const GapFinding& f) {
       {"rejected", rejected_json(f.rejected)},
       {"comparison", comparison_json(f.comparison)},
       {"data", json_list(f.data, data_json)},
+      {"fits", json_list(f.fits, fit_json)},
+      {"straw_men", json_list(f.straw_men, straw_man_json)},
   };
   if (f.interrupted) report["interrupted"] = true;
   return json_file(report);

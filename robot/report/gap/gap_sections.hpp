@@ -21,6 +21,7 @@ std::string gap_effects_section(const GapFinding& finding);
 std::string gap_parameters_section(const GapFinding& finding);
 std::string gap_diff_section(const GapFinding& finding);
 std::string gap_margins_section(const GapFinding& finding);
+std::string gap_fits_section(const GapFinding& finding);
 std::string gap_method_section(const GapFinding& finding);
 
 // One sentence a failing margin, for the first page; empty where all hold.

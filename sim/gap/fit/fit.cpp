@@ -63,6 +63,10 @@ Eigen::VectorXd sensitivity(const Hypothesis& hypothesis, std::size_t unknown, c
          h;
 }
 
+bool are_finite(const double* values, std::size_t count) {
+  return std::isfinite(std::accumulate(values, values + count, 0.0));
+}
+
 // The training residuals, then one row for each unknown with a prior.
 class Misfit : public ceres::CostFunction {
  public:
@@ -86,7 +90,10 @@ class Misfit : public ceres::CostFunction {
       residuals[rows_ + k] = (u.theta - u.prior_mean) / u.prior_std;
     }
     if (jacobians != nullptr && jacobians[0] != nullptr) differentiate(here, now, jacobians[0]);
-    return std::isfinite(std::accumulate(residuals, residuals + num_residuals(), 0.0));
+    // Ceres takes a shorter step where there is no value; a derivative without value it would print.
+    return are_finite(residuals, rows_) &&
+           (jacobians == nullptr || jacobians[0] == nullptr ||
+            are_finite(jacobians[0], static_cast<std::size_t>(num_residuals()) * here.unknowns.size()));
   }
 
  private:
@@ -165,6 +172,7 @@ Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evid
 void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust) {
   if (hypothesis.unknowns.empty()) return;
   const std::vector<double> before = residual(hypothesis.model, evidence, Part::Training);
+  if (!are_finite(before.data(), before.size())) return;
   std::vector<double> thetas = thetas_of(hypothesis);
   ceres::Problem::Options owned;
   owned.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

@@ -13,14 +13,16 @@ namespace {
 constexpr double kLongestStep = 5e-3;    // s
 constexpr double kStepTolerance = 1.25;  // a model this much faster than the given one still takes rows whole
 
-// For everything but an end stop, where step() cuts its steps itself. A mechanism's stiffness is that over
-// its measured range.
-double integrator_step(PlantModel model, const Evidence& evidence) {
-  model.effects.end_stop.reset();
-  const double rate = model.baseline.drive == Drive::Stack
-                          ? fastest_rate(model)
-                          : fastest_rate(model, std::max(-evidence.x_low, evidence.x_high));
-  return std::clamp(kStepTolerance * evidence.step_share / rate, evidence.shortest_step, kLongestStep);
+constexpr double kStackStep = 2.0;     // times the work of a mechanism's
+constexpr double kStable = 1.0;        // step times rate, of a decay that no reading shows
+constexpr double kDampingLeads = 0.8;  // of the fastest rate
+
+// A heavily damped mechanism reaches the speed of its force within less than a reading: that decay has only
+// to stay stable, not to be followed.
+double step_share(const PlantModel& model, const Evidence& evidence, double rate) {
+  const double decay = model.baseline.c_s / model.mass_A();
+  const bool unseen = decay * evidence.period > kStable && decay > kDampingLeads * rate;
+  return model.baseline.drive == Drive::Force && unseen ? kStable : kStepTolerance * evidence.step_share;
 }
 
 constexpr int kPhases = 36, kHalvings = 20;  // of 10 degrees: down to 1e-5 degrees
@@ -57,6 +59,16 @@ double best_phase(PlantModel model, const Evidence& evidence, const EvidenceRun&
 
 }  // namespace
 
+// For everything but an end stop, where step() cuts its steps itself. A mechanism's stiffness is that over
+// its measured range.
+double integrator_step(PlantModel model, const Evidence& evidence) {
+  model.effects.end_stop.reset();
+  const double rate = model.baseline.drive == Drive::Stack
+                          ? fastest_rate(model)
+                          : fastest_rate(model, std::max(-evidence.x_low, evidence.x_high));
+  return std::clamp(step_share(model, evidence, rate) / rate, evidence.shortest_step, kLongestStep);
+}
+
 PlantModel in_step(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows) {
   if (model.effects.periodic_disturbance && rows > 0)
     model.effects.periodic_disturbance->phase = best_phase(model, evidence, run, rows);
@@ -69,6 +81,9 @@ std::vector<double> predict(PlantModel model, const Evidence& evidence, const Ev
   model.effects.sensor_noise.reset();
   model.internal_step = integrator_step(model, evidence);
   const bool stack = model.baseline.drive == Drive::Stack;
+  double steps = 0.0;
+  for (std::size_t i = 0; i < rows; ++i) steps += std::ceil(run.rows[i].span / model.internal_step);
+  evidence.work->steps += static_cast<std::uint64_t>((stack ? kStackStep : 1.0) * steps);
   std::vector<double> out;
   out.reserve(rows);
   PlantState state = at_rest(model);

@@ -14,6 +14,10 @@ enum class Part : std::uint8_t { Training, HeldOut, All };
 std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
                             std::size_t rows);
 
+// Step of the integrator for this model, s; rows are cut into such steps. Follows the model's fastest rate,
+// within the limits of the evidence.
+double integrator_step(PlantModel model, const Evidence& evidence);
+
 // The model with the phase of its periodic disturbance, if it has one, fitted to the rows of this run before
 // `rows`: recordings do not start at a fixed phase of the disturbance.
 PlantModel in_step(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows);

@@ -99,15 +99,20 @@ void try_start(Attempt& attempt, const Hypothesis& current, const Candidate& can
 void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scores, std::size_t count,
                  const Hypothesis& current, const Evidence& evidence, const std::stop_token& stop) {
   std::vector<Attempt> attempts;
-  for (std::size_t i = 0; i < count; ++i)
-    for (const Probe& start : different_starts(scores[i]))
-      attempts.push_back({.candidate = i, .start = start, .reached = {}});
   const double square_now = mean_square(residual(current.model, evidence, Part::Training));
-  in_parallel(attempts.size(), [&](std::size_t i) {
+  // The best start of each first: the others are left out where simulating has cost too much by then.
+  for (std::size_t nth = 0; nth < kMostStarts && (nth == 0 || !is_exhausted(evidence)); ++nth) {
+    const std::size_t begun = attempts.size();
+    for (std::size_t i = 0; i < count; ++i)
+      if (const auto starts = different_starts(scores[i]); nth < starts.size())
+        attempts.push_back({.candidate = i, .start = starts[nth], .reached = {}});
+    in_parallel(attempts.size() - begun, [&](std::size_t i) {
+      Attempt& attempt = attempts[begun + i];
+      if (!stop.stop_requested())
+        try_start(attempt, current, scores[attempt.candidate].candidate, square_now, evidence);
+    });
     if (stop.stop_requested()) return;
-    try_start(attempts[i], current, scores[attempts[i].candidate].candidate, square_now, evidence);
-  });
-  if (stop.stop_requested()) return;
+  }
   std::stable_sort(attempts.begin(), attempts.end(),
                    [](const Attempt& a, const Attempt& b) { return a.square < b.square; });
   for (Attempt& attempt : attempts)

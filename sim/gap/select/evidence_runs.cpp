@@ -11,6 +11,7 @@
 #include "robot/common/statistics.hpp"
 #include "sim/gap/examine/examine.hpp"
 #include "sim/gap/residual/noise_estimate.hpp"
+#include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/window_starts.hpp"
 #include "sim/plant/plant.hpp"
 
@@ -24,6 +25,10 @@ constexpr double kStiffest = 8.0;      // times the given model's rate, beyond w
 constexpr double kLongestSpan = 5e-3;  // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
 constexpr std::size_t kFewestRows = 50;
+// Steps of the given model's integrator through all runs; half as many of a stack's, which take twice as
+// long.
+constexpr double kMostCoarseSteps = 1.6e5, kMostFineSteps = 4e5;
+constexpr double kMostStiffSteps = 4e5;  // however stiff an effect makes the model
 
 bool joins(const RecordedRun& run, std::size_t first, std::size_t row, double tolerance) {
   return std::abs(run.input[row] - run.input[first]) <= tolerance &&
@@ -89,17 +94,43 @@ void split(std::vector<EvidenceRun>& runs, const std::vector<RecordedRun>& recor
   if (runs.size() == 1) runs[0].training_rows = runs[0].rows.size() * 2 / 3;
 }
 
-void measure_extent(Evidence& evidence) {
+void measure_range(Evidence& evidence) {
   evidence.x_low = std::numeric_limits<double>::infinity();
   evidence.x_high = -evidence.x_low;
   for (const EvidenceRun& run : evidence.runs)
-    for (std::size_t i = 0; i < run.rows.size(); ++i) {
-      const Row& row = run.rows[i];
-      (i < run.training_rows ? evidence.training_seconds : evidence.held_out_seconds) += row.span;
+    for (const Row& row : run.rows) {
       evidence.x_low = std::min(evidence.x_low, row.measured);
       evidence.x_high = std::max(evidence.x_high, row.measured);
       evidence.u_max = std::max(evidence.u_max, std::abs(row.input));
     }
+}
+
+void measure_seconds(Evidence& evidence) {
+  for (const EvidenceRun& run : evidence.runs)
+    for (std::size_t i = 0; i < run.rows.size(); ++i)
+      (i < run.training_rows ? evidence.training_seconds : evidence.held_out_seconds) += run.rows[i].span;
+}
+
+double recorded_seconds(const Dataset& dataset) {
+  double out = 0.0;
+  for (const RecordedRun& run : dataset.runs) out += run.period * static_cast<double>(run.time.size());
+  return out;
+}
+
+// The beginning of a run.
+void shorten(EvidenceRun& run, double share) {
+  const auto kept = static_cast<std::size_t>(std::ceil(share * static_cast<double>(run.rows.size())));
+  run.rows.resize(std::min(run.rows.size(), std::max(kept, kFewestRows)));
+  std::erase_if(run.windows, [&](const WindowStart& window) { return window.row >= run.rows.size(); });
+}
+
+// Of all runs, so that a simulation takes `most` steps.
+void shorten_to(Evidence& evidence, const Dataset& dataset, const PlantModel& model, double most) {
+  const double dear = model.baseline.drive == Drive::Stack ? 2.0 : 1.0;
+  const double steps = dear * recorded_seconds(dataset) / integrator_step(model, evidence);
+  if (steps <= most) return;
+  evidence.searched = most / steps;
+  for (EvidenceRun& run : evidence.runs) shorten(run, evidence.searched);
 }
 
 }  // namespace
@@ -125,16 +156,22 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
     if (run.time.size() < kFewestRows)
       throw ConfigError(fmt::format("run \"{}\" has {} rows, too few to compare", run.name, run.time.size()),
                         run.file, fmt::format("record at least {} rows", kFewestRows));
+  const double most = sampling == Sampling::Coarse ? kMostCoarseSteps : kMostFineSteps;
   evidence.step_share = sampling == Sampling::Coarse ? kCoarse : kFine;
-  evidence.shortest_step = std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest;
+  evidence.shortest_step =
+      std::max(std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest,
+               recorded_seconds(dataset) / kMostStiffSteps);
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
   evidence.noise = noise_of(dataset);
   evidence.noise_std = evidence.noise_given ? 0.0 : estimate_noise(dataset.runs).std;
   evidence.tissue = dataset.tissue.value_or(model.baseline.drive == Drive::Stack);
   for (const RecordedRun& run : dataset.runs)
     evidence.runs.push_back(prepare_run(run, model, window, evidence.noise, evidence.step_share));
+  for (const RecordedRun& run : dataset.runs) evidence.period = std::max(evidence.period, run.period);
+  measure_range(evidence);
+  shorten_to(evidence, dataset, model, most);
   split(evidence.runs, dataset.runs);
-  measure_extent(evidence);
+  measure_seconds(evidence);
   return evidence;
 }
 

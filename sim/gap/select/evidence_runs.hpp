@@ -3,7 +3,9 @@
 // out.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,8 +34,15 @@ struct EvidenceRun {
   std::vector<WindowStart> windows;  // empty: one simulation from rest
 };
 
+// What simulating has cost so far, in integrator steps of a mechanism; shared by the copies of an Evidence.
+// Counted, not timed: the same data end a search at the same place on any machine.
+struct Work {
+  std::atomic<std::uint64_t> steps{0};
+};
+
 struct Evidence {
   std::vector<EvidenceRun> runs;
+  std::shared_ptr<Work> work = std::make_shared<Work>();
   double noise = 0.0;  // m, standard deviation of one reading
   bool noise_given = false;
   double noise_std = 0.0;  // m, of an estimated noise
@@ -43,11 +52,15 @@ struct Evidence {
   double u_max = 0.0;                // largest |input|
   double step_share = 0.1;           // longest step, times the fastest rate
   double shortest_step = 1e-4;       // s, however stiff an effect makes the model
+  double period = 0.0;               // s, the longest between two readings
+  double searched = 1.0;             // share of each run, from its beginning, that the rows cover
 };
 
 // Every third run is held out, the second first; of a single run its last third. `window` [s] splits the runs
 // into windows that start from the measured motion. Throws ConfigError where a run is too short. Coarse rows
-// are for searching, fine ones for the final fits and comparisons.
+// are for searching, fine ones for the final fits and comparisons. Of recordings that would take too long to
+// simulate again and again, only the beginning of each run is kept, of coarse rows less than of fine ones;
+// the noise is that of all readings.
 enum class Sampling : std::uint8_t { Coarse, Fine };
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
                  Sampling sampling);

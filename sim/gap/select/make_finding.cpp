@@ -11,6 +11,7 @@
 #include "sim/gap/residual/localize_residual.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/residual_shape.hpp"
+#include "sim/gap/residual/run_fit.hpp"
 #include "sim/gap/residual/trace.hpp"
 #include "sim/gap/select/next_experiment.hpp"
 #include "sim/gap/select/objections.hpp"
@@ -213,6 +214,8 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   f.where = localize_residual(evidence, r_before, r_after, drive);
   const MainRegimes regimes = main_regime(evidence, r_before, drive);
   f.regime_names = regimes.names;
+  f.fits = run_fits(evidence, r_before, r_after);
+  f.signals = signals(evidence, r_before, r_after);
   f.traces = traces(evidence, r_before, r_after, regimes, drive);
   if (f.verdict == GapVerdict::Unexplained)
     f.shapes = residual_shapes(evidence, selection.start.hypothesis.model,

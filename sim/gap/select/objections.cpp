@@ -87,6 +87,13 @@ void add_instability(std::vector<std::string>& out, const Selection& selection, 
   }
 }
 
+// What leaves something must at least leave far less than any other candidate that predicts something else:
+// of two that explain most, either may be the wrong name.
+void add_rival(std::vector<std::string>& out, const Selection& selection) {
+  if (margin_over_next(selection) < kClearMargin)
+    out.emplace_back("another candidate leaves nearly as little");
+}
+
 // A curve of its own may fit better than a name that leaves something; but then the name must add to it what
 // no curve can, such as a jump.
 void add_flexible(std::vector<std::string>& out, const Selection& selection, const Evidence& coarse) {
@@ -122,7 +129,8 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   add_unknown_parameters(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || is_whole(selection, fine)) return out;
-  add_instability(out, selection, coarse);
+  add_rival(out, selection);
+  if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);
   return out;
 }

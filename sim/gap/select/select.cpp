@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "sim/gap/fit/fit.hpp"
+#include "sim/gap/fit/restart.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 
 namespace biopsy::sim::gap {
@@ -21,6 +22,7 @@ constexpr double kOnlyNoise = 0.25;       // an excess below this share of the n
 constexpr double kBelowNoise = 1.0;       // remainder, in noises, that does not justify a second effect
 constexpr double kAsGood = 1.05;          // ratio of mean squares within which the evidence decides
 constexpr double kFarBehind = 9.0;        // ratio of mean squares: a third of the winner's precision
+constexpr std::uint64_t kMostWork = 250'000'000;  // steps: most of a minute of a processor
 constexpr int kRefitIterations = 15;
 constexpr double kShareBefore = 0.1, kShareOfRounds = 0.75, kShareOfContest = 0.88;  // of the work
 
@@ -42,6 +44,19 @@ double reduction(const ScoredModel& from, const ScoredModel& to, const Evidence&
 bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
   if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
   return is_only_noise(now.square, evidence);
+}
+
+// The winner of a round that leaves much: fitted again from other shapes and places, before what a poor fit
+// leaves is taken for a second effect.
+void refit_elsewhere(CandidateFit& first, const Evidence& coarse, const Evidence& fine,
+                     const std::function<void()>& say) {
+  if (first.candidate.effect == kBaseline || is_closed(first.scored, true, fine) || is_exhausted(fine))
+    return;
+  say();
+  Hypothesis other = restarted(first.scored.hypothesis, first.candidate.effect, coarse);
+  fit(other, fine, kRefitIterations);
+  ScoredModel scored = score_model(std::move(other), fine);
+  if (scored.square < first.scored.square) first.scored = std::move(scored);
 }
 
 // The hypothesis without one of its effects, the rest fitted anew.
@@ -72,6 +87,10 @@ void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine
   for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
     SelectedTerm& term = out.selected[i];
     if (!term.is_effect() || has_clear_margin(term)) continue;
+    if (is_exhausted(fine)) {
+      out.cut_short = true;
+      return;
+    }
     const std::string name = term.candidate.name(out.best.drive());
     Round again = selection_step(without(out.best, term.candidate, fine), coarse, fine,
                                  {.number = static_cast<int>(i) + 1,
@@ -98,6 +117,10 @@ bool is_only_noise(double square, const Evidence& evidence) {
   return std::sqrt(excess(square, evidence)) < kOnlyNoise * evidence.noise;
 }
 
+bool is_exhausted(const Evidence& evidence) {
+  return evidence.work->steps > kMostWork;
+}
+
 Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine, const Progress& progress,
                  std::size_t most_effects, const std::stop_token& stop) {
   Selection out{.start = score_model(std::move(start), fine), .best = {}, .fits = {}, .selected = {}};
@@ -105,6 +128,10 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   std::size_t effects = 0;
   while (out.selected.size() < kMostRounds && effects < most_effects &&
          !is_closed(models.back(), effects > 0, fine) && !stop.stop_requested()) {
+    if (is_exhausted(fine)) {
+      out.cut_short = true;
+      break;
+    }
     const int number = static_cast<int>(out.selected.size()) + 1;
     // Each further round is half as likely.
     const double begun = kShareBefore + kShareOfRounds * (1.0 - std::pow(0.5, number - 1)),
@@ -114,6 +141,10 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
     const bool much_left = excess(models.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
     const bool found = is_accepted(round, models.back(), much_left, fine);
     if (found) {
+      refit_elsewhere(round.fits.front(), coarse, fine, [&] {
+        progress(over, fmt::format("round {}: {} from other shapes and places", number,
+                                   round.fits.front().candidate.name(out.start.drive())));
+      });
       round.fits.front().chosen = true;
       out.selected.push_back({round.fits.front().candidate,
                               reduction(models.back(), round.fits.front().scored, fine), round.fits});

@@ -51,6 +51,7 @@ struct Selection {
   ScoredModel best;
   std::vector<CandidateFit> fits;  // of all rounds
   std::vector<SelectedTerm> selected;
+  bool cut_short = false;                    // is_exhausted() left something out
   std::vector<std::string> objections = {};  // to naming what was selected: objections.hpp
 };
 
@@ -63,6 +64,9 @@ ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence);
 double excess(double square, const Evidence& evidence);
 // Whether that excess is too small to be attributed to anything.
 bool is_only_noise(double square, const Evidence& evidence);
+
+// Whether the search has simulated so much that nothing further is begun.
+bool is_exhausted(const Evidence& evidence);
 
 // Searches on coarse rows, fits and compares on fine ones.
 inline constexpr std::size_t kMostEffects = 3;

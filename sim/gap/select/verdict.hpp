@@ -18,5 +18,6 @@ bool well_explained(double square_before, double square_after, const Evidence& e
 // Of the first selected effect: the least held-out mean square of the candidates that predict something else,
 // over the winner's. Infinite where there was none.
 double margin_over_next(const Selection& selection);
+inline constexpr double kClearMargin = 1.4 * 1.4;
 
 }  // namespace biopsy::sim::gap

@@ -37,7 +37,7 @@ void expect_interface(const ordered_json& gap) {
   EXPECT_EQ(Names(all.begin(), all.begin() + 9), interface);
   EXPECT_EQ(Names(all.begin() + 9, all.end()),
             (Names{"sentence", "training_runs", "candidates", "shapes", "margins", "warnings",
-                   "noise_floor_std_mm", "partial", "rejected", "comparison", "data"}));
+                   "noise_floor_std_mm", "partial", "rejected", "comparison", "data", "fits", "straw_men"}));
   EXPECT_EQ(keys(gap["rmse_mm"]), (Names{"before", "after", "noise_floor"}));
   for (const auto& effect : gap["effects"]) {
     EXPECT_EQ(keys(effect), (Names{"name", "probability", "parameters", "confused_with"}));
@@ -103,14 +103,14 @@ TEST(GapJson, BearsNamesThatAreNotUtf8) {
   EXPECT_EQ(ordered_json::parse(gap_json(f))["held_out_runs"][0], "ramp-\uFFFD");
 }
 
-TEST(GapReport, LeavesThreeWholeFilesAndNothingElse) {
+TEST(GapReport, LeavesFourWholeFilesAndNothingElse) {
   const ScratchFolder folder;
   save_gap(example_effect(), folder.path() / "made" / "on the way");
   Names names;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "made" / "on the way"))
     names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (Names{"gap.json", "model.toml", "report.html"}));
+  EXPECT_EQ(names, (Names{"gap.json", "model.toml", "report.html", "signals.csv"}));
   EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "model.toml"), example_effect().model_after);
   EXPECT_EQ(file_content(folder.path() / "made" / "on the way" / "gap.json"), gap_json(example_effect()));
 }

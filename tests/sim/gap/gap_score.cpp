@@ -45,6 +45,12 @@ double median(std::vector<double> values) {
   return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
+std::string rejection(const Answer& answer) {
+  if (answer.rejected.empty()) return {};
+  return fmt::format("; rejected {}: {}", fmt::join(answer.rejected, " + "),
+                     fmt::join(answer.objections, "; "));
+}
+
 std::string expectation(const HiddenCase& hidden) {
   switch (hidden.kind) {
     case HiddenKind::Outside:
@@ -84,7 +90,9 @@ Answer answer_of(const GapFinding& finding) {
              finding.rmse_after,
              finding.noise_floor,
              finding.gap_closed,
-             finding.seconds};
+             finding.seconds,
+             finding.rejected.effects,
+             finding.rejected.objections};
   for (const FoundEffect& effect : finding.effects) {
     AnsweredEffect named{effect.name, effect.probability, {}, {}};
     for (const GapProbability& other : effect.confused_with) named.confused_with.push_back(other.name);
@@ -151,9 +159,9 @@ void Score::add(const HiddenCase& hidden, const Answer& answer) {
       break;
   }
   lines_.push_back(fmt::format(
-      "{} {:11} {:40} expected {:34} found {}; rmse {:.4f} -> {:.4f} (noise {:.4f}) mm, closed {:.3f}",
+      "{} {:11} {:40} expected {:34} found {}; rmse {:.4f} -> {:.4f} (noise {:.4f}) mm, closed {:.3f}{}",
       right ? "  " : "!!", hidden.group, hidden.name, expectation(hidden), found(answer), answer.rmse_before,
-      answer.rmse_after, answer.noise, answer.gap_closed));
+      answer.rmse_after, answer.noise, answer.gap_closed, rejection(answer)));
   const bool in_library = hidden.kind != HiddenKind::Nothing && hidden.kind != HiddenKind::Outside;
   if (in_library) gap_closed.push_back(answer.gap_closed);
   seconds.push_back(answer.seconds);

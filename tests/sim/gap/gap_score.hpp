@@ -28,6 +28,7 @@ struct Answer {
   std::vector<std::string> parameters_changed;
   double rmse_before = 0.0, rmse_after = 0.0, noise = 0.0, gap_closed = 0.0;  // mm
   double seconds = 0.0;
+  std::vector<std::string> rejected = {}, objections = {};  // what came nearest to a name and why it is none
 };
 
 Answer answer_of(const GapFinding& finding);
