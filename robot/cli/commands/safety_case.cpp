@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "robot/cli/command.hpp"
-#include "robot/cli/safety_case_files.hpp"
+#include "robot/cli/safety_case/safety_case_files.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/code_identity.hpp"
 #include "robot/common/config_error.hpp"
@@ -17,6 +17,7 @@
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/finding_json.hpp"
 #include "robot/report/safety_case/gaps.hpp"
+#include "robot/report/safety_case/risk_document.hpp"
 
 namespace biopsy::robot {
 namespace safety_case_cli {
@@ -29,14 +30,18 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   fs::path out;
-  fs::path collect;    // evidence gathered earlier; empty: run everything
-  bool quick = false;  // the short subset
+  fs::path collect;       // evidence gathered earlier; empty: run everything
+  bool quick = false;     // the short subset
+  bool markdown = false;  // docs/reference/risk-management.md
 };
 
 void declare(CLI::App& app, Options& options) {
   app.add_flag("--quick", options.quick, "the short subset, two minutes; releases nothing");
   add(app, "--collect FOLDER", options.collect, "evidence folder of an earlier case; nothing is run");
-  add_out(app, options.out, "the case")->required();
+  CLI::Option* out = add_out(app, options.out, "the case");
+  app.add_flag("--markdown", options.markdown,
+               "print the page [risk management file](risk-management.md); nothing is run")
+      ->excludes(out);
 }
 
 double seconds_since(Clock::time_point start) {
@@ -54,6 +59,20 @@ std::string filled(std::string word, const fs::path& tests, const fs::path& out)
 // Where the programs of the tests lie, beside this one.
 fs::path tests_folder() {
   return fs::read_symlink("/proc/self/exe").parent_path() / "tests";
+}
+
+// Before anything runs: half a case takes as long and says nothing.
+void expect_programs(const safety_case::SafetyCase& safety_case, bool quick) {
+  std::size_t asked = 0, missing = 0;
+  for (const Source& source : safety_case.sources) {
+    if (quick && !source.in_quick) continue;
+    ++asked;
+    if (!fs::exists(filled(source.command.front(), tests_folder(), {}))) ++missing;
+  }
+  if (missing > 0)
+    throw ConfigError(fmt::format("{} of {} programs of evidence are not built", missing, asked),
+                      tests_folder(),
+                      fmt::format("run ./dev safety-case{}, which builds them", quick ? " --quick" : ""));
 }
 
 // Runs one source; what it printed is kept beside its figures. Nothing where it could not be run or wrote no
@@ -123,16 +142,29 @@ std::string drawn(const std::string& dot, std::vector<safety_case::Gap>& gaps) {
   return {};
 }
 
+Result page(const safety_case::SafetyCase& safety_case, const Options& options, const Context& context) {
+  if (context.json || options.quick || !options.collect.empty())
+    throw ConfigError("--markdown beside an option that it has no use for", "biopsy safety-case",
+                      "give --markdown alone");
+  return {.text = risk_markdown(safety_case)};
+}
+
 Result run(const Options& options, const Context& context) {
   const Clock::time_point start = Clock::now();
   const safety_case::SafetyCase safety_case = read_safety_case(data_folder() / "safety/case");
+  if (options.markdown) return page(safety_case, options, context);
+  if (options.out.empty())
+    throw ConfigError("no folder for the case", "biopsy safety-case", "add --out FOLDER, or --markdown");
   Build build{.date = utc_now(),
               .commit = commit_of(source_folder()),
               .code = code_fingerprint(source_folder()),
               .version = BIOPSY_VERSION,
               .quick = options.quick};
   std::vector<Finding> findings;
-  if (!options.collect.empty()) findings = collect(safety_case, options.collect);
+  if (options.collect.empty())
+    expect_programs(safety_case, options.quick);
+  else
+    findings = collect(safety_case, options.collect);
   claim_run_folder(options.out, {options.collect}, context.clearable);
   const fs::path folder = options.out / "evidence";
   fs::create_directories(folder);
@@ -147,6 +179,7 @@ Result run(const Options& options, const Context& context) {
   atomic_write(options.out / "argument.dot", dot);
   if (!svg.empty()) atomic_write(options.out / "argument.svg", svg);
   atomic_write(options.out / "report.html", case_html(safety_case, findings, gaps, build, svg));
+  atomic_write(options.out / "risk-management.md", risk_markdown(safety_case));
   atomic_write(options.out / "safety-case.json", json);
 
   std::string text = case_sentence(safety_case, findings, gaps, build) + "\n";
@@ -163,14 +196,16 @@ Command safety_case_command() {
           .summary = "hazards, requirements, argument and evidence of this build",
           .description =
               "Runs every test and proof that the [safety case](../explanation/verification.md) names (about "
-              "a quarter "
-              "of an hour). Fails on a requirement without fresh evidence, a test that names an unknown "
+              "a quarter of an hour) and prints the [risk management file](risk-management.md). Fails on a "
+              "requirement without fresh evidence, a test that names an unknown "
               "requirement, a broken link, a figure outside its acceptance criterion. `./dev "
               "safety-case` builds what it needs and runs it.",
+          .examples = {"biopsy safety-case --markdown"},
           .long_examples = {"biopsy safety-case --out out/safety-case",
                             "biopsy safety-case --collect out/safety-case/evidence --out out/again"},
           .exit_codes = "0 where it has no gap, 3 where the case does not hold, 2 for unusable input",
           .outputs = {{"report.html", "the case for people"},
+                      {"risk-management.md", "risks, software items, SOUP, threats and use scenarios"},
                       {"safety-case.json", "the case for programs"},
                       {"argument.svg", "the argument, drawn"},
                       {"argument.dot", "its source"},

@@ -8,6 +8,8 @@
 #include "robot/report/markup/html_markup.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
+#include "robot/report/safety_case/risk_checks.hpp"
+#include "robot/report/safety_case/risk_document.hpp"
 
 namespace biopsy::safety_case {
 namespace {
@@ -75,6 +77,15 @@ std::string short_commit(const std::string& commit) {
   return commit.substr(0, 12) + (commit.ends_with('+') ? "+ changes" : "");
 }
 
+// What the case says of itself, and every risk that is not acceptable.
+std::vector<std::string> all_open(const SafetyCase& safety_case) {
+  std::vector<std::string> items;
+  for (const Risk* risk : open_risks(safety_case.risk))
+    items.push_back(fmt::format("{} ({}), not acceptable: {}", risk->id, risk->hazard, risk->open));
+  items.insert(items.end(), safety_case.open_items.begin(), safety_case.open_items.end());
+  return items;
+}
+
 std::string id_cell(const std::string& id) {
   return fmt::format("<td id=\"{0}\">{0}</td>", escaped(id));
 }
@@ -85,7 +96,7 @@ std::string hazards_table(const SafetyCase& safety_case) {
     rows += markup::row({id_cell(h.id), markup::text_cell(h.name), markup::text_cell(h.cause),
                          markup::text_cell(h.harm), markup::number_cell(std::to_string(h.severity)),
                          markup::text_cell(h.detection), markup::text_cell(h.reaction),
-                         markup::number_cell(std::to_string(h.max_time_ms)),
+                         markup::number_cell(h.max_time_ms == 0 ? "–" : std::to_string(h.max_time_ms)),
                          markup::text_cell(joined(h.requirements))});
   return markup::table(
       "Severity of the harm, unmitigated: 1 negligible to 5 catastrophic. Time: from the first sample that "
@@ -158,13 +169,13 @@ std::string case_html(const SafetyCase& safety_case, const std::vector<Finding>&
       markup::section("Results against acceptance criteria",
                       criteria_table(safety_case, findings, build.quick)) +
       "<div class=\"columns\">" + markup::section("Not covered", markup::list(safety_case.not_covered)) +
-      markup::section("Open", markup::list(safety_case.open_items)) + "</div>\n";
+      markup::section("Open", markup::list(all_open(safety_case))) + "</div>\n";
   if (!argument_svg.empty())
     html += markup::section("Argument (GSN)",
                             "<div class=\"argument\">\n" + argument_svg +
                                 "</div>\n<p>At full size: argument.svg beside this page.</p>\n");
   html += markup::section("Hazards", hazards_table(safety_case)) +
-          markup::section("Requirements", requirements_table(safety_case, findings));
+          markup::section("Requirements", requirements_table(safety_case, findings)) + risk_html(safety_case);
   for (const Source& source : safety_case.sources)
     if (const Finding* finding = finding_of(findings, source.id)) html += evidence_section(source, *finding);
   return markup::page({.title = "Safety case", .style = kCaseStyle}, html);

@@ -5,6 +5,7 @@
 #include "robot/common/text/text_layout.hpp"
 #include "robot/report/safety_case/case_page.hpp"
 #include "robot/report/safety_case/gaps.hpp"
+#include "robot/report/safety_case/risk_checks.hpp"
 
 namespace biopsy::safety_case {
 namespace {
@@ -37,6 +38,21 @@ json hazard_json(const Hazard& h) {
           {"tests", h.tests}};
 }
 
+json risk_json(const Risk& risk) {
+  json controls = json::array();
+  for (const Control& control : risk.controls)
+    controls.push_back({{"kind", control.kind}, {"requirement", control.requirement}});
+  return {{"id", risk.id},
+          {"hazard", risk.hazard},
+          {"severity", risk.severity},
+          {"probability_before", risk.before},
+          {"probability_after", risk.after},
+          {"basis", text_of(risk.basis)},
+          {"controls", controls},
+          {"residual", text_of(risk.residual)},
+          {"open", risk.open}};
+}
+
 json requirement_json(const Requirement& requirement, const std::vector<Finding>& findings) {
   json tests = json::array();
   for (const TestResult* test : tests_for(findings, requirement.id)) tests.push_back(test->name);
@@ -65,6 +81,7 @@ std::string case_json(const SafetyCase& safety_case, const std::vector<Finding>&
       {"gaps", json::array()},
       {"hazards", json::array()},
       {"requirements", json::array()},
+      {"risks", json::array()},
       {"evidence", json::array()},
       {"not_covered", safety_case.not_covered},
       {"open", safety_case.open_items}};
@@ -77,6 +94,7 @@ std::string case_json(const SafetyCase& safety_case, const std::vector<Finding>&
   for (const Hazard& hazard : safety_case.hazards) out["hazards"].push_back(hazard_json(hazard));
   for (const Requirement& requirement : safety_case.requirements)
     out["requirements"].push_back(requirement_json(requirement, findings));
+  for (const Risk& risk : safety_case.risk.risks) out["risks"].push_back(risk_json(risk));
   for (const Finding& finding : findings) out["evidence"].push_back(finding_json(finding));
   return out.dump(1) + "\n";
 }
@@ -88,10 +106,14 @@ std::string case_sentence(const SafetyCase& safety_case, const std::vector<Findi
   const std::string scope = fmt::format("{}, {}, {}, {}", counted(safety_case.hazards.size(), "hazard"),
                                         counted(safety_case.requirements.size(), "requirement"),
                                         counted(tests, "test"), counted(findings.size(), "evidence program"));
+  const std::size_t n = open_risks(safety_case.risk).size();
+  const std::string open = n == 0 ? ""
+                                  : fmt::format(" {} not acceptable and open.",
+                                                n == 1 ? "1 risk is" : fmt::format("{} risks are", n));
   if (!gaps.empty())
-    return fmt::format("The case does not hold: {} in {}.", counted(gaps.size(), "gap"), scope);
-  if (build.quick) return fmt::format("No gap in the short subset: {}. It releases nothing.", scope);
-  return fmt::format("The case holds for this build: {}, no gap.", scope);
+    return fmt::format("The case does not hold: {} in {}.", counted(gaps.size(), "gap"), scope) + open;
+  if (build.quick) return fmt::format("No gap in the short subset: {}. It releases nothing.", scope) + open;
+  return fmt::format("The case holds for this build: {}, no gap.", scope) + open;
 }
 
 }  // namespace biopsy::safety_case

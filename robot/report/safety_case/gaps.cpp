@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "robot/report/safety_case/risk_checks.hpp"
+
 namespace biopsy::safety_case {
 namespace {
 
@@ -82,8 +84,7 @@ std::vector<Gap> gaps_in_argument(const SafetyCase& safety_case) {
             sources = ids_of(safety_case.sources, gaps);
   Ids needed;
   for (const Hazard& hazard : safety_case.hazards) {
-    if (hazard.requirements.empty()) gaps.push_back({hazard.id, "has no requirement"});
-    if (hazard.tests.empty()) gaps.push_back({hazard.id, "has no test"});
+    if (hazard.tests.empty() && !hazard.requirements.empty()) gaps.push_back({hazard.id, "has no test"});
     for (const std::string& id : hazard.requirements) {
       needed.insert(id);
       if (!requirements.contains(id)) gaps.push_back({hazard.id, fmt::format("{} is not a requirement", id)});
@@ -95,6 +96,7 @@ std::vector<Gap> gaps_in_argument(const SafetyCase& safety_case) {
       if (!sources.contains(id))
         gaps.push_back({requirement.id, fmt::format("{} is no source of evidence", id)});
   }
+  for (const Gap& gap : gaps_in_risks(safety_case)) gaps.push_back(gap);
   return gaps;
 }
 

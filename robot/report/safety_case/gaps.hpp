@@ -8,7 +8,8 @@
 namespace biopsy::safety_case {
 
 // In the case as written: an id twice, a link to nothing, a requirement that no hazard needs, a hazard
-// without requirement or test.
+// without test, and what gaps_in_risks() finds. A hazard without requirement needs a risk that is declared
+// open.
 std::vector<Gap> gaps_in_argument(const SafetyCase& safety_case);
 
 // Between the case and what was found for `build`: a requirement without a passed test that names it, a test

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/report/safety_case/risk.hpp"
+
 namespace biopsy::safety_case {
 
 // After ISO 14971. Severity of the harm, unmitigated: 1 negligible to 5 catastrophic.
@@ -14,7 +16,7 @@ struct Hazard {
   std::string id, name, cause, harm;
   int severity = 0;
   std::string detection, reaction;
-  int max_time_ms = 0;  // from the first sample that shows it to the reaction
+  int max_time_ms = 0;  // from the first sample that shows it to the reaction; 0 where none is asked for
   std::vector<std::string> requirements, tests;
 };
 
@@ -52,6 +54,7 @@ struct SafetyCase {
   std::vector<Requirement> requirements;
   std::vector<Source> sources;
   std::vector<std::string> not_covered, open_items;
+  RiskFile risk{};
 };
 
 struct TestResult {

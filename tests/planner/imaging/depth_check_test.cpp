@@ -6,6 +6,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "tests/planner/imaging/analytic_scene.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -73,6 +74,7 @@ TEST(DepthCheck, RejectsWhenNoNeedleIsThereAndIsUnsureWhenNoiseHidesEverything) 
 }
 
 TEST(DepthCheck, NeverAcceptsImagesOfDifferentTissue) {
+  verifies("R-60");
   const Volume other = scene::imaged(scene::grid(0.8, 2.4), [](const Point& p) {
     return scene::tissue(Point(-p.y() + 9.0, p.z(), p.x())) *
            scene::left_by_needle(p, scene::kEntry, scene::kAxis, 20.0, 2.0);
@@ -123,6 +125,7 @@ TEST(DepthCheck, RefusesAnAxisWithoutLengthAnEmptyImageAndAnEntryOutsideBoth) {
 }
 
 TEST(DepthCheck, AcceptsNothingWithoutACalibrationOfTheTip) {
+  verifies("R-60");
   DepthCheckSettings settings = expecting(20.0);
   settings.tip_offset.reset();
   const DepthCheck check = check_depth(before(), after(20.0), scene::kEntry, scene::kAxis, settings);
@@ -132,6 +135,7 @@ TEST(DepthCheck, AcceptsNothingWithoutACalibrationOfTheTip) {
 }
 
 TEST(DepthCheck, RejectsANeedleBesideOrTiltedAgainstThePlannedAxis) {
+  verifies("R-60");
   const Volume first = before(), second = after(20.0);
   const NeedleFrame frame = needle_frame(first.grid, scene::kEntry, scene::kAxis);
   const DepthCheck beside =
@@ -170,6 +174,7 @@ void spread_depth(TipFinding& tip, double depth, double sigma) {
 }
 
 TEST(JudgeDepth, NamesTheQuantityThatIsUncertainOrMisses) {
+  verifies("R-60");
   const DepthCheckSettings settings = expecting(20.0);
   const auto judged = [&](const auto& corrupt) {
     DepthReading reading = good_reading();

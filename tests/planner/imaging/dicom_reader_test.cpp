@@ -6,6 +6,7 @@
 #include "planner/imaging/io/read_volume.hpp"
 #include "tests/planner/imaging/dicom_fixture.hpp"
 #include "tests/planner/imaging/refusal.hpp"
+#include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::imaging {
@@ -16,6 +17,7 @@ void expect_at(const Volume& volume, int i, int j, int k, const Point& expected)
 }
 
 TEST(DicomReader, PutsAxialCornersWhereTheStandardPutsThem) {
+  verifies("R-61");
   ScratchFolder folder;
   SliceRecipe recipe;
   recipe.position = {-10, -20, 30};

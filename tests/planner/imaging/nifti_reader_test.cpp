@@ -7,6 +7,7 @@
 
 #include "tests/planner/imaging/nifti_fixture.hpp"
 #include "tests/planner/imaging/refusal.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -27,6 +28,7 @@ struct NiftiReader : testing::Test {
 };
 
 TEST_F(NiftiReader, CarriesRasToLps) {
+  verifies("R-61");
   const Volume volume = read(nifti_content(header));
   EXPECT_EQ(volume.grid.size, Eigen::Vector3i(4, 5, 6));
   // Voxel (3, 4, 5): RAS (10 + 3, 20 + 8, 30 + 15), so LPS (-13, -28, 45).

@@ -5,6 +5,7 @@
 
 #include "tests/planner/imaging/nifti_fixture.hpp"
 #include "tests/planner/imaging/refusal.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -51,6 +52,7 @@ TEST_F(NrrdReader, PutsCornersWhereHandArithmeticPutsThem) {
 }
 
 TEST_F(NrrdReader, CarriesEveryAnatomicalSpaceToLps) {
+  verifies("R-61");
   const auto corner = [&](const char* space) {
     return Point(read(with("left-posterior-superior", space) + voxels()).grid.X_SI * Point(3, 4, 5));
   };

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/safety/verifies.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -37,6 +39,7 @@ Eigen::Vector2d brightest(const Picture& picture) {
 }
 
 TEST(PlaneViews, FollowRadiologicalConvention) {
+  verifies("R-61");
   for (double angle : {0.0, 0.5}) {
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, Direction(1, 2, 3).normalized()).toRotationMatrix();
     const Point centre(5, -10, 20);

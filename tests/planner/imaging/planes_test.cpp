@@ -8,6 +8,7 @@
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "tests/planner/imaging/analytic_scene.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::imaging {
 namespace {
@@ -92,6 +93,7 @@ TEST(Planes, ASlabOfThreeSlicesShowsTheDepth) {
 }
 
 TEST(Planes, NeverAcceptASliceWithoutNeedle) {
+  verifies("R-60");
   for (const Grid& grid : three_planes(1)) {
     const std::vector<Volume> after{scene::imaged(
         grid, [](const Point& p) { return std::abs(scene::tissue(p - kShift) + 12.0 * scene::grain(p)); })};

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "robot/common/config_error.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::planner {
 namespace {
@@ -33,6 +34,7 @@ ConfigError error_of(const std::string& text) {
 }
 
 TEST(FiducialFile, TurnsRasIntoLps) {
+  verifies("R-61");
   const auto pairs = read(kGood);
   ASSERT_EQ(pairs.size(), 3u);
   EXPECT_EQ(pairs[1].name, "F2");

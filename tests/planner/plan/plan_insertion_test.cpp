@@ -8,6 +8,7 @@
 #include "planner/plan/registration.hpp"
 #include "planner/plan/seal.hpp"
 #include "safety/types/limits.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::planner {
 namespace {
@@ -113,6 +114,7 @@ TEST(PlanInsertion, RefusesAnEntryAwayFromTheTip) {
 }
 
 TEST(PlanInsertion, FindsPointsInRasThatWereMeantAsLps) {
+  verifies("R-61");
   InsertionRequest request = request_for({0, 0, 4});
   request.target.p_SE = ras_from_lps(request.target.p_SE);
   request.target.p_ST = ras_from_lps(request.target.p_ST);

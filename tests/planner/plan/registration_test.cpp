@@ -5,6 +5,7 @@
 #include <random>
 
 #include "robot/common/config_error.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::planner {
 namespace {
@@ -117,6 +118,7 @@ TEST(Registration, RefusesFiducialsOnALineAndOnOneSpot) {
 }
 
 TEST(Registration, RefusesMirroredFiducialsInsteadOfReflectingTheRobot) {
+  verifies("R-61");
   std::vector<FiducialPair> pairs = pairs_of(kFrame, RigidTransform::Identity());
   for (FiducialPair& pair : pairs) pair.p_SF.x() *= -1.0;
   EXPECT_NE(refusal_of(pairs).what.find("above the limit"), std::string::npos);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/safety/verifies.hpp"
+
 namespace biopsy::console {
 namespace {
 
@@ -41,6 +43,7 @@ TEST(HoldToRun, EndsWithoutHeartbeats) {
 }
 
 TEST(HoldToRun, EndsForGoodWhenAFrozenPageCatchesUp) {
+  verifies("R-63");
   HeldButton held;
   held.beat(10);
   held.now_us += 700'000;  // frozen: its timers fire late, all at once
@@ -64,6 +67,7 @@ TEST(HoldToRun, EndsWhenHeartbeatsAreDelayed) {
 }
 
 TEST(HoldToRun, AcceptsATokenOnce) {
+  verifies("R-63");
   HeldButton held;
   held.button.release(held.token);
   EXPECT_FALSE(held.button.press(held.token, held.page_ms + 100.0, held.now_us));

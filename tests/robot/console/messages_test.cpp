@@ -11,6 +11,7 @@
 #include "robot/console/server/send_queue.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
 #include "sim/scanner/phantom.hpp"
+#include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::console {
@@ -101,6 +102,7 @@ TEST(NiftiBytes, AreReadBackAtTheSamePosition) {
 }
 
 TEST(OriginPolicy, AcceptsOnlyItsOwnPageWithTheToken) {
+  verifies("R-63");
   const OriginPolicy policy(8080, "0123");
   const auto request = [](std::string_view host, std::string_view origin, std::string_view target) {
     return Request{host, origin, target};
@@ -132,6 +134,7 @@ TEST(RateLimit, AllowsABurstAndThenAHundredASecond) {
 }
 
 TEST(Lease, OneControlsUntilItReleases) {
+  verifies("R-63");
   Lease lease;
   EXPECT_TRUE(lease.take(1));
   EXPECT_FALSE(lease.take(2));

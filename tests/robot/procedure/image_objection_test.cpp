@@ -5,6 +5,8 @@
 
 #include <functional>
 
+#include "tests/safety/verifies.hpp"
+
 namespace biopsy::robot {
 namespace {
 
@@ -35,6 +37,7 @@ TEST(ImageObjection, IsNoneToAnImageOfThisPatientTakenNow) {
 }
 
 TEST(ImageObjection, NamesWhatIsWrong) {
+  verifies("R-62");
   using Change = std::function<void(imaging::IncomingSeries&)>;
   const std::vector<std::pair<Change, const char*>> changes{
       {[](auto& i) { i.problem = "two slices are missing"; }, "cannot be read"},

@@ -10,6 +10,7 @@
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/scanner.hpp"
 #include "sim/scanner/simulated_mark.hpp"
+#include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::robot {
@@ -74,6 +75,7 @@ TEST_F(ReceivedImage, WithoutATimeLeavesTheDepthUnsure) {
 }
 
 TEST_F(ReceivedImage, OfAnotherPatientOrASimulatorIsNoConfirmation) {
+  verifies("R-62");
   prepared.given.images.confirmed_by = "R. Nurse";
   EXPECT_NE(check_of([](Volume& image) {
               image.identity.patient_id = "OTHER";

@@ -13,6 +13,7 @@
 #include "robot/security/key_set.hpp"
 #include "robot/security/signed_text.hpp"
 #include "tests/robot/security/test_key_set.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -74,6 +75,7 @@ TEST_F(CheckKeys, AMissingFileIsNamed) {
 }
 
 TEST_F(CheckKeys, AFileThatOthersMayReadIsRefused) {
+  verifies("R-64");
   for (const fs::path& file : all_files(files_)) {
     for (const fs::perms bit : {fs::perms::group_read, fs::perms::others_read, fs::perms::group_write}) {
       fs::permissions(file, bit, fs::perm_options::add);

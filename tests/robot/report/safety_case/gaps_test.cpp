@@ -6,6 +6,9 @@
 
 #include <functional>
 
+#include "robot/report/safety_case/case_page.hpp"
+#include "robot/report/safety_case/risk_document.hpp"
+
 namespace biopsy::safety_case {
 namespace {
 
@@ -15,7 +18,30 @@ struct Whole {
   Build build;
 };
 
-// A case without a gap: one hazard, one requirement, a test that names it and a proof within its bar.
+// Rare is tolerable, and what is worse is not acceptable.
+RiskMatrix matrix() {
+  RiskMatrix matrix;
+  for (auto& row : matrix.verdicts) row.fill(Acceptability::NotAcceptable);
+  for (auto& row : matrix.verdicts) row[0] = row[1] = Acceptability::Tolerable;
+  return matrix;
+}
+
+Risk risk() {
+  Risk risk;
+  risk.id = "RISK-01";
+  risk.hazard = "H-01";
+  risk.severity = 5;
+  risk.before = 4;
+  risk.after = 2;
+  risk.basis = Basis::Measured;
+  risk.evidence = {"proof"};
+  risk.controls = {{"protective", "R-01"}};
+  risk.residual = Acceptability::Tolerable;
+  return risk;
+}
+
+// A case without a gap: one hazard with its risk, one requirement, a test that names it and a proof within
+// its bar.
 Whole whole() {
   Whole w;
   Hazard hazard;
@@ -28,6 +54,8 @@ Whole whole() {
   Source proof{
       "proof", "Proof", SourceKind::Proof, {"run"}, {}, {}, false, {{"misses", "misses", "", {}, 0.0}}};
   w.safety_case.sources = {tests, proof};
+  w.safety_case.risk.matrix = matrix();
+  w.safety_case.risk.risks = {risk()};
   w.build.code = "abc";
   Finding tested{.source = "tests", .date = {}, .commit = {}, .code = "abc", .passed = true};
   tested.tests = {{"Suite.Claim", true, {"R-01"}}};
@@ -96,10 +124,93 @@ const Damage kDamages[] = {
     {"OnlyTheShortSubset", [](Whole& w) { w.findings[1].quick = true; }, "proof"},
     {"BelowItsBar", [](Whole& w) { w.findings[1].figures["misses"] = 1.0; }, "proof"},
     {"FigureMissing", [](Whole& w) { w.findings[1].figures.clear(); }, "proof"},
+    {"HazardWithoutRisk", [](Whole& w) { w.safety_case.risk.risks.clear(); }, "H-01"},
+    {"RiskTwice", [](Whole& w) { w.safety_case.risk.risks.push_back(risk()); }, "RISK-01"},
+    {"RiskOfNoHazard", [](Whole& w) { w.safety_case.risk.risks[0].hazard = "H-99"; }, "RISK-01"},
+    {"RequirementThatControlsNoRisk",
+     [](Whole& w) {
+       w.safety_case.risk.risks[0].controls.clear();
+       w.safety_case.risk.risks[0].after = 4;
+     },
+     "H-01"},
+    {"ControlThatIsNoRequirement",
+     [](Whole& w) {
+       w.safety_case.risk.risks[0].controls.push_back({"inherent", "R-98"});
+     },
+     "RISK-01"},
+    {"RiskLessProbableWithoutAControl", [](Whole& w) { w.safety_case.risk.risks[0].controls.clear(); },
+     "RISK-01"},
+    {"RiskMoreProbableByItsControls", [](Whole& w) { w.safety_case.risk.risks[0].before = 1; }, "RISK-01"},
+    {"KinderThanTheMatrix",
+     [](Whole& w) { w.safety_case.risk.risks[0].residual = Acceptability::Acceptable; }, "RISK-01"},
+    {"HarsherThanTheMatrix",
+     [](Whole& w) { w.safety_case.risk.risks[0].residual = Acceptability::NotAcceptable; }, "RISK-01"},
+    {"MatrixThatTightened",
+     [](Whole& w) { w.safety_case.risk.matrix.verdicts[4][1] = Acceptability::NotAcceptable; }, "RISK-01"},
+    {"OpenRiskThatDoesNotSayWhatIsMissing",
+     [](Whole& w) {
+       w.safety_case.risk.risks[0].after = 4;
+       w.safety_case.risk.risks[0].residual = Acceptability::NotAcceptable;
+     },
+     "RISK-01"},
+    {"OpenThoughAcceptable", [](Whole& w) { w.safety_case.risk.risks[0].open = "a sensor"; }, "RISK-01"},
+    {"UnknownTakenForRare",
+     [](Whole& w) {
+       w.safety_case.risk.risks[0].basis = Basis::Unknown;
+       w.safety_case.risk.risks[0].evidence.clear();
+     },
+     "RISK-01"},
+    {"MeasuredByNothing", [](Whole& w) { w.safety_case.risk.risks[0].evidence.clear(); }, "RISK-01"},
+    {"MeasuredByNoSource", [](Whole& w) { w.safety_case.risk.risks[0].evidence = {"nothing"}; }, "RISK-01"},
+    {"NewRiskThatIsNoHazard", [](Whole& w) { w.safety_case.risk.risks[0].new_risks = {"H-97"}; }, "RISK-01"},
+    {"ThreatWithoutTest",
+     [](Whole& w) {
+       w.safety_case.risk.threats = {{"T-01", "", "", "H-01", "", {}, "", false}};
+     },
+     "T-01"},
+    {"ScenarioOfNoHazard",
+     [](Whole& w) {
+       w.safety_case.risk.scenarios = {{"U-01", "", "", "", "H-96", "", {"Suite.Claim"}, "", false}};
+     },
+     "U-01"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Any, SafetyCaseDamage, testing::ValuesIn(kDamages),
                          [](const auto& damage) { return damage.param.name; });
+
+// A hazard against which nothing is done is no hole in the argument where its risk says so; it is shown.
+TEST(SafetyCase, AnOpenRiskNeedsNoControlAndIsShown) {
+  Whole w = whole();
+  Hazard hazard;
+  hazard.id = "H-02";
+  w.safety_case.hazards.push_back(hazard);
+  Risk open = risk();
+  open.id = "RISK-02";
+  open.hazard = "H-02";
+  open.before = open.after = 5;
+  open.controls.clear();
+  open.evidence.clear();
+  open.basis = Basis::Unknown;
+  open.residual = Acceptability::NotAcceptable;
+  open.open = "a measurement of the temperature";
+  w.safety_case.risk.risks.push_back(open);
+  EXPECT_TRUE(gaps_of(w).empty()) << gaps_of(w).front().what;
+  EXPECT_NE(case_sentence(w.safety_case, w.findings, {}, w.build).find("1 risk is not acceptable and open"),
+            std::string::npos);
+  const std::string page = case_html(w.safety_case, w.findings, {}, w.build, "");
+  const std::size_t shown = page.find("RISK-02 (H-02), not acceptable: a measurement of the temperature");
+  EXPECT_LT(shown, page.find("<h2>Hazards</h2>")) << "not on the first screen";
+}
+
+TEST(RiskDocument, KeepsTextsFromBecomingMarkup) {
+  Whole w = whole();
+  w.safety_case.risk.threats = {{"T-01", "a | b", "<script>", "H-01", "*", {"Suite.Claim"}, "", false}};
+  const std::string markdown = risk_markdown(w.safety_case), html = risk_html(w.safety_case);
+  EXPECT_NE(markdown.find("| T-01 a \\| b | \\<script> | H-01 | \\* | Suite.Claim | |"), std::string::npos)
+      << markdown;
+  EXPECT_EQ(html.find("<script>"), std::string::npos);
+  EXPECT_NE(html.find("&lt;script&gt;"), std::string::npos);
+}
 
 TEST(SafetyCase, AQuickBuildAsksForItsSubsetOnlyAndJudgesNoBar) {
   Whole w = whole();

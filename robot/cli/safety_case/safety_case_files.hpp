@@ -1,5 +1,5 @@
-// Reads safety/case: hazards.toml, requirements.toml, evidence.toml. Format:
-// docs/explanation/verification.md.
+// Reads safety/case: hazards.toml, requirements.toml, evidence.toml, and the risk management file. Format:
+// docs/reference/safety-case.md.
 #pragma once
 
 #include <filesystem>

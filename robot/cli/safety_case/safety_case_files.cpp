@@ -1,5 +1,6 @@
-#include "robot/cli/safety_case_files.hpp"
+#include "robot/cli/safety_case/safety_case_files.hpp"
 
+#include "robot/cli/safety_case/risk_files.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/toml_reader.hpp"
 
@@ -23,7 +24,7 @@ Hazard hazard_from(TomlTable table) {
   hazard.severity = static_cast<int>(table.number("severity", 1, 5));
   hazard.detection = table.text("detection");
   hazard.reaction = table.text("reaction");
-  hazard.max_time_ms = static_cast<int>(table.number("max_time_ms", 1, 10'000));
+  if (table.has("max_time_ms")) hazard.max_time_ms = static_cast<int>(table.number("max_time_ms", 1, 10'000));
   hazard.requirements = table.texts("requirements");
   hazard.tests = table.texts("tests");
   return hazard;
@@ -87,6 +88,7 @@ safety_case::SafetyCase read_safety_case(const std::filesystem::path& folder) {
   });
   out.hazards = read_list(folder / "hazards.toml", "hazard", hazard_from);
   out.requirements = read_list(folder / "requirements.toml", "requirement", requirement_from);
+  out.risk = read_risk_file(folder);
   return out;
 }
 
