@@ -84,8 +84,8 @@ RiskMatrix matrix_from(TomlTable table) {
 }
 
 Basis basis_from(TomlTable& table) {
-  const std::string word = one_of(table, "basis", {"measured", "judged", "unknown"});
-  return word == "measured" ? Basis::Measured : word == "judged" ? Basis::Judged : Basis::Unknown;
+  const std::string word = one_of(table, "basis", {"measured", "estimated", "unknown"});
+  return word == "measured" ? Basis::Measured : word == "estimated" ? Basis::Estimated : Basis::Unknown;
 }
 
 Risk risk_from(TomlTable table) {

@@ -73,7 +73,12 @@ std::string argument_dot(const SafetyCase& safety_case, const std::vector<Findin
   drawing.link("G-1", "C-1", " [arrowhead=empty]");
   drawing.link("G-1", "S-1");
   for (const Hazard& hazard : safety_case.hazards) {
-    drawing.node(hazard.id, hazard.name + " is detected and controlled in time", "shape=box");
+    const bool controlled = !hazard.requirements.empty();
+    drawing.node(
+        hazard.id,
+        hazard.name + (controlled ? " is detected and controlled in time"
+                                  : " is not controlled by the software: see the risk management file"),
+        controlled ? "shape=box" : "shape=box style=\"dashed\"");
     drawing.link("S-1", hazard.id);
     for (const std::string& requirement : hazard.requirements) drawing.link(hazard.id, requirement);
   }

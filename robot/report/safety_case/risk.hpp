@@ -30,7 +30,7 @@ struct RiskMatrix {
 };
 
 // Where the probability after control comes from. A probability that nobody knows counts as the highest.
-enum class Basis : std::uint8_t { Measured, Judged, Unknown };
+enum class Basis : std::uint8_t { Measured, Estimated, Unknown };
 std::string text_of(Basis basis);
 
 struct Control {

@@ -77,20 +77,27 @@ class RiskChecks {
       if (caused.starts_with("H-")) expect_hazard(risk.id, caused.substr(0, caused.find(' ')));
   }
 
+  bool has_open_risk(const std::string& hazard) const {
+    const std::vector<Risk>& risks = safety_case_.risk.risks;
+    return std::any_of(risks.begin(), risks.end(), [&](const Risk& risk) {
+      return risk.hazard == hazard && risk.residual == Acceptability::NotAcceptable;
+    });
+  }
+
   void check_hazard(const Hazard& hazard) {
     RiskIds controls;
-    bool has_risk = false, has_open_risk = false;
+    bool has_risk = false;
     for (const Risk& risk : safety_case_.risk.risks) {
       if (risk.hazard != hazard.id) continue;
       has_risk = true;
-      has_open_risk = has_open_risk || risk.residual == Acceptability::NotAcceptable;
       for (const Control& control : risk.controls) controls.insert(control.requirement);
     }
     if (!has_risk) return gap(hazard.id, "has no risk");
     for (const std::string& requirement : hazard.requirements)
       if (!controls.contains(requirement))
         gap(hazard.id, fmt::format("{} controls none of its risks", requirement));
-    if (hazard.requirements.empty() && !has_open_risk) gap(hazard.id, "has no requirement, and no open risk");
+    if (hazard.requirements.empty() && !has_open_risk(hazard.id))
+      gap(hazard.id, "has no requirement, and no open risk");
   }
 
   template <class Items>
@@ -99,6 +106,8 @@ class RiskChecks {
     for (const auto& item : items) {
       expect_hazard(item.id, item.hazard);
       if (item.tests.empty() && !item.open) gap(item.id, "has no test and is not declared open");
+      if (item.open && !has_open_risk(item.hazard))
+        gap(item.id, fmt::format("is open, and no risk of {} is", item.hazard));
     }
   }
 
@@ -129,7 +138,7 @@ std::optional<Acceptability> acceptability_from(const std::string& text) {
 }
 
 std::string text_of(Basis basis) {
-  return basis == Basis::Measured ? "measured" : basis == Basis::Judged ? "judged" : "unknown";
+  return basis == Basis::Measured ? "measured" : basis == Basis::Estimated ? "estimated" : "unknown";
 }
 
 Acceptability RiskMatrix::at(int severity_level, int probability_level) const {

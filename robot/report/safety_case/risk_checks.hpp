@@ -8,9 +8,9 @@
 namespace biopsy::safety_case {
 
 // A hazard without a risk, a requirement of a hazard that controls none of its risks, a control or an
-// evidence that does not exist, a verdict that is not the matrix', a probability that a control raises, an
+// evidence that does not exist, a verdict that is not the matrix's, a probability that a control raises, an
 // open risk without a word on what is missing, a threat or scenario without a test that is not declared open,
-// an id that appears twice.
+// one that is open while no risk of its hazard is, an id that appears twice.
 std::vector<Gap> gaps_in_risks(const SafetyCase& safety_case);
 
 std::vector<const Risk*> open_risks(const RiskFile& file);  // not acceptable

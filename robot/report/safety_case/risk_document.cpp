@@ -87,8 +87,9 @@ DocumentSection open_section(const SafetyCase& safety_case) {
 }
 
 std::string estimate(int severity, int probability, const RiskMatrix& matrix) {
+  const std::string verdict = text_of(matrix.at(severity, probability));
   return fmt::format("severity {}, probability {}: {}", severity, probability,
-                     text_of(matrix.at(severity, probability)));
+                     verdict.substr(0, verdict.find(',')));
 }
 
 // Where the probability comes from: "measured (faults, exploration)".
@@ -97,11 +98,27 @@ std::string basis_text(const Risk& risk) {
                                : fmt::format("{} ({})", text_of(risk.basis), joined(risk.evidence));
 }
 
-std::string controls_text(const std::vector<Control>& controls) {
+// "R-06, high voltage above its limit": the first clause of a requirement says what it is about.
+std::string requirement_with_clause(const SafetyCase& safety_case, const std::string& id) {
+  for (const Requirement& requirement : safety_case.requirements)
+    if (requirement.id == id)
+      return fmt::format("{} ({})", id, requirement.text.substr(0, requirement.text.find_first_of(":;.")));
+  return id;
+}
+
+std::string controls_text(const SafetyCase& safety_case, const std::vector<Control>& controls) {
   std::vector<std::string> texts;
   texts.reserve(controls.size());
-  for (const Control& control : controls) texts.push_back(control.kind + " " + control.requirement);
-  return texts.empty() ? "none" : joined(texts);
+  for (const Control& control : controls)
+    texts.push_back(control.kind + " " + requirement_with_clause(safety_case, control.requirement));
+  return texts.empty() ? "none" : joined(texts, "; ");
+}
+
+std::string new_risks_text(const SafetyCase& safety_case, const std::vector<std::string>& new_risks) {
+  std::vector<std::string> texts;
+  texts.reserve(new_risks.size());
+  for (const std::string& caused : new_risks) texts.push_back(hazard_with_name(safety_case, caused));
+  return texts.empty() ? "none found" : joined(texts, "; ");
 }
 
 DocumentSection risk_section(const SafetyCase& safety_case, const Risk& risk) {
@@ -112,10 +129,10 @@ DocumentSection risk_section(const SafetyCase& safety_case, const Risk& risk) {
       {"hazardous situation", risk.situation},
       {"harm", risk.harm},
       {"before control", estimate(risk.severity, risk.before, matrix) + ". " + risk.before_reason},
-      {"controls", controls_text(risk.controls)},
+      {"controls", controls_text(safety_case, risk.controls)},
       {"after control", estimate(risk.severity, risk.after, matrix) + ". " + risk.after_reason},
       {"basis of the last probability", basis_text(risk)},
-      {"new risks", risk.new_risks.empty() ? "none found" : joined(risk.new_risks, "; ")}};
+      {"new risks", new_risks_text(safety_case, risk.new_risks)}};
   if (!risk.open.empty()) section.facts.emplace_back("missing", risk.open);
   return section;
 }

@@ -168,6 +168,11 @@ const Damage kDamages[] = {
        w.safety_case.risk.threats = {{"T-01", "", "", "H-01", "", {}, "", false}};
      },
      "T-01"},
+    {"OpenThreatOfARiskThatIsNot",
+     [](Whole& w) {
+       w.safety_case.risk.threats = {{"T-02", "", "", "H-01", "", {}, "", true}};
+     },
+     "T-02"},
     {"ScenarioOfNoHazard",
      [](Whole& w) {
        w.safety_case.risk.scenarios = {{"U-01", "", "", "", "H-96", "", {"Suite.Claim"}, "", false}};
