@@ -87,13 +87,13 @@ std::int32_t ramp_mV(const SupervisorState& state) {
   return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ticks);
 }
 
-Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64_t now_us,
+Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInputs& inputs,
                  const Evidence& evidence) {
   Permit permit;  // off: no enable, no voltage, no rise
   permit.session = state.session;
   permit.epoch = state.epoch;
   permit.seq = state.seq;
-  permit.issued_us = now_us;
+  permit.issued_us = inputs.now_us;
   permit.ttl_us = limits::kPermitTtl_us;
   permit.mode = state.mode;
   permit.hv_enable = hv_permitted(state.mode);
@@ -102,7 +102,8 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, std::int64
   permit.challenge = challenge_of(state.session, state.seq);
   // Taken at a step's end only; then kept until the drive carries the needle again.
   const bool arrived = state.mode == Mode::Hold && state.step_done;
-  permit.brake = arrived || (evidence.locked && (state.mode == Mode::Active || state.mode == Mode::Hold));
+  permit.brake = (arrived && inputs.measurement.brake_fitted) ||
+                 (evidence.locked && (state.mode == Mode::Active || state.mode == Mode::Hold));
   const StepLimits allowed = step_limits(plan, state.step);
   switch (state.mode) {
     case Mode::Armed:
@@ -136,7 +137,7 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   const Event event = event_of(tick);
   const SupervisorState next = next_state(tick, event);
   SupervisorOutput output;
-  output.permit = permit_of(plan, next, inputs.now_us, evidence);
+  output.permit = permit_of(plan, next, inputs, evidence);
   output.event = event;
   output.worst = worst_of(tick.hazards);
   output.reason = next.reason;

@@ -89,7 +89,8 @@ RunnerStep run_steps(const Plan& plan, RunnerState state, const Measurement& mea
     state = at_rest(state, depth);
   } else if (permit.slew_up_mV_per_tick <= 0) {
     if (!state.lock.on) state = held(gains, state, error, envelope);
-    state.lock = lock_in_hold(state.lock, permit.brake, task.hold_still, state.loop.amplitude);
+    state.lock = lock_in_hold(state.lock, permit.brake && measurement.brake_fitted, task.hold_still,
+                              state.loop.amplitude);
     state.loop.amplitude = std::min(unloaded(state.lock, state.loop.amplitude), envelope);
   } else if (state.lock.on && permit.brake) {
     state = lifted(state, depth, envelope);

@@ -14,7 +14,7 @@ struct HeldRunner {
   RunnerState state;
   Permit permit;
   double depth_mm = 2.0;
-  bool hold_still = false;
+  bool hold_still = false, brake_fitted = true;
 
   HeldRunner() {
     for (const double depth : {2.0, 3.0}) {
@@ -37,6 +37,7 @@ struct HeldRunner {
   }
   DriveRequest tick(std::uint32_t step = 0) {
     Measurement measurement;
+    measurement.brake_fitted = brake_fitted;
     measurement.depth_um = to_um(Millimetres(depth_mm));
     const RunnerStep result =
         run_steps(plan, state, measurement, permit, {.step = step, .hold_still = hold_still});
@@ -149,6 +150,10 @@ TEST(NeedleLock, NothingIsLockedWithoutPermissionOrWithoutHighVoltage) {
   EXPECT_FALSE(runner.run(500).brake);
   EXPECT_EQ(std::abs(runner.tick().wanted_mV), 4'000'000) << "an ordinary hold";
   runner.permit.brake = true;
+  runner.brake_fitted = false;
+  EXPECT_FALSE(runner.run(500).brake);
+  EXPECT_EQ(std::abs(runner.tick().wanted_mV), 4'000'000) << "a stage without a brake keeps its voltage";
+  runner.brake_fitted = true;
   EXPECT_TRUE(runner.run(500).brake);
   runner.permit.hv_enable = false;
   EXPECT_FALSE(runner.tick().brake);

@@ -13,16 +13,18 @@ TEST(LongHold, TheBrakeMayTakeTheNeedleAtAStepsEndAndKeepItUntilTheDriveCarriesI
   verifies("R-54");
   for (std::size_t mode = 0; mode < kModes; ++mode)
     for (const bool done : {false, true})
-      for (const bool locked : {false, true}) {
-        Moment moment(static_cast<Mode>(mode));
-        moment.state.step_done = done;
-        moment.input.evidence.locked = locked;
-        moment.input.motion = {moment.state.token, true};
-        const Permit permit = moment.permit();
-        const bool held = permit.mode == Mode::Hold || permit.mode == Mode::Active;
-        EXPECT_EQ(permit.brake, (permit.mode == Mode::Hold && done) || (held && locked))
-            << name_of(static_cast<Mode>(mode)) << done << locked;
-      }
+      for (const bool locked : {false, true})
+        for (const bool fitted : {false, true}) {
+          Moment moment(static_cast<Mode>(mode));
+          moment.input.measurement.brake_fitted = fitted;
+          moment.state.step_done = done;
+          moment.input.evidence.locked = locked;
+          moment.input.motion = {moment.state.token, true};
+          const Permit permit = moment.permit();
+          const bool held = permit.mode == Mode::Hold || permit.mode == Mode::Active;
+          EXPECT_EQ(permit.brake, (permit.mode == Mode::Hold && done && fitted) || (held && locked))
+              << name_of(static_cast<Mode>(mode)) << done << locked;
+        }
 }
 
 TEST(LongHold, EndsAfterTenSecondsUnlessTheNeedleIsLockedAndStill) {

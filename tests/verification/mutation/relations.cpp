@@ -119,6 +119,7 @@ Situation input_of(Dice& dice, const SupervisorState& state) {
   input.evidence.needle_home = !dice.one_in(5);
   input.evidence.needle_back = !dice.one_in(5);
   input.evidence.image_disturbed = dice.one_in(5);
+  input.measurement.brake_fitted = dice.one_in(2);
   input.evidence.locked = dice.one_in(3);
   input.evidence.still = dice.one_in(3);
   input.acquiring = dice.one_in(10);

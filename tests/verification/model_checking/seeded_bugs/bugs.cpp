@@ -80,6 +80,8 @@ constexpr SeededBug kBugs[] = {
      "decide.cpp", "&& !t.evidence.still", "&& !t.evidence.locked"},
     {"brake-anywhere", "The brake may take the needle in any hold.", Part::Supervisor, "supervisor.cpp",
      "state.mode == Mode::Hold && state.step_done", "state.mode == Mode::Hold"},
+    {"brake-that-is-not-there", "A stage without a brake may lock its needle.", Part::Supervisor,
+     "supervisor.cpp", "(arrived && inputs.measurement.brake_fitted)", "arrived"},
     {"brake-kept-in-ramp", "A locked needle stays locked in a ramp down.", Part::Supervisor, "supervisor.cpp",
      "(evidence.locked && (state.mode == Mode::Active || state.mode == Mode::Hold))",
      "(evidence.locked && hv_permitted(state.mode))"},

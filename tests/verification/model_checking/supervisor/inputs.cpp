@@ -103,8 +103,8 @@ void InputSpace::set_sizes(Mode mode) {
             moving || mode == Mode::Armed ? drives : 1U,
             mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock ? 4U : 1U,
             mode == Mode::Hold || mode == Mode::Armed ? 2U : 1U,
-            mode == Mode::Hold     ? 3U
-            : mode == Mode::Active ? 2U
+            mode == Mode::Hold     ? 4U
+            : mode == Mode::Active ? 3U
                                    : 1U,
             mode == Mode::Safe || mode == Mode::Ready ? 2U : 1U};
 }
@@ -191,8 +191,9 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
       input.acquiring = !forgotten && value == 0;
       break;
     case Dimension::Brake:
-      input.evidence.locked = value != 0;
-      input.evidence.still = value == 2;
+      input.measurement.brake_fitted = value >= 1;
+      input.evidence.locked = value >= 2;
+      input.evidence.still = value == 3;
       break;
     case Dimension::NeedleBack:
       input.evidence.needle_back = forgotten || value == 1;

@@ -30,7 +30,7 @@ enum class Dimension : std::uint8_t {
   Drive,    // {|V|, ceiling}: both 0, both 1 mV, all under no ceiling, all
   Network,  // {arm} x {reset} asked over it
   Image,    // being taken, not
-  Brake,    // off, on, on with the needle still
+  Brake,    // none fitted, off, on, on with the needle still
   NeedleBack,
 };
 inline constexpr std::size_t kDimensions = 15;

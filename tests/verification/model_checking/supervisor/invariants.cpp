@@ -285,7 +285,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        const bool held = s.after.mode == Mode::Active || s.after.mode == Mode::Hold;
        const bool arrived = s.after.mode == Mode::Hold && s.after.step_done;
-       return Finding{true, s.output.permit.brake == (arrived || (held && s.input.evidence.locked))};
+       return Finding{true, s.output.permit.brake == ((arrived && s.input.measurement.brake_fitted) ||
+                                                      (held && s.input.evidence.locked))};
      }},
     {"retract-ends", "Retract ends within 300 ms.",
      [](const Step& s) {
