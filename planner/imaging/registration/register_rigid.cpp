@@ -20,6 +20,8 @@ bool is_thin(const Volume& volume) {
 using Vector14 = Eigen::Matrix<double, 14, 1>;
 using Matrix14 = Eigen::Matrix<double, 14, 14>;
 
+constexpr double kLever_mm = 50.0;    // at which a rotation is counted as a distance
+constexpr double kStepMost_mm = 4.0;  // in one iteration
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // The motion that is searched takes a place in the after image to its place in the before image.
@@ -99,7 +101,10 @@ class Level {
  public:
   Level(const Volume& before, const std::vector<Volume>& after, const RegistrationSettings& settings,
         double count)
-      : before_(before), places_(places_to_compare(after, settings, count)), about_(settings.about) {}
+      : before_(before), places_(places_to_compare(after, settings, count)), about_(settings.about) {
+    // What the before image could not show of a patient who lay still counts as no lack of overlap.
+    std::erase_if(places_, [&](const Place& place) { return std::isnan(before_.at(place.p_S)); });
+  }
 
   const std::vector<Place>& places() const { return places_; }
   // -1 where less than half of the places overlap.
@@ -114,8 +119,11 @@ class Level {
     fit.motion = start;
     fit_brightness(fit);
     for (int i = 0; i < iterations; ++i) {
-      const Vector14 step = gauss_newton_step(fit);
+      Vector14 step = gauss_newton_step(fit);
       if (!step.allFinite()) break;
+      // From afar the linear model holds for a few millimetres only.
+      const double moved_mm = step.head<3>().norm() * kLever_mm + step.segment<3>(3).norm();
+      step *= std::min(1.0, kStepMost_mm / std::max(moved_mm, 1e-9));
       const Eigen::Vector3d turn = step.head<3>();
       if (turn.norm() > 0.0)
         fit.motion.rotation =
@@ -123,7 +131,7 @@ class Level {
       fit.motion.shift += step.segment<3>(3);
       fit.gain += step.segment<4>(6);
       fit.bias += step.tail<4>();
-      if (turn.norm() * 50.0 + step.segment<3>(3).norm() < 1e-3) break;
+      if (moved_mm < 1e-3) break;
     }
     score(fit);
     return fit;
@@ -290,7 +298,11 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
   std::vector<Fit> fits;
   for (const Motion& start : starts(coarse, std::min(settings.start_reach_mm, sides.maxCoeff() / 6.0)))
     fits.push_back(coarse.refined(start, 20));
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.score > b.score; });
+  // A far motion whose smaller overlap happens to correlate is none where a near one explains the images.
+  const auto near = [&](const Fit& fit) { return finished(fit, settings).within_limits; };
+  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) {
+    return std::pair(near(a) && a.score > 0.0, a.score) > std::pair(near(b) && b.score > 0.0, b.score);
+  });
 
   const Volume before_fine = smoothed(before, 0.5 * fine_step);
   const Level fine(before_fine, all_smoothed(after, 0.5 * fine_step), settings, kFine);
