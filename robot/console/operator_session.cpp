@@ -313,8 +313,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.stage_done = supervisor.step_done;
   state.ticks = ticks_;
   const Mode mode = supervisor.permit.mode;
-  if (mode == Mode::Hold)
-    state.hold_left = seconds_left(mode_since_us_, hold_limit_us(seen_), now_us);
+  if (mode == Mode::Hold) state.hold_left = seconds_left(mode_since_us_, hold_limit_us(seen_), now_us);
   if (mode == Mode::Armed)
     state.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
   if (all_ticked() && !hv_permitted()) state.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
