@@ -86,7 +86,9 @@ TEST(SimulatedStage, ABrakeThatIsTooWeakSlipsAndOneThatIsLateGripsLater) {
     const double lifted = stage.truth().motion.x;
     for (int k = 0; k < 3000; ++k) stage.put_out(0.0, true);
     EXPECT_LT(stage.truth().motion.x, lifted - 0.2e-3);
-    if (late) EXPECT_GT(stage.truth().motion.x, 0.3e-3);
+    if (late) {
+      EXPECT_GT(stage.truth().motion.x, 0.3e-3);
+    }
   }
 }
 

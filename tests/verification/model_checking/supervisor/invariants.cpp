@@ -271,10 +271,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      "With a patient Ready is entered, kept and left for Armed with the needle back only.",
      [](const Step& s) {
        const bool patient = s.plan.bench_half_period_ticks <= 0;
-       return Finding{
-           patient && (s.after.mode == Mode::Ready && (s.before.mode == Mode::Safe || s.stays(Mode::Ready)) ||
-                       s.enters(Mode::Armed)),
-           s.input.evidence.needle_back};
+       const bool ready = s.stays(Mode::Ready) || (s.enters(Mode::Ready) && s.before.mode == Mode::Safe);
+       return Finding{patient && (ready || s.enters(Mode::Armed)), s.input.evidence.needle_back};
      }},
     {"image-waits", "No motion begins while an image is taken.",
      [](const Step& s) {
