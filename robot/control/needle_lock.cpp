@@ -14,6 +14,7 @@ NeedleLock lock_in_hold(NeedleLock lock, bool may, bool wanted, Volts amplitude)
   if (!lock.on) lock = {.on = true, .carried = amplitude};
   ++lock.ticks;
   lock.lifting = lock.carrying = 0;
+  lock.lifted = false;
   return lock;
 }
 
@@ -26,9 +27,15 @@ Volts unloaded(const NeedleLock& lock, Volts amplitude) {
 
 NeedleLock lift(NeedleLock lock, Volts& amplitude, Volts envelope) {
   const Volts stride = (1.0 / kUnload_ticks) * lock.carried;
-  amplitude = std::min({lock.carried, envelope, amplitude + stride});
+  const Volts past = lock.carried + kPast;
+  if (lock.lifted)
+    amplitude = std::min({std::max(lock.carried, amplitude - stride), envelope});
+  else
+    amplitude = std::min({past, envelope, amplitude + stride});
   ++lock.lifting;
-  lock.carrying = amplitude + kAsBefore >= lock.carried ? lock.carrying + 1 : 0;
+  lock.lifted = lock.lifted || amplitude + kAsBefore >= past || lock.lifting >= kLiftMax_ticks - kCarry_ticks;
+  const bool back = lock.lifted && amplitude <= lock.carried + kAsBefore;
+  lock.carrying = back ? lock.carrying + 1 : 0;
   if (lock.carrying >= kCarry_ticks || lock.lifting >= kLiftMax_ticks) return {};
   return lock;
 }

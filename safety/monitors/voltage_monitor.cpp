@@ -133,13 +133,14 @@ std::int32_t check_pull(const PlanFacts& plan, VoltageMonitor& monitor, const Me
   return static_cast<std::int32_t>(std::min(root_of(monitor.pull_V2 + kPullLead_V2), kMost_V) * 1'000);
 }
 
-// A locked needle is let go under no more drive than held it before.
+// A locked needle could jump by what the drive exceeds the one that held it.
 std::int32_t check_lock(VoltageMonitor& monitor, const Measurement& m) {
   if (m.brake_on && !monitor.brake_on)
     monitor.locked_mV =
         static_cast<std::int32_t>(std::min<std::int64_t>(magnitude(m.command_mV), limits::kDriveMax_mV));
   monitor.brake_on = m.brake_on;
-  return m.brake_on ? monitor.locked_mV : limits::kDriveMax_mV;
+  return m.brake_on ? std::min(monitor.locked_mV + kPastLocked_mV, limits::kDriveMax_mV)
+                    : limits::kDriveMax_mV;
 }
 
 bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {

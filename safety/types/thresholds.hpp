@@ -57,6 +57,10 @@ inline constexpr std::int64_t kForget_ticks = 2'048;                        // f
 // Evaluated once half of that was seen; a sound wave then has < 25 % (half a half-period), a stuck one 100 %.
 inline constexpr std::int64_t kForgetPerSeen = 2;
 
+// The films pull less on the way up than on the way down: a locked needle is lifted past the drive that held
+// it, by twice the voltage that their adhesion takes (0.3 kV and two of its deviations), and a margin.
+inline constexpr std::int32_t kPastLocked_mV = 1'200'000;
+
 // Runaway. The pull of the pouches goes with V^2; friction may hold the needle against it and then let go. So
 // the pull leads its own mean over the last 128 ms by 1.2 kV^2 at most: 1.1 kV from rest, 0.23 kV at 2.5 kV.
 // Requested by healthy procedures: median 0.8, 90th percentile 1.1 kV^2; the rest are briefly limited.

@@ -97,6 +97,7 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   stage.heartbeat().note("a trouble that a person should read, longer than any short string");
   controller.heartbeat().note("a trouble that a person should read, longer than any short string");
   OperatorAct act;
+  act.acquiring = false;
   std::uint64_t at_rest = 0, taken = 0;
   bool moved = false;
   for (std::int64_t tick = 1; tick <= 3'000 && !(moved && tick % 500 == 0); ++tick) {
