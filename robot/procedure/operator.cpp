@@ -80,7 +80,10 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
   const Mode mode = seen.supervisor.permit.mode;
   const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
   if (ended && phase_ != Phase::Withdraw && phase_ != Phase::Done) {
-    give_up(fmt::format("{}: {}", safety::name_of(mode), safety::name_of(seen.supervisor.reason)));
+    const safety::SupervisorOutput& last = seen.supervisor;
+    const bool hazard = last.reason != safety::Hazard::None;
+    give_up(fmt::format("{}: {}", safety::name_of(mode),
+                        hazard ? safety::name_of(last.reason) : safety::name_of(last.event)));
     go(Phase::Withdraw, tick);
     return;
   }
