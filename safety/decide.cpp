@@ -101,12 +101,13 @@ Event event_in_active(const TransitionInputs& t) {
   return Event::None;
 }
 
-// A locked needle at 0 V does not drift: it may stay as long as a scan.
+// A locked needle at 0 V does not drift: it may stay as long as a scan, while nothing is wrong.
 Event event_in_hold(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
-  if (t.ticks >= limits::kHoldMax_ms && !t.evidence.still) return Event::HoldTooLong;
+  const bool may_stay = t.evidence.still && t.stop == StopCategory::None;
+  if (t.ticks >= limits::kHoldMax_ms && !may_stay) return Event::HoldTooLong;
   if (t.pressed && refusal_to_go_on(t) == Refusal::None) return Event::Move;
   return Event::None;
 }

@@ -46,6 +46,19 @@ TEST(LongHold, EndsAfterTenSecondsUnlessTheNeedleIsLockedAndStill) {
   EXPECT_EQ(moment.event(), Event::HoldTooLong) << "at once where it slips then";
 }
 
+TEST(LongHold, EndsAfterTenSecondsWhateverTheBrakeDoesWhereSomethingIsWrong) {
+  verifies("R-33", "R-54");
+  Moment moment(Mode::Hold);
+  moment.state.ticks_in_mode = limits::kHoldMax_ms - 1;
+  moment.input.evidence.locked = moment.input.evidence.still = true;
+  EXPECT_EQ(moment.event(), Event::None);
+  moment.input.evidence.clear &= ~bit(Hazard::PatientMotion);
+  EXPECT_EQ(moment.event(), Event::HoldTooLong);
+  moment.input.evidence.clear = kAllHazards;
+  moment.input.stop = StopCategory::C2Hold;
+  EXPECT_EQ(moment.event(), Event::HoldTooLong);
+}
+
 TEST(LongHold, AShortHoldIsNoLongerForBeingStillBefore) {
   verifies("R-54");
   Moment moment(Mode::Hold);

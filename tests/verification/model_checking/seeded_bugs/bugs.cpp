@@ -32,19 +32,19 @@ constexpr SeededBug kBugs[] = {
      "decide.cpp",
      "if (t.stop == StopCategory::C1Ramp) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms",
+     "  const bool may_stay",
      "if ((t.hazards & kC1) != 0) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms"},
+     "  const bool may_stay"},
     {"stop-ignored-after-a-while", "In Hold a requested stop counts for five seconds only.", Part::Supervisor,
      "decide.cpp",
      "if (t.stop == StopCategory::C1Ramp) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms",
+     "  const bool may_stay",
      "if ((t.hazards & kC1) != 0 || (t.stop == StopCategory::C1Ramp && t.ticks < 5'000)) return "
      "Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
-     "  if (t.ticks >= limits::kHoldMax_ms"},
+     "  const bool may_stay"},
     {"c1-before-c0", "Where C0 and C1 hazards are present together the milder is taken.", Part::Supervisor,
      "decide.cpp",
      "  if ((hazards & kC0) != 0) return StopCategory::C0Off;\n"
@@ -77,7 +77,9 @@ constexpr SeededBug kBugs[] = {
      "decide.cpp", "if (t.pressed && !t.input.acquiring) return Event::Move;",
      "if (t.pressed) return Event::Move;"},
     {"locked-is-still", "A hold never ends while the brake is on, wherever the needle is.", Part::Supervisor,
-     "decide.cpp", "&& !t.evidence.still", "&& !t.evidence.locked"},
+     "decide.cpp", "may_stay = t.evidence.still &&", "may_stay = t.evidence.locked &&"},
+    {"still-whatever-is-wrong", "A locked needle is held on while the patient moves.", Part::Supervisor,
+     "decide.cpp", "t.evidence.still && t.stop == StopCategory::None", "t.evidence.still"},
     {"brake-anywhere", "The brake may take the needle in any hold.", Part::Supervisor, "supervisor.cpp",
      "state.mode == Mode::Hold && state.step_done", "state.mode == Mode::Hold"},
     {"brake-that-is-not-there", "A stage without a brake may lock its needle.", Part::Supervisor,

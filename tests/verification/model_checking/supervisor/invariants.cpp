@@ -263,9 +263,11 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        return Finding{s.stays(Mode::Armed), s.after.ticks_in_mode < kArmed_ms};
      }},
-    {"hold-ends", "Hold ends within 10 s, but for a locked needle that stays where it is.",
+    {"hold-ends",
+     "Hold ends within 10 s, but for a locked needle that stays where it is while nothing is wrong.",
      [](const Step& s) {
-       return Finding{s.stays(Mode::Hold) && !s.input.evidence.still, s.after.ticks_in_mode < kHold_ms};
+       return Finding{s.stays(Mode::Hold) && (!s.input.evidence.still || s.stop != StopCategory::None),
+                      s.after.ticks_in_mode < kHold_ms};
      }},
     {"ready-needs-the-needle-back",
      "With a patient Ready is entered, kept and left for Armed with the needle back only.",
