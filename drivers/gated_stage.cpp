@@ -21,8 +21,9 @@ void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::i
                        std::int32_t writers) {
   const safety::GateResult result = safety::gate(gate_, request, permit, now_us, writers);
   gate_ = result.state;
-  stage_.write(result.voltage);
-  last_.command_mV = result.voltage.mV();
+  // The answer is the gate's: over a voltage that is not its own it is wrong, and the supervisor sees it.
+  last_.command_mV = stage_.write(result.voltage);
+  feeds_interlock_ = result.voltage.feeds_interlock();
   last_.hv_enabled = result.voltage.hv_enabled();
   last_.brake_on = result.voltage.brake_on();
   last_.verdict = result.verdict;

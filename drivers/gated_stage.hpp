@@ -21,10 +21,13 @@ class GatedStage {
 
   // On the converter since the last drive(), signed.
   std::int32_t command_mV() const { return last_.command_mV; }
+  // Whether the driver's half of the interlock gets a pulse in this tick.
+  bool feeds_interlock() const { return feeds_interlock_; }
 
  private:
   NeedleStage& stage_;
   safety::GateState gate_;
+  bool feeds_interlock_ = false;
   Measurement last_;  // seq and the gate's report
 };
 

@@ -14,6 +14,8 @@ namespace biopsy::drivers {
 struct Panel {
   bool arm = false, reset = false;
   bool estop_a_closed = false, estop_b_closed = false;  // both closed: not pressed
+  bool relay_closed = false;  // feedback contact of the interlock
+  bool read = false;          // all of it, in the last read() of the stage
 };
 
 // The newest error of the driver. Of fixed size: it is filled within the tick.
@@ -28,6 +30,7 @@ class HardwareNeedleStage : public NeedleStage {
   virtual const std::string& product() const = 0;  // "USB-6211"
   virtual std::uint32_t serial() const = 0;
   virtual bool has_panel() const = 0;
+  virtual bool has_relay_contact() const = 0;
   virtual Panel panel() const = 0;   // of the last read()
   virtual bool stopped() const = 0;  // for good: 0 V only, and the interlock gets no pulse
   virtual const DeviceError& last_error() const = 0;

@@ -28,6 +28,14 @@ bool is_locked_out(const TransitionInputs& t) {
   return (t.hazards & kLocking) != 0;
 }
 
+// The depth check of this step says Accept, for an image that was begun after the needle arrived. Numbers of
+// permits rise within a session, so that an image of an earlier epoch is older than the arrival.
+bool is_accepted(const TransitionInputs& t) {
+  const bool of_this_hold = t.input.accepted_session == t.state.session && t.state.arrived_seq != 0 &&
+                            t.input.accepted_since_seq >= t.state.arrived_seq;
+  return t.input.depth_accepted && t.input.accepted_step == t.state.step && of_this_hold;
+}
+
 // Whether the needle may advance: within a step always, past its end only with the depth check that the plan
 // requires.
 Refusal refusal_to_go_on(const TransitionInputs& t) {
@@ -37,15 +45,14 @@ Refusal refusal_to_go_on(const TransitionInputs& t) {
   const std::uint32_t steps = std::min<std::uint32_t>(t.plan.step_count, kMaxSteps);
   if (steps == 0 || t.state.step >= steps - 1) return Refusal::PlanDone;
   if (!t.plan.steps[t.state.step].image_confirms) return Refusal::None;
-  const bool accepted = t.input.depth_accepted && t.input.accepted_step == t.state.step;
-  return accepted ? Refusal::None : Refusal::DepthNotAccepted;
+  return is_accepted(t) ? Refusal::None : Refusal::DepthNotAccepted;
 }
 
 // The button of the present motion was let go, another was pressed, or the console fell silent.
 bool is_released(const TransitionInputs& t) {
   const MotionPress& motion = t.input.motion;
   const bool let_go = motion.token == t.state.token && motion.token != 0 && !motion.held;
-  return let_go || motion.token > t.state.token || t.state.ticks_since_held >= kHeldTimeout_ticks;
+  return let_go || motion.token > t.state.token || t.state.ms_since_held >= kHeldTimeout_ms;
 }
 
 bool is_step_reached(const TransitionInputs& t) {
@@ -55,8 +62,9 @@ bool is_step_reached(const TransitionInputs& t) {
 Event event_in_boot(const TransitionInputs& t) {
   if (is_locked_out(t)) return Event::Lockout;
   if (t.input.self_test == SelfTest::Failed) return Event::Lockout;
-  if (t.ticks >= kBootMax_ticks) return Event::Lockout;
-  if (t.input.self_test == SelfTest::Passed && t.evidence.zero_volts) return Event::SelfTestPassed;
+  if (t.ms >= kBootMax_ms) return Event::Lockout;
+  const bool passed = t.input.self_test == SelfTest::Passed && t.evidence.interlock_opens;
+  if (passed && t.evidence.zero_volts) return Event::SelfTestPassed;
   return Event::None;
 }
 
@@ -86,7 +94,7 @@ Event event_in_armed(const TransitionInputs& t) {
   if (!t.evidence.zero_volts) return Event::VoltagePresent;
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.stop == StopCategory::C2Hold) return Event::Stop;
-  if (t.ticks >= limits::kArmedMax_ms) return Event::ArmedTooLong;
+  if (t.ms >= limits::kArmedMax_ms) return Event::ArmedTooLong;
   if (t.pressed && !t.input.acquiring) return Event::Move;
   return Event::None;
 }
@@ -107,7 +115,7 @@ Event event_in_hold(const TransitionInputs& t) {
   if (t.stop == StopCategory::C1Ramp) return Event::Ramp;
   if (t.input.request.finished) return Event::Finished;
   const bool may_stay = t.evidence.still && t.stop == StopCategory::None;
-  if (t.ticks >= limits::kHoldMax_ms && !may_stay) return Event::HoldTooLong;
+  if (t.ms >= limits::kHoldMax_ms && !may_stay) return Event::HoldTooLong;
   if (t.pressed && refusal_to_go_on(t) == Refusal::None) return Event::Move;
   return Event::None;
 }
@@ -115,7 +123,7 @@ Event event_in_hold(const TransitionInputs& t) {
 Event event_in_retract(const TransitionInputs& t) {
   if (t.stop == StopCategory::C0Off) return Event::Fault;
   if (t.evidence.zero_volts) return Event::VoltageGone;
-  if (t.ticks >= limits::kRampTime_ms) return Event::RampTooLong;
+  if (t.ms >= limits::kRampTime_ms) return Event::RampTooLong;
   return Event::None;
 }
 
@@ -160,7 +168,7 @@ TransitionInputs transition_inputs(const PlanFacts& plan, const SupervisorState&
           evidence,
           hazards,
           std::min(std::max(input.stop, needed_stop(hazards)), StopCategory::C0Off),
-          std::min(state.ticks_in_mode, longest_ms(state.mode)) + 1,
+          later_ms(state.ms_in_mode, evidence.elapsed_ms, longest_ms(state.mode) + 1),
           input.motion.held && input.motion.token > state.token,
           input.local_arm && !state.arm_was_down,
           input.local_reset && !state.reset_was_down};
@@ -198,7 +206,8 @@ Refusal refusal_of(const TransitionInputs& t, Event event) {
   if (event == Event::Reset || event == Event::Arm || event == Event::Move) return Refusal::None;
   if (t.state.mode == Mode::Lock && (t.reset_edge || t.arm_edge || press || remote)) return Refusal::Locked;
   if (remote) return Refusal::OnlyLocal;
-  if (t.reset_edge) return refusal_to_reset(t);
+  const bool resets_estop = t.evidence.estop_reset && t.state.mode != Mode::Trip;
+  if (t.reset_edge && !resets_estop) return refusal_to_reset(t);
   if (t.arm_edge) return refusal_to_arm(t);
   if (press) return refusal_to_move(t);
   return Refusal::None;

@@ -15,7 +15,7 @@ struct TransitionInputs {
   const Evidence& evidence;
   HazardSet hazards;
   StopCategory stop;   // the strongest of those requested and needed
-  std::int32_t ticks;  // in this mode, this one included
+  std::int32_t ms;     // in this mode, this tick included
   bool pressed;        // a token never seen before, held
   bool arm_edge, reset_edge;
 };

@@ -127,7 +127,8 @@ GateResult gate(const GateState& state, const DriveRequest* request, const Permi
   next.started = true;
   next.now_us = now_us;
   result.verdict = decide(next, request, permit, now_us, sound, writer_count);
-  result.voltage = GatedVoltage(next.drive_mV, next.enabled, next.brake_on);
+  const bool feeds = next.permit.seq != 0 && next.permit.mode != Mode::Boot;
+  result.voltage = GatedVoltage(next.drive_mV, next.enabled, next.brake_on, feeds);
   result.answered_seq = next.permit.seq;
   if (next.permit.seq != 0)
     result.answer = answer_to(next.permit.challenge, next.drive_mV, next.permit.mode, next.permit.seq);

@@ -21,19 +21,23 @@ struct GateResult;
 // The only type that the actuator accepts. Made by the gate alone; off needs no permit.
 class GatedVoltage {
  public:
-  static constexpr GatedVoltage off() { return {0, false, false}; }
+  static constexpr GatedVoltage off() { return {0, false, false, false}; }
   constexpr std::int32_t mV() const { return mV_; }  // signed high voltage
   constexpr bool hv_enabled() const { return hv_enabled_; }
   constexpr bool brake_on() const { return brake_on_; }  // the needle is locked
+  // The driver's half of the interlock gets its pulse. Not before the first permit, nor in Boot, where the supervisor
+  // tests whether this half opens by itself.
+  constexpr bool feeds_interlock() const { return feeds_interlock_; }
 
  private:
-  constexpr GatedVoltage(std::int32_t mV, bool hv_enabled, bool brake_on)
-      : mV_(mV), hv_enabled_(hv_enabled), brake_on_(brake_on) {}
+  constexpr GatedVoltage(std::int32_t mV, bool hv_enabled, bool brake_on, bool feeds_interlock)
+      : mV_(mV), hv_enabled_(hv_enabled), brake_on_(brake_on), feeds_interlock_(feeds_interlock) {}
   friend GateResult gate(const GateState&, const DriveRequest*, const Permit*, std::int64_t, std::int32_t);
 
   std::int32_t mV_;
   bool hv_enabled_;
   bool brake_on_;
+  bool feeds_interlock_;
 };
 
 // Default-constructed at each start of the driver, after it wrote 0 V: bound to no session.

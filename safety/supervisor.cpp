@@ -50,10 +50,10 @@ void enter(SupervisorState& next, const TransitionInputs& t, Event event) {
   const Mode from = t.state.mode;
   next.last_event = event;
   if (event != Event::VoltageGone) next.reason = cause_of(t, event);  // the end of a ramp keeps its cause
-  next.ticks_in_mode = 0;
+  next.ms_in_mode = 0;
   if (next.mode == Mode::Trip || next.mode == Mode::Lock) ++next.epoch;
   if (next.mode == Mode::Armed) next.step = 0, next.step_done = false;
-  if (event == Event::StepReached) next.step_done = true;
+  if (event == Event::StepReached) next.step_done = true, next.arrived_seq = next.seq;
   if (event == Event::Move && t.state.step_done) ++next.step, next.step_done = false;
   const std::int32_t envelope =
       from == Mode::Active ? rising_mV(t.plan, t.state, t.evidence) : held_mV(t.state);
@@ -70,21 +70,21 @@ Mode mode_after(Mode from, Event event) {
 SupervisorState next_state(const TransitionInputs& t, Event event) {
   SupervisorState next = t.state;
   next.mode = mode_after(t.state.mode, event);
-  next.ticks_in_mode = t.ticks;
+  next.ms_in_mode = t.ms;
   next.seq = t.state.seq + 1;
   next.token = std::max(t.state.token, t.input.motion.token);
   next.arm_was_down = t.input.local_arm;
   next.reset_was_down = t.input.local_reset;
   const bool renewed =
       t.input.motion.held && t.input.motion.token >= t.state.token && t.input.motion.token != 0;
-  next.ticks_since_held = renewed ? 0 : std::min(t.state.ticks_since_held, kHeldTimeout_ticks - 1) + 1;
+  next.ms_since_held = renewed ? 0 : later_ms(t.state.ms_since_held, t.evidence.elapsed_ms, kHeldTimeout_ms);
   if (next.mode != t.state.mode) enter(next, t, event);
   return next;
 }
 
 std::int32_t ramp_mV(const SupervisorState& state) {
-  const std::int64_t left = kRamp_ticks - std::clamp(state.ticks_in_mode, 0, kRamp_ticks);
-  return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ticks);
+  const std::int64_t left = kRamp_ms - std::clamp(state.ms_in_mode, 0, kRamp_ms);
+  return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ms);
 }
 
 Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInputs& inputs,
@@ -146,7 +146,7 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   output.step_done = next.step_done;
   output.image_allowed = next.mode != Mode::Active && next.mode != Mode::Retract;
   output.image_disturbed = evidence.image_disturbed;
-  output.interlock_pulse = hv_permitted(next.mode) || next.mode == Mode::Ready;
+  output.interlock_pulse = hv_permitted(next.mode) || next.mode == Mode::Ready || next.mode == Mode::Boot;
   return {next, output};
 }
 

@@ -2,6 +2,7 @@
 // Call order in a tick: evidence.hpp.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "safety/monitors/evidence.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "safety/types/supervisor_inputs.hpp"
+#include "safety/types/thresholds.hpp"
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::safety {
@@ -40,8 +42,9 @@ struct SupervisorState {
   std::uint32_t session = 0, epoch = 1, seq = 0;
   std::uint32_t token = 0;  // largest token ever seen: spent
   std::uint32_t step = 0;
-  std::int32_t ticks_in_mode = 0;
-  std::int32_t ticks_since_held = 0;
+  std::uint32_t arrived_seq = 0;  // of the permit with which the step was reached
+  std::int32_t ms_in_mode = 0;    // on the supervisor's clock
+  std::int32_t ms_since_held = 0;
   std::int32_t held_mV = 0;  // |V| when Hold or Retract began
 };
 
@@ -64,6 +67,11 @@ constexpr SupervisorState started(std::uint32_t session) {
   SupervisorState state;
   state.session = session;
   return state;
+}
+
+// `value` + `elapsed` ms, counted no further than `most`.
+constexpr std::int32_t later_ms(std::int32_t value, std::int32_t elapsed, std::int32_t most) {
+  return std::min(std::clamp(value, 0, most) + std::clamp(elapsed, 0, kElapsedMax_ms), most);
 }
 
 // `evidence`: what assess() made of the same inputs.

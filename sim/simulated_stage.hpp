@@ -21,8 +21,9 @@ class SimulatedStage final : public drivers::NeedleStage {
   SimulatedStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors = {});
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override {
+  std::int32_t write(const safety::GatedVoltage& voltage) override {
     put_out(voltage.mV() * 1e-3, voltage.brake_on());
+    return voltage.mV();
   }
 
   // The next tick with these volts on the stack and this command of the brake, whoever asked for them: a

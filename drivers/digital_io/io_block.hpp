@@ -17,7 +17,7 @@ static_assert(Word::is_always_lock_free && Nanoseconds::is_always_lock_free,
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::uint64_t kMagic = 0x6c'79'73'70'6f'69'62'01;  // 01 "biopsyl", low byte first
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 
 // Written before the file gets its name, never after.
 struct alignas(kPage) Header {
@@ -29,6 +29,7 @@ struct alignas(kPage) Header {
 struct alignas(kPage) StageOutputs {
   Word converter;  // ConverterOutput in one word: code and enable change together
   Word pulses;
+  Nanoseconds panel_read_ns;  // when the device's driver last read the panel; 0: never
 };
 
 struct alignas(kPage) SupervisorOutputs {
@@ -67,11 +68,12 @@ struct RelayOutput {
   bool operator==(const RelayOutput&) const = default;
 };
 
-// Keys and buttons on the device. Both E-stop contacts closed: not pressed.
+// Keys, buttons and contacts on the device. Both E-stop contacts closed: not pressed.
 struct PanelLevels {
   bool arm_key = false, reset_key = false;
   bool estop_a_closed = false, estop_b_closed = false;
   bool bench_key = false;  // confirmed: no patient and no needle at the stage
+  bool relay_closed = false;  // feedback contact of the interlock, where it is wired to the device
   bool operator==(const PanelLevels&) const = default;
 };
 
@@ -89,11 +91,11 @@ constexpr bool flag(std::uint64_t word) {
 constexpr std::uint64_t packed(const PanelLevels& panel) {
   return std::uint64_t{panel.arm_key} | std::uint64_t{panel.reset_key} << 1 |
          std::uint64_t{panel.estop_a_closed} << 2 | std::uint64_t{panel.estop_b_closed} << 3 |
-         std::uint64_t{panel.bench_key} << 4;
+         std::uint64_t{panel.bench_key} << 4 | std::uint64_t{panel.relay_closed} << 5;
 }
 constexpr PanelLevels panel_levels(std::uint64_t word) {
   const auto level = [word](int wire) { return (word >> wire & 1) != 0; };
-  return {level(0), level(1), level(2), level(3), level(4)};
+  return {level(0), level(1), level(2), level(3), level(4), level(5)};
 }
 
 }  // namespace biopsy::digital_io

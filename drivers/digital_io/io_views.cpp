@@ -12,6 +12,10 @@ void count_up(Word& counter) {
   counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }
 
+bool is_closed(const RelayReading& seen, std::int64_t now_ns) {
+  return seen.output.closed && std::abs(now_ns - seen.ticked_ns) / 1'000 < safety::kInterlock_us;
+}
+
 }  // namespace
 
 StageIo::StageIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Stage) {
@@ -24,6 +28,10 @@ void StageIo::write(const safety::GatedVoltage& voltage) {
 
 void StageIo::pulse() {
   count_up(io_.block().stage.pulses);
+}
+
+void StageIo::mark_panel_read(std::int64_t now_ns) {
+  io_.block().stage.panel_read_ns.store(now_ns, std::memory_order_release);
 }
 
 SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Supervisor) {}
@@ -68,8 +76,13 @@ std::uint64_t IoReader::supervisor_pulses() const {
   return io_.block().supervisor.pulses.load(std::memory_order_acquire);
 }
 
-PanelLevels IoReader::panel() const {
-  return panel_levels(io_.block().panel.levels.load(std::memory_order_acquire));
+PanelReading IoReader::panel(std::int64_t now_ns) const {
+  const std::int64_t read_ns = io_.block().stage.panel_read_ns.load(std::memory_order_acquire);
+  if (read_ns == 0 || std::abs(now_ns - read_ns) / 1'000 >= safety::kPanelRead_us) return {};
+  PanelReading reading{panel_levels(io_.block().panel.levels.load(std::memory_order_acquire)), true};
+  // The relay that a process stands for has its contact in its own block.
+  reading.levels.relay_closed = reading.levels.relay_closed || is_closed(relay(), now_ns);
+  return reading;
 }
 
 RelayReading IoReader::relay() const {
@@ -85,9 +98,7 @@ RelayReading IoReader::relay() const {
 }
 
 bool IoReader::is_supplied(std::int64_t now_ns) const {
-  const RelayReading seen = relay();
-  const bool alive = std::abs(now_ns - seen.ticked_ns) / 1'000 < safety::kInterlock_us;
-  return alive && seen.output.closed && converter().hv_enabled;
+  return is_closed(relay(), now_ns) && converter().hv_enabled;
 }
 
 std::int32_t IoReader::load_voltage_seen_mV(std::int64_t now_ns) const {

@@ -19,6 +19,7 @@ class StageIo {
 
   void write(const safety::GatedVoltage& voltage);
   void pulse();  // once in every tick that went well
+  void mark_panel_read(std::int64_t now_ns);  // its levels are those of `now_ns` (CLOCK_MONOTONIC)
 
  private:
   SharedIo io_;
@@ -66,6 +67,12 @@ struct RelayReading {
   std::uint64_t ticks = 0;      // over all starts of the interlock process
 };
 
+// All open where it is not `read`.
+struct PanelReading {
+  PanelLevels levels;
+  bool read = false;
+};
+
 // Reads all, writes nothing.
 class IoReader {
  public:
@@ -74,7 +81,8 @@ class IoReader {
   ConverterOutput converter() const;
   std::uint64_t stage_pulses() const;
   std::uint64_t supervisor_pulses() const;
-  PanelLevels panel() const;
+  // As the device's driver read it at most kPanelRead_us before `now_ns`, else unread; with the feedback of the relay.
+  PanelReading panel(std::int64_t now_ns) const;
   RelayReading relay() const;
 
   // Whether amplifier and brake are supplied at `now_ns`: the relay is closed and HV enabled. A relay whose

@@ -135,6 +135,15 @@ PanelInputs read_panel(TomlTable table) {
   return panel;
 }
 
+RelayContact read_relay_contact(TomlTable table) {
+  RelayContact contact;
+  contact.input = read_input(table);
+  contact.closed_V = table.number("closed_V", contact.input.low_V, contact.input.high_V, "V");
+  if (contact.closed_V <= 0.0)
+    table.refuse("closed_V", "counts an open wire as closed", "give a voltage between 0 V and the contact's supply");
+  return contact;
+}
+
 // The name alone, as MAX and nilsdev show it.
 std::string read_device(TomlTable& table) {
   std::string device = device_text(table, "device");
@@ -181,6 +190,7 @@ Config read(TomlTable& root) {
   if (root.has("panel")) config.panel = read_panel(root.table("panel"));
   if (config.panel && config.panel->port == config.interlock.port)
     root.refuse("panel", "uses the port of the interlock", "inputs are port0 and outputs port1 on the 6211");
+  if (root.has("relay_contact")) config.relay_contact = read_relay_contact(root.table("relay_contact"));
   if (root.has("supervisor_pulse"))
     config.supervisor_pulse = read_supervisor_pulse(root.table("supervisor_pulse"), config.device);
   refuse_shared_inputs(config, root);
@@ -192,6 +202,7 @@ Config read(TomlTable& root) {
 std::vector<const AnalogInput*> analog_inputs(const Config& config) {
   std::vector<const AnalogInput*> inputs{&config.laser.input, &config.voltage.input, &config.current.input};
   if (config.second_laser) inputs.push_back(&config.second_laser->input);
+  if (config.relay_contact) inputs.push_back(&config.relay_contact->input);
   return inputs;
 }
 

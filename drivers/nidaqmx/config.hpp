@@ -50,6 +50,12 @@ struct PanelInputs {
   std::uint32_t estop_a_line = 0, estop_b_line = 0;  // closed = not pressed
 };
 
+// Feedback contact of the interlock's relay, as a voltage: a board of four inputs has none left for it.
+struct RelayContact {
+  AnalogInput input;
+  double closed_V = 0;  // above: closed
+};
+
 // An output of a board of its own, which the supervisor pulses.
 struct SupervisorPulse {
   std::string device;  // "Dev2"
@@ -67,10 +73,12 @@ struct Config {
   Command command;
   Interlock interlock;
   std::optional<PanelInputs> panel;
+  std::optional<RelayContact> relay_contact;  // without it only commissioning can be run
   std::optional<SupervisorPulse> supervisor_pulse;
 };
 
-// In the order in which the stage reads them: laser, voltage, current, second laser where there is one.
+// In the order in which the stage reads them: laser, voltage, current, then second laser and relay contact where there
+// are any.
 std::vector<const AnalogInput*> analog_inputs(const Config& config);
 
 // Throw ConfigError, with file and line, for entries that are missing, unknown, out of range or inconsistent:

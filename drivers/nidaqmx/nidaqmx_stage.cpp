@@ -147,13 +147,15 @@ bool NidaqmxStage::read_panel() {
   if (!is_good(daqmx_.read_digital_scalar_u32(panel_task_->handle(), config_.timeout_s, &lines, nullptr)))
     return false;
   const auto is_high = [lines](std::uint32_t number) { return (lines >> number & 1U) != 0; };
-  panel_ = {is_high(config_.panel->arm_line), is_high(config_.panel->reset_line),
-            is_high(config_.panel->estop_a_line), is_high(config_.panel->estop_b_line)};
+  panel_.arm = is_high(config_.panel->arm_line);
+  panel_.reset = is_high(config_.panel->reset_line);
+  panel_.estop_a_closed = is_high(config_.panel->estop_a_line);
+  panel_.estop_b_closed = is_high(config_.panel->estop_b_line);
   return true;
 }
 
 drivers::SensorReading NidaqmxStage::read() {
-  fresh_ = false;
+  fresh_ = panel_.read = false;
   reading_.laser_valid = reading_.laser_b_valid = false;
   if (stopped_) return reading_;
   const std::int64_t now_us = clock_();
@@ -161,6 +163,8 @@ drivers::SensorReading NidaqmxStage::read() {
   if (stopped_) panel_ = {};
   if (!stopped_) reading_.time_us = now_us;
   if (!complete) return reading_;
+  if (config_.relay_contact) panel_.relay_closed = volts_[config_.second_laser ? 4 : 3] > config_.relay_contact->closed_V;
+  panel_.read = panel_task_.has_value();
   const Laser& laser = config_.laser;
   const double step_V = (laser.input.high_V - laser.input.low_V) / kCodes;
   reading_.laser_code = rounded(volts_[0] / step_V);
@@ -177,7 +181,7 @@ drivers::SensorReading NidaqmxStage::read() {
   return reading_;
 }
 
-void NidaqmxStage::write(const safety::GatedVoltage& voltage) {
+std::int32_t NidaqmxStage::write(const safety::GatedVoltage& voltage) {
   const bool on = voltage.hv_enabled() && !stopped_;
   const double most_V = config_.command.highest_kV / config_.command.kV_per_V;
   const double wanted_V = voltage.mV() * 1e-6 / config_.command.kV_per_V;
@@ -186,7 +190,8 @@ void NidaqmxStage::write(const safety::GatedVoltage& voltage) {
       daqmx_.write_analog_scalar_f64(output_->handle(), 0, config_.timeout_s, command_V, nullptr);
   // Unlike a missed reading, a missed voltage stays on the converter.
   if (!is_good(status)) stop_for_good();
-  write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_, voltage.brake_on());
+  write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_ && voltage.feeds_interlock(), voltage.brake_on());
+  return is_good(status) ? rounded(command_V * config_.command.kV_per_V * 1e6) : 0;
 }
 
 void NidaqmxStage::write_lines(bool enabled, bool pulse, bool brake) {

@@ -32,11 +32,12 @@ class NidaqmxStage final : public drivers::HardwareNeedleStage {
   NidaqmxStage& operator=(const NidaqmxStage&) = delete;
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override;
+  std::int32_t write(const safety::GatedVoltage& voltage) override;
 
   const std::string& product() const override { return product_; }
   std::uint32_t serial() const override { return serial_; }
   bool has_panel() const override { return panel_task_.has_value(); }
+  bool has_relay_contact() const override { return config_.relay_contact.has_value(); }
   drivers::Panel panel() const override { return panel_; }
   bool stopped() const override { return stopped_; }
   const drivers::DeviceError& last_error() const override { return error_; }
@@ -58,7 +59,7 @@ class NidaqmxStage final : public drivers::HardwareNeedleStage {
   std::uint32_t serial_ = 0;
   std::optional<Task> inputs_, output_, lines_task_, panel_task_;
 
-  std::array<double, 4> volts_{};  // as analog_inputs()
+  std::array<double, 5> volts_{};  // as analog_inputs()
   drivers::SensorReading reading_;
   drivers::Panel panel_;
   drivers::DeviceError error_;

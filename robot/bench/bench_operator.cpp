@@ -8,6 +8,7 @@ namespace {
 constexpr std::int64_t kReadyMax_ticks = 5'000;  // a healthy robot is ready within seconds
 constexpr std::int64_t kKeyMax_ticks = 120'000;  // to put the weight on and to turn the key
 constexpr std::int64_t kHandsOff_ticks = 3'000;  // from the key to the first volt
+constexpr std::int64_t kArming_ticks = 50;       // a key's contact is filtered
 
 }  // namespace
 
@@ -49,7 +50,7 @@ void BenchOperator::follow_arming(const CycleRecord& seen) {
     if (!armed_ && script_.by_hand) waited_ = 0;
     armed_ = true;
     if (waited_ > (script_.by_hand ? kHandsOff_ticks : script_.act_after)) enter(Phase::Run);
-  } else if (armed_ || waited_ > (script_.by_hand ? kKeyMax_ticks : 1)) {
+  } else if (armed_ || waited_ > (script_.by_hand ? kKeyMax_ticks : kArming_ticks)) {
     const bool key_missed = script_.by_hand && !armed_ && mode == Mode::Ready;
     give_up(seen);
     if (key_missed) stopped_because_ = "the arm key was not turned";

@@ -46,13 +46,14 @@ std::optional<double> TerminalOperator::enter_value(const std::string& what) {
 
 SimulatedBench::SimulatedBench(const sim::PlantModel& model, std::uint64_t seed) : stage_(model, seed) {}
 
-void SimulatedBench::write(const safety::GatedVoltage& voltage) {
+std::int32_t SimulatedBench::write(const safety::GatedVoltage& voltage) {
   const std::int64_t now_us = stage_.now_us();
-  if (feeding_) interlock_ = safety::feed_from_driver(interlock_, now_us);
+  if (feeding_ && voltage.feeds_interlock()) interlock_ = safety::feed_from_driver(interlock_, now_us);
   if (voltage.mV() != 0 && press_at_ && *press_at_ > 0) --*press_at_;
   if (press_at_ && *press_at_ == 0) ++pressed_ticks_;
   const bool powered = safety::is_closed(interlock_, now_us) && pressed_ticks_ == 0;
   stage_.write(powered ? voltage : safety::GatedVoltage::off());
+  return voltage.mV();
 }
 
 StageConnections SimulatedBench::connections() {

@@ -34,7 +34,7 @@ class SimulatedBench final : public drivers::NeedleStage {
   explicit SimulatedBench(const sim::PlantModel& model, std::uint64_t seed);
 
   drivers::SensorReading read() override { return stage_.read(); }
-  void write(const safety::GatedVoltage& voltage) override;
+  std::int32_t write(const safety::GatedVoltage& voltage) override;
 
   StageConnections connections();
   void lift(double force_N) { stage_.push(-force_N); }

@@ -33,6 +33,7 @@ struct OperatorSession::Run {
 
   std::optional<std::size_t> imaged;         // step whose image was begun last
   std::optional<std::int64_t> acquiring_us;  // since when
+  Permit imaged_under;                       // in force then
   bool locking = false;                      // the needle, before that
   std::future<report::StepResult> check;     // of step `imaged`
   std::optional<std::size_t> accepted;       // step

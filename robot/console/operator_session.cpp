@@ -120,6 +120,8 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
     inputs.hold_still = run_->locking || inputs.acquiring;
     inputs.depth_accepted = run_->accepted.has_value();
     inputs.accepted_step = static_cast<std::uint32_t>(run_->accepted.value_or(0));
+    inputs.accepted_session = run_->imaged_under.session;
+    inputs.accepted_since_seq = run_->imaged_under.seq;
   }
   inputs_ = inputs;
   return inputs;
@@ -208,14 +210,19 @@ void OperatorSession::begin_image(std::size_t step) {
   else if (seen_.measurement.brake_fitted)
     run_->locking = true;
   else
-    run_->acquiring_us = now_us_;
+    begin_scan();
+}
+
+void OperatorSession::begin_scan() {
+  run_->acquiring_us = now_us_;
+  run_->imaged_under = seen_.supervisor.permit;
 }
 
 void OperatorSession::update_image() {
   const std::size_t step = seen_.supervisor.step;
   const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.step_done;
   if (waits && run_->imaged != step) begin_image(step);
-  if (waits && run_->locking && is_quiet(seen_)) run_->locking = false, run_->acquiring_us = now_us_;
+  if (waits && run_->locking && is_quiet(seen_)) run_->locking = false, begin_scan();
   if (run_->acquiring_us && !waits) {  // the needle moved: this image is invalid
     run_->acquiring_us.reset();
     run_->notes.take_imaged_tip();

@@ -83,6 +83,7 @@ class OperatorSession {
   void update_run(const CycleSample& sample, Mode before);
   void note_end_of_hold(Mode before);
   void begin_image(std::size_t step);
+  void begin_scan();
   void update_image();
   void retract();
   void end_run();

@@ -30,6 +30,8 @@ DepthVerdictNote depth_verdict(const OperatorInputs& inputs, std::uint64_t plan_
   verdict.plan_tag = plan_tag;
   verdict.step = inputs.accepted_step;
   verdict.accepted = inputs.depth_accepted;
+  verdict.session = inputs.accepted_session;
+  verdict.since_seq = inputs.accepted_since_seq;
   return verdict;
 }
 

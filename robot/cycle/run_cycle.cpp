@@ -25,6 +25,7 @@ ControlCycle::ControlCycle(const Plan& plan, const safety::PlanFacts& facts, dri
   supervisor_.sealed_tag = tag_of(plan);
   supervisor_.confirmed_tag = confirmed;
   supervisor_.state = safety::started(kSession);
+  assume_tested_panel(supervisor_);
   request_.plan_tag = supervisor_.sealed_tag;
   request_.config_tag = facts.config_tag;
 }
@@ -37,7 +38,8 @@ SupervisorSources ControlCycle::sources(const Measurement& measurement, const Op
   in.measurement = measurement;
   in.request = request_;
   in.writers = environment.writers;
-  in.panel = panel_levels(operator_inputs);
+  in.panel = {panel_levels(operator_inputs), true};
+  in.panel.levels.relay_closed = safety::is_closed(relay_, in.now_us);
   in.act = {operator_act(operator_inputs), in.now_us};
   in.log = {{.backlog_ms = environment.log_backlog_ms}, in.now_us};
   in.verdict = depth_verdict(operator_inputs, supervisor_.plan.plan_tag);
@@ -57,6 +59,8 @@ CycleRecord ControlCycle::run(const OperatorInputs& operator_inputs, const Envir
   request_.config_tag = supervisor_.config_tag;
   record.request = request_;
   actuate({request_, record.supervisor.permit, now_us(), environment.writers}, stage_, faults_);
+  if (record.supervisor.interlock_pulse) relay_ = safety::feed_from_supervisor(relay_, now_us());
+  if (stage_.feeds_interlock()) relay_ = safety::feed_from_driver(relay_, now_us());
   record.drive_mV = stage_.command_mV();
   ++ticks_;
   return record;

@@ -15,7 +15,7 @@ bool treats_unknown_as_hazard(const TestedFunctions& tested) {
   EvidenceMemory memory;
   const Evidence nothing = tested.assess(PlanFacts{}, memory, SupervisorInputs{});
   for (const Hazard hazard : {Hazard::EStop, Hazard::SecondWriter, Hazard::PlanChanged, Hazard::ConfigChanged,
-                              Hazard::PlanUnconfirmed, Hazard::LogBacklog, Hazard::WrongAnswer})
+                              Hazard::PlanUnconfirmed, Hazard::LogBacklog, Hazard::WrongAnswer, Hazard::PanelUntested})
     if (!names(nothing, hazard)) return false;
   return !nothing.zero_volts && !nothing.needle_home;
 }
@@ -58,6 +58,8 @@ bool starts_when_healthy(const TestedFunctions& tested) {
   healthy.clear = kAllHazards;
   healthy.zero_volts = true;
   bool enabled = true;
+  if (mode_after(tested, Mode::Boot, healthy, enabled) != Mode::Boot) return false;  // interlock unproven
+  healthy.interlock_opens = true;
   return mode_after(tested, Mode::Boot, healthy, enabled) == Mode::Safe && !enabled;
 }
 

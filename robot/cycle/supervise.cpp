@@ -34,12 +34,16 @@ void add_tags(const SupervisorSources& in, const SupervisorMemory& memory, safet
   inputs.confirmed_tag = memory.confirmed_tag;
 }
 
-void add_panel(const digital_io::PanelLevels& panel, safety::SupervisorInputs& inputs) {
-  inputs.estop_a_closed = panel.estop_a_closed;
-  inputs.estop_b_closed = panel.estop_b_closed;
-  inputs.local_arm = panel.arm_key;
-  inputs.local_reset = panel.reset_key;
-  inputs.bench_confirmed = panel.bench_key;
+void add_panel(const digital_io::PanelReading& panel, safety::PanelFilter& filter,
+               safety::SupervisorInputs& inputs) {
+  const digital_io::PanelLevels& levels = panel.levels;
+  inputs.panel_read = panel.read;
+  inputs.relay_closed = levels.relay_closed;
+  inputs.estop_a_closed = safety::is_closed(filter.estop_a, levels.estop_a_closed);
+  inputs.estop_b_closed = safety::is_closed(filter.estop_b, levels.estop_b_closed);
+  inputs.local_arm = safety::is_closed(filter.arm, levels.arm_key);
+  inputs.local_reset = safety::is_closed(filter.reset, levels.reset_key);
+  inputs.bench_confirmed = safety::is_closed(filter.bench, levels.bench_key);
 }
 
 // Without an operator nothing may rise; the needle holds (C2). A press and a remote request count once, when
@@ -61,6 +65,8 @@ void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety:
   const std::uint64_t plan_tag = memory.plan.plan_tag;
   inputs.depth_accepted = in.verdict.accepted && in.verdict.plan_tag == plan_tag && plan_tag != 0;
   inputs.accepted_step = in.verdict.step;
+  inputs.accepted_session = in.verdict.session;
+  inputs.accepted_since_seq = in.verdict.since_seq;
 }
 
 safety::SupervisorInputs supervisor_inputs(const SupervisorSources& in, SupervisorMemory& memory) {
@@ -74,7 +80,7 @@ safety::SupervisorInputs supervisor_inputs(const SupervisorSources& in, Supervis
   inputs.log_backlog_ms = log_backlog_ms(in);
   inputs.tissue_residual_um = safety::tissue_residual_um(memory.plan, memory.tissue, in.measurement);
   add_tags(in, memory, inputs);
-  add_panel(in.panel, inputs);
+  add_panel(in.panel, memory.panel, inputs);
   add_operator(in, memory, inputs);
   return inputs;
 }
@@ -86,6 +92,11 @@ std::int32_t writer_count(const WriterCounts& counts) {
     if (count != 1) return count;
   if (counts.measurements_alive != 1 || counts.requests_alive != 1) return 0;
   return std::max({counts.plans, counts.verdicts, counts.log, 1});
+}
+
+void assume_tested_panel(SupervisorMemory& memory) {
+  memory.evidence.panel.test = safety::PanelMonitor::Test::Passed;
+  memory.panel.estop_a.closed_ticks = memory.panel.estop_b.closed_ticks = safety::kContact_ticks;
 }
 
 void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory) {
@@ -132,6 +143,9 @@ Decision decision_message(const safety::SupervisorOutput& output, std::int64_t n
 safety::SupervisorOutput supervisor_output(const Decision& decision, const Permit& permit) {
   safety::SupervisorOutput output;
   output.permit = permit;
+  output.permit.session = decision.session;
+  output.permit.epoch = decision.epoch;
+  output.permit.seq = decision.seq;
   output.permit.mode = decision.mode;
   output.permit.stop = decision.stop;
   output.event = static_cast<safety::Event>(decision.event);

@@ -5,9 +5,10 @@
 #include <array>
 #include <cstdint>
 
-#include "drivers/digital_io/io_block.hpp"
+#include "drivers/digital_io/io_views.hpp"
 #include "robot/cycle/fault_hooks.hpp"
 #include "robot/msg/messages.hpp"
+#include "safety/monitors/panel_filter.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 #include "safety/supervisor.hpp"
 
@@ -26,7 +27,7 @@ struct SupervisorSources {
   Measurement measurement;   // seq 0: none yet
   DriveRequest request;      // likewise
   std::int32_t writers = 0;  // writer_count() of the topics
-  digital_io::PanelLevels panel;
+  digital_io::PanelReading panel;
   Received<OperatorAct> act;
   Received<LogHealth> log;
   DepthVerdictNote verdict;
@@ -52,10 +53,14 @@ struct SupervisorMemory {
   std::array<std::uint64_t, 2> confirmed_tag{};  // that both confirmations were given for
   safety::EvidenceMemory evidence{};
   safety::TissueMonitor tissue{};
+  safety::PanelFilter panel{};
   safety::SupervisorState state{};
   Permit permit{};          // issued in the last tick
   std::int64_t act_us = 0;  // arrival of the last operator act that was used
 };
+
+// For rehearsals, which begin after a person tested the panel.
+void assume_tested_panel(SupervisorMemory& memory);
 
 struct Supervision {
   safety::Evidence evidence;

@@ -25,7 +25,7 @@ void StageLoop::tick(std::int64_t now_us) {
   inputs_.now_us = now_us;
   inputs_.writers = writers();
   robot::actuate(inputs_, gated_);
-  lines_.pulse();
+  if (gated_.feeds_interlock()) lines_.pulse();
   measured_ = gated_.measure();
   measurements_.write(measured_);
   heartbeat_.beat(now_us);

@@ -99,7 +99,7 @@ robot::WriterCounts SupervisorLoop::writers() const {
 
 void SupervisorLoop::tick(std::int64_t now_us) {
   sources_.now_us = now_us;
-  sources_.panel = panel_.panel();
+  sources_.panel = panel_.panel(realtime::monotonic_ns());
   sources_.writers = robot::writer_count(writers());
   const safety::SupervisorOutput output = robot::supervise(sources_, supervisor_).output;
   permits_.write(output.permit);

@@ -138,10 +138,14 @@ OperatorInputs Operator::act(const CycleRecord& seen, std::int64_t tick) {
   inputs.arm = phase_ == Phase::Arm;
   inputs.press = {phase_ == Phase::Insert ? token_ : 0, phase_ == Phase::Insert};
   inputs.acquiring = phase_ == Phase::Image || phase_ == Phase::Judge;  // a scanner's image is waited for
+  if (inputs.acquiring && !imaging_) imaged_under_ = seen.supervisor.permit;
+  imaging_ = inputs.acquiring;
   inputs.hold_still = phase_ == Phase::Lock || inputs.acquiring;
   inputs.finish = phase_ == Phase::Withdraw;
   inputs.depth_accepted = accepted_;
   inputs.accepted_step = accepted_step_;
+  inputs.accepted_session = imaged_under_.session;
+  inputs.accepted_since_seq = imaged_under_.seq;
   return inputs;
 }
 

@@ -61,6 +61,8 @@ class Operator {
   bool moved_ = false;       // the needle was driven since the last press
   std::uint32_t token_ = 0;  // of the present press
   std::uint32_t accepted_step_ = 0;
+  Permit imaged_under_;  // in force when the last image began to be taken
+  bool imaging_ = false;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0, repeated_images_ = 0;
   std::string stopped_because_;

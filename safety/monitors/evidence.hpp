@@ -15,6 +15,7 @@
 #include "safety/monitors/agreement_monitor.hpp"
 #include "safety/monitors/depth_monitor.hpp"
 #include "safety/monitors/link_monitor.hpp"
+#include "safety/monitors/panel_monitor.hpp"
 #include "safety/monitors/voltage_monitor.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/plan_facts.hpp"
@@ -31,6 +32,9 @@ struct Evidence {
   bool image_disturbed = true;  // the drive switched while an image was taken: flag the image
   bool locked = false;          // the brake has the needle
   bool still = false;           // and it has not moved, for no longer than it may last, at 0 V
+  bool interlock_opens = false;  // proven in Boot, on the driver's timer alone
+  bool estop_reset = false;     // the reset key released the emergency stop in this tick
+  std::int32_t elapsed_ms = 1;  // on the supervisor's clock since the last tick
   std::int32_t drive_mV = 0;    // |V| the gate put out last
   std::int32_t ceiling_mV = 0;  // no rise beyond: the pull would lead the needle's response
 
@@ -40,6 +44,7 @@ struct Evidence {
 // Memory of the monitors. One per supervisor; default-constructed at start.
 struct EvidenceMemory {
   LinkMonitor link;
+  PanelMonitor panel;
   VoltageMonitor drive;
   DepthMonitor depth;
   AgreementMonitor agreement;

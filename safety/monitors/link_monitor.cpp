@@ -10,9 +10,15 @@
 namespace biopsy::safety {
 namespace {
 
-// Our own clock: every call is one tick.
-HazardSet check_clock(LinkMonitor& monitor, const SupervisorInputs& seen) {
+constexpr std::int64_t kMillisecond_us = 1'000;
+
+// Our own clock: every call is one tick. What a tick exceeds its milliseconds by is counted in the next one; a clock that
+// cannot be trusted counts a millisecond a tick.
+HazardSet check_clock(LinkMonitor& monitor, const SupervisorInputs& seen, std::int32_t& elapsed_ms) {
   const bool sound = monitor.clock_read && is_sound_step(monitor.now_us, seen.now_us);
+  const std::int64_t since_us = sound ? seen.now_us - monitor.counted_us : kMillisecond_us;
+  elapsed_ms = static_cast<std::int32_t>(since_us / kMillisecond_us);
+  monitor.counted_us = sound ? monitor.counted_us + elapsed_ms * kMillisecond_us : seen.now_us;
   monitor.clock_read = true;
   monitor.now_us = seen.now_us;
   return when(!sound || seen.measurement.verdict == GateVerdict::ClockJump, Hazard::ClockJump);
@@ -89,17 +95,6 @@ HazardSet check_controller(LinkMonitor& monitor, const SupervisorInputs& seen, b
          when(monitor.silent_ticks > kStale_ticks, Hazard::ControllerSilent);
 }
 
-HazardSet check_estop(LinkMonitor& monitor, const SupervisorInputs& seen) {
-  const bool differs = seen.estop_a_closed != seen.estop_b_closed;
-  monitor.estop_differs_ticks = debounced(monitor.estop_differs_ticks, differs, kEStopDisagree_ticks + 1);
-  if (monitor.estop_differs_ticks > kEStopDisagree_ticks) monitor.estop_latched = true;
-  const bool latched = monitor.estop_latched;
-  if (!seen.estop_a_closed && !seen.estop_b_closed)
-    monitor.estop_latched = false;  // both work again: from the next tick
-  return when(!seen.estop_a_closed || !seen.estop_b_closed, Hazard::EStop) |
-         when(latched, Hazard::EStopDisagrees);
-}
-
 HazardSet check_patient(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen) {
   const bool unlike = seen.tissue_residual_um < 0 || seen.tissue_residual_um > plan.tissue_residual_max_um;
   const bool moved = seen.patient_motion_um < 0 || seen.patient_motion_um > kPatientMotion_um;
@@ -131,16 +126,16 @@ HazardSet check_writers_and_log(const SupervisorInputs& seen) {
 }  // namespace
 
 LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen) {
-  HazardSet found = check_clock(monitor, seen);
+  std::int32_t elapsed_ms = 1;
+  HazardSet found = check_clock(monitor, seen, elapsed_ms);
   const Arrival arrival = check_measurement(monitor, seen);
   found |= arrival.found;
   found |= check_answer(monitor, seen, arrival.fresh);
   found |= check_controller(monitor, seen, arrival.fresh);
-  found |= check_estop(monitor, seen);
   found |= check_patient(plan, monitor, seen);
   found |= check_plan(plan, monitor, seen);
   found |= check_writers_and_log(seen);
-  return {found, arrival.fresh};
+  return {found, arrival.fresh, elapsed_ms};
 }
 
 }  // namespace biopsy::safety

@@ -1,5 +1,5 @@
-// Monitors the links: clocks, sequence numbers, challenge answers, writers, emergency stop, log, the sealed
-// plan and its confirmations.
+// Monitors the links: clocks, sequence numbers, challenge answers, writers, log, the sealed plan
+// and its confirmations.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace biopsy::safety {
 
 struct LinkMonitor {
   bool clock_read = false;
-  std::int64_t now_us = 0;
+  std::int64_t now_us = 0, counted_us = 0;  // of the last tick, and up to which milliseconds were counted
   // measurements
   std::uint32_t seq = 0;
   std::int64_t stage_us = 0;
@@ -29,9 +29,7 @@ struct LinkMonitor {
   std::int32_t silent_ticks = kStale_ticks + 1;
   std::uint32_t overruns = 0;
   std::int32_t miss_score = 0;
-  // emergency stop, tissue, plan
-  std::int32_t estop_differs_ticks = 0;
-  bool estop_latched = false;  // until both contacts were seen open together
+  // tissue, plan
   std::int32_t residual_ticks = 0;
   bool plan_plausible = false;
 };
@@ -39,6 +37,7 @@ struct LinkMonitor {
 struct LinkFindings {
   HazardSet found = 0;
   bool fresh = false;  // the measurement is new and may be used
+  std::int32_t elapsed_ms = 1;  // on the supervisor's clock since the last tick
 };
 
 LinkFindings update(const PlanFacts& plan, LinkMonitor& monitor, const SupervisorInputs& seen);

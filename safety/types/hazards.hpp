@@ -29,7 +29,8 @@ enum class Hazard : std::uint8_t {
   PlanChanged,
   ConfigChanged,
   HardOverDepth,
-  FastDrop,  // C0
+  FastDrop,
+  InterlockStuck,  // C0
   OverDepth,
   PopThrough,
   SensorStale,
@@ -43,7 +44,8 @@ enum class Hazard : std::uint8_t {
   WrongTissueModel,
   LogBacklog,
   PlanImplausible,
-  PlanUnconfirmed,  // C1
+  PlanUnconfirmed,
+  PanelUntested,  // C1
   StepDepth,
   SuspectTissueModel,
   PatientMotion,  // C2
@@ -73,7 +75,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::NeedleNotBack, StopCategory::C0Off, 500, "H-07 needle did not return at zero volts", "R-02",
      Monitor::Depth, "deeper than 1 mm, 500 ms after 0 V"},
     {Hazard::EStop, StopCategory::C0Off, 1, "H-25 emergency stop pressed", "R-03", Monitor::Link,
-     "either contact open"},
+     "either contact open, or the panel unread for more than 20 ms; until the reset key is turned"},
     {Hazard::EStopDisagrees, StopCategory::C0Off, 21, "H-26 emergency stop channels disagree", "R-04",
      Monitor::Link, "contacts differ for more than 20 ms; stays until both were seen open"},
     {Hazard::ClockJump, StopCategory::C0Off, 1, "H-16 clock jumped or stood still", "R-05", Monitor::Link,
@@ -101,6 +103,8 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      Monitor::Depth, "more than plan + 1 mm, or stopping point beyond plan + 2 mm, 2 samples"},
     {Hazard::FastDrop, StopCategory::C0Off, 16, "H-05 needle fell back: drive lost", "R-15", Monitor::Depth,
      "back faster than 50 mm/s"},
+    {Hazard::InterlockStuck, StopCategory::C0Off, 31, "H-45 interlock relay is not where it was commanded",
+     "R-65", Monitor::Link, "feedback contact unlike both pulses for more than 30 ms"},
     {Hazard::OverDepth, StopCategory::C1Ramp, 2, "H-01 needle would pass the planned depth", "R-16",
      Monitor::Depth, "stopping point beyond the plan's depth limit, 2 samples"},
     {Hazard::PopThrough, StopCategory::C1Ramp, 10, "H-23 needle broke through a boundary", "R-17",
@@ -140,6 +144,9 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::PlanUnconfirmed, StopCategory::C1Ramp, 1, "H-19 plan lacks its two confirmations", "R-30",
      Monitor::Link,
      "two confirmations of this very plan are missing; for a bench plan also no patient and no needle"},
+    {Hazard::PanelUntested, StopCategory::C1Ramp, 1, "H-45 emergency stop and reset key are not tested", "R-66",
+     Monitor::Link, "both contacts seen open, closed again and the reset key turned: not since the start, or not "
+     "for a day"},
     {Hazard::StepDepth, StopCategory::C2Hold, 2, "H-01 needle would pass the depth of its step", "R-31",
      Monitor::Depth, "stopping point beyond the step's depth + 0.5 mm, 2 samples"},
     {Hazard::SuspectTissueModel, StopCategory::C2Hold, 100, "H-21 tissue behaves unlike the plan", "R-32",

@@ -9,6 +9,8 @@ namespace biopsy::safety {
 // Clocks and messages
 // Safety concept: dt > 5 ms is a jump (and so is dt <= 0).
 inline constexpr std::int64_t kClockStepMax_us = 5'000;
+// A sound step and what the ticks before it left over.
+inline constexpr std::int32_t kElapsedMax_ms = 6;
 inline constexpr std::int32_t kStale_ticks = 3;  // safety concept: sensor stale > 3 ms; the same for requests
 inline constexpr std::int64_t kInterlock_us = 20'000;  // safety concept: HV off 20 ms after either side stops
 // Wrong +2, right -1, above 2 trips.
@@ -20,6 +22,13 @@ inline constexpr std::int32_t kMiss = 100, kMissTrip = 200, kMissMax = 400;
 // later at the soonest. The longest single stall: see kStale_ticks.
 inline constexpr std::int64_t kStageLate_us = 1'750;
 inline constexpr std::int32_t kEStopDisagree_ticks = 20;  // safety concept: two contacts of one button
+// Contacts bounce for a few ms: closed is what was closed for 20 ms, open is what is open once.
+inline constexpr std::int32_t kContact_ticks = 20;
+inline constexpr std::int64_t kPanelRead_us = 20'000;  // as late as the interlock's timers, which cannot read it
+// The interlock's 20 ms, two periods of its own and a permit's life on the bus.
+inline constexpr std::int32_t kRelay_ticks = 30;
+// A day's work: what failed since the last press is found before the next day's first patient.
+inline constexpr std::int64_t kPanelTest_us = 24LL * 3'600 * 1'000'000;
 inline constexpr std::int32_t kLogBacklog_ms = 1'000;     // safety concept
 inline constexpr std::int32_t kPatientMotion_um = 2'000;  // safety concept
 // Longer than the jump of a puncture, and ten times the reaction to anything quick.
@@ -104,10 +113,10 @@ inline constexpr std::int32_t kStillNoise_um = 50, kSlip_ticks = 20;
 inline constexpr std::int32_t kNotBack_ticks = 500;  // safety concept: > 1 mm 500 ms after 0 V
 
 // Supervisor
-inline constexpr std::int32_t kBootMax_ticks = 10'000;  // a self-test that has not passed by then has failed
+inline constexpr std::int32_t kBootMax_ms = 10'000;  // a self-test that has not passed by then has failed
 // A console that fell silent must not move the needle by more than 2 mm (20 mm/s); a release stops it at
 // once.
-inline constexpr std::int32_t kHeldTimeout_ticks = 100;
-inline constexpr std::int32_t kRamp_ticks = 250;  // envelope at 0 with 50 ms left to see V = 0 before 300 ms
+inline constexpr std::int32_t kHeldTimeout_ms = 100;
+inline constexpr std::int32_t kRamp_ms = 250;  // envelope at 0 with 50 ms left to see V = 0 before 300 ms
 
 }  // namespace biopsy::safety

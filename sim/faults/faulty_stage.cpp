@@ -140,7 +140,7 @@ drivers::SensorReading FaultyStage::read() {
   return reading;
 }
 
-void FaultyStage::write(const safety::GatedVoltage& voltage) {
+std::int32_t FaultyStage::write(const safety::GatedVoltage& voltage) {
   double volts = voltage.mV() * 1e-3;
   double grips = voltage.brake_on() ? 1.0 : 0.0, holding = 1.0;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
@@ -157,6 +157,7 @@ void FaultyStage::write(const safety::GatedVoltage& voltage) {
   if (armed_ticks_ >= 0 || voltage.hv_enabled()) ++armed_ticks_;
   // A disabled amplifier gives nothing, whatever its input does.
   sound_.put_out(voltage.hv_enabled() ? volts : 0.0, grips > 0.5, holding);
+  return voltage.mV();
 }
 
 }  // namespace biopsy::sim

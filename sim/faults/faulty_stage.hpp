@@ -17,7 +17,7 @@ class FaultyStage final : public drivers::NeedleStage {
   FaultyStage(SimulatedStage& sound, std::vector<Fault> faults, std::uint64_t seed);
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override;
+  std::int32_t write(const safety::GatedVoltage& voltage) override;
 
   const std::vector<Fault>& faults() const { return faults_; }
   // Of faults()[i], in the tick of the last read().

@@ -106,13 +106,15 @@ void safety_run(const Biopsy& biopsy, const Record& record) {
                                      .sealed_tag = tag,
                                      .confirmed_tag = {tag, tag},
                                      .state = safety::started(1)};
+  robot::assume_tested_panel(supervisor);
   robot::SupervisorSources in;
   safety::GateState gate;
   for (std::size_t k = 0; k < record.ticks.size(); ++k) {
     in.now_us = static_cast<std::int64_t>(k + 1) * 1000;
     in.measurement = record.ticks[k].measurement;
     in.writers = 1;
-    in.panel = robot::panel_levels(record.inputs[k]);
+    in.panel = {robot::panel_levels(record.inputs[k]), true};
+    in.panel.levels.relay_closed = supervisor.permit.mode == Mode::Ready || safety::hv_permitted(supervisor.permit.mode);
     in.act = {robot::operator_act(record.inputs[k]), in.now_us};
     in.log.at_us = in.now_us;
     in.verdict = robot::depth_verdict(record.inputs[k], tag);

@@ -67,7 +67,6 @@ struct LinkBench {
     seen.measurement.command_mV = 1'000;
     seen.permit.session = 5, seen.permit.seq = 200, seen.permit.mode = Mode::Active;
     seen.writers = 1;
-    seen.estop_a_closed = seen.estop_b_closed = true;
     seen.log_backlog_ms = seen.patient_motion_um = seen.tissue_residual_um = 0;
     seen.plan_tag = plan.plan_tag, seen.config_tag = plan.config_tag;
     seen.confirmed_tag = {plan.plan_tag, plan.plan_tag};

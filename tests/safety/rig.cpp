@@ -6,7 +6,9 @@
 
 namespace biopsy::safety {
 
-Rig::Rig(std::uint32_t seed) : random_(seed) {}
+Rig::Rig(std::uint32_t seed) : random_(seed) {
+  memory.panel.test = PanelMonitor::Test::Passed;
+}
 
 void Rig::sense() {
   std::normal_distribution<double> noise(0.0, 1.0);
@@ -38,7 +40,10 @@ void Rig::supervise() {
   seen.request = request;
   seen.permit = output.permit;
   seen.writers = writers;
-  seen.estop_a_closed = seen.estop_b_closed = true;
+  seen.panel_read = seen.estop_a_closed = seen.estop_b_closed = true;
+  seen.local_reset = reset;
+  const Mode mode = output.permit.mode;
+  seen.relay_closed = seen.permit.seq != 0 && (mode == Mode::Ready || hv_permitted(mode));
   seen.acquiring = false;
   seen.log_backlog_ms = seen.patient_motion_um = seen.tissue_residual_um = 0;
   seen.plan_tag = plan.plan_tag;
@@ -57,6 +62,8 @@ void Rig::supervise() {
   input.request = seen.request;
   input.depth_accepted = depth_accepted;
   input.accepted_step = state.step;
+  input.accepted_session = state.session;
+  input.accepted_since_seq = state.seq;
   on_input(input);
   std::tie(state, output) = step(plan, state, input);
 }

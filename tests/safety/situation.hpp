@@ -27,8 +27,9 @@ inline std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, 
 inline Situation healthy() {
   Situation input;
   input.now_us = 123'456;
-  input.evidence = {kAllHazards, true, true, true, false, false, false, 5'000'000, 8'000'000};
+  input.evidence = {kAllHazards, true, true, true, false, false, false, true, false, 1, 5'000'000, 8'000'000};
   input.self_test = SelfTest::Passed;
+  input.accepted_session = 3, input.accepted_since_seq = 65;
   return input;
 }
 
@@ -37,7 +38,7 @@ inline SupervisorState in(Mode mode) {
   state.mode = mode;
   state.token = 10;
   state.held_mV = 5'000'000;
-  state.epoch = 4, state.seq = 70;
+  state.epoch = 4, state.seq = 70, state.arrived_seq = 60;
   state.arm_was_down = state.reset_was_down = false;
   return state;
 }

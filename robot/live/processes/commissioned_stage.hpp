@@ -25,7 +25,7 @@ class RealtimeNeedleStage final : public drivers::NeedleStage {
     clock_.wait();
     return stage_.read();
   }
-  void write(const safety::GatedVoltage& voltage) override { stage_.write(voltage); }
+  std::int32_t write(const safety::GatedVoltage& voltage) override { return stage_.write(voltage); }
 
  private:
   drivers::NeedleStage& stage_;

@@ -20,7 +20,7 @@ drivers::SensorReading SimulatedNeedleStage::read() {
   return reading;
 }
 
-void SimulatedNeedleStage::write(const safety::GatedVoltage& voltage) {
+std::int32_t SimulatedNeedleStage::write(const safety::GatedVoltage& voltage) {
   io_.write(voltage);
   const std::int64_t now_ns = realtime::monotonic_ns();
   const std::int64_t elapsed = written_ns_ == 0 ? 1 : (now_ns - written_ns_ + kTick_ns / 2) / kTick_ns;
@@ -28,6 +28,7 @@ void SimulatedNeedleStage::write(const safety::GatedVoltage& voltage) {
   written_ns_ = written_ns_ == 0 || ticks == kCatchUp_ticks ? now_ns : written_ns_ + ticks * kTick_ns;
   const bool on = relay_.is_supplied(now_ns);
   for (std::int64_t tick = 0; tick < ticks; ++tick) stage_.write(on ? voltage : safety::GatedVoltage::off());
+  return voltage.mV();
 }
 
 }  // namespace biopsy::robot

@@ -18,7 +18,7 @@ class SimulatedNeedleStage final : public drivers::NeedleStage {
       : stage_(stage), io_(io), relay_(relay) {}
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override;
+  std::int32_t write(const safety::GatedVoltage& voltage) override;
 
  private:
   drivers::NeedleStage& stage_;
@@ -33,9 +33,9 @@ class MirroredNeedleStage final : public drivers::NeedleStage {
   MirroredNeedleStage(drivers::NeedleStage& stage, digital_io::StageIo& io) : stage_(stage), io_(io) {}
 
   drivers::SensorReading read() override { return stage_.read(); }
-  void write(const safety::GatedVoltage& voltage) override {
-    stage_.write(voltage);
+  std::int32_t write(const safety::GatedVoltage& voltage) override {
     io_.write(voltage);
+    return stage_.write(voltage);
   }
 
  private:

@@ -52,6 +52,7 @@ void run_simulated(live::LiveProcess& process, digital_io::StageIo& io) {
   transport::Writer<StageTruth> truths(process.bus());
   sim::DrawBack person;
   run(process, loop, [&] {
+    io.mark_panel_read(realtime::monotonic_ns());
     person.tick(simulated, loop.measured().hv_enabled);
     const sim::PlantState& state = simulated.truth();
     truths.write({.seq = loop.measured().seq,
@@ -82,7 +83,9 @@ void run_hardware(live::LiveProcess& process, digital_io::StageIo& io) {
                .reset_key = keys.reset,
                .estop_a_closed = keys.estop_a_closed,
                .estop_b_closed = keys.estop_b_closed,
-               .bench_key = false});
+               .bench_key = false,
+               .relay_closed = keys.relay_closed});
+    if (keys.read) io.mark_panel_read(realtime::monotonic_ns());
   });
 }
 

@@ -122,14 +122,13 @@ void LiveRobot::send(std::int64_t now_us) {
     plan_tag = plan_tag_;
   }
   if (asked_us == 0) return;  // no operator yet
-  if (panel_) panel_->set(panel_levels(inputs));
+  if (panel_) panel_->set(panel_test_.levels(panel_levels(inputs), decision_.session, now_us));
   OperatorAct act = operator_act(inputs);
   // An operator whose program stands still holds nothing: this thread must not do it for them.
   if (now_us - asked_us > kHeldWithoutAsking_us) act.held = false;
   DepthVerdictNote verdict = depth_verdict(inputs, plan_tag);
-  const bool news = verdict.accepted != verdict_.accepted || verdict.step != verdict_.step ||
-                    verdict.plan_tag != verdict_.plan_tag;
-  if (news) {  // before the act: a press relies on it
+  verdict.seq = verdict_.seq;
+  if (verdict != verdict_) {  // before the act: a press relies on it
     verdict.seq = verdict_.seq + 1;
     verdicts_.write(verdict);
     verdict_ = verdict;

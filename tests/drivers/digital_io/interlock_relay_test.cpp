@@ -188,7 +188,7 @@ TEST_F(Relay, AllocatesNothingNorDoItsPulsesAndReaders) {
   for (int i = 0; i < 100; ++i) {
     feed_both();
     stage_->write(voltage);
-    panel.set(reader_.panel());
+    panel.set(reader_.panel(now_).levels);
     tick();
     sum_mV += reader_.load_voltage_seen_mV(now_);
   }

@@ -34,6 +34,8 @@ std::string refusal_to_attach(const std::filesystem::path& folder) {
   return refusal([&] { const IoReader reader(folder); });
 }
 
+constexpr std::int64_t kNow_ns = 5'000'000'000;
+
 class SharedIoFile : public testing::Test {
  protected:
   SharedIoFile() { create_shared_io(folder_.path()); }
@@ -45,8 +47,8 @@ class SharedIoFile : public testing::Test {
 TEST_F(SharedIoFile, AreZeroWhenMade) {
   const IoReader reader(folder_.path());
   EXPECT_EQ(reader.converter(), ConverterOutput{});
-  EXPECT_EQ(reader.panel(), PanelLevels{});
-  EXPECT_FALSE(reader.panel().estop_a_closed) << "E-stop pressed";
+  EXPECT_EQ(reader.panel(0).levels, PanelLevels{}) << "E-stop pressed";
+  EXPECT_FALSE(reader.panel(0).read);
   EXPECT_EQ(reader.relay().output, RelayOutput{});
   EXPECT_EQ(reader.relay().ticks, 0U);
   for (const std::int64_t now_ns : {0L, 1L, 1'000'000'000'000L})
@@ -82,11 +84,12 @@ TEST_F(SharedIoFile, CarryWhatEachOwnerWrites) {
   EXPECT_EQ(reader.converter(), (ConverterOutput{-2'400'000, true}));
   EXPECT_EQ(reader.stage_pulses(), 1U);
   EXPECT_EQ(reader.supervisor_pulses(), 3U);
-  for (int levels = 0; levels < 32; ++levels) {
+  for (int levels = 0; levels < 64; ++levels) {
     const auto level = [levels](int wire) { return (levels >> wire & 1) != 0; };
-    const PanelLevels set{level(0), level(1), level(2), level(3), level(4)};
+    const PanelLevels set{level(0), level(1), level(2), level(3), level(4), level(5)};
     panel.set(set);
-    EXPECT_EQ(reader.panel(), set);
+    stage.mark_panel_read(kNow_ns);
+    EXPECT_EQ(reader.panel(kNow_ns).levels, set);
   }
   interlock.write({-2'400'000, true}, 1'000);
   interlock.write({-2'400'000, true}, 2'000);
@@ -129,11 +132,42 @@ TEST_F(SharedIoFile, StageStartsAtZeroVolts) {
 TEST_F(SharedIoFile, PanelStartsWithKeysOffAndTheEStopPressed) {
   const IoReader reader(folder_.path());
   std::optional<PanelIo> panel(folder_.path());
-  panel->set({true, true, true, true, true});
+  StageIo stage(folder_.path());
+  stage.mark_panel_read(kNow_ns);
+  panel->set({true, true, true, true, true, true});
   panel.reset();
-  EXPECT_NE(reader.panel(), PanelLevels{});
+  EXPECT_NE(reader.panel(kNow_ns).levels, PanelLevels{});
   panel.emplace(folder_.path());
-  EXPECT_EQ(reader.panel(), PanelLevels{});
+  EXPECT_EQ(reader.panel(kNow_ns).levels, PanelLevels{});
+}
+
+TEST_F(SharedIoFile, APanelThatTheDriverHasNotReadForTwentyMillisecondsIsUnread) {
+  const IoReader reader(folder_.path());
+  StageIo stage(folder_.path());
+  PanelIo panel(folder_.path());
+  panel.set({.arm_key = true, .estop_a_closed = true, .estop_b_closed = true});
+  EXPECT_FALSE(reader.panel(kNow_ns).read) << "never";
+  stage.mark_panel_read(kNow_ns);
+  for (const std::int64_t later_ns : {0L, 19'999'999L, -19'999'999L}) EXPECT_TRUE(reader.panel(kNow_ns + later_ns).read);
+  for (const std::int64_t later_ns : {20'000'000L, -20'000'000L, 1'000'000'000L}) {
+    EXPECT_FALSE(reader.panel(kNow_ns + later_ns).read);
+    EXPECT_EQ(reader.panel(kNow_ns + later_ns).levels, PanelLevels{}) << "keys off, emergency stop pressed";
+  }
+}
+
+TEST_F(SharedIoFile, TheRelaysContactIsThatOfTheWireOrOfItsProcessWhileThatLives) {
+  const IoReader reader(folder_.path());
+  StageIo stage(folder_.path());
+  InterlockIo interlock(folder_.path());
+  PanelIo panel(folder_.path());
+  stage.mark_panel_read(kNow_ns);
+  EXPECT_FALSE(reader.panel(kNow_ns).levels.relay_closed);
+  interlock.write({0, true}, kNow_ns);
+  EXPECT_TRUE(reader.panel(kNow_ns).levels.relay_closed);
+  stage.mark_panel_read(kNow_ns + 20'000'000);
+  EXPECT_FALSE(reader.panel(kNow_ns + 20'000'000).levels.relay_closed) << "its process stands still";
+  panel.set({.relay_closed = true});
+  EXPECT_TRUE(reader.panel(kNow_ns + 20'000'000).levels.relay_closed);
 }
 
 TEST_F(SharedIoFile, AreDrivenByOneProcessEach) {

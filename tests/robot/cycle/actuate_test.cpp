@@ -12,9 +12,10 @@ struct Recorded final : drivers::NeedleStage {
   std::int32_t mV = -1;
   bool enabled = true;
   drivers::SensorReading read() override { return {.time_us = 6, .depth_um = 7, .laser_valid = true}; }
-  void write(const safety::GatedVoltage& voltage) override {
+  std::int32_t write(const safety::GatedVoltage& voltage) override {
     mV = voltage.mV();
     enabled = voltage.hv_enabled();
+    return mV;
   }
 };
 

@@ -74,14 +74,16 @@ TEST_F(Supervise, GivesEachPanelLevelToItsOwnInput) {
   bool digital_io::PanelLevels::*const levels[] = {
       &digital_io::PanelLevels::arm_key, &digital_io::PanelLevels::reset_key,
       &digital_io::PanelLevels::estop_a_closed, &digital_io::PanelLevels::estop_b_closed,
-      &digital_io::PanelLevels::bench_key};
+      &digital_io::PanelLevels::bench_key, &digital_io::PanelLevels::relay_closed};
   bool safety::SupervisorInputs::*const fields[] = {
       &safety::SupervisorInputs::local_arm, &safety::SupervisorInputs::local_reset,
       &safety::SupervisorInputs::estop_a_closed, &safety::SupervisorInputs::estop_b_closed,
-      &safety::SupervisorInputs::bench_confirmed};
+      &safety::SupervisorInputs::bench_confirmed, &safety::SupervisorInputs::relay_closed};
   for (std::size_t set = 0; set < std::size(levels); ++set) {
-    in.panel = {};
-    in.panel.*levels[set] = true;
+    in.panel = {{}, true};
+    in.panel.levels.*levels[set] = true;
+    memory.panel = {};
+    for (int i = 0; i < safety::kContact_ticks; ++i) inputs();
     for (std::size_t i = 0; i < std::size(fields); ++i)
       EXPECT_EQ(inputs().*fields[i], i == set) << "level " << set << " in input " << i;
   }

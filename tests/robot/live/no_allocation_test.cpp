@@ -10,6 +10,7 @@
 #include "robot/live/realtime/latency_histogram.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/stage_loop.hpp"
+#include "robot/live/session/panel_test.hpp"
 #include "robot/live/supervisor_loop.hpp"
 #include "robot/procedure/case/case.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
@@ -43,7 +44,8 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
   robot::load_plan(plan, controller);
   robot::SupervisorSources in;
   in.writers = 1;
-  in.panel.estop_a_closed = in.panel.estop_b_closed = true;
+  in.panel = {{.estop_a_closed = true, .estop_b_closed = true}, true};
+  robot::assume_tested_panel(supervisor);
   in.act.message.stop = StopCategory::None;
   in.act.message.acquiring = false;
   realtime::LatencyHistogram lateness;
@@ -58,7 +60,8 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
     transport::decode(wire, received);
     in.now_us = tick * 1'000;
     in.measurement = received;
-    in.panel.arm_key = tick > 100;
+    in.panel.levels.arm_key = tick > 100;
+    in.panel.levels.relay_closed = permit.mode == Mode::Ready || safety::hv_permitted(permit.mode);
     if (tick > 200) in.act.message.token = 1, in.act.message.held = true;
     in.act.at_us = in.log.at_us = in.now_us;
     permit = robot::supervise(in, supervisor).output.permit;
@@ -98,18 +101,20 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   controller.heartbeat().note("a trouble that a person should read, longer than any short string");
   OperatorAct act;
   act.acquiring = false;
+  robot::PanelTest person;
   std::uint64_t at_rest = 0, taken = 0;
   bool moved = false;
   for (std::int64_t tick = 1; tick <= 3'000 && !(moved && tick % 500 == 0); ++tick) {
     ++act.seq;
-    if (tick > 400) act.token = 1, act.held = true;
+    if (tick > 700) act.token = 1, act.held = true;
     acts.write(act);
     log.write({.seq = act.seq, .backlog_ms = 0, .records = 1});
-    panel.set({.arm_key = tick > 300,
-               .reset_key = false,
-               .estop_a_closed = true,
-               .estop_b_closed = true,
-               .bench_key = false});
+    const bool closed = supervisor.mode() == Mode::Ready || safety::hv_permitted(supervisor.mode());
+    digital_io::PanelLevels levels = person.levels(
+        {.arm_key = tick > 600, .estop_a_closed = true, .estop_b_closed = true}, 1, tick * 1'000);
+    levels.relay_closed = closed;
+    panel.set(levels);
+    converter.mark_panel_read(realtime::monotonic_ns());
     const bool settled = tick > 200;  // a plan is opened at rest, and that takes memory
     const realtime::NewCount count;
     stage.tick(realtime::monotonic_ns() / 1000);

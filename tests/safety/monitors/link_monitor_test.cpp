@@ -125,39 +125,6 @@ TEST(LinkMonitor, ControllerThatAnswersLateIsThereThoughNothingWasMeasured) {
   EXPECT_FALSE(bench.names(Hazard::ControllerSilent));
 }
 
-TEST(LinkMonitor, EStopContactsMayDifferForTwentyTicksAndAreLatchedAtTheNext) {
-  verifies("R-03", "R-04");
-  for (const bool a_opens : {true, false}) {
-    LinkBench bench;
-    (a_opens ? bench.seen.estop_a_closed : bench.seen.estop_b_closed) = false;
-    for (int i = 0; i < 20; ++i) {
-      bench.tick();
-      EXPECT_EQ(bench.found, bit(Hazard::EStop)) << i;
-    }
-    bench.tick();
-    EXPECT_EQ(bench.found, bit(Hazard::EStop) | bit(Hazard::EStopDisagrees));
-    bench.seen.estop_a_closed = bench.seen.estop_b_closed = true;
-    bench.tick();
-    EXPECT_EQ(bench.found, bit(Hazard::EStopDisagrees));
-    bench.seen.estop_a_closed = bench.seen.estop_b_closed = false;
-    bench.tick();
-    EXPECT_EQ(bench.found, bit(Hazard::EStop) | bit(Hazard::EStopDisagrees));
-    bench.tick();
-    EXPECT_EQ(bench.found, bit(Hazard::EStop));
-  }
-}
-
-TEST(LinkMonitor, EStopContactsThatAgreeAgainInTimeStartTheCountAnew) {
-  LinkBench bench;
-  for (int round = 0; round < 3; ++round) {
-    bench.seen.estop_a_closed = false;
-    for (int i = 0; i < 20; ++i) bench.tick();
-    bench.seen.estop_a_closed = true;
-    bench.tick();
-    EXPECT_EQ(bench.found, 0U);
-  }
-}
-
 TEST(LinkMonitor, TissueMayBeUnlikeThePlanForNinetyNineTicks) {
   verifies("R-27", "R-32");
   for (const std::int32_t residual_um : {-1, 0, 500, 501}) {

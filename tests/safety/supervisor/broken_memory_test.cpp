@@ -85,7 +85,7 @@ TEST(Supervisor, TicksAndVoltagesOfAnotherWorldStillEndInAPermitOfThisOne) {
       for (const std::int32_t held_mV : {kLeast, -1, kMost}) {
         SupervisorState state = started(1);
         state.mode = mode;
-        state.ticks_in_mode = state.ticks_since_held = ticks;
+        state.ms_in_mode = state.ms_since_held = ticks;
         state.held_mV = held_mV;
         Situation input = healthy();
         input.evidence.zero_volts = false;

@@ -44,14 +44,14 @@ TEST(Supervisor, EventsOfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) 
     std::int32_t ticks;
     Event event;
   };
-  for (const Limit& limit : {Limit{Mode::Boot, kBootMax_ticks, Event::Lockout},
+  for (const Limit& limit : {Limit{Mode::Boot, kBootMax_ms, Event::Lockout},
                              Limit{Mode::Armed, limits::kArmedMax_ms, Event::ArmedTooLong},
                              Limit{Mode::Hold, limits::kHoldMax_ms, Event::HoldTooLong},
                              Limit{Mode::Retract, limits::kRampTime_ms, Event::RampTooLong}}) {
     Moment moment(limit.mode);
     moment.input.self_test = SelfTest::Pending;
     for (const std::int32_t late : {-1, 0, 1, 5}) {
-      moment.state.ticks_in_mode = limit.ticks - 1 + late;  // this tick is one more
+      moment.state.ms_in_mode = limit.ticks - 1 + late;  // this tick is one more
       EXPECT_EQ(moment.event(), late < 0 ? Event::None : limit.event) << name_of(limit.mode) << ' ' << late;
     }
   }
@@ -60,7 +60,7 @@ TEST(Supervisor, EventsOfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) 
 TEST(Supervisor, HoldToRunEndsAfterAHundredTicksOfSilence) {
   for (const std::int32_t ticks : {99, 100, 101}) {
     Moment moment(Mode::Active);
-    moment.state.ticks_since_held = ticks;
+    moment.state.ms_since_held = ticks;
     EXPECT_EQ(moment.event(), ticks < 100 ? Event::None : Event::Stop) << ticks;
   }
 }
@@ -68,8 +68,8 @@ TEST(Supervisor, HoldToRunEndsAfterAHundredTicksOfSilence) {
 TEST(Supervisor, HoldToRunCountsTheTicksSinceAButtonThatIsNewEnoughWasHeldUpToItsLimit) {
   const auto ticks = [](std::int32_t before, std::uint32_t token, bool held) {
     Moment moment(Mode::Armed, token, held);
-    moment.state.ticks_since_held = before;
-    return moment.next().ticks_since_held;
+    moment.state.ms_since_held = before;
+    return moment.next().ms_since_held;
   };
   EXPECT_EQ(ticks(7, 9, true), 8);
   EXPECT_EQ(ticks(7, 10, true), 0);

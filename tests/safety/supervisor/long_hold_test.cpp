@@ -30,7 +30,7 @@ TEST(LongHold, TheBrakeMayTakeTheNeedleAtAStepsEndAndKeepItUntilTheDriveCarriesI
 TEST(LongHold, EndsAfterTenSecondsUnlessTheNeedleIsLockedAndStill) {
   verifies("R-54");
   Moment moment(Mode::Hold);
-  moment.state.ticks_in_mode = limits::kHoldMax_ms - 1;
+  moment.state.ms_in_mode = limits::kHoldMax_ms - 1;
   moment.input.evidence.locked = true;
   EXPECT_EQ(moment.event(), Event::HoldTooLong) << "locked, and slipping";
   moment.input.evidence.still = true;
@@ -49,7 +49,7 @@ TEST(LongHold, EndsAfterTenSecondsUnlessTheNeedleIsLockedAndStill) {
 TEST(LongHold, EndsAfterTenSecondsWhateverTheBrakeDoesWhereSomethingIsWrong) {
   verifies("R-33", "R-54");
   Moment moment(Mode::Hold);
-  moment.state.ticks_in_mode = limits::kHoldMax_ms - 1;
+  moment.state.ms_in_mode = limits::kHoldMax_ms - 1;
   moment.input.evidence.locked = moment.input.evidence.still = true;
   EXPECT_EQ(moment.event(), Event::None);
   moment.input.evidence.clear &= ~bit(Hazard::PatientMotion);

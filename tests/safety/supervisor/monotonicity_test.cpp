@@ -46,6 +46,10 @@ Situation random_input(Dice& dice, const SupervisorState& state) {
   input.request.finished = dice.one_in(60);
   input.depth_accepted = !dice.one_in(3);
   input.accepted_step = dice.one_in(8) ? dice.below(4) : state.step;
+  input.accepted_session = state.session;
+  input.accepted_since_seq = dice.one_in(8) ? dice.below(200) : state.seq;
+  input.evidence.interlock_opens = !dice.one_in(5);
+  input.evidence.elapsed_ms = static_cast<std::int32_t>(dice.below(3));
   return input;
 }
 
@@ -73,6 +77,10 @@ constexpr Worsening kWorsenings[] = {
     [](Situation& s, Dice&) { s.depth_accepted = false; },
     [](Situation& s, Dice&) { s.evidence.drive_mV /= 2; },
     [](Situation& s, Dice&) { s.evidence = Evidence{}; },
+    [](Situation& s, Dice&) { s.evidence.interlock_opens = false; },
+    [](Situation& s, Dice&) { s.evidence.elapsed_ms += 2; },
+    [](Situation& s, Dice&) { s.accepted_since_seq /= 2; },
+    [](Situation& s, Dice&) { ++s.accepted_session; },
 };
 constexpr unsigned kRelease = 10, kNoMotion = 11;
 
@@ -90,7 +98,7 @@ TEST(Supervisor, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
   for (int i = 0; i < 400'000; ++i) {
     if (dice.one_in(500)) state = started(5), before = {};
     if (dice.one_in(50))
-      state.ticks_in_mode += static_cast<std::int32_t>(dice.below(10'000));  // timers elapse as well
+      state.ms_in_mode += static_cast<std::int32_t>(dice.below(10'000));  // timers elapse as well
     ++visits[static_cast<std::size_t>(state.mode)];
     const Situation input = random_input(dice, state);
     const auto [next, output] = step(plan, state, input);
@@ -125,6 +133,7 @@ TEST(Supervisor, AnInputWorseInOneBitNeverGivesAMorePermissiveOutput) {
 constexpr void (*kWorseObservations[])(SupervisorInputs&) = {
     [](SupervisorInputs& s) { s.estop_a_closed = false; },
     [](SupervisorInputs& s) { s.estop_b_closed = false; },
+    [](SupervisorInputs& s) { s.panel_read = false; },
     [](SupervisorInputs& s) { s.writers = 0; },
     [](SupervisorInputs& s) { s.log_backlog_ms = 5'000; },
     [](SupervisorInputs& s) { s.patient_motion_um = -1; },

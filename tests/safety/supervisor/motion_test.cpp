@@ -31,7 +31,7 @@ TEST(SafetyLoop, HoldToRunStopsWhenTheConsoleFallsSilent) {
   Rig rig;
   ASSERT_TRUE(rig.go_active());
   rig.release();
-  EXPECT_EQ(rig.ticks_until([&] { return rig.state.mode == Mode::Hold; }, 1'000), kHeldTimeout_ticks + 1);
+  EXPECT_EQ(rig.ticks_until([&] { return rig.state.mode == Mode::Hold; }, 1'000), kHeldTimeout_ms + 1);
 }
 
 TEST(SafetyLoop, HoldToRunALateHeartbeatOfASpentTokenCannotRestartMotion) {
@@ -87,7 +87,7 @@ TEST(SafetyLoop, HoldToRunAnOldTokenNeitherStopsNorFeedsTheMotion) {
   rig.tick();
   ASSERT_EQ(rig.state.mode, Mode::Active);
   rig.held -= 1;
-  rig.run(kHeldTimeout_ticks);
+  rig.run(kHeldTimeout_ms);
   EXPECT_EQ(rig.state.mode, Mode::Active);
   rig.tick();
   EXPECT_EQ(rig.state.mode, Mode::Hold);

@@ -71,7 +71,7 @@ TEST(Supervisor, OutputsFeedTheInterlockAndAllowImagesInTheirModesOnly) {
   for (std::size_t i = 0; i < kModes; ++i) {
     const auto mode = static_cast<Mode>(i);
     const SupervisorOutput output = stays(mode).second;
-    EXPECT_EQ(output.interlock_pulse, mode == Mode::Ready || hv_permitted(mode)) << name_of(mode);
+    EXPECT_EQ(output.interlock_pulse, mode == Mode::Boot || mode == Mode::Ready || hv_permitted(mode)) << name_of(mode);
     EXPECT_EQ(output.image_allowed, mode != Mode::Active && mode != Mode::Retract) << name_of(mode);
     EXPECT_FALSE(output.image_disturbed);
     EXPECT_EQ(output.event, Event::None) << name_of(mode);
@@ -162,22 +162,22 @@ TEST(Supervisor, EnvelopesOfAHoldNeverBeginBelowZeroOrAboveTheStep) {
 TEST(Supervisor, EnvelopesOfARampThatIsOverStayAtZero) {
   Situation input = healthy();
   input.evidence.zero_volts = false;
-  for (const std::int32_t ticks : {kRamp_ticks - 1, kRamp_ticks, kRamp_ticks + 40}) {
+  for (const std::int32_t ticks : {kRamp_ms - 1, kRamp_ms, kRamp_ms + 40}) {
     SupervisorState state = in(Mode::Retract);
-    state.ticks_in_mode = ticks;
+    state.ms_in_mode = ticks;
     EXPECT_EQ(step(three_step_plan(), state, input).second.permit.v_max_mV, 0) << ticks;
   }
 }
 
 TEST(Supervisor, HoldToRunAMessageWithoutATokenKeepsNothingAlive) {
   SupervisorState state = in(Mode::Active);
-  state.token = 0, state.ticks_since_held = 7;
+  state.token = 0, state.ms_since_held = 7;
   Situation input = healthy();
   input.motion = {0, true};
-  EXPECT_EQ(step(three_step_plan(), state, input).first.ticks_since_held, 8);
+  EXPECT_EQ(step(three_step_plan(), state, input).first.ms_since_held, 8);
   state.token = 0xFFFF'FFFF;
   input.motion = {0xFFFF'FFFF, true};
-  EXPECT_EQ(step(three_step_plan(), state, input).first.ticks_since_held, 0);
+  EXPECT_EQ(step(three_step_plan(), state, input).first.ms_since_held, 0);
 }
 
 TEST(Supervisor, RefusalsOfALockAreTheSameForEveryRequest) {

@@ -138,7 +138,7 @@ TEST(DoubleEntry, DepthsHaveTheLimitsOfTheSafetyConcept) {
 }
 
 TEST(DoubleEntry, TheSupervisorsTimesAreThoseOfTheSafetyConcept) {
-  EXPECT_EQ((Constants{kBootMax_ticks, kHeldTimeout_ticks, kRamp_ticks}), (Constants{10'000, 100, 250}));
+  EXPECT_EQ((Constants{kBootMax_ms, kHeldTimeout_ms, kRamp_ms}), (Constants{10'000, 100, 250}));
 }
 
 TEST(DoubleEntry, TheRobotsHardLimitsAreThoseOfThePaperAndTheSafetyConcept) {

@@ -20,11 +20,11 @@ drivers::SensorReading BreakableStage::read() {
   return reading;
 }
 
-void BreakableStage::write(const safety::GatedVoltage& voltage) {
+std::int32_t BreakableStage::write(const safety::GatedVoltage& voltage) {
   const std::int64_t now_us = sound_.now_us();
   if (!corruptors_.driver_stopped) {
     asked_ = voltage;
-    relay_ = safety::feed_from_driver(relay_, now_us);
+    if (voltage.feeds_interlock()) relay_ = safety::feed_from_driver(relay_, now_us);
   }
   const bool closed = safety::is_closed(relay_, now_us);
   const double asked_V = asked_.mV() * 1e-3;
@@ -32,6 +32,7 @@ void BreakableStage::write(const safety::GatedVoltage& voltage) {
       corruptors_.amplifier ? corruptors_.amplifier(asked_V, asked_.hv_enabled(), closed) : asked_V * closed;
   sound_.push(corruptors_.push_N ? corruptors_.push_N(truth().motion) : 0.0);
   sound_.put_out(volts, asked_.brake_on() && closed);
+  return corruptors_.driver_stopped ? asked_.mV() : voltage.mV();
 }
 
 void BreakableStage::pulse_from_supervisor() {

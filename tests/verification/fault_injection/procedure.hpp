@@ -36,7 +36,7 @@ class BreakableStage final : public drivers::NeedleStage {
       : sound_(scenario.plant, scenario.noise_seed), corruptors_(corruptors) {}
 
   drivers::SensorReading read() override;
-  void write(const safety::GatedVoltage& voltage) override;
+  std::int32_t write(const safety::GatedVoltage& voltage) override;
   void pulse_from_supervisor();
 
   const sim::PlantState& truth() const { return sound_.truth(); }

@@ -39,7 +39,7 @@ void corrupt(Feed& feed, safety::SupervisorInputs& s) {
     case 5:
       return fill(feed, s.permit);
     case 6:
-      return feed.fill(s.now_us, s.writers, s.estop_a_closed, s.estop_b_closed, s.acquiring);
+      return feed.fill(s.now_us, s.writers, s.estop_a_closed, s.estop_b_closed, s.panel_read, s.relay_closed, s.acquiring);
     default:
       return feed.fill(s.log_backlog_ms, s.patient_motion_um, s.tissue_residual_um, s.plan_tag, s.config_tag,
                        s.confirmed_tag[0], s.bench_confirmed);
@@ -55,7 +55,8 @@ void claim_bounded(const safety::EvidenceMemory& m) {
             link.answer_score <= kScoreMax,
         "scores stay in their range");
   claim(link.miss_score >= 0 && link.miss_score <= kMissMax, "missed periods count to their limit");
-  claim(link.residual_ticks <= kWrongModel_ticks && link.estop_differs_ticks <= kEStopDisagree_ticks + 1,
+  claim(link.residual_ticks <= kWrongModel_ticks && m.panel.differs_ticks <= kEStopDisagree_ticks + 1 &&
+            m.panel.relay_ticks <= kRelay_ticks + 1 && m.panel.open_ticks <= kRelay_ticks,
         "link counters stop at their limits");
   const VoltageMonitor& drive = m.drive;
   claim(drive.flips >= 0 && drive.flips <= 4 && drive.off_ticks <= kResidual_ticks &&

@@ -31,7 +31,7 @@ inline void fill(Feed& feed, safety::GateState& s) {
 
 inline void fill(Feed& feed, safety::SupervisorState& s) {
   feed.fill(s.mode, s.last_event, s.reason, s.step_done, s.arm_was_down, s.reset_was_down, s.session, s.epoch,
-            s.seq, s.token, s.step, s.ticks_in_mode, s.ticks_since_held, s.held_mV);
+            s.seq, s.token, s.step, s.ms_in_mode, s.ms_since_held, s.held_mV);
 }
 
 inline void fill(Feed& feed, safety::Situation& i) {

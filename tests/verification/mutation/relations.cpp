@@ -145,7 +145,7 @@ void hash_step(Hash& hash) {
   SupervisorState state = started(5);
   for (int i = 0; i < 150'000; ++i) {
     if (dice.one_in(400)) state = started(5), plan = plan_of(dice);
-    if (dice.one_in(100)) state.ticks_in_mode += static_cast<std::int32_t>(dice.below(40) * 1'000);
+    if (dice.one_in(100)) state.ms_in_mode += static_cast<std::int32_t>(dice.below(40) * 1'000);
     const auto [next, output] = step(plan, state, input_of(dice, state));
     const Permit& permit = output.permit;
     hash.add(permit.session, permit.epoch, permit.seq, permit.issued_us, permit.ttl_us, permit.mode,
@@ -153,7 +153,7 @@ void hash_step(Hash& hash) {
              permit.brake, permit.challenge);
     hash.add(output.event, output.worst, output.reason, output.refusal, output.step, output.step_done,
              output.image_allowed, output.image_disturbed, output.interlock_pulse);
-    hash.add(next.last_event, next.token, next.ticks_in_mode, next.ticks_since_held, next.held_mV);
+    hash.add(next.last_event, next.token, next.ms_in_mode, next.ms_since_held, next.held_mV);
     state = next;
   }
 }

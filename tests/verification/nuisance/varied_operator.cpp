@@ -104,6 +104,10 @@ robot::OperatorInputs VariedOperator::act(const robot::CycleRecord& seen) {
   if (step_ == Step::Withdraw && by_stop_ && gave_up()) world.stop = StopCategory::C1Ramp;
   world.depth_accepted = accepted_;
   world.accepted_step = accepted_step_;
+  if (world.acquiring && !imaging_) imaged_under_ = seen.supervisor.permit;
+  imaging_ = world.acquiring;
+  world.accepted_session = imaged_under_.session;
+  world.accepted_since_seq = imaged_under_.seq;
   return world;
 }
 

@@ -35,6 +35,8 @@ class VariedOperator {
   std::int32_t quits_in_;
   bool gives_up_, by_stop_;
   std::uint32_t token_ = 0, accepted_step_ = 0;
+  Permit imaged_under_;  // in force when the last image began to be taken
+  bool imaging_ = false;
   bool held_ = false, accepted_ = false, completed_ = false;
   std::int32_t releases_ = 0, held_back_ = 0;
 };

@@ -76,11 +76,15 @@ bool is_pressed() {
   return (board->contacts & kEstopContacts) != kEstopContacts && board->dead_contacts != kEstopContacts;
 }
 
-bool is_powered() {
+bool is_relay_closed() {
   const bool closed = board->now_us - board->pulse_us < board->interlock_us;
   const bool supervised = board->supervisor_us < 0 || !board->has_supervisors_half ||
                           board->now_us - board->supervisor_us < board->interlock_us;
-  return (!board->has_interlock || (closed && supervised)) && !is_pressed() && (board->lines >> 1U & 1U) != 0;
+  return !board->has_interlock || (closed && supervised);
+}
+
+bool is_powered() {
+  return is_relay_closed() && !is_pressed() && (board->lines >> 1U & 1U) != 0;
 }
 
 void pass_one_tick() {
@@ -110,6 +114,7 @@ double converted(const Input& input) {
   if (input.channel == "Dev1/ai3")
     volts = board->laser_zero_V + board->plant.motion.x * 1e3 / board->laser_mm_per_V +
             board->laser_noise_V * noise.first;
+  if (input.channel == "Dev1/ai4") volts = is_relay_closed() ? 5.0 : 0.0;
   if (input.channel == "Dev1/ai0" && board->laser_stuck) volts = board->laser_stuck_V;
   const double step_V = (input.high_V - input.low_V) / 65536.0;
   return std::clamp(std::round(volts / step_V) * step_V, input.low_V, input.high_V);

@@ -54,7 +54,7 @@ std::int32_t late_tick(Mode mode) {
 safety::SupervisorState unpack(const SpinState& packed) {
   safety::SupervisorState state = safety::started(3);
   state.mode = static_cast<Mode>(packed.mode);
-  (state.mode == Mode::Active ? state.ticks_since_held : state.ticks_in_mode) = packed.ticks;
+  (state.mode == Mode::Active ? state.ms_since_held : state.ms_in_mode) = packed.ticks;
   state.step = packed.step;
   state.step_done = packed.step_done != 0;
   state.arm_was_down = packed.arm_was_down != 0;
@@ -66,7 +66,7 @@ safety::SupervisorState unpack(const SpinState& packed) {
 
 SpinState pack(const safety::SupervisorState& state, bool exact) {
   const std::int32_t late = late_tick(state.mode);
-  std::int32_t ticks = state.mode == Mode::Active ? state.ticks_since_held : state.ticks_in_mode;
+  std::int32_t ticks = state.mode == Mode::Active ? state.ms_since_held : state.ms_in_mode;
   if (late == 0) ticks = 0;
   if (!exact && ticks > 1 && ticks < late) ticks = 1;
   const bool keys = state.mode == Mode::Ready || state.mode == Mode::Trip;
@@ -117,7 +117,7 @@ void spin_start() {
 void spin_step(const SpinInput* packed, int exact) {
   safety::SupervisorState before = unpack(spin_state);
   if (packed->jump != 0) {
-    std::int32_t& ticks = before.mode == Mode::Active ? before.ticks_since_held : before.ticks_in_mode;
+    std::int32_t& ticks = before.mode == Mode::Active ? before.ms_since_held : before.ms_in_mode;
     ticks = std::max(ticks, late_tick(before.mode));
   }
   const auto [next, output] = safety::step(kPlan, before, unpack(*packed, before));

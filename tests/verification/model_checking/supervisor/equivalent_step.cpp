@@ -48,8 +48,8 @@ void vary_memory(SupervisorState& state, std::uint64_t choice) {
   state.seq += static_cast<std::uint32_t>((choice >> 16U) & 0xFFFFU);
   state.last_event = static_cast<safety::Event>((choice >> 32) % safety::kEvents);
   state.reason = static_cast<Hazard>((choice >> 36) % safety::kHazards);
-  if (timer != Timer::InMode) state.ticks_in_mode = static_cast<std::int32_t>((choice >> 40) % 30'002);
-  if (timer != Timer::SinceHeld) state.ticks_since_held = static_cast<std::int32_t>((choice >> 20) % 101);
+  if (timer != Timer::InMode) state.ms_in_mode = static_cast<std::int32_t>((choice >> 40) % 30'002);
+  if (timer != Timer::SinceHeld) state.ms_since_held = static_cast<std::int32_t>((choice >> 20) % 101);
   if (!remembers_arm_key(state.mode)) state.arm_was_down = ((choice >> 44U) & 1U) != 0;
   if (!remembers_reset_key(state.mode)) state.reset_was_down = ((choice >> 45U) & 1U) != 0;
   if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>((choice >> 12) % 8'000'001);

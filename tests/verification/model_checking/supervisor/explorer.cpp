@@ -24,7 +24,7 @@ bool is_healthy(const Situation& input) {
 
 // Its next tick locks, whatever comes: the one state from which there is no way to Safe.
 bool is_boot_out_of_time(const SupervisorState& state) {
-  return state.mode == Mode::Boot && state.ticks_in_mode == 10'000 - 1;
+  return state.mode == Mode::Boot && state.ms_in_mode == 10'000 - 1;
 }
 
 }  // namespace
@@ -210,7 +210,7 @@ void Explorer::check_graph() {
     const SupervisorState s = state(i);
     const auto mode = static_cast<std::size_t>(s.mode);
     ++result_.states_of_mode.at(mode);
-    result_.longest_ticks.at(mode) = std::max(result_.longest_ticks.at(mode), s.ticks_in_mode + 1);
+    result_.longest_ticks.at(mode) = std::max(result_.longest_ticks.at(mode), s.ms_in_mode + 1);
   }
   for (std::size_t mode = 0; mode < safety::kModes; ++mode) {
     ++tally(GraphClaim::EveryModeReached).checked;

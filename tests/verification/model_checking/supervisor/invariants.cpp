@@ -137,13 +137,13 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      }},
     {"silence-is-counted", "Without a heartbeat the silence grows by a tick; only a heartbeat ends it.",
      [](const Step& s) {
-       const std::int32_t silent = std::min(s.before.ticks_since_held + 1, kSilence_ms);
+       const std::int32_t silent = std::min(s.before.ms_since_held + 1, kSilence_ms);
        return Finding{s.after.mode == Mode::Active,
-                      s.after.ticks_since_held == (is_heartbeat(s) ? 0 : silent)};
+                      s.after.ms_since_held == (is_heartbeat(s) ? 0 : silent)};
      }},
     {"silence-stops", "A console silent for 100 ms ends Active.",
      [](const Step& s) {
-       return Finding{s.before.mode == Mode::Active && s.before.ticks_since_held >= kSilence_ms,
+       return Finding{s.before.mode == Mode::Active && s.before.ms_since_held >= kSilence_ms,
                       s.after.mode != Mode::Active};
      }},
     // Steps
@@ -252,22 +252,22 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     {"timer-runs", "The time in a mode starts at 0, and each tick adds one, up to a bound.",
      [](const Step& s) {
        const std::int32_t most = s.before.mode == Mode::Hold ? kHold_ms - 1 : kArmed_ms;
-       const std::int32_t ticks = std::min(s.before.ticks_in_mode, most) + 1;
-       return Finding{true, s.after.ticks_in_mode == (s.after.mode == s.before.mode ? ticks : 0)};
+       const std::int32_t ticks = std::min(s.before.ms_in_mode, most) + 1;
+       return Finding{true, s.after.ms_in_mode == (s.after.mode == s.before.mode ? ticks : 0)};
      }},
     {"boot-ends", "Boot ends within 10 s.",
      [](const Step& s) {
-       return Finding{s.stays(Mode::Boot), s.after.ticks_in_mode < kBoot_ms};
+       return Finding{s.stays(Mode::Boot), s.after.ms_in_mode < kBoot_ms};
      }},
     {"armed-ends", "Armed ends within 30 s.",
      [](const Step& s) {
-       return Finding{s.stays(Mode::Armed), s.after.ticks_in_mode < kArmed_ms};
+       return Finding{s.stays(Mode::Armed), s.after.ms_in_mode < kArmed_ms};
      }},
     {"hold-ends",
      "Hold ends within 10 s, but for a locked needle that stays where it is while nothing is wrong.",
      [](const Step& s) {
        return Finding{s.stays(Mode::Hold) && (!s.input.evidence.still || s.stop != StopCategory::None),
-                      s.after.ticks_in_mode < kHold_ms};
+                      s.after.ms_in_mode < kHold_ms};
      }},
     {"ready-needs-the-needle-back",
      "With a patient Ready is entered, kept and left for Armed with the needle back only.",
@@ -290,13 +290,13 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      }},
     {"retract-ends", "Retract ends within 300 ms.",
      [](const Step& s) {
-       return Finding{s.stays(Mode::Retract), s.after.ticks_in_mode < kRetract_ms};
+       return Finding{s.stays(Mode::Retract), s.after.ms_in_mode < kRetract_ms};
      }},
     {"counters-are-bounded", "Every counter stays in its bounds.",
      [](const Step& s) {
        const auto within = [](std::int32_t value, std::int32_t most) { return value >= 0 && value <= most; };
-       return Finding{true, within(s.after.ticks_in_mode, kArmed_ms + 1) &&
-                                within(s.after.ticks_since_held, kSilence_ms) &&
+       return Finding{true, within(s.after.ms_in_mode, kArmed_ms + 1) &&
+                                within(s.after.ms_since_held, kSilence_ms) &&
                                 within(s.after.held_mV, kHighest_mV) && s.after.step < safety::kMaxSteps};
      }},
     // Envelope

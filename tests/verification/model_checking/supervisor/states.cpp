@@ -13,7 +13,7 @@ std::uint64_t bits(std::uint64_t key, unsigned at, unsigned count) {
 }
 
 std::int32_t timer_value(const SupervisorState& state) {
-  return timer_of(state.mode) == Timer::SinceHeld ? state.ticks_since_held : state.ticks_in_mode;
+  return timer_of(state.mode) == Timer::SinceHeld ? state.ms_since_held : state.ms_in_mode;
 }
 
 }  // namespace
@@ -43,8 +43,8 @@ SupervisorState state_of(std::uint64_t key) {
   state.token = bits(key, kTokenAt, 1) != 0 ? kToken : 0;
   state.step = static_cast<std::uint32_t>(bits(key, kStageAt, 3));
   const auto ticks = static_cast<std::int32_t>(bits(key, kTimerAt, 16));
-  if (timer_of(state.mode) == Timer::InMode) state.ticks_in_mode = ticks;
-  if (timer_of(state.mode) == Timer::SinceHeld) state.ticks_since_held = ticks;
+  if (timer_of(state.mode) == Timer::InMode) state.ms_in_mode = ticks;
+  if (timer_of(state.mode) == Timer::SinceHeld) state.ms_since_held = ticks;
   state.held_mV = static_cast<std::int32_t>(bits(key, 0, kTimerAt));
   return state;
 }
@@ -65,7 +65,7 @@ bool is_edge_of_time(const SupervisorState& state) {
     case Mode::Armed:
       return near(30'000);
     case Mode::Retract:
-      return near(300) || (state.ticks_in_mode >= 248 && state.ticks_in_mode <= 251);
+      return near(300) || (state.ms_in_mode >= 248 && state.ms_in_mode <= 251);
     case Mode::Active:
       return near(101);
     case Mode::Safe:
