@@ -39,6 +39,7 @@ BenchResult run_on_bench(const BenchRun& run, const Plan& plan, std::uint64_t co
   control::ProgramState state;
   CycleRecord seen;
   double push_N = 0.0;
+  if (bench.keys) bench.stage.read();  // keys are those of the last reading: none before the first
   for (bool played = false, asked = false; !operator_.finished();) {
     if (bench.stop && bench.stop()) operator_.interrupt();
     const bool recorded = operator_.recorded();

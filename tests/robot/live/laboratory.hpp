@@ -56,6 +56,8 @@ struct Lab {
     std::ofstream(hardware.commissioning / commissioning::kRecordFile, std::ios::binary) << text;
     std::ofstream(hardware.commissioning / commissioning::kSignatureFile, std::ios::binary)
         << view(key.sign(text));
+    // For the processes to come; in this one the board is that of the commissioning.
+    setenv("FAKE_NIDAQMX_RELAY", (folder.path() / "relay").c_str(), 1);
   }
 
   // What starting says; empty where the robot came up.

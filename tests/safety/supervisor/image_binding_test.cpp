@@ -9,8 +9,8 @@ namespace biopsy::safety {
 namespace {
 
 // In Hold at the end of the second step, reached with permit 60; the button is pressed anew.
-struct Judged : Moment {
-  Judged(std::uint32_t session, std::uint32_t since_seq) : Moment(Mode::Hold, 11, true) {
+struct StepsEnd : Moment {
+  StepsEnd(std::uint32_t session, std::uint32_t since_seq) : Moment(Mode::Hold, 11, true) {
     state.step = 1, state.step_done = true;
     state.arrived_seq = 60;
     input.depth_accepted = true, input.accepted_step = 1;
@@ -21,22 +21,22 @@ struct Judged : Moment {
 
 TEST(ImageBinding, AnImageThatWasBegunAfterTheArrivalLetsTheNeedleGoOn) {
   verifies("R-67");
-  for (const std::uint32_t since_seq : {60U, 61U, 69U}) EXPECT_EQ(Judged(3, since_seq).event(), Event::Move);
+  for (const std::uint32_t since_seq : {60U, 61U, 69U}) EXPECT_EQ(StepsEnd(3, since_seq).event(), Event::Move);
 }
 
 TEST(ImageBinding, AnImageFromBeforeTheArrivalOrOfAnotherSessionOrOfNoneDoesNot) {
   verifies("R-67");
   for (const auto& [session, since_seq] : {std::pair{3U, 59U}, {3U, 1U}, {3U, 0U}, {2U, 65U}, {4U, 65U}, {0U, 65U}}) {
-    Judged judged(session, since_seq);
-    EXPECT_EQ(judged.event(), Event::None) << session << ' ' << since_seq;
-    EXPECT_EQ(judged.refusal(), Refusal::DepthNotAccepted) << session << ' ' << since_seq;
+    StepsEnd end(session, since_seq);
+    EXPECT_EQ(end.event(), Event::None) << session << ' ' << since_seq;
+    EXPECT_EQ(end.refusal(), Refusal::DepthNotAccepted) << session << ' ' << since_seq;
   }
 }
 
 TEST(ImageBinding, AStepThatWasNeverReachedAcceptsNoImage) {
-  Judged judged(3, 65);
-  judged.state.arrived_seq = 0;
-  EXPECT_EQ(judged.refusal(), Refusal::DepthNotAccepted);
+  StepsEnd end(3, 65);
+  end.state.arrived_seq = 0;
+  EXPECT_EQ(end.refusal(), Refusal::DepthNotAccepted);
 }
 
 TEST(ImageBinding, ReachingAStepNotesThePermitOfItsTickAndNothingElseDoes) {
@@ -55,10 +55,10 @@ TEST(ImageBinding, ReachingAStepNotesThePermitOfItsTickAndNothingElseDoes) {
 // The hold runs out with its image accepted, the needle returns, is armed again and driven to the same step.
 TEST(ImageBinding, AnImageOfAnEarlierInsertionDoesNotServeTheNext) {
   verifies("R-67");
-  Judged judged(3, 65);
-  judged.state.arrived_seq = 500;  // as the second insertion leaves it
-  judged.state.seq = 900;
-  EXPECT_EQ(judged.refusal(), Refusal::DepthNotAccepted);
+  StepsEnd end(3, 65);
+  end.state.arrived_seq = 500;  // as the second insertion leaves it
+  end.state.seq = 900;
+  EXPECT_EQ(end.refusal(), Refusal::DepthNotAccepted);
 }
 
 }  // namespace

@@ -33,6 +33,18 @@ Corruptors split_estop(Draw& draw, Procedure&, const TickRecord&) {
           .shows = [](const ObservedTick& s) { return s.seen.estop_a_closed != s.seen.estop_b_closed; }};
 }
 
+// The relay drops out or its feedback wire breaks.
+Corruptors open_relay(Draw&, Procedure&, const TickRecord&) {
+  return {.observation = [](safety::SupervisorInputs& seen) { seen.relay_closed = false; }};
+}
+
+// Somebody leans on the button and lets go: the panel has to be reset before it counts as tested again.
+Corruptors touch_estop(Draw& draw, Procedure&, const TickRecord&) {
+  return {.observation = [tick = 0, ticks = draw.whole(1, 500)](safety::SupervisorInputs& seen) mutable {
+    if (tick++ < ticks) seen.estop_a_closed = seen.estop_b_closed = false;
+  }};
+}
+
 // A clock jumps ahead by more than 5 ms or does not go on; the supervisor's, the stage's or the gate's.
 Corruptors jump_clock(Draw& draw, Procedure&, const TickRecord&) {
   Corruptors corrupt;
@@ -128,8 +140,14 @@ Corruptors stall_log(Draw& draw, Procedure&, const TickRecord&) {
 std::vector<FaultClass> link_faults() {
   FaultClass split = class_of(Hazard::EStopDisagrees, kReadyOrDriven, split_estop);
   split.row = 21;
+  FaultClass relay = class_of(Hazard::InterlockStuck, kReadyOrDriven, open_relay);
+  relay.row = 31;
+  FaultClass untested = class_of(Hazard::PanelUntested, kReadyOrDriven, touch_estop);
+  untested.instead = bit(Hazard::EStop);
   return {class_of(Hazard::EStop, kReadyOrDriven, press_estop),
           split,
+          relay,
+          untested,
           class_of(Hazard::ClockJump, kReadyOrDriven, jump_clock),
           class_of(Hazard::WrongAnswer, kReadyOrDriven, answer_wrong),
           class_of(Hazard::SecondWriter, kReadyOrDriven, add_writer),

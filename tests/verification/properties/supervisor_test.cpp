@@ -68,23 +68,27 @@ RC_GTEST_PROP(Supervisor, AStopThatDoesNotExistStopsAsTheStrongest, ()) {
 }
 
 // What one look at the outside says, said again by one look at the outside.
-RC_GTEST_PROP(Evidence, IsWhatTheObservationSaysWhateverWasBefore, ()) {
+RC_GTEST_PROP(Evidence, IsWhatTheObservationSays, ()) {
   verifies("R-03", "R-11", "R-12", "R-13", "R-28", "R-33");
   const auto bytes = any_bytes();
   fuzz::Feed feed(bytes);
   const safety::PlanFacts plan = safety::three_step_plan();
   safety::EvidenceMemory memory;
+  bool latched = false, reset_was_down = true;
   for (int tick = 0; tick < 8; ++tick) {
     safety::SupervisorInputs seen;
     fuzz::fill(feed, seen.measurement), fuzz::fill(feed, seen.request), fuzz::fill(feed, seen.permit);
-    feed.fill(seen.now_us, seen.estop_a_closed, seen.estop_b_closed, seen.log_backlog_ms,
+    feed.fill(seen.now_us, seen.panel_read, seen.local_reset, seen.estop_a_closed, seen.estop_b_closed, seen.log_backlog_ms,
               seen.patient_motion_um);
     seen.writers = *rc::gen::element(0, 1, 1, 2);
     seen.plan_tag = *rc::gen::element(plan.plan_tag, std::uint64_t{0}, std::uint64_t{1});
     seen.config_tag = *rc::gen::element(plan.config_tag, std::uint64_t{0}, std::uint64_t{1});
     const safety::HazardSet clear = safety::assess(plan, memory, seen).clear;
     const auto is_clear = [clear](Hazard hazard) { return (clear & bit(hazard)) != 0; };
-    RC_ASSERT(is_clear(Hazard::EStop) == (seen.estop_a_closed && seen.estop_b_closed));
+    const bool pressed = !seen.panel_read || !seen.estop_a_closed || !seen.estop_b_closed;
+    latched = pressed || (latched && (!seen.local_reset || reset_was_down));
+    reset_was_down = seen.local_reset;
+    RC_ASSERT(is_clear(Hazard::EStop) == !latched);
     RC_ASSERT(is_clear(Hazard::SecondWriter) ==
               (seen.writers == 1 && seen.measurement.verdict != GateVerdict::SecondWriter));
     RC_ASSERT(is_clear(Hazard::PlanChanged) == (seen.plan_tag == plan.plan_tag));

@@ -1,8 +1,15 @@
 #include "tests/drivers/nidaqmx/fake/fake_board.hpp"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -50,6 +57,38 @@ std::map<void*, std::unique_ptr<BoardTask>> tasks;
 std::vector<Failure> failures;
 char driver_text[256] = "no error";
 
+// Live, the two boards belong to two processes. The relay, which hears both, is then a word in a file that both map:
+// when the supervisor's pulse last changed. Null where the test names no file.
+std::atomic<std::int64_t>* shared_relay() {
+  static std::atomic<std::int64_t>* const word = []() -> std::atomic<std::int64_t>* {
+    const char* file = std::getenv("FAKE_NIDAQMX_RELAY");
+    if (file == nullptr) return nullptr;
+    const int descriptor = open(file, O_RDWR | O_CREAT, 0600);
+    void* page = MAP_FAILED;
+    if (descriptor >= 0 && ftruncate(descriptor, sizeof *word) == 0)
+      page = mmap(nullptr, sizeof *word, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+    if (descriptor >= 0) close(descriptor);
+    return page == MAP_FAILED ? nullptr : static_cast<std::atomic<std::int64_t>*>(page);
+  }();
+  return word;
+}
+
+std::int64_t monotonic_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+// A person at the panel, once a second: presses the emergency stop, releases it and turns the reset key.
+std::uint32_t contacts_with_hand() {
+  constexpr std::uint32_t kReset = 0b10;
+  if (shared_relay() == nullptr) return board->contacts;
+  const std::int64_t ms = board->now_us / 1'000 % 1'000;
+  if (board->now_us > 4'000'000) return board->contacts;
+  if (ms >= 200 && ms < 300) return board->contacts & ~kEstopContacts;
+  return ms >= 400 && ms < 500 ? board->contacts | kReset : board->contacts.load();
+}
+
 // Allocates nothing: tests count the allocations of the driver.
 Status answer(Status status, const char* text, const char* function = "") {
   std::snprintf(driver_text, sizeof driver_text, text, function);
@@ -78,6 +117,8 @@ bool is_pressed() {
 
 bool is_relay_closed() {
   const bool closed = board->now_us - board->pulse_us < board->interlock_us;
+  const std::atomic<std::int64_t>* shared = shared_relay();
+  if (shared != nullptr) return closed && monotonic_ns() - *shared < board->interlock_us * 1'000;
   const bool supervised = board->supervisor_us < 0 || !board->has_supervisors_half ||
                           board->now_us - board->supervisor_us < board->interlock_us;
   return !board->has_interlock || (closed && supervised);
@@ -276,7 +317,7 @@ Status DAQmxReadAnalogF64(void* handle, std::int32_t samples, double, std::uint3
 
 Status DAQmxReadDigitalScalarU32(void* handle, double, std::uint32_t* lines, std::uint32_t*) {
   ENTER("DAQmxReadDigitalScalarU32", task, handle);
-  *lines = board->contacts;
+  *lines = contacts_with_hand();
   return static_cast<void>(task), 0;
 }
 
@@ -292,7 +333,10 @@ Status DAQmxWriteAnalogScalarF64(void* handle, std::uint32_t, double, double vol
 Status DAQmxWriteDigitalScalarU32(void* handle, std::uint32_t, double, std::uint32_t lines, std::uint32_t*) {
   ENTER("DAQmxWriteDigitalScalarU32", task, handle);
   if (task->of_supervisor) {
-    if (board->supervisor_high != ((lines & 1U) != 0)) board->supervisor_us = board->now_us;
+    if (board->supervisor_high != ((lines & 1U) != 0)) {
+      board->supervisor_us = board->now_us;
+      if (shared_relay() != nullptr) *shared_relay() = monotonic_ns();
+    }
     board->supervisor_high = (lines & 1U) != 0;
     return 0;
   }

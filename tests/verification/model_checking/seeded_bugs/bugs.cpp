@@ -41,7 +41,7 @@ constexpr SeededBug kBugs[] = {
      "if (t.stop == StopCategory::C1Ramp) return Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
      "  const bool may_stay",
-     "if ((t.hazards & kC1) != 0 || (t.stop == StopCategory::C1Ramp && t.ticks < 5'000)) return "
+     "if ((t.hazards & kC1) != 0 || (t.stop == StopCategory::C1Ramp && t.ms < 5'000)) return "
      "Event::Ramp;\n"
      "  if (t.input.request.finished) return Event::Finished;\n"
      "  const bool may_stay"},
@@ -117,6 +117,14 @@ constexpr SeededBug kBugs[] = {
      "decide.cpp", "t.input.accepted_step == t.state.step", "t.input.accepted_step >= t.state.step"},
     {"depth-check-of-the-last", "A depth check counts for every step after it.", Part::Supervisor,
      "decide.cpp", "t.input.accepted_step == t.state.step", "t.input.accepted_step <= t.state.step"},
+    {"image-from-before", "An image that was taken before the needle arrived is taken for one of this hold.",
+     Part::Supervisor, "decide.cpp", "t.input.accepted_since_seq >= t.state.arrived_seq", "true"},
+    {"image-of-another-session", "An image of an earlier session of the supervisor counts.", Part::Supervisor,
+     "decide.cpp", "t.input.accepted_session == t.state.session && ", ""},
+    {"arrival-not-noted", "The arrival keeps the number of the one before.", Part::Supervisor, "supervisor.cpp",
+     ", next.arrived_seq = next.seq", ""},
+    {"interlock-not-proven", "The self-test passes without the interlock's.", Part::Supervisor, "decide.cpp",
+     " && t.evidence.interlock_opens", ""},
     {"step-of-another", "A report about another step ends this one.", Part::Supervisor, "decide.cpp",
      "t.input.request.step_reached && t.input.request.step == t.state.step", "t.input.request.step_reached"},
     {"one-step-too-many", "Behind the last step there is one more.", Part::Supervisor, "decide.cpp",
@@ -127,14 +135,14 @@ constexpr SeededBug kBugs[] = {
     {"timer-not-reset", "The time of the mode before goes on.", Part::Supervisor, "supervisor.cpp",
      "  next.ms_in_mode = 0;\n", ""},
     {"hold-limit-in-us", "The limit of a hold is taken as microseconds.", Part::Supervisor, "decide.cpp",
-     "t.ticks >= limits::kHoldMax_ms", "t.ticks >= limits::kHoldMax_ms * 1'000"},
+     "t.ms >= limits::kHoldMax_ms", "t.ms >= limits::kHoldMax_ms * 1'000"},
     {"boot-never-ends", "A self-test may take for ever.", Part::Supervisor, "decide.cpp",
-     "  if (t.ticks >= kBootMax_ms) return Event::Lockout;\n", ""},
+     "  if (t.ms >= kBootMax_ms) return Event::Lockout;\n", ""},
     {"ramp-never-ends", "The ramp stops at a tenth of where it began.", Part::Supervisor, "supervisor.cpp",
      "std::clamp(state.ms_in_mode, 0, kRamp_ms)",
      "std::clamp(state.ms_in_mode, 0, kRamp_ms - 25)"},
     {"ramp-not-monitored", "The time of a ramp is not monitored.", Part::Supervisor, "decide.cpp",
-     "  if (t.ticks >= limits::kRampTime_ms) return Event::RampTooLong;\n", ""},
+     "  if (t.ms >= limits::kRampTime_ms) return Event::RampTooLong;\n", ""},
     {"hold-at-the-steps-limit", "Hold allows what the step allows, not what is there.", Part::Supervisor,
      "supervisor.cpp", "permit.v_max_mV = held_mV(state);", "permit.v_max_mV = allowed.v_max_mV;"},
     {"ceiling-ignored", "The voltage may rise ahead of what the needle answered.", Part::Supervisor,

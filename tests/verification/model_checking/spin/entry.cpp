@@ -57,6 +57,7 @@ safety::SupervisorState unpack(const SpinState& packed) {
   (state.mode == Mode::Active ? state.ms_since_held : state.ms_in_mode) = packed.ticks;
   state.step = packed.step;
   state.step_done = packed.step_done != 0;
+  state.arrived_seq = 1;
   state.arm_was_down = packed.arm_was_down != 0;
   state.reset_was_down = packed.reset_was_down != 0;
   state.token = packed.any_token != 0 ? kPresent : 0;
@@ -104,6 +105,9 @@ safety::Situation unpack(const SpinInput& packed, const safety::SupervisorState&
   input.request.finished = packed.finished != 0;
   input.depth_accepted = packed.depth != 0;
   input.accepted_step = state.step + (packed.depth == 2 ? 1 : 0);
+  input.accepted_session = state.session;
+  input.accepted_since_seq = state.arrived_seq;
+  input.evidence.interlock_opens = true;
   return input;
 }
 

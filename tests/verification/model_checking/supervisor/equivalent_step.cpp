@@ -55,6 +55,13 @@ void vary_memory(SupervisorState& state, std::uint64_t choice) {
   if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>((choice >> 12) % 8'000'001);
 }
 
+// An image stays as much younger or older than the arrival.
+void vary_arrival(SupervisorState& state, Situation& input, std::uint64_t choice) {
+  const auto shift = static_cast<std::uint32_t>(choice % 1'000'000);
+  state.arrived_seq += shift;
+  input.accepted_since_seq += shift;
+}
+
 void vary_motion(SupervisorState& state, Situation& input, std::uint64_t choice) {
   const auto shift = static_cast<std::uint32_t>(choice % 1'000'000);
   if (state.token == 0) {
@@ -85,7 +92,9 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
   input.request.wanted_mV = input.request.setpoint_um = static_cast<std::int32_t>(choice >> 5);
   const std::uint32_t other = other_by(choice >> 8U);
   if (mode != Mode::Boot) input.self_test = static_cast<safety::SelfTest>((choice >> 10) % 3);
+  if (mode != Mode::Boot) input.evidence.interlock_opens = chosen(21);
   if (mode != Mode::Trip) input.evidence.needle_home = chosen(12);
+  input.evidence.estop_reset = chosen(22);
   if (!moving) {
     input.request.step_reached = chosen(13);
     input.request.finished = chosen(14);
@@ -110,6 +119,8 @@ EquivalentStep equivalent_step(const SupervisorState& state, const Situation& in
   equivalent.input.evidence.clear =
       safety::kAllHazards & ~other_members(input.evidence.hazards(), choice.next());
   vary_memory(equivalent.state, choice.next());
+  equivalent.input.accepted_session += equivalent.state.session - state.session;
+  vary_arrival(equivalent.state, equivalent.input, choice.next());
   vary_motion(equivalent.state, equivalent.input, choice.next());
   vary_input(equivalent.state, equivalent.input, choice.next());
   return equivalent;

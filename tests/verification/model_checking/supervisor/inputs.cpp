@@ -96,10 +96,10 @@ void InputSpace::set_sizes(Mode mode) {
             2,
             2,
             8,
-            mode == Mode::Boot ? 3U : 1U,
+            mode == Mode::Boot ? 6U : 1U,
             mode == Mode::Trip ? 2U : 1U,
             moving ? 8U : 1U,
-            mode == Mode::Hold ? 4U : 1U,
+            mode == Mode::Hold ? 6U : 1U,
             moving || mode == Mode::Armed ? drives : 1U,
             mode == Mode::Ready || mode == Mode::Trip || mode == Mode::Lock ? 4U : 1U,
             mode == Mode::Hold || mode == Mode::Armed ? 2U : 1U,
@@ -116,8 +116,8 @@ void InputSpace::set_worse(Mode mode) {
   of(Dimension::Hazards) = more_hazards(hazards_);
   of(Dimension::Stop) = {{0, 1}, {1, 2}, {2, 3}};
   of(Dimension::Motion) = worse_motions(mode);
-  for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey, Dimension::SelfTest,
-                            Dimension::NeedleHome, Dimension::Image, Dimension::Brake, Dimension::NeedleBack})
+  for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey, Dimension::NeedleHome,
+                            Dimension::Image, Dimension::Brake, Dimension::NeedleBack})
     of(d) = chain_down(size_of(d));
   of(Dimension::Drive) = size_of(Dimension::Drive) == 4
                              ? std::vector<Worsening>{{3, 1}, {3, 2}, {1, 0}, {2, 0}}
@@ -125,7 +125,10 @@ void InputSpace::set_worse(Mode mode) {
   // Values are reached + 2 finished + 4 another step.
   if (size_of(Dimension::Request) > 1)
     of(Dimension::Request) = {{0, 1}, {0, 2}, {1, 3}, {2, 3}, {4, 5}, {4, 6}, {5, 7}, {6, 7}};
-  if (size_of(Dimension::Depth) > 1) of(Dimension::Depth) = {{1, 0}, {1, 2}, {1, 3}};
+  if (size_of(Dimension::Depth) > 1) of(Dimension::Depth) = {{1, 0}, {1, 2}, {1, 3}, {1, 4}, {1, 5}};
+  // Values are the result + 3 where the interlock opens on the driver's timer.
+  if (size_of(Dimension::SelfTest) > 1)
+    of(Dimension::SelfTest) = {{1, 0}, {2, 1}, {4, 3}, {5, 4}, {3, 0}, {4, 1}, {5, 2}};
 }
 
 Digits InputSpace::digits(std::uint32_t index) const {
@@ -165,7 +168,8 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
       input.motion = {token_of(value / 2U, state), value % 2U == 1};
       break;
     case Dimension::SelfTest:
-      if (!forgotten) input.self_test = static_cast<safety::SelfTest>(value);
+      if (!forgotten) input.self_test = static_cast<safety::SelfTest>(value % 3);
+      input.evidence.interlock_opens = forgotten || value >= 3;
       break;
     case Dimension::NeedleHome:
       input.evidence.needle_home = forgotten || value == 1;
@@ -178,6 +182,8 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
     case Dimension::Depth:
       input.depth_accepted = value != 0;
       input.accepted_step = state.step + (value == 2 ? 1U : 0U) - (value == 3 ? 1U : 0U);
+      input.accepted_since_seq = state.arrived_seq - (value == 4 ? 1U : 0U);
+      input.accepted_session = state.session + (value == 5 ? 1U : 0U);
       break;
     case Dimension::Drive:
       input.evidence.drive_mV = forgotten ? 0 : drives_[value].drive_mV;

@@ -156,16 +156,19 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        const bool reached = s.input.request.step_reached && s.input.request.step == s.before.step;
        const bool holds =
-           s.after.mode == Mode::Hold ? s.after.step_done == reached : !s.after.step_done || reached;
+           (s.after.mode == Mode::Hold ? s.after.step_done == reached : !s.after.step_done || reached) &&
+           (!s.after.step_done || s.after.arrived_seq == s.after.seq);
        return Finding{
            s.before.mode == Mode::Active && s.after.mode != Mode::Retract && s.after.mode != Mode::Trip,
            holds};
      }},
-    {"depth-check", "Past a step that an image confirms only with the depth check of that very step.",
+    {"depth-check", "Past a step that an image confirms only with a depth check of that very step and hold.",
      [](const Step& s) {
        const bool asks = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.step_done &&
                          s.plan.steps[s.before.step % safety::kMaxSteps].image_confirms;
-       return Finding{asks, s.input.depth_accepted && s.input.accepted_step == s.before.step};
+       const bool of_this_hold = s.input.accepted_session == s.before.session &&
+                                 s.input.accepted_since_seq >= s.before.arrived_seq;
+       return Finding{asks, s.input.depth_accepted && s.input.accepted_step == s.before.step && of_this_hold};
      }},
     {"step-order", "Steps go up by one, from Hold at a step's end; arming begins at the first.",
      [](const Step& s) {
@@ -235,9 +238,10 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        return Finding{cold && !s.input.evidence.zero_volts && (s.hazards & kLocking) == 0,
                       s.after.mode == Mode::Trip};
      }},
-    {"boot-needs-self-test", "Boot leaves for Safe only with a passed self-test; a failed one locks.",
+    {"boot-needs-self-test", "Boot leaves for Safe only with a passed self-test and an interlock that opens; a failed one locks.",
      [](const Step& s) {
-       const bool passed = s.input.self_test == SelfTest::Passed;
+       const bool passed = s.input.self_test == SelfTest::Passed &&
+                           (s.after.mode != Mode::Safe || s.input.evidence.interlock_opens);
        return Finding{s.before.mode == Mode::Boot &&
                           (s.after.mode != Mode::Boot || s.input.self_test == SelfTest::Failed),
                       s.after.mode == (passed ? s.after.mode : Mode::Lock)};
@@ -359,10 +363,10 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        return Finding{
            true, changes ? known && s.after.last_event == s.output.event : s.output.event == Event::None};
      }},
-    {"interlock", "The interlock is fed in Ready and wherever the drive may carry voltage, never elsewhere.",
+    {"interlock", "The interlock is fed in Boot, in Ready and wherever the drive may carry voltage, not elsewhere.",
      [](const Step& s) {
-       return Finding{
-           true, s.output.interlock_pulse == (hv_permitted(s.after.mode) || s.after.mode == Mode::Ready)};
+       const bool fed = s.after.mode == Mode::Boot || s.after.mode == Mode::Ready;
+       return Finding{true, s.output.interlock_pulse == (fed || hv_permitted(s.after.mode))};
      }},
     {"images", "A scan may start unless the drive moves; one that saw the drive switch is flagged.",
      [](const Step& s) {

@@ -36,6 +36,7 @@ SupervisorState state_of(std::uint64_t key) {
   state.session = kSession;
   state.epoch = kEpoch;
   state.seq = kSeq;
+  state.arrived_seq = kSeq;  // only compared with the image's, which the inputs choose before and after it
   state.mode = static_cast<Mode>(bits(key, kModeAt, 4));
   state.arm_was_down = bits(key, kKeysAt, 1) != 0;
   state.reset_was_down = bits(key, kKeysAt + 1, 1) != 0;
