@@ -14,8 +14,8 @@ namespace biopsy::drivers {
 struct Panel {
   bool arm = false, reset = false;
   bool estop_a_closed = false, estop_b_closed = false;  // both closed: not pressed
-  bool relay_closed = false;  // feedback contact of the interlock
-  bool read = false;          // all of it, in the last read() of the stage
+  bool relay_closed = false;                            // feedback contact of the interlock
+  bool read = false;                                    // all of it, in the last read() of the stage
 };
 
 // The newest error of the driver. Of fixed size: it is filled within the tick.

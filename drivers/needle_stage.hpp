@@ -27,8 +27,8 @@ class NeedleStage {
   // Newest reading of every sensor; called once at the beginning of each tick.
   virtual SensorReading read() = 0;
   // Puts a voltage on the converter and locks the needle or lets it go, until the next call. Returns what the
-  // converter was given, signed mV: a driver that limited the voltage or could not write it does not say the one it was
-  // asked for.
+  // converter was given, signed mV: a driver that limited the voltage or could not write it does not say the
+  // one it was asked for.
   virtual std::int32_t write(const safety::GatedVoltage& voltage) = 0;
 };
 

@@ -14,9 +14,9 @@ struct TransitionInputs {
   const SupervisorInputs& input;
   const Evidence& evidence;
   HazardSet hazards;
-  StopCategory stop;   // the strongest of those requested and needed
-  std::int32_t ms;     // in this mode, this tick included
-  bool pressed;        // a token never seen before, held
+  StopCategory stop;  // the strongest of those requested and needed
+  std::int32_t ms;    // in this mode, this tick included
+  bool pressed;       // a token never seen before, held
   bool arm_edge, reset_edge;
 };
 

@@ -25,8 +25,8 @@ class GatedVoltage {
   constexpr std::int32_t mV() const { return mV_; }  // signed high voltage
   constexpr bool hv_enabled() const { return hv_enabled_; }
   constexpr bool brake_on() const { return brake_on_; }  // the needle is locked
-  // The driver's half of the interlock gets its pulse. Not before the first permit, nor in Boot, where the supervisor
-  // tests whether this half opens by itself.
+  // The driver's half of the interlock gets its pulse. Not before the first permit, nor in Boot, where the
+  // supervisor tests whether this half opens by itself.
   constexpr bool feeds_interlock() const { return feeds_interlock_; }
 
  private:

@@ -72,7 +72,7 @@ struct RelayOutput {
 struct PanelLevels {
   bool arm_key = false, reset_key = false;
   bool estop_a_closed = false, estop_b_closed = false;
-  bool bench_key = false;  // confirmed: no patient and no needle at the stage
+  bool bench_key = false;     // confirmed: no patient and no needle at the stage
   bool relay_closed = false;  // feedback contact of the interlock, where it is wired to the device
   bool operator==(const PanelLevels&) const = default;
 };

@@ -18,7 +18,7 @@ class StageIo {
   explicit StageIo(const std::filesystem::path& run_folder);
 
   void write(const safety::GatedVoltage& voltage);
-  void pulse();  // once in every tick that went well
+  void pulse();                               // once in every tick that went well
   void mark_panel_read(std::int64_t now_ns);  // its levels are those of `now_ns` (CLOCK_MONOTONIC)
 
  private:
@@ -81,7 +81,8 @@ class IoReader {
   ConverterOutput converter() const;
   std::uint64_t stage_pulses() const;
   std::uint64_t supervisor_pulses() const;
-  // As the device's driver read it at most kPanelRead_us before `now_ns`, else unread; with the feedback of the relay.
+  // As the device's driver read it at most kPanelRead_us before `now_ns`, else unread; with the feedback of
+  // the relay.
   PanelReading panel(std::int64_t now_ns) const;
   RelayReading relay() const;
 

@@ -140,7 +140,8 @@ RelayContact read_relay_contact(TomlTable table) {
   contact.input = read_input(table);
   contact.closed_V = table.number("closed_V", contact.input.low_V, contact.input.high_V, "V");
   if (contact.closed_V <= 0.0)
-    table.refuse("closed_V", "counts an open wire as closed", "give a voltage between 0 V and the contact's supply");
+    table.refuse("closed_V", "counts an open wire as closed",
+                 "give a voltage between 0 V and the contact's supply");
   return contact;
 }
 

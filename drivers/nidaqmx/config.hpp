@@ -77,8 +77,8 @@ struct Config {
   std::optional<SupervisorPulse> supervisor_pulse;
 };
 
-// In the order in which the stage reads them: laser, voltage, current, then second laser and relay contact where there
-// are any.
+// In the order in which the stage reads them: laser, voltage, current, then second laser and relay contact
+// where there are any.
 std::vector<const AnalogInput*> analog_inputs(const Config& config);
 
 // Throw ConfigError, with file and line, for entries that are missing, unknown, out of range or inconsistent:

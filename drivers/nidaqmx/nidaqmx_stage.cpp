@@ -163,7 +163,8 @@ drivers::SensorReading NidaqmxStage::read() {
   if (stopped_) panel_ = {};
   if (!stopped_) reading_.time_us = now_us;
   if (!complete) return reading_;
-  if (config_.relay_contact) panel_.relay_closed = volts_[config_.second_laser ? 4 : 3] > config_.relay_contact->closed_V;
+  if (config_.relay_contact)
+    panel_.relay_closed = volts_[config_.second_laser ? 4 : 3] > config_.relay_contact->closed_V;
   panel_.read = panel_task_.has_value();
   const Laser& laser = config_.laser;
   const double step_V = (laser.input.high_V - laser.input.low_V) / kCodes;
@@ -190,7 +191,8 @@ std::int32_t NidaqmxStage::write(const safety::GatedVoltage& voltage) {
       daqmx_.write_analog_scalar_f64(output_->handle(), 0, config_.timeout_s, command_V, nullptr);
   // Unlike a missed reading, a missed voltage stays on the converter.
   if (!is_good(status)) stop_for_good();
-  write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_ && voltage.feeds_interlock(), voltage.brake_on());
+  write_lines(on && !stopped_, fresh_ && feeding_ && !stopped_ && voltage.feeds_interlock(),
+              voltage.brake_on());
   return is_good(status) ? rounded(command_V * config_.command.kV_per_V * 1e6) : 0;
 }
 

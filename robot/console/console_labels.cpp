@@ -43,7 +43,12 @@ std::string sentence(Hazard hazard) {
 }
 
 std::string code_of(Hazard hazard) {
-  return fmt::format("E-{}", 200 + static_cast<int>(hazard));
+  // Hazards that came later have the numbers after those that were there: a code keeps its meaning.
+  const int place = static_cast<int>(hazard);
+  if (hazard == Hazard::InterlockStuck) return "E-233";
+  if (hazard == Hazard::PanelUntested) return "E-234";
+  return fmt::format("E-{}",
+                     200 + place - (hazard > Hazard::InterlockStuck) - (hazard > Hazard::PanelUntested));
 }
 
 Alarm alarm(Severity severity, std::string code, std::string what, std::string robot_did, std::string to_do) {
@@ -55,6 +60,8 @@ const char* what_to_do_stopped(Hazard hazard) {
     case Hazard::EStop:
     case Hazard::EStopDisagrees:
       return "Find out why it was pressed, release it, then Reset.";
+    case Hazard::InterlockStuck:
+      return "Do not use this stage: have the interlock's relay and its timers repaired.";
     case Hazard::LogBacklog:
       return "Check the disk of the log, then Reset.";
     default:
@@ -65,6 +72,11 @@ const char* what_to_do_stopped(Hazard hazard) {
 const char* what_to_do(Hazard hazard) {
   switch (hazard) {
     case Hazard::PatientMotion:
+      return "Retract, take a new image and plan anew.";
+    case Hazard::PanelUntested:
+      return "Press the emergency stop, release it, then turn the reset key: once in a session.";
+    case Hazard::InterlockStuck:
+      return "Do not use this stage: have the interlock's relay and its timers repaired.";
     case Hazard::StepDepth:
       return "Release, look at the image, then press again or Retract.";
     case Hazard::EStop:

@@ -95,6 +95,7 @@ OperatorSession::Answer OperatorSession::on(const commands::ConfirmPlan& command
   if (!is_displayed(command.seal)) return refusal(command.id, Refused::OldPlan);
   if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
   confirmed_ = true;
+  patient_motion_um_ = 0;
   ++version_;
   return done(command.id);
 }

@@ -10,6 +10,7 @@
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/operator_run.hpp"
+#include "robot/procedure/images/patient_motion.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/run_metrics.hpp"
@@ -115,6 +116,7 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   if (now_us < retract_until_us_) inputs.stop = StopCategory::C1Ramp;
   if (now_us < stop_until_us_ || standing_stop_) inputs.stop = StopCategory::C0Off;
   inputs.finish = finish_;
+  inputs.patient_motion_um = patient_motion_um_;
   if (run_) {
     inputs.acquiring = run_->acquiring_us.has_value();
     inputs.hold_still = run_->locking || inputs.acquiring;
@@ -245,6 +247,8 @@ void OperatorSession::update_image() {
   report::StepResult checked = run_->check.get();
   report::StepResult& noted = run_->notes.record().steps[*run_->imaged];
   noted.check = checked.check;
+  if (checked.check) patient_motion_um_ = patient_motion_um(*checked.check);
+  adjusts_ = adjusts_ || patient_motion_um_ > 1e3 * kPatientMotionMax_mm;
   noted.image_path = checked.image_path;
   noted.before = std::move(checked.before);
   noted.after = std::move(checked.after);

@@ -116,6 +116,7 @@ class OperatorSession {
   bool measured_ = false, silent_ = false;
   std::int64_t now_us_ = 0, mode_since_us_ = 0;
   std::int64_t arm_until_us_ = 0, reset_until_us_ = 0, stop_until_us_ = 0, retract_until_us_ = 0;
+  std::int32_t patient_motion_um_ = 0;  // since the plan's image; until a plan is confirmed anew
   bool stopped_ = false, finish_ = false, adjusts_ = false;
   // STOP while no high voltage was on: a request that stands until Reset takes it back. (Under voltage the
   // supervisor itself latches, as Trip.)

@@ -23,9 +23,10 @@ struct OperatorInputs {
   bool finish = false;          // withdraw: the procedure is over
   bool depth_accepted = false;  // the depth check of `accepted_step` said Accept
   std::uint32_t accepted_step = 0;
-  std::uint32_t accepted_session = 0, accepted_since_seq = 0;  // of the permit when its image began to be taken
-  bool acquiring = true;    // the scanner takes an image
-  bool hold_still = false;  // an image is wanted: lock the needle and take the voltage away
+  std::uint32_t accepted_session = 0,
+                accepted_since_seq = 0;  // of the permit when its image began to be taken
+  bool acquiring = true;                 // the scanner takes an image
+  bool hold_still = false;               // an image is wanted: lock the needle and take the voltage away
   std::int32_t patient_motion_um = safety::kUnknown;
 
   // Nobody asks for anything and all is well: E-stop released, no image, patient at rest.

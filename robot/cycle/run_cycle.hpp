@@ -10,8 +10,8 @@
 #include "robot/cycle/actuate.hpp"
 #include "robot/cycle/operator_inputs.hpp"
 #include "robot/cycle/supervise.hpp"
-#include "safety/interlock.hpp"
 #include "robot/msg/plan.hpp"
+#include "safety/interlock.hpp"
 
 namespace biopsy::robot {
 
@@ -28,8 +28,8 @@ using Controller = std::function<DriveRequest(const Measurement&, const safety::
 
 class ControlCycle {
  public:
-  // `stage` must outlive this. `confirmed`: the plan tags that two people confirmed. Begins after a person tested the
-  // panel.
+  // `stage` must outlive this. `confirmed`: the plan tags that two people confirmed. Begins after a person
+  // tested the panel.
   ControlCycle(const Plan& plan, const safety::PlanFacts& facts, drivers::NeedleStage& stage,
                const std::array<std::uint64_t, 2>& confirmed);
 
@@ -51,7 +51,7 @@ class ControlCycle {
   FaultHooks* faults_ = nullptr;
   drivers::GatedStage stage_;
   SupervisorMemory supervisor_;
-  DriveRequest request_;      // of the last tick
+  DriveRequest request_;     // of the last tick
   safety::Interlock relay_;  // as hardware has it
   std::int64_t ticks_ = 0;
 };

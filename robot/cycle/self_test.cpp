@@ -14,8 +14,9 @@ constexpr bool names(const Evidence& evidence, Hazard hazard) {
 bool treats_unknown_as_hazard(const TestedFunctions& tested) {
   EvidenceMemory memory;
   const Evidence nothing = tested.assess(PlanFacts{}, memory, SupervisorInputs{});
-  for (const Hazard hazard : {Hazard::EStop, Hazard::SecondWriter, Hazard::PlanChanged, Hazard::ConfigChanged,
-                              Hazard::PlanUnconfirmed, Hazard::LogBacklog, Hazard::WrongAnswer, Hazard::PanelUntested})
+  for (const Hazard hazard :
+       {Hazard::EStop, Hazard::SecondWriter, Hazard::PlanChanged, Hazard::ConfigChanged,
+        Hazard::PlanUnconfirmed, Hazard::LogBacklog, Hazard::WrongAnswer, Hazard::PanelUntested})
     if (!names(nothing, hazard)) return false;
   return !nothing.zero_volts && !nothing.needle_home;
 }

@@ -1,6 +1,7 @@
 // The needle's position as measured in an image, independently of the laser.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "robot/common/units.hpp"
@@ -26,9 +27,10 @@ struct DepthCheck {
   double tip_offset_mm = 0.0, tip_offset_sigma_mm = 0.0;
   // Patient motion from before to after: p_after = rotation * (p_before - entry) + entry + shift (LPS mm).
   double shift_mm[3] = {0, 0, 0};
-  double rotation_deg[3] = {0, 0, 0};  // rotation vector, LPS axes
-  double registration_score = 0.0;     // correlation after registration, 1 = identical
-  double contrast_to_noise = 0.0;      // of the change along the path
+  double rotation_deg[3] = {0, 0, 0};            // rotation vector, LPS axes
+  std::optional<double> patient_motion_mm = {};  // of entry or planned tip, the larger; none: not known
+  double registration_score = 0.0;               // correlation after registration, 1 = identical
+  double contrast_to_noise = 0.0;                // of the change along the path
 };
 
 }  // namespace biopsy

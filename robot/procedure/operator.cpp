@@ -30,7 +30,8 @@ void Operator::give_up(const std::string& reason) {
   if (stopped_because_.empty()) stopped_because_ = reason;
 }
 
-void Operator::judge(DepthVerdict verdict, const std::string& reason) {
+void Operator::judge(DepthVerdict verdict, const std::string& reason, std::int32_t patient_motion_um) {
+  patient_motion_um_ = patient_motion_um;
   judged_ = true;
   accepted_ = verdict == DepthVerdict::Accept;
   if (verdict == DepthVerdict::Unsure && repeated_images_ < kRepeatedImagesMax) {
@@ -142,6 +143,7 @@ OperatorInputs Operator::act(const CycleRecord& seen, std::int64_t tick) {
   imaging_ = inputs.acquiring;
   inputs.hold_still = phase_ == Phase::Lock || inputs.acquiring;
   inputs.finish = phase_ == Phase::Withdraw;
+  inputs.patient_motion_um = patient_motion_um_;
   inputs.depth_accepted = accepted_;
   inputs.accepted_step = accepted_step_;
   inputs.accepted_session = imaged_under_.session;

@@ -25,7 +25,8 @@ class Operator {
 
   // The image of the present step is complete: it must be judged before the next act().
   bool wants_verdict() const { return phase_ == Phase::Judge; }
-  void judge(DepthVerdict verdict, const std::string& reason);
+  // `patient_motion_um`: since the plan's image, as this one shows it.
+  void judge(DepthVerdict verdict, const std::string& reason, std::int32_t patient_motion_um = 0);
 
   bool done() const { return phase_ == Phase::Done; }
   bool completed() const { return completed_; }
@@ -63,6 +64,7 @@ class Operator {
   std::uint32_t accepted_step_ = 0;
   Permit imaged_under_;  // in force when the last image began to be taken
   bool imaging_ = false;
+  std::int32_t patient_motion_um_ = 0;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0, repeated_images_ = 0;
   std::string stopped_because_;

@@ -13,6 +13,7 @@
 #include "robot/procedure/fault_notes.hpp"
 #include "robot/procedure/images/anatomical_orientation.hpp"
 #include "robot/procedure/images/confirmation_image.hpp"
+#include "robot/procedure/images/patient_motion.hpp"
 #include "robot/procedure/images/slice_geometry.hpp"
 #include "robot/procedure/link_faults.hpp"
 #include "robot/procedure/operator.hpp"
@@ -134,7 +135,8 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     if (check.valid() && check.wait_for(std::chrono::seconds(0)) != std::future_status::timeout) {
       report::StepResult& result = record.steps[inputs.accepted_step];
       result = check.get();
-      person.judge(result.check->verdict, "depth check: " + result.check->reason);
+      person.judge(result.check->verdict, "depth check: " + result.check->reason,
+                   patient_motion_um(*result.check));
       inputs.acquiring = false;
     }
     if (stop.stop_requested()) {

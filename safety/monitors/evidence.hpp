@@ -25,18 +25,18 @@ namespace biopsy::safety {
 
 // Default-constructed: nothing is known to be absent, nothing is zero, nothing may happen.
 struct Evidence {
-  HazardSet clear = 0;          // bit set: this hazard was looked for and is absent
-  bool zero_volts = false;      // command and monitor below 100 V, three ticks in a row
-  bool needle_home = false;     // depth measured and below 1 mm
-  bool needle_back = false;     // and within 0.1 mm of where it waits
-  bool image_disturbed = true;  // the drive switched while an image was taken: flag the image
-  bool locked = false;          // the brake has the needle
-  bool still = false;           // and it has not moved, for no longer than it may last, at 0 V
+  HazardSet clear = 0;           // bit set: this hazard was looked for and is absent
+  bool zero_volts = false;       // command and monitor below 100 V, three ticks in a row
+  bool needle_home = false;      // depth measured and below 1 mm
+  bool needle_back = false;      // and within 0.1 mm of where it waits
+  bool image_disturbed = true;   // the drive switched while an image was taken: flag the image
+  bool locked = false;           // the brake has the needle
+  bool still = false;            // and it has not moved, for no longer than it may last, at 0 V
   bool interlock_opens = false;  // proven in Boot, on the driver's timer alone
-  bool estop_reset = false;     // the reset key released the emergency stop in this tick
-  std::int32_t elapsed_ms = 1;  // on the supervisor's clock since the last tick
-  std::int32_t drive_mV = 0;    // |V| the gate put out last
-  std::int32_t ceiling_mV = 0;  // no rise beyond: the pull would lead the needle's response
+  bool estop_reset = false;      // the reset key released the emergency stop in this tick
+  std::int32_t elapsed_ms = 1;   // on the supervisor's clock since the last tick
+  std::int32_t drive_mV = 0;     // |V| the gate put out last
+  std::int32_t ceiling_mV = 0;   // no rise beyond: the pull would lead the needle's response
 
   constexpr HazardSet hazards() const { return ~clear & kAllHazards; }
 };

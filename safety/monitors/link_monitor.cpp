@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t kMillisecond_us = 1'000;
 
-// Our own clock: every call is one tick. What a tick exceeds its milliseconds by is counted in the next one; a clock that
-// cannot be trusted counts a millisecond a tick.
+// Our own clock: every call is one tick. What a tick exceeds its milliseconds by is counted in the next one;
+// a clock that cannot be trusted counts a millisecond a tick.
 HazardSet check_clock(LinkMonitor& monitor, const SupervisorInputs& seen, std::int32_t& elapsed_ms) {
   const bool sound = monitor.clock_read && is_sound_step(monitor.now_us, seen.now_us);
   const std::int64_t since_us = sound ? seen.now_us - monitor.counted_us : kMillisecond_us;

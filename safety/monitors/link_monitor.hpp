@@ -36,7 +36,7 @@ struct LinkMonitor {
 
 struct LinkFindings {
   HazardSet found = 0;
-  bool fresh = false;  // the measurement is new and may be used
+  bool fresh = false;           // the measurement is new and may be used
   std::int32_t elapsed_ms = 1;  // on the supervisor's clock since the last tick
 };
 

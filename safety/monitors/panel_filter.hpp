@@ -1,6 +1,6 @@
-// Contacts of keys and buttons bounce, and a wire beside a kilovolt edge picks up spikes: a contact counts as closed once it
-// was closed for kContact_ticks without a break, and as open at once. Open is the safe side of every one of them: no
-// key turned, emergency stop pressed, no bench confirmed.
+// Contacts of keys and buttons bounce, and a wire beside a kilovolt edge picks up spikes: a contact counts as
+// closed once it was closed for kContact_ticks without a break, and as open at once. Open is the safe side of
+// every one of them: no key turned, emergency stop pressed, no bench confirmed.
 #pragma once
 
 #include <cstdint>

@@ -26,10 +26,12 @@ void advance(PanelMonitor& monitor, const SupervisorInputs& seen, bool turned) {
   if (monitor.test == Test::None && closed) monitor.test = Test::Closed;
   if (monitor.test == Test::Closed && open) monitor.test = Test::Pressed;
   if (monitor.test == Test::Passed && open) monitor.test = Test::Pressed;  // a press tests as well
-  if (monitor.test == Test::Pressed && closed && turned) monitor.test = Test::Passed, monitor.tested_us = seen.now_us;
+  if (monitor.test == Test::Pressed && closed && turned)
+    monitor.test = Test::Passed, monitor.tested_us = seen.now_us;
 }
 
-HazardSet check_relay(PanelMonitor& monitor, const SupervisorInputs& seen, bool answers, PanelFindings& findings) {
+HazardSet check_relay(PanelMonitor& monitor, const SupervisorInputs& seen, bool answers,
+                      PanelFindings& findings) {
   const Mode mode = seen.permit.mode;
   const bool fed_by_both = mode == Mode::Ready || hv_permitted(mode);
   monitor.relay_ticks = debounced(monitor.relay_ticks, seen.relay_closed != fed_by_both, kRelay_ticks + 1);
@@ -51,10 +53,10 @@ PanelFindings update(PanelMonitor& monitor, const SupervisorInputs& seen, bool a
   findings.reset = !pressed && turned && (monitor.pressed || monitor.tested_us == seen.now_us);
   if (pressed) monitor.pressed = true;
   if (!pressed && turned) monitor.pressed = false;
-  const bool due = !hv_permitted(seen.permit.mode) &&
-                   !is_less_than_after(monitor.tested_us, seen.now_us, kPanelTest_us);
-  findings.found |= when(monitor.pressed, Hazard::EStop) |
-                    when(monitor.test != Test::Passed || due, Hazard::PanelUntested);
+  const bool due =
+      !hv_permitted(seen.permit.mode) && !is_less_than_after(monitor.tested_us, seen.now_us, kPanelTest_us);
+  findings.found |=
+      when(monitor.pressed, Hazard::EStop) | when(monitor.test != Test::Passed || due, Hazard::PanelUntested);
   return findings;
 }
 

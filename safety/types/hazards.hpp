@@ -144,8 +144,9 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::PlanUnconfirmed, StopCategory::C1Ramp, 1, "H-19 plan lacks its two confirmations", "R-30",
      Monitor::Link,
      "two confirmations of this very plan are missing; for a bench plan also no patient and no needle"},
-    {Hazard::PanelUntested, StopCategory::C1Ramp, 1, "H-45 emergency stop and reset key are not tested", "R-66",
-     Monitor::Link, "both contacts seen open, closed again and the reset key turned: not since the start, or not "
+    {Hazard::PanelUntested, StopCategory::C1Ramp, 1, "H-45 emergency stop and reset key are not tested",
+     "R-66", Monitor::Link,
+     "both contacts seen open, closed again and the reset key turned: not since the start, or not "
      "for a day"},
     {Hazard::StepDepth, StopCategory::C2Hold, 2, "H-01 needle would pass the depth of its step", "R-31",
      Monitor::Depth, "stopping point beyond the step's depth + 0.5 mm, 2 samples"},

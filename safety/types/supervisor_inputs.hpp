@@ -36,9 +36,9 @@ struct SupervisorInputs {
   std::int32_t log_backlog_ms = kUnknown;  // age of the oldest record that is not on disk
   std::uint64_t plan_tag = 0, config_tag = 0;  // as recomputed from what is in use now
 
-  // Panel on the device: levels, as safety/monitors/panel_filter.hpp passes them. The supervisor takes the rising
-  // edges of the keys.
-  bool panel_read = false;  // within the last kPanelRead_us; unread counts as the emergency stop pressed
+  // Panel on the device: levels, as safety/monitors/panel_filter.hpp passes them. The supervisor takes the
+  // rising edges of the keys.
+  bool panel_read = false;    // within the last kPanelRead_us; unread counts as the emergency stop pressed
   bool relay_closed = false;  // feedback contact of the interlock
   bool estop_a_closed = false, estop_b_closed = false;  // both closed = not pressed
   bool local_arm = false, local_reset = false;
@@ -51,7 +51,8 @@ struct SupervisorInputs {
   std::array<std::uint64_t, 2> confirmed_tag{};   // plan tags that two separate confirmations were given for
   bool depth_accepted = false;                    // level: the depth check of `accepted_step` says Accept
   std::uint32_t accepted_step = 0;
-  std::uint32_t accepted_session = 0, accepted_since_seq = 0;  // of the permit when its image began to be taken
+  std::uint32_t accepted_session = 0,
+                accepted_since_seq = 0;  // of the permit when its image began to be taken
 
   // Patient and scanner
   bool acquiring = true;                       // the scanner is taking an image

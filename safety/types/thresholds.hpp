@@ -24,7 +24,8 @@ inline constexpr std::int64_t kStageLate_us = 1'750;
 inline constexpr std::int32_t kEStopDisagree_ticks = 20;  // safety concept: two contacts of one button
 // Contacts bounce for a few ms: closed is what was closed for 20 ms, open is what is open once.
 inline constexpr std::int32_t kContact_ticks = 20;
-inline constexpr std::int64_t kPanelRead_us = 20'000;  // as late as the interlock's timers, which cannot read it
+inline constexpr std::int64_t kPanelRead_us =
+    20'000;  // as late as the interlock's timers, which cannot read it
 // The interlock's 20 ms, two periods of its own and a permit's life on the bus.
 inline constexpr std::int32_t kRelay_ticks = 30;
 // A day's work: what failed since the last press is found before the next day's first patient.

@@ -114,7 +114,8 @@ void safety_run(const Biopsy& biopsy, const Record& record) {
     in.measurement = record.ticks[k].measurement;
     in.writers = 1;
     in.panel = {robot::panel_levels(record.inputs[k]), true};
-    in.panel.levels.relay_closed = supervisor.permit.mode == Mode::Ready || safety::hv_permitted(supervisor.permit.mode);
+    in.panel.levels.relay_closed =
+        supervisor.permit.mode == Mode::Ready || safety::hv_permitted(supervisor.permit.mode);
     in.act = {robot::operator_act(record.inputs[k]), in.now_us};
     in.log.at_us = in.now_us;
     in.verdict = robot::depth_verdict(record.inputs[k], tag);

@@ -21,8 +21,9 @@ std::unique_ptr<drivers::HardwareNeedleStage> open_commissioned_stage(
     throw ConfigError("no keys and no emergency stop are wired", config.string(),
                       "wire them and add [panel]: arming takes a key on the device");
   if (!stage->has_relay_contact())
-    throw ConfigError("the interlock's relay is not read back", config.string(),
-                      "wire its feedback contact and add [relay_contact]: a relay that does not open must be seen");
+    throw ConfigError(
+        "the interlock's relay is not read back", config.string(),
+        "wire its feedback contact and add [relay_contact]: a relay that does not open must be seen");
   return stage;
 }
 

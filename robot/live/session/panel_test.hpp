@@ -1,5 +1,5 @@
-// The person at the panel of a simulated device: tests it once in each session of the supervisor, as a person does on
-// hardware. Presses the emergency stop, releases it and turns the reset key.
+// The person at the panel of a simulated device: tests it once in each session of the supervisor, as a person
+// does on hardware. Presses the emergency stop, releases it and turns the reset key.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@ namespace biopsy::robot {
 
 class PanelTest {
  public:
-  // What the contacts show at `now_us`: during the test the person's hand, otherwise `asked`. `session`: of the supervisor's
-  // last decision; 0: none yet.
+  // What the contacts show at `now_us`: during the test the person's hand, otherwise `asked`. `session`: of
+  // the supervisor's last decision; 0: none yet.
   digital_io::PanelLevels levels(digital_io::PanelLevels asked, std::uint32_t session, std::int64_t now_us) {
     if (session == 0) return asked;
     if (session != session_) session_ = session, began_us_ = now_us;

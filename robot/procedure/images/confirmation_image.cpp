@@ -9,6 +9,7 @@
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/procedure/images/image_objection.hpp"
+#include "robot/procedure/images/patient_motion.hpp"
 #include "robot/procedure/images/slice_geometry.hpp"
 #include "sim/plant/seeded_noise.hpp"
 #include "sim/scanner/dicom_series.hpp"
@@ -121,6 +122,8 @@ void ConfirmationImages::check(std::size_t step, const Volume& after, report::St
   imaging::DepthCheckPictures pictures;
   result.check = imaging::check_depth(prepared_.image, after, plan_.X_SR.translation(),
                                       plan_.X_SR.linear().col(2), settings, &pictures);
+  judge_patient_motion(*result.check, plan_.X_SR.linear().col(2), plan_.steps[step].depth,
+                       settings.registration_min);
   result.before = pictures.before.picture;
   result.after = pictures.after.picture;
   if (pictures.after.picture.width > 0) result.geometry = geometry_of(pictures.after);

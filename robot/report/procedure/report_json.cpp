@@ -34,6 +34,7 @@ Json check_json(const DepthCheck& check) {
       {"tip_offset_sigma_mm", number(check.tip_offset_known ? check.tip_offset_sigma_mm : kUnknown)},
       {"shift_mm", triple(check.shift_mm)},
       {"rotation_deg", triple(check.rotation_deg)},
+      {"patient_motion_mm", number(check.patient_motion_mm.value_or(kUnknown))},
       {"registration_score", number(check.registration_score)},
       {"contrast_to_noise", number(check.contrast_to_noise)},
   };

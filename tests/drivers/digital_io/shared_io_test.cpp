@@ -148,7 +148,8 @@ TEST_F(SharedIoFile, APanelThatTheDriverHasNotReadForTwentyMillisecondsIsUnread)
   panel.set({.arm_key = true, .estop_a_closed = true, .estop_b_closed = true});
   EXPECT_FALSE(reader.panel(kNow_ns).read) << "never";
   stage.mark_panel_read(kNow_ns);
-  for (const std::int64_t later_ns : {0L, 19'999'999L, -19'999'999L}) EXPECT_TRUE(reader.panel(kNow_ns + later_ns).read);
+  for (const std::int64_t later_ns : {0L, 19'999'999L, -19'999'999L})
+    EXPECT_TRUE(reader.panel(kNow_ns + later_ns).read);
   for (const std::int64_t later_ns : {20'000'000L, -20'000'000L, 1'000'000'000L}) {
     EXPECT_FALSE(reader.panel(kNow_ns + later_ns).read);
     EXPECT_EQ(reader.panel(kNow_ns + later_ns).levels, PanelLevels{}) << "keys off, emergency stop pressed";

@@ -144,12 +144,27 @@ TEST(BenchByHand, WithFrictionTheSeenPushesAreDatedRightly) {
 }
 
 // The stage behind the paper's figures: guide, retained charge, a reading that is late, and damping that lets
-// plate A follow its spring with 26 ms.
-TEST(BenchByHand, OnTheCalibratedStageTheyAreSeen) {
+// plate A follow its spring with 26 ms. Forty hands, not three: of 160
+// changes of load up to one in eight is dated wrongly there, by up to 2.1 s.
+TEST(BenchByHand, OnTheCalibratedStageMostAreSeenAndOneInEightIsDatedWrongly) {
   sim::PlantModel model = sim::read_model(source_dir() / "sim/models/calibrated.toml");
   model.weight = 0.050;
-  EXPECT_GE(seen_in_three_loads(model, {.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5}, 0.08),
-            9U);
+  const BenchSetup setup{.weight = Grams(50.0), .drive_scale = 2.0, .push_scale = 2.5};
+  int seen = 0, wrong = 0, changes = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    ByHand played = played_by_hand("load", model, seed, 3.0, setup);
+    const std::vector<HandPush> pushes = dated(played.result.recorded);
+    ASSERT_EQ(pushes.size(), 4U) << played.result.stopped_because;
+    for (std::size_t i = 0; i < pushes.size(); ++i) {
+      ++changes;
+      if (!pushes[i].seen) continue;
+      ++seen;
+      const double off_s = pushes[i].began_s + played.first_row_s - played.began_s[i] - kLaidOver_s / 2;
+      wrong += std::abs(off_s) > 0.1;
+    }
+  }
+  EXPECT_GE(seen, changes * 3 / 4) << "seen " << seen << ", wrong " << wrong << " of " << changes;
+  EXPECT_LE(wrong, changes / 8) << "seen " << seen << ", wrong " << wrong << " of " << changes;
 }
 
 // The withdrawal is not taken for a weight that was lifted off.

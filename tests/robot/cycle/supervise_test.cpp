@@ -72,12 +72,12 @@ using Supervise = Supervisor;
 TEST_F(Supervise, GivesEachPanelLevelToItsOwnInput) {
   verifies("R-03", "R-04");
   bool digital_io::PanelLevels::*const levels[] = {
-      &digital_io::PanelLevels::arm_key, &digital_io::PanelLevels::reset_key,
+      &digital_io::PanelLevels::arm_key,        &digital_io::PanelLevels::reset_key,
       &digital_io::PanelLevels::estop_a_closed, &digital_io::PanelLevels::estop_b_closed,
-      &digital_io::PanelLevels::bench_key, &digital_io::PanelLevels::relay_closed};
+      &digital_io::PanelLevels::bench_key,      &digital_io::PanelLevels::relay_closed};
   bool safety::SupervisorInputs::*const fields[] = {
-      &safety::SupervisorInputs::local_arm, &safety::SupervisorInputs::local_reset,
-      &safety::SupervisorInputs::estop_a_closed, &safety::SupervisorInputs::estop_b_closed,
+      &safety::SupervisorInputs::local_arm,       &safety::SupervisorInputs::local_reset,
+      &safety::SupervisorInputs::estop_a_closed,  &safety::SupervisorInputs::estop_b_closed,
       &safety::SupervisorInputs::bench_confirmed, &safety::SupervisorInputs::relay_closed};
   for (std::size_t set = 0; set < std::size(levels); ++set) {
     in.panel = {{}, true};

@@ -1,5 +1,6 @@
-// Latent faults: contacts, keys, relay and timers that fail unnoticed until they are needed. What the contacts do is written
-// from a wiring diagram (two break contacts, one make contact, one relay with a feedback contact), tick by tick.
+// Latent faults: contacts, keys, relay and timers that fail unnoticed until they are needed. What the
+// contacts do is written from a wiring diagram (two break contacts, one make contact, one relay with a
+// feedback contact), tick by tick.
 #include "safety/monitors/panel_monitor.hpp"
 
 #include <gtest/gtest.h>
@@ -64,7 +65,8 @@ TEST(PanelMonitor, OneContactThatNeverOpensIsNoTest) {
     bench.tick();
     bench.contacts(a_is_stuck, !a_is_stuck), bench.tick(10);
     bench.contacts(true, true), bench.tick(), bench.turn();
-    EXPECT_EQ(bench.findings.found, bit(Hazard::PanelUntested)) << "pressed and released, and one did nothing";
+    EXPECT_EQ(bench.findings.found, bit(Hazard::PanelUntested))
+        << "pressed and released, and one did nothing";
   }
 }
 
@@ -88,8 +90,8 @@ TEST(PanelMonitor, AKeyThatWasTurnedSinceTheStartResetsNothing) {
 
 TEST(PanelMonitor, AnyPressIsLatchedInEveryStateUntilTheResetKeyIsTurned) {
   verifies("R-03");
-  for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract,
-                          Mode::Trip, Mode::Lock})
+  for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold,
+                          Mode::Retract, Mode::Trip, Mode::Lock})
     for (const bool both : {true, false}) {
       PanelBench bench(mode);
       bench.test();
@@ -145,8 +147,8 @@ TEST(PanelMonitor, EStopContactsThatAgreeAgainInTimeStartTheCountAnew) {
 
 TEST(PanelMonitor, ARelayThatIsNotWhereItsPulsesPutItIsNamedAfterThirtyTicks) {
   verifies("R-65");
-  for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract,
-                          Mode::Trip, Mode::Lock}) {
+  for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold,
+                          Mode::Retract, Mode::Trip, Mode::Lock}) {
     PanelBench bench(mode);
     bench.test();
     bench.seen.relay_closed = !bench.seen.relay_closed;
@@ -164,7 +166,8 @@ TEST(PanelMonitor, TheDriversTimerIsProvenByARelayThatStaysOpenWhileTheStageAnsw
   verifies("R-65");
   PanelBench bench(Mode::Boot);
   bench.answers = false, bench.tick(100);
-  EXPECT_FALSE(bench.findings.interlock_opens) << "a stage that does not answer may not have heard that it is to wait";
+  EXPECT_FALSE(bench.findings.interlock_opens)
+      << "a stage that does not answer may not have heard that it is to wait";
   bench.answers = true, bench.tick(29);
   EXPECT_FALSE(bench.findings.interlock_opens);
   bench.seen.relay_closed = true, bench.tick(), bench.seen.relay_closed = false, bench.tick(29);

@@ -1,4 +1,5 @@
-// Limits of time hold on the supervisor's clock, however many ticks it takes: a host that loses ticks does not hold longer.
+// Limits of time hold on the supervisor's clock, however many ticks it takes: a host that loses ticks does
+// not hold longer.
 #include <gtest/gtest.h>
 
 #include "tests/safety/monitor_bench.hpp"
@@ -28,9 +29,12 @@ TEST(ClockLimits, AreThoseOfTheClockWhateverTheTicksAre) {
   verifies("R-05");
   for (const std::int64_t dt_us : {200, 700, 1'000, 1'300, 1'999, 3'600, 4'999}) {
     const double within_ms = 2.0 + 2e-3 * static_cast<double>(dt_us);  // the tick before and the one after
-    EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Hold, dt_us, Event::HoldTooLong)), 10'000, within_ms) << dt_us;
-    EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Armed, dt_us, Event::ArmedTooLong)), 30'000, within_ms) << dt_us;
-    EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Retract, dt_us, Event::RampTooLong)), 300, within_ms) << dt_us;
+    EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Hold, dt_us, Event::HoldTooLong)), 10'000, within_ms)
+        << dt_us;
+    EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Armed, dt_us, Event::ArmedTooLong)), 30'000, within_ms)
+        << dt_us;
+    EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Retract, dt_us, Event::RampTooLong)), 300, within_ms)
+        << dt_us;
     EXPECT_NEAR(static_cast<double>(lasts_ms(Mode::Active, dt_us, Event::Stop)), 100, within_ms) << dt_us;
   }
 }

@@ -1,5 +1,5 @@
-// An accepted image lets the needle go on only from the very hold in which it was taken. Reported: an image that was accepted
-// before a hold ran out would have served the next insertion as well.
+// An accepted image lets the needle go on only from the very hold in which it was taken. Reported: an image
+// that was accepted before a hold ran out would have served the next insertion as well.
 #include <gtest/gtest.h>
 
 #include "tests/safety/situation.hpp"
@@ -21,12 +21,14 @@ struct StepsEnd : Moment {
 
 TEST(ImageBinding, AnImageThatWasBegunAfterTheArrivalLetsTheNeedleGoOn) {
   verifies("R-67");
-  for (const std::uint32_t since_seq : {60U, 61U, 69U}) EXPECT_EQ(StepsEnd(3, since_seq).event(), Event::Move);
+  for (const std::uint32_t since_seq : {60U, 61U, 69U})
+    EXPECT_EQ(StepsEnd(3, since_seq).event(), Event::Move);
 }
 
 TEST(ImageBinding, AnImageFromBeforeTheArrivalOrOfAnotherSessionOrOfNoneDoesNot) {
   verifies("R-67");
-  for (const auto& [session, since_seq] : {std::pair{3U, 59U}, {3U, 1U}, {3U, 0U}, {2U, 65U}, {4U, 65U}, {0U, 65U}}) {
+  for (const auto& [session, since_seq] :
+       {std::pair{3U, 59U}, {3U, 1U}, {3U, 0U}, {2U, 65U}, {4U, 65U}, {0U, 65U}}) {
     StepsEnd end(session, since_seq);
     EXPECT_EQ(end.event(), Event::None) << session << ' ' << since_seq;
     EXPECT_EQ(end.refusal(), Refusal::DepthNotAccepted) << session << ' ' << since_seq;

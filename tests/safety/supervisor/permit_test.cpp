@@ -71,7 +71,8 @@ TEST(Supervisor, OutputsFeedTheInterlockAndAllowImagesInTheirModesOnly) {
   for (std::size_t i = 0; i < kModes; ++i) {
     const auto mode = static_cast<Mode>(i);
     const SupervisorOutput output = stays(mode).second;
-    EXPECT_EQ(output.interlock_pulse, mode == Mode::Boot || mode == Mode::Ready || hv_permitted(mode)) << name_of(mode);
+    EXPECT_EQ(output.interlock_pulse, mode == Mode::Boot || mode == Mode::Ready || hv_permitted(mode))
+        << name_of(mode);
     EXPECT_EQ(output.image_allowed, mode != Mode::Active && mode != Mode::Retract) << name_of(mode);
     EXPECT_FALSE(output.image_disturbed);
     EXPECT_EQ(output.event, Event::None) << name_of(mode);

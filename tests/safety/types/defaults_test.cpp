@@ -47,8 +47,8 @@ TEST(Defaults, OfASupervisorAreBootWithBothKeysTakenAsHeld) {
   EXPECT_EQ(state.reason, Hazard::None);
   EXPECT_TRUE(state.arm_was_down && state.reset_was_down);
   EXPECT_EQ(state.epoch, 1U);
-  EXPECT_TRUE(are_zero(state.step_done, state.session, state.seq, state.token, state.step,
-                       state.ms_in_mode, state.ms_since_held, state.held_mV));
+  EXPECT_TRUE(are_zero(state.step_done, state.session, state.seq, state.token, state.step, state.ms_in_mode,
+                       state.ms_since_held, state.held_mV));
   EXPECT_EQ(started(6).session, 6U);
 }
 
@@ -87,10 +87,9 @@ TEST(Defaults, OfAPlanPlanNothing) {
 
 TEST(Defaults, OfTheLinkMonitorTakeAllForSilentAndNothingForProven) {
   const LinkMonitor monitor;
-  EXPECT_TRUE(are_zero(monitor.clock_read, monitor.now_us, monitor.counted_us, monitor.seq, monitor.stage_us, monitor.order_score,
-                       monitor.answered_seq, monitor.request_seq, monitor.overruns, monitor.miss_score,
-                       monitor.residual_ticks,
-                       monitor.plan_plausible));
+  EXPECT_TRUE(are_zero(monitor.clock_read, monitor.now_us, monitor.counted_us, monitor.seq, monitor.stage_us,
+                       monitor.order_score, monitor.answered_seq, monitor.request_seq, monitor.overruns,
+                       monitor.miss_score, monitor.residual_ticks, monitor.plan_plausible));
   for (const std::int32_t silent : {monitor.stale_ticks, monitor.silent_ticks, monitor.answer_score})
     EXPECT_EQ(silent, 4);
   EXPECT_TRUE(are_zero(LinkFindings{}.found, LinkFindings{}.fresh));
@@ -98,8 +97,8 @@ TEST(Defaults, OfTheLinkMonitorTakeAllForSilentAndNothingForProven) {
 
 TEST(Defaults, OfThePanelMonitorTakeAllForUntested) {
   const PanelMonitor monitor;
-  EXPECT_TRUE(are_zero(static_cast<int>(monitor.test), monitor.tested_us, monitor.pressed, monitor.differs_ticks,
-                       monitor.differed, monitor.relay_ticks, monitor.open_ticks));
+  EXPECT_TRUE(are_zero(static_cast<int>(monitor.test), monitor.tested_us, monitor.pressed,
+                       monitor.differs_ticks, monitor.differed, monitor.relay_ticks, monitor.open_ticks));
   EXPECT_TRUE(monitor.reset_was_down);
   const PanelFindings findings;
   EXPECT_TRUE(are_zero(findings.found, findings.reset, findings.interlock_opens));

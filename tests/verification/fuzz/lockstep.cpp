@@ -39,7 +39,8 @@ void corrupt(Feed& feed, safety::SupervisorInputs& s) {
     case 5:
       return fill(feed, s.permit);
     case 6:
-      return feed.fill(s.now_us, s.writers, s.estop_a_closed, s.estop_b_closed, s.panel_read, s.relay_closed, s.acquiring);
+      return feed.fill(s.now_us, s.writers, s.estop_a_closed, s.estop_b_closed, s.panel_read, s.relay_closed,
+                       s.acquiring);
     default:
       return feed.fill(s.log_backlog_ms, s.patient_motion_um, s.tissue_residual_um, s.plan_tag, s.config_tag,
                        s.confirmed_tag[0], s.bench_confirmed);

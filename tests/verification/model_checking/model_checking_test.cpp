@@ -125,8 +125,8 @@ TEST(Counterexample, OfASeededBugIsATraceTickByTick) {
        4 ms  active | voltage measured, controller reached this step -> hold (step reached), step 1 done, up to 0 V
        5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), step 2, up to 0 V, may rise
        6 ms  active | voltage measured, controller reached this step -> hold (step reached), step 2 done, up to 0 V
-       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another step -> active (motion button pressed), step 3, up to 0 V, may rise
-  broken:    depth-check: Past a step that an image confirms only with the depth check of that very step.
+       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another step, image from 7 -> active (motion button pressed), step 3, up to 0 V, may rise
+  broken:    depth-check: Past a step that an image confirms only with a depth check of that very step and hold.
 )");
 }
 

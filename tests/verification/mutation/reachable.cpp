@@ -24,8 +24,8 @@ struct Stepped {
   std::uint64_t digest() const {
     Hash hash;
     hash.add(next.mode, next.last_event, next.reason, next.step_done, next.arm_was_down, next.reset_was_down,
-             next.session, next.epoch, next.seq, next.token, next.step, next.ms_in_mode,
-             next.ms_since_held, next.held_mV);
+             next.session, next.epoch, next.seq, next.token, next.step, next.ms_in_mode, next.ms_since_held,
+             next.held_mV);
     const Permit& p = output.permit;
     hash.add(p.session, p.epoch, p.seq, p.issued_us, p.ttl_us, p.mode, p.stop, p.hv_enable, p.v_max_mV,
              p.slew_up_mV_per_tick, p.depth_max_um, p.plan_tag, p.config_tag, p.challenge);

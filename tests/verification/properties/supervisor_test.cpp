@@ -78,8 +78,8 @@ RC_GTEST_PROP(Evidence, IsWhatTheObservationSays, ()) {
   for (int tick = 0; tick < 8; ++tick) {
     safety::SupervisorInputs seen;
     fuzz::fill(feed, seen.measurement), fuzz::fill(feed, seen.request), fuzz::fill(feed, seen.permit);
-    feed.fill(seen.now_us, seen.panel_read, seen.local_reset, seen.estop_a_closed, seen.estop_b_closed, seen.log_backlog_ms,
-              seen.patient_motion_um);
+    feed.fill(seen.now_us, seen.panel_read, seen.local_reset, seen.estop_a_closed, seen.estop_b_closed,
+              seen.log_backlog_ms, seen.patient_motion_um);
     seen.writers = *rc::gen::element(0, 1, 1, 2);
     seen.plan_tag = *rc::gen::element(plan.plan_tag, std::uint64_t{0}, std::uint64_t{1});
     seen.config_tag = *rc::gen::element(plan.config_tag, std::uint64_t{0}, std::uint64_t{1});

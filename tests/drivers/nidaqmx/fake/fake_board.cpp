@@ -57,8 +57,8 @@ std::map<void*, std::unique_ptr<BoardTask>> tasks;
 std::vector<Failure> failures;
 char driver_text[256] = "no error";
 
-// Live, the two boards belong to two processes. The relay, which hears both, is then a word in a file that both map:
-// when the supervisor's pulse last changed. Null where the test names no file.
+// Live, the two boards belong to two processes. The relay, which hears both, is then a word in a file that
+// both map: when the supervisor's pulse last changed. Null where the test names no file.
 std::atomic<std::int64_t>* shared_relay() {
   static std::atomic<std::int64_t>* const word = []() -> std::atomic<std::int64_t>* {
     const char* file = std::getenv("FAKE_NIDAQMX_RELAY");

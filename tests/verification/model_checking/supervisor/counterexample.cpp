@@ -52,7 +52,8 @@ std::string input_text(const SupervisorState& state, const Situation& input) {
   if (input.request.step_reached) say(fmt::format("controller reached {}", step_text(input.request.step)));
   if (input.request.finished) say("controller finished");
   if (input.depth_accepted)
-    say(fmt::format("depth check accepts {}, image from {}", step_text(input.accepted_step), input.accepted_since_seq));
+    say(fmt::format("depth check accepts {}, image from {}", step_text(input.accepted_step),
+                    input.accepted_since_seq));
   if (input.evidence.drive_mV != 0) say(fmt::format("{} V on the drive", input.evidence.drive_mV / 1'000));
   return words;
 }

@@ -36,8 +36,7 @@ std::int32_t envelope_mV(const PlanFacts& plan, const SupervisorState& state, co
       return state.held_mV;
     case Mode::Retract:
       return static_cast<std::int32_t>(std::int64_t{state.held_mV} *
-                                       std::max(kEnvelopeGone_ms - state.ms_in_mode, 0) /
-                                       kEnvelopeGone_ms);
+                                       std::max(kEnvelopeGone_ms - state.ms_in_mode, 0) / kEnvelopeGone_ms);
     case Mode::Boot:
     case Mode::Safe:
     case Mode::Ready:

@@ -116,8 +116,8 @@ void InputSpace::set_worse(Mode mode) {
   of(Dimension::Hazards) = more_hazards(hazards_);
   of(Dimension::Stop) = {{0, 1}, {1, 2}, {2, 3}};
   of(Dimension::Motion) = worse_motions(mode);
-  for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey, Dimension::NeedleHome,
-                            Dimension::Image, Dimension::Brake, Dimension::NeedleBack})
+  for (const Dimension d : {Dimension::ZeroVolts, Dimension::ArmKey, Dimension::ResetKey,
+                            Dimension::NeedleHome, Dimension::Image, Dimension::Brake, Dimension::NeedleBack})
     of(d) = chain_down(size_of(d));
   of(Dimension::Drive) = size_of(Dimension::Drive) == 4
                              ? std::vector<Worsening>{{3, 1}, {3, 2}, {1, 0}, {2, 0}}

@@ -138,8 +138,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
     {"silence-is-counted", "Without a heartbeat the silence grows by a tick; only a heartbeat ends it.",
      [](const Step& s) {
        const std::int32_t silent = std::min(s.before.ms_since_held + 1, kSilence_ms);
-       return Finding{s.after.mode == Mode::Active,
-                      s.after.ms_since_held == (is_heartbeat(s) ? 0 : silent)};
+       return Finding{s.after.mode == Mode::Active, s.after.ms_since_held == (is_heartbeat(s) ? 0 : silent)};
      }},
     {"silence-stops", "A console silent for 100 ms ends Active.",
      [](const Step& s) {
@@ -166,8 +165,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        const bool asks = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.step_done &&
                          s.plan.steps[s.before.step % safety::kMaxSteps].image_confirms;
-       const bool of_this_hold = s.input.accepted_session == s.before.session &&
-                                 s.input.accepted_since_seq >= s.before.arrived_seq;
+       const bool of_this_hold =
+           s.input.accepted_session == s.before.session && s.input.accepted_since_seq >= s.before.arrived_seq;
        return Finding{asks, s.input.depth_accepted && s.input.accepted_step == s.before.step && of_this_hold};
      }},
     {"step-order", "Steps go up by one, from Hold at a step's end; arming begins at the first.",
@@ -238,7 +237,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        return Finding{cold && !s.input.evidence.zero_volts && (s.hazards & kLocking) == 0,
                       s.after.mode == Mode::Trip};
      }},
-    {"boot-needs-self-test", "Boot leaves for Safe only with a passed self-test and an interlock that opens; a failed one locks.",
+    {"boot-needs-self-test",
+     "Boot leaves for Safe only with a passed self-test and an interlock that opens; a failed one locks.",
      [](const Step& s) {
        const bool passed = s.input.self_test == SelfTest::Passed &&
                            (s.after.mode != Mode::Safe || s.input.evidence.interlock_opens);
@@ -363,7 +363,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        return Finding{
            true, changes ? known && s.after.last_event == s.output.event : s.output.event == Event::None};
      }},
-    {"interlock", "The interlock is fed in Boot, in Ready and wherever the drive may carry voltage, not elsewhere.",
+    {"interlock",
+     "The interlock is fed in Boot, in Ready and wherever the drive may carry voltage, not elsewhere.",
      [](const Step& s) {
        const bool fed = s.after.mode == Mode::Boot || s.after.mode == Mode::Ready;
        return Finding{true, s.output.interlock_pulse == (fed || hv_permitted(s.after.mode))};
