@@ -47,6 +47,9 @@ void LinkFaults::before_monitors(safety::SupervisorInputs& in) {
       case FaultSignal::ResetKey:
         corrupt_contact(i, in.local_reset);
         break;
+      case FaultSignal::Relay:
+        corrupt_contact(i, in.relay_closed);
+        break;
       default:
         break;
     }

@@ -81,16 +81,18 @@ double left_depth(const report::RunRecord& record) {
 
 void measure_limits(report::RunRecord& record) {
   double deepest = 0.0, monitor = 0.0, hold_s = 0.0, held = 0.0, envelope = 0.0;
-  double locked_s = 0.0, locked = 0.0;
+  double locked_s = 0.0, locked = 0.0, before_ms = 0.0;
   for (const report::Sample& sample : record.samples) {
     deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
     monitor = std::max(monitor, static_cast<double>(std::abs(sample.monitor_kV)));
     if (sample.envelope_kV > 0.0F && sample.mode == Mode::Active)
       envelope =
           std::max(envelope, static_cast<double>(std::abs(sample.drive_kV) / sample.envelope_kV) * 100.0);
-    held = sample.mode == Mode::Hold && !sample.locked ? held + 1e-3 : 0.0;
+    const double since_s = (sample.time_ms - before_ms) * 1e-3;  // ticks that were lost included
+    before_ms = sample.time_ms;
+    held = sample.mode == Mode::Hold && !sample.locked ? held + since_s : 0.0;
     hold_s = std::max(hold_s, held);
-    locked = sample.locked ? locked + 1e-3 : 0.0;
+    locked = sample.locked ? locked + since_s : 0.0;
     locked_s = std::max(locked_s, locked);
   }
   const Plan& plan = *record.plan;

@@ -1,15 +1,16 @@
 #include "robot/procedure/run_notes.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace biopsy::robot {
 namespace {
 
-report::Sample sample_of(const CycleSample& cycle, std::int64_t number) {
+report::Sample sample_of(const CycleSample& cycle, double time_ms) {
   const CycleRecord& tick = cycle.record;
   report::Sample sample;
-  sample.time_ms = static_cast<std::int32_t>(number);
+  sample.time_ms = time_ms;
   sample.setpoint_mm = static_cast<float>(cycle.setpoint.value);
   sample.depth_mm = static_cast<float>(tick.measurement.depth_um * 1e-3);
   sample.tip_mm = static_cast<float>(cycle.truth.tip_mm);
@@ -46,26 +47,44 @@ void RunNotes::note_trip(const CycleRecord& tick) {
                        (now == Mode::Retract && tick.supervisor.reason != safety::Hazard::None) ||
                        (now == Mode::Hold && tick.supervisor.reason != safety::Hazard::None);
   if (now == mode_ || !unasked) return;
-  record_.trips.push_back({static_cast<double>(record_.samples.size() - 1) * 1e-3,
-                           tick.supervisor.permit.stop,
+  record_.trips.push_back({record_.samples.back().time_ms * 1e-3, tick.supervisor.permit.stop,
                            std::string(safety::name_of(tick.supervisor.reason))});
+}
+
+// From the first tick, on the stage's clock. A stage that was started anew has another clock: its first tick
+// follows the last one by a period.
+double RunNotes::time_ms(const Measurement& measurement) {
+  constexpr std::int64_t kTick_us = std::chrono::microseconds(kTick).count();
+  const bool follows = seq_ != 0 && measurement.seq > seq_ && measurement.time_us > last_us_;
+  if (!follows) first_us_ = measurement.time_us - (seq_ == 0 ? 0 : last_us_ - first_us_ + kTick_us);
+  if (follows) {
+    record_.lost_ticks += measurement.seq - seq_ - 1;
+    const double gap_ms = static_cast<double>(measurement.time_us - last_us_) * 1e-3;
+    const bool late = measurement.time_us - last_us_ != kTick_us;
+    if (late) record_.longest_gap_ms = std::max(record_.longest_gap_ms, gap_ms);
+  }
+  seq_ = measurement.seq;
+  last_us_ = measurement.time_us;
+  return static_cast<double>(last_us_ - first_us_) * 1e-3;
 }
 
 void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
   const CycleRecord& seen = cycle.record;
-  const auto number = static_cast<std::int64_t>(record_.samples.size());
-  record_.samples.push_back(sample_of(cycle, number));
+  const double now_ms = time_ms(seen.measurement);
+  record_.samples.push_back(sample_of(cycle, now_ms));
   note_trip(seen);
+  const bool enters_hold = seen.supervisor.permit.mode == Mode::Hold && mode_ == Mode::Active;
+  record_.unasked_holds += enters_hold && !seen.supervisor.step_done && inputs.press.held;
   mode_ = seen.supervisor.permit.mode;
   report::StepResult& result = record_.steps[seen.supervisor.step];
   if (seen.supervisor.step_done && !result.reached) {
     result.reached = true;
-    result.reached_s = static_cast<double>(number) * 1e-3;
+    result.reached_s = now_ms * 1e-3;
     result.layer_at_tip = layer_at(plan_, cycle.truth);
   }
   if (!inputs.acquiring) return;
   if (tip_count_ == 0) {
-    result.image_s = static_cast<double>(number) * 1e-3;
+    result.image_s = now_ms * 1e-3;
     tip_low_mm_ = tip_high_mm_ = cycle.truth.tip_mm;
   }
   tip_low_mm_ = std::min(tip_low_mm_, cycle.truth.tip_mm);

@@ -4,6 +4,8 @@
 #include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <cstring>
@@ -70,6 +72,14 @@ Entity topic_on(const Participant& participant) {
           name.c_str()};
 }
 
+// Whether the reader still knows this writer; asked only where another one wrote.
+bool is_matched(dds_entity_t reader, dds_instance_handle_t writer) {
+  std::array<dds_instance_handle_t, 16> writers{};
+  const auto known = dds_get_matched_publications(reader, writers.data(), writers.size());
+  const auto end = writers.begin() + std::clamp<std::ptrdiff_t>(known, 0, std::ssize(writers));
+  return writer != 0 && std::find(writers.begin(), end, writer) != end;
+}
+
 }  // namespace
 
 Entity::Entity(std::int32_t handle, const char* what) : handle_(handle) {
@@ -125,6 +135,8 @@ struct Reader<Message>::Parts {
   Entity topic, reader;
   std::uint32_t robot;
   typename WireType<Message>::Type wire{};  // the library fills it and keeps what it allocated for lists
+  dds_instance_handle_t writer = 0;         // of the messages so far
+  bool second_wrote = false;                // while that one was there; since the count was last asked for
 
   ~Parts() { dds_sample_free(&wire, &WireType<Message>::descriptor(), DDS_FREE_CONTENTS); }
 };
@@ -148,6 +160,12 @@ bool Reader<Message>::take(Message& message) {
     dds_sample_info_t info{};
     if (dds_take(parts_->reader.handle(), &sample, &info, 1, 1) <= 0) return false;
     if (!info.valid_data || parts_->wire.robot != parts_->robot) continue;
+    if (info.publication_handle != parts_->writer) {
+      if (is_matched(parts_->reader.handle(), parts_->writer))
+        parts_->second_wrote = true;
+      else
+        parts_->writer = info.publication_handle;
+    }
     decode(parts_->wire, message);
     return true;
   }
@@ -164,7 +182,8 @@ template <class Message>
 int Reader<Message>::writers() const {
   dds_subscription_matched_status_t status{};
   dds_get_subscription_matched_status(parts_->reader.handle(), &status);
-  return static_cast<int>(status.current_count);
+  const bool second_wrote = std::exchange(parts_->second_wrote, false);
+  return std::max(static_cast<int>(status.current_count), second_wrote ? 2 : 0);
 }
 
 template <class Message>

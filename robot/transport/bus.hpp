@@ -71,7 +71,9 @@ class Reader {
   bool take(Message& message);
   // The newest; older ones are dropped. Returns how many there were.
   int take_newest(Message& message);
-  int writers() const;                     // matched now
+  // Matched now; 2 at least where a message since the last call came from another writer than the messages
+  // before, which was still there: one that came, wrote and went is not overlooked.
+  int writers() const;
   int alive_writers() const;               // that wrote within their lease
   std::uint32_t missed_deadlines() const;  // since this reader was made
   std::int32_t handle() const;

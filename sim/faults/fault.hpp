@@ -22,6 +22,7 @@ enum class FaultSignal : std::uint8_t {
   EStopB,
   ArmKey,
   ResetKey,
+  Relay,  // feedback contact of the interlock
 };
 
 enum class FaultKind : std::uint8_t {

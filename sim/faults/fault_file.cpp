@@ -16,9 +16,10 @@ constexpr double kLatest_s = 600.0;  // no rehearsal is longer
 constexpr double kDeepest_mm = 50.0;
 constexpr double kLongest_ms = 1000.0;
 
-constexpr std::array<std::string_view, 13> kSignals{
+constexpr std::array<std::string_view, 14> kSignals{
     "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "brake",    "measurement",
-    "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key"};
+    "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key",
+    "relay"};
 constexpr std::array<std::string_view, 13> kKinds{
     "frozen",  "replay",        "offset", "scale",       "drift",           "lag", "quantised", "inverted",
     "dropout", "other_surface", "noise",  "oscillation", "missing_polarity"};

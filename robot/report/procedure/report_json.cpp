@@ -129,6 +129,9 @@ Json interface_json(const RunRecord& record) {
                            [&](const StepResult& step) {
                              return step_json(step, static_cast<std::size_t>(&step - record.steps.data()));
                            })},
+      {"lost_ticks", record.lost_ticks},
+      {"longest_gap_ms", number(record.longest_gap_ms)},
+      {"unasked_holds", record.unasked_holds},
       {"simulated_s", number(record.simulated_s)},
       {"wall_s", number(record.wall_s)},
   };

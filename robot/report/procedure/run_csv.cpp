@@ -31,9 +31,13 @@ double nA(float microamperes) {
 }
 
 std::string row(const Sample& s, bool simulated) {
-  std::string text = fmt::format(FMT_COMPILE("{:.3f},{:.3f},{:.5f},"), s.time_ms * 1e-3, mV(s.drive_kV) * 1e3,
-                                 um10(s.depth_mm));
+  std::string text;
   const auto out = std::back_inserter(text);
+  // Milliseconds in lockstep, microseconds of a clock.
+  const bool whole = s.time_ms == std::floor(s.time_ms);
+  whole ? fmt::format_to(out, FMT_COMPILE("{:.3f},"), s.time_ms * 1e-3)
+        : fmt::format_to(out, FMT_COMPILE("{:.6f},"), s.time_ms * 1e-3);
+  fmt::format_to(out, FMT_COMPILE("{:.3f},{:.5f},"), mV(s.drive_kV) * 1e3, um10(s.depth_mm));
   if (simulated) fmt::format_to(out, FMT_COMPILE("{:.5f},"), um10(s.plate_b_mm));
   fmt::format_to(out, FMT_COMPILE("{:.3f},{:.5f},"), nA(s.current_uA), um10(s.setpoint_mm));
   if (simulated) fmt::format_to(out, FMT_COMPILE("{:.5f},"), um10(s.tip_mm));

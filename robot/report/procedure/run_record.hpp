@@ -24,7 +24,7 @@ enum class Outcome : std::uint8_t { Completed, Refused, Stopped };
 
 // One control tick: what was measured at time_ms, and the drive that was then put out until the next tick.
 struct Sample {
-  std::int32_t time_ms = 0;
+  double time_ms = 0;     // on the stage's clock, from the first one
   float setpoint_mm = 0;  // rate-limited target depth
   float depth_mm = 0;     // laser
   float tip_mm = 0;       // true needle tip, known in simulation only
@@ -126,6 +126,10 @@ struct RunRecord {
   double image_depth_mm = kUnknown, image_depth_sigma_mm = kUnknown;
   std::string layer_at_tip;
   double rmse_settled_mm = kUnknown, rmse_all_mm = kUnknown, overshoot_mm = kUnknown, peak_kV = kUnknown;
+  // How the run kept time. In lockstep all is zero.
+  std::uint64_t lost_ticks = 0;     // of the stage, that were not received
+  double longest_gap_ms = 0;        // on its clock, between two that were
+  std::uint32_t unasked_holds = 0;  // not at a step's end, the button held
   double simulated_s = kUnknown;
   double wall_s = kUnknown;  // the only field that differs between two runs of one seed
   std::uint64_t seed = 0;

@@ -1,5 +1,7 @@
 #include "robot/report/procedure/verdict.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "robot/common/text/number_text.hpp"
@@ -42,6 +44,20 @@ std::string needle_left(const RunRecord& record) {
          " deep: draw the stage back along its guide by hand before anything else.";
 }
 
+// A run in real time of which a share is not known says so.
+std::string time_kept(const RunRecord& record) {
+  std::string text;
+  if (record.lost_ticks > 0)
+    text += fmt::format(" {} of {} ticks were not received ({:.1f} %), the longest gap is {:.0f} ms.",
+                        record.lost_ticks, record.lost_ticks + record.samples.size(),
+                        100.0 * static_cast<double>(record.lost_ticks) /
+                            static_cast<double>(record.lost_ticks + record.samples.size()),
+                        record.longest_gap_ms);
+  if (record.unasked_holds > 0)
+    text += fmt::format(" Held {} without being asked.", counted(record.unasked_holds, "time"));
+  return text;
+}
+
 std::string with_remedy(const RunRecord& record, const std::string& fallback) {
   std::string text = ended(record.refusal.empty() ? fallback : record.refusal);
   if (!record.remedy.empty()) text += " What to do: " + ended(record.remedy);
@@ -60,12 +76,12 @@ std::string verdict_sentence(const RunRecord& record) {
     return planned_only(*record.plan);
   switch (record.outcome) {
     case Outcome::Completed:
-      return "Completed: " + needle_and_image(record) + "." + needle_left(record);
+      return "Completed: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record);
     case Outcome::Refused:
       return "Refused: " + with_remedy(record, "no reason was given");
     case Outcome::Stopped:
       return "Stopped: " + with_remedy(record, "no reason was given") +
-             " At the end: " + needle_and_image(record) + "." + needle_left(record);
+             " At the end: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record);
   }
   return "";
 }

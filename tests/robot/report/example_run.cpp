@@ -81,7 +81,7 @@ std::vector<Sample> samples() {
     const double amplitude =
         back ? 1.2 * std::exp(-(t - 23.0) * 4) : 1.9 * std::sqrt(std::max(0.0, tip)) * 1.9;
     Sample& s = samples[k];
-    s.time_ms = static_cast<std::int32_t>(k);
+    s.time_ms = static_cast<double>(k);
     s.setpoint_mm = static_cast<float>(setpoint);
     s.depth_mm = static_cast<float>(std::round((tip + laser(random)) * 1e3) * 1e-3);
     s.tip_mm = static_cast<float>(tip);
@@ -194,7 +194,7 @@ RunRecord example_stop() {
       s.mode = s.time_ms < 13'600 ? Mode::Trip : Mode::Lock;
       s.stop = s.time_ms < 13'600 ? StopCategory::C1Ramp : StopCategory::C0Off;
       s.drive_kV = s.envelope_kV = s.monitor_kV = 0;
-      s.depth_mm = s.tip_mm = 2.4F * std::exp(-static_cast<float>(s.time_ms - 13'200) * 2e-3F);
+      s.depth_mm = s.tip_mm = 2.4F * std::exp(-static_cast<float>(s.time_ms - 13'200.0) * 2e-3F);
     }
   record.steps[1].reached = false;
   record.steps[1].reached_s = record.steps[1].image_s = record.steps[1].depth_mm = kUnknown;

@@ -80,7 +80,7 @@ TEST(RunFigure, StaysSmallForALongRunAndIsEmptyWithoutSamples) {
   RunRecord record = example_run();
   const auto once = record.samples;
   while (record.samples.size() < 300'000) {
-    const std::int32_t later = record.samples.back().time_ms + 1;
+    const double later = record.samples.back().time_ms + 1;
     for (Sample sample : once) {
       sample.time_ms += later;
       record.samples.push_back(sample);

@@ -70,6 +70,43 @@ TEST(Bus, CountsWriters) {
   EXPECT_TRUE(soon([&] { return reader.writers() == 1; }));
 }
 
+// It comes, writes and goes while the reader does something else: the count of writers alone never shows it.
+TEST(Bus, CountsASecondWriterThatWasThereBetweenTwoReadings) {
+  Reader<DepthVerdictNote> reader(bus());
+  Writer<DepthVerdictNote> first(bus());
+  DepthVerdictNote note;
+  ASSERT_TRUE(soon([&] { return first.readers() == 1 && reader.writers() == 1; }));
+  first.write({.seq = 1});
+  ASSERT_TRUE(soon([&] { return reader.take(note); }));
+  EXPECT_EQ(reader.writers(), 1);
+  {
+    Writer<DepthVerdictNote> second(bus());
+    ASSERT_TRUE(soon([&] { return second.readers() == 1; }));
+    second.write({.seq = 2, .accepted = true});
+  }
+  ASSERT_TRUE(soon([&] {  // the reader has learnt that it is gone, and was not asked
+    dds_subscription_matched_status_t status{};
+    dds_get_subscription_matched_status(reader.handle(), &status);
+    return status.current_count == 1U;
+  }));
+  ASSERT_TRUE(reader.take(note));
+  EXPECT_EQ(note.seq, 2U);
+  EXPECT_EQ(reader.writers(), 2) << "it wrote";
+  EXPECT_EQ(reader.writers(), 1) << "and is gone";
+}
+
+TEST(Bus, TakesAWriterThatFollowsOneThatWentForTheOnlyOne) {
+  Reader<DepthVerdictNote> reader(bus());
+  DepthVerdictNote note;
+  for (std::uint32_t seq = 1; seq <= 3; ++seq) {
+    Writer<DepthVerdictNote> writer(bus());
+    ASSERT_TRUE(soon([&] { return writer.readers() == 1 && reader.writers() == 1; }));
+    writer.write({.seq = seq});
+    ASSERT_TRUE(soon([&] { return reader.take(note) && note.seq == seq; }));
+    EXPECT_EQ(reader.writers(), 1) << seq;
+  }
+}
+
 TEST(Bus, GivesALateJoinerThePlan) {
   Writer<SealedPlan> writer(bus());
   SealedPlan plan;

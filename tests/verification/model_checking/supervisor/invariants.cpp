@@ -157,9 +157,8 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
        const bool holds =
            (s.after.mode == Mode::Hold ? s.after.step_done == reached : !s.after.step_done || reached) &&
            (!s.after.step_done || s.after.arrived_seq == s.after.seq);
-       return Finding{
-           s.before.mode == Mode::Active && s.after.mode != Mode::Retract && s.after.mode != Mode::Trip,
-           holds};
+       const bool ends = s.after.mode == Mode::Retract || s.after.mode == Mode::Trip;
+       return Finding{s.before.mode == Mode::Active && !ends, holds};
      }},
     {"depth-check", "Past a step that an image confirms only with a depth check of that very step and hold.",
      [](const Step& s) {
@@ -238,7 +237,7 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
                       s.after.mode == Mode::Trip};
      }},
     {"boot-needs-self-test",
-     "Boot leaves for Safe only with a passed self-test and an interlock that opens; a failed one locks.",
+     "Boot ends in Safe only with its test passed and the interlock open; failed, it locks.",
      [](const Step& s) {
        const bool passed = s.input.self_test == SelfTest::Passed &&
                            (s.after.mode != Mode::Safe || s.input.evidence.interlock_opens);
