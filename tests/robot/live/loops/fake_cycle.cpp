@@ -1,0 +1,91 @@
+#include "tests/robot/live/loops/fake_cycle.hpp"
+
+namespace biopsy::fake_cycle {
+
+Calls& calls() {
+  static Calls one;
+  return one;
+}
+
+}  // namespace biopsy::fake_cycle
+
+namespace biopsy::robot {
+
+using fake_cycle::calls;
+
+std::int32_t writer_count(const WriterCounts& counts) {
+  calls().writers = counts;
+  return calls().writer_count;
+}
+
+void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory) {
+  calls().accepted.push_back(sealed);
+  memory.plan.plan_tag = calls().plan_tag;
+}
+
+Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks*) {
+  calls().supervised.push_back(in);
+  calls().supervisor_config = memory.config_tag;
+  calls().self_test = memory.self_test;
+  calls().session = memory.state.session;
+  memory.state.mode = calls().output.permit.mode;
+  Supervision out;
+  out.output = calls().output;
+  return out;
+}
+
+Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns) {
+  Decision decision;
+  decision.seq = output.permit.seq;
+  decision.time_us = now_us;
+  decision.at_ns = wall_ns;
+  decision.epoch = fake_cycle::kEpochOfMessage;
+  return decision;
+}
+
+safety::SupervisorOutput supervisor_output(const Decision& decision, const Permit& permit) {
+  safety::SupervisorOutput output;
+  output.permit = permit;
+  output.permit.mode = decision.mode;
+  output.step = decision.step;
+  return output;
+}
+
+void load_plan(const SealedPlan& sealed, ControllerMemory& memory) {
+  calls().loaded.push_back(sealed);
+  memory.plan_tag = calls().plan_tag;
+  memory.plan.reset();
+  if (calls().plan_tag != 0) memory.plan.emplace();
+}
+
+DriveRequest control(const ControllerInputs& in, ControllerMemory& memory) {
+  calls().controlled.push_back(in);
+  calls().controller_config = memory.config_tag;
+  DriveRequest request;
+  request.seq = in.measurement.seq + 1'000;
+  return request;
+}
+
+}  // namespace biopsy::robot
+
+namespace biopsy::drivers {
+
+Measurement GatedStage::measure() {
+  const SensorReading reading = stage_.read();
+  ++last_.seq;
+  last_.depth_um = reading.depth_um;
+  return last_;
+}
+
+void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::int64_t now_us,
+                       std::int32_t writers) {
+  fake_cycle::Drive drive;
+  drive.now_us = now_us;
+  drive.writers = writers;
+  if (request != nullptr) drive.request = *request;
+  if (permit != nullptr) drive.permit = *permit;
+  fake_cycle::calls().driven.push_back(drive);
+  feeds_interlock_ = fake_cycle::calls().feeds_interlock;
+}
+
+}  // namespace biopsy::drivers
