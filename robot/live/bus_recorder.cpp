@@ -81,6 +81,8 @@ BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& 
       heartbeat_(bus, Process::Recorder, config_tag),
       board_(bus) {
   heartbeat_.health().ready = true;
+  decision_.worst =
+      static_cast<std::uint8_t>(safety::Hazard::None);  // before the first decision: code 0 is a hazard
 }
 
 void BusRecorder::write(RecordKind kind, std::string_view source, std::string body, Urgency urgency,

@@ -1,0 +1,270 @@
+// The operator's side of the live robot: what its thread sends while the operator's program asks, and once
+// that stands still; what it makes of the ticks that it receives.
+#include "robot/live/session/live_robot.hpp"
+
+#include <condition_variable>
+
+#include "drivers/digital_io/shared_io.hpp"
+#include "planner/plan/seal.hpp"
+#include "tests/robot/live/loops/bench.hpp"
+
+namespace biopsy::loops_tests {
+namespace {
+
+// Lets the robot's thread take one turn at a time.
+class Turns {
+ public:
+  void arrive() {
+    std::unique_lock lock(mutex_);
+    ++arrived_;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return free_ || let_ >= arrived_; });
+  }
+  void one() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return arrived_ > let_; });
+    ++let_;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return arrived_ > let_; });
+  }
+  void release() {
+    const std::scoped_lock lock(mutex_);
+    free_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int arrived_ = 0, let_ = 0;
+  bool free_ = false;
+};
+
+struct LiveRobotBench : LoopBench {
+  LiveRobotBench() {
+    fake_bus::state().on_wait = [this](auto) { turns.arrive(); };
+    robot.emplace(bus, folder.path(), kConfig);
+  }
+  ~LiveRobotBench() override {
+    turns.release();
+    robot.reset();
+  }
+  void put_measurement() {
+    Measurement measured;
+    measured.seq = ++seq;
+    fake_bus::put(measured);
+  }
+  // The operator's program asks for `inputs`, then the thread takes a turn, `us` after the start.
+  std::optional<robot::CycleSample> ask(const robot::OperatorInputs& inputs, std::int64_t us) {
+    fake_bus::set_clock_us(kStart_us + us);
+    put_measurement();
+    if (seq == 1) put_measurement();
+    turns.one();
+    fake_bus::set_clock_us(kStart_us + us);
+    std::optional<robot::CycleSample> sample = robot->tick(inputs);
+    turns.one();
+    return sample;
+  }
+  void turn(std::int64_t us) {
+    fake_bus::set_clock_us(kStart_us + us);
+    turns.one();
+  }
+  static robot::OperatorInputs asked() {
+    robot::OperatorInputs inputs = robot::OperatorInputs::idle();
+    inputs.press = {41, true};
+    return inputs;
+  }
+
+  Turns turns;
+  std::optional<robot::LiveRobot> robot;
+  std::uint32_t seq = 0;
+};
+
+TEST_F(LiveRobotBench, SendsNothingBeforeAnOperatorAsks) {
+  turn(1'000);
+  turn(500'000);
+  EXPECT_TRUE(fake_bus::written<OperatorAct>().empty());
+  EXPECT_TRUE(fake_bus::written<DepthVerdictNote>().empty());
+}
+
+TEST_F(LiveRobotBench, SendsEachInputInItsFieldAtOnce) {
+  std::int64_t us = 0;
+  const auto sent = [&](const auto& set) {
+    robot::OperatorInputs inputs = asked();
+    set(inputs);
+    (void)ask(asked(), us += 50'000);
+    fake_bus::written<OperatorAct>();
+    (void)ask(inputs, us += 1'000);
+    const std::vector<OperatorAct> acts = fake_bus::written<OperatorAct>();
+    EXPECT_EQ(acts.size(), 1U);
+    return acts.empty() ? OperatorAct{} : acts.back();
+  };
+  EXPECT_EQ(sent([](auto& in) { in.press = {42, true}; }).token, 42U);
+  EXPECT_FALSE(sent([](auto& in) { in.press = {41, false}; }).held);
+  EXPECT_EQ(sent([](auto& in) { in.stop = StopCategory::C1Ramp; }).stop, StopCategory::C1Ramp);
+  EXPECT_TRUE(sent([](auto& in) { in.finish = true; }).finish);
+  EXPECT_TRUE(sent([](auto& in) { in.acquiring = true; }).acquiring);
+  EXPECT_TRUE(sent([](auto& in) { in.hold_still = true; }).hold_still);
+  EXPECT_TRUE(sent([](auto& in) { in.remote_arm = true; }).arm);
+  EXPECT_TRUE(sent([](auto& in) { in.remote_reset = true; }).reset);
+  EXPECT_EQ(sent([](auto& in) { in.patient_motion_um = 321; }).patient_motion_um, 321);
+}
+
+TEST_F(LiveRobotBench, RepeatsAnActEveryTwentyMillisecondsWithARisingNumber) {
+  (void)ask(asked(), 1'000);
+  std::vector<OperatorAct> acts = fake_bus::written<OperatorAct>();
+  ASSERT_EQ(acts.size(), 1U);
+  for (int ms = 2; ms <= 61; ++ms) turn(1'000 * ms);
+  acts = fake_bus::written<OperatorAct>();
+  ASSERT_EQ(acts.size(), 3U);
+  for (std::uint32_t n = 0; n < 3; ++n) EXPECT_EQ(acts[n].seq, n + 2);
+  EXPECT_TRUE(acts.back().held);
+}
+
+TEST_F(LiveRobotBench, HoldsNothingForAProgramThatStandsStillWhileItsThreadGoesOn) {
+  (void)ask(asked(), 1'000);
+  turn(100'900);
+  EXPECT_TRUE(fake_bus::written<OperatorAct>().back().held);
+  turn(101'200);
+  ASSERT_FALSE(fake_bus::written<OperatorAct>().empty());
+  std::vector<OperatorAct> later;
+  for (int ms = 102; ms < 400; ++ms) {
+    turn(1'000 * ms);
+    for (const OperatorAct& act : fake_bus::written<OperatorAct>()) later.push_back(act);
+  }
+  ASSERT_FALSE(later.empty());
+  for (const OperatorAct& act : later) EXPECT_FALSE(act.held);
+  EXPECT_EQ(later.back().token, 41U);
+}
+
+TEST_F(LiveRobotBench, SendsAVerdictWhenAnyFieldOfItChangesAndOnlyThen) {
+  Plan plan;
+  planner::seal(plan);
+  robot->send_plan(plan, {1, 2});
+  const std::vector<SealedPlan> plans = fake_bus::written<SealedPlan>();
+  ASSERT_EQ(plans.size(), 1U);
+  EXPECT_EQ(plans.front(), (SealedPlan{1, planner::canonical_bytes(plan), plan.seal, {1, 2}}));
+  robot::OperatorInputs inputs = asked();
+  std::int64_t us = 0;
+  std::uint32_t sent = 0;
+  const auto expect_sent = [&](const auto& check) {
+    (void)ask(inputs, us += 1'000);
+    const std::vector<DepthVerdictNote> verdicts = fake_bus::written<DepthVerdictNote>();
+    ASSERT_EQ(verdicts.size(), 1U);
+    EXPECT_EQ(verdicts.front().seq, ++sent);
+    EXPECT_EQ(verdicts.front().plan_tag, planner::plan_tag(plan));
+    EXPECT_TRUE(check(verdicts.front()));
+    (void)ask(inputs, us += 1'000);
+    EXPECT_TRUE(fake_bus::written<DepthVerdictNote>().empty()) << "once";
+  };
+  inputs.depth_accepted = true;
+  expect_sent([](const DepthVerdictNote& note) { return note.accepted && note.step == 0; });
+  inputs.accepted_step = 3;
+  expect_sent([](const DepthVerdictNote& note) { return note.accepted && note.step == 3; });
+  inputs.accepted_session = 4;
+  expect_sent([](const DepthVerdictNote& note) { return note.session == 4; });
+  inputs.accepted_since_seq = 5;
+  expect_sent([](const DepthVerdictNote& note) { return note.since_seq == 5; });
+  inputs.depth_accepted = false;
+  expect_sent([](const DepthVerdictNote& note) { return !note.accepted && note.step == 3; });
+}
+
+TEST_F(LiveRobotBench, TurnsTheKeysOfTheSimulatedPanel) {
+  digital_io::StageIo driver(folder.path());
+  const digital_io::IoReader reader(folder.path());
+  std::int64_t us = 1'000;
+  const auto levels = [&](const robot::OperatorInputs& inputs) {
+    (void)ask(inputs, us += 1'000);
+    driver.mark_panel_read((kStart_us + us) * 1'000);
+    return reader.panel((kStart_us + us) * 1'000).levels;
+  };
+  robot::OperatorInputs inputs = asked();
+  EXPECT_FALSE(levels(inputs).arm_key);
+  inputs.arm = true;
+  EXPECT_TRUE(levels(inputs).arm_key);
+  inputs.arm = false, inputs.reset = true;
+  EXPECT_TRUE(levels(inputs).reset_key);
+  EXPECT_TRUE(levels(inputs).estop_a_closed && levels(inputs).estop_b_closed);
+  inputs.estop_closed = false;
+  EXPECT_FALSE(levels(inputs).estop_a_closed || levels(inputs).estop_b_closed);
+}
+
+TEST_F(LiveRobotBench, ReturnsEveryTickInOrderWithWhatWasPutOutThen) {
+  DriveRequest request;
+  request.setpoint_um = 1'500;
+  Permit permit;
+  permit.v_max_mV = 77;
+  Decision decision;
+  decision.mode = Mode::Hold;
+  decision.step = 2;
+  const StageTruth truth{1, 1'250'000, -3'000'000, 4, 5};
+  fake_bus::put(request);
+  fake_bus::put(permit);
+  fake_bus::put(decision);
+  fake_bus::put(truth);
+  for (const std::uint32_t n : {1U, 2U, 3U, 7U}) {
+    Measurement measured;
+    measured.seq = n;
+    measured.command_mV = static_cast<std::int32_t>(100 * n);
+    fake_bus::put(measured);
+  }
+  turn(1'000);
+  EXPECT_EQ(robot->lost(), 3U);
+  for (const std::uint32_t n : {1U, 2U, 3U}) {
+    const auto sample = robot->tick(asked());
+    ASSERT_TRUE(sample);
+    EXPECT_EQ(sample->record.measurement.seq, n);
+    EXPECT_EQ(sample->record.drive_mV, static_cast<std::int32_t>(n == 3 ? 700 : 100 * (n + 1)));
+    EXPECT_EQ(sample->newest, n == 3);
+    EXPECT_EQ(sample->record.request, request);
+    EXPECT_EQ(sample->record.supervisor.permit.v_max_mV, 77);
+    EXPECT_EQ(sample->record.supervisor.permit.mode, Mode::Hold);
+    EXPECT_EQ(sample->record.supervisor.step, 2U);
+    EXPECT_DOUBLE_EQ(sample->truth.tip_mm, 1.25);
+    EXPECT_DOUBLE_EQ(sample->truth.plate_b_mm, -3.0);
+    EXPECT_EQ(sample->truth.layers_entered, 4);
+    EXPECT_EQ(sample->truth.active_faults, 5U);
+    EXPECT_DOUBLE_EQ(sample->setpoint.value, 1.5);
+  }
+}
+
+TEST_F(LiveRobotBench, KnowsTheHealthOfEachProcessForHalfASecond) {
+  for (const Process process :
+       {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
+    Health health;
+    health.process = process;
+    health.seq = 100 + static_cast<std::uint32_t>(process);
+    fake_bus::put(health);
+    turn(1'000);
+    EXPECT_EQ(robot->health()[static_cast<std::size_t>(process)], health);
+  }
+  turn(501'000);
+  EXPECT_NE(robot->health()[static_cast<std::size_t>(Process::Stage)].seq, 0U);
+  turn(501'100);
+  EXPECT_EQ(robot->health()[static_cast<std::size_t>(Process::Stage)].seq, 0U);
+  EXPECT_EQ(robot->health()[static_cast<std::size_t>(Process::Stage)].process, Process::Stage);
+}
+
+TEST_F(LiveRobotBench, SaysThatItIsReadyWithItsConfiguration) {
+  turn(200'000);
+  const std::vector<Health> sent = fake_bus::written<Health>();
+  ASSERT_FALSE(sent.empty());
+  EXPECT_EQ(sent.back().process, Process::Person);
+  EXPECT_EQ(sent.back().config_tag, kConfig);
+  EXPECT_TRUE(sent.back().ready);
+}
+
+TEST_F(LiveRobotBench, RetractsWithARampUntilHighVoltageIsNoLongerPermitted) {
+  Permit permit;
+  permit.hv_enable = false;
+  fake_bus::put(permit);
+  put_measurement();
+  put_measurement();
+  turn(1'000);
+  robot->retract();
+  turn(2'000);
+  EXPECT_EQ(fake_bus::written<OperatorAct>().back().stop, StopCategory::C1Ramp);
+}
+
+}  // namespace
+}  // namespace biopsy::loops_tests
