@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Kills mutants of the safety core: runs, for each, the tests that reach it until one fails.
+"""Kills mutants of the safety core, or of another room: runs, for each, the tests that reach it until one fails.
 
-Exit 0: every mutant is dead or proven equivalent, the canary died, the unmutated copy passes all tests.
+Exit 0: every mutant is dead, proven equivalent or explained, the canary died, the unmutated copy passes all tests.
 Exit 3: one of these does not hold. Exit 2: wrong usage.
 """
 
@@ -19,7 +19,6 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-EQUIVALENTS = Path(__file__).with_name("equivalents.toml")
 QUICK_ONE_IN, QUICK_SEED = 12, 6
 WALKS = ("reachable steps", "reachable gates")  # a minute each: one walk for all that are compared with it
 NEAR_LINES = 2  # mutants so near to each other often die of the same test,
@@ -135,10 +134,10 @@ def key_of(mutant):
     return mutant["file"], mutant["text"], mutant["operator"], mutant["change"]
 
 
-def read_equivalents():
-    """Key of each mutant in equivalents.toml -> (reason, relations that prove it)."""
+def read_equivalents(file):
+    """Key of each mutant in the file -> (reason, relations that prove it; none: the reason alone explains a survivor)."""
     entries = {}
-    for group in tomllib.loads(EQUIVALENTS.read_text())["equivalent"]:
+    for group in tomllib.loads(file.read_text()).get("equivalent", []):
         for file, text, operator, change in group["mutants"]:
             entries[file, text, operator, change] = group["reason"], group["proof"]
     return entries
@@ -151,6 +150,8 @@ def judge(mill, mutants, equivalents, verdicts):
         if relations and all(mill.is_same_relation(mutant, name) for name in relations):
             return "equivalent", reason
         killer = mill.killer_of(mutant)  # also where a line of the same text has the equivalent one
+        if killer is None and reason and not relations:
+            return "explained", reason
         if killer is None:
             return "survivor", "claimed equivalent, but its relation differs" if relations else ""
         return "killed", killer
@@ -176,6 +177,7 @@ def tables_of(mutants, verdicts, stale, slow):
                  for name, count in sorted(Counter(mutant["operator"] for mutant in mutants).items())]
     killers = Counter(why for verdict, why in verdicts.values() if verdict == "killed")
     return {"operators": operators, "survivors": rows("survivor"), "equivalents": rows("equivalent"),
+            "explained": rows("explained"),
             "stale_entries": [dict(zip(("file", "text", "operator", "change"), key)) for key in stale],
             "too_slow": [{"test": name} for name in slow],
             "killers": [{"test": name, "mutants": count} for name, count in killers.most_common()]}
@@ -185,7 +187,7 @@ def report(figures, tables, failing):
     for row in tables["survivors"]:
         print(f"survivor: {row['file']}:{row['line']}: {row['operator']}: {row['change']} {row['reason']}")
     for row in tables["stale_entries"]:
-        print(f"equivalents.toml: no such mutant: {row['file']}: {row['text']}: {row['change']}")
+        print(f"equivalents: no such mutant: {row['file']}: {row['text']}: {row['change']}")
     for name in failing:
         print(f"fails without a mutant: {name}")
     for row in tables["operators"]:
@@ -196,6 +198,7 @@ def report(figures, tables, failing):
 def main():
     parser = argparse.ArgumentParser(prog="mutate", description=__doc__)
     parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--equivalents", type=Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--json", type=Path, help="file for the figures")
     parser.add_argument("--quick", action="store_true", help=f"one mutant in {QUICK_ONE_IN}, the same ones each time")
     options = parser.parse_args()
@@ -204,7 +207,7 @@ def main():
     start = time.monotonic()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     mill = Mill(options.build)
-    equivalents = read_equivalents()
+    equivalents = read_equivalents(options.equivalents)
     stale = set(equivalents) - {key_of(mutant) for mutant in mill.mutants}
     canary = [mutant for mutant in mill.mutants if mutant["operator"] == "canary"]
     mutants = [mutant for mutant in mill.mutants if mutant["operator"] != "canary"]
@@ -213,7 +216,7 @@ def main():
     verdicts = {}
     judge(mill, mutants, equivalents, verdicts)
     count = Counter(verdict for verdict, _ in verdicts.values())
-    figures = {"mutants": len(mutants), "killed": count["killed"], "equivalent": count["equivalent"],
+    figures = {"mutants": len(mutants), "killed": count["killed"], "equivalent": count["equivalent"], "explained": count["explained"],
                "survivors": count["survivor"], "canary_killed": sum(mill.killer_of(each) is not None for each in canary),
                "tests": len(mill.tests), "tests_too_slow": len(mill.slow),
                "tests_failing_unmutated": len(mill.failing),

@@ -85,6 +85,18 @@ def of_enumerator(node, source, both_neighbours):
         yield "constant", source[:-len(node.spelling)] + names[(here + step) % len(names)]
 
 
+def of_member(node, source):
+    """The next member of the same record and type, read or written in its place."""
+    if node.referenced.kind != K.FIELD_DECL or not source.endswith(node.spelling):
+        return
+    fields = [child for child in node.referenced.semantic_parent.get_children() if child.kind == K.FIELD_DECL]
+    kind = node.referenced.type.get_canonical().spelling
+    same = [child.spelling for child in fields if child.type.get_canonical().spelling == kind]
+    here = same.index(node.spelling) if node.spelling in same else 0
+    if len(same) > 1 and node.spelling in same:
+        yield "neighbour", source[:-len(node.spelling)] + same[(here + 1) % len(same)]
+
+
 def of_boolean(source):
     yield "constant", "false" if source == "true" else "true"
 

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """Writes a copy of the safety core that holds every mutant at once, and the list of them.
 
-usage: schemata.py SOURCE_FOLDER OUT_FOLDER GENERATED_FOLDER
+usage: schemata.py SOURCE_FOLDER OUT_FOLDER GENERATED_FOLDER [CANARY FILE ...]
+Without files: all of safety/. With them: these alone, members of a record are also taken for their neighbours of the same
+type, and the canary is the mutant that leaves out the statement CANARY.
 OUT_FOLDER/mutated/... has the sources, OUT_FOLDER/mutants.json the list. In the copy an expression that has
 mutants reads (mutation::on(17) ? (changed) : (original)); what was constexpr is filled in before main(), so
 that constants and tables have mutants too.
@@ -50,7 +52,8 @@ class Source:
 class Finder:
     """Walks one syntax tree and notes the changes in its sources."""
 
-    def __init__(self, sources, sizes):
+    def __init__(self, sources, sizes, neighbours):
+        self.neighbours = neighbours  # whether a member is also taken for its neighbour
         self.sources, self.sizes = sources, sizes  # sizes: names, and where the declarations start that make them
 
     def walk(self, node, function=None, in_table=False):
@@ -125,6 +128,8 @@ class Finder:
             source.change(node, operators.of_boolean(text))
         elif kind == K.DECL_REF_EXPR and node.referenced is not None:
             self.note_name(node, source, text, in_table)
+        elif kind == K.MEMBER_REF_EXPR and self.neighbours and node.referenced is not None:
+            source.change(node, operators.of_member(node, text))
         elif kind == K.RETURN_STMT and children:
             self.note_return(node, source, children[0], function)
         elif kind.is_statement():
@@ -273,11 +278,11 @@ class Writer:
         path.write_text('#include "mutation.hpp"\n' + self.render(0, len(self.source.text), self.sites))
 
 
-def main(root, out, generated):
-    names = sorted(str(path.relative_to(root)) for path in (root / "safety").rglob("*.?pp"))
+def main(root, out, generated, canary=None, *files):
+    names = sorted(map(str, files or (path.relative_to(root) for path in (root / "safety").rglob("*.?pp"))))
     sources = {os.path.normpath(root / name): Source(root, name) for name in names}
     headers = "".join(f'#include "{name}"\n' for name in names if name.endswith(".hpp"))
-    arguments = ["-std=c++20", f"-I{root}", f"-I{generated}"]
+    arguments = ["-std=c++20", f"-I{root}", f"-I{generated}", "-isystem/usr/include/eigen3"]
     trees = [Index.create().parse("headers.cpp", arguments, [("headers.cpp", headers)])]
     trees += [Index.create().parse(str(root / name), arguments) for name in names if name.endswith(".cpp")]
     for tree in trees:
@@ -285,12 +290,15 @@ def main(root, out, generated):
             sys.exit("error: the sources do not parse: " + errors[0])
     sizes = sizes_of(trees, sources)
     for tree in trees:
-        Finder(sources, sizes).walk(tree.cursor)
+        Finder(sources, sizes, bool(files)).walk(tree.cursor)
     mutants = []
     for source in sources.values():
         Writer(source, mutants).write(out / "mutated" / source.name)
+    for mutant in mutants:
+        if mutant["operator"] == "deletion" and mutant["text"] == str(canary):
+            mutant["operator"] = "canary"
     (out / "mutants.json").write_text(json.dumps(mutants, indent=0))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]).resolve(), *map(Path, sys.argv[2:]))
+    main(Path(sys.argv[1]).resolve(), *map(Path, sys.argv[2:4]), *sys.argv[4:])

@@ -292,10 +292,12 @@ TEST_F(RecorderLoopBench, TellsTheAgeOfTheOldestTopicAsTheLogsBacklog) {
   ASSERT_EQ(sent.size(), 2U);
   EXPECT_EQ(sent.back().backlog_ms, INT32_MAX) << "nothing was received yet";
   const std::uint32_t first = sent.back().seq;
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
   for (std::size_t silent = 0; silent < 3; ++silent) {
     fake_bus::written<LogHealth>();
     for (int n = 0; n < 30; ++n) {
-      if (silent != 0 || n < 5) fake_bus::put(Decision{});
+      if (silent != 0 || n < 5) fake_bus::put(decision);
       if (silent != 1 || n < 5) fake_bus::put(Measurement{});
       if (silent != 2 || n < 5) fake_bus::put(DriveRequest{});
       turn();
