@@ -55,7 +55,7 @@ def of_binary(node, text, left, right):
 
 
 def of_unary(node, source):
-    if source.startswith("!"):
+    if source.startswith("!") and not source.startswith("!="):  # != made of == by the compiler
         yield "negation", f"({source[1:]})"
     elif source.startswith("-"):
         yield "arithmetic", f"({source[1:]})"
@@ -72,7 +72,8 @@ def of_condition(node, source):
 
 
 def of_integer(source):
-    value = int(source.replace("'", "").rstrip("uUlL"), 0)
+    digits = source.replace("'", "").rstrip("uUlL")
+    value = int(digits, 8) if digits.isdigit() and digits.startswith("0") else int(digits, 0)
     for other in {value + 1, value - 1, 0} - {value}:
         yield "constant", f"({source} + 1)" if other == value + 1 else f"({source} - 1)" if other else "0"
 

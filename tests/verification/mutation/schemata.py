@@ -18,7 +18,7 @@ from clang.cindex import CursorKind as K, Index
 
 import operators
 
-FUNCTIONS = (K.FUNCTION_DECL, K.CXX_METHOD, K.CONSTRUCTOR, K.LAMBDA_EXPR)
+FUNCTIONS = (K.FUNCTION_DECL, K.CXX_METHOD, K.CONSTRUCTOR, K.DESTRUCTOR, K.CONVERSION_FUNCTION, K.LAMBDA_EXPR)
 VARIABLES = (K.VAR_DECL, K.FIELD_DECL)
 CANARY = ("event_of", "return Event::None;")  # a supervisor that never leaves its mode: if this lives, nothing counts
 CONSTANT_WORDS, WORD_LENGTH = ("constexpr", "consteval"), 9
@@ -61,6 +61,8 @@ class Finder:
             source = self.source_of(child)
             if source is None:
                 continue
+            if self.neighbours and (child.kind == K.PARM_DECL or source.of(child).startswith("assert(")):
+                continue  # types, and what a release leaves out
             if child.kind == K.CASE_STMT:  # a label must be constant
                 self.walk_case(child, source, function)
                 continue
@@ -185,6 +187,7 @@ class Finder:
     def note_parts(self, node, source, children):
         """Statements that can be left out, and conditions."""
         if node.kind in (K.IF_STMT, K.WHILE_STMT):
+            children = [child for child in children if child.kind != K.DECL_STMT]  # if (Type name; condition)
             source.change(children[0], operators.of_condition(children[0], source.of(children[0])))
             children = children[1:]
         elif node.kind in (K.FOR_STMT, K.CXX_FOR_RANGE_STMT):
@@ -196,6 +199,8 @@ class Finder:
 
     @staticmethod
     def note_statement(node, source):
+        if source.of(node).startswith("assert("):
+            return
         leaf = operators.bare(node)
         guard = node.kind == K.IF_STMT and [part.kind for part in node.get_children()][1:] == [K.RETURN_STMT]
         is_comma = leaf.kind == K.BINARY_OPERATOR and leaf.spelling == ","
@@ -253,12 +258,15 @@ class Writer:
 
     def changed(self, site, inner):
         begin, end, statement = site
-        marks = [(self.number(begin, end, *change), change[1]) for change in self.source.changes[site]]
+        changes = self.source.changes[site]
+        marks = [(self.number(begin, end, *change), change[1]) for change in changes]
         original = self.render(begin, end, inner)
         if statement:
             gone = "".join(f"if ({mark}) {{ {text} }} else " for mark, text in marks)
             return f"{{ {gone}{{ {original} }} }}"
         form = "void({})" if any(text == DELETED for _, text in marks) else "({})"
+        if any(name == "negation" for name, _ in changes):  # a condition: what is no bool becomes one
+            form = "!!({})"
         others = "".join(f"{mark} ? {form.format(text)} : " for mark, text in marks)
         return f"({others}{form.format(original)})"
 
@@ -295,7 +303,7 @@ def main(root, out, generated, canary=None, *files):
     for source in sources.values():
         Writer(source, mutants).write(out / "mutated" / source.name)
     for mutant in mutants:
-        if mutant["operator"] == "deletion" and mutant["text"] == str(canary):
+        if mutant["operator"] == "deletion" and mutant["text"] == f"{canary};":
             mutant["operator"] = "canary"
     (out / "mutants.json").write_text(json.dumps(mutants, indent=0))
 
