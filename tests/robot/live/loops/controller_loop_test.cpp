@@ -150,5 +150,30 @@ TEST_F(ControllerLoopBench, SaysThatItLivesTenTimesASecond) {
   EXPECT_EQ(health.config_tag, kConfig);
 }
 
+TEST_F(ControllerLoopBench, WaitsForMeasurementsAndSaysHowLongItsAnswerTook) {
+  loop.turn(std::chrono::milliseconds(5));
+  EXPECT_EQ(fake_bus::state().watched, 1U);
+  EXPECT_GE(fake_bus::state().now_ns, (kStart_us + 5'000) * 1'000) << "none came";
+  EXPECT_EQ(loop.heartbeat().lateness().count(), 0U);
+  const std::int64_t began_ns = fake_bus::state().now_ns;
+  turn();
+  EXPECT_LT(fake_bus::state().now_ns, began_ns + 1'000) << "one was there";
+  EXPECT_EQ(loop.heartbeat().lateness().count(), 1U);
+  EXPECT_EQ(loop.heartbeat().lateness().max_us(), 0);
+}
+
+TEST_F(ControllerLoopBench, BeatsInMicrosecondsOfTheClock) {
+  const auto beats = [&](std::int64_t us) {
+    fake_bus::set_clock_us(kStart_us + us);
+    turn();
+    return fake_bus::written<Health>().size();
+  };
+  EXPECT_EQ(beats(0), 1U);
+  EXPECT_EQ(beats(99'950), 0U);
+  EXPECT_EQ(beats(100'000), 1U);
+  EXPECT_EQ(beats(199'950), 0U);
+  EXPECT_EQ(beats(200'000), 1U);
+}
+
 }  // namespace
 }  // namespace biopsy::loops_tests

@@ -165,6 +165,7 @@ bool WaitSet::wait(std::chrono::nanoseconds timeout) {
     const std::scoped_lock lock(fake_bus::state().mutex);
     fake_bus::State& bus = fake_bus::state();
     bus.waited.push_back(timeout);
+    bus.watched = count_;
     on_wait = bus.on_wait;
     if (!on_wait) {
       for (std::size_t i = 0; i < count_; ++i)

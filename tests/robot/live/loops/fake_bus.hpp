@@ -30,6 +30,7 @@ struct State {
   // What a wait without a message does; unless given, it lasts its time.
   std::function<void(std::chrono::nanoseconds)> on_wait;
   std::vector<std::chrono::nanoseconds> waited;  // timeouts that were asked for
+  std::size_t watched = 0;                       // readers that the last wait waited for
   std::int64_t now_ns = 0;
   std::uint32_t unauthenticated = 0;
   int endpoints = 0, participants = 0;  // that the monitor of a secured bus finds

@@ -48,6 +48,8 @@ safety::SupervisorOutput supervisor_output(const Decision& decision, const Permi
   output.permit = permit;
   output.permit.mode = decision.mode;
   output.step = decision.step;
+  output.worst = static_cast<safety::Hazard>(decision.worst);
+  output.reason = static_cast<safety::Hazard>(decision.reason);
   return output;
 }
 

@@ -266,5 +266,100 @@ TEST_F(LiveRobotBench, RetractsWithARampUntilHighVoltageIsNoLongerPermitted) {
   EXPECT_EQ(fake_bus::written<OperatorAct>().back().stop, StopCategory::C1Ramp);
 }
 
+TEST_F(LiveRobotBench, KeepsItsTimesToTheMicrosecond) {
+  (void)ask(asked(), 1'000);
+  fake_bus::written<OperatorAct>();
+  turn(20'999);
+  EXPECT_TRUE(fake_bus::written<OperatorAct>().empty());
+  turn(21'000);
+  EXPECT_EQ(fake_bus::written<OperatorAct>().size(), 1U);
+  turn(101'000);
+  EXPECT_TRUE(fake_bus::written<OperatorAct>().back().held) << "100 ms without asking";
+  turn(101'001);
+  EXPECT_FALSE(fake_bus::written<OperatorAct>().back().held);
+  EXPECT_EQ(fake_bus::state().watched, 1U);
+}
+
+TEST_F(LiveRobotBench, RetractsForAsLongAsHighVoltageIsPermittedAndNoLonger) {
+  Permit permit;
+  permit.hv_enable = true;
+  fake_bus::put(permit);
+  for (int n = 0; n < 4; ++n) put_measurement();
+  turn(1'000);  // three ticks with, then one without
+  permit.hv_enable = false, permit.brake = true;
+  fake_bus::put(permit);
+  put_measurement();
+  put_measurement();
+  turn(2'000);
+  robot->retract();
+  const auto next = robot->tick(asked());
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->record.measurement.seq, 5U);
+}
+
+TEST_F(LiveRobotBench, RetractsForSixHundredTicksAtMost) {
+  Permit permit;
+  permit.hv_enable = true;
+  fake_bus::put(permit);
+  for (int turns_ms = 1; turns_ms <= 70; ++turns_ms) {
+    for (int n = 0; n < 10; ++n) put_measurement();
+    turn(1'000 * turns_ms);
+  }
+  robot->retract();
+  const auto next = robot->tick(asked());
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->record.measurement.seq, 601U);
+}
+
+TEST_F(LiveRobotBench, ReturnsNothingWhereNoTickCame) {
+  EXPECT_FALSE(robot->tick(asked()));
+}
+
+TEST_F(LiveRobotBench, CountsTicksThatItMissedAndNoneThatCameTwiceOrFromAnotherStart) {
+  const auto lost_after = [&](std::uint32_t number) {
+    Measurement measured;
+    measured.seq = number;
+    measured.answer = 3;
+    fake_bus::put(measured);
+    turn(1'000);
+    return robot->lost();
+  };
+  EXPECT_EQ(lost_after(5), 0U) << "the first";
+  EXPECT_EQ(lost_after(6), 0U);
+  EXPECT_EQ(lost_after(8), 1U);
+  EXPECT_EQ(lost_after(8), 1U);
+  EXPECT_EQ(lost_after(2), 1U);
+  EXPECT_EQ(lost_after(5), 3U);
+}
+
+TEST_F(LiveRobotBench, KnowsOfEvidenceAsFarAsTheDecisionTells) {
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
+  decision.reason = static_cast<std::uint8_t>(safety::Hazard::OverDepth);
+  fake_bus::put(decision);
+  const auto sample = ask(asked(), 1'000);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->record.evidence.clear, safety::kAllHazards & ~safety::bit(safety::Hazard::Arc));
+}
+
+TEST_F(LiveRobotBench, TestsTheSimulatedPanelOnceInEachSessionOfTheSupervisor) {
+  digital_io::StageIo driver(folder.path());
+  const digital_io::IoReader reader(folder.path());
+  for (const std::uint32_t session : {5U, 6U}) {
+    Decision decision;
+    decision.session = session;
+    decision.epoch = 9;
+    fake_bus::put(decision);
+    const std::int64_t began_us = session * 1'000'000;
+    bool opened = false;
+    for (int ms = 0; ms < 1'000; ms += 10) {
+      (void)ask(asked(), began_us + 1'000 * ms);
+      driver.mark_panel_read((kStart_us + began_us + 1'000 * ms) * 1'000);
+      opened |= !reader.panel((kStart_us + began_us + 1'000 * ms) * 1'000).levels.estop_a_closed;
+    }
+    EXPECT_TRUE(opened) << session;
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::loops_tests

@@ -280,5 +280,42 @@ TEST_F(SupervisorLoopBench, SaysThatItIsReadyTenTimesASecond) {
   EXPECT_TRUE(health.ready);
 }
 
+TEST_F(SupervisorLoopBench, AWakeAfterItsTimeIsATick) {
+  turn(10'000);
+  fake_bus::state().on_wait = [](std::chrono::nanoseconds timeout) {
+    fake_bus::state().now_ns += timeout.count() + 300'000;
+  };
+  loop.turn();
+  ASSERT_EQ(calls.supervised.size(), 2U);
+  EXPECT_EQ(last().now_us - (kStart_us + 10'000), 1'800);
+}
+
+TEST_F(SupervisorLoopBench, TakesTheRequestsOfEachTurnForEver) {
+  for (std::uint32_t n = 1; n <= 40; ++n) {
+    DriveRequest request;
+    request.seq = 500 + n;
+    fake_bus::put(request);
+    turn(1'000 * n);
+    ASSERT_EQ(last().request.seq, 500 + n);
+  }
+}
+
+TEST_F(SupervisorLoopBench, TakesAsManyAsTheBusKeeps) {
+  for (std::uint32_t n = 1; n <= 16; ++n) {
+    Measurement measured;
+    measured.seq = 100 + n;
+    fake_bus::put(measured);
+    DriveRequest request;
+    request.seq = 200 + n;
+    fake_bus::put(request);
+  }
+  loop.turn();
+  ASSERT_EQ(calls.supervised.size(), 16U);
+  for (std::uint32_t n = 1; n <= 16; ++n) {
+    EXPECT_EQ(calls.supervised[n - 1].measurement.seq, 100 + n);
+    EXPECT_EQ(calls.supervised[n - 1].request.seq, 200 + n);
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::loops_tests
