@@ -196,5 +196,34 @@ TEST_F(Relay, AllocatesNothingNorDoItsPulsesAndReaders) {
   EXPECT_EQ(sum_mV, 100 * 1'000'000);
 }
 
+TEST_F(Relay, KeepsItsTimesToTheMicrosecond) {
+  const auto after_opening = [&](std::int64_t after_ns) {
+    relay_->open(now_);
+    feed_both();
+    relay_->tick(now_ += after_ns);  // the pulses are as old as the opening
+    return relay_->closed();
+  };
+  EXPECT_TRUE(after_opening(19'499'000));
+  EXPECT_FALSE(after_opening(19'500'000));
+  const auto after_tick = [&](std::int64_t after_ns) {
+    close();
+    const std::int64_t fed_ns = now_ - kTick_ns;
+    relay_->tick(now_ = fed_ns + after_ns);
+    return relay_->closed();
+  };
+  EXPECT_TRUE(after_tick(19'499'000));
+  EXPECT_FALSE(after_tick(19'500'000));
+}
+
+TEST_F(Relay, NotesWhenTheLoadBecameZeroAndNotWhenItChangedOtherwise) {
+  close();
+  const std::int64_t zero_ns = reader_.relay().zero_ns;
+  feed_both();
+  stage_->write(high_voltage(2'000'000));
+  tick();
+  EXPECT_EQ(reader_.relay().changed_ns, now_);
+  EXPECT_EQ(reader_.relay().zero_ns, zero_ns);
+}
+
 }  // namespace
 }  // namespace biopsy::digital_io

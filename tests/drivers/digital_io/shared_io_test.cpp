@@ -238,5 +238,51 @@ TEST_F(SharedIoFile, AreRefusedWithAWrongBitInTheHeaderOrAnotherLength) {
   EXPECT_EQ(refusal_to_attach(folder_.path()), "");
 }
 
+std::ptrdiff_t open_files() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+}
+
+std::string refusal_of(const auto& act) {
+  try {
+    act();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(SharedIoRefusals, SayTheSystemsReasonAndLeaveNothingOpenOrBehind) {
+  const ScratchFolder folder;
+  const std::ptrdiff_t files = open_files();
+  const auto missing = folder.path() / "none";
+  EXPECT_NE(refusal_of([&] { create_shared_io(missing); }).find("No such file"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { SharedIo(missing, Owner::Stage); }).find("No such file"), std::string::npos);
+  std::filesystem::create_directories(folder.path() / "lines" / "taken");
+  EXPECT_NE(refusal_of([&] { create_shared_io(folder.path()); }).find("cannot be made"), std::string::npos);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "a temporary file stays behind";
+  std::filesystem::remove_all(folder.path() / "lines");
+  create_shared_io(folder.path());
+  for (const auto others : {std::filesystem::perms::others_exec, std::filesystem::perms::group_read}) {
+    std::filesystem::permissions(folder.path() / "lines", std::filesystem::perms::owner_read |
+                                                              std::filesystem::perms::owner_write | others);
+    EXPECT_NE(refusal_of([&] { SharedIo(folder.path(), Owner::Stage); }).find("accessible to other users"),
+              std::string::npos);
+  }
+  EXPECT_EQ(open_files(), files);
+}
+
+TEST(SharedIoRefusals, AnOwnerKeepsItsFileOpenAndClosesItAtItsEnd) {
+  const ScratchFolder folder;
+  create_shared_io(folder.path());
+  const std::ptrdiff_t files = open_files();
+  {
+    const SharedIo owner(folder.path(), Owner::Stage);
+    EXPECT_EQ(open_files(), files + 1);
+    EXPECT_NE(refusal_of([&] { SharedIo(folder.path(), Owner::Stage); }), "accepted");
+  }
+  EXPECT_EQ(open_files(), files);
+  EXPECT_EQ(refusal_of([&] { SharedIo(folder.path(), Owner::Stage); }), "accepted");
+}
+
 }  // namespace
 }  // namespace biopsy::digital_io

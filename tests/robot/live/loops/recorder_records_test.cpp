@@ -1,0 +1,255 @@
+// How soon the recorder's loop writes, in both directions of a change, flag by flag, and how it tells of
+// itself.
+#include "tests/robot/live/loops/recorder_bench.hpp"
+
+namespace biopsy::loops_tests {
+namespace {
+
+TEST_F(RecorderLoopBench, WritesWhatIsUrgentAtOnceAndTheRestWithinAHundredMilliseconds) {
+  const auto on_disk = [&] {
+    return recorder::records_of(folder_of_log.log, folder_of_log.public_key()).size();
+  };
+  const auto expect = [&](bool urgent, const char* what, const auto& message) {
+    log.flush(now_us);
+    const std::size_t had = on_disk();
+    fake_bus::put(message);
+    turn();
+    EXPECT_EQ(on_disk() - had, urgent ? 1U : 0U) << what;
+    for (int n = 0; n < 9; ++n) turn();
+    EXPECT_EQ(on_disk() - had, 1U) << what << ", without a flush";
+  };
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  decision.session = 1, decision.seq = 1;
+  expect(true, "state change", decision);
+  decision.seq = 2, decision.step = 3;
+  expect(false, "permit change", decision);
+  decision.seq = 3, decision.worst = 2;
+  expect(false, "alarm", decision);
+  decision.seq = 4, decision.refusal = 1;
+  expect(false, "request refused", decision);
+  decision.seq = 9;
+  expect(false, "reception gap", decision);
+  OperatorAct act;
+  act.token = 1;
+  expect(false, "operator act", act);
+  expect(true, "plan", SealedPlan{1, {}, {}, {}});
+  expect(true, "depth check", DepthVerdictNote{});
+  Measurement measured;
+  measured.hv_enabled = true;
+  expect(false, "gate", measured);
+  DriveRequest asked;
+  asked.finished = true;
+  expect(false, "request", asked);
+  Health health;
+  health.process = Process::Stage, health.seq = 1;
+  expect(true, "process start", health);
+  health.refused = 1;
+  expect(false, "strangers", health);
+  health.note = "dust";
+  expect(false, "note", health);
+  fake_bus::state().endpoints = 1;
+  expect(false, "endpoints", health);
+  const std::size_t had = on_disk();
+  loop.note(recorder::RecordKind::ProcessStart, "{}", now_us);
+  EXPECT_EQ(on_disk() - had, 1U) << "its own start";
+}
+
+TEST_F(RecorderLoopBench, WritesChangesInBothDirections) {
+  const auto kinds_after = [&](const auto& message) { return kinds(after(message)); };
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  decision.session = 9, decision.seq = 70, decision.step = 5;
+  (void)after(decision);
+  decision.session = 8, decision.seq = 3;  // another supervisor, with a clock that was set back
+  EXPECT_EQ(kinds_after(decision), "state change");
+  decision.seq = 4, decision.step = 2, decision.image_allowed = true;
+  EXPECT_EQ(kinds_after(decision), "permit change");
+  decision.seq = 2;
+  EXPECT_EQ(kinds_after(decision), "reception gap");
+  decision.seq = 3, decision.refusal = 1, decision.event = 0;
+  std::vector<Record> records = after(decision);
+  ASSERT_EQ(kinds(records), "request refused");
+  EXPECT_EQ(json::parse(records[0].body)["seq"], 3);
+  decision.seq = 4;
+  EXPECT_EQ(kinds_after(decision), "") << "the same refusal";
+  decision.seq = 5, decision.refusal = 0;
+  EXPECT_EQ(kinds_after(decision), "");
+  decision.seq = 6, decision.worst = 3;
+  records = after(decision);
+  EXPECT_EQ(json::parse(records.at(0).body)["seq"], 6);
+  DriveRequest asked;
+  asked.step = 4, asked.finished = true;
+  (void)after(asked);
+  asked.step = 1;
+  EXPECT_EQ(kinds_after(asked), "request");
+  Health health;
+  health.process = Process::Interlock, health.seq = 1, health.refused = 7;
+  (void)after(health);
+  health.refused = 2;
+  EXPECT_EQ(kinds_after(health), "alarm");
+  for (const int endpoints : {3, 1}) {
+    fake_bus::state().endpoints = endpoints;
+    EXPECT_EQ(kinds_after(asked), "alarm") << endpoints;
+  }
+}
+
+TEST_F(RecorderLoopBench, NamesEachFlagOfAnActByItsOwnName) {
+  OperatorAct idle;
+  idle.acquiring = false;
+  for (const auto& [flag, name] : {std::pair{&OperatorAct::held, "held"},
+                                   {&OperatorAct::finish, "finish"},
+                                   {&OperatorAct::acquiring, "acquiring"},
+                                   {&OperatorAct::arm, "asks_arm"},
+                                   {&OperatorAct::reset, "asks_reset"},
+                                   {&OperatorAct::hold_still, ""}}) {
+    OperatorAct act = idle;
+    act.*flag = true;
+    const std::vector<Record> records = after(act);
+    ASSERT_EQ(records.size(), 1U);
+    const json body = json::parse(records[0].body);
+    for (const char* each : {"held", "finish", "acquiring", "asks_arm", "asks_reset"})
+      EXPECT_EQ(body[each], std::string(each) == name) << name;
+    (void)after(idle);
+  }
+}
+
+TEST_F(RecorderLoopBench, ComparesEachFlagWithItself) {
+  DriveRequest asked;
+  for (const auto flag : {&DriveRequest::step_reached, &DriveRequest::finished}) {
+    asked = {};
+    (void)after(asked);
+    asked.*flag = true;
+    EXPECT_EQ(json::parse(after(asked).at(0).body),
+              (json{{"stage", 1}, {"reached", asked.step_reached}, {"finished", asked.finished}}));
+    EXPECT_EQ(kinds(after(asked)), "");
+  }
+  Measurement measured;
+  measured.hv_enabled = true;
+  (void)after(measured);
+  EXPECT_EQ(kinds(after(measured)), "");
+}
+
+TEST_F(RecorderLoopBench, WritesWhatAPlanIsFor) {
+  Plan plan;
+  plan.target.patient_id = "P-7";
+  plan.target.series_uid = "1.2.3";
+  plan.target_depth = Millimetres(3.5);
+  plan.steps.resize(2);
+  planner::seal(plan);
+  const std::uint64_t tag = planner::plan_tag(plan);
+  const auto body = [&](std::uint64_t first, std::uint64_t second) {
+    return json::parse(
+        after(SealedPlan{1, planner::canonical_bytes(plan), plan.seal, {first, second}}).at(0).body);
+  };
+  const json written = body(tag, tag);
+  EXPECT_EQ(written["seal_holds"], true);
+  EXPECT_EQ(written["patient"], "P-7");
+  EXPECT_EQ(written["series_uid"], "1.2.3");
+  EXPECT_EQ(written["target_mm"], 3.5);
+  EXPECT_EQ(written["stages"], 2);
+  EXPECT_EQ(written["confirmations"], 2);
+  for (const std::uint64_t other : {tag - 1, tag + 1}) {
+    EXPECT_EQ(body(tag, other)["confirmations"], 1);
+    EXPECT_EQ(body(other, tag)["confirmations"], 1);
+    EXPECT_EQ(body(other, other)["confirmations"], 0);
+  }
+}
+
+TEST_F(RecorderLoopBench, KeepsTextAsItIsAndReplacesBytesThatAreNone) {
+  Health health;
+  health.process = Process::Stage, health.seq = 1;
+  (void)after(health);
+  health.note = "Nadel \xC3\xA4";
+  EXPECT_EQ(after(health).at(0).body, "{\"note\":\"Nadel \xC3\xA4\"}");
+  health.note = "x\xC3";
+  EXPECT_EQ(after(health).at(0).body, "{\"note\":\"x\xEF\xBF\xBD\"}");
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  health.note = "later";
+  EXPECT_NEAR(static_cast<double>(after(health).at(0).utc_ns) * 1e-9,
+              std::chrono::duration<double>(wall).count(), 60.0);
+}
+
+TEST_F(RecorderLoopBench, WritesAWriterThatFallsSilentOrMissesDeadlinesEachAlone) {
+  auto& channel = fake_bus::channel<Measurement>();
+  const auto told = [&] {
+    loop.turn(now_us += 200'000);
+    return kinds(news());
+  };
+  (void)told();
+  channel.alive = 0;
+  EXPECT_EQ(told(), "alarm");
+  channel.alive = 1;
+  EXPECT_EQ(told(), "alarm");
+  channel.missed = 4;
+  EXPECT_EQ(told(), "alarm");
+  channel.missed = 2;
+  EXPECT_EQ(told(), "alarm");
+  EXPECT_EQ(told(), "");
+  channel.alive = 0;
+  loop.turn(now_us += 199'999);
+  EXPECT_EQ(kinds(news()), "") << "asked every 200 ms";
+  channel.alive = 1;
+  loop.turn(now_us += 100);
+  EXPECT_EQ(kinds(news()), "") << "it was back in between";
+}
+
+TEST_F(RecorderLoopBench, SaysInItsHealthWhatKeepsItFromWriting) {
+  std::filesystem::remove(folder_of_log.log);
+  fake_bus::put(SealedPlan{});
+  for (int n = 0; n < 20; ++n) turn();
+  const std::vector<Health> sent = fake_bus::written<Health>();
+  ASSERT_FALSE(sent.empty());
+  EXPECT_EQ(sent.back().note, log.last_error().substr(0, 120));
+  EXPECT_NE(sent.back().note, "");
+}
+
+TEST_F(RecorderLoopBench, RunsOnABusWithoutSecurity) {
+  robot::BusRecorder open(bus, log, kConfig, nullptr);
+  open.turn(now_us);
+  fake_bus::state().endpoints = 2;
+  open.turn(now_us += 10'000);
+  for (const Record& record : news()) EXPECT_EQ(record.body.find("endpoints"), std::string::npos);
+}
+
+TEST_F(RecorderLoopBench, AsksAgainAboutParticipantsThatLeft) {
+  const auto told = [&](int participants) {
+    fake_bus::state().participants = participants;
+    std::vector<Record> records;
+    for (int n = 0; n < 200; ++n) {
+      turn();
+      for (const Record& record : news()) records.push_back(record);
+    }
+    return records;
+  };
+  EXPECT_EQ(kinds(told(3)), "alarm");
+  const std::vector<Record> fewer = told(1);
+  ASSERT_EQ(kinds(fewer), "alarm");
+  EXPECT_EQ(json::parse(fewer[0].body), (json{{"participants_not_let_in", 1}}));
+  fake_bus::state().participants = 2;
+  turn();
+  loop.turn(now_us += 1'499'999);
+  EXPECT_EQ(kinds(news()).find("alarm"), std::string::npos);
+  loop.turn(now_us += 1);
+  EXPECT_NE(kinds(news()).find("alarm"), std::string::npos);
+}
+
+TEST_F(RecorderLoopBench, ReportsEveryFiftyMillisecondsInWholeMillisecondsOfItsClock) {
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  fake_bus::put(decision), fake_bus::put(Measurement{}), fake_bus::put(DriveRequest{});
+  loop.turn(now_us += 50'000);
+  fake_bus::written<LogHealth>();
+  loop.turn(now_us + 49'999);
+  EXPECT_TRUE(fake_bus::written<LogHealth>().empty());
+  log.flush(now_us);
+  loop.turn(now_us + 50'000);
+  ASSERT_EQ(fake_bus::written<LogHealth>().size(), 1U);
+  loop.turn(now_us + 10'000'999);
+  const std::vector<LogHealth> sent = fake_bus::written<LogHealth>();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent.front().backlog_ms, 10'000);
+}
+
+}  // namespace
+}  // namespace biopsy::loops_tests
