@@ -259,7 +259,8 @@ TEST(SharedIoRefusals, SayTheSystemsReasonAndLeaveNothingOpenOrBehind) {
   EXPECT_NE(refusal_of([&] { SharedIo(missing, Owner::Stage); }).find("No such file"), std::string::npos);
   std::filesystem::create_directories(folder.path() / "lines" / "taken");
   EXPECT_NE(refusal_of([&] { create_shared_io(folder.path()); }).find("cannot be made"), std::string::npos);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "a temporary file stays behind";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
+      << "a temporary file stays behind";
   std::filesystem::remove_all(folder.path() / "lines");
   create_shared_io(folder.path());
   for (const auto others : {std::filesystem::perms::others_exec, std::filesystem::perms::group_read}) {

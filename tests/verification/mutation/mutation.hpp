@@ -14,8 +14,8 @@ namespace mutation {
 inline constexpr int kRecording = -1;  // no mutant is active; those that are reached are noted
 inline constexpr std::size_t kMostMutants = 1 << 14;
 
-// Ends the process after so much processor time from now: a mutant that loops for ever is found out; and one that waits for
-// ever after a time that no test takes on the busiest machine.
+// Ends the process after so much processor time from now: a mutant that loops for ever is found out; and one
+// that waits for ever after a time that no test takes on the busiest machine.
 inline void limit_time(long milliseconds) {
   const itimerval patience{{0, 0}, {milliseconds == 0 ? 0 : 10 + milliseconds / 20, 0}};
   setitimer(ITIMER_REAL, &patience, nullptr);

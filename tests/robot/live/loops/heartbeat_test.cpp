@@ -34,8 +34,8 @@ TEST_F(HeartbeatBench, TellsMedianTailAndWorstEachInItsField) {
 }
 
 TEST_F(HeartbeatBench, TellsTheFirstHundredAndTwentyCharactersOfANote) {
-  heart.note(std::string(119, 'a') + "bc");
-  EXPECT_EQ(beat(0).note, std::string(119, 'a') + "b");
+  heart.note(fmt::format("{}bc", std::string(119, 'a')));
+  EXPECT_EQ(beat(0).note, fmt::format("{}b", std::string(119, 'a')));
   EXPECT_GE(heart.health().note.capacity(), 120U);
   heart.note("short");
   EXPECT_EQ(beat(100'000).note, "short");

@@ -213,8 +213,8 @@ TEST_F(RecorderLoopBench, RunsOnABusWithoutSecurity) {
 }
 
 TEST_F(RecorderLoopBench, AsksAgainAboutParticipantsThatLeft) {
-  const auto told = [&](int participants) {
-    fake_bus::state().participants = participants;
+  const auto told = [&](int there) {
+    fake_bus::state().participants = there;
     std::vector<Record> records;
     for (int n = 0; n < 200; ++n) {
       turn();
