@@ -17,9 +17,8 @@ constexpr double kDeepest_mm = 50.0;
 constexpr double kLongest_ms = 1000.0;
 
 constexpr std::array<std::string_view, 14> kSignals{
-    "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "brake",    "measurement",
-    "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key",
-    "relay"};
+    "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "brake",     "measurement",
+    "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key", "relay"};
 constexpr std::array<std::string_view, 13> kKinds{
     "frozen",  "replay",        "offset", "scale",       "drift",           "lag", "quantised", "inverted",
     "dropout", "other_surface", "noise",  "oscillation", "missing_polarity"};
