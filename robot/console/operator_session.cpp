@@ -265,12 +265,13 @@ void OperatorSession::end_run() {
   ++version_;
   report::RunRecord& record = run_->notes.record();
   record.simulated = simulated_;
+  record.real_time = true;
   record.outcome = run_->completed ? report::Outcome::Completed : report::Outcome::Stopped;
   if (!run_->completed)
     record.refusal = !run_->stopped_because.empty() ? run_->stopped_because
                      : !run_->ended_by.empty()      ? run_->ended_by + "; the depth was not accepted before"
                                                     : "the needle retracted before its depth was accepted";
-  record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
+  if (!record.samples.empty()) record.simulated_s = (record.samples.back().time_ms + 1.0) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
     measure_run(run->notes.record());
     fmt::print("{}", finish(run->notes.record(), run->prepared, run->folder, run->started));

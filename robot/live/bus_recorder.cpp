@@ -127,11 +127,13 @@ void BusRecorder::follow_acts(std::int64_t now_us) {
     act_.seq = next.seq;
     if (next != act_)
       write(RecordKind::OperatorAct, "person",
-            json_text({{"token", next.token},
+            json_text({{"operator", notes_[static_cast<std::size_t>(Process::Person)]},
+                       {"token", next.token},
                        {"held", next.held},
                        {"stop", static_cast<int>(next.stop)},
                        {"finish", next.finish},
                        {"acquiring", next.acquiring},
+                       {"hold_still", next.hold_still},
                        {"asks_arm", next.arm},
                        {"asks_reset", next.reset}}),
             Urgency::Grouped, now_us);
@@ -152,12 +154,17 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
       body["confirmations"] = (sealed.confirmed_tag[0] == planner::plan_tag(*plan)) +
                               (sealed.confirmed_tag[1] == planner::plan_tag(*plan));
     }
+    body["operator"] = notes_[static_cast<std::size_t>(Process::Person)];
     write(RecordKind::Plan, "person", json_text(body), Urgency::Urgent, now_us);
   }
   DepthVerdictNote verdict;
   while (verdicts_.take(verdict))
     write(RecordKind::DepthCheck, "person",
-          json_text({{"stage", verdict.step + 1}, {"accepted", verdict.accepted}}), Urgency::Urgent, now_us);
+          json_text({{"operator", notes_[static_cast<std::size_t>(Process::Person)]},
+                     {"stage", verdict.step + 1},
+                     {"accepted", verdict.accepted},
+                     {"since_seq", verdict.since_seq}}),
+          Urgency::Urgent, now_us);
 }
 
 void BusRecorder::follow_stage(std::int64_t now_us) {
@@ -192,16 +199,19 @@ void BusRecorder::follow_health(std::int64_t now_us) {
   for (std::size_t i = 0; i < kCount<Process>; ++i) {
     const Health health = board_.of(static_cast<Process>(i), now_us);
     const bool alive = health.seq != 0;
-    if (alive != alive_[i])
+    const bool is_person = static_cast<Process>(i) == Process::Person;
+    if (alive != alive_[i]) {
+      LogBody body{{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}};
+      if (is_person && alive) body["operator"] = health.note;
       write(alive ? RecordKind::ProcessStart : RecordKind::ProcessStop, name_of(static_cast<Process>(i)),
-            json_text({{"alive", alive}, {"config", fmt::format("{:016x}", health.config_tag)}}),
-            Urgency::Urgent, now_us);
+            json_text(body), Urgency::Urgent, now_us);
+    }
     alive_[i] = alive;
     if (alive && health.refused != refused_[i])
       write(RecordKind::Alarm, name_of(static_cast<Process>(i)),
             json_text({{"strangers_refused", health.refused}}), Urgency::Grouped, now_us);
     if (alive) refused_[i] = health.refused;
-    if (alive && health.note != notes_[i])
+    if (alive && !is_person && health.note != notes_[i])  // a person's note is who operates
       write(RecordKind::Alarm, name_of(static_cast<Process>(i)), json_text({{"note", health.note}}),
             Urgency::Grouped, now_us);
     if (alive) notes_[i] = health.note;
@@ -260,11 +270,11 @@ void BusRecorder::report_itself(std::int64_t now_us) {
 }
 
 void BusRecorder::turn(std::int64_t now_us) {
+  follow_health(now_us);  // first: it says who operates
   follow_decisions(now_us);
   follow_acts(now_us);
   follow_plan_and_checks(now_us);
   follow_stage(now_us);
-  follow_health(now_us);
   follow_participants(now_us);
   follow_liveliness(now_us);
   recorder_.poll(now_us);

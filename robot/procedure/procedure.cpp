@@ -1,13 +1,16 @@
 #include "robot/procedure/procedure.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <utility>
 
 #include "planner/plan/fiducial_file.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/common/operator_name.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/common/text/ras_point.hpp"
@@ -154,6 +157,11 @@ PreparedCase prepare_run(const Case& given, const fs::path& out, const std::vect
 std::string finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
                    std::chrono::steady_clock::time_point started) {
   record.provenance = provenance(prepared, record);
+  if (record.real_time) {  // two runs in lockstep are equal, whoever made them and when
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    record.provenance.emplace_back("made, UTC", fmt::format("{:%F %T}", now));
+    record.provenance.emplace_back("operator", operator_name());
+  }
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   report::save_report(record, out);
   return report::console_table(record, isatty(STDOUT_FILENO) == 1) +

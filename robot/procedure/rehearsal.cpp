@@ -160,7 +160,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   images.cancel();
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
-  record.simulated_s = static_cast<double>(record.samples.size()) * 1e-3;
+  record.simulated_s = record.samples.empty() ? 0.0 : (record.samples.back().time_ms + 1.0) * 1e-3;
   measure_run(record);
   return record;
 }

@@ -104,7 +104,6 @@ Result through_processes(const PreparedCase& prepared, const Options& options,
   report::RunRecord record;
   std::vector<std::string> trouble;
   std::string log_file;
-  std::uint64_t lost = 0;
   {
     ProgressLine line;
     line.show(-1.0, "starting the processes");
@@ -124,9 +123,9 @@ Result through_processes(const PreparedCase& prepared, const Options& options,
     record = rehearse_on(
         robot, prepared, options.procedure.out,
         [&line](double share, const std::string& what) { line.show(share, what); }, context.interrupted);
+    record.real_time = true;
     notes.finish(record);
     if (ended) record.refusal += (record.refusal.empty() ? "" : "; ") + *ended;
-    lost = session.robot().lost();
     trouble = session.stop();
     log_file = session.settings().log.string();
   }
@@ -141,7 +140,6 @@ Result through_processes(const PreparedCase& prepared, const Options& options,
         "procedure log: {}\nEach image was drawn in {:g} s; a scanner takes 20 to 60 s: `--scan 30` waits as "
         "long.\n",
         log_file, scan.count());
-  if (lost > 0) result.text += fmt::format("{} missing in the report\n", counted(lost, "tick"));
   return result;
 }
 

@@ -1,8 +1,14 @@
 // biopsy log: the procedure log as a table, as a CSV, and whether it is as it was written.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <deque>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
@@ -14,6 +20,7 @@
 #include "robot/common/text/sanitize_text.hpp"
 #include "robot/recorder/log_csv.hpp"
 #include "robot/recorder/log_file.hpp"
+#include "robot/recorder/record_text.hpp"
 #include "robot/recorder/verify.hpp"
 
 namespace biopsy::robot {
@@ -28,7 +35,11 @@ struct Options {
   std::filesystem::path log;         // the SQLite file
   std::filesystem::path public_key;  // empty: the one beside the log
   std::filesystem::path csv;         // export only
-  int last = 0;                      // show only: this many records from the end; 0: all
+  // show only
+  int last = 0;  // this many records from the end; 0: all
+  std::vector<std::string> kinds, sources;
+  std::string since, until;
+  bool raw = false;
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -41,6 +52,14 @@ void declare_show(CLI::App& app, Options& options) {
   declare(app, options);
   add(app, "--last N", options.last, "only this many records, from the end; 0: all", "0")
       ->check(in_range(0, 1'000'000'000));
+  add(app, "--kind KIND", options.kinds, "only records of this kind, as the table names it; may be repeated",
+      "all");
+  add(app, "--source SOURCE", options.sources,
+      "only records from this process, as the table names it; may be repeated", "all");
+  add(app, "--since UTC", options.since, "only from this time on, like \"2026-11-25 08:45:11\"",
+      "the beginning");
+  add(app, "--until UTC", options.until, "only up to this time", "the end");
+  app.add_flag("--raw", options.raw, "bodies as they are stored, in JSON, instead of words");
 }
 
 void declare_export(CLI::App& app, Options& options) {
@@ -80,27 +99,65 @@ int exit_code(const Verdict& verdict) {
   return std::holds_alternative<LogHead>(verdict) ? 0 : 1;
 }
 
-std::string row_text(const Record& record) {
+std::string row_text(const Record& record, bool raw) {
   return fmt::format("{:>7}  {:.23}  {:<11}  {:<15}  {}\n", record.seq, recorder::utc_text(record.utc_ns),
-                     plain(record.source), plain(record.kind), plain(record.body));
+                     plain(record.source), plain(record.kind),
+                     plain(raw ? record.body : recorder::text_of(record)));
 }
 
 nlohmann::ordered_json record_json(const Record& record) {
-  return {{"record", record.seq},
-          {"time_utc", recorder::utc_text(record.utc_ns)},
-          {"source", plain(record.source)},
-          {"kind", plain(record.kind)},
-          {"body", plain(record.body)}};
+  return {{"record", record.seq},           {"time_utc", recorder::utc_text(record.utc_ns)},
+          {"source", plain(record.source)}, {"kind", plain(record.kind)},
+          {"body", plain(record.body)},     {"text", plain(recorder::text_of(record))}};
 }
 
 std::string dumped(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+// "2026-11-25 08:45:11", with fewer or more digits: as the beginning of the time that the table shows.
+std::string time_prefix(const std::string& text, const char* option) {
+  static const std::regex kTime(R"(\d{4}-\d{2}-\d{2}([ T]\d{2}(:\d{2}(:\d{2}(\.\d{1,9})?)?)?)?)");
+  if (text.empty() || std::regex_match(text, kTime)) return std::regex_replace(text, std::regex("T"), " ");
+  throw ConfigError(fmt::format("\"{}\" is not a time", text), option,
+                    "give UTC like \"2026-11-25 08:45:11\", or a part of it");
+}
+
+// Which records are asked for. Refuses a kind that no record has.
+class Selection {
+ public:
+  explicit Selection(const Options& options)
+      : kinds_(options.kinds.begin(), options.kinds.end()),
+        sources_(options.sources.begin(), options.sources.end()),
+        since_(time_prefix(options.since, "--since")),
+        until_(time_prefix(options.until, "--until")) {
+    std::vector<std::string> known;
+    for (std::size_t i = 0; i < recorder::kRecordKinds; ++i)
+      known.emplace_back(name_of(static_cast<recorder::RecordKind>(i)));
+    for (const std::string& kind : kinds_)
+      if (std::ranges::find(known, kind) == known.end())
+        throw ConfigError(fmt::format("no record is of the kind \"{}\"", kind), "--kind",
+                          fmt::format("one of: {}", fmt::join(known, ", ")));
+  }
+
+  bool has(const Record& record) const {
+    const std::string time = recorder::utc_text(record.utc_ns);
+    return (kinds_.empty() || kinds_.contains(record.kind)) &&
+           (sources_.empty() || sources_.contains(record.source)) && time >= since_ &&
+           (until_.empty() || time.substr(0, until_.size()) <= until_);
+  }
+
+ private:
+  std::set<std::string> kinds_, sources_;
+  std::string since_, until_;
+};
+
 Result show(const Options& options, const Context&) {
+  const Selection selection(options);
   const auto last = static_cast<std::size_t>(options.last);
   std::deque<Record> kept;
   const Verdict verdict = recorder::verify(options.log, key_for(options), [&](const Record& record) {
+    if (!selection.has(record)) return;
     kept.push_back(record);
     if (last != 0 && kept.size() > last) kept.pop_front();
   });
@@ -108,7 +165,7 @@ Result show(const Options& options, const Context&) {
       fmt::format("{:>7}  {:<23}  {:<11}  {:<15}  {}\n", "record", "time, UTC", "from", "kind", "what");
   nlohmann::ordered_json records = nlohmann::ordered_json::array();
   for (const Record& record : kept) {
-    text += row_text(record);
+    text += row_text(record, options.raw);
     records.push_back(record_json(record));
   }
   return {.exit_code = exit_code(verdict),
@@ -146,14 +203,16 @@ Command log_group() {
 
 Command log_show_command() {
   using namespace log_cli;
-  return {.name = "log show",
-          .summary = "print the records as a table",
-          .long_examples = {"biopsy log show out/live/procedure.log.sqlite --last 20"},
-          .exit_codes = kExitCodes,
-          .json =
-              "`records`: list of `record`, `time_utc`, `source`, `kind`, `body`; `verdict`: as `log verify "
-              "--json`",
-          .declare = with_options(declare_show, show)};
+  return {
+      .name = "log show",
+      .summary = "print the records as a table",
+      .long_examples = {"biopsy log show out/live/procedure.log.sqlite --last 20",
+                        "biopsy log show out/live/procedure.log.sqlite --kind 'state change' --kind alarm"},
+      .exit_codes = kExitCodes,
+      .json =
+          "`records`: list of `record`, `time_utc`, `source`, `kind`, `body`, and `text`, the body in words; "
+          "`verdict`: as `log verify --json`",
+      .declare = with_options(declare_show, show)};
 }
 
 Command log_verify_command() {

@@ -1,6 +1,7 @@
 #include "robot/live/session/live_robot.hpp"
 
 #include "planner/plan/seal.hpp"
+#include "robot/common/operator_name.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
 namespace biopsy::robot {
@@ -30,6 +31,7 @@ LiveRobot::LiveRobot(const transport::Participant& bus, const std::filesystem::p
   if (!panel.empty()) panel_.emplace(panel);
   wait_set_.add(measurements_);
   heartbeat_.health().ready = true;
+  heartbeat_.note(operator_name());
   thread_ = std::jthread([this](const std::stop_token& stop) { listen(stop); });
 }
 

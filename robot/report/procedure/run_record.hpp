@@ -102,6 +102,7 @@ struct FaultResult {
 struct RunRecord {
   std::string title;
   bool simulated = true;
+  bool real_time = false;  // on a clock, and not in lockstep
   Outcome outcome = Outcome::Refused;
   std::string refusal;  // empty unless refused or stopped
   std::string remedy;
