@@ -26,6 +26,17 @@ void Operator::go(Phase phase, std::int64_t tick) {
   since_ = tick;
 }
 
+void Operator::observe(const CycleRecord& seen) {
+  const safety::SupervisorOutput& last = seen.supervisor;
+  const Mode mode = last.permit.mode;
+  moved_ = moved_ || mode == Mode::Active;
+  const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
+  if (!ended || !ended_because_.empty()) return;
+  const bool hazard = last.reason != safety::Hazard::None;
+  ended_because_ = fmt::format("{}: {}", safety::name_of(mode),
+                               hazard ? safety::name_of(last.reason) : safety::name_of(last.event));
+}
+
 void Operator::give_up(const std::string& reason) {
   if (stopped_because_.empty()) stopped_because_ = reason;
 }
@@ -33,6 +44,8 @@ void Operator::give_up(const std::string& reason) {
 void Operator::judge(DepthVerdict verdict, const std::string& reason, std::int32_t patient_motion_um) {
   patient_motion_um_ = patient_motion_um;
   judged_ = true;
+  // An image whose hold was ended shows a needle on its way back: that is why the procedure stops.
+  if (!ended_because_.empty()) give_up(ended_because_);
   accepted_ = verdict == DepthVerdict::Accept;
   if (verdict == DepthVerdict::Unsure && repeated_images_ < kRepeatedImagesMax) {
     ++repeated_images_;
@@ -79,12 +92,9 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
   judged_ = false;
   const std::int64_t waited = tick - since_;
   const Mode mode = seen.supervisor.permit.mode;
-  const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
-  if (ended && phase_ != Phase::Withdraw && phase_ != Phase::Done) {
-    const safety::SupervisorOutput& last = seen.supervisor;
-    const bool hazard = last.reason != safety::Hazard::None;
-    give_up(fmt::format("{}: {}", safety::name_of(mode),
-                        hazard ? safety::name_of(last.reason) : safety::name_of(last.event)));
+  observe(seen);
+  if (!ended_because_.empty() && phase_ != Phase::Withdraw && phase_ != Phase::Done) {
+    give_up(ended_because_);
     go(Phase::Withdraw, tick);
     return;
   }

@@ -17,8 +17,9 @@ class Operator {
   // `scan`: how long an image takes where the stage can lock the needle.
   Operator(const Plan& plan, Seconds scan);
 
-  // Every tick of the robot, in order.
-  void observe(const CycleRecord& seen) { moved_ = moved_ || seen.supervisor.permit.mode == Mode::Active; }
+  // Every tick of the robot, in order. A ramp down may be over before the operator acts on the newest tick
+  // again.
+  void observe(const CycleRecord& seen);
 
   // What the operator does in tick `tick`, having seen the newest one.
   OperatorInputs act(const CycleRecord& seen, std::int64_t tick);
@@ -67,6 +68,7 @@ class Operator {
   std::int32_t patient_motion_um_ = 0;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0, repeated_images_ = 0;
+  std::string ended_because_;  // the robot ended the insertion; empty while it did not
   std::string stopped_because_;
 };
 

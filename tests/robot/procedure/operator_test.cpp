@@ -169,5 +169,29 @@ TEST(Operator, WithdrawsAfterARejectedImage) {
   EXPECT_EQ(procedure.stopped_because, "a reason");
 }
 
+// Found in real time: a hazard ramped the needle down within a scan, and the image of where it lay then was
+// given as the reason.
+TEST(Operator, NamesTheRampThatEndedItsImageThoughItIsOverBeforeTheOperatorActsAgain) {
+  Plan plan;
+  plan.steps.resize(1);
+  plan.steps[0].image_confirms = true;
+  Operator script(plan, kFastScan);
+  DelayedRobot robot(1, 0);
+  CycleRecord seen;
+  for (std::int64_t number = 0; number < 20'000 && !script.wants_verdict(); ++number) {
+    seen = robot.tick(script.act(seen, number));
+    script.observe(seen);
+  }
+  ASSERT_TRUE(script.wants_verdict());
+  seen.supervisor.permit.mode = Mode::Retract;
+  seen.supervisor.reason = safety::Hazard::SensorStale;
+  script.observe(seen);
+  seen.supervisor.permit.mode = Mode::Safe;
+  script.observe(seen);
+  script.judge(DepthVerdict::Reject, "depth check: the tip is short");
+  EXPECT_EQ(script.stopped_because(), "retract: H-08 no new measurement");
+  EXPECT_FALSE(script.completed());
+}
+
 }  // namespace
 }  // namespace biopsy::robot
