@@ -87,7 +87,7 @@ CycleSample LiveRobot::cycle_of(const Measurement& next) const {
   cycle.record.measurement = measured_;
   cycle.record.request = request_;
   cycle.record.drive_mV = next.command_mV;
-  cycle.record.supervisor = supervisor_output(decision_, permit_);
+  cycle.record.supervisor = supervisor_output(passed_.value_or(decision_), permit_);
   cycle.record.evidence.clear =
       safety::kAllHazards & ~safety::bit(cycle.record.supervisor.worst);  // as far as is told
   cycle.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered, truth_.active_faults};
@@ -97,7 +97,8 @@ CycleSample LiveRobot::cycle_of(const Measurement& next) const {
 
 void LiveRobot::gather() {
   permits_.take_newest(permit_);
-  decisions_.take_newest(decision_);
+  while (decisions_.take(decision_))
+    if (decision_.mode == Mode::Retract || decision_.mode == Mode::Trip) passed_ = decision_;
   requests_.take_newest(request_);
   truths_.take_newest(truth_);
   Measurement next;
@@ -105,6 +106,7 @@ void LiveRobot::gather() {
     if (measured_.seq != 0) {
       if (next.seq > measured_.seq + 1) lost_ += next.seq - measured_.seq - 1;
       const CycleSample cycle = cycle_of(next);
+      passed_.reset();
       const std::lock_guard lock(mutex_);
       cycles_.push_back(cycle);
     }

@@ -67,6 +67,7 @@ class LiveRobot {
   Measurement measured_;
   Permit permit_;
   Decision decision_;
+  std::optional<Decision> passed_;  // of a ramp or trip that no tick has shown yet: at 0 V a ramp lasts one
   DriveRequest request_;
   StageTruth truth_;
   OperatorAct act_;           // sent last
