@@ -50,7 +50,7 @@ PanelFindings update(PanelMonitor& monitor, const SupervisorInputs& seen, bool a
   monitor.reset_was_down = seen.local_reset;
   const bool pressed = !seen.panel_read || !seen.estop_a_closed || !seen.estop_b_closed;
   advance(monitor, seen, turned);
-  findings.reset = !pressed && turned && (monitor.pressed || monitor.tested_us == seen.now_us);
+  findings.reset = !pressed && turned && monitor.pressed;
   if (pressed) monitor.pressed = true;
   if (!pressed && turned) monitor.pressed = false;
   const bool due =

@@ -373,5 +373,19 @@ TEST(Gate, NeverRisesWithoutLeaveOverARandomWalk) {
   EXPECT_GT(offs, 300);
 }
 
+// In Boot the supervisor alone feeds the interlock, to see that the driver's half opens by itself.
+TEST(Gate, FeedsTheInterlockOnceAPermitCameThatIsNotOfBoot) {
+  EXPECT_FALSE(GatedVoltage::off().feeds_interlock());
+  GateState state;
+  EXPECT_FALSE(gate(state, nullptr, nullptr, 1'000, 1).voltage.feeds_interlock());
+  for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Trip}) {
+    const Permit permit{.session = 1, .epoch = 1, .seq = 1, .ttl_us = 5'000, .mode = mode};
+    const GateResult result = gate(GateState{}, nullptr, &permit, 1'000, 1);
+    EXPECT_EQ(result.voltage.feeds_interlock(), mode != Mode::Boot) << name_of(mode);
+    const GateResult later = gate(result.state, nullptr, nullptr, 2'000, 1);
+    EXPECT_EQ(later.voltage.feeds_interlock(), mode != Mode::Boot) << "kept, " << name_of(mode);
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::safety

@@ -296,5 +296,19 @@ TEST(Supervisor, EveryNameIsKnownToPeople) {
   for (const std::string_view name : names) EXPECT_GT(name.size(), 3U) << name;
 }
 
+// The reset key releases the emergency stop as well: where it did, it was followed; of a trip the refusal
+// counts.
+TEST(Supervisor, AResetKeyThatReleasesTheEmergencyStopIsNotRefusedOutsideATrip) {
+  for (const bool releases : {false, true}) {
+    Moment safe(Mode::Safe), trip(Mode::Trip);
+    safe.input.local_reset = trip.input.local_reset = true;
+    safe.input.evidence.estop_reset = trip.input.evidence.estop_reset = releases;
+    safe.input.evidence.needle_back = false;
+    trip.input.evidence.needle_home = false;
+    EXPECT_EQ(safe.refusal(), releases ? Refusal::None : Refusal::NotTripped);
+    EXPECT_EQ(trip.refusal(), Refusal::NeedleOut);
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::safety
