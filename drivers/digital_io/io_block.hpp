@@ -77,6 +77,12 @@ struct PanelLevels {
   bool operator==(const PanelLevels&) const = default;
 };
 
+// Of the panel as the device's driver read it; all open where it is not `read`.
+struct PanelReading {
+  PanelLevels levels;
+  bool read = false;
+};
+
 // A voltage in the low half of a word, a flag above it.
 constexpr std::uint64_t packed(std::int32_t mV, bool flag) {
   return static_cast<std::uint32_t>(mV) | std::uint64_t{flag} << 32;

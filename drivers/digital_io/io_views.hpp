@@ -67,12 +67,6 @@ struct RelayReading {
   std::uint64_t ticks = 0;      // over all starts of the interlock process
 };
 
-// All open where it is not `read`.
-struct PanelReading {
-  PanelLevels levels;
-  bool read = false;
-};
-
 // Reads all, writes nothing.
 class IoReader {
  public:

@@ -247,7 +247,7 @@ void OperatorSession::update_image() {
   report::StepResult checked = run_->check.get();
   report::StepResult& noted = run_->notes.record().steps[*run_->imaged];
   noted.check = checked.check;
-  if (checked.check) patient_motion_um_ = patient_motion_um(*checked.check);
+  if (checked.check) note_patient_motion(*checked.check, patient_motion_um_);
   adjusts_ = adjusts_ || patient_motion_um_ > 1e3 * kPatientMotionMax_mm;
   noted.image_path = checked.image_path;
   noted.before = std::move(checked.before);

@@ -127,7 +127,7 @@ void BusRecorder::follow_acts(std::int64_t now_us) {
     act_.seq = next.seq;
     if (next != act_)
       write(RecordKind::OperatorAct, "person",
-            json_text({{"operator", notes_[static_cast<std::size_t>(Process::Person)]},
+            json_text({{"operator", operator_name_},
                        {"token", next.token},
                        {"held", next.held},
                        {"stop", static_cast<int>(next.stop)},
@@ -154,13 +154,13 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
       body["confirmations"] = (sealed.confirmed_tag[0] == planner::plan_tag(*plan)) +
                               (sealed.confirmed_tag[1] == planner::plan_tag(*plan));
     }
-    body["operator"] = notes_[static_cast<std::size_t>(Process::Person)];
+    body["operator"] = operator_name_;
     write(RecordKind::Plan, "person", json_text(body), Urgency::Urgent, now_us);
   }
   DepthVerdictNote verdict;
   while (verdicts_.take(verdict))
     write(RecordKind::DepthCheck, "person",
-          json_text({{"operator", notes_[static_cast<std::size_t>(Process::Person)]},
+          json_text({{"operator", operator_name_},
                      {"stage", verdict.step + 1},
                      {"accepted", verdict.accepted},
                      {"since_seq", verdict.since_seq}}),
@@ -215,6 +215,7 @@ void BusRecorder::follow_health(std::int64_t now_us) {
       write(RecordKind::Alarm, name_of(static_cast<Process>(i)), json_text({{"note", health.note}}),
             Urgency::Grouped, now_us);
     if (alive) notes_[i] = health.note;
+    if (alive && is_person) operator_name_ = health.note;
   }
 }
 

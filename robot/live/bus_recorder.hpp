@@ -66,6 +66,7 @@ class BusRecorder {
   std::array<bool, kCount<Process>> alive_{};
   std::array<std::uint32_t, kCount<Process>> refused_{};
   std::array<std::string, kCount<Process>> notes_;
+  std::string operator_name_;  // the note of the person's process
   int endpoints_ = 0;
   int outside_ = 0, told_outside_ = 0;
   std::int64_t outside_us_ = 0;

@@ -121,6 +121,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   ConfirmationImages images(prepared, plan, folder);
   std::future<report::StepResult> check;  // of an image that is being taken
   OperatorInputs inputs;
+  std::int32_t motion_um = 0;
   CycleSample cycle;
   for (std::int64_t number = 0; number < kTicksMax && !person.done(); ++number) {
     // While an image is checked ticks queue up; the operator acts on the newest only.
@@ -135,8 +136,8 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     if (check.valid() && check.wait_for(std::chrono::seconds(0)) != std::future_status::timeout) {
       report::StepResult& result = record.steps[inputs.accepted_step];
       result = check.get();
-      person.judge(result.check->verdict, "depth check: " + result.check->reason,
-                   patient_motion_um(*result.check));
+      note_patient_motion(*result.check, motion_um);
+      person.judge(result.check->verdict, "depth check: " + result.check->reason, motion_um);
       inputs.acquiring = false;
     }
     if (stop.stop_requested()) {

@@ -126,7 +126,7 @@ void LiveRobot::send(std::int64_t now_us) {
     plan_tag = plan_tag_;
   }
   if (asked_us == 0) return;  // no operator yet
-  if (panel_) panel_->set(panel_test_.levels(panel_levels(inputs), decision_.session, now_us));
+  if (panel_) panel_->set(panel_proof_.levels(panel_levels(inputs), decision_, now_us));
   OperatorAct act = operator_act(inputs);
   // An operator whose program stands still holds nothing: this thread must not do it for them.
   if (now_us - asked_us > kHeldWithoutAsking_us) act.held = false;

@@ -14,7 +14,7 @@
 
 #include "drivers/digital_io/io_views.hpp"
 #include "robot/live/heartbeat.hpp"
-#include "robot/live/session/panel_test.hpp"
+#include "robot/live/session/panel_proof.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/transport/bus.hpp"
 
@@ -50,7 +50,7 @@ class LiveRobot {
   CycleSample cycle_of(const Measurement& next) const;
 
   std::optional<digital_io::PanelIo> panel_;
-  PanelTest panel_test_;
+  PanelProof panel_proof_;
   transport::Reader<Measurement> measurements_;
   transport::Reader<Permit> permits_;
   transport::Reader<Decision> decisions_;

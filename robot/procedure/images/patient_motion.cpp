@@ -19,8 +19,9 @@ std::optional<double> patient_motion_mm(const DepthCheck& check, const Direction
   return std::max(shift.norm(), (carried - along + shift).norm());
 }
 
-std::int32_t patient_motion_um(const DepthCheck& check) {
-  return static_cast<std::int32_t>(std::lround(1e3 * std::min(check.patient_motion_mm.value_or(0.0), 1e3)));
+void note_patient_motion(const DepthCheck& check, std::int32_t& motion_um) {
+  if (!check.patient_motion_mm) return;
+  motion_um = static_cast<std::int32_t>(std::lround(1e3 * std::min(*check.patient_motion_mm, 1e3)));
 }
 
 void judge_patient_motion(DepthCheck& check, const Direction& axis_S, Millimetres tip,

@@ -8,21 +8,23 @@
 
 #include "robot/common/frames.hpp"
 #include "robot/msg/depth_check.hpp"
+#include "safety/types/thresholds.hpp"
 
 namespace biopsy::robot {
 
 // The supervisor's limit, and where a registration, known to half a millimetre, no longer says that it
 // holds.
-inline constexpr double kPatientMotionMax_mm = 2.0, kPatientMotionSure_mm = 1.5;
+inline constexpr double kPatientMotionMax_mm = safety::kPatientMotion_um * 1e-3;
+inline constexpr double kPatientMotionSure_mm = kPatientMotionMax_mm - 0.5;
 
 // The larger motion of entry and planned tip, mm. None where the two images could not be matched.
 // `registration_min`: least correlation of a match.
 std::optional<double> patient_motion_mm(const DepthCheck& check, const Direction& axis_S, Millimetres tip,
                                         double registration_min);
 
-// For the supervisor, um. Images that cannot be matched say nothing about motion, and confirm nothing either:
-// 0.
-std::int32_t patient_motion_um(const DepthCheck& check);
+// For the supervisor, um. Images that cannot be matched say nothing about motion: what was known before
+// stays.
+void note_patient_motion(const DepthCheck& check, std::int32_t& motion_um);
 
 // Sets check.patient_motion_mm, and takes an accept back: above the limit the image is rejected, near it
 // unsure.

@@ -44,11 +44,17 @@ TEST(NidaqmxConfig, SampleIsAccepted) {
   EXPECT_EQ(config.interlock.enable_line, 1U);
   ASSERT_TRUE(config.panel);
   EXPECT_EQ(config.panel->estop_b_line, 3U);
+  ASSERT_TRUE(config.relay_contact);
+  EXPECT_EQ(config.relay_contact->input.number, 4U);
+  EXPECT_EQ(config.relay_contact->closed_V, 2.5);
 }
 
 TEST(NidaqmxConfig, EveryWrongEntryIsNamedWithItsLineAndARemedy) {
   const std::vector<std::pair<std::string, std::string>> wrong{
       {with("device = \"Dev1\"", "device = \"Dev1/ai0\""), "is not one device"},
+      {with("closed_V = 2.5", "closed_V = 0"), "counts an open wire as closed"},
+      {with("closed_V = 2.5", "closed_V = 11"), "outside [0, 10]"},
+      {with("channel = \"ai4\"", "channel = \"ai9\""), "ai9 connected twice"},
       {with("timeout_ms = 2.0", "timeout_ms = 2000"), "outside [0.1, 20]"},
       {with("channel = \"ai0\"", "channel = \"ai16\""), "is none of ai0 to ai15"},
       {with("channel = \"ai0\"", "channel = \"ai9\""), "ai9 connected twice"},

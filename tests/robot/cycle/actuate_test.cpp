@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "safety/challenge.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::robot {
@@ -10,10 +13,11 @@ namespace {
 
 struct Recorded final : drivers::NeedleStage {
   std::int32_t mV = -1;
+  std::int32_t most_mV = 8'000'000;  // of this driver's converter
   bool enabled = true;
   drivers::SensorReading read() override { return {.time_us = 6, .depth_um = 7, .laser_valid = true}; }
   std::int32_t write(const safety::GatedVoltage& voltage) override {
-    mV = voltage.mV();
+    mV = std::clamp(voltage.mV(), -most_mV, most_mV);
     enabled = voltage.hv_enabled();
     return mV;
   }
@@ -57,6 +61,23 @@ TEST_F(Actuate, PutsOutWhatIsRequestedAndPermitted) {
   EXPECT_EQ(measured.depth_um, 7);
   EXPECT_EQ(measured.config_tag, 9U);
   EXPECT_EQ(measured.answered_seq, 2U);
+}
+
+// A driver that limits by itself, or cannot write, or writes something else: the supervisor checks the answer
+// over the voltage that the measurement states.
+TEST_F(Actuate, AVoltageThatTheDriverDidNotWriteAsItWasAskedMakesTheAnswerWrong) {
+  verifies("R-10");
+  const auto is_right = [](const Measurement& measured, const Permit& permit) {
+    return measured.answer ==
+           safety::answer_to(permit.challenge, measured.command_mV, permit.mode, measured.answered_seq);
+  };
+  actuate(raising(2), gated);
+  EXPECT_TRUE(is_right(gated.measure(), raising(2).permit));
+  stage.most_mV = 30'000;
+  actuate(raising(3), gated);
+  const Measurement limited = gated.measure();
+  EXPECT_EQ(limited.command_mV, 30'000);
+  EXPECT_FALSE(is_right(limited, raising(3).permit));
 }
 
 TEST_F(Actuate, RaisesNothingWithoutAPermitARequestOrTheOneWriter) {

@@ -52,6 +52,17 @@ TEST(HardwareLive, WithAnotherConfigurationThanTheCommissionedOneItDoesNotStart)
   EXPECT_NE(lab.refusal().find("configuration"), std::string::npos) << lab.refusal();
 }
 
+TEST(HardwareLive, WithoutTheRelaysContactTheStageDoesNotStart) {
+  verifies("R-65");
+  const Lab lab;
+  std::string text = file_content(lab.hardware.config);
+  const std::size_t from = text.find("[relay_contact]");
+  text.erase(from, text.find("[supervisor_pulse]") - from);
+  std::ofstream(lab.hardware.config) << text;
+  lab.commission();
+  EXPECT_NE(lab.refusal().find("relay is not read back"), std::string::npos) << lab.refusal();
+}
+
 TEST(HardwareLive, WithoutALineForItsPulseTheSupervisorDoesNotStart) {
   verifies("R-43");
   const Lab lab;

@@ -9,7 +9,7 @@
 #include "robot/live/controller_loop.hpp"
 #include "robot/live/realtime/latency_histogram.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
-#include "robot/live/session/panel_test.hpp"
+#include "robot/live/session/panel_proof.hpp"
 #include "robot/live/stage_loop.hpp"
 #include "robot/live/supervisor_loop.hpp"
 #include "robot/procedure/case/case.hpp"
@@ -101,7 +101,7 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   controller.heartbeat().note("a trouble that a person should read, longer than any short string");
   OperatorAct act;
   act.acquiring = false;
-  robot::PanelTest person;
+  robot::PanelProof person;
   std::uint64_t at_rest = 0, taken = 0;
   bool moved = false;
   for (std::int64_t tick = 1; tick <= 3'000 && !(moved && tick % 500 == 0); ++tick) {
@@ -110,8 +110,9 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
     acts.write(act);
     log.write({.seq = act.seq, .backlog_ms = 0, .records = 1});
     const bool closed = supervisor.mode() == Mode::Ready || safety::hv_permitted(supervisor.mode());
-    digital_io::PanelLevels levels = person.levels(
-        {.arm_key = tick > 600, .estop_a_closed = true, .estop_b_closed = true}, 1, tick * 1'000);
+    digital_io::PanelLevels levels =
+        person.levels({.arm_key = tick > 600, .estop_a_closed = true, .estop_b_closed = true}, {.session = 1},
+                      tick * 1'000);
     levels.relay_closed = closed;
     panel.set(levels);
     converter.mark_panel_read(realtime::monotonic_ns());

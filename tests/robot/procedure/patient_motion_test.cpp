@@ -64,7 +64,9 @@ TEST(PatientMotion, TakesAnAcceptBackAndNoOtherVerdict) {
     DepthCheck check = matched({row.moved_mm, 0, 0}, {0, 0, 0});
     judge_patient_motion(check, axis, Millimetres(8.0), kScoreMin);
     EXPECT_EQ(check.verdict, row.verdict) << row.moved_mm;
-    EXPECT_EQ(patient_motion_um(check), std::lround(1e3 * row.moved_mm));
+    std::int32_t motion_um = 0;
+    note_patient_motion(check, motion_um);
+    EXPECT_EQ(motion_um, std::lround(1e3 * row.moved_mm));
     for (const DepthVerdict other : {DepthVerdict::Reject, DepthVerdict::Unsure}) {
       check = matched({row.moved_mm, 0, 0}, {0, 0, 0});
       check.verdict = other;
@@ -80,7 +82,9 @@ TEST(PatientMotion, OfImagesThatDoNotMatchIsUnknown) {
   check.registration_score = 0.4;
   judge_patient_motion(check, Direction::UnitZ(), Millimetres(8.0), kScoreMin);
   EXPECT_FALSE(check.patient_motion_mm);
-  EXPECT_EQ(patient_motion_um(check), 0);
+  std::int32_t motion_um = 3'100;  // of the image before
+  note_patient_motion(check, motion_um);
+  EXPECT_EQ(motion_um, 3'100) << "a bad image is no proof that the patient moved back";
   check = matched({std::numeric_limits<double>::quiet_NaN(), 0, 0}, {0, 0, 0});
   EXPECT_FALSE(patient_motion_mm(check, Direction::UnitZ(), Millimetres(8.0), kScoreMin));
 }
