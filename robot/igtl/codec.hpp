@@ -40,7 +40,7 @@ class Decoder {
   // The next whole message; a body with a wrong CRC or content is Unusable. Throws FramingLost for a header
   // version that is not known and for a body above the limit.
   std::optional<Message> next();
-  bool is_inside_message() const { return !waiting_.empty(); }
+  std::size_t waiting_bytes() const { return waiting_.size(); }  // of a message that is not whole yet
 
  private:
   Limits limits_;

@@ -91,7 +91,7 @@ TEST(IgtlCodec, BringsBackWhatWasSentHoweverTheBytesAreCut) {
     }
     const auto sent = one_of_each();
     ASSERT_EQ(found, sent);
-    EXPECT_FALSE(decoder.is_inside_message());
+    EXPECT_EQ(decoder.waiting_bytes(), 0U);
   }
 }
 
