@@ -152,7 +152,8 @@ void RobotProtocol::enter(Phase phase, const RobotView& robot, std::int64_t now_
 }
 
 void RobotProtocol::start_up(const RobotView& robot, std::int64_t now_us) {
-  if (robot.heard && robot.mode == Mode::Boot && now_us - pending_->since_us < kBootMax_us) return;
+  const bool comes_up = !robot.heard || !robot.console || robot.mode == Mode::Boot;
+  if (comes_up && now_us - pending_->since_us < kBootMax_us) return;
   pending_.reset();
   const auto refuse = [&](const std::string& why) {
     status(name_of(Phase::StartUp), StatusCode::NotReady, why);

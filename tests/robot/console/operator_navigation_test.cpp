@@ -73,7 +73,7 @@ TEST_F(OperatorNavigation, PlansToItsPointsWhichOnlyAPersonConfirms) {
   EXPECT_EQ(sent_.size(), 1U);
   EXPECT_TRUE(navigation().confirmed);
   EXPECT_EQ(codes(), "");
-  EXPECT_EQ(navigation().why, "Not ready yet: .");  // of a supervisor that names no hazard
+  EXPECT_NE(navigation().why.find("Not ready yet"), std::string::npos) << navigation().why;
 }
 
 TEST_F(OperatorNavigation, ANewTargetNeedsANewConfirmation) {
@@ -94,8 +94,8 @@ TEST_F(OperatorNavigation, ANewTargetNeedsANewConfirmation) {
 
 TEST_F(OperatorNavigation, SaysWhyThereIsNoPlan) {
   wish_.proposal = 1;
-  wish_.p_ST = target_.p_SE + 30.0 * wish_.X_SR.linear().col(2);
-  EXPECT_NE(navigation().why.find("30.0"), std::string::npos) << navigation().why;
+  wish_.p_ST = target_.p_SE + 11.4 * wish_.X_SR.linear().col(2);
+  EXPECT_NE(navigation().why.find("11.4"), std::string::npos) << navigation().why;
   EXPECT_FALSE(navigation().planned);
   wish_.proposal = 2;
   wish_.X_SR.translation() += Point(500, 0, 0);
