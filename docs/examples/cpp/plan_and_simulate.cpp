@@ -1,5 +1,5 @@
-// plan_and_simulate MODEL.toml DEPTH_MM: plans an insertion through two layers, then drives the simulated plant with
-// the voltage that the planner's own model asks for at that depth, and compares.
+// plan_and_simulate MODEL.toml DEPTH_MM: plans an insertion through two layers, then drives the simulated
+// plant with the voltage that the planner's own model asks for at that depth, and compares.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -21,7 +21,8 @@ int run(const char* model_file, double depth_mm) {
   request.target.p_SE = Point(0, 0, 0);
   request.target.p_ST = Point(0, 0, -depth_mm);
   request.X_SR = planner::needle_pose(request.target.p_SE, request.target.p_ST);
-  request.layers = {{"muscle", Millimetres(0.0), Millimetres(2.0)}, {"liver", Millimetres(2.0), Millimetres(15.0)}};
+  request.layers = {{"muscle", Millimetres(0.0), Millimetres(2.0)},
+                    {"liver", Millimetres(2.0), Millimetres(15.0)}};
   request.stage = planner::read_nominal_stage(model_file);
   const auto planned = planner::plan_insertion(request);
   if (const auto* refused = std::get_if<PlanRefusal>(&planned)) {
@@ -33,7 +34,8 @@ int run(const char* model_file, double depth_mm) {
     std::printf("step to %.2f mm at %.2f mm/s, at most %.2f kV: %s\n", step.depth.value, step.speed.value,
                 step.v_max.value * 1e-3, step.why.c_str());
 
-  const std::optional<Volts> drive = planner::NominalModel(request.weight, request.stage).drive(plan.target_depth);
+  const std::optional<Volts> drive =
+      planner::NominalModel(request.weight, request.stage).drive(plan.target_depth);
   if (!drive) return std::printf("the stage does not reach that depth\n"), 3;
   sim::PlantModel model = sim::read_model(model_file);
   model.weight = request.weight.value * 1e-3;
@@ -55,8 +57,8 @@ int main(int argc, char** argv) {
   try {
     return run(argv[1], std::atof(argv[2]));
   } catch (const ConfigError& error) {
-    std::fprintf(stderr, "error: %s\nwhere: %s\nto do: %s\n", error.what_is_wrong.c_str(), error.where.c_str(),
-                 error.remedy.c_str());
+    std::fprintf(stderr, "error: %s\nwhere: %s\nto do: %s\n", error.what_is_wrong.c_str(),
+                 error.where.c_str(), error.remedy.c_str());
     return 2;
   }
 }
