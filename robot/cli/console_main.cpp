@@ -42,15 +42,16 @@ void serve(const Options& options) {
   const live::LiveSettings settings = live::read_settings(folder);
   const bool simulated = drivers::is_simulated(settings.device);
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  const fs::path own = folder / "console" / fmt::format("{:%Y%m%dT%H%M%S}", fmt::gmtime(now));
+  const fs::path kept = live::own_folder(folder);
+  const fs::path own = kept / "console" / fmt::format("{:%Y%m%dT%H%M%S}", fmt::gmtime(now));
   robot::PreparedCase opened =
       robot::open_case(robot::case_of(options.procedure, robot::Points::PickedLater), own);
   const transport::Participant bus(live::bus_settings(settings, security::Role::Console));
   robot::LiveRobot robot(bus, simulated ? settings.lines : fs::path(), live::config_tag(folder, settings));
   // Starts at the seconds since 1970 at least, so that tokens rise from one start of the console to the next.
-  const std::uint32_t first_token = live::monotonic_session_id(folder / "first_token");
+  const std::uint32_t first_token = live::monotonic_session_id(kept / "first_token");
   // Started again for the same robot it keeps the address, so that pages that were open find it.
-  const fs::path address_file = folder / "console.url";
+  const fs::path address_file = kept / "console.url";
   const auto before = console::address_of(read_file_if_present(address_file));
   const bool again = before && (options.port == 0 || options.port == before->port);
   robot::ConsoleLoop loop(robot, std::move(opened),
@@ -95,7 +96,7 @@ int main(int argc, char** argv) {
     if (!parse(command, argc, argv)) return 0;
     options.procedure.real_time = true;
     logging::LogSettings log = robot::log_settings("biopsy-console", level, format);
-    log.file = options.run_folder / "console.log";
+    log.file = live::own_folder(options.run_folder) / "console.log";
     const logging::LogSession session(log);
     robot::log_library_messages();
     serve(options);

@@ -20,6 +20,7 @@
 #include "robot/live/realtime/stop_signals.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/session/live_session.hpp"
+#include "robot/live/session/ownership.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/report/procedure/report.hpp"
@@ -56,6 +57,9 @@ void declare(CLI::App& app, Options& options) {
       app.add_flag("--prepare", options.prepare,
                    "write the run folder and start nothing: [an installed system](../how-to/install.md)")
           ->excludes(seconds);
+  app.add_flag("--separate-users", options.live.separate_users,
+               "with --prepare: give each process's files to a user of its own; needs root")
+      ->needs(prepare);
   CLI::Option* console = app.add_flag("--console", options.console,
                                       "serve the operator's page, the [console](../tutorials/clinician.md)");
   app.add_flag("--open", options.open, "open that page in the desktop's browser")
@@ -239,6 +243,7 @@ Result prepare_only(const Options& options, const PreparedCase& prepared) {
       write_run_folder(options.live, options.device, options.hardware, prepared, folder);
   std::filesystem::remove(folder / "lines");
   std::filesystem::create_directory_symlink(settings.lines, folder / "lines");
+  if (options.live.separate_users) give_to_owners(ownership_of(std::filesystem::absolute(folder), settings));
   return {.text = fmt::format("prepared: {}\nnothing was started: systemctl start biopsy.target\n",
                               folder.string()),
           .json = nlohmann::ordered_json{{"prepared", folder.string()}}.dump(2) + "\n"};

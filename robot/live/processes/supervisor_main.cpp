@@ -49,7 +49,7 @@ void supervise(const std::filesystem::path& run_folder) {
   SupervisorPulse pulse(process.settings());
   const digital_io::IoReader panel(process.settings().lines);
   live::SupervisorLoop loop(process.bus(), pulse, panel, process.config_tag(),
-                            live::monotonic_session_id(run_folder / "session"), robot::self_test());
+                            live::monotonic_session_id(live::own_folder(run_folder) / "session"), robot::self_test());
   process.start_ticking();
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   bool failed = false;
