@@ -1,6 +1,6 @@
-// Layout of the shared memory that simulates the digital I/O between processes: one file for each owner, so that
-// only its user can write it where every process has a user of its own. A file is a header's page and a page of
-// outputs. All zero: 0 V, HV off, relay open, keys off, E-stop contacts open.
+// Layout of the shared memory that simulates the digital I/O between processes: one file for each owner, so
+// that only its user can write it where every process has a user of its own. A file is a header's page and a
+// page of outputs. All zero: 0 V, HV off, relay open, keys off, E-stop contacts open.
 #pragma once
 
 #include <atomic>
@@ -53,8 +53,9 @@ struct alignas(kPage) PanelInputs {
 };
 
 inline constexpr std::size_t kFileSize = 2 * kPage;
-static_assert(sizeof(Header) == kPage && sizeof(StageOutputs) == kPage && sizeof(SupervisorOutputs) == kPage &&
-              sizeof(InterlockOutputs) == kPage && sizeof(PanelInputs) == kPage);
+static_assert(sizeof(Header) == kPage && sizeof(StageOutputs) == kPage &&
+              sizeof(SupervisorOutputs) == kPage && sizeof(InterlockOutputs) == kPage &&
+              sizeof(PanelInputs) == kPage);
 
 // The converter's voltage and the amplifier's enable.
 struct ConverterOutput {

@@ -60,7 +60,8 @@ void InterlockIo::write(const RelayOutput& output, std::int64_t now_ns) {
   count_up(out_->ticks);
 }
 
-IoReader::IoReader(const std::filesystem::path& folder) : stage_(folder), supervisor_(folder), interlock_(folder), panel_(folder) {}
+IoReader::IoReader(const std::filesystem::path& folder)
+    : stage_(folder), supervisor_(folder), interlock_(folder), panel_(folder) {}
 
 ConverterOutput IoReader::converter() const {
   const std::uint64_t word = stage_->converter.load(std::memory_order_acquire);

@@ -130,7 +130,8 @@ IoFile::IoFile(const fs::path& folder, Owner owner, Access access) {
                       "each process of the robot runs once; stop the other one");
   memory_ = ::mmap(nullptr, kFileSize, own ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED | MAP_POPULATE,
                    file.get(), 0);
-  if (memory_ == MAP_FAILED) throw ConfigError("cannot be mapped: " + reason(errno), path.string(), kMakeAnew);
+  if (memory_ == MAP_FAILED)
+    throw ConfigError("cannot be mapped: " + reason(errno), path.string(), kMakeAnew);
   file_ = file.release();
 }
 

@@ -1,5 +1,5 @@
-// The digital I/O lines between processes, simulated by small files that every process maps, one for each owner.
-// One process makes them; each of the others may write its own.
+// The digital I/O lines between processes, simulated by small files that every process maps, one for each
+// owner. One process makes them; each of the others may write its own.
 #pragma once
 
 #include <array>
@@ -15,17 +15,18 @@ inline constexpr std::array kOwners{Owner::Stage, Owner::Supervisor, Owner::Inte
 // The name of the owner's file in `folder`: stage, supervisor, interlock, panel.
 std::string_view name_of(Owner owner);
 
-// Makes the files of all owners in `folder` (mode 0600), all zero. Older ones are replaced; processes that still
-// map them no longer reach the others. The folder should be in memory (tmpfs): on a disk a write can wait for
-// the disk. Throws ConfigError: cannot be made, or a running process still owns one of the older files.
+// Makes the files of all owners in `folder` (mode 0600), all zero. Older ones are replaced; processes that
+// still map them no longer reach the others. The folder should be in memory (tmpfs): on a disk a write can
+// wait for the disk. Throws ConfigError: cannot be made, or a running process still owns one of the older
+// files.
 void create_shared_io(const std::filesystem::path& folder);
 
 // One owner's file, mapped.
 class IoFile {
  public:
   enum class Access { Read, Own };
-  // Own: writable, and held until the process ends. Throws ConfigError: no such file, of another kind, owner or
-  // version, truncated; another user may write it, or all may read it; another process owns it.
+  // Own: writable, and held until the process ends. Throws ConfigError: no such file, of another kind, owner
+  // or version, truncated; another user may write it, or all may read it; another process owns it.
   IoFile(const std::filesystem::path& folder, Owner owner, Access access);
   ~IoFile();
   IoFile(const IoFile&) = delete;

@@ -32,8 +32,8 @@ struct LiveSettings {
   std::vector<Layer> layers;  // along the needle's path
 };
 
-// Where a process keeps what it writes: the folder that systemd made for it alone (StateDirectory=), else the run
-// folder.
+// Where a process keeps what it writes: the folder that systemd made for it alone (StateDirectory=), else the
+// run folder.
 std::filesystem::path own_folder(const std::filesystem::path& run_folder);
 
 // live.json in the run folder.

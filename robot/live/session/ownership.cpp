@@ -82,8 +82,7 @@ void give(const Ownership& file) {
   const uid_t user = id_of_user(file);
   const gid_t group = id_of_group(file);
   const int opened = ::open(file.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  const bool given =
-      opened >= 0 && ::fchown(opened, user, group) == 0 && ::fchmod(opened, file.mode) == 0;
+  const bool given = opened >= 0 && ::fchown(opened, user, group) == 0 && ::fchmod(opened, file.mode) == 0;
   const int error = errno;
   if (opened >= 0) ::close(opened);
   if (!given)

@@ -271,7 +271,8 @@ TEST(SharedIoRefusals, SayTheSystemsReasonAndLeaveNothingOpenOrBehind) {
   const std::ptrdiff_t files = open_files();
   const auto missing = folder.path() / "none";
   EXPECT_NE(refusal_of([&] { create_shared_io(missing); }).find("No such file"), std::string::npos);
-  EXPECT_NE(refusal_of([&] { IoFile(missing, Owner::Stage, IoFile::Access::Own); }).find("No such file"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { IoFile(missing, Owner::Stage, IoFile::Access::Own); }).find("No such file"),
+            std::string::npos);
   std::filesystem::create_directories(folder.path() / "stage" / "taken");
   EXPECT_NE(refusal_of([&] { create_shared_io(folder.path()); }).find("cannot be made"), std::string::npos);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
@@ -281,7 +282,9 @@ TEST(SharedIoRefusals, SayTheSystemsReasonAndLeaveNothingOpenOrBehind) {
   for (const auto others : {std::filesystem::perms::others_exec, std::filesystem::perms::group_write}) {
     std::filesystem::permissions(folder.path() / "stage", std::filesystem::perms::owner_read |
                                                               std::filesystem::perms::owner_write | others);
-    EXPECT_NE(refusal_of([&] { IoFile(folder.path(), Owner::Stage, IoFile::Access::Own); }).find("accessible to other users"),
+    EXPECT_NE(refusal_of([&] {
+                IoFile(folder.path(), Owner::Stage, IoFile::Access::Own);
+              }).find("accessible to other users"),
               std::string::npos);
   }
   EXPECT_EQ(open_files(), files);

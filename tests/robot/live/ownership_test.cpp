@@ -1,5 +1,5 @@
-// Who owns what of an installed robot. Inputs: run folders as `biopsy up --prepare` writes them; what the kernel
-// then permits is tested with real users by tests/installation/claims.
+// Who owns what of an installed robot. Inputs: run folders as `biopsy up --prepare` writes them; what the
+// kernel then permits is tested with real users by tests/installation/claims.
 #include "robot/live/session/ownership.hpp"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,8 @@ TEST_F(OwnershipOfFiles, LeavesNoFileOut) {
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / root)) {
       if (entry.is_symlink()) continue;
       ++found;
-      EXPECT_TRUE(owners_of_all.contains(fs::relative(entry.path(), folder_.path()).string())) << entry.path();
+      EXPECT_TRUE(owners_of_all.contains(fs::relative(entry.path(), folder_.path()).string()))
+          << entry.path();
     }
   EXPECT_EQ(owners_of_all.size(), found + 2) << "and the two folders";
 }
@@ -97,7 +98,8 @@ TEST_F(OwnershipOfFiles, LetsEachDriveItsOwnLinesAndThreeReadThem) {
 
 TEST_F(OwnershipOfFiles, KeepsTheConsoleFromTheKeysOfARealStage) {
   verifies("R-68");
-  EXPECT_EQ(owners().at("lines/panel").user, "biopsy-console") << "the page turns the keys of a simulated one";
+  EXPECT_EQ(owners().at("lines/panel").user, "biopsy-console")
+      << "the page turns the keys of a simulated one";
   settings_.device = "nidaqmx";
   EXPECT_EQ(owners().at("lines/panel").user, "biopsy-stage");
 }
