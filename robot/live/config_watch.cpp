@@ -25,7 +25,8 @@ ConfigWatch::ConfigWatch(std::filesystem::path run_folder, LiveSettings settings
     const sched_param ordinary{};  // it would inherit the priority of the loop, and reads files
     ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
     std::unique_lock lock(mutex_);
-    while (!wake_.wait_for(lock, stop, kEvery, [] { return false; }) && !stop.stop_requested()) read(now_us());
+    while (!wake_.wait_for(lock, stop, kEvery, [] { return false; }) && !stop.stop_requested())
+      read(now_us());
   });
 }
 

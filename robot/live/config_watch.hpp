@@ -1,4 +1,5 @@
-// Reads the configuration's files again while the robot runs: what would be armed must still be what was started.
+// Reads the configuration's files again while the robot runs: what would be armed must still be what was
+// started.
 #pragma once
 
 #include <atomic>
@@ -12,7 +13,8 @@
 
 namespace biopsy::live {
 
-// The tag of the files as last read, handed from the thread that reads to a loop that must not wait for a disk.
+// The tag of the files as last read, handed from the thread that reads to a loop that must not wait for a
+// disk.
 class FilesTag {
  public:
   static constexpr std::int64_t kRead_us = 5'000'000;
