@@ -13,6 +13,7 @@ foreach(UNIT prepare interlock recorder supervisor stage controller)
 endforeach()
 install(FILES ${LIVE_UNITS} ${SYSTEMD}/biopsy.target DESTINATION lib/systemd/system COMPONENT live)
 install(FILES ${SYSTEMD}/biopsy.sysusers DESTINATION lib/sysusers.d RENAME biopsy.conf COMPONENT live)
+install(FILES ${SYSTEMD}/biopsy.tmpfiles DESTINATION lib/tmpfiles.d RENAME biopsy.conf COMPONENT live)
 
 install(TARGETS biopsy-console COMPONENT console)
 install(FILES ${SYSTEMD}/biopsy-console.service DESTINATION lib/systemd/system COMPONENT console)
@@ -25,3 +26,5 @@ install(DIRECTORY ${BUILT_PAGE}/ DESTINATION share/biopsy/console/page COMPONENT
 
 # For other programs on the bus: the messages as IDL.
 install(FILES ${CMAKE_BINARY_DIR}/generated/robot/msg/wire.idl DESTINATION share/idl/biopsy COMPONENT dev)
+
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/NOTICE DESTINATION share/doc/biopsy COMPONENT licence)
