@@ -23,21 +23,15 @@ namespace {
 using namespace biopsy;
 namespace fs = std::filesystem;
 
-// Of an installation, or of the build tree that this program lies in.
-fs::path page_folder() {
-  const fs::path installed = data_folder() / "console/page";
-  return fs::exists(installed) ? installed
-                               : fs::read_symlink("/proc/self/exe").parent_path() / "console/page/dist";
-}
-
 struct Options {
   robot::ProcedureOptions procedure;
-  fs::path run_folder, page = page_folder();
+  fs::path run_folder, page;
   std::uint16_t port = 0;
 };
 
 void serve(const Options& options) {
   realtime::StopSignals signals;
+  const fs::path page = options.page.empty() ? page_folder() : options.page;
   const fs::path folder = fs::absolute(options.run_folder);
   const live::LiveSettings settings = live::read_settings(folder);
   const bool simulated = drivers::is_simulated(settings.device);
@@ -55,7 +49,7 @@ void serve(const Options& options) {
   const auto before = console::address_of(read_file_if_present(address_file));
   const bool again = before && (options.port == 0 || options.port == before->port);
   robot::ConsoleLoop loop(robot, std::move(opened),
-                          {options.page, own, again ? before->port : options.port, simulated, first_token,
+                          {page, own, again ? before->port : options.port, simulated, first_token,
                            again ? before->token : std::string()});
   atomic_write(address_file, loop.url());
   fs::permissions(address_file, fs::perms::owner_read | fs::perms::owner_write);
@@ -90,7 +84,7 @@ int main(int argc, char** argv) {
     robot::add_image_source(command, options.procedure, nullptr);
     command.add_option("--port", options.port, "of the page (default: any that is free)")
         ->check(robot::in_range(0, 65535));
-    command.add_option("--page", options.page, "folder of the built page");
+    command.add_option("--page", options.page, "folder of the built page (default: the installed one)");
     std::string level, format;
     robot::log_options(command, level, format);
     if (!parse(command, argc, argv)) return 0;

@@ -13,6 +13,7 @@
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/logging/log_session.hpp"
 #include "robot/common/logging/logger.hpp"
 #include "robot/common/progress.hpp"
@@ -258,6 +259,7 @@ Result run(const Options& options, const Context& context) {
   if (!drivers::is_simulated(options.device) && options.console && options.procedure.images_from.empty())
     throw ConfigError("a real stage with simulated confirmation images", "command line",
                       "add --images-from FOLDER, into which the scanner exports");
+  if (options.console) page_folder();  // refused before anything is started
   const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
   const PreparedCase prepared = prepare_run(given, options.procedure.out, context.clearable);
   logging::log_to_file(options.procedure.out / "biopsy.log");

@@ -54,6 +54,7 @@ std::string media_type_of(const fs::path& file) {
                                                          {".svg", "image/svg+xml"},
                                                          {".png", "image/png"},
                                                          {".json", "application/json"},
+                                                         {".txt", "text/plain; charset=utf-8"},
                                                          {".woff2", "font/woff2"}};
   const auto found = kTypes.find(file.extension().string());
   return found == kTypes.end() ? "application/octet-stream" : found->second;
