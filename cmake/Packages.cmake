@@ -17,7 +17,6 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
 
 set(SAME_VERSION "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(WARNING "This software has not run on real hardware and is not approved for use on\npatients.")
@@ -52,9 +51,9 @@ removal.")
 biopsy_package(console biopsy-console "MRI-safe needle biopsy robot: clinician's page" "biopsy-live ${SAME_VERSION}"
 "Serves the page on which a clinician picks the target, arms, inserts step by
 step and confirms the depth, in a browser on the same machine.")
-biopsy_package(dev biopsy-dev "MRI-safe needle biopsy robot: messages of the bus" ""
-"The messages on the robot's DDS bus as OMG IDL, for other programs that read
-them.")
+biopsy_package(dev biopsy-dev "MRI-safe needle biopsy robot: libraries and messages"
+"libeigen3-dev, libopencv-core-dev, libopencv-imgproc-dev, libdcmtk-dev, libopenjp2-7-dev, libnifti-dev, libpng-dev, zlib1g-dev, libssl-dev, libtbb-dev, libceres-dev, libfmt-dev, libspdlog-dev, libtomlplusplus-dev, nlohmann-json3-dev"
+"What other programs are built with (find_package(biopsy)): messages, safety,\nplanner, images, simulation and gap search; and the bus messages as OMG IDL.")
 
 if(BIOPSY_PYTHON)
   math(EXPR NEXT_MINOR "${Python3_VERSION_MINOR} + 1")

@@ -48,7 +48,8 @@ void serve(const Options& options) {
   const fs::path address_file = kept / "console.url";
   const auto before = console::address_of(read_file_if_present(address_file));
   const bool again = before && (options.port == 0 || options.port == before->port);
-  robot::ConsoleLoop loop(robot, std::move(opened),
+  robot::NavigationLink navigation(bus);
+  robot::ConsoleLoop loop(robot, navigation, std::move(opened),
                           {page, own, again ? before->port : options.port, simulated, first_token,
                            again ? before->token : std::string()});
   atomic_write(address_file, loop.url());

@@ -162,4 +162,19 @@ Alarm silence_alarm() {
                "Look at the needle. Use the hardware E-stop if it must come back now.");
 }
 
+Alarm proposal_notice() {
+  return alarm(Severity::Notice, "E-125", "Entry and target are those of the navigation program.",
+               "Nothing moved.", "Look at both points on the image, then confirm the plan.");
+}
+
+Alarm motion_notice() {
+  return alarm(Severity::Notice, "E-126", "The navigation program asks for the insertion.",
+               "Nothing moves by itself.", "Hold Insert, or Stop.");
+}
+
+Alarm navigation_stop_notice() {
+  return alarm(Severity::Notice, "E-127", "The navigation program stops the robot.",
+               "It cannot be armed until that program takes its stop back.", "Look at the needle.");
+}
+
 }  // namespace biopsy::robot

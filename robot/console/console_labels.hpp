@@ -34,5 +34,9 @@ std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, bool stop
 // STOP without high voltage, until Reset.
 console::events::Alarm standing_stop_alarm();
 console::events::Alarm silence_alarm();
+// Notices of what a navigation program wishes.
+console::events::Alarm proposal_notice();
+console::events::Alarm motion_notice();
+console::events::Alarm navigation_stop_notice();
 
 }  // namespace biopsy::robot

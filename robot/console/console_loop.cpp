@@ -40,8 +40,10 @@ std::string lasting(events::State state) {
 
 }  // namespace
 
-ConsoleLoop::ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& settings)
+ConsoleLoop::ConsoleLoop(LiveRobot& robot, NavigationLink& navigation, PreparedCase opened,
+                         const Settings& settings)
     : robot_(robot),
+      navigation_(navigation),
       settings_(settings),
       session_(std::move(opened), settings.simulated, settings.folder, settings.first_token,
                [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
@@ -154,7 +156,9 @@ void ConsoleLoop::step() {
   OperatorInputs inputs;
   {
     const std::lock_guard lock(mutex_);
-    inputs = session_.inputs(now_in_us());
+    const std::int64_t now_us = now_in_us();
+    navigation_.answer(session_.navigate(navigation_.newest(now_us), now_us), now_us);
+    inputs = session_.inputs(now_us);
   }
   const std::optional<CycleSample> cycle = robot_.tick(inputs);
   const std::int64_t now_us = now_in_us();

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "robot/console/navigation_link.hpp"
 #include "robot/console/operator_session.hpp"
 #include "robot/console/server/http_server.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
@@ -23,8 +24,8 @@ class ConsoleLoop {
     std::uint32_t first_token = 1;
     std::string token;  // of the address; empty: a new one
   };
-  // `robot` must outlive this. Throws ConfigError.
-  ConsoleLoop(LiveRobot& robot, PreparedCase opened, const Settings& settings);
+  // `robot` and `navigation` must outlive this. Throws ConfigError.
+  ConsoleLoop(LiveRobot& robot, NavigationLink& navigation, PreparedCase opened, const Settings& settings);
 
   std::string url() const { return server_->url(); }
   // Processes one tick of the robot, or a second without one.
@@ -40,6 +41,7 @@ class ConsoleLoop {
   void log_command(console::Client client, const std::string& text, const std::string& answer);
 
   LiveRobot& robot_;
+  NavigationLink& navigation_;
   Settings settings_;
   std::mutex mutex_;  // of the session and the record of what was sent
   OperatorSession session_;

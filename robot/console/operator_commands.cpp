@@ -77,6 +77,7 @@ OperatorSession::Answer OperatorSession::on(const commands::SetPoint& command) {
   if (const auto* why = std::get_if<std::string>(&picked))
     return refusal(command.id, Refused::WrongPlace, *why);
   unconfirm();
+  restore_pose();
   (command.mark == console::Mark::Entry ? p_SE_ : p_ST_) = std::get<Point>(picked);
   if (p_SE_ && p_ST_) {
     prepared_.target.p_SE = *p_SE_;

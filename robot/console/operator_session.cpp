@@ -115,6 +115,7 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
   inputs.press = {last_token_, inserting};
   if (now_us < retract_until_us_) inputs.stop = StopCategory::C1Ramp;
   if (now_us < stop_until_us_ || standing_stop_) inputs.stop = StopCategory::C0Off;
+  if (navigation_) inputs.stop = std::max(inputs.stop, navigation_->stop);
   inputs.finish = finish_;
   inputs.patient_motion_um = patient_motion_um_;
   if (run_) {
@@ -336,6 +337,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.report = report_.empty() ? "" : "/report.html";
   state.disabled = disabled();
   state.alarms = alarms_of(seen_, stopped_);
+  for (events::Alarm& notice : navigation_alarms()) state.alarms.push_back(std::move(notice));
   if (standing_stop_) state.alarms.insert(state.alarms.begin(), standing_stop_alarm());
   if (silent_) state.alarms.insert(state.alarms.begin(), silence_alarm());
   return state;

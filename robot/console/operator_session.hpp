@@ -37,6 +37,10 @@ class OperatorSession {
   std::optional<console::events::Answer> handle(console::Client client, const console::commands::Any& command,
                                                 std::int64_t now_us);
 
+  // A navigation program: its points are planned to and shown, for a person to confirm; its stop is one. Call in
+  // every tick with its newest request, or with nothing where none is there. seq of the reply is the sender's.
+  NavigationReply navigate(const std::optional<NavigationRequest>& request, std::int64_t now_us);
+
   // Robot
   OperatorInputs inputs(std::int64_t now_us);
   void update(const CycleSample& sample, std::int64_t now_us);
@@ -74,6 +78,13 @@ class OperatorSession {
   Answer on(const console::commands::Reset& command);
   Answer on(const console::commands::Judge& command);
 
+  void take_stop(const NavigationRequest& request);
+  void take_proposal(const NavigationRequest& request);
+  std::string plan_proposal(const NavigationRequest& request);
+  void restore_pose();
+  bool shows_proposal() const;
+  std::vector<console::events::Alarm> navigation_alarms() const;
+
   const Plan* plan() const;
   bool is_displayed(const std::string& seal) const;
   void unconfirm();
@@ -110,6 +121,16 @@ class OperatorSession {
   std::optional<Point> p_SE_, p_ST_;
   std::array<bool, 3> ticks_{};
   std::int64_t ticked_us_ = 0;
+
+  std::optional<NavigationRequest> navigation_;  // newest, of a program that is there
+  std::uint32_t proposal_ = 0;                   // of it, taken last
+  std::string proposal_refused_;                 // why there is no plan to it
+  Sha256 proposal_seal_{};
+  struct Pose {
+    std::filesystem::path fiducials;
+    std::optional<std::vector<double>> transform;
+  };
+  std::optional<Pose> own_pose_;  // of the case, while the navigation program's is in its place
 
   OperatorInputs inputs_ = OperatorInputs::idle();
   CycleRecord seen_;

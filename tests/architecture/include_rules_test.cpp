@@ -51,6 +51,7 @@ const std::vector<Folder> kFolders{
     {"robot/cycle", 5, {}},
     {"robot/procedure", 6, {}},
     {"robot/live", 6, {}},
+    {"robot/igtl", 7, {}},
     {"robot/live/session", 7, {}},
     {"robot/live/processes", 7, {}},
     {"robot/bench", 8, {}},

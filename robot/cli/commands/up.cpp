@@ -46,6 +46,8 @@ struct Options {
   bool console = false;    // the operator uses the console page
   bool open = false;       // which is opened in the desktop's browser
   std::uint16_t port = 0;  // of that page; 0: any that is free
+  std::string igtl;        // dialect; empty: no navigation program can connect
+  std::uint16_t igtl_port = 18944;
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -70,6 +72,17 @@ void declare(CLI::App& app, Options& options) {
       ->check(in_range(0, 65535))
       ->needs(console)
       ->excludes(prepare);
+  CLI::Option* igtl =
+      add(app, "--igtl DIALECT", options.igtl,
+          "let a navigation program propose targets, over [OpenIGTLink](../how-to/slicer.md): "
+          "`2013` or `2021`, the order of its messages")
+          ->check(CLI::IsMember({"2013", "2021"}))
+          ->needs(console)
+          ->excludes(prepare);
+  add(app, "--igtl-port N", options.igtl_port, "port of it, on this machine only; 0: any that is free",
+      "18944")
+      ->check(in_range(0, 65535))
+      ->needs(igtl);
   add_image_source(app, options.procedure, console);
   app.get_option("--scan")->needs(console);
   add_live_options(app, options.live, nullptr);
@@ -158,6 +171,14 @@ void open_in_browser(const std::string& url) {
   _exit(127);
 }
 
+std::vector<std::string> igtl_arguments(const Options& options) {
+  std::vector<std::string> words{"--dialect", options.igtl, "--port", std::to_string(options.igtl_port)};
+  if (!options.procedure.images_from.empty())
+    words.insert(words.end(),
+                 {"--images-to", std::filesystem::absolute(options.procedure.images_from).string()});
+  return words;
+}
+
 // How a session came to its end.
 struct Ending {
   std::optional<std::string> ended;  // a process, by itself
@@ -181,6 +202,7 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
   const std::filesystem::path address = options.procedure.out / "console.url";
   std::filesystem::remove(address);
   session.launcher().start(Process::Person, console_arguments(options));
+  if (!options.igtl.empty()) session.launcher().start(Process::Navigation, igtl_arguments(options));
   const auto started = Clock::now();
   std::optional<std::string> ended;
   bool announced = false;
@@ -200,6 +222,8 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
           ended ? "the robot is brought down" : "the console is started again, without points and plan");
       restart_at = Clock::now() + kRestartAfter;
     }
+    if (const auto alone = session.launcher().ended(Process::Navigation))
+      kLog.error("{}; no navigation program can connect", *alone);
     if (!ended && Clock::now() > restart_at) {
       restart_at = kNever;
       ++restarts;
@@ -299,6 +323,7 @@ Command up_command() {
                       {"live.json", "what every process was started with", true},
                       {"*.log", "the [diagnostic log](diagnostic-log.md) of each process", true},
                       {"console", "with `--console`: a folder for each run"},
+                      {"navigation.txt", "with `--igtl`: where it listens"},
                       {"console.url", "with `--console`: the page's address"}},
           .replaces_earlier_run = true,
           .json =

@@ -23,6 +23,7 @@ enum class Component : std::uint8_t {
   Planner,
   Sim,
   Bench,
+  Navigation,
   Security,
   Dds,
   Ceres,
@@ -30,9 +31,9 @@ enum class Component : std::uint8_t {
   Opencv,
 };
 
-inline constexpr std::array<const char*, 15> kComponentNames{
-    "cli", "supervisor", "controller", "stage", "interlock", "recorder", "console", "planner",
-    "sim", "bench",      "security",   "dds",   "ceres",     "dcmtk",    "opencv"};
+inline constexpr std::array<const char*, 16> kComponentNames{
+    "cli", "supervisor", "controller", "stage",    "interlock", "recorder", "console", "planner",
+    "sim", "bench",      "navigation", "security", "dds",       "ceres",    "dcmtk",   "opencv"};
 
 constexpr const char* name_of(Component component) {
   return kComponentNames[static_cast<std::size_t>(component)];

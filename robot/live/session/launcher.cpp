@@ -22,8 +22,9 @@ namespace fs = std::filesystem;
 constexpr std::chrono::milliseconds kPatience{2000}, kPoll{5};
 
 std::string program_of(Process process) {
-  return fmt::format("biopsy-{}",
-                     process == Process::Person ? std::string_view("console") : name_of(process));
+  if (process == Process::Person) return "biopsy-console";
+  if (process == Process::Navigation) return "biopsy-igtl";
+  return fmt::format("biopsy-{}", name_of(process));
 }
 
 std::string ending(int status) {

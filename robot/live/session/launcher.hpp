@@ -19,8 +19,9 @@ inline constexpr std::array kStartOrder{Process::Interlock, Process::Recorder, P
                                         Process::Stage, Process::Controller};
 // The supervisor before the rest: without its permits the gate is at 0 V within 5 ms, and the others' silence
 // is no longer a fault. A console before it: it retracts the needle first.
-inline constexpr std::array kStopOrder{Process::Person, Process::Supervisor, Process::Controller,
-                                       Process::Stage,  Process::Recorder,   Process::Interlock};
+inline constexpr std::array kStopOrder{Process::Navigation, Process::Person, Process::Supervisor,
+                                       Process::Controller, Process::Stage,  Process::Recorder,
+                                       Process::Interlock};
 
 class Launcher {
  public:

@@ -1,0 +1,84 @@
+#include "robot/igtl/image_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <exception>
+
+#include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+
+namespace biopsy::igtl {
+namespace {
+
+constexpr int kImagesMax = 200;  // of one start of the program: nobody fills the disk from the network
+
+const char* nrrd_type(Image::Scalar scalar) {
+  switch (scalar) {
+    case Image::Scalar::Int8:
+      return "int8";
+    case Image::Scalar::UInt8:
+      return "uint8";
+    case Image::Scalar::Int16:
+      return "int16";
+    case Image::Scalar::UInt16:
+      return "uint16";
+    case Image::Scalar::Int32:
+      return "int32";
+    case Image::Scalar::Float32:
+      return "float";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string nrrd_of(const Image& image) {
+  const double sign = image.ras ? -1.0 : 1.0;
+  const Eigen::Vector3d to_lps(sign, sign, 1.0);
+  Eigen::Matrix3d axes;
+  Point first(image.centre[0], image.centre[1], image.centre[2]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d step(image.axes[3 * axis], image.axes[3 * axis + 1], image.axes[3 * axis + 2]);
+    axes.col(static_cast<Eigen::Index>(axis)) = to_lps.cwiseProduct(step);
+    first -= 0.5 * (image.size[axis] - 1) * step;
+  }
+  first = to_lps.cwiseProduct(first);
+  const auto vector = [](const Eigen::Vector3d& of) {
+    return fmt::format("({:.9g},{:.9g},{:.9g})", of.x(), of.y(), of.z());
+  };
+  std::string text = fmt::format(
+      "NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
+      "space directions: {} {} {}\nkinds: domain domain domain\nendian: little\nencoding: raw\n"
+      "space origin: {}\n\n",
+      nrrd_type(image.scalar), image.size[0], image.size[1], image.size[2], vector(axes.col(0)),
+      vector(axes.col(1)), vector(axes.col(2)), vector(first));
+  text.append(image.voxels.begin(), image.voxels.end());
+  return text;
+}
+
+ImageFolder::ImageFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  if (!folder_.empty() && !std::filesystem::is_directory(folder_))
+    throw ConfigError("the folder for images does not exist", folder_.string(),
+                      "make it, or leave --images-to away");
+}
+
+std::variant<std::string, Refused> ImageFolder::store(const std::string& device, const Image& image) {
+  if (folder_.empty()) return Refused{"images are not taken: start with --images-to FOLDER"};
+  if (stored_ >= kImagesMax)
+    return Refused{fmt::format("{} images were taken; start the program again", stored_)};
+  std::string letters;
+  for (const char letter : device)
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0) letters += letter;
+  const std::string name =
+      fmt::format("igtl-{:03}{}{}.nrrd", stored_ + 1, letters.empty() ? "" : "-", letters);
+  try {
+    atomic_write(folder_ / name, nrrd_of(image));
+  } catch (const std::exception& error) {
+    return Refused{error.what()};
+  }
+  ++stored_;
+  return name;
+}
+
+}  // namespace biopsy::igtl
