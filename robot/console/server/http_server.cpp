@@ -60,7 +60,7 @@ std::string media_type_of(const fs::path& file) {
 }
 
 // Read once: no request can name another file.
-std::map<std::string, Document> read_page(const fs::path& folder) {
+std::map<std::string, Document> read_page(const fs::path& folder, const std::string& start) {
   std::map<std::string, Document> page;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
@@ -69,9 +69,10 @@ std::map<std::string, Document> read_page(const fs::path& folder) {
     page["/" + fs::relative(entry.path(), folder).generic_string()] = {
         media_type_of(entry.path()), body, false, std::make_shared<const std::string>(gzip(*body))};
   }
-  if (!page.contains("/index.html"))
-    throw ConfigError("the console's page does not exist", folder.string(), "build it: ./dev console");
-  page["/"] = page["/index.html"];
+  if (!page.contains("/" + start))
+    throw ConfigError("the console's page does not exist", (folder / start).string(),
+                      "build it: ./dev console");
+  page["/"] = page["/" + start];
   return page;
 }
 
@@ -81,8 +82,9 @@ class HttpSession;
 class WebSocketSession;
 
 struct HttpState {
-  HttpState(const fs::path& page_folder, std::string token_text, ServerCallbacks given)
-      : page(read_page(page_folder)), token(std::move(token_text)), callbacks(std::move(given)) {}
+  HttpState(const fs::path& page_folder, const std::string& start, std::string token_text,
+            ServerCallbacks given)
+      : page(read_page(page_folder, start)), token(std::move(token_text)), callbacks(std::move(given)) {}
 
   void listen(std::uint16_t wanted);
   void accept();
@@ -213,7 +215,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void upgrade(const Request& request, const std::string& path) {
-    if (path != "/live" || !state_.policy->is_from_our_page(request) || !state_.policy->has_token(request))
+    if (!state_.callbacks.connected || path != "/live" || !state_.policy->is_from_our_page(request) ||
+        !state_.policy->has_token(request))
       return refuse(http::status::forbidden, "not this page, or no token");
     if (state_.web_sockets.size() >= kClientsMax)
       return refuse(http::status::service_unavailable, "too many pages");
@@ -302,8 +305,9 @@ void HttpState::accept() {
   });
 }
 
-HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, ServerCallbacks callbacks)
-    : state_(std::make_unique<HttpState>(page, std::move(token), std::move(callbacks))) {
+HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, ServerCallbacks callbacks,
+                       const std::string& start)
+    : state_(std::make_unique<HttpState>(page, start, std::move(token), std::move(callbacks))) {
   state_->listen(port);
   state_->accept();
   state_->thread = std::thread([this] { state_->io.run(); });
