@@ -118,12 +118,15 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     socket_.next_layer().set_option(Tcp::no_delay(true));
     socket_.async_accept(request, [self = shared_from_this()](Error error) {
       if (error) return self->disconnect();
+      self->accepted_ = true;
       self->state_.callbacks.connected(self->client_);
       self->read();
     });
   }
 
+  // Dropped before the handshake is answered: a page is told all once it is connected.
   void send(SendQueue::Text text, Reliability reliability) {
+    if (!accepted_) return;
     const bool idle = queue_.empty();
     queue_.push(std::move(text), reliability);
     if (queue_.overflows()) return close();
@@ -169,7 +172,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   beast::flat_buffer buffer_;
   SendQueue queue_;
   RateLimit rate_;
-  bool disconnected_ = false;
+  bool accepted_ = false, disconnected_ = false;
 };
 
 // One HTTP request, answered and closed, or made a WebSocketSession.
