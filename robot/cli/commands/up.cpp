@@ -1,9 +1,7 @@
 // biopsy up: the robot as processes.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -11,6 +9,7 @@
 #include "drivers/digital_io/io_views.hpp"
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
+#include "robot/cli/open_in_browser.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
@@ -159,16 +158,6 @@ std::string first_line(const std::filesystem::path& file) {
   std::string line;
   std::getline(stream, line);
   return line;
-}
-
-// Where there is no desktop the address is there to be typed.
-void open_in_browser(const std::string& url) {
-  if (fork() != 0) return;
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
-  _exit(127);
 }
 
 std::vector<std::string> igtl_arguments(const Options& options) {

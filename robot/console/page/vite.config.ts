@@ -7,5 +7,8 @@ export default defineConfig({
   plugins: [notices()],
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
   resolve: { alias: [{ find: /^zarrita$/, replacement: new URL('./src/no_zarr.ts', import.meta.url).pathname }] },
-  build: { target: 'es2022', modulePreload: false, assetsInlineLimit: 0, chunkSizeWarningLimit: 2000 },
+  build: {
+    rollupOptions: { input: ['index.html', 'review.html'] }, // the console; finished runs
+    target: 'es2022', modulePreload: false, assetsInlineLimit: 0, chunkSizeWarningLimit: 2000,
+  },
 })

@@ -13,6 +13,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/live/live_process.hpp"
+#include "robot/recorder/log_file.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/key_set.hpp"
 #include "robot/security/make_keys.hpp"
@@ -73,7 +74,7 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
     settings.commissioning_key =
         fs::absolute(security::signing_files(keys, security::Signer::Commissioning).public_key);
   }
-  settings.log = "procedure.log.sqlite";
+  settings.log = recorder::kLogName;
   if (!options.separate_users) settings.log = fs::absolute(folder / settings.log);
   settings.log_key = fs::absolute(security::signing_files(keys, security::Signer::Recorder).private_key);
   settings.lines = make_lines_folder(options);
