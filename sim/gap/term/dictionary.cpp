@@ -15,13 +15,15 @@ namespace {
 
 constexpr std::array kDictionaryTimes{0.05, 0.2, 0.8, 3.0, 12.0};  // s
 constexpr std::array kDictionaryProducts{
-    "a + b x + c x^2 + d x^3 + e x^4",
+    "a + b x + c x^2 + d x^3 + e x^4 + f x^5",
     "a v + b v^2 + c v^3 + d |v| v + e |v|",
     "a x v + b x^2 v + c x^3 v + d x^4 v",
     "a x |v| v + b x v^2 + c x v^3 + d x^2 |v| v",
     "a sign(v) + b x sign(v) + c x^2 sign(v) + d |u| sign(v) + e u^2 sign(v)",
     "a u + b u^2 + c u^3 + d |u| u + e |u|^3 + f u^4",
-    "a x u + b x^2 u + c x u^2 + d v u + e v u^2 + f v |u|",
+    "a u^5",
+    "a x u + b x^2 u + c x^3 u + d x^4 u",
+    "a x u^2 + b v u + c v u^2 + d v |u|",
     "a |u| + b x |u|"};
 constexpr double kStillSpeed = 3.0;  // of the noise of the speed
 constexpr const char* kWithMemory = "a q + b q^2";

@@ -22,7 +22,6 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr double kTermTolerance = 0.1;   // of the noise's square
-constexpr double kTermKnown = 0.5;       // standard deviation of a coefficient, of itself
 constexpr double kTermClosed = 0.7;      // of the held-out RMSE above the noise, against the given model
 constexpr double kTermClosedMore = 0.5;  // and against its calibration
 constexpr double kTermInEachRun = 0.5;   // of the excess square that may be left_by in any one run
@@ -38,12 +37,6 @@ std::vector<Unknown> term_unknowns(const Hypothesis& hypothesis) {
   for (const Unknown& u : hypothesis.unknowns)
     if (u.effect == kTerm && u.parameter / kTermUnknowns == term) out.push_back(u);
   return out;
-}
-
-bool is_known(const Hypothesis& hypothesis) {
-  return std::ranges::all_of(term_unknowns(hypothesis), [](const Unknown& u) {
-    return u.logarithmic ? u.std < 1.0 : u.value_std() < kTermKnown * std::abs(u.value());
-  });
 }
 
 bool distorts_calibration(const Hypothesis& hypothesis) {
@@ -85,7 +78,8 @@ bool stands(const ScoredModel& before, const ScoredModel& start, const ScoredMod
          gap_closed(before.square, with.square, evidence.noise) >= kTermClosed &&
          gap_closed(start.square, with.square, evidence.noise) >= kTermClosedMore &&
          is_significant(start, with, term_unknowns(with.hypothesis).size(), evidence) &&
-         helps_in_each_run(start, with, evidence) && is_known(with.hypothesis) &&
+         helps_in_each_run(start, with, evidence) &&
+         std::ranges::all_of(term_unknowns(with.hypothesis), is_known) &&
          !distorts_calibration(with.hypothesis);
 }
 
@@ -169,13 +163,16 @@ ProposedTerm describe_term(const ScoredModel& before, const ScoredModel& start, 
 std::optional<TermProposal> propose_term(const ScoredModel& before, const ScoredModel& start,
                                          const Evidence& coarse_rows, const Evidence& fine_rows,
                                          const std::stop_token& stop) {
-  if (start.hypothesis.model.terms.size() >= kMostTerms) return std::nullopt;
+  if (start.hypothesis.model.terms.size() >= kMostTerms || is_only_noise(start.square, fine_rows) ||
+      well_explained(before.square, start.square, fine_rows))
+    return std::nullopt;
   Evidence coarse = coarse_rows, fine = fine_rows;
   coarse.work = fine.work = std::make_shared<Work>();
   const std::vector<FittedTerm> found = fitted_terms(start.hypothesis, coarse, stop);
   if (found.empty()) return std::nullopt;
   const double square_now = mean_square(residual(start.hypothesis.model, fine, Part::Training));
-  Hypothesis best = converged(found.front(), square_now, fine).hypothesis;
+  Hypothesis best =
+      without_unknown_products(converged(found.front(), square_now, fine), square_now, fine).hypothesis;
   best.model.terms.back().seen = seen_ranges(best, fine);
   best.model.terms.back().name = free_name(start.hypothesis.model);
   estimate_uncertainty(best, fine);

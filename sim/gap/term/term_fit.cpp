@@ -16,6 +16,7 @@ namespace {
 constexpr int kTermQuickIterations = 12, kTermFineIterations = 20;
 constexpr int kTermAttempts = 3;  // for one equation, each with coefficients times kTermWeaker
 constexpr double kTermWeaker = 0.3;
+constexpr double kTermKnown = 0.5;  // standard deviation of a coefficient, of itself
 constexpr int kTermLooks = 2;
 constexpr double kTermAsGood = 1.5;  // ratio of excess squares within which the shorter equation is taken
 constexpr std::uint64_t kTermMostWork = 120'000'000;  // steps
@@ -121,6 +122,29 @@ std::vector<FittedTerm> fitted_terms(const Hypothesis& start, const Evidence& co
   if (stop.stop_requested()) return {};
   if (!out.empty() && !is_over()) out.front() = pruned(std::move(out.front()), tolerated, coarse);
   return out;
+}
+
+bool is_known(const Unknown& unknown) {
+  return unknown.logarithmic ? unknown.std < 1.0
+                             : unknown.value_std() < kTermKnown * std::abs(unknown.value());
+}
+
+FittedTerm without_unknown_products(FittedTerm term, double square_before, const Evidence& fine) {
+  for (;;) {
+    estimate_uncertainty(term.hypothesis, fine);
+    const std::size_t parts = term.term().parts.size();
+    if (parts < 2) return term;
+    const Unknown* worst = nullptr;
+    std::size_t part = 0;
+    for (const Unknown& u : term.hypothesis.unknowns) {
+      if (u.effect != kTerm || u.parameter / kTermUnknowns + 1 != term.hypothesis.model.terms.size() ||
+          u.parameter % kTermUnknowns >= parts || is_known(u))
+        continue;
+      if (worst == nullptr || u.std > worst->std) worst = &u, part = u.parameter % kTermUnknowns;
+    }
+    if (worst == nullptr) return term;
+    term = converged({.hypothesis = without_part(term.hypothesis, part)}, square_before, fine);
+  }
 }
 
 FittedTerm converged(const FittedTerm& term, double square_before, const Evidence& fine) {

@@ -26,6 +26,13 @@ std::vector<FittedTerm> fitted_terms(const Hypothesis& start, const Evidence& co
 // On fine rows; with the readings outweighing the priors where nothing but noise is left.
 FittedTerm converged(const FittedTerm& term, double square_before, const Evidence& fine);
 
+// Without the products whose coefficients are not known to better than half of themselves; the rest has
+// standard deviations.
+FittedTerm without_unknown_products(FittedTerm term, double square_before, const Evidence& fine);
+
+// Of a coefficient or of a time of memory, SI.
+bool is_known(const Unknown& unknown);
+
 // Of two that leave as little.
 bool leaves_as_little(const FittedTerm& one, const FittedTerm& other);
 

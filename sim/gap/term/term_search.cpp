@@ -11,8 +11,8 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr std::size_t kLookMostProducts = 4;
-constexpr double kLookWorthAProduct = 0.6;  // of the excess square, left by one more
+constexpr std::size_t kLookMostProducts = kMostTermParts;
+constexpr double kLookWorthAProduct = 0.7;  // of the excess square, left by one more
 constexpr double kLookNearNoise = 0.1;  // of the noise's square: nothing to explain with a further product
 constexpr double kLookAsGood = 3.0;     // ratio of excess squares worth a simulation
 constexpr double kLookExact = 0.01;     // of the RMS without a term: the look is linear, the rows are coarse
@@ -65,7 +65,8 @@ bool is_force(const Unknown& unknown, const Hypothesis& hypothesis) {
   return unknown.effect == kBaseline && hypothesis.model.baseline.drive == Drive::Force;
 }
 
-// Products that a number of the baseline holds already.
+// Products that a number of the baseline holds already: one that is not known. Of one that is, a product is
+// what its error cannot be.
 bool is_baseline(const DictionaryEntry& entry, const Hypothesis& around) {
   const auto alone = [&](TermFactor factor) {
     TermPowers powers{};
@@ -74,7 +75,7 @@ bool is_baseline(const DictionaryEntry& entry, const Hypothesis& around) {
   };
   if (around.model.baseline.drive == Drive::Stack) return alone(TermFactor::Speed);
   return std::ranges::any_of(around.unknowns, [&](const Unknown& u) {
-    if (u.effect != kBaseline) return false;
+    if (u.effect != kBaseline || std::isfinite(u.prior_std)) return false;
     const double Baseline::*member = uncertain_baseline(Drive::Force)[u.parameter].member;
     return alone(member == &Baseline::k     ? TermFactor::Position
                  : member == &Baseline::c_s ? TermFactor::Speed

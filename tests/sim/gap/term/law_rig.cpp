@@ -108,6 +108,48 @@ std::vector<ForceLaw> outside_laws(const LawRig& rig, double share, Dice& dice) 
   };
 }
 
+std::vector<ForceLaw> curved_laws(const LawRig& rig, double share, Dice& dice) {
+  const double X = usual_position(rig), V = X * kFullTurn * rig.hertz;
+  const double F = share * kDrive, side = dice.uniform() < 0.5 ? -1.0 : 1.0;
+  const double at = dice.between(-0.5, 0.5), wide = dice.between(0.5, 1.0);
+  return {
+      {"rough_place",
+       {'x', 'v'},
+       [=](const LawPoint& p) { return -2.0 * F * std::exp(-std::pow((p.x / X - at) / wide, 2)) * p.v / V; }},
+      {"exponential_spring",
+       {'x'},
+       [=](const LawPoint& p) {
+         const double s = side * p.x / X;
+         return -side * F * (std::exp(std::min(s, 4.0)) - 1.0 - s);
+       }},
+      {"magnet_to_one_side",
+       {'x'},
+       [=](const LawPoint& p) {
+         return side * 8.0 * F / std::pow(3.0 + std::max(-2.0, -side * p.x / X), 2);
+       }},
+      {"power_law_drag",
+       {'v'},
+       [=](const LawPoint& p) { return -F * std::copysign(std::pow(std::abs(p.v / V), 2.6), p.v); }},
+      {"check_valve",
+       {'v'},
+       [=](const LawPoint& p) { return -2.0 * F * std::max(0.0, side * p.v / V) * side; }},
+      {"saturating_drive",
+       {'u'},
+       [=](const LawPoint& p) {
+         const double most = kDrive / (0.5 + 2.0 * share);
+         return most * std::tanh(p.drive / most) - p.drive;
+       }},
+      {"drag_in_a_cone",
+       {'x', 'v'},
+       [=](const LawPoint& p) { return -F * p.v / V / std::pow(1.6 + std::tanh(side * p.x / X), 2) * 2.0; }},
+      {"coil_leaving_its_magnet",
+       {'x', 'u'},
+       [=](const LawPoint& p) {
+         return -p.drive * share * std::pow(p.x / X, 2) / (1.0 + std::pow(p.x / X, 2));
+       }},
+  };
+}
+
 LawRig drawn_rig(Dice& dice) {
   LawRig out;
   out.mass = dice.between(0.2, 0.8);

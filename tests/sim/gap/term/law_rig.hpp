@@ -33,6 +33,9 @@ struct LawRig {
 // `share` of the drive where position, speed and drive have the rig's usual sizes.
 std::vector<ForceLaw> outside_laws(const LawRig& rig, double share, Dice& dice);
 
+// The same for laws that no finite sum of products gives: bumps, ledges, roots, exponentials.
+std::vector<ForceLaw> curved_laws(const LawRig& rig, double share, Dice& dice);
+
 // Drawn: mass 0.2 to 0.8 kg, 1.5 to 4 Hz, damping 0.05 to 0.3.
 LawRig drawn_rig(Dice& dice);
 

@@ -9,6 +9,7 @@
 #include "sim/gap/find_gap.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/plant/model_file.hpp"
+#include "tests/sim/gap/generator/hidden_data.hpp"
 #include "tests/sim/gap/term/law_rig.hpp"
 
 namespace biopsy::hidden {
@@ -23,13 +24,15 @@ struct LawCase {
   sim::PlantModel model;
 };
 
-LawCase drawn_case(std::size_t law, std::uint64_t seed) {
+using Laws = std::vector<ForceLaw> (*)(const LawRig&, double share, Dice&);
+
+LawCase drawn_case(Laws laws, std::size_t law, std::uint64_t seed) {
   Dice dice(seed);
   LawCase out;
   out.rig = drawn_rig(dice);
   double share = dice.between(0.1, 0.4);
   do {  // a law that pushes along can run away
-    out.rig.law = outside_laws(out.rig, share, dice)[law];
+    out.rig.law = laws(out.rig, share, dice)[law];
     out.data = law_recording(out.rig, kLawNoise, seed + 1);
     share *= 0.7;
   } while (runs_away(out.rig, out.data));
@@ -80,14 +83,87 @@ struct TermScore {
   }
 };
 
-TEST(ProposedTerm, OfDrawnForceLawsMostAreFoundInTheirVariables) {
+TermScore score_of(Laws laws, std::size_t count, std::initializer_list<std::uint64_t> seeds) {
   TermScore score;
-  for (std::size_t law = 0; law < 10; ++law)
-    for (std::uint64_t seed : {31, 57}) {
-      const LawCase one = drawn_case(law, 1000 * law + seed);
+  for (std::size_t law = 0; law < count; ++law)
+    for (const std::uint64_t seed : seeds) {
+      const LawCase one = drawn_case(laws, law, 1000 * law + seed);
       score.add(one, proposed(one.data, one.model));
     }
   fmt::print("{} cases, {} closed, {} of those right\n", score.cases, score.closed, score.right);
+  return score;
+}
+
+TEST(ProposedTerm, OfForceLawsThatAreSumsOfProductsMostAreFound) {
+  const TermScore score = score_of(outside_laws, 10, {31, 57});
+  EXPECT_GE(score.closed, 0.7 * score.cases);
+  EXPECT_GE(score.right, 0.8 * score.closed);
+}
+
+TEST(ProposedTerm, OfForceLawsThatAreNotMostAreFoundInTheirVariables) {
+  const TermScore score = score_of(curved_laws, 8, {31, 57});
+  EXPECT_GE(score.closed, 0.7 * score.cases);
+  EXPECT_GE(score.right, 0.8 * score.closed);
+}
+
+// Nothing is missing, or what is missing is no force of the state.
+TEST(ProposedTerm, IsNotWhereThereIsNone) {
+  for (std::uint64_t seed = 700; seed < 706; ++seed) {
+    Dice dice(seed);
+    LawRig rig = drawn_rig(dice);
+    const std::string model = law_rig_model(rig, dice);
+    for (const auto& [shocks, wander] : std::vector<std::pair<double, double>>{{0, 0}, {1.0, 0}, {0, 5e-4}}) {
+      rig.shocks = shocks, rig.wander = wander;
+      const auto term = proposed(law_recording(rig, kLawNoise, seed), sim::parse_model(model, "rig.toml"));
+      EXPECT_FALSE(term) << seed << " " << shocks << " " << wander << " " << written(*term);
+    }
+  }
+}
+
+// A stage: the generator's stack with a force law of its own.
+struct StageLaw {
+  std::string name;
+  std::set<char> variables;
+  std::function<double(double x, double v, double u)> force;
+};
+
+std::vector<StageLaw> stage_laws(Dice& dice) {
+  const double F = dice.between(0.05, 0.12);  // N, at 3 mm, 40 mm/s, 2 kV
+  return {
+      {"voltage_cubed", {'u'}, [F](double, double, double u) { return F * std::pow(u / 2e3, 3); }},
+      {"place_damping",
+       {'x', 'v'},
+       [F](double x, double v, double) { return -6.0 * F * std::pow(x / 3e-3, 2) * v / 0.04; }},
+      {"one_sided_spring", {'x'}, [F](double x, double, double) { return -F * std::pow(x / 3e-3, 2); }},
+      {"speed_times_position",
+       {'x', 'v'},
+       [F](double x, double v, double) { return -4.0 * F * x / 3e-3 * v / 0.04; }},
+      {"cubic_damping", {'v'}, [F](double, double v, double) { return -6.0 * F * std::pow(v / 0.04, 3); }}};
+}
+
+LawCase stage_case(std::size_t law, std::uint64_t seed) {
+  Dice dice(seed);
+  HiddenCase hidden;
+  hidden.seed = seed;
+  hidden.length = 0.35;
+  hidden.runs = 4;
+  const StageLaw chosen = stage_laws(dice)[law];
+  HiddenPhysics physics;
+  physics.law = chosen.force;
+  LawCase out;
+  out.rig.law.name = "stage: " + chosen.name;
+  out.rig.law.variables = chosen.variables;
+  out.data = make_hidden(hidden, physics);
+  out.model = sim::parse_model(baseline_model(hidden), "model.toml");
+  return out;
+}
+
+TEST(ProposedTerm, OfAStageIsFoundInItsVariables) {
+  TermScore score;
+  for (std::size_t law = 0; law < 5; ++law) {
+    const LawCase one = stage_case(law, 4100 + law);
+    score.add(one, proposed(one.data, one.model));
+  }
   EXPECT_GE(score.closed, 0.7 * score.cases);
   EXPECT_GE(score.right, 0.8 * score.closed);
 }
