@@ -20,6 +20,7 @@ constexpr std::int64_t kBootMax_us = 5'000'000, kStopMax_us = 1'000'000, kPlanMa
 constexpr std::int64_t kStopAtLeast_us = 200'000;  // longer than any view of the robot is old
 constexpr std::int64_t kPositionEvery_us = 100'000;
 constexpr std::size_t kEchoMax = 256;
+constexpr std::uint16_t kAscii = 3, kUtf8 = 106;  // MIBenum; a command is the same bytes in both
 
 std::optional<Phase> phase_named(std::string_view name) {
   const auto found = std::ranges::find(kPhases, name);
@@ -89,8 +90,10 @@ void RobotProtocol::on_text(const Message& message, const Text& text, const Robo
   };
   if (!message.device.starts_with("CMD_"))
     return illegal(fmt::format("STRING({}): commands are named CMD_n", message.device));
-  if (text.encoding != 3) return illegal(fmt::format("encoding {}; commands are US-ASCII, 3", text.encoding));
   const std::optional<Phase> phase = phase_named(text.text);
+  const bool readable = text.encoding == kAscii || text.encoding == kUtf8;
+  if (!readable && phase != Phase::Stop && phase != Phase::Emergency)  // those are never refused
+    return illegal(fmt::format("encoding {}; commands are US-ASCII, {}", text.encoding, kAscii));
   if (phase) enter(*phase, robot, now_us);
   if (text.text.size() <= kEchoMax)  // before what entering had to say
     out_.insert(out_.begin(), {acknowledged(message.device), Text{text.text}});

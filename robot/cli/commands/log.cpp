@@ -14,12 +14,14 @@
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/ed25519.hpp"
+#include "robot/common/files/csv_table.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/text/encoding.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/common/text/sanitize_text.hpp"
 #include "robot/recorder/log_csv.hpp"
 #include "robot/recorder/log_file.hpp"
+#include "robot/recorder/log_mcap.hpp"
 #include "robot/recorder/record_text.hpp"
 #include "robot/recorder/verify.hpp"
 
@@ -32,9 +34,9 @@ using recorder::Record;
 using recorder::Verdict;
 
 struct Options {
-  std::filesystem::path log;         // the SQLite file
-  std::filesystem::path public_key;  // empty: the one beside the log
-  std::filesystem::path csv;         // export only
+  std::filesystem::path log;             // the SQLite file
+  std::filesystem::path public_key;      // empty: the one beside the log
+  std::filesystem::path csv, mcap, run;  // export only
   // show only
   int last = 0;  // this many records from the end; 0: all
   std::vector<std::string> kinds, sources;
@@ -64,7 +66,12 @@ void declare_show(CLI::App& app, Options& options) {
 
 void declare_export(CLI::App& app, Options& options) {
   declare(app, options);
-  add(app, "--csv FILE", options.csv, "the CSV file; written whole or not at all")->required();
+  add(app, "--csv FILE", options.csv, "write a CSV table; whole or not at all", "none");
+  CLI::Option* mcap =
+      add(app, "--mcap FILE", options.mcap,
+          "write an [MCAP](https://mcap.dev) file, for viewers such as Foxglove or PlotJuggler", "none");
+  add(app, "--run FILE", options.run, "a run.csv of this log, as the topic `/run` of the MCAP file", "none")
+      ->needs(mcap);
 }
 
 PublicKey key_for(const Options& options) {
@@ -178,14 +185,33 @@ Result verify(const Options& options, const Context&) {
   return {.exit_code = exit_code(verdict), .text = sentence(verdict), .json = dumped(as_json(verdict))};
 }
 
-Result export_csv(const Options& options, const Context&) {
-  std::string csv(recorder::kCsvHeader);
-  const Verdict verdict =
-      recorder::verify(options.log, key_for(options), [&](const Record& record) { csv += csv_line(record); });
-  atomic_write(options.csv, csv);
-  return {.exit_code = exit_code(verdict),
-          .text = sentence(verdict) + fmt::format("table        {}\n", options.csv.string()),
-          .json = dumped({{"csv", options.csv.string()}, {"verdict", as_json(verdict)}})};
+Result export_log(const Options& options, const Context&) {
+  if (options.csv.empty() && options.mcap.empty())
+    throw ConfigError("neither --csv nor --mcap", "log export",
+                      "say what to write: --csv FILE, --mcap FILE or both");
+  std::vector<Record> records;
+  const Verdict verdict = recorder::verify(options.log, key_for(options),
+                                           [&](const Record& record) { records.push_back(record); });
+  Result result{.exit_code = exit_code(verdict), .text = sentence(verdict)};
+  nlohmann::ordered_json json;
+  const auto write = [&](const char* name, const std::filesystem::path& file, const std::string& content) {
+    atomic_write(file, content);
+    result.text += fmt::format("{:<13}{}\n", name, file.string());
+    json[name] = file.string();
+  };
+  if (!options.csv.empty()) {
+    std::string csv(recorder::kCsvHeader);
+    for (const Record& record : records) csv += csv_line(record);
+    write("csv", options.csv, csv);
+  }
+  if (!options.mcap.empty()) {
+    std::optional<CsvTable> run;
+    if (!options.run.empty()) run = read_csv(options.run);
+    write("mcap", options.mcap, recorder::log_mcap(records, run ? &*run : nullptr, "biopsy " BIOPSY_VERSION));
+  }
+  json["verdict"] = as_json(verdict);
+  result.json = dumped(json);
+  return result;
 }
 
 constexpr const char* kExitCodes = "0 where the log is intact, 1 where it is not, 2 for unusable input";
@@ -228,11 +254,13 @@ Command log_verify_command() {
 Command log_export_command() {
   using namespace log_cli;
   return {.name = "log export",
-          .summary = "write it as a CSV table",
-          .long_examples = {"biopsy log export out/live/procedure.log.sqlite --csv out/log.csv"},
+          .summary = "write it as a CSV table or as MCAP",
+          .long_examples = {"biopsy log export out/live/procedure.log.sqlite --csv out/log.csv",
+                            "biopsy log export out/live/procedure.log.sqlite --mcap out/log.mcap --run "
+                            "out/live/run.csv"},
           .exit_codes = kExitCodes,
-          .json = "`csv`, the file; `verdict`: as `log verify --json`",
-          .declare = with_options(declare_export, export_csv)};
+          .json = "`csv`, `mcap`: the files that were asked for; `verdict`: as `log verify --json`",
+          .declare = with_options(declare_export, export_log)};
 }
 
 }  // namespace biopsy::robot

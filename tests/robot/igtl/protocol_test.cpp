@@ -65,6 +65,12 @@ TEST_P(IgtlProtocol, StopsInEveryPhaseThatAsksForIt) {
   }
 }
 
+TEST_P(IgtlProtocol, ReadsCommandsInUtf8AndAStopInAnyEncoding) {
+  EXPECT_EQ(client.send({"CMD_1", Text{"PLANNING", 106}})[0], "STRING ACK_1 PLANNING");
+  EXPECT_EQ(client.send({"CMD_1", Text{"STOP", 1013}})[0], "STRING ACK_1 STOP");
+  EXPECT_EQ(client.send({"CMD_1", Text{"EMERGENCY", 0}})[0], "STRING ACK_1 EMERGENCY");
+}
+
 TEST_P(IgtlProtocol, EchoesTheNumberAndTheMatrixToTheBit) {
   client.command("START_UP");
   EXPECT_EQ(client.send({"CMD_12345678901234567", Text{"PLANNING"}})[0],
@@ -247,7 +253,7 @@ TEST_P(IgtlProtocol, AnswersWhatItDoesNotKnowWithAReason) {
   };
   told({"CMD_1", Text{"DANCE"}}, "unknown command 'DANCE'; known are START_UP, PLANNING");
   told({"CMD_1", Text{std::string(60'000, 'x')}}, "unknown command");
-  told({"CMD_1", Text{"STOP", 106}}, "encoding 106");
+  told({"CMD_1", Text{"PLANNING", 1013}}, "encoding 1013");
   told({"XYZ_1", Text{"STOP"}}, "CMD_n");
   told({"XYZ_1", Transform{}}, "CLB_n");
   told({"scan", Image{}}, "images");
