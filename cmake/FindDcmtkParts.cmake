@@ -1,5 +1,10 @@
 # DCMTK's own package file also looks for the tools and for libraries that are not used here.
 find_path(DcmtkParts_INCLUDE dcmtk/dcmdata/dctk.h)
+find_file(DcmtkParts_CONFIG dcmtk/config/osconfig.h)
+if(DcmtkParts_CONFIG)
+  file(STRINGS ${DcmtkParts_CONFIG} DcmtkParts_VERSION REGEX "define PACKAGE_VERSION \"")
+  string(REGEX REPLACE ".*\"(.*)\".*" "\\1" DcmtkParts_VERSION "${DcmtkParts_VERSION}")
+endif()
 set(DcmtkParts_LIBRARIES "")
 foreach(PART dcmjpeg dcmjpls dcmdata oflog ofstd)
   find_library(DcmtkParts_${PART} ${PART})
@@ -7,7 +12,8 @@ foreach(PART dcmjpeg dcmjpls dcmdata oflog ofstd)
 endforeach()
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(DcmtkParts REQUIRED_VARS DcmtkParts_INCLUDE DcmtkParts_dcmdata DcmtkParts_dcmjpeg
-                                                           DcmtkParts_dcmjpls)
+                                                           DcmtkParts_dcmjpls
+                                  VERSION_VAR DcmtkParts_VERSION)
 if(DcmtkParts_FOUND AND NOT TARGET dcmtk_parts)
   add_library(dcmtk_parts INTERFACE IMPORTED)
   target_include_directories(dcmtk_parts SYSTEM INTERFACE ${DcmtkParts_INCLUDE})

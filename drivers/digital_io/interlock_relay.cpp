@@ -4,8 +4,8 @@
 
 namespace biopsy::digital_io {
 
-InterlockRelay::InterlockRelay(const std::filesystem::path& run_folder, std::int64_t now_ns)
-    : out_(run_folder), in_(run_folder) {
+InterlockRelay::InterlockRelay(const std::filesystem::path& folder, std::int64_t now_ns)
+    : out_(folder), in_(folder) {
   open(now_ns);
 }
 

@@ -16,8 +16,8 @@ inline constexpr std::chrono::microseconds kRelayPeriod{500};
 // Times: CLOCK_MONOTONIC, ns. Starts open, and only pulses from now on count.
 class InterlockRelay {
  public:
-  // Throws ConfigError, see SharedIo.
-  InterlockRelay(const std::filesystem::path& run_folder, std::int64_t now_ns);
+  // Throws ConfigError, see IoFile.
+  InterlockRelay(const std::filesystem::path& folder, std::int64_t now_ns);
 
   // To be called every kRelayPeriod. A counter that changed since the last tick counts as a pulse at the time
   // of the last tick, the earliest possible: after a stall of this process it is as old as the stall is long.

@@ -1,6 +1,6 @@
-// Layout of the shared memory that simulates the digital I/O between processes: one block for each owner, on
-// a page of its own, so that a process may write its block only. All zero: 0 V, HV off, relay open, keys off,
-// E-stop contacts open.
+// Layout of the shared memory that simulates the digital I/O between processes: one file for each owner, so
+// that only its user can write it where every process has a user of its own. A file is a header's page and a
+// page of outputs. All zero: 0 V, HV off, relay open, keys off, E-stop contacts open.
 #pragma once
 
 #include <atomic>
@@ -17,43 +17,45 @@ static_assert(Word::is_always_lock_free && Nanoseconds::is_always_lock_free,
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::uint64_t kMagic = 0x6c'79'73'70'6f'69'62'01;  // 01 "biopsyl", low byte first
-inline constexpr std::uint32_t kVersion = 2;
+inline constexpr std::uint32_t kVersion = 3;
+
+enum class Owner : std::uint32_t { Stage, Supervisor, Interlock, Panel };
 
 // Written before the file gets its name, never after.
 struct alignas(kPage) Header {
   std::uint64_t magic = kMagic;
   std::uint32_t version = kVersion;
-  std::uint32_t size = 0;  // of IoBlock, bytes
+  Owner owner = Owner::Stage;
 };
 
 struct alignas(kPage) StageOutputs {
+  static constexpr Owner kOwner = Owner::Stage;
   Word converter;  // ConverterOutput in one word: code and enable change together
   Word pulses;
   Nanoseconds panel_read_ns;  // when the device's driver last read the panel; 0: never
 };
 
 struct alignas(kPage) SupervisorOutputs {
+  static constexpr Owner kOwner = Owner::Supervisor;
   Word pulses;
 };
 
 struct alignas(kPage) InterlockOutputs {
+  static constexpr Owner kOwner = Owner::Interlock;
   Word load;  // RelayOutput in one word
   Nanoseconds changed_ns, zero_ns, ticked_ns;
   Word ticks;
 };
 
 struct alignas(kPage) PanelInputs {
+  static constexpr Owner kOwner = Owner::Panel;
   Word levels;  // PanelLevels
 };
 
-struct IoBlock {
-  Header header;
-  StageOutputs stage;
-  SupervisorOutputs supervisor;
-  InterlockOutputs interlock;
-  PanelInputs panel;
-};
-static_assert(std::is_standard_layout_v<IoBlock> && sizeof(IoBlock) == 5 * kPage);
+inline constexpr std::size_t kFileSize = 2 * kPage;
+static_assert(sizeof(Header) == kPage && sizeof(StageOutputs) == kPage &&
+              sizeof(SupervisorOutputs) == kPage && sizeof(InterlockOutputs) == kPage &&
+              sizeof(PanelInputs) == kPage);
 
 // The converter's voltage and the amplifier's enable.
 struct ConverterOutput {

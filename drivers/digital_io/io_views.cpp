@@ -18,82 +18,81 @@ bool is_closed(const RelayReading& seen, std::int64_t now_ns) {
 
 }  // namespace
 
-StageIo::StageIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Stage) {
+StageIo::StageIo(const std::filesystem::path& folder) : out_(folder) {
   write(safety::GatedVoltage::off());
 }
 
 void StageIo::write(const safety::GatedVoltage& voltage) {
-  io_.block().stage.converter.store(packed(voltage.mV(), voltage.hv_enabled()), std::memory_order_release);
+  out_->converter.store(packed(voltage.mV(), voltage.hv_enabled()), std::memory_order_release);
 }
 
 void StageIo::pulse() {
-  count_up(io_.block().stage.pulses);
+  count_up(out_->pulses);
 }
 
 void StageIo::mark_panel_read(std::int64_t now_ns) {
-  io_.block().stage.panel_read_ns.store(now_ns, std::memory_order_release);
+  out_->panel_read_ns.store(now_ns, std::memory_order_release);
 }
 
-SupervisorIo::SupervisorIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Supervisor) {}
+SupervisorIo::SupervisorIo(const std::filesystem::path& folder) : out_(folder) {}
 
 void SupervisorIo::pulse() {
-  count_up(io_.block().supervisor.pulses);
+  count_up(out_->pulses);
 }
 
-PanelIo::PanelIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Panel) {
+PanelIo::PanelIo(const std::filesystem::path& folder) : out_(folder) {
   set(PanelLevels{});
 }
 
 void PanelIo::set(const PanelLevels& levels) {
-  io_.block().panel.levels.store(packed(levels), std::memory_order_release);
+  out_->levels.store(packed(levels), std::memory_order_release);
 }
 
-InterlockIo::InterlockIo(const std::filesystem::path& run_folder) : io_(run_folder, Owner::Interlock) {}
+InterlockIo::InterlockIo(const std::filesystem::path& folder) : out_(folder) {}
 
 void InterlockIo::write(const RelayOutput& output, std::int64_t now_ns) {
-  InterlockOutputs& block = io_.block().interlock;
-  if (voltage_mV(block.load.load(std::memory_order_relaxed)) != output.load_mV) {
-    block.changed_ns.store(now_ns, std::memory_order_relaxed);
-    if (output.load_mV == 0) block.zero_ns.store(now_ns, std::memory_order_relaxed);
+  if (voltage_mV(out_->load.load(std::memory_order_relaxed)) != output.load_mV) {
+    out_->changed_ns.store(now_ns, std::memory_order_relaxed);
+    if (output.load_mV == 0) out_->zero_ns.store(now_ns, std::memory_order_relaxed);
   }
-  block.ticked_ns.store(now_ns, std::memory_order_relaxed);
-  block.load.store(packed(output.load_mV, output.closed), std::memory_order_release);
-  count_up(block.ticks);
+  out_->ticked_ns.store(now_ns, std::memory_order_relaxed);
+  out_->load.store(packed(output.load_mV, output.closed), std::memory_order_release);
+  count_up(out_->ticks);
 }
 
-IoReader::IoReader(const std::filesystem::path& run_folder) : io_(run_folder, Owner::None) {}
+IoReader::IoReader(const std::filesystem::path& folder)
+    : stage_(folder), supervisor_(folder), interlock_(folder), panel_(folder) {}
 
 ConverterOutput IoReader::converter() const {
-  const std::uint64_t word = io_.block().stage.converter.load(std::memory_order_acquire);
+  const std::uint64_t word = stage_->converter.load(std::memory_order_acquire);
   return {voltage_mV(word), flag(word)};
 }
 
 std::uint64_t IoReader::stage_pulses() const {
-  return io_.block().stage.pulses.load(std::memory_order_acquire);
+  return stage_->pulses.load(std::memory_order_acquire);
 }
 
 std::uint64_t IoReader::supervisor_pulses() const {
-  return io_.block().supervisor.pulses.load(std::memory_order_acquire);
+  return supervisor_->pulses.load(std::memory_order_acquire);
 }
 
 PanelReading IoReader::panel(std::int64_t now_ns) const {
-  const std::int64_t read_ns = io_.block().stage.panel_read_ns.load(std::memory_order_acquire);
+  const std::int64_t read_ns = stage_->panel_read_ns.load(std::memory_order_acquire);
   if (read_ns == 0 || std::abs(now_ns - read_ns) / 1'000 >= safety::kPanelRead_us) return {};
-  PanelReading reading{panel_levels(io_.block().panel.levels.load(std::memory_order_acquire)), true};
-  // The relay that a process stands for has its contact in its own block.
+  PanelReading reading{panel_levels(panel_->levels.load(std::memory_order_acquire)), true};
+  // The relay that a process stands for has its contact in that process's file.
   reading.levels.relay_closed = reading.levels.relay_closed || is_closed(relay(), now_ns);
   return reading;
 }
 
 RelayReading IoReader::relay() const {
-  const InterlockOutputs& block = io_.block().interlock;
   RelayReading reading;
-  const std::uint64_t load = block.load.load(std::memory_order_acquire);
+  const std::uint64_t load = interlock_->load.load(std::memory_order_acquire);
   reading.output = {voltage_mV(load), flag(load)};
-  reading.changed_ns = block.changed_ns.load(std::memory_order_relaxed);
-  reading.zero_ns = block.zero_ns.load(std::memory_order_relaxed);
-  reading.ticked_ns = block.ticked_ns.load(std::memory_order_relaxed);
-  reading.ticks = block.ticks.load(std::memory_order_acquire);
+  reading.changed_ns = interlock_->changed_ns.load(std::memory_order_relaxed);
+  reading.zero_ns = interlock_->zero_ns.load(std::memory_order_relaxed);
+  reading.ticked_ns = interlock_->ticked_ns.load(std::memory_order_relaxed);
+  reading.ticks = interlock_->ticks.load(std::memory_order_acquire);
   return reading;
 }
 

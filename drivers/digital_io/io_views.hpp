@@ -1,5 +1,5 @@
-// The shared digital I/O as each process sees it: a process writes its own block only. After construction
-// nothing here allocates, locks or makes a system call. Constructors throw ConfigError, see SharedIo.
+// The shared digital I/O as each process sees it: a process writes its own file only. After construction
+// nothing here allocates, locks or makes a system call. Constructors throw ConfigError, see IoFile.
 #pragma once
 
 #include <cstdint>
@@ -15,47 +15,47 @@ namespace biopsy::digital_io {
 class StageIo {
  public:
   // Sets 0 V: the value that an earlier process left is not trusted.
-  explicit StageIo(const std::filesystem::path& run_folder);
+  explicit StageIo(const std::filesystem::path& folder);
 
   void write(const safety::GatedVoltage& voltage);
   void pulse();                               // once in every tick that went well
   void mark_panel_read(std::int64_t now_ns);  // its levels are those of `now_ns` (CLOCK_MONOTONIC)
 
  private:
-  SharedIo io_;
+  OwnOutputs<StageOutputs> out_;
 };
 
 class SupervisorIo final : public drivers::PulseOutput {
  public:
-  explicit SupervisorIo(const std::filesystem::path& run_folder);
+  explicit SupervisorIo(const std::filesystem::path& folder);
 
   void pulse() override;  // in ticks whose SupervisorOutput::interlock_pulse is set
 
  private:
-  SharedIo io_;
+  OwnOutputs<SupervisorOutputs> out_;
 };
 
 class PanelIo {
  public:
   // Starts with no key turned and the E-stop pressed.
-  explicit PanelIo(const std::filesystem::path& run_folder);
+  explicit PanelIo(const std::filesystem::path& folder);
 
   void set(const PanelLevels& levels);
 
  private:
-  SharedIo io_;
+  OwnOutputs<PanelInputs> out_;
 };
 
 class InterlockIo {
  public:
-  explicit InterlockIo(const std::filesystem::path& run_folder);
+  explicit InterlockIo(const std::filesystem::path& folder);
 
   // One tick of the relay at `now_ns` (CLOCK_MONOTONIC). Times are written before the load they belong to: a
   // reader of a load of 0 also reads when it became 0.
   void write(const RelayOutput& output, std::int64_t now_ns);
 
  private:
-  SharedIo io_;
+  OwnOutputs<InterlockOutputs> out_;
 };
 
 // State of the relay, as its process wrote it.
@@ -70,7 +70,7 @@ struct RelayReading {
 // Reads all, writes nothing.
 class IoReader {
  public:
-  explicit IoReader(const std::filesystem::path& run_folder);
+  explicit IoReader(const std::filesystem::path& folder);
 
   ConverterOutput converter() const;
   std::uint64_t stage_pulses() const;
@@ -88,7 +88,10 @@ class IoReader {
   std::int32_t load_voltage_seen_mV(std::int64_t now_ns) const;
 
  private:
-  SharedIo io_;
+  SeenOutputs<StageOutputs> stage_;
+  SeenOutputs<SupervisorOutputs> supervisor_;
+  SeenOutputs<InterlockOutputs> interlock_;
+  SeenOutputs<PanelInputs> panel_;
 };
 
 }  // namespace biopsy::digital_io

@@ -1,36 +1,67 @@
-// The digital I/O lines between processes, simulated by a small file that every process maps. One process
-// makes it; each of the others may write its own block.
+// The digital I/O lines between processes, simulated by small files that every process maps, one for each
+// owner. One process makes them; each of the others may write its own.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <string_view>
 
 #include "drivers/digital_io/io_block.hpp"
 
 namespace biopsy::digital_io {
 
-// Makes the file `run_folder`/lines (mode 0600), all zero. An older file is replaced; processes that still
-// map it no longer reach the others. The folder should be in memory (tmpfs): on a disk a write can wait for
-// the disk. Throws ConfigError: cannot be made, or a running process still owns a block of the older file.
-void create_shared_io(const std::filesystem::path& run_folder);
+inline constexpr std::array kOwners{Owner::Stage, Owner::Supervisor, Owner::Interlock, Owner::Panel};
 
-enum class Owner { None, Stage, Supervisor, Interlock, Panel };
+// The name of the owner's file in `folder`: stage, supervisor, interlock, panel.
+std::string_view name_of(Owner owner);
 
-class SharedIo {
+// Makes the files of all owners in `folder` (mode 0600), all zero. Older ones are replaced; processes that
+// still map them no longer reach the others. The folder should be in memory (tmpfs): on a disk a write can
+// wait for the disk. Throws ConfigError: cannot be made, or a running process still owns one of the older
+// files.
+void create_shared_io(const std::filesystem::path& folder);
+
+// One owner's file, mapped.
+class IoFile {
  public:
-  // Maps the file in `run_folder`; an owner holds its block until the process ends. Throws ConfigError: no
-  // such file, of another kind or truncated, accessible to other users, another version, or another process
-  // owns this block.
-  SharedIo(const std::filesystem::path& run_folder, Owner owner);
-  ~SharedIo();
-  SharedIo(const SharedIo&) = delete;
-  SharedIo& operator=(const SharedIo&) = delete;
+  enum class Access { Read, Own };
+  // Own: writable, and held until the process ends. Throws ConfigError: no such file, of another kind, owner
+  // or version, truncated; another user may write it, or all may read it; another process owns it.
+  IoFile(const std::filesystem::path& folder, Owner owner, Access access);
+  ~IoFile();
+  IoFile(const IoFile&) = delete;
+  IoFile& operator=(const IoFile&) = delete;
 
-  // Another owner's block is read-only: a write to it ends the process by SIGSEGV.
-  IoBlock& block() const { return *block_; }
+  // The page of outputs. Where only read, a write to it ends the process by SIGSEGV.
+  void* outputs() const { return static_cast<std::byte*>(memory_) + kPage; }
 
  private:
-  int file_ = -1;  // open as long as owned: it holds the lock
-  IoBlock* block_ = nullptr;
+  int file_ = -1;  // open as long as mapped: it holds the owner's lock
+  void* memory_ = nullptr;
+};
+
+// The outputs that this process writes.
+template <class Outputs>
+class OwnOutputs {
+ public:
+  explicit OwnOutputs(const std::filesystem::path& folder)
+      : file_(folder, Outputs::kOwner, IoFile::Access::Own) {}
+  Outputs* operator->() const { return static_cast<Outputs*>(file_.outputs()); }
+
+ private:
+  IoFile file_;
+};
+
+// Those of another owner.
+template <class Outputs>
+class SeenOutputs {
+ public:
+  explicit SeenOutputs(const std::filesystem::path& folder)
+      : file_(folder, Outputs::kOwner, IoFile::Access::Read) {}
+  const Outputs* operator->() const { return static_cast<const Outputs*>(file_.outputs()); }
+
+ private:
+  IoFile file_;
 };
 
 }  // namespace biopsy::digital_io

@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
     robot::log_options(command, level, format);
     if (!parse(command, argc, argv)) return 0;
     logging::LogSettings log = robot::log_settings("biopsy-igtl", level, format);
-    log.file = options.run_folder / "igtl.log";
+    log.file = live::own_folder(options.run_folder) / "igtl.log";
     const logging::LogSession session(log);
     serve(options);
     return 0;

@@ -37,6 +37,7 @@ SupervisorSources ControlCycle::sources(const Measurement& measurement, const Op
   in.now_us = now_us();
   in.measurement = measurement;
   in.request = request_;
+  in.files_tag = supervisor_.config_tag;
   in.writers = environment.writers;
   in.panel = {panel_levels(operator_inputs), true};
   in.panel.levels.relay_closed = safety::is_closed(relay_, in.now_us);

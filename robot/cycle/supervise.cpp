@@ -24,13 +24,15 @@ std::int32_t log_backlog_ms(const SupervisorSources& in) {
 }
 
 // The plan that the controller runs and the one that was sent last must both be the sealed one. Each process
-// states its tags in the messages that no other process may write.
+// states its tags in the messages that no other process may write. Files that changed since the start keep a
+// robot from being armed; one that moves goes on with what it read.
 void add_tags(const SupervisorSources& in, const SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
   const bool same_plan = memory.sealed_tag == in.request.plan_tag;
   const bool same_config =
       in.measurement.config_tag == memory.config_tag && in.request.config_tag == memory.config_tag;
   inputs.plan_tag = same_plan ? memory.sealed_tag : 0;
-  inputs.config_tag = same_config ? memory.config_tag : 0;
+  const bool same_files = in.files_tag == memory.config_tag || safety::hv_permitted(memory.state.mode);
+  inputs.config_tag = same_config && same_files ? memory.config_tag : 0;
   inputs.confirmed_tag = memory.confirmed_tag;
 }
 

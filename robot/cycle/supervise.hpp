@@ -28,6 +28,7 @@ struct SupervisorSources {
   DriveRequest request;      // likewise
   std::int32_t writers = 0;  // writer_count() of the topics
   digital_io::PanelReading panel;
+  std::uint64_t files_tag = 0;  // of the configuration's files as they are now; 0: not known
   Received<OperatorAct> act;
   Received<LogHealth> log;
   DepthVerdictNote verdict;

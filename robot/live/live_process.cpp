@@ -84,7 +84,7 @@ int live_main(int argc, char** argv, const std::string& name,
   const std::string program = "biopsy-" + name;
   return logging::run_program(program, [&] {
     logging::ProgramArguments arguments = logging::parse_arguments(program, argc, argv);
-    if (arguments.log.file.empty()) arguments.log.file = arguments.folder / (name + ".log");
+    if (arguments.log.file.empty()) arguments.log.file = own_folder(arguments.folder) / (name + ".log");
     const logging::LogSession log(arguments.log);
     run(arguments.folder);
     return 0;

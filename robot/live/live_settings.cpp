@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -91,6 +92,11 @@ Layer layer_from(const Json& object, const std::string& where) {
 }
 
 }  // namespace
+
+fs::path own_folder(const fs::path& run_folder) {
+  const char* given = std::getenv("STATE_DIRECTORY");
+  return given == nullptr || *given == '\0' ? run_folder : fs::path(given);
+}
 
 fs::path settings_file(const fs::path& run_folder) {
   return run_folder / "live.json";

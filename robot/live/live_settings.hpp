@@ -20,7 +20,7 @@ struct LiveSettings {
   std::filesystem::path device_config;            // of the hardware,
   std::filesystem::path commissioning;            // the folder of its commissioning record,
   std::filesystem::path commissioning_key;        // and the public key that this is signed with
-  std::filesystem::path log;                      // the procedure log
+  std::filesystem::path log;                      // the procedure log; relative: in the recorder's own folder
   std::filesystem::path log_key;                  // private key that signs it (PEM)
   std::filesystem::path lines;                    // folder of the simulated digital I/O, in memory
   int fifo_priority = 0;  // SCHED_FIFO of the control processes, 0 to 90; 0: ordinary scheduling
@@ -31,6 +31,10 @@ struct LiveSettings {
   std::uint64_t seed = 1;
   std::vector<Layer> layers;  // along the needle's path
 };
+
+// Where a process keeps what it writes: the folder that systemd made for it alone (StateDirectory=), else the
+// run folder.
+std::filesystem::path own_folder(const std::filesystem::path& run_folder);
 
 // live.json in the run folder.
 std::filesystem::path settings_file(const std::filesystem::path& run_folder);

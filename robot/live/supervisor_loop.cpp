@@ -24,10 +24,11 @@ std::int64_t wall_ns() {
 }  // namespace
 
 SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::PulseOutput& interlock,
-                               const digital_io::IoReader& panel, std::uint64_t config_tag,
-                               std::uint32_t session, safety::SelfTest self_test)
+                               const digital_io::IoReader& panel, const FilesTag& files,
+                               std::uint64_t config_tag, std::uint32_t session, safety::SelfTest self_test)
     : interlock_(interlock),
       panel_(panel),
+      files_(files),
       measurements_(bus),
       requests_(bus),
       acts_(bus),
@@ -100,6 +101,7 @@ robot::WriterCounts SupervisorLoop::writers() const {
 void SupervisorLoop::tick(std::int64_t now_us) {
   sources_.now_us = now_us;
   sources_.panel = panel_.panel(realtime::monotonic_ns());
+  sources_.files_tag = files_.at(now_us);
   sources_.writers = robot::writer_count(writers());
   const safety::SupervisorOutput output = robot::supervise(sources_, supervisor_).output;
   permits_.write(output.permit);

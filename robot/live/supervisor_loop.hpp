@@ -9,6 +9,7 @@
 #include "drivers/digital_io/io_views.hpp"
 #include "drivers/pulse_output.hpp"
 #include "robot/cycle/supervise.hpp"
+#include "robot/live/config_watch.hpp"
 #include "robot/live/heartbeat.hpp"
 #include "robot/transport/bus.hpp"
 
@@ -17,10 +18,10 @@ namespace biopsy::live {
 class SupervisorLoop {
  public:
   // `session`: larger at every start. One that failed its self-test locks. `interlock`, this side's half of
-  // it, and `panel` must outlive this.
+  // it, `panel` and `files` must outlive this.
   SupervisorLoop(const transport::Participant& bus, drivers::PulseOutput& interlock,
-                 const digital_io::IoReader& panel, std::uint64_t config_tag, std::uint32_t session,
-                 safety::SelfTest self_test);
+                 const digital_io::IoReader& panel, const FilesTag& files, std::uint64_t config_tag,
+                 std::uint32_t session, safety::SelfTest self_test);
 
   // Waits for the next measurement or the next millisecond, and decides.
   void turn();
@@ -43,6 +44,7 @@ class SupervisorLoop {
 
   drivers::PulseOutput& interlock_;
   const digital_io::IoReader& panel_;
+  const FilesTag& files_;
   transport::Reader<Measurement> measurements_;
   transport::Reader<DriveRequest> requests_;
   transport::Reader<OperatorAct> acts_;

@@ -9,7 +9,7 @@ OUT_FOLDER/robot/msg/wire.idl              what goes over the wire, for idlc
 OUT_FOLDER/robot/msg/wire_types.hpp        which field of a struct is which field on the wire
 OUT_FOLDER/robot/msg/console_messages.hpp  the console's messages with a strict JSON codec
 OUT_FOLDER/console/messages.ts             the same for the page
-Modules biopsy::console::commands and events are the console's, every other struct is the bus's.
+Structs of modules in biopsy::console are the console's, every other struct is the bus's.
 """
 
 import re

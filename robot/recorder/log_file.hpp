@@ -8,6 +8,9 @@
 
 namespace biopsy::recorder {
 
+// In the folder of a robot.
+inline constexpr const char* kLogName = "procedure.log.sqlite";
+
 // All of sqlite_schema, ordered by name. With a further trigger, view or column the file is no procedure log.
 inline constexpr std::array<const char*, 2> kTables{
     "CREATE TABLE head(one INTEGER PRIMARY KEY, log_id BLOB NOT NULL, public_key BLOB NOT NULL, "

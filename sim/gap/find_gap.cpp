@@ -15,6 +15,7 @@
 #include "sim/gap/select/make_finding.hpp"
 #include "sim/gap/select/objections.hpp"
 #include "sim/gap/select/verdict.hpp"
+#include "sim/gap/term/propose_term.hpp"
 #include "sim/plant/plant.hpp"
 
 namespace biopsy::sim::gap {
@@ -138,6 +139,15 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
   return out;
 }
 
+// What no effect explains as an equation, where there is one.
+void add_proposal(FoundGap& out, const Search& found, const std::stop_token& stop) {
+  const std::optional<TermProposal> proposal =
+      propose_term(found.as_given, found.selection.start, found.coarse, found.evidence, stop);
+  if (!proposal) return;
+  out.finding.proposed = proposal->description;
+  set_proposed_model(out, proposal->scored.hypothesis, found.evidence);
+}
+
 // The finding where the recording itself is wrong: nothing was fitted.
 FoundGap not_searched(const Dataset& dataset, const PlantModel& model, std::vector<DataRemark> remarks) {
   const Evidence evidence = prepare(dataset, model, {}, Sampling::Coarse);
@@ -198,6 +208,10 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
     }
   }
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
+  if (out.finding.verdict == GapVerdict::Unexplained && !found.interrupted) {
+    progress(0.95, "no effect fits: looking for an equation");
+    add_proposal(out, found, options.stop);
+  }
   if (!options.window) out.finding.straw_men = straw_men(dataset, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);
   if (found.selection.cut_short || (exhausted && out.finding.verdict == GapVerdict::Unexplained))

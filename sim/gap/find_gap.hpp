@@ -31,6 +31,9 @@ struct FoundGap {
     double std = 0.0;
   };
   std::vector<Source> changed;
+  // With the term of finding.proposed; `model` is then the given one.
+  std::optional<PlantModel> proposed_model;
+  std::vector<Source> proposed_changed;
 };
 
 // Throws ConfigError for unusable data and for names in `free` that are no parameter of this drive.

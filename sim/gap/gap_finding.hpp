@@ -136,6 +136,31 @@ struct RejectedName {
   std::vector<std::string> objections;        // clauses
 };
 
+// One product of a proposed term, with its coefficient.
+struct TermCoefficient {
+  std::string name, product, unit;  // "a", "v^3", "N s^3/m^3"
+  double value = 0.0, std = 0.0;    // in that unit
+  double share = 0.0;               // of the sum of the products' RMS forces over the recording
+};
+
+struct TermVariableRange {
+  std::string variable, unit;
+  double low = 0.0, high = 0.0;
+};
+
+// A force for which the library has no effect, found as an equation. Proposed: not the name of anything.
+struct ProposedTerm {
+  std::string name;        // of [term.NAME]
+  std::string expression;  // of the force on plate A, N, up: "a v^3 + b x"
+  std::vector<TermCoefficient> coefficients;
+  std::vector<TermVariableRange> seen;      // where; outside it the force stays as at the edge
+  double memory_s = 0.0, memory_std = 0.0;  // 0: none
+  double rmse_before = 0.0, rmse_calibrated = 0.0, rmse_after = 0.0;  // mm, held-out runs
+  double gap_closed = 0.0;
+  std::string meaning;              // what it may be
+  std::vector<std::string> rivals;  // other equations that leave nearly as little
+};
+
 struct GapFinding {
   GapVerdict verdict = GapVerdict::NoGap;
   std::string sentence;  // the verdict in words
@@ -150,6 +175,7 @@ struct GapFinding {
   double gap_closed = 0.0;
   bool partial = false;   // the effects stand, but leave more than the noise
   RejectedName rejected;  // of an unexplained gap; no effects: there was no candidate for a name
+  std::optional<ProposedTerm> proposed;  // of an unexplained gap
   GapComparison comparison;
   std::vector<GapRegime> where;  // highest concentration of the error first
   std::vector<std::string> regime_names;
@@ -164,6 +190,7 @@ struct GapFinding {
   std::vector<DataRemark> data;  // found before any fit; those that block first
   std::vector<std::string> held_out_runs, training_runs, warnings;
   std::string model_before, model_after;  // as files
+  std::string model_proposed;             // with `proposed`; empty without
   double seconds = 0.0;                   // of work, wall time
 };
 

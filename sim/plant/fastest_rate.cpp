@@ -22,6 +22,7 @@ Steepness steepest(const PlantModel& model, const Reach& reach) {
   for_each_present(model.effects, [&]<class E>(const E& effect) {
     if constexpr (requires { &E::steepest; }) sum += effect.steepest(reach);
   });
+  for (const Term& term : model.terms) sum += term.steepest(reach);
   for (const TissueLayer& layer : model.tissue) {
     sum += layer.surface.steepest(reach);
     sum += layer.shaft.steepest(reach);

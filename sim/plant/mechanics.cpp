@@ -33,6 +33,11 @@ double tissue_load(const StepContext& s, const Motion& m, const PlateMotion& pla
 // Rates of the states that are integrated; d.dH and the speed v (m/s) of plate A are known.
 void state_rates(const StepContext& s, const Motion& m, double v, Derivative& d) {
   for (std::size_t i = 0; i < s.layers; ++i) d.dcrept[i] = s.model.tissue[i].relaxation.rate(m.x, m.crept[i]);
+  if (s.has.term_memory)
+    for (std::size_t i = 0; i < s.model.terms.size(); ++i) {
+      const double time = s.model.terms[i].memory_time;
+      d.dfaded[i] = time > 0.0 ? v - m.faded[i] / time : 0.0;
+    }
   if (!s.has.integrated_state) return;
   const Baseline& b = s.model.baseline;
   const Flow flow{m.H - b.H_0, m.x, v, b.n, d.dH};
@@ -83,6 +88,20 @@ double frame_spring_push(const StepContext& s, const Motion& m) {
   return push;
 }
 
+// What the model's i-th term is a function of.
+TermPoint term_point(const StepContext& s, const Motion& m, Instant at, std::size_t i) {
+  const bool stack = s.model.baseline.drive == Drive::Stack;
+  return {.x = m.x, .v = m.v, .drive = stack ? at.u : s.inputs.force, .memory = m.faded[i]};
+}
+
+// Of the terms, without dry friction. N, up
+double term_force(const StepContext& s, const Motion& m, Instant at) {
+  double force = 0.0;
+  for (std::size_t i = 0; i < s.model.terms.size(); ++i)
+    force += s.model.terms[i].force(term_point(s, m, at, i));
+  return force;
+}
+
 // The net force, and the pouches' rate.
 double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) {
   const Baseline& b = s.model.baseline;
@@ -95,6 +114,7 @@ double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) 
     if (!stack) load -= frame_spring_push(s, m);
     down += load;
   }
+  if (s.has.term) down -= term_force(s, m, at);
   if (!stack) return s.inputs.force - b.k * m.x - down;
   return spring_force(s, m, at, dH) - s.mass * b.g - down;
 }
@@ -113,15 +133,23 @@ ActiveTerms active_terms(const PlantModel& model) {
     if constexpr (requires { &E::cut_rate; }) has.cut_rate = true;
     if constexpr (HasIntegratedState<E>) has.integrated_state = true;
   });
+  has.term = !model.terms.empty();
+  for (const Term& term : model.terms) {
+    has.dry_friction |= term.has_dry_friction();
+    has.term_memory |= term.memory_time > 0.0;
+  }
   return has;
 }
 
-double friction_bound(const PlantModel& model, double x, double v) {
+double friction_bound(const StepContext& s, const Motion& m, double v, Instant at) {
   double bound = 0.0;
-  for_each_present(model.effects, [&]<class E>(const E& effect) {
-    if constexpr (requires { &E::dry_friction; }) bound += effect.dry_friction(x, v);
+  for_each_present(s.model.effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::dry_friction; }) bound += effect.dry_friction(m.x, v);
   });
-  for (const TissueLayer& layer : model.tissue) bound += layer.shaft.dry_friction(x, v);
+  for (const TissueLayer& layer : s.model.tissue) bound += layer.shaft.dry_friction(m.x, v);
+  if (s.has.term)
+    for (std::size_t i = 0; i < s.model.terms.size(); ++i)
+      bound += s.model.terms[i].dry_friction(term_point(s, m, at, i));
   return bound;
 }
 
@@ -155,7 +183,7 @@ Derivative rates(const StepContext& s, const Motion& m, Instant at, int directio
     return d;
   }
   d.dx = m.v;
-  const double friction = s.has.dry_friction ? direction * friction_bound(s.model, m.x, m.v) : 0.0;
+  const double friction = s.has.dry_friction ? direction * friction_bound(s, m, m.v, at) : 0.0;
   d.dv = (net_force(s, m, at, d.dH) - friction) / s.mass;
   if (s.evolves()) state_rates(s, m, m.v, d);
   return d;

@@ -15,6 +15,7 @@ struct ActiveTerms {
   bool integrated_state;  // of effects
   bool sensor_filter;
   bool cut_rate;  // something may move faster than a step resolves
+  bool term, term_memory;
 };
 ActiveTerms active_terms(const PlantModel& model);
 
@@ -28,7 +29,7 @@ struct StepContext {
   const double mass;         // kg, of plate A
 
   // States besides H, x and v change within this substep.
-  bool evolves() const { return has.integrated_state || layers > 0; }
+  bool evolves() const { return has.integrated_state || has.term_memory || layers > 0; }
 };
 
 // A moment within the substep: the voltage that pulls (V), and the time since the substep began (s).
@@ -40,6 +41,7 @@ struct Derivative {
   double dH = 0.0, dx = 0.0, dv = 0.0;
   IntegratedStates integrated;            // only where the model has any
   std::array<double, kMaxLayers> dcrept;  // only for the layers within reach
+  std::array<double, kMostTerms> dfaded;  // only where a term has memory
 };
 
 // direction: +1 or -1 while sliding (friction opposes it), 0 while stuck.
@@ -48,8 +50,8 @@ Derivative rates(const StepContext& s, const Motion& m, Instant at, int directio
 // Net force on plate A without dry friction. N, up
 double net_force(const StepContext& s, const Motion& m, Instant at);
 
-// Dry friction available at this position and speed. N
-double friction_bound(const PlantModel& model, double x, double v);
+// Dry friction available in this motion, plate A having speed v. N
+double friction_bound(const StepContext& s, const Motion& m, double v, Instant at);
 
 // What the effects add to one pouch, `since` (s) after their states were remembered.
 PouchOffset pouch_offset(const PlantModel& model, const Motion& m, const RememberedStates& remembered,

@@ -2,15 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/toml_reader.hpp"
 #include "sim/plant/baseline_entries.hpp"
+#include "sim/term/term_text.hpp"
 
 namespace biopsy::sim {
 namespace {
+
+constexpr std::size_t kLongestTermName = 40;
+constexpr double kLargestCoefficient = 1e30;  // the force is what is limited
 
 // A value; its std and source go to the notes under `key`.
 double read_value(TomlTable& table, std::string_view name, double low, double high, const std::string& key,
@@ -66,6 +71,46 @@ void read_effects(TomlTable table, NotedModel& out) {
   });
 }
 
+bool is_term_name(const std::string& name) {
+  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  bool own = !name.empty() && name.size() <= kLongestTermName && std::ranges::all_of(name, fits);
+  const Effects none;
+  for_each_effect(none, [&]<class E>(const std::optional<E>&) { own = own && name != E::info.name; });
+  return own;
+}
+
+// A coefficient is in SI; a unit that stands beside it must be that of its product.
+Term read_term(TomlTable table, const std::string& name, Drive drive, ModelNotes& notes) {
+  const bool on_stack = drive == Drive::Stack;
+  Term term = read_term_frame(table, name, on_stack);
+  for (std::size_t i = 0; i < term.parts.size(); ++i) {
+    TermPart& part = term.parts[i];
+    const std::string letter = coefficient_name(i), unit = coefficient_unit(part.powers, on_stack);
+    part.coefficient =
+        read_value(table, letter, -kLargestCoefficient, kLargestCoefficient, name + "." + letter, notes);
+    if (!table.holds_table(letter)) continue;
+    TomlTable described = table.table(letter);
+    if (described.has("unit") && described.text("unit") != unit)
+      described.refuse("unit", fmt::format("is not that of \"{}\"", product_text(part.powers)),
+                       fmt::format("give the coefficient in {}", unit));
+  }
+  check_term_force(term, table);
+  return term;
+}
+
+void read_terms(TomlTable table, NotedModel& out) {
+  const std::vector<std::string> names = table.names();
+  if (names.size() > kMostTerms)
+    throw ConfigError(fmt::format("{} terms", names.size()), table.where(),
+                      fmt::format("keep at most {}", kMostTerms));
+  for (const std::string& name : names) {
+    if (!is_term_name(name))
+      table.refuse(name, "is no name for a term",
+                   "use small letters, digits and _, and not the name of an effect");
+    out.model.terms.push_back(read_term(table.table(name), name, out.model.baseline.drive, out.notes));
+  }
+}
+
 Brake read_brake(TomlTable table) {
   Brake brake;
   brake.holding_N = table.number("holding_N", 0.1, 1000.0, "N");
@@ -99,6 +144,7 @@ NotedModel model_of(TomlTable& root) {
   if (root.has("title")) out.notes.title = root.text("title");
   read_baseline(root.table("baseline"), out);
   if (root.has("effect")) read_effects(root.table("effect"), out);
+  if (root.has("term")) read_terms(root.table("term"), out);
   if (root.has("brake")) out.model.brake = read_brake(root.table("brake"));
   if (root.has("correlation"))
     out.notes.correlations = read_correlations(root.table("correlation"), out.notes);

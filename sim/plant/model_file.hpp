@@ -1,5 +1,6 @@
 // Model files (docs/reference/model-files.md): TOML with [baseline] and one [effect.NAME] per effect that is
-// present; every value a number or { value, std, source }; and [correlation] between values. Refuses unknown
+// present; [term.NAME] for a force without one; every value a number or { value, std, source }; and
+// [correlation] between values. Refuses unknown
 // names, missing values and numbers out of range, naming file, line and what is allowed. model_text.hpp
 // writes them.
 #pragma once
@@ -40,7 +41,7 @@ struct Correlations {
 struct ModelNotes {
   std::string title;
   std::optional<double> T = kReferencePeriod;  // s, control period; no run depends on it
-  std::map<std::string, ValueNote> values;     // by "K" or "coulomb_friction.force_N"
+  std::map<std::string, ValueNote> values;     // by "K", "coulomb_friction.force_N" or "TERM.a"
   std::optional<Correlations> correlations;    // none: not determined
 
   bool operator==(const ModelNotes&) const = default;

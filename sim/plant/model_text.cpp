@@ -9,6 +9,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/toml_reader.hpp"
 #include "sim/plant/baseline_entries.hpp"
+#include "sim/term/term_text.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -32,14 +33,18 @@ class ModelText {
   void line(std::string_view words) { text_ += fmt::format("{}\n", words); }
 
   void value(std::string_view name, const std::string& number, const std::string& key,
-             const std::string& comment = "") {
+             const std::string& comment = "", const std::string& unit = "") {
     std::string words = fmt::format("{} = {}", name, number);
-    if (const auto note = notes_.values.find(key); note != notes_.values.end()) {
+    const auto note = notes_.values.find(key);
+    const bool noted = note != notes_.values.end();
+    if (noted || !unit.empty()) {
       words = fmt::format("{} = {{ value = {}", name, number);
-      if (note->second.std) words += fmt::format(", std = {}", *note->second.std);
-      if (!note->second.source.empty()) words += fmt::format(", source = {}", quoted(note->second.source));
+      if (!unit.empty()) words += fmt::format(", unit = {}", quoted(unit));
+      if (noted && note->second.std) words += fmt::format(", std = {}", *note->second.std);
+      if (noted && !note->second.source.empty())
+        words += fmt::format(", source = {}", quoted(note->second.source));
       words += " }";
-      noted_.insert(key);
+      if (noted) noted_.insert(key);
     }
     line(comment.empty() ? words : fmt::format("{:<22} # {}", words, comment));
   }
@@ -47,8 +52,9 @@ class ModelText {
   std::string finished() const {
     for (const auto& [key, note] : notes_.values)
       if (!noted_.contains(key))
-        throw ConfigError(fmt::format("a note on `{}`, which the model does not hold", key), kNameInMessages,
-                          "name a value of [baseline], or EFFECT.PARAMETER of an effect that is present");
+        throw ConfigError(
+            fmt::format("a note on `{}`, which the model does not hold", key), kNameInMessages,
+            "name a value of [baseline], or EFFECT.PARAMETER of an effect or term that is present");
     return text_;
   }
 
@@ -79,6 +85,26 @@ void write_effect(const Effect& effect, const ModelNotes& notes, ModelText& text
     if (p.optional && effect.*(p.member) == 0.0 && !notes.values.contains(key)) continue;
     text.value(p.name, number_in_unit(effect.*(p.member), p.si_per_unit, p.low, p.high), key);
   }
+}
+
+void write_term(const Term& term, bool on_stack, ModelText& text) {
+  text.line(
+      fmt::format("\n# No effect of the library: a force on plate A, N, up.\n[term.{}]\nexpression = {}",
+                  term.name, quoted(expression_text(term.parts))));
+  for (std::size_t i = 0; i < term.parts.size(); ++i) {
+    const TermPart& part = term.parts[i];
+    text.value(coefficient_name(i), fmt::format("{}", part.coefficient),
+               fmt::format("{}.{}", term.name, coefficient_name(i)), "",
+               coefficient_unit(part.powers, on_stack));
+  }
+  for (const TermRangeKey& key : range_keys(term.parts, on_stack)) {
+    const auto end = [&](double si) {
+      return number_in_unit(si, key.si_per_unit, -key.largest, key.largest);
+    };
+    const TermRange& range = term.seen.*(key.range);
+    text.line(fmt::format("{} = [{}, {}]", key.name, end(range.low), end(range.high)));
+  }
+  if (term.memory_time > 0.0) text.line(fmt::format("memory_s = {}", term.memory_time));
 }
 
 void write_brake(const Brake& brake, ModelText& text) {
@@ -135,6 +161,7 @@ std::string model_toml(const PlantModel& model, const ModelNotes& notes) {
   for_each_effect(model.effects, [&](const auto& slot) {
     if (slot) write_effect(*slot, notes, text);
   });
+  for (const Term& term : model.terms) write_term(term, model.baseline.drive == Drive::Stack, text);
   if (model.brake) write_brake(*model.brake, text);
   write_correlations(notes, text);
   std::string out = text.finished();

@@ -10,7 +10,7 @@
 namespace biopsy::sim {
 
 // [baseline] with every name (drive = "force": with those that act there, and those that differ from the
-// reference) and one [effect.NAME] per effect that is present. Throws ConfigError for a model that could not
+// reference), one [effect.NAME] per effect that is present and one [term.NAME] per term. Throws ConfigError for a model that could not
 // be read back: a value out of its range or not finite, or a note on a value that the file does not hold.
 std::string model_toml(const PlantModel& model, const ModelNotes& notes);
 

@@ -29,6 +29,9 @@ void advance_states(const StepContext& s, Motion& m, double h, const Derivative&
       m.integrated[i] += h * (a * d.integrated[i] + b * e.integrated[i] + c * f.integrated[i]);
   for (std::size_t i = 0; i < s.layers; ++i)
     m.crept[i] += h * (a * d.dcrept[i] + b * e.dcrept[i] + c * f.dcrept[i]);
+  if (s.has.term_memory)
+    for (std::size_t i = 0; i < s.model.terms.size(); ++i)
+      m.faded[i] += h * (a * d.dfaded[i] + b * e.dfaded[i] + c * f.dfaded[i]);
 }
 
 // The same for the whole motion.
@@ -58,14 +61,15 @@ CircuitState circuit_state(const PlantState& state) {
 // Positive while the regime lasts: friction in reserve while stuck (N), speed while sliding (m/s).
 double regime_margin(const StepContext& s, const Motion& m, Instant at, int direction) {
   if (direction != 0) return m.v * direction;
-  return friction_bound(s.model, m.x, 0.0) - std::abs(net_force(s, m, at));
+  return friction_bound(s, m, 0.0, at) - std::abs(net_force(s, m, at));
 }
 
 // +1, -1, or 0 where friction holds plate A.
 int slide_direction(const StepContext& s, const Motion& m, bool breaks_away) {
   if (m.v != kStopped) return m.v > 0.0 ? 1 : -1;
-  const double net = net_force(s, m, {acting_voltage(s.model, circuit_state(s.state)), 0.0});
-  if (!breaks_away && std::abs(net) <= friction_bound(s.model, m.x, 0.0)) return 0;
+  const Instant now{acting_voltage(s.model, circuit_state(s.state)), 0.0};
+  const double net = net_force(s, m, now);
+  if (!breaks_away && std::abs(net) <= friction_bound(s, m, 0.0, now)) return 0;
   return net > 0.0 ? 1 : -1;
 }
 
@@ -218,6 +222,7 @@ void set_state(const PlantModel& model, PlantState& state, double x, double v) {
   }
   m.x = x;
   m.v = v;
+  m.faded.fill(0.0);
   state.x_max = std::max(state.x_max, x);
   settle(model, state, dH);
 }

@@ -23,6 +23,7 @@ struct Motion {
   double x = 0.0, v = 0.0;                 // m, m/s, plate A and the needle tip
   IntegratedStates integrated{};           // of the effects
   std::array<double, kMaxLayers> crept{};  // m, how far each layer of the model's tissue has crept
+  std::array<double, kMostTerms> faded{};  // m, memory of each of the model's terms
 };
 
 struct PlantState {

@@ -10,6 +10,7 @@
 
 #include "sim/effects/effect_list.hpp"
 #include "sim/plant/brake.hpp"
+#include "sim/term/term.hpp"
 
 namespace biopsy::sim {
 
@@ -56,6 +57,7 @@ struct PlantModel {
   Effects effects;
   std::optional<Brake> brake;       // none: the stage cannot lock the needle
   std::vector<TissueLayer> tissue;  // in order of depth; at most kMaxLayers
+  std::vector<Term> terms;          // by name; at most kMostTerms
   double weight = 0.050;            // kg put on plate A; belongs to a run
   double internal_step = 1e-3;      // s, largest step of the integrator
   std::uint64_t noise_seed = 1;

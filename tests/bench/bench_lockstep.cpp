@@ -113,6 +113,7 @@ void safety_run(const Biopsy& biopsy, const Record& record) {
     in.now_us = static_cast<std::int64_t>(k + 1) * 1000;
     in.measurement = record.ticks[k].measurement;
     in.writers = 1;
+    in.files_tag = biopsy.facts.config_tag;
     in.panel = {robot::panel_levels(record.inputs[k]), true};
     in.panel.levels.relay_closed =
         supervisor.permit.mode == Mode::Ready || safety::hv_permitted(supervisor.permit.mode);

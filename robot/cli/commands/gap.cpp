@@ -47,10 +47,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag(
       "--as-given", options.as_given,
       "choose neither free numbers nor windows from the data: calibrated numbers, runs in one piece");
-  app.add_flag(
-      "--accept", options.accept,
-      "replace the model file by the better model; the old one stays beside it as `NAME.toml.1`, `.2` "
-      "and so on");
+  app.add_flag("--accept", options.accept,
+               "replace the model file by the better model, or by the one with a proposed term; the old one "
+               "stays beside it as `NAME.toml.1`, `.2` "
+               "and so on");
   app.add_flag_callback(
       "--no-recheck", [&options] { options.recheck = false; },
       "leave out the rehearsals of the built-in cases with the old and the better model");
@@ -99,23 +99,31 @@ double rounded_to_three_digits(double value) {
   return std::stod(fmt::format("{:.2e}", value));
 }
 
-std::string new_text(const sim::gap::FoundGap& found, sim::ModelNotes notes, const std::string& source) {
-  for (const auto& [name, std] : found.changed) {
+std::string new_text(const sim::PlantModel& model, const std::vector<sim::gap::FoundGap::Source>& changed,
+                     sim::ModelNotes notes, const std::string& source) {
+  for (const auto& [name, std] : changed) {
     sim::ValueNote& note = notes.values[name];
     note.std = std::isfinite(std) ? std::optional(rounded_to_three_digits(std)) : std::nullopt;
     note.source = source;
   }
-  return sim::model_toml(found.model, notes);
+  return sim::model_toml(model, notes);
 }
 
 bool is_better(const GapFinding& finding) {
   return finding.verdict == GapVerdict::Effect || finding.verdict == GapVerdict::Parameter;
 }
 
+// The model that --accept takes over: the better one, or the one with a proposed term; empty where there is
+// none.
+const std::string& acceptable_model(const GapFinding& finding) {
+  return is_better(finding) ? finding.model_after : finding.model_proposed;
+}
+
 void add_recheck(GapFinding& finding, const Options& options, ProgressLine& line) {
-  atomic_write(options.out / "model.toml", finding.model_after);
+  const fs::path file = options.out / (is_better(finding) ? "model.toml" : "proposed.toml");
+  atomic_write(file, acceptable_model(finding));
   const Recheck checked = recheck(
-      options.model, options.out / "model.toml", finding.noise_floor,
+      options.model, file, finding.noise_floor,
       [&line](double share, const std::string& what) { line.show(0.92 + 0.08 * share, "margins: " + what); });
   finding.margins = checked.margins;
   finding.warnings.insert(finding.warnings.end(), checked.warnings.begin(), checked.warnings.end());
@@ -143,18 +151,22 @@ GapFinding compared(const Options& options, const sim::Dataset& dataset, const s
   finding.dataset = dataset.title;
   finding.sentence = sentence_of(finding);
   finding.model_before = sim::model_toml(given.model, given.notes);
-  finding.model_after =
-      is_better(finding) ? new_text(found, given.notes, source_of(dataset)) : finding.model_before;
-  if (options.recheck && is_better(finding) && !finding.force_drive && !finding.interrupted)
+  finding.model_after = is_better(finding)
+                            ? new_text(found.model, found.changed, given.notes, source_of(dataset))
+                            : finding.model_before;
+  if (found.proposed_model)
+    finding.model_proposed =
+        new_text(*found.proposed_model, found.proposed_changed, given.notes, source_of(dataset));
+  if (options.recheck && !acceptable_model(finding).empty() && !finding.force_drive && !finding.interrupted)
     add_recheck(finding, options, line);
   finding.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return finding;
 }
 
 std::string accept(const GapFinding& finding, const fs::path& model) {
-  if (!is_better(finding) || finding.interrupted)
+  if (acceptable_model(finding).empty() || finding.interrupted)
     return fmt::format("nothing to accept: {} stays as it was\n", model.string());
-  const fs::path old = accept_model(model, finding.model_after);
+  const fs::path old = accept_model(model, acceptable_model(finding));
   return fmt::format("accepted: {} is now the new model; the old one is kept as {}\n", model.string(),
                      old.string());
 }
@@ -168,9 +180,10 @@ Result run(const Options& options, const Context& context) {
   claim_run_folder(options.out, {options.dataset, options.model}, context.clearable);
   const GapFinding finding = compared(options, dataset, given, context.interrupted);
   report::save_gap(finding, options.out);
+  const char* model = finding.proposed ? "proposed.toml" : "model.toml";
   std::string text = report::gap_console(finding) + fmt::format("\nreport: {}\nmodel:  {}\n",
                                                                 (options.out / "report.html").string(),
-                                                                (options.out / "model.toml").string());
+                                                                (options.out / model).string());
   if (options.accept) text += accept(finding, options.model);
   return {.text = text, .json = report::gap_json(finding)};
 }
@@ -201,7 +214,11 @@ Command gap_command() {
             "of every row: run, role (train or test), input, measured displacement, that of the model before "
             "and after, and both residuals"},
            {"gap.json", "[the answer for programs](#gapjson)"},
-           {"model.toml", "the better model. Where nothing was found, the model that was given"}},
+           {"model.toml", "the better model. Where nothing was found, the model that was given"},
+           {"proposed.toml",
+            "only where no effect fits and [a term is "
+            "proposed](../explanation/gap-search.md#a-proposed-term): "
+            "the model with it"}},
       .replaces_earlier_run = true,
       .json = "the content of [gap.json](#gapjson)",
       .interruptible = true,

@@ -1,9 +1,7 @@
 // biopsy up: the robot as processes.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -11,8 +9,10 @@
 #include "drivers/digital_io/io_views.hpp"
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/cli/command.hpp"
+#include "robot/cli/open_in_browser.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/data_folder.hpp"
 #include "robot/common/logging/log_session.hpp"
 #include "robot/common/logging/logger.hpp"
 #include "robot/common/progress.hpp"
@@ -20,6 +20,7 @@
 #include "robot/live/realtime/stop_signals.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/live/session/live_session.hpp"
+#include "robot/live/session/ownership.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/report/procedure/report.hpp"
@@ -58,6 +59,9 @@ void declare(CLI::App& app, Options& options) {
       app.add_flag("--prepare", options.prepare,
                    "write the run folder and start nothing: [an installed system](../how-to/install.md)")
           ->excludes(seconds);
+  app.add_flag("--separate-users", options.live.separate_users,
+               "with --prepare: give each process's files to a user of its own; needs root")
+      ->needs(prepare);
   CLI::Option* console = app.add_flag("--console", options.console,
                                       "serve the operator's page, the [console](../tutorials/clinician.md)");
   app.add_flag("--open", options.open, "open that page in the desktop's browser")
@@ -154,16 +158,6 @@ std::string first_line(const std::filesystem::path& file) {
   std::string line;
   std::getline(stream, line);
   return line;
-}
-
-// Where there is no desktop the address is there to be typed.
-void open_in_browser(const std::string& url) {
-  if (fork() != 0) return;
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
-  _exit(127);
 }
 
 std::vector<std::string> igtl_arguments(const Options& options) {
@@ -263,6 +257,7 @@ Result prepare_only(const Options& options, const PreparedCase& prepared) {
       write_run_folder(options.live, options.device, options.hardware, prepared, folder);
   std::filesystem::remove(folder / "lines");
   std::filesystem::create_directory_symlink(settings.lines, folder / "lines");
+  if (options.live.separate_users) give_to_owners(ownership_of(std::filesystem::absolute(folder), settings));
   return {.text = fmt::format("prepared: {}\nnothing was started: systemctl start biopsy.target\n",
                               folder.string()),
           .json = nlohmann::ordered_json{{"prepared", folder.string()}}.dump(2) + "\n"};
@@ -277,6 +272,7 @@ Result run(const Options& options, const Context& context) {
   if (!drivers::is_simulated(options.device) && options.console && options.procedure.images_from.empty())
     throw ConfigError("a real stage with simulated confirmation images", "command line",
                       "add --images-from FOLDER, into which the scanner exports");
+  if (options.console) page_folder();  // refused before anything is started
   const Case given = case_of(options.procedure, options.console ? Points::PickedLater : Points::Given);
   const PreparedCase prepared = prepare_run(given, options.procedure.out, context.clearable);
   logging::log_to_file(options.procedure.out / "biopsy.log");

@@ -1,5 +1,5 @@
-// Where models, built-in cases, the console's page and the safety case's tables are: paths as in the source
-// tree.
+// Where models, built-in cases, examples, the console's page and the safety case's tables are. But for the page
+// their paths are those of the source tree.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,10 @@ namespace biopsy {
 // wherever it was moved); else the source tree that it was built from. Throws ConfigError naming all three
 // where none is there.
 std::filesystem::path data_folder();
+
+// The built page of the console: console/page in data_folder(), else console/page/dist beside the program, as in
+// a build tree. Throws ConfigError naming both where it is in neither.
+std::filesystem::path page_folder();
 
 // The source tree that the program was built from, whether or not it still exists.
 std::filesystem::path source_folder();

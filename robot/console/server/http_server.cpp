@@ -54,13 +54,14 @@ std::string media_type_of(const fs::path& file) {
                                                          {".svg", "image/svg+xml"},
                                                          {".png", "image/png"},
                                                          {".json", "application/json"},
+                                                         {".txt", "text/plain; charset=utf-8"},
                                                          {".woff2", "font/woff2"}};
   const auto found = kTypes.find(file.extension().string());
   return found == kTypes.end() ? "application/octet-stream" : found->second;
 }
 
 // Read once: no request can name another file.
-std::map<std::string, Document> read_page(const fs::path& folder) {
+std::map<std::string, Document> read_page(const fs::path& folder, const std::string& start) {
   std::map<std::string, Document> page;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
@@ -69,9 +70,10 @@ std::map<std::string, Document> read_page(const fs::path& folder) {
     page["/" + fs::relative(entry.path(), folder).generic_string()] = {
         media_type_of(entry.path()), body, false, std::make_shared<const std::string>(gzip(*body))};
   }
-  if (!page.contains("/index.html"))
-    throw ConfigError("the console's page does not exist", folder.string(), "build it: ./dev console");
-  page["/"] = page["/index.html"];
+  if (!page.contains("/" + start))
+    throw ConfigError("the console's page does not exist", (folder / start).string(),
+                      "build it: ./dev console");
+  page["/"] = page["/" + start];
   return page;
 }
 
@@ -81,8 +83,9 @@ class HttpSession;
 class WebSocketSession;
 
 struct HttpState {
-  HttpState(const fs::path& page_folder, std::string token_text, ServerCallbacks given)
-      : page(read_page(page_folder)), token(std::move(token_text)), callbacks(std::move(given)) {}
+  HttpState(const fs::path& page_folder, const std::string& start, std::string token_text,
+            ServerCallbacks given)
+      : page(read_page(page_folder, start)), token(std::move(token_text)), callbacks(std::move(given)) {}
 
   void listen(std::uint16_t wanted);
   void accept();
@@ -116,12 +119,15 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     socket_.next_layer().set_option(Tcp::no_delay(true));
     socket_.async_accept(request, [self = shared_from_this()](Error error) {
       if (error) return self->disconnect();
+      self->accepted_ = true;
       self->state_.callbacks.connected(self->client_);
       self->read();
     });
   }
 
+  // Dropped before the handshake is answered: a page is told all once it is connected.
   void send(SendQueue::Text text, Reliability reliability) {
+    if (!accepted_) return;
     const bool idle = queue_.empty();
     queue_.push(std::move(text), reliability);
     if (queue_.overflows()) return close();
@@ -167,7 +173,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   beast::flat_buffer buffer_;
   SendQueue queue_;
   RateLimit rate_;
-  bool disconnected_ = false;
+  bool accepted_ = false, disconnected_ = false;
 };
 
 // One HTTP request, answered and closed, or made a WebSocketSession.
@@ -213,7 +219,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void upgrade(const Request& request, const std::string& path) {
-    if (path != "/live" || !state_.policy->is_from_our_page(request) || !state_.policy->has_token(request))
+    if (!state_.callbacks.connected || path != "/live" || !state_.policy->is_from_our_page(request) ||
+        !state_.policy->has_token(request))
       return refuse(http::status::forbidden, "not this page, or no token");
     if (state_.web_sockets.size() >= kClientsMax)
       return refuse(http::status::service_unavailable, "too many pages");
@@ -302,8 +309,9 @@ void HttpState::accept() {
   });
 }
 
-HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, ServerCallbacks callbacks)
-    : state_(std::make_unique<HttpState>(page, std::move(token), std::move(callbacks))) {
+HttpServer::HttpServer(const fs::path& page, std::uint16_t port, std::string token, ServerCallbacks callbacks,
+                       const std::string& start)
+    : state_(std::make_unique<HttpState>(page, start, std::move(token), std::move(callbacks))) {
   state_->listen(port);
   state_->accept();
   state_->thread = std::thread([this] { state_->io.run(); });

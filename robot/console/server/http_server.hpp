@@ -21,7 +21,7 @@ struct Document {
   std::shared_ptr<const std::string> gzipped = nullptr;  // the same, for browsers that take it
 };
 
-// Called on the server's thread.
+// Called on the server's thread. Without `connected` there are no WebSockets.
 struct ServerCallbacks {
   std::function<void(Client)> connected;
   std::function<void(Client, const std::string&)> received;
@@ -34,10 +34,10 @@ struct HttpState;
 
 class HttpServer {
  public:
-  // `page`: folder of the built page, read once. Port 0: a free one. Throws ConfigError: no page, port in
-  // use.
+  // `page`: folder of the built page, read once; `start`: the file of it that `/` is. Port 0: a free one.
+  // Throws ConfigError: no page, port in use.
   HttpServer(const std::filesystem::path& page, std::uint16_t port, std::string token,
-             ServerCallbacks callbacks);
+             ServerCallbacks callbacks, const std::string& start = "index.html");
   ~HttpServer();
 
   std::string url() const;  // with the token: its bearer may control

@@ -20,7 +20,7 @@ void record(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Recorder);
   const live::LiveSettings& settings = process.settings();
   SigningKey key(settings.log_key);
-  recorder::Recorder recorder(settings.log, std::move(key));
+  recorder::Recorder recorder(live::own_folder(run_folder) / settings.log, std::move(key));
   std::optional<transport::ParticipantMonitor> participants;
   if (!settings.keys.empty()) participants.emplace(live::plain_settings(settings), process.bus());
   robot::BusRecorder bus_recorder(process.bus(), recorder, process.config_tag(),

@@ -48,8 +48,10 @@ void supervise(const std::filesystem::path& run_folder) {
   live::LiveProcess process(run_folder, security::Role::Supervisor);
   SupervisorPulse pulse(process.settings());
   const digital_io::IoReader panel(process.settings().lines);
-  live::SupervisorLoop loop(process.bus(), pulse, panel, process.config_tag(),
-                            live::monotonic_session_id(run_folder / "session"), robot::self_test());
+  const live::ConfigWatch config(run_folder, process.settings());
+  live::SupervisorLoop loop(process.bus(), pulse, panel, config.files(), process.config_tag(),
+                            live::monotonic_session_id(live::own_folder(run_folder) / "session"),
+                            robot::self_test());
   process.start_ticking();
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   bool failed = false;

@@ -77,7 +77,7 @@ void Launcher::start(Process process, const std::vector<std::string>& more) {
   const fs::path program = programs_ / program_of(process);
   if (!fs::exists(program))
     throw ConfigError(fmt::format("{} is missing", program_of(process)), programs_.string(),
-                      "build or install all programs into one folder");
+                      "install biopsy-live, or build all programs into one folder");
   // The interlock uses the digital I/O only.
   std::vector<std::string> words{program.string(),
                                  (process == Process::Interlock ? lines_folder_ : run_folder_).string()};

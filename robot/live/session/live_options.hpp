@@ -17,6 +17,7 @@ struct LiveOptions {
   bool without_security = false;  // simulated stage only
   std::string network;            // interface; empty: this machine only
   int fifo_priority = kLoopPriority;
+  bool separate_users = false;   // an installed system: each process writes into a folder of its own
   std::filesystem::path faults;  // of the simulated stage; empty: none
 };
 

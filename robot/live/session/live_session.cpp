@@ -13,6 +13,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/live/live_process.hpp"
+#include "robot/recorder/log_file.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/key_set.hpp"
 #include "robot/security/make_keys.hpp"
@@ -73,7 +74,8 @@ live::LiveSettings settings_for(const LiveOptions& options, const std::string& d
     settings.commissioning_key =
         fs::absolute(security::signing_files(keys, security::Signer::Commissioning).public_key);
   }
-  settings.log = fs::absolute(folder / "procedure.log.sqlite");
+  settings.log = recorder::kLogName;
+  if (!options.separate_users) settings.log = fs::absolute(folder / settings.log);
   settings.log_key = fs::absolute(security::signing_files(keys, security::Signer::Recorder).private_key);
   settings.lines = make_lines_folder(options);
   settings.fifo_priority = options.fifo_priority;
@@ -92,6 +94,12 @@ live::LiveSettings write_run_folder(const LiveOptions& options, const std::strin
                                     const HardwareOptions& hardware, const PreparedCase& prepared,
                                     const fs::path& folder) {
   live::LiveSettings settings = settings_for(options, device, hardware, prepared, fs::absolute(folder));
+  if (options.separate_users && !settings.commissioning_key.empty()) {
+    // The stage's user reads it, and not the folder in which it lies.
+    const fs::path copy = fs::absolute(folder) / settings.commissioning_key.filename();
+    atomic_write(copy, read_file(settings.commissioning_key));
+    settings.commissioning_key = copy;
+  }
   atomic_write(live::settings_file(folder), live::to_json(settings));
   return settings;
 }

@@ -134,10 +134,12 @@ std::string gap_parameters_section(const GapFinding& finding) {
 
 std::string gap_diff_section(const GapFinding& finding) {
   if (finding.model_before.empty() && finding.model_after.empty()) return {};
-  const std::vector<DiffLine> diff = line_diff(finding.model_before, finding.model_after);
+  const std::vector<DiffLine> diff =
+      line_diff(finding.model_before, finding.proposed ? finding.model_proposed : finding.model_after);
   const bool same =
       std::all_of(diff.begin(), diff.end(), [](const DiffLine& l) { return l.kind == DiffKind::Same; });
-  return section("The change to the model", same ? paragraph("The model is unchanged.") : diff_html(diff));
+  return section(finding.proposed ? "The change that --accept makes" : "The change to the model",
+                 same ? paragraph("The model is unchanged.") : diff_html(diff));
 }
 
 std::string gap_margins_section(const GapFinding& finding) {

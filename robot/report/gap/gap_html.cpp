@@ -50,9 +50,12 @@ std::string safety(const GapFinding& f) {
   }
   std::string text;
   if (!f.margins.empty())
-    text = fmt::format("✓ Safety margins: all {} hold with the new model.", f.margins.size());
+    text = fmt::format("✓ Safety margins: all {} hold with {}.", f.margins.size(),
+                       f.proposed ? "the proposed term" : "the new model");
   else if (f.verdict == GapVerdict::NoGap || f.force_drive)
     return {};
+  else if (f.proposed)
+    text = "▲ The model is unchanged, and the safety margins were not checked with the proposed term.";
   else if (f.verdict == GapVerdict::Unexplained)
     text = "▲ The model is unchanged: rehearsals with it do not include what is missing.";
   else
@@ -95,9 +98,10 @@ std::string gap_html(const GapFinding& f) {
   return markup::page(
       {.title = "Model gap – " + f.dataset, .heading = "Model gap: " + f.dataset, .style = markup::kGapStyle},
       verdict_section(f) + recording_section(f) + gap_where_section(f) + gap_overlay_section(f) +
-          gap_closer_section(f) + gap_effects_section(f) + gap_parameters_section(f) + gap_shapes_section(f) +
-          gap_candidates_section(f) + gap_doubts_section(f) + gap_regimes_section(f) + gap_fits_section(f) +
-          gap_diff_section(f) + gap_margins_section(f) + gap_method_section(f));
+          gap_closer_section(f) + gap_effects_section(f) + gap_proposed_section(f) +
+          gap_parameters_section(f) + gap_shapes_section(f) + gap_candidates_section(f) +
+          gap_doubts_section(f) + gap_regimes_section(f) + gap_fits_section(f) + gap_diff_section(f) +
+          gap_margins_section(f) + gap_method_section(f));
 }
 
 std::string signals_csv(const GapFinding& f) {
@@ -115,6 +119,7 @@ std::string signals_csv(const GapFinding& f) {
 
 void save_gap(const GapFinding& f, const std::filesystem::path& folder) {
   atomic_write(folder / "model.toml", f.model_after);
+  if (f.proposed) atomic_write(folder / "proposed.toml", f.model_proposed);
   atomic_write(folder / "report.html", gap_html(f));
   atomic_write(folder / "signals.csv", signals_csv(f));
   atomic_write(folder / "gap.json", gap_json(f));  // last: its presence means that the rest is there

@@ -75,6 +75,37 @@ Json rejected_json(const RejectedName& rejected) {
           {"objections", rejected.objections}};
 }
 
+Json proposed_json(const std::optional<ProposedTerm>& term) {
+  if (!term) return nullptr;
+  return {{"name", term->name},
+          {"expression", term->expression},
+          {"coefficients", json_list(term->coefficients,
+                                     [](const TermCoefficient& c) {
+                                       return Json{{"name", c.name},
+                                                   {"product", c.product},
+                                                   {"unit", c.unit},
+                                                   {"value", json_number(c.value)},
+                                                   {"std", json_number(c.std)},
+                                                   {"share_of_force", json_number(c.share)}};
+                                     })},
+          {"memory_s", term->memory_s > 0.0 ? json_number(term->memory_s) : Json(nullptr)},
+          {"memory_std_s", term->memory_s > 0.0 ? json_number(term->memory_std) : Json(nullptr)},
+          {"seen", json_list(term->seen,
+                             [](const TermVariableRange& range) {
+                               return Json{{"variable", range.variable},
+                                           {"unit", range.unit},
+                                           {"low", json_number(range.low)},
+                                           {"high", json_number(range.high)}};
+                             })},
+          {"rmse_mm",
+           {{"before", json_number(term->rmse_before)},
+            {"calibrated", json_number(term->rmse_calibrated)},
+            {"after", json_number(term->rmse_after)}}},
+          {"gap_closed", json_number(term->gap_closed)},
+          {"meaning", term->meaning},
+          {"rivals", term->rivals}};
+}
+
 Json shape_json(const ResidualShape& shape) {
   return {{"quantity", shape.quantity},
           {"unit", shape.unit},
@@ -137,6 +168,7 @@ std::string gap_json(const GapFinding& f) {
       {"data", json_list(f.data, data_json)},
       {"fits", json_list(f.fits, fit_json)},
       {"straw_men", json_list(f.straw_men, straw_man_json)},
+      {"proposed", proposed_json(f.proposed)},
   };
   if (f.interrupted) report["interrupted"] = true;
   return json_file(report);

@@ -36,6 +36,9 @@ std::string estimate_text(double value, double std);
 // "0.0280 to 0.0320": value -+ 1.96 standard deviations; an en dash where there is none.
 std::string interval_text(double value, double std);
 
+// "F = -1.2e+04 v^3 + 0.4 x v": a proposed term with its numbers, N, up, in SI.
+std::string equation_text(const ProposedTerm& term);
+
 // Decimals that show `smallest` with two digits, 2 to 5 of them; for lengths in mm that stand side by side.
 int decimals_for(double smallest);
 std::string percent_text(double share);  // "62 %"

@@ -18,6 +18,7 @@ std::string gap_doubts_section(const GapFinding& finding);
 
 // gap_change.cpp: what the model is now and what follows from it
 std::string gap_effects_section(const GapFinding& finding);
+std::string gap_proposed_section(const GapFinding& finding);  // gap_proposed.cpp
 std::string gap_parameters_section(const GapFinding& finding);
 std::string gap_diff_section(const GapFinding& finding);
 std::string gap_margins_section(const GapFinding& finding);

@@ -77,6 +77,14 @@ std::string rejected_sentence(const RejectedName& rejected) {
                      joined(names, " with "), 100.0 * rejected.gap_closed, joined(rejected.objections, "; "));
 }
 
+std::string proposed_sentence(const std::optional<ProposedTerm>& term) {
+  if (!term) return "";
+  return fmt::format(
+      " Proposed, not a name: a force {} (N up, SI) closes {:.0f} % of it on held-out runs ({:.3g} mm left). "
+      "It may be {}.",
+      equation_text(*term), 100.0 * term->gap_closed, term->rmse_after, term->meaning);
+}
+
 std::string recording_sentence(const GapFinding& finding) {
   std::string out = "The recording is to be corrected first; nothing was fitted to it.";
   for (const DataRemark& remark : finding.data)
@@ -91,6 +99,7 @@ std::string unexplained_sentence(const GapFinding& finding) {
       "explains it.{}",
       finding.rmse_before, finding.noise_floor, concentrated(finding));
   out += rejected_sentence(finding.rejected);
+  out += proposed_sentence(finding.proposed);
   if (!finding.shapes.empty())
     out += fmt::format(" It depends most on {}, which accounts for {:.0f} % of its variance.",
                        readable_name(finding.shapes.front().quantity),

@@ -1,7 +1,9 @@
 // The names that people and files use for the enumerations of the messages.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "robot/report/procedure/run_record.hpp"
@@ -51,6 +53,15 @@ constexpr std::string_view label(Enumeration value) {
   static_assert(kNames.size() == static_cast<std::size_t>(Labels<Enumeration>::kLast) + 1);
   const auto index = static_cast<std::size_t>(value);
   return index < kNames.size() ? kNames[index] : "unknown";
+}
+
+// The value that has this name; none: no value has.
+template <class Enumeration>
+constexpr std::optional<Enumeration> labelled(std::string_view name) {
+  constexpr auto& kNames = Labels<Enumeration>::kNames;
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<Enumeration>(found - kNames.begin());
 }
 
 }  // namespace biopsy::report

@@ -27,7 +27,7 @@ constexpr int kRefresh = 4;  // iterations between updates of the calibration's 
 double difference_step(const Unknown& u) {
   double h = 2e-3;  // logarithms: 0.2 % of the value
   if (!u.logarithmic) h = 5e-3 * std::max(std::abs(u.theta), 0.2);
-  if (u.effect != kBaseline) {
+  if (u.effect >= 0) {
     const Role role = library_effect(u.effect).parameters[u.parameter].role;
     if (role == Role::Frequency) h = 0.02;
     if (role == Role::Place || role == Role::Level) h = 2e-3;

@@ -15,6 +15,7 @@ constexpr double kCalibrationError = 0.02;  // relative standard deviation of a 
 constexpr double kEffectError = 0.3;        // and of an effect's parameter, which is harder to measure
 constexpr double kFreeRange = 2.0;          // ln: a candidate may differ by a factor of e^2
 constexpr double kUnknownRange = 14.0;      // ln: a parameter named by --free may have any order of magnitude
+constexpr double kMemoryRange = 1.5;        // ln: between the times that were tried
 constexpr double kShapeRange = 4.6;         // ln: a factor of 100, within the library's range
 
 // Films and gain act only through K^2 eps_film/d_film^2: K represents the three.
@@ -42,9 +43,17 @@ Unknown baseline_unknown(const PlantModel& model, std::size_t index, double prio
           .prior_std = prior_std};
 }
 
+double& term_number(PlantModel& model, std::size_t parameter) {
+  Term& term = model.terms[parameter / kTermUnknowns];
+  const std::size_t i = parameter % kTermUnknowns;
+  return i < kMostTermParts ? term.parts[i].coefficient : term.memory_time;
+}
+
 void write(PlantModel& model, const Unknown& unknown, double theta) {
   const double value = unknown.value(theta);
-  if (unknown.effect == kBaseline)
+  if (unknown.effect == kTerm)
+    term_number(model, unknown.parameter) = value;
+  else if (unknown.effect == kBaseline)
     model.baseline.*(uncertain_baseline(model.baseline.drive)[unknown.parameter].member) = value;
   else
     library_effect(unknown.effect).set(model, unknown.parameter, value);
@@ -179,6 +188,32 @@ void free_parameter(Hypothesis& hypothesis, std::size_t baseline_parameter) {
     }
   hypothesis.unknowns.push_back(baseline_unknown(hypothesis.model, baseline_parameter,
                                                  std::numeric_limits<double>::infinity(), kFreeRange));
+}
+
+void add_term_unknowns(Hypothesis& hypothesis, std::size_t term) {
+  const Term& added = hypothesis.model.terms[term];
+  const std::size_t first = term * kTermUnknowns;
+  for (std::size_t i = 0; i < added.parts.size(); ++i) {
+    const double now = added.parts[i].coefficient;
+    const double scale = now == 0.0 ? 1.0 : std::abs(now);
+    hypothesis.unknowns.push_back(
+        {.effect = kTerm, .parameter = first + i, .scale = scale, .theta = now / scale});
+  }
+  if (added.memory_time > 0.0)
+    hypothesis.unknowns.push_back({.effect = kTerm,
+                                   .parameter = first + kMostTermParts,
+                                   .logarithmic = true,
+                                   .scale = added.memory_time,
+                                   .low = -kMemoryRange,
+                                   .high = kMemoryRange});
+}
+
+void remove_last_term(Hypothesis& hypothesis) {
+  hypothesis.model.terms.pop_back();
+  const std::size_t removed = hypothesis.model.terms.size();
+  std::erase_if(hypothesis.unknowns, [&](const Unknown& u) {
+    return u.effect == kTerm && u.parameter / kTermUnknowns == removed;
+  });
 }
 
 void add_effect(Hypothesis& hypothesis, int effect, const std::vector<double>& start,

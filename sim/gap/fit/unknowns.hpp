@@ -13,13 +13,16 @@
 namespace biopsy::sim::gap {
 
 inline constexpr int kBaseline = -1;
+inline constexpr int kTerm = -2;
+inline constexpr std::size_t kTermUnknowns = kMostTermParts + 1;  // coefficients, and the memory's time
 
 struct Unknown {
-  int effect = kBaseline;     // index in library(), or kBaseline
-  std::size_t parameter = 0;  // of the effect, or index in uncertain_baseline()
-  bool logarithmic = false;   // value = scale exp(theta), else scale theta
-  double scale = 1.0;         // SI
-  double theta = 0.0;         // present value
+  int effect = kBaseline;  // index in library(), kBaseline or kTerm
+  // Of the effect; index in uncertain_baseline(); of the model's terms kTermUnknowns each.
+  std::size_t parameter = 0;
+  bool logarithmic = false;  // value = scale exp(theta), else scale theta
+  double scale = 1.0;        // SI
+  double theta = 0.0;        // present value
   double low = -std::numeric_limits<double>::infinity(), high = -low;
   double prior_mean = 0.0;
   double prior_std = std::numeric_limits<double>::infinity();  // of theta; infinite: no prior
@@ -54,6 +57,11 @@ const std::vector<UncertainParameter>& uncertain_baseline(Drive drive);
 // effects that the model has already have wider priors (30 %). Throws ConfigError for a name that is no
 // parameter of this drive.
 Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::string>& free);
+
+// Adds the coefficients of the model's i-th term as unknowns, and the time of its memory, if it has one.
+void add_term_unknowns(Hypothesis& hypothesis, std::size_t term);
+// Removes the model's last term with its unknowns.
+void remove_last_term(Hypothesis& hypothesis);
 
 // Removes the prior of one baseline parameter.
 void free_parameter(Hypothesis& hypothesis, std::size_t baseline_parameter);

@@ -9,17 +9,15 @@
 #include "robot/common/statistics.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/residual/responses.hpp"
 #include "sim/gap/residual/smoothed_motion.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
 constexpr std::size_t kDegree = 3;
-constexpr double kOutermost = 0.01;    // of the rows, at either end
-constexpr double kUnknownStep = 2e-3;  // of theta
-constexpr double kForceShare = 0.01;   // of the rig's largest force; of the stack's, a weight of
-constexpr double kStackForce = 0.005;  // N
-constexpr double kRidge = 1e-8;        // of the largest diagonal element
+constexpr double kOutermost = 0.01;  // of the rows, at either end
+constexpr double kRidge = 1e-8;      // of the largest diagonal element
 
 // The variable at every row of all runs.
 struct Variable {
@@ -64,49 +62,12 @@ double legendre(std::size_t n, double at) {
   return now;
 }
 
-Eigen::VectorXd column(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 std::vector<bool> training_mask(const Evidence& evidence) {
   std::vector<bool> out;
   for (const EvidenceRun& run : evidence.runs)
     for (std::size_t i = 0; i < run.rows.size(); ++i) out.push_back(i < run.training_rows);
   return out;
 }
-
-// Change of the residual of all rows by each unknown and by a force along each polynomial.
-class Responses {
- public:
-  Responses(const ScoredModel& start, const Evidence& evidence)
-      : start_(start), evidence_(evidence), now_(residual(start.hypothesis.model, evidence, Part::All)) {
-    const double share = evidence.u_max * kForceShare;
-    force_ = start.drive() == Drive::Force ? std::max(share, 1e-9) : kStackForce;
-  }
-
-  Eigen::VectorXd now() const { return column(now_); }
-
-  Eigen::VectorXd of_unknown(std::size_t i) const {
-    std::vector<double> thetas;
-    for (const Unknown& u : start_.hypothesis.unknowns) thetas.push_back(u.theta);
-    thetas[i] += kUnknownStep;
-    return (column(residual(start_.hypothesis.at(thetas), evidence_, Part::All)) - now()) / kUnknownStep;
-  }
-
-  Eigen::VectorXd of_force(const std::vector<double>& shape) const {
-    Evidence pushed = evidence_;
-    std::size_t at = 0;
-    for (EvidenceRun& run : pushed.runs)
-      for (Row& row : run.rows) row.external_force += force_ * shape[at++];
-    return (column(residual(start_.hypothesis.model, pushed, Part::All)) - now()) / force_;
-  }
-
- private:
-  const ScoredModel& start_;
-  const Evidence& evidence_;
-  std::vector<double> now_;
-  double force_ = 1.0;
-};
 
 // Mean square of the held-out rows with the columns of J fitted to the training rows; columns before `known`
 // have priors of one.
@@ -131,7 +92,7 @@ double held_out_square(const Eigen::MatrixXd& J, const Eigen::VectorXd& r, const
 }  // namespace
 
 std::vector<FlexibleFit> fit_flexible(const ScoredModel& start, const Evidence& evidence) {
-  const Responses responses(start, evidence);
+  const Responses responses(start.hypothesis, evidence);
   const Eigen::VectorXd now = responses.now();
   const std::vector<Variable> variables = variables_of(evidence);
   const std::vector<bool> training = training_mask(evidence);
@@ -161,7 +122,7 @@ std::vector<FlexibleFit> fit_flexible(const ScoredModel& start, const Evidence& 
         if (t < unknowns)
           columns.push_back(tasks[t].response);
         else if (tasks[t].variable == v)
-          columns.push_back(acts == std::string("force") ? tasks[t].response : column(tasks[t].shape));
+          columns.push_back(acts == std::string("force") ? tasks[t].response : column_of(tasks[t].shape));
       }
       if (columns.size() <= unknowns) continue;
       Eigen::MatrixXd J(now.size(), static_cast<Eigen::Index>(columns.size()));

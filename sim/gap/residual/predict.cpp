@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "sim/plant/plant.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -77,6 +77,16 @@ PlantModel in_step(PlantModel model, const Evidence& evidence, const EvidenceRun
 
 std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
                             std::size_t rows) {
+  std::vector<double> out;
+  out.reserve(rows);
+  visit_rows(std::move(model), evidence, run, rows, [&](const PlantModel& now, const PlantState& state) {
+    out.push_back(displacement_reading(now, state));
+  });
+  return out;
+}
+
+void visit_rows(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows,
+                const RowVisitor& visit) {
   model.weight = run.weight;
   model.effects.sensor_noise.reset();
   model.internal_step = integrator_step(model, evidence);
@@ -84,8 +94,6 @@ std::vector<double> predict(PlantModel model, const Evidence& evidence, const Ev
   double steps = 0.0;
   for (std::size_t i = 0; i < rows; ++i) steps += std::ceil(run.rows[i].span / model.internal_step);
   evidence.work->steps += static_cast<std::uint64_t>((stack ? kStackStep : 1.0) * steps);
-  std::vector<double> out;
-  out.reserve(rows);
   PlantState state = at_rest(model);
   auto window = run.windows.begin();
   for (std::size_t i = 0; i < rows; ++i) {
@@ -94,14 +102,13 @@ std::vector<double> predict(PlantModel model, const Evidence& evidence, const Ev
       set_state(model, state, window->x, window->v);
       ++window;
     }
-    out.push_back(displacement_reading(model, state));
+    visit(model, state);
     state = step(model, state,
                  {.voltage = stack ? row.input : 0.0,
                   .force = stack ? 0.0 : row.input,
                   .external_force = row.external_force},
                  Seconds(row.span));
   }
-  return out;
 }
 
 std::vector<double> residual(const PlantModel& model, const Evidence& evidence, Part part) {

@@ -1,9 +1,11 @@
 // Predicted readings of the measured runs.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "sim/gap/select/evidence_runs.hpp"
+#include "sim/plant/plant.hpp"
 
 namespace biopsy::sim::gap {
 
@@ -13,6 +15,11 @@ enum class Part : std::uint8_t { Training, HeldOut, All };
 // evidence's shortest step.
 std::vector<double> predict(PlantModel model, const Evidence& evidence, const EvidenceRun& run,
                             std::size_t rows);
+
+// The same simulation, for what else it shows: calls visit(model, state) at each of these rows.
+using RowVisitor = std::function<void(const PlantModel& model, const PlantState& state)>;
+void visit_rows(PlantModel model, const Evidence& evidence, const EvidenceRun& run, std::size_t rows,
+                const RowVisitor& visit);
 
 // Step of the integrator for this model, s; rows are cut into such steps. Follows the model's fastest rate,
 // within the limits of the evidence.

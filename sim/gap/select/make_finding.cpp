@@ -16,6 +16,7 @@
 #include "sim/gap/select/next_experiment.hpp"
 #include "sim/gap/select/objections.hpp"
 #include "sim/gap/select/verdict.hpp"
+#include "sim/term/term_text.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -146,12 +147,12 @@ NextExperiment experiment_between(const Selection& selection, const Evidence& ev
 }
 
 // Without noise the supervisor would take a simulated laser for a frozen one.
-void add_sensor_noise(FoundGap& found, double noise) {
+void add_sensor_noise(PlantModel& model, std::vector<FoundGap::Source>& changed, double noise) {
   const auto parameter = SensorNoise::parameters()[0];
   const double um = std::max(1e-3, std::round(noise * 1e9) * 1e-3);
-  found.model.effects.sensor_noise = SensorNoise{um * 1e-6};
-  found.changed.push_back({fmt::format("{}.{}", SensorNoise::info.name, parameter.name),
-                           std::numeric_limits<double>::quiet_NaN()});
+  model.effects.sensor_noise = SensorNoise{um * 1e-6};
+  changed.push_back({fmt::format("{}.{}", SensorNoise::info.name, parameter.name),
+                     std::numeric_limits<double>::quiet_NaN()});
 }
 
 void name_runs(GapFinding& f, const Evidence& evidence) {
@@ -176,6 +177,21 @@ RejectedName rejected_name(const ScoredModel& before, const Selection& selection
 }
 
 }  // namespace
+
+void set_proposed_model(FoundGap& found, const Hypothesis& proposed, const Evidence& evidence) {
+  PlantModel model = proposed.model;
+  const std::string& term = model.terms.back().name;
+  for (const Unknown& u : proposed.unknowns) {
+    if (u.effect != kTerm)
+      found.proposed_changed.push_back({parameter_name(u, model.baseline.drive), value_std(u)});
+    else if (u.parameter % kTermUnknowns < kMostTermParts)
+      found.proposed_changed.push_back(
+          {fmt::format("{}.{}", term, coefficient_name(u.parameter % kTermUnknowns)), u.value_std()});
+  }
+  if (!model.effects.sensor_noise) add_sensor_noise(model, found.proposed_changed, evidence.noise);
+  std::ranges::sort(model.terms, {}, &Term::name);
+  found.proposed_model = std::move(model);
+}
 
 FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
                       const Evidence& evidence) {
@@ -207,7 +223,8 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   for (FoundEffect& effect : f.effects)
     if (phase && effect.name == PeriodicDisturbance::info.name) effect.parameters.push_back(*phase);
   if (adopted) add_changed_parameters(found, given, best);
-  if (adopted && !found.model.effects.sensor_noise) add_sensor_noise(found, evidence.noise);
+  if (adopted && !found.model.effects.sensor_noise)
+    add_sensor_noise(found.model, found.changed, evidence.noise);
   name_runs(f, evidence);
   const std::vector<double> r_before = residual(before.hypothesis.model, evidence, Part::All);
   const std::vector<double> r_after = adopted ? residual(found.model, evidence, Part::All) : r_before;

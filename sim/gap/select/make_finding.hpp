@@ -10,4 +10,7 @@ namespace biopsy::sim::gap {
 FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const Selection& selection,
                       const Evidence& evidence);
 
+// The model with a proposed term as the last, and what changed in it.
+void set_proposed_model(FoundGap& found, const Hypothesis& proposed, const Evidence& evidence);
+
 }  // namespace biopsy::sim::gap

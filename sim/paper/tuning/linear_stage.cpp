@@ -64,6 +64,8 @@ PlantModel smooth(PlantModel model) {
   for_each_effect(model.effects, []<class E>(std::optional<E>& effect) {
     if constexpr (!requires { E::linearises; }) effect.reset();
   });
+  std::erase_if(model.terms,
+                [](const Term& term) { return term.has_dry_friction() || term.memory_time > 0.0; });
   model.tissue.clear();
   model.baseline.tau = kNoLeak;
   return model;

@@ -132,9 +132,9 @@ TEST_F(Relay, StartsOpenAndDoesNotCountEarlierPulses) {
 
 TEST_F(Relay, GivesTheLoadNothingWhileHvIsOff) {
   stage_.reset();
-  const SharedIo broken_stage(folder_.path(), Owner::Stage);
-  broken_stage.block().stage.converter = packed(6'000'000, false);
-  broken_stage.block().stage.pulses = 1'000;
+  const OwnOutputs<StageOutputs> broken_stage(folder_.path());
+  broken_stage->converter = packed(6'000'000, false);
+  broken_stage->pulses = 1'000;
   supervisor_->pulse();
   tick();
   EXPECT_TRUE(relay_->closed());

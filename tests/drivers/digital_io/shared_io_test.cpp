@@ -1,4 +1,4 @@
-// The shared I/O file: initial state, owners, and which files are refused.
+// The shared I/O files: initial state, owners, and which files are refused.
 #include "drivers/digital_io/shared_io.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ constexpr std::int64_t kNow_ns = 5'000'000'000;
 class SharedIoFile : public testing::Test {
  protected:
   SharedIoFile() { create_shared_io(folder_.path()); }
-  std::filesystem::path file() const { return folder_ / "lines"; }
+  std::filesystem::path file() const { return folder_ / "stage"; }
 
   ScratchFolder folder_;
 };
@@ -56,20 +56,20 @@ TEST_F(SharedIoFile, AreZeroWhenMade) {
 }
 
 TEST_F(SharedIoFile, HaveAFixedLayoutAndNoOtherUserMayOpenThem) {
-  EXPECT_EQ(offsetof(IoBlock, stage), 1 * kPage);
-  EXPECT_EQ(offsetof(IoBlock, supervisor), 2 * kPage);
-  EXPECT_EQ(offsetof(IoBlock, interlock), 3 * kPage);
-  EXPECT_EQ(offsetof(IoBlock, panel), 4 * kPage);
   EXPECT_EQ(offsetof(StageOutputs, pulses), 8U);
   EXPECT_EQ(offsetof(InterlockOutputs, ticks), 32U);
-  const std::string content = file_content(file());
-  ASSERT_EQ(content.size(), 5 * kPage);
-  EXPECT_EQ(content.substr(1, 7), "biopsyl");
-  EXPECT_EQ(content.find_first_not_of('\0', 16), std::string::npos) << "nothing but the title is set";
-  struct stat status {};
-  ASSERT_EQ(::stat(file().c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 0777U, 0600U);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1) << "nothing left over";
+  for (const Owner owner : kOwners) {
+    const std::filesystem::path file = folder_.path() / name_of(owner);
+    const std::string content = file_content(file);
+    ASSERT_EQ(content.size(), kFileSize);
+    EXPECT_EQ(content.substr(1, 7), "biopsyl");
+    EXPECT_EQ(content.find_first_not_of('\0', 16), std::string::npos) << "nothing but the title is set";
+    struct stat status {};
+    ASSERT_EQ(::stat(file.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), kOwners.size())
+      << "nothing left over";
 }
 
 TEST_F(SharedIoFile, CarryWhatEachOwnerWrites) {
@@ -196,18 +196,33 @@ TEST_F(SharedIoFile, ReadersOfOldLinesSeeNothingOfNewOnes) {
 }
 
 TEST_F(SharedIoFile, OfAnotherOwnerCannotBeWrittenEvenByMistake) {
-  const SharedIo lines(folder_.path(), Owner::Supervisor);
-  lines.block().supervisor.pulses = 1;
-  EXPECT_DEATH(lines.block().stage.pulses = 1, "");
-  EXPECT_DEATH(lines.block().interlock.load = 1, "");
+  const OwnOutputs<SupervisorOutputs> own(folder_.path());
+  own->pulses = 1;
+  const SeenOutputs<StageOutputs> stage(folder_.path());
+  const SeenOutputs<InterlockOutputs> interlock(folder_.path());
+  EXPECT_DEATH(const_cast<Word&>(stage->pulses) = 1, "");
+  EXPECT_DEATH(const_cast<Word&>(interlock->load) = 1, "");
+}
+
+TEST_F(SharedIoFile, MayBeReadByAGroup) {
+  ::chmod(file().c_str(), 0640);
+  EXPECT_EQ(refusal_to_attach(folder_.path()), "");
+}
+
+TEST_F(SharedIoFile, OfOneOwnerIsNotTakenForThatOfAnother) {
+  std::filesystem::copy_file(folder_ / "panel", file(), std::filesystem::copy_options::overwrite_existing);
+  ::chmod(file().c_str(), 0600);
+  EXPECT_EQ(refusal_to_attach(folder_.path()), "is the file of another owner");
 }
 
 TEST_F(SharedIoFile, AreRefusedWhenMissingOrAccessibleToOthers) {
   const ScratchFolder empty;
   EXPECT_NE(refusal_to_attach(empty.path()), "");
   EXPECT_NE(refusal([&] { create_shared_io(empty / "nowhere"); }), "");
-  ::chmod(file().c_str(), 0660);
-  EXPECT_EQ(refusal_to_attach(folder_.path()), "is accessible to other users");
+  for (const mode_t open : {0660, 0650, 0604, 0602, 0601}) {
+    ::chmod(file().c_str(), open);
+    EXPECT_EQ(refusal_to_attach(folder_.path()), "is accessible to other users");
+  }
   ::chmod(file().c_str(), 0600);
   std::filesystem::rename(file(), folder_ / "elsewhere");
   std::filesystem::create_symlink(folder_ / "elsewhere", file());
@@ -256,17 +271,20 @@ TEST(SharedIoRefusals, SayTheSystemsReasonAndLeaveNothingOpenOrBehind) {
   const std::ptrdiff_t files = open_files();
   const auto missing = folder.path() / "none";
   EXPECT_NE(refusal_of([&] { create_shared_io(missing); }).find("No such file"), std::string::npos);
-  EXPECT_NE(refusal_of([&] { SharedIo(missing, Owner::Stage); }).find("No such file"), std::string::npos);
-  std::filesystem::create_directories(folder.path() / "lines" / "taken");
+  EXPECT_NE(refusal_of([&] { IoFile(missing, Owner::Stage, IoFile::Access::Own); }).find("No such file"),
+            std::string::npos);
+  std::filesystem::create_directories(folder.path() / "stage" / "taken");
   EXPECT_NE(refusal_of([&] { create_shared_io(folder.path()); }).find("cannot be made"), std::string::npos);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
       << "a temporary file stays behind";
-  std::filesystem::remove_all(folder.path() / "lines");
+  std::filesystem::remove_all(folder.path() / "stage");
   create_shared_io(folder.path());
-  for (const auto others : {std::filesystem::perms::others_exec, std::filesystem::perms::group_read}) {
-    std::filesystem::permissions(folder.path() / "lines", std::filesystem::perms::owner_read |
+  for (const auto others : {std::filesystem::perms::others_exec, std::filesystem::perms::group_write}) {
+    std::filesystem::permissions(folder.path() / "stage", std::filesystem::perms::owner_read |
                                                               std::filesystem::perms::owner_write | others);
-    EXPECT_NE(refusal_of([&] { SharedIo(folder.path(), Owner::Stage); }).find("accessible to other users"),
+    EXPECT_NE(refusal_of([&] {
+                IoFile(folder.path(), Owner::Stage, IoFile::Access::Own);
+              }).find("accessible to other users"),
               std::string::npos);
   }
   EXPECT_EQ(open_files(), files);
@@ -277,12 +295,12 @@ TEST(SharedIoRefusals, AnOwnerKeepsItsFileOpenAndClosesItAtItsEnd) {
   create_shared_io(folder.path());
   const std::ptrdiff_t files = open_files();
   {
-    const SharedIo owner(folder.path(), Owner::Stage);
+    const IoFile owner(folder.path(), Owner::Stage, IoFile::Access::Own);
     EXPECT_EQ(open_files(), files + 1);
-    EXPECT_NE(refusal_of([&] { SharedIo(folder.path(), Owner::Stage); }), "accepted");
+    EXPECT_NE(refusal_of([&] { IoFile(folder.path(), Owner::Stage, IoFile::Access::Own); }), "accepted");
   }
   EXPECT_EQ(open_files(), files);
-  EXPECT_EQ(refusal_of([&] { SharedIo(folder.path(), Owner::Stage); }), "accepted");
+  EXPECT_EQ(refusal_of([&] { IoFile(folder.path(), Owner::Stage, IoFile::Access::Own); }), "accepted");
 }
 
 }  // namespace

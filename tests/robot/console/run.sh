@@ -6,5 +6,5 @@ mkdir -p tests
 rm -rf tests/*.ts tests/support
 cp "$here"/*.ts tests/
 cp -r "$here/support" tests/
-export BASELINES="$here/baselines"
+export BASELINES="$here/baselines" SOURCE="$here/../../.."
 exec ./node_modules/.bin/playwright test -c tests "$@"

@@ -51,7 +51,7 @@ struct Supervisor : testing::Test {
     accept_plan(sealed(plan), memory);
     in.now_us = kNow_us;
     in.measurement.seq = 5;
-    in.measurement.config_tag = in.request.config_tag = kConfig;
+    in.measurement.config_tag = in.request.config_tag = in.files_tag = kConfig;
     in.request.plan_tag = planner::plan_tag(plan);
     in.writers = 1;
     in.act.at_us = in.log.at_us = kNow_us;
@@ -161,6 +161,21 @@ TEST_F(Supervise, NeedsOneConfigurationInAllThreeProcesses) {
   EXPECT_EQ(inputs().config_tag, 0U);
   in.measurement.config_tag = kConfig, in.request.config_tag = 0;
   EXPECT_EQ(inputs().config_tag, 0U);
+}
+
+TEST_F(Supervise, FilesThatChangedSinceTheStartKeepItFromBeingArmedAndDoNotStopWhatMoves) {
+  verifies("R-13");
+  for (const std::uint64_t files : {kConfig + 1, std::uint64_t{0}}) {
+    in.files_tag = files;
+    for (const Mode mode : {Mode::Boot, Mode::Safe, Mode::Ready, Mode::Trip, Mode::Lock}) {
+      memory.state.mode = mode;
+      EXPECT_EQ(inputs().config_tag, 0U) << safety::name_of(mode);
+    }
+    for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
+      memory.state.mode = mode;
+      EXPECT_EQ(inputs().config_tag, kConfig) << safety::name_of(mode);
+    }
+  }
 }
 
 TEST_F(Supervise, TakesADepthVerdictOfThisPlanOnly) {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "robot/common/config_error.hpp"
+#include "robot/live/config_watch.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::live {
@@ -87,6 +88,34 @@ TEST(LiveSettings, TheTagChangesWithEveryFileThatCounts) {
   EXPECT_NE(config_tag(folder.path(), settings), tag);
   std::filesystem::remove(settings.tissues);
   EXPECT_THROW(config_tag(folder.path(), settings), ConfigError);
+}
+
+TEST(ConfigWatch, SeesAFileThatWasEditedRemovedAndPutBack) {
+  const ScratchFolder folder;
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(folder.path() / name) << text;
+    return folder.path() / name;
+  };
+  LiveSettings settings = example();
+  settings.model = write("model.toml", "v_max = 6000");
+  settings.tissues = write("tissues.toml", "b = 2");
+  write("live.json", to_json(settings));
+  const std::uint64_t started = config_tag(folder.path(), settings);
+  constexpr std::int64_t kFuture_us = std::int64_t{1} << 60;  // its own thread reads at earlier times
+  ConfigWatch watch(folder.path(), settings);
+  const auto seen = [&] {
+    watch.read(kFuture_us);
+    return watch.files().at(kFuture_us);
+  };
+  EXPECT_NE(watch.files().at(0), 0U) << "read before the first tick";
+  EXPECT_EQ(seen(), started);
+  write("model.toml", "v_max = 8000");
+  EXPECT_NE(seen(), started);
+  EXPECT_NE(seen(), 0U);
+  std::filesystem::remove(settings.model);
+  EXPECT_EQ(seen(), 0U);
+  write("model.toml", "v_max = 6000");
+  EXPECT_EQ(seen(), started);
 }
 
 }  // namespace

@@ -44,6 +44,7 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
   robot::load_plan(plan, controller);
   robot::SupervisorSources in;
   in.writers = 1;
+  in.files_tag = 1;
   in.panel = {{.estop_a_closed = true, .estop_b_closed = true}, true};
   robot::assume_tested_panel(supervisor);
   in.act.message.stop = StopCategory::None;
@@ -91,7 +92,9 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   const transport::Participant bus({84, "", 1});
   live::StageLoop stage(bus, simulated, converter, 1);
   live::ControllerLoop controller(bus, 1);
-  live::SupervisorLoop supervisor(bus, pulse, reader, 1, 1, safety::SelfTest::Passed);
+  live::FilesTag files;
+  files.set(1, realtime::monotonic_ns() / 1000);
+  live::SupervisorLoop supervisor(bus, pulse, reader, files, 1, 1, safety::SelfTest::Passed);
   transport::Writer<SealedPlan> plans(bus);
   transport::Writer<OperatorAct> acts(bus);
   transport::Writer<LogHealth> log(bus);

@@ -69,7 +69,8 @@ Mode mode_after_start(SelfTest self) {
   digital_io::create_shared_io(folder.path());
   digital_io::SupervisorIo lines(folder.path());
   const digital_io::IoReader panel(folder.path());
-  SupervisorLoop loop(bus, lines, panel, 1, 1, self);
+  const FilesTag files;
+  SupervisorLoop loop(bus, lines, panel, files, 1, 1, self);
   for (int n = 0; n < 20; ++n) loop.turn();
   return loop.mode();
 }

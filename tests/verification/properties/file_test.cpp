@@ -4,7 +4,9 @@
 #include "drivers/commissioning/record.hpp"
 #include "planner/plan/open_plan.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/console/review/run_table.hpp"
 #include "robot/live/live_settings.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "sim/plant/baseline_entries.hpp"
 #include "sim/plant/dataset.hpp"
 #include "sim/plant/model_file.hpp"
@@ -101,6 +103,41 @@ RC_GTEST_PROP(DatasetFile, AnyRunIsReadWithinTheDigitsThatAreWritten, ()) {
     RC_ASSERT(std::abs(read.runs[0].displacement[row] - run.displacement[row]) < 1e-9);
   }
   RC_ASSERT(sim::run_csv(read.runs[0], sim::Drive::Stack) == sim::run_csv(run, sim::Drive::Stack));
+}
+
+RC_GTEST_PROP(RunFile, AnyRunIsReadWithinTheDigitsThatAreWritten, ()) {
+  report::RunRecord record;
+  record.simulated = *rc::gen::arbitrary<bool>();
+  double time_ms = 0.0;
+  for (int n = *rc::gen::inRange(1, 40); n > 0; --n) {
+    report::Sample sample;
+    sample.time_ms = time_ms += any_number(0.0, 20.0);
+    sample.depth_mm = static_cast<float>(any_number(-50.0, 50.0));
+    sample.setpoint_mm = static_cast<float>(any_number(0.0, 50.0));
+    sample.tip_mm = static_cast<float>(any_number(-50.0, 50.0));
+    sample.drive_kV = static_cast<float>(any_number(-8.0, 8.0));
+    sample.current_uA = static_cast<float>(any_number(-300.0, 300.0));
+    sample.mode = static_cast<Mode>(*rc::gen::inRange(0, 9));
+    sample.stop = static_cast<StopCategory>(*rc::gen::inRange(0, 4));
+    sample.step = *rc::gen::inRange<std::uint8_t>(0, 20);
+    sample.verdict = static_cast<GateVerdict>(*rc::gen::inRange(0, 11));
+    record.samples.push_back(sample);
+  }
+  const console::RunTable read = console::parse_run_table(report::run_csv(record), "run.csv");
+  RC_ASSERT(read.columns.size() == (record.simulated ? 9U : 7U));
+  std::size_t span = 0;
+  for (std::size_t k = 0; k < record.samples.size(); ++k) {
+    const report::Sample& sample = record.samples[k];
+    RC_ASSERT(std::abs(read.values[0][k] - 1e-3 * sample.time_ms) < 1e-6);
+    RC_ASSERT(std::abs(read.values[1][k] - sample.depth_mm) < 1e-5);  // after time in the table of columns
+    RC_ASSERT(std::abs(read.values[3][k] - 1e3 * sample.drive_kV) < 1e-3);
+    while (span + 1 < read.spans.size() && read.spans[span + 1].from <= read.values[0][k] &&
+           (read.spans[span].mode != sample.mode || read.spans[span].stop != sample.stop ||
+            read.spans[span].step != sample.step + 1U))
+      ++span;
+    RC_ASSERT(read.spans[span].mode == sample.mode && read.spans[span].stop == sample.stop);
+    RC_ASSERT(read.spans[span].step == sample.step + 1U);
+  }
 }
 
 RC_GTEST_PROP(CommissioningFile, AnyRecordIsReadAsItWasWritten, ()) {

@@ -1,6 +1,7 @@
 // Before and after, side by side: detected tip, planned target, error and confidence. No default answer.
 import type { Checked, Judgement } from './generated/messages'
-import { send, withToken } from './link'
+import { withToken } from './address'
+import { send } from './link'
 import { checked, state, welcome, disabledReason } from './robot'
 import { tipText } from './stop_card'
 import { mm } from './viewer/geometry'

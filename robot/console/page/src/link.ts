@@ -1,13 +1,13 @@
 // The WebSocket to the server: events become signals; commands are sent with an id and answered.
 import { batch } from '@preact/signals'
 
+import { token, withToken } from './address'
 import type { Answer, Command, Event } from './generated/messages'
 import * as robot from './robot'
 
 type WithId = Extract<Command, { id: number }>
 type WithoutId<T> = T extends { id: number } ? Omit<T, 'id'> : never
 
-const token = new URLSearchParams(location.search).get('t') ?? ''
 const kReconnect_ms = 1000
 const kTick_ms = 50
 const kFrozen_ms = 250
@@ -17,7 +17,6 @@ let lastId = 0
 const waiting = new Map<number, (answer: Answer) => void>()
 const lostHandlers: (() => void)[] = []
 
-export const withToken = (path: string) => `${path}?t=${token}`
 export const onConnectionLost = (handler: () => void) => void lostHandlers.push(handler)
 
 export function connect(): void {

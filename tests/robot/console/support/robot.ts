@@ -56,7 +56,7 @@ export class Robot {
 
   // The procedure log.
   log(): Entry[] {
-    const shown = execFileSync(kProgram, ['log', 'show', join(this.folder, 'procedure.log.sqlite')], { maxBuffer: 1e8 })
+    const shown = execFileSync(kProgram, ['log', 'show', '--raw', join(this.folder, 'procedure.log.sqlite')], { maxBuffer: 1e8 })
     const line = /^ *\d+  (\S+ \S+)  \S+ +(.*?) +(\{.*\})$/
     return shown.toString().split('\n').flatMap((text) => {
       const [, at, kind, body] = line.exec(text) ?? []

@@ -94,7 +94,8 @@ struct Hang : LoopBench {
   Barrier barrier;
   HangingStage stage{barrier};
   live::StageLoop stage_loop{bus, stage, converter, kConfig};
-  live::SupervisorLoop supervisor{bus, pulse, reader, kConfig, 1, safety::SelfTest::Passed};
+  live::FilesTag files;
+  live::SupervisorLoop supervisor{bus, pulse, reader, files, kConfig, 1, safety::SelfTest::Passed};
 };
 
 TEST_F(Hang, OfTheStagesLoopAloneTakesHighVoltageAwayWithinTwentyMilliseconds) {

@@ -30,18 +30,20 @@ struct SupervisorLoopBench : LoopBench {
   digital_io::PanelIo panel_of_device{folder.path()};
   const digital_io::IoReader panel{folder.path()};
   CountedPulse pulse;
-  live::SupervisorLoop loop{bus, pulse, panel, kConfig, kSession, safety::SelfTest::Passed};
+  live::FilesTag files;
+  live::SupervisorLoop loop{bus, pulse, panel, files, kConfig, kSession, safety::SelfTest::Passed};
   std::uint32_t seq = 0;
 };
 
 // A new member of the sources makes this fail to compile, until a test claims where it comes from.
 void expect_same(const robot::SupervisorSources& a, const robot::SupervisorSources& b) {
-  const auto& [now_us, measurement, request, writers, panel, act, log, verdict] = a;
+  const auto& [now_us, measurement, request, writers, panel, files_tag, act, log, verdict] = a;
   EXPECT_EQ(measurement, b.measurement);
   EXPECT_EQ(request, b.request);
   EXPECT_EQ(writers, b.writers);
   EXPECT_EQ(panel.levels, b.panel.levels);
   EXPECT_EQ(panel.read, b.panel.read);
+  EXPECT_EQ(files_tag, b.files_tag);
   EXPECT_EQ(act.message, b.act.message);
   EXPECT_EQ(log.message, b.log.message);
   EXPECT_EQ(verdict, b.verdict);
@@ -315,6 +317,21 @@ TEST_F(SupervisorLoopBench, TakesAsManyAsTheBusKeeps) {
     EXPECT_EQ(calls.supervised[n - 1].measurement.seq, 100 + n);
     EXPECT_EQ(calls.supervised[n - 1].request.seq, 200 + n);
   }
+}
+
+TEST_F(SupervisorLoopBench, KnowsTheConfigurationOfTheFilesForFiveSecondsAfterTheyWereRead) {
+  turn(1'000);
+  EXPECT_EQ(last().files_tag, 0U) << "never read";
+  files.set(77, kStart_us);
+  turn(2'000);
+  EXPECT_EQ(last().files_tag, 77U);
+  turn(5'000'000);
+  EXPECT_EQ(last().files_tag, 77U);
+  turn(5'000'001);
+  EXPECT_EQ(last().files_tag, 0U) << "the disk, or the thread that reads, stands still";
+  files.set(0, kStart_us + 5'000'002);
+  turn(5'000'003);
+  EXPECT_EQ(last().files_tag, 0U) << "a file cannot be read";
 }
 
 }  // namespace

@@ -126,8 +126,12 @@ void write(const std::filesystem::path& file, const std::string& text) {
 }  // namespace
 
 sim::Dataset make_hidden(const HiddenCase& hidden) {
+  return make_hidden(hidden, hidden.physics());
+}
+
+sim::Dataset make_hidden(const HiddenCase& hidden, const HiddenPhysics& physics) {
   const auto all = programs(hidden);
-  const auto traces = simulate(hidden, all, true_numbers(hidden), hidden.physics());
+  const auto traces = simulate(hidden, all, true_numbers(hidden), physics);
   sim::Dataset out;
   out.title = "recording " + std::to_string(hidden.seed);  // the name would give the answer away
   if (hidden.noise_given) out.sensor_noise = 1e-6 * hidden.noise_um;

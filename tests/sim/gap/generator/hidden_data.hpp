@@ -10,6 +10,8 @@
 namespace biopsy::hidden {
 
 sim::Dataset make_hidden(const HiddenCase& hidden);
+// The same programs and errors of the baseline with this physics.
+sim::Dataset make_hidden(const HiddenCase& hidden, const HiddenPhysics& physics);
 
 // mm, root mean square over all rows, without noise: with the hidden terms against without them, parameters
 // alike (Parameter and Nothing: true parameters against nominal ones). `only`: that term alone against its

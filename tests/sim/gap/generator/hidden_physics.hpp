@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -58,6 +59,8 @@ struct HiddenPhysics {
   double clock_jitter = 0;      // s
   double breakdown = 0;         // share of u_o lost in a discharge, at random times above 1.3 kV
   double thickening = 0;        // 1/s: tau_h grows with time
+  // N, up, on plate A of a stage, of position, speed and the stack's voltage
+  std::function<double(double x, double v, double u)> law;
 };
 
 // Seeded draws that are the same on every machine (std::normal_distribution is not).

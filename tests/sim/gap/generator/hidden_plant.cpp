@@ -77,7 +77,7 @@ struct Stage {
     return b.tau_h * (1.0 + p.thickening * t) * (rate < 0.0 ? 1.0 + p.slow_fall : 1.0);
   }
 
-  void advance(double t, double pressure, double push, double h) {
+  void advance(double t, double pressure, double volts, double push, double h) {
     const double x_mid = x + 0.5 * h * v, v_mid = v + 0.5 * h * pull, h_mid = height + 0.5 * h * flow;
     const double bent = b.n * (h_mid - b.H_0) - x_mid;
     const double elastic = mass * b.g + b.k * bent + forces.spring(b.k, bent, b.n * flow - v_mid, h);
@@ -90,7 +90,9 @@ struct Stage {
       flow = gap / oil_time(t, gap);
     }
     films.remember(equilibrium, h_mid, h);
-    pull = (spring - mass * b.g - b.c_s * v_mid - push - forces.resisting(t, x_mid, v_mid, h)) / mass;
+    pull = (spring - mass * b.g - b.c_s * v_mid - push - forces.resisting(t, x_mid, v_mid, h) +
+            (p.law ? p.law(x_mid, v_mid, volts) : 0.0)) /
+           mass;
     v += h * pull;
     x = x_mid + 0.5 * h * v;
     height += h * flow;
@@ -124,7 +126,7 @@ Trace run_stage(const StageNumbers& numbers, const HiddenPhysics& physics, const
     for (int i = 0; i < pieces; ++i) {
       const double t = static_cast<double>(row) * program.period + (i + 0.5) * h;
       supply.advance(t, 0.5 * h);
-      stage.advance(t, supply.pressure(), program.push[row], h);
+      stage.advance(t, supply.pressure(), supply.voltage(), program.push[row], h);
       const double before = supply.charge_moved();
       supply.advance(t, 0.5 * h);
       current = (supply.charge_moved() - before) / (0.5 * h);

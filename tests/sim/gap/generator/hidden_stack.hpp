@@ -14,6 +14,7 @@ class HiddenSupply {
   HiddenSupply(const StageNumbers& numbers, const HiddenPhysics& physics, std::uint64_t seed);
   void command(double volts);                                                 // a new sample
   void advance(double t, double h);                                           // between samples
+  double voltage() const { return output_; }                                  // V, on the stack
   double pressure() const;                                                    // Pa
   double charge_moved() const { return numbers_.C1 * (applied_ - output_); }  // C, total since the start
 

@@ -2,8 +2,9 @@
 import { effect } from '@preact/signals'
 import { useEffect, useRef } from 'preact/hooks'
 
+import { withToken } from '../address'
 import type { Series, Step } from '../generated/messages'
-import { send, withToken } from '../link'
+import { send } from '../link'
 import { disabledReason, opened, state, welcome } from '../robot'
 import { listen } from './inputs'
 import { Overlay } from './overlay'

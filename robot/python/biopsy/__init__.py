@@ -1,0 +1,36 @@
+"""The needle-biopsy robot for algorithms and laboratories: plant, gap search, depth check, planner and the control
+cycle with its supervisor, on numpy arrays. Units are part of the names; points are RAS mm."""
+
+import os as _os
+import pathlib as _pathlib
+
+# The models and cases of the installation that this package belongs to, wherever it was moved.
+for _folder in _pathlib.Path(__file__).resolve().parents:
+    if (_folder / "share/biopsy/sim/models").is_dir():
+        _os.environ.setdefault("BIOPSY_DATA", str(_folder / "share/biopsy"))
+        break
+
+from ._biopsy import (  # noqa: E402  (after the folder is known)
+    DepthCheck,
+    Finding,
+    Image,
+    Model,
+    Rehearsal,
+    Robot,
+    Run,
+    __version__,
+    check_depth,
+    gap,
+    plan,
+    read_dataset,
+    read_image,
+    read_model,
+    rehearse,
+    simulate,
+)
+from ._errors import InputError  # noqa: E402
+
+__all__ = [
+    "DepthCheck", "Finding", "Image", "InputError", "Model", "Rehearsal", "Robot", "Run", "__version__", "check_depth",
+    "gap", "plan", "read_dataset", "read_image", "read_model", "rehearse", "simulate",
+]

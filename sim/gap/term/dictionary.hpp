@@ -1,0 +1,41 @@
+// What a proposed term may be made of: products of motion and drive, and their values along the recording.
+#pragma once
+
+#include <vector>
+
+#include "sim/gap/select/evidence_runs.hpp"
+#include "sim/term/term.hpp"
+
+namespace biopsy::sim::gap {
+
+struct DictionaryEntry {
+  TermPowers powers{};
+  double memory_time = 0.0;  // s, where it has memory
+};
+
+// Products of low degree. Those of the baseline and of the library are among them, as parts of a longer
+// equation.
+std::vector<DictionaryEntry> dictionary();
+
+// Motion and drive at every row of all runs, one run after the other.
+struct MotionRows {
+  std::vector<TermPoint> points;  // memory is not filled
+  std::vector<double> times;      // s, of the row's span
+  std::vector<bool> begins;       // a run or a window begins with this row
+
+  TermRanges ranges() const;
+};
+
+// As measured: smoothed as much as the noise requires, standing where the speed is within its noise. The
+// voltage that pulls is the model's.
+MotionRows measured_motion(const PlantModel& model, const Evidence& evidence);
+// As the model moves.
+MotionRows simulated_motion(const PlantModel& model, const Evidence& evidence);
+
+// The term's memory with that time constant: term.hpp.
+std::vector<double> memory_of(const MotionRows& motion, double time);
+
+// The entry's product at every row, SI.
+std::vector<double> values_of(const DictionaryEntry& entry, const MotionRows& motion);
+
+}  // namespace biopsy::sim::gap

@@ -1,0 +1,238 @@
+#include "sim/gap/term/term_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robot/common/in_parallel.hpp"
+#include "sim/gap/fit/fit.hpp"
+#include "sim/gap/residual/responses.hpp"
+#include "sim/gap/term/sparse_regression.hpp"
+
+namespace biopsy::sim::gap {
+namespace {
+
+constexpr std::size_t kLookMostProducts = kMostTermParts;
+constexpr double kLookWorthAProduct = 0.7;  // of the excess square, left by one more
+constexpr double kLookNearNoise = 0.1;  // of the noise's square: nothing to explain with a further product
+constexpr double kLookAsGood = 3.0;     // ratio of excess squares worth a simulation
+constexpr double kLookExact = 0.01;     // of the RMS without a term: the look is linear, the rows are coarse
+constexpr std::size_t kLookSuggested = 3;
+constexpr std::size_t kLookFolds = 3;  // at least
+constexpr double kLookHopedFor = 0.1;  // of the square: the priors' weight is that of a residual so small
+constexpr double kLookRoom = 0.2;      // of a range, beyond either end while the term is fitted
+
+// Rows of a training run, or of a piece of one where there are few; held-out rows are not used.
+std::vector<int> folds_of(const Evidence& evidence) {
+  const auto training = static_cast<std::size_t>(
+      std::ranges::count_if(evidence.runs, [](const EvidenceRun& run) { return run.training_rows > 0; }));
+  const std::size_t pieces = (kLookFolds + training - 1) / std::max<std::size_t>(1, training);
+  std::vector<int> out;
+  std::size_t first = 0;
+  for (const EvidenceRun& run : evidence.runs) {
+    for (std::size_t i = 0; i < run.rows.size(); ++i)
+      out.push_back(i < run.training_rows ? static_cast<int>(first + i * pieces / run.training_rows) : -1);
+    if (run.training_rows > 0) first += pieces;
+  }
+  return out;
+}
+
+std::vector<std::size_t> calibration_of(const Hypothesis& hypothesis) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < hypothesis.unknowns.size(); ++i)
+    if (hypothesis.unknowns[i].effect != kTerm) out.push_back(i);
+  return out;
+}
+
+double largest_size(const std::vector<double>& values) {
+  double out = 0.0;
+  for (const double value : values) out = std::max(out, std::abs(value));
+  return out;
+}
+
+// Of a mechanism's baseline: what a relative error of the number is, as a force in the motion; N, down. The
+// answer to it is exact however far the given model is from that motion.
+std::vector<double> baseline_force(const Unknown& unknown, const Baseline& b, const MotionRows& motion) {
+  const double Baseline::*member = uncertain_baseline(Drive::Force)[unknown.parameter].member;
+  std::vector<double> out;
+  for (const TermPoint& p : motion.points)
+    out.push_back(member == &Baseline::k     ? b.k * p.x
+                  : member == &Baseline::c_s ? b.c_s * p.v
+                                             : p.drive - b.k * p.x - b.c_s * p.v);
+  return out;
+}
+
+bool is_force(const Unknown& unknown, const Hypothesis& hypothesis) {
+  return unknown.effect == kBaseline && hypothesis.model.baseline.drive == Drive::Force;
+}
+
+// Products that a number of the baseline holds already: one that is not known. Of one that is, a product is
+// what its error cannot be.
+bool is_baseline(const DictionaryEntry& entry, const Hypothesis& around) {
+  const auto alone = [&](TermFactor factor) {
+    TermPowers powers{};
+    powers[static_cast<std::size_t>(factor)] = 1;
+    return entry.powers == powers;
+  };
+  if (around.model.baseline.drive == Drive::Stack) return alone(TermFactor::Speed);
+  return std::ranges::any_of(around.unknowns, [&](const Unknown& u) {
+    if (u.effect != kBaseline || std::isfinite(u.prior_std)) return false;
+    const double Baseline::*member = uncertain_baseline(Drive::Force)[u.parameter].member;
+    return alone(member == &Baseline::k     ? TermFactor::Position
+                 : member == &Baseline::c_s ? TermFactor::Speed
+                                            : TermFactor::Drive);
+  });
+}
+
+// The columns of the regression: calibration, then the dictionary, each for a largest force of 1 N.
+struct Columns {
+  Eigen::MatrixXd values;
+  std::vector<double> per_newton;  // coefficient for that force
+  Eigen::VectorXd prior, about;    // of the calibration
+};
+
+Columns columns_of(const Responses& responses, const Hypothesis& around, const MotionRows& motion,
+                   const std::vector<DictionaryEntry>& entries, const Evidence& evidence) {
+  const std::vector<std::size_t> calibration = calibration_of(around);
+  const std::size_t known = calibration.size();
+  const Eigen::VectorXd now = responses.now();
+  Columns out;
+  out.values.resize(now.size(), static_cast<Eigen::Index>(known + entries.size()));
+  out.per_newton.assign(entries.size(), 0.0);
+  in_parallel(known + entries.size(), [&](std::size_t t) {
+    const auto column = static_cast<Eigen::Index>(t);
+    if (t < known) {
+      const Unknown& u = around.unknowns[calibration[t]];
+      out.values.col(column) = is_force(u, around)
+                                   ? responses.of_force(baseline_force(u, around.model.baseline, motion))
+                                   : responses.of_unknown(calibration[t]);
+      return;
+    }
+    std::vector<double> down = values_of(entries[t - known], motion);
+    const double size = largest_size(down);
+    if (size > 0.0)
+      for (double& value : down) value /= -size;
+    out.per_newton[t - known] = size > 0.0 ? 1.0 / size : 0.0;
+    out.values.col(column) = responses.of_force(down);
+  });
+  const double weight =
+      residual_weight(evidence, kLookHopedFor * now.squaredNorm() / static_cast<double>(now.size()));
+  out.prior = out.about = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known));
+  for (std::size_t i = 0; i < known; ++i) {
+    const Unknown& u = around.unknowns[calibration[i]];
+    const auto at = static_cast<Eigen::Index>(i);
+    if (!std::isfinite(u.prior_std)) continue;
+    out.prior[at] = 1.0 / (weight * u.prior_std * u.prior_std);
+    out.about[at] = u.theta - u.prior_mean;  // the solution is the opposite of the change
+  }
+  return out;
+}
+
+// What the residual would be without the term that the model ends with.
+Eigen::VectorXd without_term(Eigen::VectorXd residual, const Term& term,
+                             const std::vector<DictionaryEntry>& entries, const Columns& columns) {
+  const auto first = columns.values.cols() - static_cast<Eigen::Index>(entries.size());
+  for (const TermPart& part : term.parts) {
+    const bool memory = power_of(part.powers, TermFactor::Memory) > 0;
+    std::size_t nearest = entries.size();
+    double off = 0.0;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (entries[i].powers != part.powers) continue;
+      const double here = memory ? std::abs(std::log(entries[i].memory_time / term.memory_time)) : 0.0;
+      if (nearest == entries.size() || here < off) nearest = i, off = here;
+    }
+    if (nearest < entries.size() && columns.per_newton[nearest] > 0.0)
+      residual -= part.coefficient / columns.per_newton[nearest] *
+                  columns.values.col(first + static_cast<Eigen::Index>(nearest));
+  }
+  return residual;
+}
+
+// One time of memory in a term, and no product twice.
+bool may_join(const std::vector<DictionaryEntry>& entries, const Support& support, std::size_t column) {
+  const DictionaryEntry& added = entries[column];
+  return std::ranges::none_of(support, [&](std::size_t i) {
+    const bool two_times = added.memory_time > 0.0 && entries[i].memory_time > 0.0 &&
+                           added.memory_time != entries[i].memory_time;
+    return two_times || entries[i].powers == added.powers;
+  });
+}
+
+// The residual is to vanish, and the columns' sum is its opposite: so are coefficients and changes of the
+// calibration.
+Hypothesis suggestion(Hypothesis around, bool with_term, const Support& support,
+                      const Eigen::VectorXd& solution, const Columns& columns,
+                      const std::vector<DictionaryEntry>& entries, const MotionRows& motion) {
+  if (with_term) remove_last_term(around);
+  const Eigen::Index known = columns.prior.size();
+  std::vector<double> thetas;
+  Eigen::Index next = 0;
+  for (const Unknown& u : around.unknowns)
+    thetas.push_back(u.effect == kTerm ? u.theta : std::clamp(u.theta - solution[next++], u.low, u.high));
+  around.set(thetas);
+  Term term;
+  for (std::size_t i = 0; i < support.size(); ++i) {
+    const DictionaryEntry& entry = entries[support[i]];
+    term.parts.push_back(
+        {.coefficient = -solution[known + static_cast<Eigen::Index>(i)] * columns.per_newton[support[i]],
+         .powers = entry.powers});
+    term.memory_time = std::max(term.memory_time, entry.memory_time);
+  }
+  term.seen = motion.ranges();
+  for (TermRange* range : {&term.seen.x, &term.seen.v, &term.seen.drive, &term.seen.memory}) {
+    const double room = kLookRoom * (range->high - range->low);
+    range->low -= room, range->high += room;
+  }
+  around.model.terms.push_back(std::move(term));
+  add_term_unknowns(around, around.model.terms.size() - 1);
+  return around;
+}
+
+// How many products: fewer where one more leaves nearly as much.
+std::size_t worthwhile(const std::vector<std::vector<ScoredSupport>>& by_size, double tolerated,
+                       const Evidence& evidence) {
+  const auto left = [&](std::size_t i) { return excess(by_size[i].front().square, evidence) + tolerated; };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < by_size.size(); ++i)
+    if (left(i) < std::pow(kLookWorthAProduct, static_cast<double>(i - best)) * left(best)) best = i;
+  return best;
+}
+
+}  // namespace
+
+double term_tolerance(double before, const Evidence& evidence) {
+  return std::max(kLookNearNoise * evidence.noise * evidence.noise, kLookExact * kLookExact * before);
+}
+
+std::vector<Hypothesis> suggested_terms(const Hypothesis& around, bool with_term, const MotionRows& motion,
+                                        const Evidence& evidence) {
+  std::vector<DictionaryEntry> entries = dictionary();
+  std::erase_if(entries, [&](const DictionaryEntry& entry) { return is_baseline(entry, around); });
+  const Responses responses(around, evidence);
+  Eigen::VectorXd target = responses.now();
+  if (!target.allFinite()) return {};
+  const Columns columns = columns_of(responses, around, motion, entries, evidence);
+  if (with_term) target = without_term(target, around.model.terms.back(), entries, columns);
+  if (!target.allFinite()) return {};
+  const auto known = static_cast<std::size_t>(columns.prior.size());
+  const SparseRegression regression(columns.values, target, known, columns.prior, columns.about,
+                                    folds_of(evidence));
+  const auto by_size = regression.search(kLookMostProducts, [&](const Support& support, std::size_t column) {
+    return may_join(entries, support, column);
+  });
+  std::vector<Hypothesis> out;
+  if (by_size.empty()) return out;
+  const double tolerated = term_tolerance(regression.cross_validated({}), evidence);
+  const std::size_t size = worthwhile(by_size, tolerated, evidence);
+  const double best = excess(by_size[size].front().square, evidence) + tolerated;
+  const auto add = [&](const Support& support) {
+    out.push_back(
+        suggestion(around, with_term, support, regression.solve(support), columns, entries, motion));
+  };
+  for (const ScoredSupport& one : by_size[size])
+    if (out.size() < kLookSuggested && excess(one.square, evidence) + tolerated < kLookAsGood * best)
+      add(one.columns);
+  if (size > 0) add(by_size[size - 1].front().columns);
+  return out;
+}
+
+}  // namespace biopsy::sim::gap
