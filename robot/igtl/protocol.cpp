@@ -16,7 +16,8 @@ constexpr std::array<std::string_view, 8> kPhases{"START_UP",       "PLANNING", 
                                                   "MOVE_TO_TARGET", "MANUAL",   "STOP",        "EMERGENCY"};
 constexpr std::string_view kCurrentStatus = "CURRENT_STATUS", kCurrentPosition = "CURRENT_POSITION",
                            kTarget = "TARGET";
-constexpr std::int64_t kBootMax_us = 5'000'000, kStopMax_us = 1'000'000, kPlanMax_us = 5'000'000;
+// A client waits for 10 s.
+constexpr std::int64_t kBootMax_us = 9'000'000, kStopMax_us = 1'000'000, kPlanMax_us = 9'000'000;
 constexpr std::int64_t kStopAtLeast_us = 200'000;  // longer than any view of the robot is old
 constexpr std::int64_t kPositionEvery_us = 100'000;
 constexpr std::size_t kEchoMax = 256;

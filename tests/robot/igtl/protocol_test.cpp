@@ -100,7 +100,7 @@ TEST_P(IgtlProtocol, StartsUpOnlyARobotThatIsThereAndWell) {
   refused_because("in use");
   const auto refused_in_time_because = [&](const std::string& why) {  // it may be coming up
     EXPECT_EQ(client.command("START_UP").size(), 2U);
-    EXPECT_EQ(client.wait_ms(4'900), Script{});
+    EXPECT_EQ(client.wait_ms(8'900), Script{});
     EXPECT_EQ(client.wait_ms(100), (Script{"STATUS START_UP 13"}));
     EXPECT_NE(client.reason().find(why), std::string::npos) << client.reason();
   };
@@ -164,7 +164,7 @@ TEST_P(IgtlProtocol, PassesOnWhyTheConsoleHasNoPlan) {
   EXPECT_EQ(client.wait_ms(1), (Script{"STATUS TARGET 10"}));
   EXPECT_EQ(client.reason(), "the path leaves the label map");
   client.aim(4.0F);  // the answer to the one before is none to this one
-  EXPECT_EQ(client.wait_ms(4'900), Script{});
+  EXPECT_EQ(client.wait_ms(8'900), Script{});
   EXPECT_EQ(client.wait_ms(200), (Script{"STATUS TARGET 7"}));
 }
 
