@@ -14,8 +14,8 @@ namespace biopsy::report {
 namespace {
 
 constexpr std::size_t kLineWidth = 100;
-constexpr std::size_t kSentenceLines = 5, kMargins = 2, kRegimes = 3, kCandidates = 5, kNextLines = 3,
-                      kRemarks = 2;
+constexpr std::size_t kSentenceLines = 5, kProposalLines = 3, kMargins = 2, kRegimes = 3, kCandidates = 5,
+                      kNextLines = 3, kRemarks = 2;
 
 // Indented lines, `most` of them; what does not fit is left out and marked.
 std::string wrapped_paragraph(const std::string& text, const std::string& indent, std::size_t most) {
@@ -115,7 +115,7 @@ std::string next_lines(const GapFinding& f) {
 
 std::string gap_console(const GapFinding& f) {
   return wrapped_paragraph(std::string(badge_label(f.verdict)) + ". " + plain(f.sentence), "",
-                           kSentenceLines) +
+                           kSentenceLines + (f.proposed ? kProposalLines : 0)) +
          "\n" + rmse_line(f) + margin_lines(f) + where_lines(f) + candidate_lines(f) + data_lines(f) +
          next_lines(f) +
          (f.warnings.empty() ? "" : "\n  " + counted(f.warnings.size(), "warning") + " in the report\n");

@@ -98,8 +98,8 @@ std::string unexplained_sentence(const GapFinding& finding) {
       "Model and measurement differ by {:.3g} mm where the noise is {:.3g} mm, and nothing in the library "
       "explains it.{}",
       finding.rmse_before, finding.noise_floor, concentrated(finding));
-  out += rejected_sentence(finding.rejected);
   out += proposed_sentence(finding.proposed);
+  out += rejected_sentence(finding.rejected);
   if (!finding.shapes.empty())
     out += fmt::format(" It depends most on {}, which accounts for {:.0f} % of its variance.",
                        readable_name(finding.shapes.front().quantity),

@@ -21,14 +21,13 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kTermTolerance = 0.1;   // of the noise's square
+constexpr double kTermTolerance = 0.1;   // of the noise
 constexpr double kTermClosed = 0.7;      // of the held-out RMSE above the noise, against the given model
 constexpr double kTermClosedMore = 0.5;  // and against its calibration
-constexpr double kTermInEachRun = 0.5;   // of the excess square that may be left_by in any one run
+constexpr double kTermInEachRun = 0.5;   // of the excess square that may be left in any one run
 constexpr double kTermNeededEvidence = 10.0;
 constexpr double kTermLeastExcess = 0.25;  // of the noise's square: less in a run says nothing
-constexpr double kTermCalibrationStds =
-    4.0;  // of a baseline parameter from its value: it compensates for something
+constexpr double kTermCalibrationStds = 4.0;  // beyond: it compensates for something
 
 // Unknowns of the term in the order of its parts; then that of its memory.
 std::vector<Unknown> term_unknowns(const Hypothesis& hypothesis) {

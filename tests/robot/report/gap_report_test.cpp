@@ -35,9 +35,10 @@ void expect_interface(const ordered_json& gap) {
   };
   ASSERT_GE(all.size(), interface.size());
   EXPECT_EQ(Names(all.begin(), all.begin() + 9), interface);
-  EXPECT_EQ(Names(all.begin() + 9, all.end()),
-            (Names{"sentence", "training_runs", "candidates", "shapes", "margins", "warnings",
-                   "noise_floor_std_mm", "partial", "rejected", "comparison", "data", "fits", "straw_men"}));
+  EXPECT_EQ(
+      Names(all.begin() + 9, all.end()),
+      (Names{"sentence", "training_runs", "candidates", "shapes", "margins", "warnings", "noise_floor_std_mm",
+             "partial", "rejected", "comparison", "data", "fits", "straw_men", "proposed"}));
   EXPECT_EQ(keys(gap["rmse_mm"]), (Names{"before", "after", "noise_floor"}));
   for (const auto& effect : gap["effects"]) {
     EXPECT_EQ(keys(effect), (Names{"name", "probability", "parameters", "confused_with"}));
@@ -95,6 +96,70 @@ TEST(GapJson, WhatIsNotKnownIsNull) {
   EXPECT_TRUE(gap["effects"][0]["parameters"]["force_N"]["std"].is_null());
   EXPECT_TRUE(gap["candidates"][5]["held_out_rmse_mm"].is_null());  // never fitted
   expect_interface(gap);
+}
+
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+GapFinding example_proposed() {
+  GapFinding f = example_unexplained();
+  ProposedTerm term;
+  term.name = "proposed";
+  term.expression = "a v^3 + b x v";
+  term.coefficients = {
+      {.name = "a", .product = "v^3", .unit = "N s^3/m^3", .value = -7700.0, .std = 12.0, .share = 0.7},
+      {.name = "b", .product = "x v", .unit = "N s/m^2", .value = 3760.0, .std = 2.0, .share = 0.3}};
+  term.seen = {{"x", "mm", 0.0, 4.3}, {"v", "mm/s", -61.0, 74.0}};
+  term.rmse_before = 0.43, term.rmse_calibrated = 0.42, term.rmse_after = 0.011, term.gap_closed = 0.998;
+  term.meaning = "a drag of another kind";
+  term.rivals = {"a v |v|"};
+  f.proposed = term;
+  f.model_proposed = f.model_before + "[term.proposed]\n";
+  f.sentence = verdict_sentence(f);
+  return f;
+}
+
+TEST(GapProposal, IsSaidAsAnEquationAndNotAsAName) {
+  const GapFinding f = example_proposed();
+  for (const std::string& text : {f.sentence, gap_console(f)}) {
+    EXPECT_NE(text.find("Proposed, not a name"), std::string::npos) << text;
+    EXPECT_NE(text.find("F = -7700 v^3 + 3760 x v"), std::string::npos) << text;
+  }
+  EXPECT_LE(lines(gap_console(f)), 30U);
+  const std::string html = gap_html(f);
+  for (const char* part : {"<h2>Proposed term</h2>", "F = -7700 v^3 + 3760 x v", "N s^3/m^3",
+                           "x from 0 to 4.3 mm and v from -61 to 74 mm/s", "It may be a drag of another kind",
+                           "Nearly as little is left by: a v |v|", "[term.proposed]",
+                           "The change that --accept makes", "were not checked with the proposed term"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  EXPECT_EQ(gap_html(example_unexplained()).find("Proposed term"), std::string::npos);
+}
+
+TEST(GapProposal, IsAFieldOfItsOwnInJson) {
+  const ordered_json gap = ordered_json::parse(gap_json(example_proposed()));
+  expect_interface(gap);
+  EXPECT_EQ(gap["verdict"], "unexplained");
+  EXPECT_TRUE(gap["effects"].empty());
+  const ordered_json& term = gap["proposed"];
+  EXPECT_EQ(keys(term), (Names{"name", "expression", "coefficients", "memory_s", "memory_std_s", "seen",
+                               "rmse_mm", "gap_closed", "meaning", "rivals"}));
+  EXPECT_EQ(term["coefficients"][1], (ordered_json{{"name", "b"},
+                                                   {"product", "x v"},
+                                                   {"unit", "N s/m^2"},
+                                                   {"value", 3760.0},
+                                                   {"std", 2.0},
+                                                   {"share_of_force", 0.3}}));
+  EXPECT_TRUE(term["memory_s"].is_null());
+  EXPECT_TRUE(ordered_json::parse(gap_json(example_unexplained()))["proposed"].is_null());
+}
+
+TEST(GapProposal, LeavesTheModelAsGivenAndOneWithTheTermBesideIt) {
+  const ScratchFolder folder;
+  const GapFinding f = example_proposed();
+  save_gap(f, folder.path());
+  EXPECT_EQ(file_content(folder.path() / "model.toml"), f.model_after);
+  EXPECT_EQ(file_content(folder.path() / "proposed.toml"), f.model_proposed);
 }
 
 TEST(GapJson, BearsNamesThatAreNotUtf8) {
@@ -180,10 +245,6 @@ TEST(GapCandidates, AreReadByRoundChosenFirstThenFittedByProbabilityThenByScore)
   Names order;
   for (const GapCandidate& candidate : ranked) order.push_back(candidate.name);
   EXPECT_EQ(order, (Names{"taken", "likely", "better", "worse", "promising", "slight", "late"}));
-}
-
-std::size_t lines(const std::string& text) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
 TEST(GapConsole, SaysVerdictRmseWhereCandidatesAndNextExperiment) {

@@ -25,7 +25,7 @@ PlantModel rig_with(const std::string& term) {
 
 TEST(TermText, WhatIsWrittenReadsBackAsTheSameTerm) {
   std::mt19937 random(7);
-  const auto below = [&](std::size_t n) { return static_cast<std::uint8_t>(random() % n); };
+  const auto below = [&](std::size_t n) { return random() % n; };
   for (int i = 0; i < 500; ++i) {
     NotedModel made;
     made.model.baseline.drive = below(2) == 0 ? Drive::Force : Drive::Stack;
@@ -36,14 +36,16 @@ TEST(TermText, WhatIsWrittenReadsBackAsTheSameTerm) {
     for (std::size_t part = 0; part <= below(kMostTermParts); ++part) {
       TermPart one{.coefficient = std::ldexp(static_cast<double>(random()) - 2e9, -40)};
       one.powers[below(kTermFactors)] = 1;
-      if (below(2) == 0) one.powers[static_cast<std::size_t>(TermFactor::Position)] = static_cast<std::uint8_t>(1 + below(4));
-      if (below(2) == 0) one.powers[static_cast<std::size_t>(TermFactor::Speed)] = static_cast<std::uint8_t>(1 + below(3));
+      if (below(2) == 0) one.powers[static_cast<std::size_t>(TermFactor::Position)] =
+            static_cast<std::uint8_t>(1 + below(4));
+      if (below(2) == 0) one.powers[static_cast<std::size_t>(TermFactor::Speed)] =
+            static_cast<std::uint8_t>(1 + below(3));
       const bool known =
           std::ranges::any_of(term.parts, [&](const TermPart& other) { return other.powers == one.powers; });
       if (!known) term.parts.push_back(one);
     }
     for (const TermRangeKey& key : range_keys(term.parts, on_stack)) {
-      term.seen.*(key.range) = {-1e-3 * static_cast<double>(below(1000)), 0.02};
+      term.seen.*(key.range) = {1e-3 * (0.0 - static_cast<double>(below(1000))), 0.02};
       if (key.range == &TermRanges::memory) term.memory_time = 0.25;
     }
     made.notes.values[term.name + ".a"] = {0.5, "a bench"};
