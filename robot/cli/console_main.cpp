@@ -136,7 +136,8 @@ int main(int argc, char** argv) {
                         "give RUN_FOLDER of a robot, or --review FOLDER");
     options.procedure.real_time = true;
     logging::LogSettings log = robot::log_settings("biopsy-console", level, format);
-    if (!reviews) log.file = live::own_folder(options.run_folder) / "console.log";  // what has ended is not written to
+    if (!reviews)
+      log.file = live::own_folder(options.run_folder) / "console.log";  // what has ended is not written to
     const logging::LogSession session(log);
     robot::log_library_messages();
     reviews ? review(options) : serve(options);

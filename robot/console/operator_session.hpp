@@ -37,8 +37,9 @@ class OperatorSession {
   std::optional<console::events::Answer> handle(console::Client client, const console::commands::Any& command,
                                                 std::int64_t now_us);
 
-  // A navigation program: its points are planned to and shown, for a person to confirm; its stop is one. Call in
-  // every tick with its newest request, or with nothing where none is there. seq of the reply is the sender's.
+  // A navigation program: its points are planned to and shown, for a person to confirm; its stop is one. Call
+  // in every tick with its newest request, or with nothing where none is there. seq of the reply is the
+  // sender's.
   NavigationReply navigate(const std::optional<NavigationRequest>& request, std::int64_t now_us);
 
   // Robot

@@ -48,7 +48,8 @@ inline py::object known(double value) {
   return std::isfinite(value) ? py::object(py::float_(value)) : py::object(py::none());
 }
 
-inline double in_range(double value, double low, double high, const std::string& name, const std::string& unit) {
+inline double in_range(double value, double low, double high, const std::string& name,
+                       const std::string& unit) {
   if (!(value >= low && value <= high))
     throw ConfigError(fmt::format("{} is outside {:g} to {:g} {}", value, low, high, unit), name,
                       "check its unit");

@@ -57,8 +57,9 @@ Finding find(const sim::NotedModel& model, const std::vector<sim::RecordedRun>& 
 
 void bind_gap(py::module_& module) {
   py::class_<Finding>(module, "Finding", "Where model and measurement disagree, and what is missing.")
-      .def_property_readonly("verdict", [](const Finding& f) { return std::string(report::label(f.found.verdict)); },
-                             "\"no_gap\", \"parameter\", \"effect\" or \"unexplained\".")
+      .def_property_readonly(
+          "verdict", [](const Finding& f) { return std::string(report::label(f.found.verdict)); },
+          "\"no_gap\", \"parameter\", \"effect\" or \"unexplained\".")
       .def_property_readonly("sentence", [](const Finding& f) { return report::verdict_sentence(f.found); })
       .def_property_readonly(
           "effects",
@@ -68,8 +69,9 @@ void bind_gap(py::module_& module) {
             return names;
           },
           "Names of the missing effects, the strongest first.")
-      .def_property_readonly("gap_closed", [](const Finding& f) { return known(f.found.gap_closed); },
-                             "Share of the excess error of runs that were not fitted, 0 to 1.")
+      .def_property_readonly(
+          "gap_closed", [](const Finding& f) { return known(f.found.gap_closed); },
+          "Share of the excess error of runs that were not fitted, 0 to 1.")
       .def_property_readonly("rmse_before_mm", [](const Finding& f) { return known(f.found.rmse_before); })
       .def_property_readonly("rmse_after_mm", [](const Finding& f) { return known(f.found.rmse_after); })
       .def_property_readonly("noise_mm", [](const Finding& f) { return known(f.found.noise_floor); })
@@ -84,7 +86,8 @@ void bind_gap(py::module_& module) {
                 changed[py::str(effect.name + "." + p.name)] = py::make_tuple(py::none(), p.value, p.std);
             return changed;
           },
-          "name -> (before, after, standard deviation), in the unit of model files; before: None for a new effect.")
+          "name -> (before, after, standard deviation), in the unit of model files; before: None for a new "
+          "effect.")
       .def_property_readonly(
           "data_remarks",
           [](const Finding& f) {
@@ -99,26 +102,29 @@ void bind_gap(py::module_& module) {
             py::dict runs;
             for (const GapSignals& s : f.found.signals) {
               py::dict of;
-              of["time_s"] = array(s.time), of["input"] = array(s.input), of["measured_mm"] = array(s.measured);
+              of["time_s"] = array(s.time), of["input"] = array(s.input),
+              of["measured_mm"] = array(s.measured);
               of["before_mm"] = array(s.before), of["after_mm"] = array(s.after);
               runs[py::str(s.run)] = of;
             }
             return runs;
           },
           "By run: arrays time_s, input, measured_mm, before_mm and after_mm.")
-      .def_readonly("model", &Finding::model, "The better model; where nothing was found, that which was given.")
+      .def_readonly("model", &Finding::model,
+                    "The better model; where nothing was found, that which was given.")
       .def("__repr__", [](const Finding& f) {
         return fmt::format("<biopsy.Finding: {}>", report::verdict_sentence(f.found));
       });
 
-  module.def("gap", &find, py::arg("model"), py::arg("runs"), py::kw_only(),
-             py::arg("free") = std::vector<std::string>{}, py::arg("window_s") = py::none(),
-             py::arg("sensor_noise_mm") = py::none(), py::arg("tissue") = py::none(),
-             py::arg("progress") = py::none(),
-             "Compares a model with runs and names what it is missing. free: parameters fitted without a prior; "
-             "window_s: runs are cut into windows of this length; both are chosen from the data where neither is "
-             "given. tissue: whether the needle meets tissue. progress(share, doing): called now and then; what it "
-             "raises ends the search.");
+  module.def(
+      "gap", &find, py::arg("model"), py::arg("runs"), py::kw_only(),
+      py::arg("free") = std::vector<std::string>{}, py::arg("window_s") = py::none(),
+      py::arg("sensor_noise_mm") = py::none(), py::arg("tissue") = py::none(),
+      py::arg("progress") = py::none(),
+      "Compares a model with runs and names what it is missing. free: parameters fitted without a prior; "
+      "window_s: runs are cut into windows of this length; both are chosen from the data where neither is "
+      "given. tissue: whether the needle meets tissue. progress(share, doing): called now and then; what it "
+      "raises ends the search.");
 }
 
 }  // namespace biopsy::python

@@ -68,9 +68,9 @@ DepthCheck check(const Volume& before, const std::vector<Volume>& after, const E
   imaging::DepthCheckSettings settings;
   if (expected_mm) settings.expected = Millimetres(in_range(*expected_mm, 0.0, 120.0, "expected_mm", "mm"));
   if (tip_offset_mm)
-    settings.tip_offset =
-        TipOffset{"by hand", "by hand", Millimetres(in_range(*tip_offset_mm, -20.0, 20.0, "tip_offset_mm", "mm")),
-                  Millimetres(in_range(tip_offset_sigma_mm, 0.0, 20.0, "tip_offset_sigma_mm", "mm"))};
+    settings.tip_offset = TipOffset{
+        "by hand", "by hand", Millimetres(in_range(*tip_offset_mm, -20.0, 20.0, "tip_offset_mm", "mm")),
+        Millimetres(in_range(tip_offset_sigma_mm, 0.0, 20.0, "tip_offset_sigma_mm", "mm"))};
   const py::gil_scoped_release released;
   return imaging::check_depth(before, after, kFlip.cwiseProduct(entry_ras_mm),
                               kFlip.cwiseProduct(axis_ras).normalized(), settings);
@@ -81,7 +81,8 @@ DepthCheck check(const Volume& before, const std::vector<Volume>& after, const E
 void bind_images(py::module_& module) {
   py::class_<Volume>(module, "Image", "A volume of grey voxels with its place in the scanner.")
       .def(py::init(&make_image), py::arg("voxels"), py::arg("affine"),
-           "voxels: array [k, j, i]. affine: 4 x 4, from voxel (i, j, k) to RAS mm, as of nibabel (whose arrays are "
+           "voxels: array [k, j, i]. affine: 4 x 4, from voxel (i, j, k) to RAS mm, as of nibabel (whose "
+           "arrays are "
            "[i, j, k]: give their transpose).")
       .def_property_readonly("voxels", &voxels_of, "Array [k, j, i], float32.")
       .def_property_readonly("affine", &affine_of, "4 x 4, from voxel (i, j, k) to RAS mm.")
@@ -89,25 +90,28 @@ void bind_images(py::module_& module) {
       .def_readonly("format", &Volume::format)
       .def_readonly("warnings", &Volume::warnings)
       .def("__repr__", [](const Volume& v) {
-        return fmt::format("<biopsy.Image {} x {} x {}, {}>", v.grid.size.x(), v.grid.size.y(), v.grid.size.z(),
-                           v.format);
+        return fmt::format("<biopsy.Image {} x {} x {}, {}>", v.grid.size.x(), v.grid.size.y(),
+                           v.grid.size.z(), v.format);
       });
 
   py::class_<DepthCheck>(module, "DepthCheck", "What two images say of the needle.")
-      .def_property_readonly("verdict", [](const DepthCheck& c) { return std::string(report::label(c.verdict)); },
-                             "\"accept\", \"reject\" or \"unsure\".")
+      .def_property_readonly(
+          "verdict", [](const DepthCheck& c) { return std::string(report::label(c.verdict)); },
+          "\"accept\", \"reject\" or \"unsure\".")
       .def_readonly("reason", &DepthCheck::reason)
       .def_readonly("tip_found", &DepthCheck::tip_found)
-      .def_property_readonly("depth_mm", [](const DepthCheck& c) { return c.depth.value; },
-                             "Of the tip from the entry; without a tip offset of the void's end.")
+      .def_property_readonly(
+          "depth_mm", [](const DepthCheck& c) { return c.depth.value; },
+          "Of the tip from the entry; without a tip offset of the void's end.")
       .def_property_readonly("depth_sigma_mm", [](const DepthCheck& c) { return c.sigma.value; })
       .def_readonly("lateral_mm", &DepthCheck::lateral_mm)
       .def_readonly("lateral_sigma_mm", &DepthCheck::lateral_sigma_mm)
       .def_readonly("angle_deg", &DepthCheck::angle_deg)
       .def_readonly("angle_sigma_deg", &DepthCheck::angle_sigma_deg)
       .def_readonly("registration_score", &DepthCheck::registration_score)
-      .def("__repr__",
-           [](const DepthCheck& c) { return fmt::format("<biopsy.DepthCheck {}: {}>", std::string(report::label(c.verdict)), c.reason); });
+      .def("__repr__", [](const DepthCheck& c) {
+        return fmt::format("<biopsy.DepthCheck {}: {}>", std::string(report::label(c.verdict)), c.reason);
+      });
 
   module.def("read_image", &imaging::read_volume, py::arg("path"), py::arg("series_uid") = "",
              "A file or folder of DICOM, NIfTI, NRRD or MetaImage.");

@@ -57,12 +57,14 @@ py::object measured(const std::vector<double>& values, double scale) {
 }  // namespace
 
 void bind_plant(py::module_& module) {
-  py::class_<sim::NotedModel>(module, "Model",
-                              "A model of the stage: the paper's equations with the effects that are present.")
-      .def_static("parse", [](const std::string& text) { return sim::parse_noted_model(text, "model"); },
-                  py::arg("text"), "A model from the text of a model file (TOML).")
-      .def("text", [](const sim::NotedModel& m) { return sim::model_toml(m.model, m.notes); },
-           "The model as text of a model file, which parse() reads back exactly.")
+  py::class_<sim::NotedModel>(
+      module, "Model", "A model of the stage: the paper's equations with the effects that are present.")
+      .def_static(
+          "parse", [](const std::string& text) { return sim::parse_noted_model(text, "model"); },
+          py::arg("text"), "A model from the text of a model file (TOML).")
+      .def(
+          "text", [](const sim::NotedModel& m) { return sim::model_toml(m.model, m.notes); },
+          "The model as text of a model file, which parse() reads back exactly.")
       .def_property_readonly("title", [](const sim::NotedModel& m) { return m.notes.title; })
       .def_property_readonly(
           "drive",
@@ -70,27 +72,34 @@ void bind_plant(py::module_& module) {
             return m.model.baseline.drive == sim::Drive::Force ? "force" : "stack";
           },
           "\"stack\": the input is a voltage, V; \"force\": a force, N.")
-      .def("__repr__", [](const sim::NotedModel& m) { return fmt::format("<biopsy.Model \"{}\">", m.notes.title); });
+      .def("__repr__",
+           [](const sim::NotedModel& m) { return fmt::format("<biopsy.Model \"{}\">", m.notes.title); });
 
-  py::class_<RecordedRun>(module, "Run",
-                          "A record at a fixed rate: row k is measured at k * period_s, then input[k] is applied "
-                          "and held until the next row. All arrays have one dimension and one length.")
-      .def(py::init(&make_run), py::arg("input"), py::arg("displacement_mm") = py::none(), py::kw_only(),
-           py::arg("period_s") = 1e-3, py::arg("weight_g") = 0.0, py::arg("plate_b_mm") = py::none(),
-           py::arg("current_uA") = py::none(), py::arg("external_force_N") = py::none(),
-           py::arg("name") = "run", py::arg("role") = "",
-           "input: V for a stack, N for a force. displacement_mm: of the needle's plate; left out for a run that "
-           "is only to be simulated. weight_g: on the plate. role: \"train\", \"test\", or \"\" for all runs.")
+  py::class_<RecordedRun>(
+      module, "Run",
+      "A record at a fixed rate: row k is measured at k * period_s, then input[k] is applied "
+      "and held until the next row. All arrays have one dimension and one length.")
+      .def(
+          py::init(&make_run), py::arg("input"), py::arg("displacement_mm") = py::none(), py::kw_only(),
+          py::arg("period_s") = 1e-3, py::arg("weight_g") = 0.0, py::arg("plate_b_mm") = py::none(),
+          py::arg("current_uA") = py::none(), py::arg("external_force_N") = py::none(),
+          py::arg("name") = "run", py::arg("role") = "",
+          "input: V for a stack, N for a force. displacement_mm: of the needle's plate; left out for a run "
+          "that "
+          "is only to be simulated. weight_g: on the plate. role: \"train\", \"test\", or \"\" for all runs.")
       .def_readonly("name", &RecordedRun::name)
       .def_readonly("period_s", &RecordedRun::period)
       .def_property_readonly("weight_g", [](const RecordedRun& r) { return r.weight * 1e3; })
       .def_property_readonly("time_s", [](const RecordedRun& r) { return array(r.time); })
       .def_property_readonly("input", [](const RecordedRun& r) { return array(r.input); })
-      .def_property_readonly("displacement_mm", [](const RecordedRun& r) { return array(r.displacement, 1e3); })
-      .def_property_readonly("plate_b_mm", [](const RecordedRun& r) { return measured(r.plate_b, 1e3); },
-                             "The other plate; None where it is not known.")
-      .def_property_readonly("current_uA", [](const RecordedRun& r) { return measured(r.current, 1e6); },
-                             "Of the amplifier; None where it is not known.")
+      .def_property_readonly("displacement_mm",
+                             [](const RecordedRun& r) { return array(r.displacement, 1e3); })
+      .def_property_readonly(
+          "plate_b_mm", [](const RecordedRun& r) { return measured(r.plate_b, 1e3); },
+          "The other plate; None where it is not known.")
+      .def_property_readonly(
+          "current_uA", [](const RecordedRun& r) { return measured(r.current, 1e6); },
+          "Of the amplifier; None where it is not known.")
       .def("__len__", [](const RecordedRun& r) { return r.time.size(); })
       .def("__repr__", [](const RecordedRun& r) {
         return fmt::format("<biopsy.Run \"{}\", {} rows every {:g} s>", r.name, r.time.size(), r.period);

@@ -130,15 +130,14 @@ class Robot {
     inputs.accepted_session = permit_.session, inputs.accepted_since_seq = permit_.seq;
     std::optional<std::int32_t> wanted_mV;
     if (voltage_V)
-      wanted_mV = static_cast<std::int32_t>(std::lround(in_range(*voltage_V, -1e6, 1e6, "voltage_V", "V") * 1e3));
+      wanted_mV =
+          static_cast<std::int32_t>(std::lround(in_range(*voltage_V, -1e6, 1e6, "voltage_V", "V") * 1e3));
     const robot::CycleRecord record = cycle_.run(
         inputs, robot::Environment::healthy(),
         [&](const Measurement& measurement, const safety::SupervisorOutput& decided) {
-          DriveRequest request = robot::control({.measurement = measurement,
-                                                 .permit = decided.permit,
-                                                 .step = decided.step,
-                                                 .finish = finish},
-                                                controller_);
+          DriveRequest request = robot::control(
+              {.measurement = measurement, .permit = decided.permit, .step = decided.step, .finish = finish},
+              controller_);
           if (wanted_mV) request.wanted_mV = *wanted_mV;
           return request;
         });
@@ -195,16 +194,21 @@ class Robot {
 
 void bind_robot(py::module_& module) {
   module.def("plan", &make_plan, py::arg("case"), py::kw_only(), py::arg("model") = py::none(),
-             "The staged plan of a built-in case (\"liver\", \"gap\") or of a case file, as a dict: target_depth_mm, "
+             "The staged plan of a built-in case (\"liver\", \"gap\") or of a case file, as a dict: "
+             "target_depth_mm, "
              "axis_offset_mm, depth_max_mm, v_max_V, steps and layers (name, from mm, to mm).");
 
   py::class_<report::RunRecord>(module, "Rehearsal", "What happened in a rehearsal.")
-      .def_property_readonly("outcome", [](const report::RunRecord& r) { return std::string(report::label(r.outcome)); },
-                             "\"completed\", \"stopped\" or \"refused\".")
+      .def_property_readonly(
+          "outcome", [](const report::RunRecord& r) { return std::string(report::label(r.outcome)); },
+          "\"completed\", \"stopped\" or \"refused\".")
       .def_readonly("reason", &report::RunRecord::refusal, "Why it stopped; empty where it completed.")
-      .def_property_readonly("final_depth_mm", [](const report::RunRecord& r) { return known(r.final_depth_mm); })
-      .def_property_readonly("true_depth_max_mm", [](const report::RunRecord& r) { return known(r.true_depth_max_mm); })
-      .def_property_readonly("rmse_settled_mm", [](const report::RunRecord& r) { return known(r.rmse_settled_mm); })
+      .def_property_readonly("final_depth_mm",
+                             [](const report::RunRecord& r) { return known(r.final_depth_mm); })
+      .def_property_readonly("true_depth_max_mm",
+                             [](const report::RunRecord& r) { return known(r.true_depth_max_mm); })
+      .def_property_readonly("rmse_settled_mm",
+                             [](const report::RunRecord& r) { return known(r.rmse_settled_mm); })
       .def_property_readonly(
           "trips",
           [](const report::RunRecord& r) {
@@ -228,21 +232,31 @@ void bind_robot(py::module_& module) {
             return faults;
           },
           "The faults that were put in, with what noticed each.")
-      .def_property_readonly("time_s", [](const report::RunRecord& r) {
-        Array time = column(r, &report::Sample::time_ms);
-        for (py::ssize_t i = 0; i < time.size(); ++i) time.mutable_data()[i] *= 1e-3;
-        return time;
-      }, "One value for each tick; so are those below.")
-      .def_property_readonly("setpoint_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::setpoint_mm); })
-      .def_property_readonly("depth_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::depth_mm); }, "By laser.")
-      .def_property_readonly("tip_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::tip_mm); }, "True.")
-      .def_property_readonly("drive_kV", [](const report::RunRecord& r) { return column(r, &report::Sample::drive_kV); })
-      .def_property_readonly("current_uA", [](const report::RunRecord& r) { return column(r, &report::Sample::current_uA); })
+      .def_property_readonly(
+          "time_s",
+          [](const report::RunRecord& r) {
+            Array time = column(r, &report::Sample::time_ms);
+            for (py::ssize_t i = 0; i < time.size(); ++i) time.mutable_data()[i] *= 1e-3;
+            return time;
+          },
+          "One value for each tick; so are those below.")
+      .def_property_readonly(
+          "setpoint_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::setpoint_mm); })
+      .def_property_readonly(
+          "depth_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::depth_mm); },
+          "By laser.")
+      .def_property_readonly(
+          "tip_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::tip_mm); }, "True.")
+      .def_property_readonly("drive_kV",
+                             [](const report::RunRecord& r) { return column(r, &report::Sample::drive_kV); })
+      .def_property_readonly(
+          "current_uA", [](const report::RunRecord& r) { return column(r, &report::Sample::current_uA); })
       .def_property_readonly(
           "mode",
           [](const report::RunRecord& r) {
             py::list modes;
-            for (const report::Sample& sample : r.samples) modes.append(std::string(report::label(sample.mode)));
+            for (const report::Sample& sample : r.samples)
+              modes.append(std::string(report::label(sample.mode)));
             return modes;
           },
           "Of the supervisor, in each tick.")
@@ -250,23 +264,28 @@ void bind_robot(py::module_& module) {
         return fmt::format("<biopsy.Rehearsal \"{}\": {}>", r.title, report::label(r.outcome));
       });
 
-  module.def("rehearse", &rehearse, py::arg("case") = "liver", py::kw_only(), py::arg("seed") = py::none(),
-             py::arg("model") = py::none(), py::arg("faults") = py::none(),
-             "A whole procedure on the simulated stage, tissue and scanner. model: a model file. faults: text of a "
-             "file of faults.");
+  module.def(
+      "rehearse", &rehearse, py::arg("case") = "liver", py::kw_only(), py::arg("seed") = py::none(),
+      py::arg("model") = py::none(), py::arg("faults") = py::none(),
+      "A whole procedure on the simulated stage, tissue and scanner. model: a model file. faults: text of a "
+      "file of faults.");
 
-  py::class_<Robot>(module, "Robot",
-                    "The control cycle with its supervisor and gate on a simulated stage, one tick of 1 ms at a time.")
-      .def(py::init<const std::string&, std::uint64_t, const std::optional<fs::path>&>(), py::arg("case") = "liver",
-           py::kw_only(), py::arg("seed") = 1, py::arg("model") = py::none())
-      .def("tick", &Robot::tick, py::kw_only(), py::arg("held") = false, py::arg("arm") = false,
-           py::arg("reset") = false, py::arg("stop") = "none", py::arg("voltage_V") = py::none(),
-           py::arg("finish") = false, py::arg("depth_accepted") = false,
-           "The next tick. held: the motion button; arm, reset: keys on the device; stop: \"none\", \"hold\", "
-           "\"ramp\" or \"off\"; voltage_V: what a controller of yours asks for in place of the PI loop: gate and "
-           "supervisor decide what reaches the stack; depth_accepted: the image of the present step confirms it. "
-           "Returns time_s, mode, hazard, depth_mm (laser), tip_mm (true), setpoint_mm, drive_V (as put out), "
-           "v_max_V (permitted), current_uA, step and step_done.")
+  py::class_<Robot>(
+      module, "Robot",
+      "The control cycle with its supervisor and gate on a simulated stage, one tick of 1 ms at a time.")
+      .def(py::init<const std::string&, std::uint64_t, const std::optional<fs::path>&>(),
+           py::arg("case") = "liver", py::kw_only(), py::arg("seed") = 1, py::arg("model") = py::none())
+      .def(
+          "tick", &Robot::tick, py::kw_only(), py::arg("held") = false, py::arg("arm") = false,
+          py::arg("reset") = false, py::arg("stop") = "none", py::arg("voltage_V") = py::none(),
+          py::arg("finish") = false, py::arg("depth_accepted") = false,
+          "The next tick. held: the motion button; arm, reset: keys on the device; stop: \"none\", \"hold\", "
+          "\"ramp\" or \"off\"; voltage_V: what a controller of yours asks for in place of the PI loop: gate "
+          "and "
+          "supervisor decide what reaches the stack; depth_accepted: the image of the present step confirms "
+          "it. "
+          "Returns time_s, mode, hazard, depth_mm (laser), tip_mm (true), setpoint_mm, drive_V (as put out), "
+          "v_max_V (permitted), current_uA, step and step_done.")
       .def_property_readonly("steps", [](const Robot& robot) { return steps_of(robot.plan()); });
 }
 

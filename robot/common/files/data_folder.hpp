@@ -1,5 +1,5 @@
-// Where models, built-in cases, examples, the console's page and the safety case's tables are. But for the page
-// their paths are those of the source tree.
+// Where models, built-in cases, examples, the console's page and the safety case's tables are. But for the
+// page their paths are those of the source tree.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@ namespace biopsy {
 // where none is there.
 std::filesystem::path data_folder();
 
-// The built page of the console: console/page in data_folder(), else console/page/dist beside the program, as in
-// a build tree. Throws ConfigError naming both where it is in neither.
+// The built page of the console: console/page in data_folder(), else console/page/dist beside the program, as
+// in a build tree. Throws ConfigError naming both where it is in neither.
 std::filesystem::path page_folder();
 
 // The source tree that the program was built from, whether or not it still exists.
