@@ -10,8 +10,9 @@
 namespace biopsy::sim {
 
 // [baseline] with every name (drive = "force": with those that act there, and those that differ from the
-// reference), one [effect.NAME] per effect that is present and one [term.NAME] per term. Throws ConfigError for a model that could not
-// be read back: a value out of its range or not finite, or a note on a value that the file does not hold.
+// reference), one [effect.NAME] per effect that is present and one [term.NAME] per term. Throws ConfigError
+// for a model that could not be read back: a value out of its range or not finite, or a note on a value that
+// the file does not hold.
 std::string model_toml(const PlantModel& model, const ModelNotes& notes);
 
 // `si` in units of `si_per_unit`, as the shortest number that reads back as exactly `si`. Where none does

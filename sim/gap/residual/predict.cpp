@@ -6,7 +6,6 @@
 #include <numbers>
 #include <utility>
 
-
 namespace biopsy::sim::gap {
 namespace {
 

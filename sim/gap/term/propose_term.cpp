@@ -26,7 +26,7 @@ constexpr double kTermClosed = 0.7;      // of the held-out RMSE above the noise
 constexpr double kTermClosedMore = 0.5;  // and against its calibration
 constexpr double kTermInEachRun = 0.5;   // of the excess square that may be left in any one run
 constexpr double kTermNeededEvidence = 10.0;
-constexpr double kTermLeastExcess = 0.25;  // of the noise's square: less in a run says nothing
+constexpr double kTermLeastExcess = 0.25;     // of the noise's square: less in a run says nothing
 constexpr double kTermCalibrationStds = 4.0;  // beyond: it compensates for something
 
 // Unknowns of the term in the order of its parts; then that of its memory.

@@ -36,10 +36,10 @@ TEST(TermText, WhatIsWrittenReadsBackAsTheSameTerm) {
     for (std::size_t part = 0; part <= below(kMostTermParts); ++part) {
       TermPart one{.coefficient = std::ldexp(static_cast<double>(random()) - 2e9, -40)};
       one.powers[below(kTermFactors)] = 1;
-      if (below(2) == 0) one.powers[static_cast<std::size_t>(TermFactor::Position)] =
-            static_cast<std::uint8_t>(1 + below(4));
-      if (below(2) == 0) one.powers[static_cast<std::size_t>(TermFactor::Speed)] =
-            static_cast<std::uint8_t>(1 + below(3));
+      if (below(2) == 0)
+        one.powers[static_cast<std::size_t>(TermFactor::Position)] = static_cast<std::uint8_t>(1 + below(4));
+      if (below(2) == 0)
+        one.powers[static_cast<std::size_t>(TermFactor::Speed)] = static_cast<std::uint8_t>(1 + below(3));
       const bool known =
           std::ranges::any_of(term.parts, [&](const TermPart& other) { return other.powers == one.powers; });
       if (!known) term.parts.push_back(one);
