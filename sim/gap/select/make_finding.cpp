@@ -34,7 +34,7 @@ std::string parameter_name(const Unknown& u, Drive drive) {
 }
 
 double si_per_unit(const Unknown& u) {
-  return u.effect == kBaseline ? 1.0 : library_effect(u.effect).parameters[u.parameter].si_per_unit;
+  return u.effect < 0 ? 1.0 : library_effect(u.effect).parameters[u.parameter].si_per_unit;
 }
 
 double value_std(const Unknown& u) {  // in the unit of files
@@ -179,7 +179,7 @@ RejectedName rejected_name(const ScoredModel& before, const Selection& selection
 }  // namespace
 
 void set_proposed_model(FoundGap& found, const Hypothesis& proposed, const Evidence& evidence) {
-  PlantModel model = proposed.model;
+  PlantModel model = rounded(proposed).model;
   const std::string& term = model.terms.back().name;
   for (const Unknown& u : proposed.unknowns) {
     if (u.effect != kTerm)

@@ -45,7 +45,7 @@ TEST(TermText, WhatIsWrittenReadsBackAsTheSameTerm) {
       if (!known) term.parts.push_back(one);
     }
     for (const TermRangeKey& key : range_keys(term.parts, on_stack)) {
-      term.seen.*(key.range) = {1e-3 * (0.0 - static_cast<double>(below(1000))), 0.02};
+      term.seen.*(key.range) = {-1e-3 * static_cast<double>(1 + below(900)), 0.02};
       if (key.range == &TermRanges::memory) term.memory_time = 0.25;
     }
     made.notes.values[term.name + ".a"] = {0.5, "a bench"};

@@ -100,7 +100,7 @@ TEST(ProposedTerm, OfForceLawsThatAreSumsOfProductsMostAreFound) {
   EXPECT_GE(score.right, 0.8 * score.closed);
 }
 
-TEST(ProposedTerm, OfForceLawsThatAreNotMostAreFoundInTheirVariables) {
+TEST(ProposedTermCampaign, OfForceLawsThatAreNotMostAreFoundInTheirVariables) {
   const TermScore score = score_of(curved_laws, 8, {31, 57});
   EXPECT_GE(score.closed, 0.7 * score.cases);
   EXPECT_GE(score.right, 0.8 * score.closed);
