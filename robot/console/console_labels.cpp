@@ -105,7 +105,7 @@ bool waits_for_plan(Hazard worst) {
   return worst == Hazard::PlanChanged || worst == Hazard::PlanUnconfirmed || worst == Hazard::PlanImplausible;
 }
 
-std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) {
+std::vector<Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um, bool stopped_by_operator) {
   const safety::SupervisorOutput& supervisor = tick.supervisor;
   const Hazard reason = supervisor.reason;
   std::vector<Alarm> alarms;
@@ -137,11 +137,10 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator) 
       if (supervisor.worst != Hazard::None && !waits_for_plan(supervisor.worst))
         alarms.push_back(alarm(Severity::Notice, code_of(supervisor.worst), sentence(supervisor.worst),
                                "Not ready.", what_to_do(supervisor.worst)));
-      else if (std::abs(tick.measurement.depth_um) > limits::kBack_um && tick.measurement.laser_valid)
-        alarms.push_back(alarm(
-            Severity::Notice, "E-123",
-            fmt::format("The needle is {:.2f} mm from where it waits.", tick.measurement.depth_um * 1e-3),
-            "Not ready.", "Draw the stage back along its guide by hand."));
+      else if (std::abs(shown_um) > limits::kBack_um && tick.measurement.laser_valid)
+        alarms.push_back(alarm(Severity::Notice, "E-123",
+                               fmt::format("The needle is {:.1f} mm from where it waits.", shown_um * 1e-3),
+                               "Not ready.", "Draw the stage back along its guide by hand."));
       break;
     case Mode::Ready:
     case Mode::Armed:

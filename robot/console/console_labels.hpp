@@ -29,8 +29,9 @@ console::events::Answer refusal(std::uint32_t id, Refused reason, const std::str
 // Whether only a plan or its confirmations are missing.
 bool waits_for_plan(safety::Hazard worst);
 
-// Alarms of this tick, most severe first.
-std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, bool stopped_by_operator);
+// Alarms of this tick, most severe first. `shown_um`: the depth as the page shows it.
+std::vector<console::events::Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um,
+                                              bool stopped_by_operator);
 // STOP without high voltage, until Reset.
 console::events::Alarm standing_stop_alarm();
 console::events::Alarm silence_alarm();

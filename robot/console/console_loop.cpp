@@ -10,6 +10,7 @@
 #include "robot/console/server/command_from_json.hpp"
 #include "robot/console/server/origin_policy.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
+#include "safety/types/transitions.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -18,7 +19,7 @@ using console::Client;
 using console::Reliability;
 namespace events = console::events;
 
-constexpr std::int64_t kSendChanges_us = 20'000, kSendStates_us = 100'000;
+constexpr std::int64_t kSendChanges_us = 20'000, kSendStates_us = 100'000, kSendIdleStates_us = 200'000;
 
 std::int64_t now_in_us() {
   return realtime::monotonic_ns() / 1000;
@@ -114,10 +115,13 @@ void ConsoleLoop::log_command(Client client, const std::string& text, const std:
 }
 
 void ConsoleLoop::send_states(std::int64_t now_us) {
-  const bool due = now_us - states_us_ >= kSendStates_us;
-  if (due) states_us_ = now_us;
+  const std::int64_t since_us = now_us - states_us_;
+  if (since_us >= kSendIdleStates_us) states_us_ = now_us;
   for (auto& [client, sent] : sent_) {
     const events::State state = session_.state(client, now_us);
+    const bool idle = state.held.empty() && !safety::hv_permitted(state.mode);
+    const bool due = since_us >= (idle ? kSendIdleStates_us : kSendStates_us);
+    if (due) states_us_ = now_us;
     std::string now = lasting(state);
     const bool changed = now != sent;
     if (changed || due)

@@ -133,6 +133,7 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
 void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   const Mode before = seen_.supervisor.permit.mode;
   seen_ = sample.record;
+  shown_depth_.add(seen_.measurement.depth_um);
   measured_ = true;
   silent_ = false;
   now_us_ = now_us;
@@ -317,13 +318,14 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.controller = lease_.is_held_by(client);
   state.controlled = lease_.is_held();
   state.token = state.controller ? hold_.next_token() : 0;
-  state.depth = seen_.measurement.depth_um * 1e-3;
+  state.depth = shown_depth_.mean_um() * 1e-3;
   state.drive = seen_.measurement.monitor_mV * 1e-6;
   state.measured = measured_ && !silent_;
   if (run_ && run_->acquiring_us) state.scanner = console::Scanner::Acquiring;
   if (run_ && run_->check.valid()) state.scanner = console::Scanner::Checking;
   state.stage = supervisor.step;
   state.stage_done = supervisor.step_done;
+  state.locked = measured_ && seen_.measurement.brake_on;
   state.ticks = ticks_;
   const Mode mode = supervisor.permit.mode;
   if (mode == Mode::Hold) state.hold_left = seconds_left(mode_since_us_, hold_limit_us(seen_), now_us);
@@ -336,7 +338,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.reading = series_.reading();
   state.report = report_.empty() ? "" : "/report.html";
   state.disabled = disabled();
-  state.alarms = alarms_of(seen_, stopped_);
+  state.alarms = alarms_of(seen_, shown_depth_.mean_um(), stopped_);
   for (events::Alarm& notice : navigation_alarms()) state.alarms.push_back(std::move(notice));
   if (standing_stop_) state.alarms.insert(state.alarms.begin(), standing_stop_alarm());
   if (silent_) state.alarms.insert(state.alarms.begin(), silence_alarm());

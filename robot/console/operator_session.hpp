@@ -14,6 +14,7 @@
 #include "robot/console/console_series.hpp"
 #include "robot/console/server/hold_to_run.hpp"
 #include "robot/console/server/lease.hpp"
+#include "robot/console/shown_depth.hpp"
 #include "robot/msg/console_messages.hpp"
 #include "robot/procedure/images/confirmation_image.hpp"
 #include "robot/procedure/run_notes.hpp"
@@ -135,6 +136,7 @@ class OperatorSession {
 
   OperatorInputs inputs_ = OperatorInputs::idle();
   CycleRecord seen_;
+  ShownDepth shown_depth_;
   bool measured_ = false, silent_ = false;
   std::int64_t now_us_ = 0, mode_since_us_ = 0;
   std::int64_t arm_until_us_ = 0, reset_until_us_ = 0, stop_until_us_ = 0, retract_until_us_ = 0;

@@ -67,7 +67,7 @@ review::FinishedRun add_run(const fs::path& given, const std::string& base,
     to[base + "report.html"] = document;
   }
   review::FinishedRun run;
-  run.folder = shortened(plain(folder.string()), kName);
+  run.folder = shortened(plain(given.string()), kName);
   run.title = std::move(report.title);
   run.outcome = std::move(report.outcome);
   run.verdict = std::move(report.verdict);

@@ -1,4 +1,5 @@
-// Twenty ticks in one message: minimum and maximum of each value, so that a spike of one tick is drawn.
+// Sixty ticks in one message, of which 30 s fill a plot's columns of pixels: minimum and maximum of each
+// value, so that a spike of one tick is drawn.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 
 namespace biopsy::console {
 
-inline constexpr int kBatch_ticks = 20;
+inline constexpr int kBatch_ticks = 60;
 
 class TelemetryBatch {
  public:

@@ -122,6 +122,26 @@ TEST(OperatorSession, AStopWithoutVoltageStandsUntilItIsReset) {
   }
 }
 
+TEST(OperatorSession, SaysThatTheNeedleIsLockedAsLongAsTheBrakeIsOn) {
+  Console console_(read_case("gap"));
+  for (const bool on : {false, true, true, false}) {
+    CycleSample cycle{};
+    cycle.record.measurement.brake_on = on;
+    console_.session.update(cycle, console_.now_us += kTick_us);
+    EXPECT_EQ(console_.session.state(kPage, console_.now_us).locked, on);
+  }
+}
+
+TEST(OperatorSession, ShowsTheMeanOfTheLastTicksAsDepth) {
+  Console console_(read_case("gap"));
+  for (const int depth_um : {100, 300, 200}) {
+    CycleSample cycle{};
+    cycle.record.measurement.depth_um = depth_um;
+    console_.session.update(cycle, console_.now_us += kTick_us);
+  }
+  EXPECT_DOUBLE_EQ(console_.session.state(kPage, console_.now_us).depth, 0.2);
+}
+
 // A run to the end of its only step, with the image checked. The robot is a table of what its supervisor may
 // say, in any order, without a supervisor behind it: the console must not rely on that.
 struct HeldRun {

@@ -88,7 +88,10 @@ test('from the image to an accepted depth and its report', async ({ page, browse
   await shoot('3-check')
   await operator.arm()
   await shoot('4-arm')
-  await operator.insert(() => shoot('5-insert'))
+  await operator.insert(async () => {
+    await expect(page.locator('[data-name=locked]')).toHaveText('needle locked')
+    await shoot('5-insert')
+  })
   await expect(page.locator('[data-name=verdict]')).toHaveText('accept', { timeout: 30_000 })
   const error = parseFloat((await page.locator('[data-name=error]').textContent())!)
   expect(Math.abs(error)).toBeLessThan(0.3)

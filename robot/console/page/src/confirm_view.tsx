@@ -1,5 +1,5 @@
 // Before and after, side by side: detected tip, planned target, error and confidence. No default answer.
-import type { Checked, Judgement } from './generated/messages'
+import type { Checked, Judgement, State } from './generated/messages'
 import { withToken } from './address'
 import { send } from './link'
 import { checked, state, welcome, disabledReason } from './robot'
@@ -93,6 +93,9 @@ function NoImage(props: { path: string }) {
   )
 }
 
+const heldText = (now: State) =>
+  `The needle is ${now.locked ? 'locked' : 'held'} for ${now.hold_left} s more, then retracted.`
+
 export function ConfirmView() {
   const now = state.value
   const last = checked.value.at(-1)
@@ -103,7 +106,7 @@ export function ConfirmView() {
     return (
       <div class="confirm" role="status">
         <h2>{now.scanner === 'Checking' ? 'Looking for the tip in the new image…' : 'The scanner takes the image…'}</h2>
-        {now.hold_left > 0 && <p>The needle is held for {Math.ceil(now.hold_left)} s more, then retracted.</p>}
+        {now.hold_left > 0 && <p>{heldText(now)}</p>}
       </div>
     )
   return (
@@ -148,7 +151,7 @@ export function ConfirmView() {
       </dl>
       <p>{last.reason}</p>
       {now.hold_left > 0 && (
-        <p data-name="hold-left">The needle is held for {Math.ceil(now.hold_left)} s more, then retracted.</p>
+        <p data-name="hold-left">{heldText(now)}</p>
       )}
       {now.report ? <Report path={now.report} completed={now.completed} /> : <Buttons of={last} />}
     </div>

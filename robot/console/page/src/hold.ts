@@ -4,7 +4,7 @@ import { effect, signal } from '@preact/signals'
 
 import type { Button } from './generated/messages'
 import { onConnectionLost, post, send } from './link'
-import { isOld, state } from './robot'
+import { isOld, state, statesReceived } from './robot'
 
 const kBeat_ms = 25
 
@@ -36,6 +36,7 @@ export function release(): void {
 
 // The server ended the press (a heartbeat was late): the button is released on the page too.
 effect(() => {
+  void statesReceived.value // also where nothing changed: then time has passed
   const confirmed = state.value?.held.length
   if (!confirmed && held.peek() && performance.now() - pressedAt > kConfirmed_ms) release()
 })

@@ -4,6 +4,7 @@ import { batch } from '@preact/signals'
 import { token, withToken } from './address'
 import type { Answer, Command, Event } from './generated/messages'
 import * as robot from './robot'
+import { shownState } from './shown_state'
 
 type WithId = Extract<Command, { id: number }>
 type WithoutId<T> = T extends { id: number } ? Omit<T, 'id'> : never
@@ -94,7 +95,8 @@ function onEvent(message: Event): void {
         robot.checked.value = []
         break
       case 'State':
-        robot.state.value = message
+        robot.state.value = shownState(message, robot.state.peek())
+        ++robot.statesReceived.value
         if (message.measured) robot.everMeasured.value = true
         break
       case 'Telemetry':

@@ -1,14 +1,15 @@
-// 30 s of depth against plan and of voltage in its envelope. Each 20 ms has its minimum and maximum, so a spike of one
+// 30 s of depth against plan and of voltage in its envelope. Each 60 ms has its minimum and maximum, so a spike of one
 // millisecond is drawn.
 import 'uplot/dist/uPlot.min.css'
 
 import { useEffect, useRef } from 'preact/hooks'
 import uPlot from 'uplot'
 
+import type { Telemetry } from './generated/messages'
 import { kPlot_ms, telemetry } from './robot'
 
 const kDraw_ms = 250
-const kTogether = 3
+const kDrawIdle_ms = 10_000 // where there is nothing to see but that time goes on
 type Columns = (number | null)[][]
 
 const kInk = '#15191d'
@@ -29,18 +30,12 @@ function options(title: string, unit: string, low: number, series: uPlot.Series[
   }
 }
 
-// One column of pixels shows three batches: minimum, then maximum.
+// One column of pixels shows one sample: minimum, then maximum.
 function columns(of: 'depth' | 'drive'): Columns {
   const now = telemetry.at(-1)?.time ?? 0
   const all: Columns = of === 'depth' ? [[], [], []] : [[], [], [], []]
-  for (let n = 0; n + kTogether <= telemetry.length; n += kTogether) {
-    const some = telemetry.slice(n, n + kTogether)
-    const sample = some[0]!
-    const values =
-      of === 'depth'
-        ? [Math.min(...some.map((s) => s.depth_low)), Math.max(...some.map((s) => s.depth_high))]
-        : [Math.min(...some.map((s) => s.drive_low)), Math.max(...some.map((s) => s.drive_high))]
-    for (const value of values) {
+  for (const sample of telemetry) {
+    for (const value of of === 'depth' ? [sample.depth_low, sample.depth_high] : [sample.drive_low, sample.drive_high]) {
       all[0]!.push((sample.time - now) / 1000)
       all[1]!.push(value)
       all[2]!.push(of === 'depth' ? sample.setpoint : sample.envelope)
@@ -50,11 +45,31 @@ function columns(of: 'depth' | 'drive'): Columns {
   return all
 }
 
+// What can be seen on a plot: samples that are within the noise of each other look the same.
+const kNoise: Record<keyof Telemetry, number> = {
+  time: Infinity, depth_low: 0.15, depth_high: 0.15, setpoint: 0.01, drive_low: 0.05, drive_high: 0.05, envelope: 0.01,
+}
+const looksLike = (one: Telemetry, other: Telemetry) =>
+  (Object.keys(kNoise) as (keyof Telemetry)[]).every((part) => Math.abs(one[part] - other[part]) <= kNoise[part])
+
+// Nothing moves: all that is in view looks like the newest.
+function isStill(): boolean {
+  const newest = telemetry.at(-1)
+  return newest === undefined || telemetry.every((one) => looksLike(one, newest))
+}
+
 function Plot(props: { of: 'depth' | 'drive'; label: string; options: uPlot.Options }) {
   const place = useRef<HTMLDivElement>(null)
   useEffect(() => {
     const plot = new uPlot(props.options, columns(props.of) as uPlot.AlignedData, place.current!)
-    const timer = setInterval(() => !document.hidden && plot.setData(columns(props.of) as uPlot.AlignedData), kDraw_ms)
+    let drawn: Telemetry | undefined
+    const timer = setInterval(() => {
+      const newest = telemetry.at(-1)
+      if (document.hidden || newest === drawn) return
+      if (drawn && newest && newest.time - drawn.time < kDrawIdle_ms && newest.time >= drawn.time && isStill()) return
+      drawn = newest
+      plot.setData(columns(props.of) as uPlot.AlignedData)
+    }, kDraw_ms)
     return () => {
       clearInterval(timer)
       plot.destroy()

@@ -8,7 +8,8 @@ export type Vec3 = [number, number, number]
 export const welcome = signal<Welcome | null>(null)
 export const opened = signal<Opened | null>(null)
 export const planned = signal<Planned | null>(null)
-export const state = signal<State | null>(null)
+export const state = signal<State | null>(null) // as shown: shown_state.ts
+export const statesReceived = signal(0)
 export const checked = signal<Checked[]>([])
 export const refused = signal<Answer | null>(null) // the last refusal, until something is done
 

@@ -1,10 +1,13 @@
 // Always in view: state, patient, depth, voltage, scanner, age of the link.
+import { computed } from '@preact/signals'
+
 import type { Mode } from './generated/messages'
 import { isKnown, linkAge, linked, opened, state, welcome } from './robot'
 import { dark } from './theme'
 import { mm } from './viewer/geometry'
 
 const kAge_ms = 100 // finer steps would paint the page again and again
+const shownAge = computed(() => kAge_ms * Math.floor(linkAge.value / kAge_ms))
 
 // A label, a shape and, for the two stopped modes, the only saturated colour.
 const kShapes: Record<Mode, string> = {
@@ -43,6 +46,11 @@ export function TopBar() {
         </svg>
         {linked.value ? mode.toUpperCase() : 'NO LINK'}
       </div>
+      {known && now.locked && (
+        <div class="locked" data-name="locked">
+          needle locked
+        </div>
+      )}
       {welcome.value?.simulated && <div class="simulated">SIMULATED</div>}
       <div class="who">
         {series ? (
@@ -58,7 +66,7 @@ export function TopBar() {
       <Value name="Depth" text={known ? `${mm(now.depth, 2)} mm` : 'OLD'} />
       <Value name="Voltage" text={known ? `${mm(Math.abs(now.drive), 2)} kV` : 'OLD'} />
       <Value name="Scanner" text={linked.value ? (now?.scanner ?? 'Idle').toLowerCase() : 'OLD'} />
-      <Value name="Link" text={linked.value ? `${kAge_ms * Math.floor(linkAge.value / kAge_ms)} ms` : 'lost'} />
+      <Value name="Link" text={linked.value ? `${shownAge.value} ms` : 'lost'} />
       <button aria-pressed={dark.value} onClick={() => void (dark.value = !dark.value)}>
         Dark
       </button>

@@ -65,7 +65,7 @@ export async function freezePage(page: Page, given: Record<string, unknown>, mor
       const quiet = { depth: 0, drive: 0, hold_left: 0, armed_left: 0, ticks_left: 0, arm_held: 0, held: [], alarms: [], measured: true }
       const now = { ...last, ...quiet, controller: true, controlled: true, ...(state as object) } as Message
       for (const message of messages as Message[]) tap.inject(message)
-      for (let n = 0; n <= 1500; ++n) {
+      for (let n = 0; n <= 1500; n += 3) {
         const depth = 1 + Math.sin(n / 100)
         const drive = 2 * Math.sin(n / 10)
         tap.inject({

@@ -3,7 +3,7 @@ import { signal } from '@preact/signals'
 
 import { view } from './time'
 
-export const kLeft_px = 84
+export const kLeft_px = 92
 export const kRight_px = 14
 export const width = signal(800) // px, of the whole timeline
 
