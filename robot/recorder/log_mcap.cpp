@@ -9,6 +9,7 @@
 #include <set>
 
 #include "robot/common/config_error.hpp"
+#include "robot/recorder/log_alignment.hpp"
 #include "robot/recorder/mcap_writer.hpp"
 
 namespace biopsy::recorder {
@@ -94,41 +95,21 @@ std::uint64_t time_of(const Record& record) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(record.utc_ns, 0));
 }
 
-struct Change {
-  std::string mode;
-  double at_s;  // of the log: since its first record
-};
-
-std::vector<Change> changes_in(const std::vector<Record>& records) {
-  std::vector<Change> changes;
-  for (const Record& record : records) {
-    if (record.kind != name_of(RecordKind::StateChange)) continue;
-    const std::optional<OrderedJson> values = object_in(record.body);
-    if (values && values->contains("mode") && (*values)["mode"].is_string())
-      changes.push_back(
-          {(*values)["mode"], static_cast<double>(record.utc_ns - records.front().utc_ns) * 1e-9});
+// The log's wall clock at the zero of the run's clock.
+std::int64_t zero_ns_of(const std::vector<Record>& records, const CsvTable& run,
+                        const std::vector<double>& time_s) {
+  std::vector<ModeChange> changes;
+  for (std::size_t row = 1; row < run.rows(); ++row) {
+    if (run.text("mode", row) == run.text("mode", row - 1)) continue;
+    if (const std::optional<Mode> mode = mode_named(run.text("mode", row)))
+      changes.push_back({static_cast<std::int64_t>(1e6 * time_s[row]), *mode});
   }
-  return changes;
-}
-
-std::vector<Change> changes_in(const CsvTable& run, const std::vector<double>& time_s) {
-  std::vector<Change> changes{{std::string(run.text("mode", 0)), time_s[0]}};
-  for (std::size_t row = 1; row < run.rows(); ++row)
-    if (run.text("mode", row) != run.text("mode", row - 1))
-      changes.push_back({std::string(run.text("mode", row)), time_s[row]});
-  return changes;
-}
-
-// When the run's clock was 0, in seconds since the log's first record: the last place where the log went
-// through the states of the run.
-double start_of(const std::vector<Record>& records, const CsvTable& run, const std::vector<double>& time_s) {
-  const std::vector<Change> log = changes_in(records), wanted = changes_in(run, time_s);
-  const auto found = std::find_end(log.begin(), log.end(), wanted.begin(), wanted.end(),
-                                   [](const Change& a, const Change& b) { return a.mode == b.mode; });
-  if (wanted.size() < 2 || found == log.end())
+  const std::optional<Alignment> place = align(changes, mode_changes(records));
+  if (!place)
     throw ConfigError("the log never went through the states of this run", run.file(),
                       "give the run.csv of a run that this log recorded");
-  return (found + 1)->at_s - wanted[1].at_s;  // it may have been in the first state for a while
+  const auto of_supervisor = std::ranges::find(records, name_of(RecordKind::StateChange), &Record::kind);
+  return of_supervisor->utc_ns + 1'000 * (place->zero_us - of_supervisor->mono_us);
 }
 
 bool is_text(std::string_view column) {
@@ -148,7 +129,7 @@ void add_run(McapWriter& writer, const std::vector<Record>& records, const CsvTa
   }
   const std::uint16_t channel =
       writer.add_channel("/run", "biopsy.run", dumped({{"type", "object"}, {"properties", properties}}));
-  const double start_s = start_of(records, run, numbers["time_s"]);
+  const std::int64_t zero_ns = zero_ns_of(records, run, numbers["time_s"]);
   for (std::size_t row = 0; row < run.rows(); ++row) {
     OrderedJson message = OrderedJson::object();
     for (const std::string_view name : run.names()) {
@@ -157,11 +138,9 @@ void add_run(McapWriter& writer, const std::vector<Record>& records, const CsvTa
       else
         message[std::string(name)] = numbers[name][row];
     }
-    const auto since_ns = static_cast<std::int64_t>((start_s + numbers["time_s"][row]) * 1e9);
-    writer.add_message(
-        channel, static_cast<std::uint32_t>(row),
-        static_cast<std::uint64_t>(std::max<std::int64_t>(records.front().utc_ns + since_ns, 0)),
-        dumped(message));
+    const auto at_ns = zero_ns + static_cast<std::int64_t>(numbers["time_s"][row] * 1e9);
+    writer.add_message(channel, static_cast<std::uint32_t>(row),
+                       static_cast<std::uint64_t>(std::max<std::int64_t>(at_ns, 0)), dumped(message));
   }
 }
 

@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/common/text/sanitize_text.hpp"
 #include "robot/common/text/text_layout.hpp"
-#include "robot/console/review/log_alignment.hpp"
+#include "robot/recorder/log_alignment.hpp"
 #include "robot/recorder/log_file.hpp"
 #include "robot/recorder/record_text.hpp"
 #include "robot/recorder/verify.hpp"
-#include "robot/report/procedure/labels.hpp"
 
 namespace biopsy::console {
 namespace {
@@ -54,24 +52,11 @@ Records read_records(const fs::path& log) {
   return read;
 }
 
-std::vector<ModeChange> changes_of(const std::vector<review::Span>& spans) {
-  std::vector<ModeChange> changes;
+std::vector<recorder::ModeChange> changes_of(const std::vector<review::Span>& spans) {
+  std::vector<recorder::ModeChange> changes;
   for (std::size_t i = 1; i < spans.size(); ++i)
     if (spans[i].mode != spans[i - 1].mode)
       changes.push_back({static_cast<std::int64_t>(1e6 * spans[i].from), spans[i].mode});
-  return changes;
-}
-
-std::vector<ModeChange> changes_of(const std::vector<Record>& records) {
-  std::vector<ModeChange> changes;
-  for (const Record& record : records) {
-    if (record.kind != name_of(recorder::RecordKind::StateChange)) continue;
-    const nlohmann::json body = nlohmann::json::parse(record.body, nullptr, false);
-    const auto mode = body.is_object() ? body.find("mode") : body.end();
-    if (!body.is_object() || mode == body.end() || !mode->is_string()) continue;
-    if (const auto value = report::labelled<Mode>(mode->get_ref<const std::string&>()))
-      changes.push_back({record.mono_us, *value});
-  }
   return changes;
 }
 
@@ -83,7 +68,7 @@ RunLog read_run_log(const fs::path& folder, const std::vector<review::Span>& spa
   RunLog log;
   try {
     const Records read = read_records(*file);
-    const auto place = align(changes_of(spans), changes_of(read.all));
+    const auto place = recorder::align(changes_of(spans), recorder::mode_changes(read.all));
     if (!place) {
       log.note =
           read.verdict + ". Fewer than two changes of state agree with the run: it cannot be placed in time.";

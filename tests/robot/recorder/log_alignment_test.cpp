@@ -1,11 +1,11 @@
 // Where a run lies in its log: sequences made at random (seeded), with a known offset.
-#include "robot/console/review/log_alignment.hpp"
+#include "robot/recorder/log_alignment.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-namespace biopsy::console {
+namespace biopsy::recorder {
 namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
@@ -81,4 +81,4 @@ TEST(LogAlignment, OfTwoPlacesAsGoodTakesTheOneWithLessSpread) {
 }
 
 }  // namespace
-}  // namespace biopsy::console
+}  // namespace biopsy::recorder

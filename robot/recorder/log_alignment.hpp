@@ -4,16 +4,24 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "robot/msg/fixed_messages.hpp"
+#include "robot/recorder/record.hpp"
 
-namespace biopsy::console {
+namespace biopsy::recorder {
 
 struct ModeChange {
   std::int64_t at_us = 0;  // on its own clock
   Mode mode = Mode::Boot;  // from then on
 };
+
+// As logs and run.csv name it: "armed".
+std::optional<Mode> mode_named(std::string_view name);
+
+// The state changes of a log, on its monotonic clock; records that name no state are left out.
+std::vector<ModeChange> mode_changes(const std::vector<Record>& records);
 
 struct Alignment {
   std::int64_t zero_us = 0;    // the log's time at the run's zero
@@ -28,4 +36,4 @@ inline constexpr std::int64_t kSpreadMax_us = 100'000;
 // changes. Looks at the first 2,000 changes of each.
 std::optional<Alignment> align(const std::vector<ModeChange>& run, const std::vector<ModeChange>& log);
 
-}  // namespace biopsy::console
+}  // namespace biopsy::recorder

@@ -1,8 +1,9 @@
-#include "robot/console/review/log_alignment.hpp"
+#include "robot/recorder/log_alignment.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-namespace biopsy::console {
+namespace biopsy::recorder {
 namespace {
 
 constexpr std::size_t kChangesMax = 2'000;
@@ -24,6 +25,25 @@ std::vector<Pair> pairs_of(const std::vector<ModeChange>& run, const std::vector
 }
 
 }  // namespace
+
+std::optional<Mode> mode_named(std::string_view name) {
+  for (const Mode mode : all_values<Mode>())
+    if (name_of(mode) == name) return mode;
+  return std::nullopt;
+}
+
+std::vector<ModeChange> mode_changes(const std::vector<Record>& records) {
+  std::vector<ModeChange> changes;
+  for (const Record& record : records) {
+    if (record.kind != name_of(RecordKind::StateChange)) continue;
+    const nlohmann::json body = nlohmann::json::parse(record.body, nullptr, false);
+    const auto mode = body.is_object() ? body.find("mode") : body.end();
+    if (!body.is_object() || mode == body.end() || !mode->is_string()) continue;
+    if (const auto value = mode_named(mode->get_ref<const std::string&>()))
+      changes.push_back({record.mono_us, *value});
+  }
+  return changes;
+}
 
 std::optional<Alignment> align(const std::vector<ModeChange>& run, const std::vector<ModeChange>& log) {
   const std::vector<Pair> pairs = pairs_of(run, log);
@@ -47,4 +67,4 @@ std::optional<Alignment> align(const std::vector<ModeChange>& run, const std::ve
   return best;
 }
 
-}  // namespace biopsy::console
+}  // namespace biopsy::recorder
