@@ -35,10 +35,7 @@ export const muted = signal(true) // the browser lets a page sound only after it
 
 function unlock(): void {
   context ??= new AudioContext()
-  void context.resume().then(() => {
-    if (context!.state === 'running') muted.value = false
-    if (!loudest.value) void context!.suspend() // one that runs takes time though it is silent
-  })
+  void context.resume().then(() => (muted.value = context!.state !== 'running'))
 }
 for (const input of ['pointerdown', 'keydown'] as const) window.addEventListener(input, unlock)
 
@@ -73,13 +70,11 @@ const quiet = computed(() => pausedLeft_s.value > 0)
 effect(() => {
   const severity = loudest.value
   if (!severity || quiet.value || muted.value) return
-  const burst = () => void context?.resume().then(() => loudest.peek() === severity && !quiet.peek() && play(kBursts[severity]))
-  burst()
-  const timer = setInterval(burst, 1000 * kBursts[severity].again_s)
+  play(kBursts[severity])
+  const timer = setInterval(() => play(kBursts[severity]), 1000 * kBursts[severity].again_s)
   return () => {
     clearInterval(timer)
     hush()
-    void context?.suspend()
   }
 })
 
