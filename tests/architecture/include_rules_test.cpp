@@ -57,6 +57,7 @@ const std::vector<Folder> kFolders{
     {"robot/bench", 8, {}},
     {"robot/console", 8, {}},
     {"robot/cli", 9, {}},
+    {"robot/python", 9, {}},
 };
 
 const Folder& folder_named(const std::string& folder) {
