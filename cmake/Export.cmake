@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 set(BIOPSY_EXPORTED common parallel msg safety control planner imaging drivers sim gap)
-set(WITHIN simulated_stage scanner dense_ceres without_suitesparse)  # of which those are made
+set(WITHIN digests simulated_stage scanner dense_ceres without_suitesparse)  # of which those are made
 set_target_properties(msg PROPERTIES EXPORT_NAME messages)
 foreach(TARGET common parallel)  # every other is linked with one of them
   target_include_directories(${TARGET} INTERFACE $<INSTALL_INTERFACE:include/biopsy>)
