@@ -107,10 +107,21 @@ test('scrubbed by keyboard, the figures are those of run.csv', async ({ page }) 
   await press('ArrowLeft', -0.1)
 })
 
+// Plots are made anew when the page has found its size: where the element lies once it stays there.
+async function settledBox(page: Page, selector: string) {
+  let last = ''
+  await expect.poll(async () => {
+    const before = last
+    last = JSON.stringify(await page.locator(selector).boundingBox())
+    return last !== 'null' && last === before
+  }).toBe(true)
+  return JSON.parse(last) as { x: number; y: number; width: number; height: number }
+}
+
 test('scrubbed by mouse, over the plots and over the whole, also zoomed', async ({ page }) => {
   const table = new Table(kRuns.gap)
   await page.goto(await serve(kRuns.gap))
-  const plot = (await page.locator('[data-plot=depth] .u-over').boundingBox())!
+  const plot = await settledBox(page, '[data-plot=depth] .u-over')
   const y = plot.y + plot.height / 2
   await page.mouse.move(plot.x + 10, y)
   await page.mouse.down()
