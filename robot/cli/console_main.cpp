@@ -91,19 +91,6 @@ void review(const Options& options) {
   while (!signals.came()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-// False after --help.
-bool parse(CLI::App& command, int argc, char** argv) {
-  try {
-    command.parse(argc, argv);
-    return true;
-  } catch (const CLI::CallForHelp& help) {
-    command.exit(help);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    throw ConfigError(error.what(), "biopsy-console", "`biopsy-console --help` explains the options");
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -129,7 +116,7 @@ int main(int argc, char** argv) {
     command.add_option("--page", options.page, "folder of the built page (default: the installed one)");
     std::string level, format;
     robot::log_options(command, level, format);
-    if (!parse(command, argc, argv)) return 0;
+    if (!robot::parse_arguments(command, "biopsy-console", argc, argv)) return 0;
     const bool reviews = !options.review.empty();
     if (!reviews && options.run_folder.empty())
       throw ConfigError("neither a robot nor a finished run is named", "biopsy-console",

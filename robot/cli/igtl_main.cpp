@@ -49,19 +49,6 @@ void serve(const Options& options) {
   while (!signals.came()) server.turn(kTurn);
 }
 
-// False after --help.
-bool parse(CLI::App& command, int argc, char** argv) {
-  try {
-    command.parse(argc, argv);
-    return true;
-  } catch (const CLI::CallForHelp& help) {
-    command.exit(help);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    throw ConfigError(error.what(), "biopsy-igtl", "`biopsy-igtl --help` explains the options");
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -81,7 +68,7 @@ int main(int argc, char** argv) {
                        "folder into which IMAGE messages are written, as NRRD (default: they are refused)");
     std::string level, format;
     robot::log_options(command, level, format);
-    if (!parse(command, argc, argv)) return 0;
+    if (!robot::parse_arguments(command, "biopsy-igtl", argc, argv)) return 0;
     logging::LogSettings log = robot::log_settings("biopsy-igtl", level, format);
     log.file = live::own_folder(options.run_folder) / "igtl.log";
     const logging::LogSession session(log);

@@ -121,4 +121,16 @@ void check_device_options(const std::string& device, const HardwareOptions& hard
                       "command line", "leave them out, or add --device nidaqmx");
 }
 
+bool parse_arguments(CLI::App& command, const std::string& program, int argc, char** argv) {
+  try {
+    command.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp& help) {
+    command.exit(help);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    throw ConfigError(error.what(), program, fmt::format("`{} --help` explains the options", program));
+  }
+}
+
 }  // namespace biopsy::robot

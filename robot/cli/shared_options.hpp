@@ -57,4 +57,7 @@ void add_device_options(CLI::App& app, std::string& device, HardwareOptions& har
 // Throws ConfigError where they do not fit together.
 void check_device_options(const std::string& device, const HardwareOptions& hardware);
 
+// Of a program beside `biopsy`. False after --help. Throws ConfigError for words that are not understood.
+bool parse_arguments(CLI::App& command, const std::string& program, int argc, char** argv);
+
 }  // namespace biopsy::robot

@@ -1,7 +1,6 @@
 #include "robot/procedure/recheck.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "planner/plan/insertion_steps.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/files/temporary_folder.hpp"
 #include "sim/plant/model_text.hpp"
 
 namespace biopsy::robot {
@@ -24,28 +24,6 @@ constexpr const char* kReferencePlans[] = {"gap", "liver"};  // the paper's two 
 constexpr double kFinalError_mm = 0.1, kSettledError_mm = 0.07;
 constexpr double kOvershoot_mm = planner::kStopShort.value;
 constexpr double kMostNoise_mm = 1.0;  // a model file allows no more
-
-// Removed with its content at the end, also after an exception.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "biopsy-recheck-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr)
-      throw ConfigError("no temporary folder can be made", fs::temp_directory_path().string(),
-                        "free some space there, set TMPDIR to another folder, or give --no-recheck");
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::vector<PreparedCase> prepared_plans(const fs::path& folder) {
   std::vector<PreparedCase> out;
@@ -119,7 +97,7 @@ void compare(const std::string& plan, const report::RunRecord& old_run, const re
 
 Recheck recheck(const fs::path& old_model, const fs::path& new_model, double noise_mm,
                 const Progress& progress) {
-  const TemporaryFolder scratch;
+  const TemporaryFolder scratch("free some space there, set TMPDIR to another folder, or give --no-recheck");
   const fs::path old_file = with_noise(old_model, noise_mm, scratch.path() / "old.toml");
   const fs::path new_file = with_noise(new_model, noise_mm, scratch.path() / "new.toml");
   const std::vector<PreparedCase> plans = prepared_plans(scratch.path());

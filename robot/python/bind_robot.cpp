@@ -1,9 +1,9 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
-#include <stdlib.h>
 
 #include "planner/plan/seal.hpp"
+#include "robot/common/files/temporary_folder.hpp"
 #include "robot/cycle/control.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/procedure/procedure.hpp"
@@ -20,27 +20,6 @@ namespace biopsy::python {
 namespace {
 
 namespace fs = std::filesystem;
-
-// For the images of a rehearsal of which only the numbers are wanted.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "biopsy-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw ConfigError("no folder can be made", name, "set TMPDIR to a folder that can be written");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 robot::Case case_from(const std::string& name, std::optional<std::uint64_t> seed,
                       const std::optional<fs::path>& model) {
