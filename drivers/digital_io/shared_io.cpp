@@ -126,7 +126,7 @@ IoFile::IoFile(const fs::path& folder, Owner owner, Access access) {
   check(file, path, owner);
   struct flock lock = owners_lock();
   if (own && ::fcntl(file.get(), F_OFD_SETLK, &lock) != 0)
-    throw ConfigError("another process owns this block", path.string(),
+    throw ConfigError("another process owns this file", path.string(),
                       "each process of the robot runs once; stop the other one");
   memory_ = ::mmap(nullptr, kFileSize, own ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED | MAP_POPULATE,
                    file.get(), 0);

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "drivers/digital_io/io_block.hpp"
+#include "drivers/digital_io/io_layout.hpp"
 
 namespace biopsy::digital_io {
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "drivers/digital_io/io_block.hpp"
+#include "drivers/digital_io/io_layout.hpp"
 #include "robot/msg/messages.hpp"
 #include "safety/types/supervisor_inputs.hpp"
 

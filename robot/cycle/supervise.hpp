@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "drivers/digital_io/io_block.hpp"
+#include "drivers/digital_io/io_layout.hpp"
 #include "robot/cycle/fault_hooks.hpp"
 #include "robot/msg/messages.hpp"
 #include "safety/monitors/panel_filter.hpp"

@@ -10,7 +10,8 @@ namespace biopsy {
 class TemporaryFolder {
  public:
   // Throws ConfigError, with `remedy` as what to do, where it cannot be made.
-  explicit TemporaryFolder(const std::string& remedy = "free some space there, or set TMPDIR to another folder");
+  explicit TemporaryFolder(
+      const std::string& remedy = "free some space there, or set TMPDIR to another folder");
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;

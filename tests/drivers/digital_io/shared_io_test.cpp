@@ -174,7 +174,7 @@ TEST_F(SharedIoFile, TheRelaysContactIsThatOfTheWireOrOfItsProcessWhileThatLives
 TEST_F(SharedIoFile, AreDrivenByOneProcessEach) {
   std::optional<StageIo> stage(folder_.path());
   const SupervisorIo supervisor(folder_.path());
-  EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "another process owns this block");
+  EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "another process owns this file");
   stage.reset();
   EXPECT_EQ(refusal([&] { const StageIo second(folder_.path()); }), "");
 }
