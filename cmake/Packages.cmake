@@ -60,6 +60,8 @@ if(BIOPSY_PYTHON)
   biopsy_package(python python3-biopsy "MRI-safe needle biopsy robot: Python package"
 "biopsy ${SAME_VERSION}, python3-numpy, python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}), python3 (<< ${Python3_VERSION_MAJOR}.${NEXT_MINOR})"
 "Plant, gap search, depth check, plans, rehearsals and the control cycle on\nnumpy arrays.")
+  set(BYTECODE ${CMAKE_SOURCE_DIR}/cmake/packages/python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${BYTECODE}/postinst ${BYTECODE}/prerm)
 endif()
 
 set(SCRIPTS ${CMAKE_SOURCE_DIR}/cmake/packages/live)
