@@ -18,7 +18,7 @@ namespace {
 
 using safety::Hazard;
 
-constexpr std::uint64_t kConfig = 77;
+constexpr std::uint64_t kConfigTag = 77;
 constexpr std::int32_t kDrive_mV = 3'000'000, kHalfPeriod_ticks = 250, kDepth_um = 1'000;
 constexpr int kSettled_ticks = 1'200, kMost_ticks = 4'000;
 
@@ -42,20 +42,20 @@ Plan one_step() {
 // A healthy supervisor in a mode that the test holds, whatever it decides, so that a hazard can be watched.
 struct Chain {
   explicit Chain(Mode in) : mode(in) {
-    memory.config_tag = kConfig;
+    memory.config_tag = kConfigTag;
     memory.self_test = safety::SelfTest::Passed;
     memory.state = safety::started(1);
     assume_tested_panel(memory);
     send(one_step());
     sources.writers = 1;
-    sources.files_tag = kConfig;
+    sources.files_tag = kConfigTag;
     sources.panel = {{.estop_a_closed = true, .estop_b_closed = true}, true};
     sources.act.message.stop = StopCategory::None;
     sources.act.message.acquiring = false;
     Measurement& m = sources.measurement;
     m.depth_um = m.depth_b_um = kDepth_um;
     m.laser_valid = m.laser_b_valid = true;
-    m.config_tag = sources.request.config_tag = kConfig;
+    m.config_tag = sources.request.config_tag = kConfigTag;
   }
   void send(const Plan& plan) {
     const std::uint64_t tag = planner::plan_tag(plan);

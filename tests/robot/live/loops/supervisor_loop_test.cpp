@@ -291,9 +291,14 @@ TEST_F(SupervisorLoopBench, CountsPeriodsThatItMissedAndHowLateItWas) {
   EXPECT_EQ(loop.heartbeat().lateness().max_us(), 3'400);
   turn(17'400);  // one millisecond late: one period missed
   EXPECT_EQ(loop.heartbeat().health().overruns, 4U);
-  turn(17'600);  // early is not late
-  turn(17'800);
-  EXPECT_EQ(loop.heartbeat().lateness().max_us(), 3'400);
+}
+
+TEST_F(SupervisorLoopBench, ATickThatComesEarlyIsNotLate) {
+  turn(10'000);
+  turn(10'200);
+  turn(10'400);
+  EXPECT_EQ(loop.heartbeat().lateness().max_us(), 0);
+  EXPECT_EQ(loop.heartbeat().health().overruns, 0U);
 }
 
 TEST_F(SupervisorLoopBench, SaysThatItIsReadyTenTimesASecond) {
