@@ -4,6 +4,8 @@
 
 #include <initializer_list>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace biopsy::robot {
 namespace {
@@ -11,6 +13,8 @@ namespace {
 using sim::Fault;
 using sim::FaultKind;
 using sim::FaultSignal;
+
+using Phases = std::vector<std::pair<std::int32_t, std::int32_t>>;  // ms on, ms off
 
 struct Grid {
   std::vector<FaultEntry> entries;
@@ -34,8 +38,7 @@ struct Grid {
                          {Fault{.signal = signal, .kind = kind, .noise = noise}}});
   }
   // Comes and goes: shows for `on` ms, not for `off` ms.
-  void add_intermittent(Fault fault, std::string_view unit,
-                        std::initializer_list<std::pair<std::int32_t, std::int32_t>> phases) {
+  void add_intermittent(Fault fault, std::string_view unit, const Phases& phases) {
     for (const auto& [on, off] : phases) {
       fault.on_ms = on, fault.off_ms = off;
       entries.push_back(
@@ -72,13 +75,12 @@ void add_depth(Grid& grid) {
   grid.add(kDepth, OtherSurface, "mm", Motion, {-2, 0, 0.5, 1, 2, 4, 8}, 0.02);
   grid.add(kDepth, Dropout, "", Motion, {0.01, 0.1, 0.3, 0.6, 0.9, 1});
   grid.add_noisy(kDepth, Noise, "mm", {0.05, 0.1, 0.3, 1});
-  using Phases = std::initializer_list<std::pair<std::int32_t, std::int32_t>>;
-  constexpr Phases kPhases{{9, 1}, {5, 5}, {1, 1}, {1, 5}, {200, 50}};
+  const Phases phases{{9, 1}, {5, 5}, {1, 1}, {1, 5}, {200, 50}};
   for (const double surface_mm : {0.5, 1.0, 2.0})
     grid.add_intermittent({.signal = kDepth, .kind = OtherSurface, .value = surface_mm, .noise = 0.01}, "mm",
-                          kPhases);
-  grid.add_intermittent({.signal = kDepth, .kind = Offset, .value = -1.0}, "mm", kPhases);
-  grid.add_intermittent({.signal = kDepth, .kind = Drift, .value = -0.5}, "mm/s", kPhases);
+                          phases);
+  grid.add_intermittent({.signal = kDepth, .kind = Offset, .value = -1.0}, "mm", phases);
+  grid.add_intermittent({.signal = kDepth, .kind = Drift, .value = -0.5}, "mm/s", phases);
   grid.add_intermittent({.signal = kDepth, .kind = Dropout, .value = 1.0}, "",
                         {{2, 1}, {1, 1}, {1, 5}, {20, 200}});
 }
