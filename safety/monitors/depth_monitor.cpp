@@ -77,10 +77,11 @@ HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::
   return when(monitor.implausible_ticks >= kImplausible_ticks, Hazard::OffsetOrScale);
 }
 
-// The brake has the needle only where a permit lets it.
+// The brake has the needle only where the permit lets it: one that grips unasked must not earn a permit by
+// it.
 bool is_locked(const SupervisorInputs& seen) {
   const Mode mode = seen.permit.mode;
-  return seen.measurement.brake_on && (mode == Mode::Active || mode == Mode::Hold);
+  return seen.measurement.brake_on && seen.permit.brake && (mode == Mode::Active || mode == Mode::Hold);
 }
 
 // Whether it stays where the brake took it.
