@@ -93,6 +93,8 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
     const std::lock_guard lock(mutex_);
     const ConsoleSeries& series = session_.series();
     if (path == series.file_name()) return console::Document{"application/octet-stream", series.file()};
+    if (path == ConsoleSeries::kLabelsName && series.labels())
+      return console::Document{"application/octet-stream", series.labels()};
     if (path != "/report.html") return std::nullopt;
     written = session_.report();
   }

@@ -27,6 +27,7 @@ constexpr std::int64_t kTicksLive_us = 60'000'000;  // checks expire after a min
 constexpr std::int64_t kArmHold_us = 2'000'000;
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
+constexpr std::size_t kTissuesMax = 256;
 constexpr std::size_t kRunMax_ticks = 600'000;       // as long as any procedure may take
 
 std::int64_t hold_limit_us(const CycleRecord& seen) {
@@ -287,6 +288,10 @@ std::optional<events::Opened> OperatorSession::opened() const {
   if (has_points(prepared_.given))
     opened.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
   opened.volume = series_.file_name();
+  if (series_.labels()) opened.labels = ConsoleSeries::kLabelsName;
+  for (const auto& [value, name] : prepared_.label_names)
+    if (value >= 0 && opened.tissues.size() < kTissuesMax)
+      opened.tissues.push_back({static_cast<std::uint32_t>(value), name});
   opened.reach = (limits::kStroke_um - limits::kDepthMargin_um) * 1e-3;
   return opened;
 }
