@@ -166,6 +166,7 @@ void OperatorSession::show_series() {
   p_ST_.reset();
   opened_ = true;
   ++version_;
+  for (const console::commands::SetPoint& point : std::exchange(restored_, {})) on(point);
 }
 
 void OperatorSession::update_run(const CycleSample& sample, Mode before) {
@@ -343,11 +344,16 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.reading = series_.reading();
   state.report = report_.empty() ? "" : "/report.html";
   state.disabled = disabled();
-  state.alarms = alarms_of(seen_, shown_depth_.mean_um(), stopped_);
-  for (events::Alarm& notice : navigation_alarms()) state.alarms.push_back(std::move(notice));
-  if (standing_stop_) state.alarms.insert(state.alarms.begin(), standing_stop_alarm());
-  if (silent_) state.alarms.insert(state.alarms.begin(), silence_alarm());
+  state.alarms = alarms();
   return state;
+}
+
+std::vector<events::Alarm> OperatorSession::alarms() const {
+  std::vector<events::Alarm> alarms = alarms_of(seen_, shown_depth_.mean_um(), stopped_);
+  for (events::Alarm& notice : navigation_alarms()) alarms.push_back(std::move(notice));
+  if (standing_stop_) alarms.insert(alarms.begin(), standing_stop_alarm());
+  if (silent_) alarms.insert(alarms.begin(), silence_alarm());
+  return alarms;
 }
 
 }  // namespace biopsy::robot

@@ -117,7 +117,7 @@ function Difference(props: { of: Checked }) {
   )
 }
 
-export function Compare(props: { of: Checked }) {
+export function Compare(props: { of: Checked; children?: ComponentChildren }) {
   return (
     <>
       <div class="row ways" role="group" aria-label="compare before and after">
@@ -138,6 +138,7 @@ export function Compare(props: { of: Checked }) {
             />
           </label>
         )}
+        {props.children}
       </div>
       <div class={way.value === 'side by side' ? 'pair' : 'pair alone'}>
         {way.value === 'slider' && <Slider of={props.of} />}

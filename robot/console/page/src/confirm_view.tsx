@@ -74,7 +74,7 @@ export function ConfirmView() {
     )
   return (
     <div class="confirm">
-      <Compare of={last} />
+      <Compare of={last}>{now.hold_left > 0 && <p data-name="hold-left">{heldText(now)}</p>}</Compare>
       <dl>
         <div>
           <dt>Planned</dt>
@@ -110,9 +110,6 @@ export function ConfirmView() {
         </div>
       </dl>
       <p>{last.reason}</p>
-      {now.hold_left > 0 && (
-        <p data-name="hold-left">{heldText(now)}</p>
-      )}
       {now.report ? <Report path={now.report} completed={now.completed} /> : <Buttons of={last} />}
     </div>
   )

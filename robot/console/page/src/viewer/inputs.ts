@@ -14,7 +14,8 @@ const kTurn_deg = 5
 export const kList: [string, string][] = [
   ['click or left drag', 'move the crosshair (with Ruler: measure)'],
   ['wheel, Page Up, Page Down', 'one slice; along the needle and in 3-D: turn'],
-  ['arrows', 'one voxel; with Shift 0.1 mm; in 3-D: turn, as a left drag'],
+  ['arrows', 'one voxel; in 3-D: turn, as a left drag'],
+  ['Shift + arrows, Page Up or Down', '0.1 mm'],
   ['e, t', 'set entry, set target at the crosshair'],
   ['middle drag', 'pan'],
   ['right drag', 'window: right wider, up brighter'],
@@ -120,13 +121,14 @@ function actOn(event: KeyboardEvent, acts: Acts): boolean {
     const step = event.shiftKey ? kFine_mm : (opened.value?.series.spacing[0] ?? 1)
     view.moveTo(add(at, way, (sign * step) / length(way)))
   }
+  const through = (sign: number) => (event.shiftKey ? view.moveThrough(tile, sign * kFine_mm) : view.moveSlice(tile, sign))
   const keys: Record<string, () => void> = {
     ArrowRight: () => nudge(tile.right, 1),
     ArrowLeft: () => nudge(tile.right, -1),
     ArrowDown: () => nudge(tile.down, 1),
     ArrowUp: () => nudge(tile.down, -1),
-    PageUp: () => view.moveSlice(tile, 1),
-    PageDown: () => view.moveSlice(tile, -1),
+    PageUp: () => through(1),
+    PageDown: () => through(-1),
     '+': () => view.zoomBy(view.kZoomStep),
     '=': () => view.zoomBy(view.kZoomStep),
     '-': () => view.zoomBy(1 / view.kZoomStep),

@@ -133,6 +133,11 @@ export function moveSlice(tile: Tile, slices: number): void {
   moveTo(add(crosshair.value, stack.axis, slices * stack.spacing))
 }
 
+// Between slices too, mm.
+export function moveThrough(tile: Tile, by: number): void {
+  if (crosshair.value && isPlane(tile)) moveTo(add(crosshair.value, stackOf(tile).axis, by))
+}
+
 export const turn3d = (azimuth: number, elevation: number) => scene?.turn(azimuth, elevation)
 
 export function toSlice(tile: Tile & { plane: Plane }, slice: number): void {
