@@ -124,10 +124,7 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
 
 // Commands to the console, done or refused; those that reached the robot are in the procedure log too.
 void ConsoleLoop::log_command(Client client, const std::string& text, const std::string& answer) {
-  const nlohmann::json act{{"at_ms", wall_ms()},
-                           {"page", client},
-                           {"asked", text},
-                           {"answer", answer}};
+  const nlohmann::json act{{"at_ms", wall_ms()}, {"page", client}, {"asked", text}, {"answer", answer}};
   std::ofstream(settings_.folder / "console-acts.jsonl", std::ios::app)
       << act.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) << '\n';
 }

@@ -7,10 +7,10 @@
 #include <set>
 #include <string>
 
-#include "robot/console/server/alarm_history.hpp"
 #include "robot/console/kept_points.hpp"
 #include "robot/console/navigation_link.hpp"
 #include "robot/console/operator_session.hpp"
+#include "robot/console/server/alarm_history.hpp"
 #include "robot/console/server/http_server.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
 #include "robot/live/session/live_robot.hpp"
@@ -24,7 +24,7 @@ class ConsoleLoop {
     std::uint16_t port = 0;              // 0: any that is free
     bool simulated = true;
     std::uint32_t first_token = 1;
-    std::string token;  // of the address; empty: a new one
+    std::string token;                // of the address; empty: a new one
     std::filesystem::path kept = {};  // folder of what outlives this start of the console
   };
   // `robot` and `navigation` must outlive this. Throws ConfigError.

@@ -23,8 +23,7 @@ void KeptPoints::restore(OperatorSession& session) {
   std::istringstream lines(read_file_if_present(file_));
   std::vector<console::commands::Any> commands;
   try {
-    for (std::string line; std::getline(lines, line);)
-      commands.push_back(console::command_from_json(line));
+    for (std::string line; std::getline(lines, line);) commands.push_back(console::command_from_json(line));
   } catch (const console::MessageFault&) {
     return;
   }

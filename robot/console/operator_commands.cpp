@@ -188,8 +188,8 @@ std::vector<commands::SetPoint> OperatorSession::chosen_points() const {
   const auto add = [&](console::Mark mark, const std::optional<Point>& p_S) {
     if (!p_S) return;
     const Eigen::Vector3d voxel = prepared_.image.grid.X_SI.inverse() * *p_S;
-    points.push_back({0, mark, prepared_.image.identity.series_uid, {voxel.x(), voxel.y(), voxel.z()},
-                      ras_of(*p_S)});
+    points.push_back(
+        {0, mark, prepared_.image.identity.series_uid, {voxel.x(), voxel.y(), voxel.z()}, ras_of(*p_S)});
   };
   add(console::Mark::Entry, p_SE_);
   add(console::Mark::Target, p_ST_);

@@ -28,7 +28,7 @@ constexpr std::int64_t kArmHold_us = 2'000'000;
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
 constexpr std::size_t kTissuesMax = 256;
-constexpr std::size_t kRunMax_ticks = 600'000;       // as long as any procedure may take
+constexpr std::size_t kRunMax_ticks = 600'000;  // as long as any procedure may take
 
 std::int64_t hold_limit_us(const CycleRecord& seen) {
   const std::int32_t most_ms = seen.measurement.brake_on ? limits::kLockedMax_ms : limits::kHoldMax_ms;

@@ -48,8 +48,8 @@ class OperatorSession {
   void update(const CycleSample& sample, std::int64_t now_us);
   void mark_silent() { silent_ = true; }  // no tick for a second
 
-  // Over a restart of the console. The series that a person opened and the points that are planned with the case's own
-  // registration; what is restored is not confirmed.
+  // Over a restart of the console. The series that a person opened and the points that are planned with the
+  // case's own registration; what is restored is not confirmed.
   std::optional<console::commands::OpenSeries> chosen_series() const;
   std::vector<console::commands::SetPoint> chosen_points() const;
   void restore(const std::vector<console::commands::Any>& chosen);

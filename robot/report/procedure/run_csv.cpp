@@ -42,8 +42,8 @@ std::string row(const Sample& s, bool simulated) {
   if (simulated) fmt::format_to(out, FMT_COMPILE("{:.5f},"), um10(s.plate_b_mm));
   fmt::format_to(out, FMT_COMPILE("{:.3f},{:.5f},"), nA(s.current_uA), um10(s.setpoint_mm));
   if (simulated) fmt::format_to(out, FMT_COMPILE("{:.5f},"), um10(s.tip_mm));
-  fmt::format_to(out, FMT_COMPILE("{:.6f},{:.6f},{},{},{},{},{:d}\n"), mV(s.envelope_kV),
-                 mV(s.monitor_kV), label(s.mode), label(s.stop), s.step + 1, label(s.verdict), s.locked);
+  fmt::format_to(out, FMT_COMPILE("{:.6f},{:.6f},{},{},{},{},{:d}\n"), mV(s.envelope_kV), mV(s.monitor_kV),
+                 label(s.mode), label(s.stop), s.step + 1, label(s.verdict), s.locked);
   return text;
 }
 

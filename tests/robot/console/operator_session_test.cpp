@@ -140,8 +140,10 @@ TEST(OperatorSession, KeptPointsThatAreTornOrOfAnotherSeriesAreAsNone) {
   const std::string whole = read_file(kept / "points.jsonl");
   const std::string uid = before.session.prepared().image.identity.series_uid;
   std::string other = whole;
-  for (std::size_t at = 0; (at = other.find(uid, at)) != std::string::npos; at += 2) other.replace(at, uid.size(), "1.2");
-  for (const std::string& wrong : {whole.substr(0, whole.size() / 2), other, std::string("[]"), std::string("\xff")}) {
+  for (std::size_t at = 0; (at = other.find(uid, at)) != std::string::npos; at += 2)
+    other.replace(at, uid.size(), "1.2");
+  for (const std::string& wrong :
+       {whole.substr(0, whole.size() / 2), other, std::string("[]"), std::string("\xff")}) {
     kept.write("points.jsonl", wrong);
     Console after(read_case("gap"));
     KeptPoints(kept / "points.jsonl").restore(after.session);

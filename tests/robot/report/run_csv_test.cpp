@@ -53,7 +53,8 @@ TEST(RunCsv, EndsWithWhetherTheNeedleIsLocked) {
     record.simulated = simulated;
     const auto rows = table(run_csv(record));
     ASSERT_EQ(rows.front().back(), "locked");
-    for (std::size_t k = 0; k < record.samples.size(); ++k) ASSERT_EQ(rows[k + 1].back(), k % 3 == 1 ? "1" : "0");
+    for (std::size_t k = 0; k < record.samples.size(); ++k)
+      ASSERT_EQ(rows[k + 1].back(), k % 3 == 1 ? "1" : "0");
   }
 }
 
