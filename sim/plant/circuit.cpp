@@ -58,8 +58,7 @@ CircuitState Circuit::ramped(const CircuitState& c, const Ramp& ramp, double t) 
   if (ramp.missing != 0.0) end.u_o += push * decay_response(out, in, t);
   if (!screening_) return end;
   // u_o is a sum of exponentials, decaying, constant and approaching; the screening is driven by each.
-  const double level = K_ * ramp.slope * tau_, approach = push / (out - in),
-               follow = 1.0 / screening_->time;
+  const double level = K_ * ramp.slope * tau_, approach = push / (out - in), follow = 1.0 / screening_->time;
   const double driven = (c.u_o - level - approach) * decay_response(follow, out, t) +
                         level * decay_response(follow, 0.0, t) + approach * decay_response(follow, in, t);
   end.screened = c.screened * std::exp(-follow * t) + screening_->share * follow * driven;

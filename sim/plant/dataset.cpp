@@ -8,7 +8,7 @@
 #include "robot/common/files/csv_table.hpp"
 #include "robot/common/files/toml_reader.hpp"
 #include "sim/plant/column_mapping.hpp"
-#include "sim/plant/row_times.hpp"
+#include "sim/plant/recording/row_times.hpp"
 
 namespace biopsy::sim {
 namespace {

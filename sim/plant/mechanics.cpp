@@ -130,9 +130,13 @@ ActiveTerms active_terms(const PlantModel& model) {
     if constexpr (requires { &E::spring_push; }) has.load = has.spring_push = true;
     if constexpr (requires { &E::load; })
       (E::info.attaches == Attachment::Tissue ? has.tissue_load : has.load) = true;
-    if constexpr (requires { &E::held; } || requires { &E::hold; }) has.held = true;
+    if constexpr (
+        requires { &E::held; } || requires { &E::hold; })
+      has.held = true;
     if constexpr (requires { &E::pulling; }) has.pulling = true;
-    if constexpr (requires { &E::bounded; } || requires { &E::remember; }) has.remembers = true;
+    if constexpr (
+        requires { &E::bounded; } || requires { &E::remember; })
+      has.remembers = true;
     if constexpr (requires { &E::follow; }) has.sensor_filter = true;
     if constexpr (requires { &E::cut_rate; }) has.cut_rate = true;
     if constexpr (HasIntegratedState<E>) has.integrated_state = true;

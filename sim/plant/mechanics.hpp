@@ -9,14 +9,14 @@ namespace biopsy::sim {
 
 // Groups of terms that a model has: an absent group costs one branch.
 struct ActiveTerms {
-  bool dry_friction;      // can hold plate A
-  bool pouch_offset;      // on top of the pouches
-  bool load;              // of effects on plate A, besides the tissue's
-  bool tissue_load;       // of effects
+  bool dry_friction;  // can hold plate A
+  bool pouch_offset;  // on top of the pouches
+  bool load;          // of effects on plate A, besides the tissue's
+  bool tissue_load;   // of effects
   bool spring_push;
-  bool held;       // pouches, by an effect that follows their equilibrium
-  bool pulling;    // adhesion of the films
-  bool remembers;  // what an effect takes over at a substep's end
+  bool held;              // pouches, by an effect that follows their equilibrium
+  bool pulling;           // adhesion of the films
+  bool remembers;         // what an effect takes over at a substep's end
   bool integrated_state;  // of effects
   bool sensor_filter;
   bool cut_rate;  // something may move faster than a step resolves

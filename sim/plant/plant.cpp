@@ -254,7 +254,8 @@ void Stepper::advance(const PlantModel& model, PlantState& state, const PlantInp
                       Seconds duration) {
   command(model, circuit_.instant(), state, inputs.voltage);
   circuit_.command(state.u_command);
-  hold_pouches(model, has_, mass_, state);  // a jump carries the pouches furthest at once, before the load has risen
+  hold_pouches(model, has_, mass_,
+               state);  // a jump carries the pouches furthest at once, before the load has risen
   const int pieces = std::max(1, static_cast<int>(std::ceil(duration.count() / model.internal_step - 1e-9)));
   const double h = duration.count() / pieces;
   for (int i = 0; i < pieces; ++i) {

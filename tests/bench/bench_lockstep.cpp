@@ -18,8 +18,8 @@
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/cycle/simulated_robot.hpp"
 #include "robot/procedure/operator.hpp"
+#include "sim/plant/batch/batch.hpp"
 #include "sim/plant/model_file.hpp"
-#include "sim/plant/batch.hpp"
 #include "sim/plant/seeded_noise.hpp"
 #include "sim/plant/stepper.hpp"
 #include "sim/simulated_stage.hpp"
@@ -35,7 +35,7 @@ constexpr int kRepetitions = 7;
 constexpr int kTicks = 30'000;  // of the plant alone
 constexpr double kTick_s = 1e-3;
 constexpr std::size_t kBatch = 64;  // stages
-double keep = 0.0;  // read at the end, so that nothing is optimised away
+double keep = 0.0;                  // read at the end, so that nothing is optimised away
 
 // Seconds for one call, the fastest of several.
 double best_of(const std::function<void()>& work) {
@@ -172,7 +172,8 @@ std::vector<sim::PlantModel> stages_around(const sim::PlantModel& reference) {
 }
 
 // Deflection of the first stage.
-std::vector<double> batch_run(const std::vector<sim::PlantModel>& models, const std::vector<double>& voltage) {
+std::vector<double> batch_run(const std::vector<sim::PlantModel>& models,
+                              const std::vector<double>& voltage) {
   std::vector<double> x, volts(models.size());
   sim::PlantBatch batch(models, Seconds(kTick_s));
   for (const double now : voltage) {
@@ -241,7 +242,8 @@ void measure_lockstep(BenchResult& result) {
 int run(const std::string& out, const std::string& earlier) {
   BenchResult result;
   result.set_peer("cvode 1e-05");  // the nearest that is not more exact
-  fmt::print("CPU time, best of {} on one core{:<21}{:>10}{:>12}\n", kRepetitions, "", "ns/tick", "x real time");
+  fmt::print("CPU time, best of {} on one core{:<21}{:>10}{:>12}\n", kRepetitions, "", "ns/tick",
+             "x real time");
   measure_lockstep(result);
   measure_plants(result);
   if (!std::isfinite(keep)) return 1;

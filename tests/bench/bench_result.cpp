@@ -67,7 +67,8 @@ std::string BenchResult::losses(const std::filesystem::path& file) const {
     throw ConfigError("no figures of a bench", file.string(), "write one with --out");
   std::string text;
   for (const Figure& one : figures_) {
-    const double was = earlier["figures"].value(one.name, nlohmann::json::object()).value("ratio_to_peer", 0.0);
+    const double was =
+        earlier["figures"].value(one.name, nlohmann::json::object()).value("ratio_to_peer", 0.0);
     const double is = ratio(one);
     if (was > 0.0 && is > kMostOfEarlier * was)
       text += fmt::format("{}: {:.3f} of the peer's time, {:.3f} earlier\n", one.name, is, was);

@@ -1,6 +1,6 @@
 // Figures of a bench: printed, kept as a file with the machine that gave them, and held against earlier ones.
-// A machine is known only beside others, so what is held is each figure's ratio to a peer measured in the same
-// run, not its time.
+// A machine is known only beside others, so what is held is each figure's ratio to a peer measured in the
+// same run, not its time.
 #pragma once
 
 #include <filesystem>

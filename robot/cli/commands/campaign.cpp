@@ -39,9 +39,9 @@ void declare(CLI::App& app, Options& options) {
       "every kind, in sizes from small to gross");
   add(app, "--runs N", options.runs, "rehearsals of each fault, with seeds from `--seed` up", "20")
       ->check(in_range(1, 100'000));
-  CLI::Option* shard =
-      add(app, "--shard I/N", options.shard,
-          "rehearse the I-th of N parts only and keep it in `shards`, unless it is there already", "all of it");
+  CLI::Option* shard = add(
+      app, "--shard I/N", options.shard,
+      "rehearse the I-th of N parts only and keep it in `shards`, unless it is there already", "all of it");
   add(app, "--merge N", options.merge, "rehearse nothing: put the N parts in `shards` together", "not")
       ->check(in_range(1, kShardsMax))
       ->excludes(shard);
@@ -107,31 +107,30 @@ Result conclude(const CampaignRuns& campaign, const fs::path& out, bool interrup
   atomic_write(out / "campaign.json", text);
   return {
       .exit_code = all.beyond > 0 ? 3 : 0,
-      .text =
-          table_of(results) +
-          fmt::format(
-              "\n{} of {} rehearsals beyond target + {:g} mm; share below {:.2g} % at 95 % confidence\n"
-              "numbers: {}\n",
-              all.beyond, all.runs, kBeyondMost_mm, 100.0 * all.beyond_upper95(),
-              (out / "campaign.json").string()),
+      .text = table_of(results) +
+              fmt::format(
+                  "\n{} of {} rehearsals beyond target + {:g} mm; share below {:.2g} % at 95 % confidence\n"
+                  "numbers: {}\n",
+                  all.beyond, all.runs, kBeyondMost_mm, 100.0 * all.beyond_upper95(),
+                  (out / "campaign.json").string()),
       .json = text};
 }
 
 // Of this program and of what its rehearsals depend on.
 std::string identity_of(const Options& options, const PreparedCase& prepared) {
   const Rehearsal& rehearsal = prepared.given.rehearsal;
-  std::string text = fmt::format("{} {} {} {} {}\n", planner::plan_tag(std::get<Plan>(prepared.plan)),
-                                 prepared.given.seed, options.runs, prepared.given.weight.value,
-                                 rehearsal.scan.count());
-  for (const fs::path& file : {fs::path("/proc/self/exe"), rehearsal.model, rehearsal.tissues, options.faults})
+  std::string text =
+      fmt::format("{} {} {} {} {}\n", planner::plan_tag(std::get<Plan>(prepared.plan)), prepared.given.seed,
+                  options.runs, prepared.given.weight.value, rehearsal.scan.count());
+  for (const fs::path& file :
+       {fs::path("/proc/self/exe"), rehearsal.model, rehearsal.tissues, options.faults})
     if (!file.empty()) text += hex(sha256(read_file(file)));
   return hex(sha256(text));
 }
 
 Result refused(const PlanRefusal& refusal) {
-  return {.exit_code = 3,
-          .text = fmt::format("no plan: {}; {}\n", refusal.what, refusal.remedy),
-          .json = "null"};
+  return {
+      .exit_code = 3, .text = fmt::format("no plan: {}; {}\n", refusal.what, refusal.remedy), .json = "null"};
 }
 
 struct Rehearsals {
@@ -154,9 +153,8 @@ Rehearsals rehearse(const Options& options, const PreparedCase& prepared, const 
                                                         sim::read_faults(options.faults)}};
   ProgressLine line;
   Rehearsals out{run_campaign(
-      prepared, entries,
-      {.runs = options.runs, .seed = prepared.given.seed, .shard = shard, .stop = stop}, scratch,
-      [&line](double share, const std::string& what) { line.show(share, what); })};
+      prepared, entries, {.runs = options.runs, .seed = prepared.given.seed, .shard = shard, .stop = stop},
+      scratch, [&line](double share, const std::string& what) { line.show(share, what); })};
   out.campaign.identity = identity;
   return out;
 }

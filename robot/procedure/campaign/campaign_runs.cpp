@@ -56,7 +56,8 @@ json to_json(const CampaignRun& run) {
           {"beyond_mm", run.beyond_mm},
           {"from_depth_mm", run.from_depth_mm},
           {"detected_by", run.detected_by},
-          {"detected_after_ms", std::isfinite(run.detected_after_ms) ? json(run.detected_after_ms) : json(nullptr)}};
+          {"detected_after_ms",
+           std::isfinite(run.detected_after_ms) ? json(run.detected_after_ms) : json(nullptr)}};
 }
 
 // The values of a shard's file, each checked.
@@ -90,7 +91,8 @@ class ShardReader {
 
  private:
   [[noreturn]] void refuse(const std::string& what) const {
-    throw ConfigError("no shard of a campaign: " + what, file_.string(), "delete it and run that shard again");
+    throw ConfigError("no shard of a campaign: " + what, file_.string(),
+                      "delete it and run that shard again");
   }
   void check_keys(const json& object, std::initializer_list<const char*> keys) const {
     if (!object.is_object() || object.size() != keys.size()) refuse("its values are not those of a shard");

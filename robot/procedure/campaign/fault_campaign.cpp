@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr double kFirstBegin = 0.05, kLastBegin = 0.95;
 
 CampaignRun run_one(const PreparedCase& prepared, const FaultEntry& entry, std::uint64_t seed,
-                  const fs::path& folder, const std::stop_token& stop) {
+                    const fs::path& folder, const std::stop_token& stop) {
   const double target_mm = std::get<Plan>(prepared.plan).target_depth.value;
   CampaignRun result;
   std::vector<sim::Fault> faults = entry.faults;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <random>
 
 #include "robot/common/config_error.hpp"
@@ -17,11 +18,13 @@ CampaignRuns drawn_campaign(unsigned seed, std::size_t entries, std::size_t each
   std::mt19937_64 dice(seed);
   std::normal_distribution<double> any(0.0, 3.0);
   CampaignRuns campaign{.identity = "abc", .target_mm = any(dice), .seed = 7, .each = each};
-  for (std::size_t e = 0; e < entries; ++e) campaign.names.push_back("fault \"" + std::to_string(e) + "\" \u00b5");
+  for (std::size_t e = 0; e < entries; ++e)
+    campaign.names.push_back("fault \"" + std::to_string(e) + "\" \u00b5");
   for (std::size_t i = 0; i < entries * each; ++i) {
     CampaignRun run{.done = true, .began = dice() % 2 == 0, .completed = dice() % 3 == 0};
     run.beyond_mm = any(dice), run.from_depth_mm = any(dice) * 1e-17;
-    if (dice() % 2 == 0) run.detected_by = "H-0" + std::to_string(dice() % 9), run.detected_after_ms = any(dice) / 3.0;
+    if (dice() % 2 == 0)
+      run.detected_by = "H-0" + std::to_string(dice() % 9), run.detected_after_ms = any(dice) / 3.0;
     campaign.runs.push_back(run);
   }
   return campaign;
@@ -96,12 +99,12 @@ TEST(CampaignShards, DamagedFilesAreRefusedOrReadWithinTheirRanges) {
   const std::string whole = read_file(file);
   std::mt19937_64 dice(5);
   int refused = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     std::string damaged = whole;
     if (dice() % 3 == 0) damaged.resize(dice() % damaged.size());
     for (int k = 0; k < 3 && !damaged.empty(); ++k)
       damaged[dice() % damaged.size()] = "0123456789-eE.\"{}[],:xnull"[dice() % 26];
-    atomic_write(file, damaged);
+    std::ofstream(file, std::ios::binary) << damaged;
     try {
       const CampaignRuns read = read_shard(file, {1, 2});
       EXPECT_LE(std::abs(read.target_mm), 1e4);
@@ -110,14 +113,14 @@ TEST(CampaignShards, DamagedFilesAreRefusedOrReadWithinTheirRanges) {
       ++refused;
     }
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(refused, 300);
 }
 
 TEST(CampaignShards, AreGivenAsPartAndNumberOfParts) {
   EXPECT_EQ(parse_shard("1/1"), (Shard{1, 1}));
   EXPECT_EQ(parse_shard("64/100000"), (Shard{64, 100'000}));
-  for (const char* wrong : {"", "/", "1", "1/", "/2", "0/2", "3/2", "1/2/3", "1/100001", "-1/2", "1/-2", " 1/2", "1/2 ",
-                            "1.0/2", "99999999999999999999/99999999999999999999"})
+  for (const char* wrong : {"", "/", "1", "1/", "/2", "0/2", "3/2", "1/2/3", "1/100001", "-1/2", "1/-2",
+                            " 1/2", "1/2 ", "1.0/2", "99999999999999999999/99999999999999999999"})
     EXPECT_THROW(parse_shard(wrong), ConfigError) << wrong;
 }
 

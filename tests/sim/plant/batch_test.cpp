@@ -1,6 +1,6 @@
 // Stages in lanes give what step() gives, to the bit. Models and drives are drawn: the reference values times
 // 0.5 to 2, voltages that ramp, jump and change sign, pushes; nothing here knows how lanes are made.
-#include "sim/plant/batch.hpp"
+#include "sim/plant/batch/batch.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,8 +25,9 @@ class Dice {
 PlantModel drawn_model(Dice& dice) {
   PlantModel model;
   Baseline& b = model.baseline;
-  for (double Baseline::*value : {&Baseline::tau, &Baseline::V0, &Baseline::H_0, &Baseline::tau_h, &Baseline::k,
-                                  &Baseline::c_k, &Baseline::c_s, &Baseline::d_film, &Baseline::m_B})
+  for (double Baseline::*value :
+       {&Baseline::tau, &Baseline::V0, &Baseline::H_0, &Baseline::tau_h, &Baseline::k, &Baseline::c_k,
+        &Baseline::c_s, &Baseline::d_film, &Baseline::m_B})
     b.*value *= std::exp2(dice.between(-1.0, 1.0));
   b.K = dice.between(0.3, 1.0);
   model.weight = dice.between(0.0, 0.2);
@@ -74,8 +75,8 @@ std::size_t compare(const std::vector<PlantModel>& models, Dice& dice, std::size
     for (double& force : push) force = dice.one_in(50) ? dice.between(-0.2, 0.4) : force;
     batch.step(voltage, push);
     for (std::size_t i = 0; i < models.size(); ++i) {
-      alone[i] = step(models[i], alone[i],
-                      {.voltage = voltage[i], .external_force = pushed ? push[i] : 0.0}, kPeriod);
+      alone[i] = step(models[i], alone[i], {.voltage = voltage[i], .external_force = pushed ? push[i] : 0.0},
+                      kPeriod);
       expect_same(batch.state(i), alone[i], i, k);
       if (testing::Test::HasFatalFailure()) return 0;
       EXPECT_EQ(batch.x(i), alone[i].motion.x);

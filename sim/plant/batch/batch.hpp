@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/plant/lanes.hpp"
+#include "sim/plant/batch/lanes.hpp"
 #include "sim/plant/stepper.hpp"
 
 namespace biopsy::sim {

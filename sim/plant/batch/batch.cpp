@@ -1,4 +1,4 @@
-#include "sim/plant/batch.hpp"
+#include "sim/plant/batch/batch.hpp"
 
 #include <cassert>
 #include <cmath>
@@ -78,7 +78,8 @@ PlantState PlantBatch::state(std::size_t i) const {
   const LaneStates& lanes = blocks_[places_[i].block].states;
   const std::size_t lane = places_[i].lane;
   state.motion.H = lanes.H[lane], state.motion.x = lanes.x[lane], state.motion.v = lanes.v[lane];
-  state.u_command = state.u_i = lanes.u_i[lane], state.u_o = lanes.u_o[lane], state.charge = lanes.charge[lane];
+  state.u_command = state.u_i = lanes.u_i[lane], state.u_o = lanes.u_o[lane],
+  state.charge = lanes.charge[lane];
   state.x_max = lanes.x_max[lane], state.time = lanes.time[lane];
   state.readings = steps_;
   return state;
@@ -94,7 +95,8 @@ void PlantBatch::step_block(Block& block) {
     PlantState one = state(i);
     steppers_[i].advance(
         models_[i], one,
-        {.voltage = block.inputs.voltage[lane], .external_force = block.inputs.external_force[lane]}, period_);
+        {.voltage = block.inputs.voltage[lane], .external_force = block.inputs.external_force[lane]},
+        period_);
     write(one, after, lane);
   }
   block.states = after;
@@ -113,7 +115,8 @@ void PlantBatch::step(std::span<const double> voltage, std::span<const double> e
     if (!in_lane(i))
       steppers_[i].advance(
           models_[i], states_[i],
-          {.voltage = voltage[i], .external_force = external_force.empty() ? 0.0 : external_force[i]}, period_);
+          {.voltage = voltage[i], .external_force = external_force.empty() ? 0.0 : external_force[i]},
+          period_);
   ++steps_;
 }
 

@@ -1,6 +1,6 @@
 // Compiled for several instruction sets; which one runs is chosen at start. No multiplication is fused with
 // an addition in any, so that all give the same bits.
-#include "sim/plant/lanes.hpp"
+#include "sim/plant/batch/lanes.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
-// biopsy-mpi: a campaign on the ranks of an MPI job. Each rank runs `biopsy ... --shard RANK/SIZE` as a process of
-// its own; when all are done the first puts the parts together. A shard that is there is not run again, so that a job
-// that lost a rank is started anew as it was.
+// biopsy-mpi: a campaign on the ranks of an MPI job. Each rank runs `biopsy ... --shard RANK/SIZE` as a
+// process of its own; when all are done the first puts the parts together. A shard that is there is not run
+// again, so that a job that lost a rank is started anew as it was.
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -48,7 +48,8 @@ int run(const Ranks& ranks, std::vector<std::string> words) {
   };
   const biopsy::ProcessResult own = with("--shard", fmt::format("{}/{}", ranks.rank() + 1, ranks.size()));
   if (own.exit_code != 0)
-    fmt::print(stderr, "rank {} of {}: exit code {}\n{}", ranks.rank(), ranks.size(), own.exit_code, own.text);
+    fmt::print(stderr, "rank {} of {}: exit code {}\n{}", ranks.rank(), ranks.size(), own.exit_code,
+               own.text);
   if (const int worst = ranks.largest(own.exit_code); worst != 0) return worst;
   int code = 0;
   if (ranks.rank() == 0) {
@@ -65,7 +66,9 @@ int main(int argc, char** argv) {
   const Ranks ranks(argc, argv);
   if (argc < 2) {
     if (ranks.rank() == 0)
-      fmt::print(stderr, "error: no command; for example\n  mpirun -n 2 biopsy-mpi campaign liver --out out/campaign\n");
+      fmt::print(
+          stderr,
+          "error: no command; for example\n  mpirun -n 2 biopsy-mpi campaign liver --out out/campaign\n");
     return 2;
   }
   return run(ranks, {argv + 1, argv + argc});

@@ -10,7 +10,8 @@ inline constexpr std::size_t kLanes = 8;
 
 using PerLane = double[kLanes];
 
-// Of the models, SI; what the formulas of mechanics.cpp and pouch.hpp combine of constants, combined as there.
+// Of the models, SI; what the formulas of mechanics.cpp and pouch.hpp combine of constants, combined as
+// there.
 struct LaneConstants {
   PerLane K, C1, mass, mass_g, H_0, n, k, c_k, c_k_n, c_s, tau_h, load_B;
   PerLane permittivity, film, L0, a, a_H;  // of pressure and equilibrium

@@ -1,4 +1,4 @@
-#include "sim/plant/row_times.hpp"
+#include "sim/plant/recording/row_times.hpp"
 
 #include <fmt/format.h>
 
