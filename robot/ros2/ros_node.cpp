@@ -1,11 +1,11 @@
 #include "robot/ros2/ros_node.hpp"
 
 #include <fmt/format.h>
+#include <ros2_messages.h>
 
 #include <cstring>
 #include <memory>
 
-#include "messages.h"
 #include "robot/common/config_error.hpp"
 #include "robot/ros2/type_hashes.hpp"
 #include "robot/security/cyclone_xml.hpp"

@@ -1,8 +1,8 @@
 #include "robot/ros2/state_publisher.hpp"
 
 #include <fmt/format.h>
+#include <ros2_messages.h>
 
-#include "messages.h"
 #include "robot/ros2/diagnostics.hpp"
 #include "safety/types/transitions.hpp"
 

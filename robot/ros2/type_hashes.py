@@ -66,8 +66,8 @@ def main(idl: Path, header: Path) -> int:
     structs = structs_of(idl.read_text())
     lines = [f'  if (type == "{name}") return "{hash_of(structs, name)}";' for name in structs]
     header.parent.mkdir(parents=True, exist_ok=True)
-    header.write_text("// Made of messages.idl by type_hashes.py.\n#pragma once\n\n#include <string_view>\n\n"
-                      "namespace biopsy::ros2 {\n\n// Of a type such as std_msgs/msg/Header; empty: not one of messages.idl.\n"
+    header.write_text("// Made of ros2_messages.idl by type_hashes.py.\n#pragma once\n\n#include <string_view>\n\n"
+                      "namespace biopsy::ros2 {\n\n// Of a type such as std_msgs/msg/Header; empty: not one of ros2_messages.idl.\n"
                       "constexpr std::string_view type_hash(std::string_view type) {\n" + "\n".join(lines) +
                       "\n  return {};\n}\n\n}  // namespace biopsy::ros2\n")
     return 0
