@@ -222,6 +222,7 @@ int main(int argc, char** argv) {
       std::printf("participant %s %s\n", hex(found.key.v).c_str(), user_data(found.qos).c_str());
     dds_return_loan(participants, &sample, 1);
   }
-  dds_delete(participant);
-  return samples.size() == 6 ? 0 : 1;
+  // Without Cyclone DDS's own end: with security 0.10.2 crashes in it now and then, after all was read.
+  std::fflush(stdout);
+  std::_Exit(samples.size() == 6 ? 0 : 1);
 }
