@@ -6,23 +6,9 @@
 
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/common/text/strict_number.hpp"
 #include "robot/procedure/case/rehearsal_settings.hpp"
 
 namespace biopsy::robot {
-
-CLI::Validator in_range(double low, double high, const std::string& unit) {
-  std::string range = fmt::format("{:.10g} to {:.10g}{}{}", low, high, unit.empty() ? "" : " ", unit);
-  std::erase(range, '+');  // 9e+15
-  return CLI::Validator(
-      [low, high, range](std::string& typed) {
-        const auto value = strict_number(typed);
-        return value && *value >= low && *value <= high
-                   ? std::string()
-                   : fmt::format("`{}` is not a number in the range {}", typed, range);
-      },
-      range);
-}
 
 CLI::Option* add_out(CLI::App& app, std::filesystem::path& out, const std::string& content) {
   return add(app, "--out FOLDER", out, "folder for " + content);
@@ -119,18 +105,6 @@ void check_device_options(const std::string& device, const HardwareOptions& hard
   if (drivers::is_simulated(device) && (!hardware.config.empty() || !hardware.commissioning.empty()))
     throw ConfigError("--device-config or --commissioning for the simulated stage, which has neither",
                       "command line", "leave them out, or add --device nidaqmx");
-}
-
-bool parse_arguments(CLI::App& command, const std::string& program, int argc, char** argv) {
-  try {
-    command.parse(argc, argv);
-    return true;
-  } catch (const CLI::CallForHelp& help) {
-    command.exit(help);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    throw ConfigError(error.what(), program, fmt::format("`{} --help` explains the options", program));
-  }
 }
 
 }  // namespace biopsy::robot

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "robot/cli/command_parsing.hpp"
 #include "robot/live/session/live_options.hpp"
 #include "robot/procedure/procedure_options.hpp"
 
@@ -19,9 +20,6 @@ CLI::Option* add(CLI::App& app, const std::string& words, T& value, const std::s
   CLI::Option* option = app.add_option(words.substr(0, blank), value, meaning)->default_str(default_text);
   return blank == std::string::npos ? option : option->type_name(words.substr(blank + 1));
 }
-
-// A finite number within the range, in `unit`.
-CLI::Validator in_range(double low, double high, const std::string& unit = {});
 
 // --out FOLDER and, where it is not required, no files without it.
 CLI::Option* add_out(CLI::App& app, std::filesystem::path& out, const std::string& content);
@@ -56,8 +54,5 @@ void add_device(CLI::App& app, std::string& device);
 void add_device_options(CLI::App& app, std::string& device, HardwareOptions& hardware);
 // Throws ConfigError where they do not fit together.
 void check_device_options(const std::string& device, const HardwareOptions& hardware);
-
-// Of a program beside `biopsy`. False after --help. Throws ConfigError for words that are not understood.
-bool parse_arguments(CLI::App& command, const std::string& program, int argc, char** argv);
 
 }  // namespace biopsy::robot

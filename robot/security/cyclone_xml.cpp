@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "robot/common/config_error.hpp"
-#include "robot/security/key_files.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -84,8 +83,7 @@ std::string file(const char* element, const fs::path& path) {
   return fmt::format("<{0}>file:{1}</{0}>", element, escaped(fs::absolute(path).string()));
 }
 
-std::string security(const Security& keys) {
-  const RoleFiles files = role_files(keys.folder, keys.role);
+std::string security(const RoleFiles& files) {
   return "<Security><Authentication>" + library("dds_security_auth", "authentication") +
          file("IdentityCA", files.identity_ca) + file("IdentityCertificate", files.identity) +
          file("PrivateKey", files.private_key) + "</Authentication><AccessControl>" +
@@ -100,7 +98,10 @@ std::string security(const Security& keys) {
 std::string cyclone_xml(const CycloneOptions& options) {
   return R"(<CycloneDDS xmlns="https://cdds.io/config"><Domain Id="any">)" +
          (options.interface.empty() ? kThisMachine : on_network(options.interface)) + discovery(options) +
-         (options.security ? security(*options.security) : "") + "</Domain></CycloneDDS>";
+         (options.enclave    ? security(*options.enclave)
+          : options.security ? security(role_files(options.security->folder, options.security->role))
+                             : "") +
+         "</Domain></CycloneDDS>";
 }
 
 }  // namespace biopsy::security

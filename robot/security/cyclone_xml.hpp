@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "robot/msg/topics.hpp"
+#include "robot/security/key_files.hpp"
 
 namespace biopsy::security {
 
@@ -18,6 +18,7 @@ struct Security {
 struct CycloneOptions {
   std::string interface;              // name of a network interface; empty: this machine only (loopback)
   std::optional<Security> security;   // nothing: no authentication, no encryption
+  std::optional<RoleFiles> enclave;   // instead of `security`: files of a keystore that is not ours
   std::optional<int> domain_on_wire;  // 0 to 230, where it differs from the id given to dds_create_domain:
                                       // two roles in one process
 };

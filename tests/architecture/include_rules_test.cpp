@@ -53,6 +53,7 @@ const std::vector<Folder> kFolders{
     {"robot/procedure", 6, {}},
     {"robot/live", 6, {}},
     {"robot/igtl", 7, {}},
+    {"robot/ros2", 7, {}},
     {"robot/live/session", 7, {}},
     {"robot/live/processes", 7, {}},
     {"robot/bench", 8, {}},

@@ -47,6 +47,8 @@ struct Options {
   std::uint16_t port = 0;  // of that page; 0: any that is free
   std::string igtl;        // dialect; empty: no navigation program can connect
   std::uint16_t igtl_port = 18944;
+  bool ros2 = false;             // publish the state as topics of ROS 2
+  std::int32_t ros_domain = -1;  // as ROS_DOMAIN_ID says, or 0
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -82,6 +84,12 @@ void declare(CLI::App& app, Options& options) {
       "18944")
       ->check(in_range(0, 65535))
       ->needs(igtl);
+  app.add_flag("--ros2", options.ros2,
+               "publish the robot's state as topics of [ROS 2](../how-to/ros2.md), on this machine")
+      ->excludes(prepare);
+  add(app, "--ros-domain N", options.ros_domain, "DDS domain of ROS 2, another than that of the robot",
+      "`ROS_DOMAIN_ID`, or 0")
+      ->check(in_range(0, 230));
   add_image_source(app, options.procedure, console);
   app.get_option("--scan")->needs(console);
   add_live_options(app, options.live, nullptr);
@@ -168,6 +176,17 @@ std::vector<std::string> igtl_arguments(const Options& options) {
   return words;
 }
 
+void start_ros2(const Options& options, LiveSession& session) {
+  std::vector<std::string> words;
+  if (options.ros_domain >= 0) words = {"--ros-domain", std::to_string(options.ros_domain)};
+  if (options.ros2) session.launcher().start_observer("biopsy-ros2", words);
+}
+
+void watch_ros2(LiveSession& session) {
+  if (const auto alone = session.launcher().observer_ended())
+    kLog.error("{}; nothing is published to ROS 2", *alone);
+}
+
 // How a session came to its end.
 struct Ending {
   std::optional<std::string> ended;  // a process, by itself
@@ -192,6 +211,7 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
   std::filesystem::remove(address);
   session.launcher().start(Process::Person, console_arguments(options));
   if (!options.igtl.empty()) session.launcher().start(Process::Navigation, igtl_arguments(options));
+  start_ros2(options, session);
   const auto started = Clock::now();
   std::optional<std::string> ended;
   bool announced = false;
@@ -213,6 +233,7 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
     }
     if (const auto alone = session.launcher().ended(Process::Navigation))
       kLog.error("{}; no navigation program can connect", *alone);
+    watch_ros2(session);
     if (!ended && Clock::now() > restart_at) {
       restart_at = kNever;
       ++restarts;
@@ -232,6 +253,7 @@ Ending run_without_console(const Options& options, const PreparedCase& prepared,
   LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out);
   session.wait_until_healthy();
   session.send_plan(std::get<Plan>(prepared.plan));
+  start_ros2(options, session);
   context.say(fmt::format("up: {}; Ctrl-C brings it down",
                           session.settings().keys.empty() ? "WITHOUT security" : "secured"));
   ProgressLine line;
@@ -243,6 +265,7 @@ Ending run_without_console(const Options& options, const PreparedCase& prepared,
     const OperatorInputs idle = OperatorInputs::idle();  // the E-stop is released, no key is turned
     cycle = session.robot().tick(idle);
     if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), cycle, lines));
+    watch_ros2(session);
     ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;
@@ -266,6 +289,11 @@ Result prepare_only(const Options& options, const PreparedCase& prepared) {
 Result run(const Options& options, const Context& context) {
   realtime::StopSignals signals;
   const auto started = Clock::now();
+  const bool ros_domain_known = options.ros_domain >= 0 || std::getenv("ROS_DOMAIN_ID") == nullptr;
+  if (options.ros2 && ros_domain_known &&
+      std::max(options.ros_domain, 0) == static_cast<int>(options.live.domain))
+    throw ConfigError(fmt::format("ROS 2 and the robot would share DDS domain {}", options.live.domain),
+                      "command line", "give one of them another: --domain N or --ros-domain N");
   check_device_options(options.device, options.hardware);
   if (!drivers::is_simulated(options.device) && !options.procedure.model.empty())
     throw ConfigError("--model with a real stage, which is not simulated", "command line", "leave it out");
@@ -313,6 +341,7 @@ Command up_command() {
                       {"*.log", "the [diagnostic log](diagnostic-log.md) of each process", true},
                       {"console", "with `--console`: a folder for each run"},
                       {"navigation.txt", "with `--igtl`: where it listens"},
+                      {"biopsy-ros2.txt", "with `--ros2`: what it publishes"},
                       {"console.url", "with `--console`: the page's address"}},
           .replaces_earlier_run = true,
           .json =

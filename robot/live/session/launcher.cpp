@@ -32,6 +32,54 @@ std::string ending(int status) {
   return fmt::format("ended with code {}", WEXITSTATUS(status));
 }
 
+bool wait_for(pid_t& pid, std::chrono::milliseconds patience, int& status) {
+  for (auto waited = std::chrono::milliseconds(0); waited <= patience; waited += kPoll) {
+    if (waitpid(pid, &status, WNOHANG) == pid) {
+      pid = -1;
+      return true;
+    }
+    std::this_thread::sleep_for(kPoll);
+  }
+  return false;
+}
+
+// SIGTERM, and SIGKILL two seconds later.
+int end(pid_t& pid) {
+  int status = 0;
+  kill(pid, SIGCONT);  // a stopped process takes no SIGTERM
+  kill(pid, SIGTERM);
+  if (!wait_for(pid, kPatience, status)) {
+    kill(pid, SIGKILL);
+    wait_for(pid, kPatience, status);
+  }
+  return status;
+}
+
+// Errors that a program printed, or its last line.
+std::string last_message(const fs::path& output) {
+  std::istringstream file(read_file_if_present(output));
+  std::string words;
+  std::string last;
+  bool error = false;
+  for (std::string line; std::getline(file, line);) {
+    error = error || line.starts_with("error:");
+    if (error) words += "\n  " + line;
+    last = line;
+  }
+  return words.empty() && !last.empty() ? ": " + last : words;
+}
+
+fs::path output_of(const fs::path& run_folder, std::string_view name) {
+  return run_folder / fmt::format("{}.txt", name);
+}
+
+std::optional<std::string> ended_by_itself(const std::string& program, const fs::path& output, pid_t& pid) {
+  int status = 0;
+  if (pid < 0 || waitpid(pid, &status, WNOHANG) != pid) return std::nullopt;
+  pid = -1;
+  return fmt::format("{} {}{}", program, ending(status), last_message(output));
+}
+
 // Folder of this program, or above it for tests and benches.
 fs::path programs_folder() {
   fs::path own = fs::read_symlink("/proc/self/exe").parent_path();
@@ -73,70 +121,54 @@ void Launcher::start() {
   for (const Process process : kStartOrder) start(process);
 }
 
-void Launcher::start(Process process, const std::vector<std::string>& more) {
-  const fs::path program = programs_ / program_of(process);
-  if (!fs::exists(program))
-    throw ConfigError(fmt::format("{} is missing", program_of(process)), programs_.string(),
+pid_t Launcher::spawn(const std::string& program, std::vector<std::string> words,
+                      const fs::path& output) const {
+  const fs::path path = programs_ / program;
+  if (!fs::exists(path))
+    throw ConfigError(fmt::format("{} is missing", program), programs_.string(),
                       "install biopsy-live, or build all programs into one folder");
-  // The interlock uses the digital I/O only.
-  std::vector<std::string> words{program.string(),
-                                 (process == Process::Interlock ? lines_folder_ : run_folder_).string()};
-  if (process == Process::Interlock)
-    words.insert(words.end(), {"--log-file", (run_folder_ / "interlock.log").string()});
-  words.insert(words.end(), more.begin(), more.end());
+  words.insert(words.begin(), path.string());
   std::vector<char*> pointers;
   pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  const std::string output = (run_folder_ / fmt::format("{}.txt", name_of(process))).string();
+  const std::string file = output.string();
   const pid_t pid = fork();
-  if (pid == 0) become(pointers.data(), output.c_str());
+  if (pid == 0) become(pointers.data(), file.c_str());
   if (pid < 0)
-    throw ConfigError("no new process can be made", program.string(), "see `ulimit -u` and free memory");
-  pids_[static_cast<std::size_t>(process)] = pid;
+    throw ConfigError("no new process can be made", path.string(), "see `ulimit -u` and free memory");
+  return pid;
 }
 
-bool Launcher::wait_for(Process process, std::chrono::milliseconds patience, int& status) {
-  pid_t& pid = pids_[static_cast<std::size_t>(process)];
-  for (auto waited = std::chrono::milliseconds(0); waited <= patience; waited += kPoll) {
-    if (waitpid(pid, &status, WNOHANG) == pid) {
-      pid = -1;
-      return true;
-    }
-    std::this_thread::sleep_for(kPoll);
-  }
-  return false;
+void Launcher::start(Process process, const std::vector<std::string>& more) {
+  // The interlock uses the digital I/O only.
+  std::vector<std::string> words{(process == Process::Interlock ? lines_folder_ : run_folder_).string()};
+  if (process == Process::Interlock)
+    words.insert(words.end(), {"--log-file", (run_folder_ / "interlock.log").string()});
+  words.insert(words.end(), more.begin(), more.end());
+  pids_[static_cast<std::size_t>(process)] =
+      spawn(program_of(process), std::move(words), output_of(run_folder_, name_of(process)));
+}
+
+void Launcher::start_observer(const std::string& program, const std::vector<std::string>& more) {
+  std::vector<std::string> words{run_folder_.string()};
+  words.insert(words.end(), more.begin(), more.end());
+  observers_[program] = spawn(program, std::move(words), output_of(run_folder_, program));
 }
 
 std::vector<std::string> Launcher::stop() {
   std::vector<std::string> trouble;
-  for (const Process process : kStopOrder) {
-    const pid_t pid = pid_of(process);
-    if (pid < 0) continue;
-    int status = 0;
-    kill(pid, SIGCONT);  // a stopped process takes no SIGTERM
-    kill(pid, SIGTERM);
-    if (!wait_for(process, kPatience, status)) {
-      kill(pid, SIGKILL);
-      wait_for(process, kPatience, status);
-    }
+  const auto stop_one = [&](const std::string& program, const fs::path& output, pid_t& pid) {
+    if (pid < 0) return;
+    const int status = end(pid);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-      trouble.push_back(fmt::format("{} {}{}", program_of(process), ending(status), last_message(process)));
-  }
+      trouble.push_back(fmt::format("{} {}{}", program, ending(status), last_message(output)));
+  };
+  for (auto& [program, pid] : observers_) stop_one(program, output_of(run_folder_, program), pid);
+  for (const Process process : kStopOrder)
+    stop_one(program_of(process), output_of(run_folder_, name_of(process)),
+             pids_[static_cast<std::size_t>(process)]);
   return trouble;
-}
-
-std::string Launcher::last_message(Process process) const {
-  std::istringstream file(read_file_if_present(run_folder_ / fmt::format("{}.txt", name_of(process))));
-  std::string words;
-  std::string last;
-  bool error = false;
-  for (std::string line; std::getline(file, line);) {
-    error = error || line.starts_with("error:");
-    if (error) words += "\n  " + line;
-    last = line;
-  }
-  return words.empty() && !last.empty() ? ": " + last : words;
 }
 
 std::optional<std::string> Launcher::ended() {
@@ -146,11 +178,14 @@ std::optional<std::string> Launcher::ended() {
 }
 
 std::optional<std::string> Launcher::ended(Process process) {
-  pid_t& pid = pids_[static_cast<std::size_t>(process)];
-  int status = 0;
-  if (pid < 0 || waitpid(pid, &status, WNOHANG) != pid) return std::nullopt;
-  pid = -1;
-  return fmt::format("{} {}{}", program_of(process), ending(status), last_message(process));
+  return ended_by_itself(program_of(process), output_of(run_folder_, name_of(process)),
+                         pids_[static_cast<std::size_t>(process)]);
+}
+
+std::optional<std::string> Launcher::observer_ended() {
+  for (auto& [program, pid] : observers_)
+    if (auto how = ended_by_itself(program, output_of(run_folder_, program), pid)) return how;
+  return std::nullopt;
 }
 
 }  // namespace biopsy::robot

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ class Launcher {
   void start();
   // `more`: further arguments.
   void start(Process process, const std::vector<std::string>& more = {});
+  // A program beside the robot's processes that only looks on, such as "biopsy-ros2"; stopped before them.
+  // Throws ConfigError where it is missing.
+  void start_observer(const std::string& program, const std::vector<std::string>& more);
   // SIGTERM to each in turn; one that does not end within two seconds is killed. Returns a line for each that
   // did not end with code 0.
   std::vector<std::string> stop();
@@ -45,13 +49,15 @@ class Launcher {
   std::optional<std::string> ended();
   // The same of one process.
   std::optional<std::string> ended(Process process);
+  std::optional<std::string> observer_ended();
 
  private:
-  std::string last_message(Process process) const;
-  bool wait_for(Process process, std::chrono::milliseconds patience, int& status);
+  pid_t spawn(const std::string& program, std::vector<std::string> words,
+              const std::filesystem::path& output) const;
 
   std::filesystem::path run_folder_, lines_folder_, programs_;
   std::array<pid_t, kCount<Process>> pids_;
+  std::map<std::string, pid_t> observers_;  // by program
 };
 
 }  // namespace biopsy::robot

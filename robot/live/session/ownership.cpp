@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 using security::Role;
 
 // Roles that are processes of the installed system.
-constexpr std::array kProcessRoles{Role::Stage,    Role::Controller, Role::Supervisor,
-                                   Role::Recorder, Role::Console,    Role::Navigation};
+constexpr std::array kProcessRoles{Role::Stage,   Role::Controller, Role::Supervisor, Role::Recorder,
+                                   Role::Console, Role::Navigation, Role::Observer};
 
 std::string user_of(std::string_view process) {
   return fmt::format("biopsy-{}", process);

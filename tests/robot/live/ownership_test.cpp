@@ -69,7 +69,8 @@ TEST_F(OwnershipOfFiles, GivesKeysToTheirProcessAndNobodyElse) {
     EXPECT_EQ(file.mode & 077U, 0U) << name;
     const std::string role = name.substr(9, name.find('/', 9) - 9);
     const bool is_process = role == "stage" || role == "controller" || role == "supervisor" ||
-                            role == "recorder" || role == "console" || role == "navigation";
+                            role == "recorder" || role == "console" || role == "navigation" ||
+                            role == "observer";
     EXPECT_EQ(file.user, is_process ? "biopsy-" + role : "root") << name;
   }
   EXPECT_EQ(owners().at("run/keys").mode, 0711U) << "others may pass, but not list or add";
