@@ -68,8 +68,8 @@ set(SCRIPTS ${CMAKE_SOURCE_DIR}/cmake/packages/live)
 set(CPACK_DEBIAN_LIVE_PACKAGE_CONTROL_EXTRA ${SCRIPTS}/postinst ${SCRIPTS}/prerm ${SCRIPTS}/postrm)
 set(CPACK_DEBIAN_CONSOLE_PACKAGE_CONTROL_EXTRA ${SCRIPTS}/prerm)
 
-set(SBOM ${CMAKE_BINARY_DIR}/packages/biopsy.cdx.json)
 install(CODE "execute_process(COMMAND ${CMAKE_SOURCE_DIR}/cmake/packages/sbom ${CMAKE_BINARY_DIR} ${PROJECT_VERSION}
-  OUTPUT_FILE ${SBOM} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program EXCLUDE_FROM_ALL)
-install(FILES ${SBOM} DESTINATION share/doc/biopsy COMPONENT program EXCLUDE_FROM_ALL)
+  COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program EXCLUDE_FROM_ALL)
+install(FILES ${CMAKE_BINARY_DIR}/packages/biopsy.cdx.json ${CMAKE_BINARY_DIR}/packages/biopsy.spdx.json
+        DESTINATION share/doc/biopsy COMPONENT program EXCLUDE_FROM_ALL)
 include(CPack)

@@ -34,7 +34,7 @@ std::int32_t rounded(double value) {
 }  // namespace
 
 SimulatedStage::SimulatedStage(const PlantModel& model, std::uint64_t seed, const DeviceErrors& errors)
-    : model_(model), errors_(errors), seed_(seed), state_(at_rest(model)) {
+    : model_(model), stepper_(model), errors_(errors), seed_(seed), state_(at_rest(model)) {
   model_.noise_seed = seed;
 }
 
@@ -67,7 +67,8 @@ void SimulatedStage::move_brake(bool on, double holding) {
 
 void SimulatedStage::put_out(double volts, bool brake_on, double holding) {
   move_brake(brake_on, holding);
-  state_ = step(model_, state_, {.voltage = volts, .external_force = push_N_, .grip = grip_}, Seconds(kTick));
+  stepper_.advance(model_, state_, {.voltage = volts, .external_force = push_N_, .grip = grip_},
+                   Seconds(kTick));
   now_us_ += std::chrono::microseconds(kTick).count();
 }
 

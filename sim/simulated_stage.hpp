@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "drivers/needle_stage.hpp"
-#include "sim/plant/plant.hpp"
+#include "sim/plant/stepper.hpp"
 
 namespace biopsy::sim {
 
@@ -43,6 +43,7 @@ class SimulatedStage final : public drivers::NeedleStage {
 
  private:
   PlantModel model_;
+  Stepper stepper_;
   DeviceErrors errors_;
   std::uint64_t seed_;
   PlantState state_;

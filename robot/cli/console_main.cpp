@@ -66,7 +66,7 @@ void serve(const Options& options) {
   robot::NavigationLink navigation(bus);
   robot::ConsoleLoop loop(robot, navigation, std::move(opened),
                           {page_of(options), own, again ? before->port : options.port, simulated, first_token,
-                           again ? before->token : std::string()});
+                           again ? before->token : std::string(), kept / "console"});
   atomic_write(address_file, loop.url());
   fs::permissions(address_file, fs::perms::owner_read | fs::perms::owner_write);
   announce(loop.url());

@@ -15,11 +15,14 @@ extern char** environ;
 namespace biopsy {
 namespace {
 
-using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
 
 // What the program is to read: a file without a name, so that neither side waits for the other.
 File file_of(const std::string& input) {
-  File file(std::tmpfile(), &std::fclose);
+  File file(std::tmpfile());
   if (file == nullptr) return file;
   std::fwrite(input.data(), 1, input.size(), file.get());
   std::rewind(file.get());

@@ -25,6 +25,11 @@ std::int64_t now_in_us() {
   return realtime::monotonic_ns() / 1000;
 }
 
+std::int64_t wall_ms() {
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(wall).count();
+}
+
 template <class Message>
 console::SendQueue::Text text_of(const Message& message) {
   nlohmann::json json = message;
@@ -49,7 +54,10 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, NavigationLink& navigation, PreparedC
       session_(std::move(opened), settings.simulated, settings.folder, settings.first_token,
                [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                  robot.send_plan(plan, confirmed);
-               }) {
+               }),
+      alarms_(settings.kept / "alarms.jsonl", wall_ms()),
+      points_(settings.kept / "points.jsonl") {
+  points_.restore(session_);
   console::ServerCallbacks callbacks;
   callbacks.connected = [this](Client client) { on_connect(client); };
   callbacks.received = [this](Client client, const std::string& text) { on_message(client, text); };
@@ -78,11 +86,20 @@ void ConsoleLoop::on_message(Client client, const std::string& text) {
   const std::lock_guard lock(mutex_);
   std::optional<events::Answer> answer;
   try {
-    answer = session_.handle(client, console::command_from_json(text), now_in_us());
+    const console::commands::Any command = console::command_from_json(text);
+    answer = session_.handle(client, command, now_in_us());
+    const auto* seen = std::get_if<console::commands::Acknowledge>(&command);
+    if (seen != nullptr && session_.is_controlled_by(client)) {
+      alarms_.acknowledge(seen->newest, wall_ms());
+      log_command(client, text, "done");
+    }
   } catch (const console::MessageFault& fault) {
     answer = refusal(0, Refused::Malformed, fault.what());
   }
   if (!answer) return;
+  if (!answer->done)
+    alarms_.note({console::Severity::Notice, answer->code, answer->what, answer->robot_did, answer->to_do},
+                 wall_ms());
   log_command(client, text, answer->done ? "done" : answer->code + " " + answer->what);
   server_->send(client, text_of(*answer), Reliability::Reliable);
 }
@@ -93,6 +110,8 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
     const std::lock_guard lock(mutex_);
     const ConsoleSeries& series = session_.series();
     if (path == series.file_name()) return console::Document{"application/octet-stream", series.file()};
+    if (path == ConsoleSeries::kLabelsName && series.labels())
+      return console::Document{"application/octet-stream", series.labels()};
     if (path != "/report.html") return std::nullopt;
     written = session_.report();
   }
@@ -105,11 +124,7 @@ std::optional<console::Document> ConsoleLoop::document(const std::string& path) 
 
 // Commands to the console, done or refused; those that reached the robot are in the procedure log too.
 void ConsoleLoop::log_command(Client client, const std::string& text, const std::string& answer) {
-  const auto wall = std::chrono::system_clock::now().time_since_epoch();
-  const nlohmann::json act{{"at_ms", std::chrono::duration_cast<std::chrono::milliseconds>(wall).count()},
-                           {"page", client},
-                           {"asked", text},
-                           {"answer", answer}};
+  const nlohmann::json act{{"at_ms", wall_ms()}, {"page", client}, {"asked", text}, {"answer", answer}};
   std::ofstream(settings_.folder / "console-acts.jsonl", std::ios::app)
       << act.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) << '\n';
 }
@@ -130,7 +145,18 @@ void ConsoleLoop::send_states(std::int64_t now_us) {
   }
 }
 
+// To pages that are new, and to all when there is another.
+void ConsoleLoop::send_alarms() {
+  alarms_.update(session_.alarms(), wall_ms());
+  const bool changed = std::exchange(sent_alarms_, alarms_.version()) != alarms_.version();
+  if (changed ? sent_.empty() : new_clients_.empty()) return;
+  const console::SendQueue::Text text = text_of(alarms_.event());
+  for (const auto& [client, sent] : sent_)
+    if (changed || new_clients_.contains(client)) server_->send(client, text, Reliability::Reliable);
+}
+
 void ConsoleLoop::send_changes() {
+  send_alarms();
   const bool changed = std::exchange(sent_version_, session_.version()) != session_.version();
   const std::uint32_t series_version = session_.series().version();
   if (std::exchange(sent_series_, series_version) != series_version)
@@ -153,6 +179,7 @@ void ConsoleLoop::send_changes() {
   }
   new_clients_.clear();
   if (!changed) return;
+  points_.update(session_);
   for (const auto& [client, sent] : sent_) send_all(client);
 }
 

@@ -7,8 +7,10 @@
 #include <set>
 #include <string>
 
+#include "robot/console/kept_points.hpp"
 #include "robot/console/navigation_link.hpp"
 #include "robot/console/operator_session.hpp"
+#include "robot/console/server/alarm_history.hpp"
 #include "robot/console/server/http_server.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
 #include "robot/live/session/live_robot.hpp"
@@ -22,7 +24,8 @@ class ConsoleLoop {
     std::uint16_t port = 0;              // 0: any that is free
     bool simulated = true;
     std::uint32_t first_token = 1;
-    std::string token;  // of the address; empty: a new one
+    std::string token;                // of the address; empty: a new one
+    std::filesystem::path kept = {};  // folder of what outlives this start of the console
   };
   // `robot` and `navigation` must outlive this. Throws ConfigError.
   ConsoleLoop(LiveRobot& robot, NavigationLink& navigation, PreparedCase opened, const Settings& settings);
@@ -38,6 +41,7 @@ class ConsoleLoop {
   std::optional<console::Document> document(const std::string& path);
   void send_states(std::int64_t now_us);
   void send_changes();
+  void send_alarms();
   void log_command(console::Client client, const std::string& text, const std::string& answer);
 
   LiveRobot& robot_;
@@ -45,9 +49,11 @@ class ConsoleLoop {
   Settings settings_;
   std::mutex mutex_;  // of the session and the record of what was sent
   OperatorSession session_;
+  console::AlarmHistory alarms_;
+  KeptPoints points_;
   std::map<console::Client, std::string> sent_;  // last State of each page, without what always changes
   std::set<console::Client> new_clients_;
-  std::uint32_t sent_version_ = 0, sent_series_ = 0;
+  std::uint32_t sent_version_ = 0, sent_series_ = 0, sent_alarms_ = 0;
   console::TelemetryBatch batch_;
   std::int64_t ticks_ = 0, states_us_ = 0;
   std::unique_ptr<console::HttpServer> server_;  // last: it calls into all the others

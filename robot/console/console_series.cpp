@@ -51,7 +51,8 @@ bool is_bound(const Case& given) {
 ConsoleSeries::ConsoleSeries(const PreparedCase& opened)
     : folder_(opened.given.image),
       of_case_(is_bound(opened.given) ? opened.image.identity : SeriesIdentity()),
-      file_(file_of(opened.image)) {
+      file_(file_of(opened.image)),
+      labels_(opened.labels ? file_of(*opened.labels) : nullptr) {
   all_.push_back(series_of(opened.image));
   if (opened.given.phantom) return;
   for (const imaging::SeriesSummary& found : imaging::list_series(folder_)) {

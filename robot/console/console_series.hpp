@@ -33,6 +33,9 @@ class ConsoleSeries {
   // The open volume for the page: a file, and a name that is never reused.
   const std::shared_ptr<const std::string>& file() const { return file_; }
   std::string file_name() const;
+  // The case's label map in the same way; no file: it has none.
+  const std::shared_ptr<const std::string>& labels() const { return labels_; }
+  static constexpr const char* kLabelsName = "/labels.nii";
 
  private:
   struct Read {
@@ -50,7 +53,7 @@ class ConsoleSeries {
   std::vector<console::events::Series> all_;
   std::string reading_;
   std::future<Outcome> outcome_;
-  std::shared_ptr<const std::string> file_;
+  std::shared_ptr<const std::string> file_, labels_;
   std::uint32_t version_ = 0, files_ = 0;
 };
 

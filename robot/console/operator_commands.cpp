@@ -5,6 +5,7 @@
 
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/operator_run.hpp"
 #include "robot/console/operator_session.hpp"
@@ -174,6 +175,38 @@ OperatorSession::Answer OperatorSession::on(const commands::Judge& command) {
   run_->stopped_because = adjusts_ ? "adjusted by the operator after the image" : "rejected by the operator";
   retract();
   return done(command.id);
+}
+
+std::optional<commands::OpenSeries> OperatorSession::chosen_series() const {
+  if (!opened_) return std::nullopt;
+  return commands::OpenSeries{0, prepared_.image.identity.series_uid};
+}
+
+std::vector<commands::SetPoint> OperatorSession::chosen_points() const {
+  std::vector<commands::SetPoint> points;
+  if (own_pose_) return points;
+  const auto add = [&](console::Mark mark, const std::optional<Point>& p_S) {
+    if (!p_S) return;
+    const Eigen::Vector3d voxel = prepared_.image.grid.X_SI.inverse() * *p_S;
+    points.push_back(
+        {0, mark, prepared_.image.identity.series_uid, {voxel.x(), voxel.y(), voxel.z()}, ras_of(*p_S)});
+  };
+  add(console::Mark::Entry, p_SE_);
+  add(console::Mark::Target, p_ST_);
+  return points;
+}
+
+// As a page would have sent it; what is refused is left out.
+void OperatorSession::restore(const std::vector<commands::Any>& chosen) {
+  for (const commands::Any& command : chosen) {
+    if (const auto* series = std::get_if<commands::OpenSeries>(&command)) on(*series);
+    if (const auto* point = std::get_if<commands::SetPoint>(&command)) {
+      if (series_.reading().empty())
+        on(*point);
+      else
+        restored_.push_back(*point);
+    }
+  }
 }
 
 console::Step OperatorSession::step() const {

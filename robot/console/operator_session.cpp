@@ -27,7 +27,8 @@ constexpr std::int64_t kTicksLive_us = 60'000'000;  // checks expire after a min
 constexpr std::int64_t kArmHold_us = 2'000'000;
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
-constexpr std::size_t kRunMax_ticks = 600'000;       // as long as any procedure may take
+constexpr std::size_t kTissuesMax = 256;
+constexpr std::size_t kRunMax_ticks = 600'000;  // as long as any procedure may take
 
 std::int64_t hold_limit_us(const CycleRecord& seen) {
   const std::int32_t most_ms = seen.measurement.brake_on ? limits::kLockedMax_ms : limits::kHoldMax_ms;
@@ -165,6 +166,7 @@ void OperatorSession::show_series() {
   p_ST_.reset();
   opened_ = true;
   ++version_;
+  for (const console::commands::SetPoint& point : std::exchange(restored_, {})) on(point);
 }
 
 void OperatorSession::update_run(const CycleSample& sample, Mode before) {
@@ -287,6 +289,10 @@ std::optional<events::Opened> OperatorSession::opened() const {
   if (has_points(prepared_.given))
     opened.proposal.push_back({ras_of(proposed_.p_SE), ras_of(proposed_.p_ST)});
   opened.volume = series_.file_name();
+  if (series_.labels()) opened.labels = ConsoleSeries::kLabelsName;
+  for (const auto& [value, name] : prepared_.label_names)
+    if (value >= 0 && opened.tissues.size() < kTissuesMax)
+      opened.tissues.push_back({static_cast<std::uint32_t>(value), name});
   opened.reach = (limits::kStroke_um - limits::kDepthMargin_um) * 1e-3;
   return opened;
 }
@@ -338,11 +344,16 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.reading = series_.reading();
   state.report = report_.empty() ? "" : "/report.html";
   state.disabled = disabled();
-  state.alarms = alarms_of(seen_, shown_depth_.mean_um(), stopped_);
-  for (events::Alarm& notice : navigation_alarms()) state.alarms.push_back(std::move(notice));
-  if (standing_stop_) state.alarms.insert(state.alarms.begin(), standing_stop_alarm());
-  if (silent_) state.alarms.insert(state.alarms.begin(), silence_alarm());
+  state.alarms = alarms();
   return state;
+}
+
+std::vector<events::Alarm> OperatorSession::alarms() const {
+  std::vector<events::Alarm> alarms = alarms_of(seen_, shown_depth_.mean_um(), stopped_);
+  for (events::Alarm& notice : navigation_alarms()) alarms.push_back(std::move(notice));
+  if (standing_stop_) alarms.insert(alarms.begin(), standing_stop_alarm());
+  if (silent_) alarms.insert(alarms.begin(), silence_alarm());
+  return alarms;
 }
 
 }  // namespace biopsy::robot

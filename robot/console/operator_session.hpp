@@ -48,7 +48,15 @@ class OperatorSession {
   void update(const CycleSample& sample, std::int64_t now_us);
   void mark_silent() { silent_ = true; }  // no tick for a second
 
+  // Over a restart of the console. The series that a person opened and the points that are planned with the
+  // case's own registration; what is restored is not confirmed.
+  std::optional<console::commands::OpenSeries> chosen_series() const;
+  std::vector<console::commands::SetPoint> chosen_points() const;
+  void restore(const std::vector<console::commands::Any>& chosen);
+
   // Events for the pages
+  std::vector<console::events::Alarm> alarms() const;
+  bool is_controlled_by(console::Client client) const { return lease_.is_held_by(client); }
   console::events::State state(console::Client client, std::int64_t now_us);
   std::optional<console::events::Opened> opened() const;
   console::events::Planned planned() const;
@@ -121,6 +129,7 @@ class OperatorSession {
   Target proposed_;  // of the case
   bool opened_ = false, confirmed_ = false, announced_ = false, confirmations_due_ = false;
   std::optional<Point> p_SE_, p_ST_;
+  std::vector<console::commands::SetPoint> restored_;  // for the series that is being read
   std::array<bool, 3> ticks_{};
   std::int64_t ticked_us_ = 0;
 

@@ -15,7 +15,7 @@ bool LinkFaults::is_lost(std::size_t i) {
 
 void LinkFaults::corrupt_contact(std::size_t i, bool& closed) {
   const sim::Fault& fault = stage_.faults()[i];
-  if (!stage_.is_active(i)) {
+  if (!stage_.shows(i)) {
     contacts_[i] = closed;
     return;
   }
@@ -27,13 +27,13 @@ void LinkFaults::corrupt_contact(std::size_t i, bool& closed) {
 void LinkFaults::before_monitors(safety::SupervisorInputs& in) {
   for (std::size_t i = 0; i < stage_.faults().size(); ++i) {
     const sim::Fault& fault = stage_.faults()[i];
-    const bool active = stage_.is_active(i);
+    const bool shows = stage_.shows(i);
     switch (fault.signal) {
       case FaultSignal::Measurement:
-        in.measurement = measurements_[i].arriving(fault, active, active && is_lost(i), in.measurement);
+        in.measurement = measurements_[i].arriving(fault, shows, shows && is_lost(i), in.measurement);
         break;
       case FaultSignal::Request:
-        in.request = requests_[i].arriving(fault, active, active && is_lost(i), in.request);
+        in.request = requests_[i].arriving(fault, shows, shows && is_lost(i), in.request);
         break;
       case FaultSignal::EStopA:
         corrupt_contact(i, in.estop_a_closed);
@@ -59,11 +59,11 @@ void LinkFaults::before_monitors(safety::SupervisorInputs& in) {
 void LinkFaults::before_gate(GateInputs& in) {
   for (std::size_t i = 0; i < stage_.faults().size(); ++i) {
     const sim::Fault& fault = stage_.faults()[i];
-    const bool active = stage_.is_active(i);
+    const bool shows = stage_.shows(i);
     if (fault.signal == FaultSignal::Request)
-      in.request = gate_requests_[i].arriving(fault, active, active && is_lost(i), in.request);
+      in.request = gate_requests_[i].arriving(fault, shows, shows && is_lost(i), in.request);
     if (fault.signal == FaultSignal::Permit)
-      in.permit = permits_[i].arriving(fault, active, active && is_lost(i), in.permit);
+      in.permit = permits_[i].arriving(fault, shows, shows && is_lost(i), in.permit);
   }
 }
 

@@ -38,7 +38,7 @@ class FaultyLink {
 
 class LinkFaults final : public FaultHooks {
  public:
-  // `stage` must outlive this; it says which fault is active.
+  // `stage` must outlive this; it says which fault shows.
   LinkFaults(const sim::FaultyStage& stage, std::uint64_t seed) : stage_(stage), seed_(seed) {}
 
   void before_monitors(safety::SupervisorInputs& inputs) override;

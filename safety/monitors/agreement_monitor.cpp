@@ -17,12 +17,13 @@ HazardSet update(const PlanFacts& plan, AgreementMonitor& monitor, const Measure
   // While one of the two is blind the count stands: the dropout has its own, and a flickering sensor hides
   // nothing.
   if (measured.laser_valid && measured.laser_b_valid)
-    monitor.differ_ticks = debounced(monitor.differ_ticks, differs(measured), kDiffer_ticks);
-  monitor.dropout_ticks = debounced(monitor.dropout_ticks, !measured.laser_b_valid, kDropout_ticks);
+    monitor.differ_score = accumulated(monitor.differ_score, differs(measured), kDifferWeight, kDiffer_ticks);
+  monitor.dropout_score =
+      accumulated(monitor.dropout_score, !measured.laser_b_valid, kComes_goes, kDropout_ticks);
   monitor.found = 0;
   if (!is_for_patient(plan)) return monitor.found;
-  monitor.found = when(monitor.differ_ticks >= kDiffer_ticks, Hazard::OffsetOrScale) |
-                  when(monitor.dropout_ticks >= kDropout_ticks, Hazard::LaserDropout);
+  monitor.found = when(monitor.differ_score >= kDifferTrip, Hazard::OffsetOrScale) |
+                  when(monitor.dropout_score >= kDropoutTrip, Hazard::LaserDropout);
   return monitor.found;
 }
 

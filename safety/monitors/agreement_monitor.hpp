@@ -13,9 +13,9 @@
 namespace biopsy::safety {
 
 struct AgreementMonitor {
-  HazardSet found = 0;                          // stands until the next measurement
-  std::int32_t differ_ticks = 0;                // both valid, and further apart than kDiffer_um
-  std::int32_t dropout_ticks = kDropout_ticks;  // of the second laser; nothing seen yet
+  HazardSet found = 0;                        // stands until the next measurement
+  std::int32_t differ_score = 0;              // both valid, and further apart than kDiffer_um
+  std::int32_t dropout_score = kDropoutTrip;  // of the second laser; nothing seen yet
 };
 
 // `fresh`: the measurement is a new one; an old one counts nothing. Without a patient there may be one laser.

@@ -77,10 +77,11 @@ HazardSet check_plausibility(const PlanFacts& plan, DepthMonitor& monitor, std::
   return when(monitor.implausible_ticks >= kImplausible_ticks, Hazard::OffsetOrScale);
 }
 
-// The brake has the needle only where a permit lets it.
+// The brake has the needle only where the permit lets it: one that grips unasked must not earn a permit by
+// it.
 bool is_locked(const SupervisorInputs& seen) {
   const Mode mode = seen.permit.mode;
-  return seen.measurement.brake_on && (mode == Mode::Active || mode == Mode::Hold);
+  return seen.measurement.brake_on && seen.permit.brake && (mode == Mode::Active || mode == Mode::Hold);
 }
 
 // Whether it stays where the brake took it.
@@ -126,7 +127,7 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorI
                  bool zero_volts) {
   const Measurement& m = seen.measurement;
   const std::int32_t depth_um = std::clamp(m.depth_um, -1'000'000, 1'000'000);  // no sensor reaches a metre
-  if (monitor.dropout_ticks >= kDropout_ticks) monitor.history.fill(depth_um);
+  if (monitor.dropout_score >= kDropoutTrip) monitor.history.fill(depth_um);
   monitor.history.push(depth_um);
   monitor.needle_home = depth_um < limits::kReturned_um;
   monitor.needle_back = std::abs(monitor.history.mean_um()) <= limits::kBack_um;
@@ -186,9 +187,9 @@ DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Supervi
   if (fresh) {
     monitor.window.push(magnitude(m.command_mV));
     if (m.laser_valid) check_valid(plan, monitor, seen, zero_volts);
-    monitor.dropout_ticks = debounced(monitor.dropout_ticks, !m.laser_valid, kDropout_ticks);
+    monitor.dropout_score = accumulated(monitor.dropout_score, !m.laser_valid, kComes_goes, kDropout_ticks);
   }
-  const bool dropout = monitor.dropout_ticks >= kDropout_ticks;
+  const bool dropout = monitor.dropout_score >= kDropoutTrip;
   DepthFindings findings;
   findings.found = monitor.found | when(dropout, Hazard::LaserDropout);
   findings.needle_home = monitor.needle_home && !dropout;

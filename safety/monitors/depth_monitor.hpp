@@ -52,7 +52,7 @@ struct DepthMonitor {
   DepthRange range;  // plausible at range_low/high_mV, to look it up only on change
   std::int32_t range_low_mV = -1, range_high_mV = -1;
   std::uint64_t range_tag = 0;
-  std::int32_t dropout_ticks = kDropout_ticks;  // nothing seen yet
+  std::int32_t dropout_score = kDropoutTrip;  // nothing seen yet
   std::int32_t over_ticks = 0, hard_ticks = 0, step_ticks = 0, pop_ticks = 0, implausible_ticks = 0;
   std::int32_t not_back_ticks = 0;
   std::int32_t deepest_um = 0, sunk_ticks = 0;   // since the drive was last lowered

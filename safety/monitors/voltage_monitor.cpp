@@ -22,9 +22,9 @@ HazardSet check_voltage(VoltageMonitor& monitor, const Measurement& m) {
   const std::int64_t highest = std::max(m.command_mV, monitor.command_mV) + tolerance;
   const bool differs = m.hv_enabled && (m.monitor_mV < lowest || m.monitor_mV > highest);
   const bool over = magnitude(m.monitor_mV) > limits::kMonitorTrip_mV;
-  monitor.disagree_ticks = debounced(monitor.disagree_ticks, differs, kDisagree_ticks);
+  monitor.disagree_score = accumulated(monitor.disagree_score, differs, kComes_goes, kDisagree_ticks);
   monitor.over_ticks = debounced(monitor.over_ticks, over, kOverVoltage_ticks);
-  return when(monitor.disagree_ticks >= kDisagree_ticks, Hazard::MonitorDisagrees) |
+  return when(monitor.disagree_score >= kComes_goes * kDisagree_ticks, Hazard::MonitorDisagrees) |
          when(monitor.over_ticks >= kOverVoltage_ticks, Hazard::OverVoltage);
 }
 
@@ -33,8 +33,8 @@ HazardSet check_current(VoltageMonitor& monitor, const Measurement& m) {
   const std::int64_t largest = std::max({change, monitor.change_mV[0], monitor.change_mV[1]});
   const bool excess = magnitude(m.current_nA) > kCapacitive_nA_per_mV * largest + kArcMargin_nA;
   monitor.change_mV = {change, monitor.change_mV[0]};
-  monitor.arc_ticks = debounced(monitor.arc_ticks, excess, kArc_ticks);
-  return when(monitor.arc_ticks >= kArc_ticks, Hazard::Arc);
+  monitor.arc_score = accumulated(monitor.arc_score, excess, kComes_goes, kArc_ticks);
+  return when(monitor.arc_score >= kComes_goes * kArc_ticks, Hazard::Arc);
 }
 
 HazardSet check_obedience(VoltageMonitor& monitor, const Measurement& m, const Permit& permit) {

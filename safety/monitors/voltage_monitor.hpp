@@ -16,7 +16,7 @@ struct VoltageMonitor {
   HazardSet found = 0;                      // stands until the next new measurement
   std::int32_t command_mV = 0;              // of the last measurement
   std::array<std::int64_t, 2> change_mV{};  // |change of command| one and two measurements ago
-  std::int32_t over_ticks = 0, arc_ticks = 0, disagree_ticks = 0, disobey_ticks = 0;
+  std::int32_t over_ticks = 0, arc_score = 0, disagree_score = 0, disobey_ticks = 0;
   std::int32_t zero_ticks = 0, nonzero_ticks = 0;
   bool zero_volts = false;
   std::int32_t off_ticks = 0;                    // measurements since the drive was to be off

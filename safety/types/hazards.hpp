@@ -83,9 +83,10 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::OverVoltage, StopCategory::C0Off, 2, "H-02 high voltage above its limit", "R-06",
      Monitor::Voltage, "monitor above 8.2 kV, 2 samples"},
     {Hazard::Arc, StopCategory::C0Off, 5, "H-03 current above what the capacitance explains: arc", "R-07",
-     Monitor::Voltage, "1 mA above what C1 explains, 2 samples"},
+     Monitor::Voltage, "1 mA above what C1 explains, 2 samples, or more than a third of them"},
     {Hazard::MonitorDisagrees, StopCategory::C0Off, 4, "H-04 voltage monitor disagrees with the command",
-     "R-08", Monitor::Voltage, "off by more than 3 % (at least 100 V), 3 samples"},
+     "R-08", Monitor::Voltage,
+     "off by more than 3 % (at least 100 V), 3 samples, or more than a third of them"},
     {Hazard::DriverDisobeys, StopCategory::C0Off, 4, "H-04 driver does not follow the permit", "R-09",
      Monitor::Voltage, "more than 200 V above the permit, 3 ticks"},
     {Hazard::WrongAnswer, StopCategory::C0Off, 7, "H-17 driver answers the challenge wrongly or not at all",
@@ -116,12 +117,14 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "same code for 20 ms while the drive moves by more than 200 V, or V squared 24 kV^2 above its "
      "value at the deepest depth seen"},
     {Hazard::LaserDropout, StopCategory::C1Ramp, 3, "H-11 depth sensor has no target", "R-20", Monitor::Depth,
-     "3 samples of either laser without a target (the second only with a patient)"},
+     "3 samples, or more than a third of them, of either laser without a target (the second only with a "
+     "patient)"},
     {Hazard::OffsetOrScale, StopCategory::C1Ramp, 50, "H-10 depth reading is not plausible", "R-21",
      Monitor::Depth,
-     "with a patient, the two lasers more than 0.3 mm apart for 10 ms; more than 1 mm outside the plausible "
-     "band "
-     "for 50 ms; with a patient, back by more than 0.6 mm for 20 ms without the drive being lowered"},
+     "with a patient, the two lasers more than 0.3 mm apart for 10 ms, or in more than a fifth of the "
+     "samples; "
+     "more than 1 mm outside the plausible band for 50 ms; with a patient, back by more than 0.6 mm for 20 "
+     "ms without the drive being lowered"},
     {Hazard::PolarityStuck, StopCategory::C1Ramp, 1500, "H-12 polarity is unbalanced: charge builds up",
      "R-22", Monitor::Voltage, "charge of the square wave unbalanced over about four periods"},
     {Hazard::WrongFrequency, StopCategory::C1Ramp, 1300, "H-13 polarity changes at the wrong rate", "R-23",

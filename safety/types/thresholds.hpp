@@ -36,6 +36,10 @@ inline constexpr std::int32_t kPatientMotion_um = 2'000;  // safety concept
 inline constexpr std::int32_t kSuspect_ticks = 100;
 inline constexpr std::int32_t kWrongModel_ticks = 1'100;  // held a second and still unlike the plan
 
+// Faults that come and go (accumulated() in safety/monitors/debounce.hpp): a loose contact, a sparking joint.
+// Found where they show in more than a third of the samples; single spikes are forgotten two ticks later.
+inline constexpr std::int32_t kComes_goes = 2;
+
 // Voltage
 inline constexpr std::int32_t kOverVoltage_ticks = 2;       // one sample may be a spike of the converter
 inline constexpr std::int32_t kDisagree_ticks = 3;          // safety concept: > 3 % for 3 ms
@@ -85,6 +89,7 @@ inline constexpr std::int32_t kFastDrop_um_per_s = 50'000;   // safety concept; 
 // is 1 mm.
 inline constexpr std::int32_t kPopThrough_um = 800;
 inline constexpr std::int32_t kDropout_ticks = 3;  // as for a stale sensor
+inline constexpr std::int32_t kDropoutTrip = kComes_goes * kDropout_ticks;
 inline constexpr std::int32_t kFrozen_ticks = 20;  // safety concept; noise of 10 um changes the code every ms
 inline constexpr std::int32_t kFrozenMove_mV = 200'000;  // "while V moves": twice what counts as zero
 // Work without motion: |V|^2 beyond what made the deepest depth that was seen. Whatever is shown instead of
@@ -103,6 +108,9 @@ inline constexpr std::int64_t kLiftPulls = 3;
 // The two lasers: 0.3 mm is four deviations of the difference of two with 50 um of noise each, and 20 mm/s
 // make 0.1 mm of 5 ms between them; in 10 ms a needle at 20 mm/s passes 0.2 mm more.
 inline constexpr std::int32_t kDiffer_um = 300, kDiffer_ticks = 10;
+// A laser that shows the needle and another surface by turns: more than every fifth sample apart is found, so
+// what the loop is shown is off in the mean by less than a fifth of that distance.
+inline constexpr std::int32_t kDifferWeight = 4, kDifferTrip = kDifferWeight * kDiffer_ticks;
 inline constexpr std::int32_t kImplausible_um = 1'000;  // safety concept: residual > 1 mm ...
 inline constexpr std::int32_t kImplausible_ticks = 50;  // ... for 50 ms
 // Back without a drive lowered by 200 V in half a second: the charge that leaks between two changes of

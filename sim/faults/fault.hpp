@@ -39,6 +39,7 @@ enum class FaultKind : std::uint8_t {
   Noise,            // only the noise below
   Oscillation,      // adds a 50 Hz sine of amplitude `value`
   MissingPolarity,  // one sign is lost: the positive one where `value` > 0
+  Command,          // of the voltage monitor: what was asked of the amplifier, whatever it puts out
 };
 
 inline constexpr std::size_t kMostFaults = 32;  // in one run
@@ -52,6 +53,9 @@ struct Fault {
   std::optional<double> until_s{};        // from arming; it then ends for good
   double value = 0.0;                     // in the signal's unit, see FaultKind
   double noise = 0.0;                     // standard deviation on what the fault shows, the signal's unit
+  // An intermittent fault: it shows for `on_ms`, not for `off_ms`, and so on while it lasts. 0: it always
+  // shows.
+  std::int32_t on_ms = 0, off_ms = 0;
 };
 
 std::string_view name_of(FaultSignal signal);

@@ -15,13 +15,15 @@ namespace {
 constexpr double kLatest_s = 600.0;  // no rehearsal is longer
 constexpr double kDeepest_mm = 50.0;
 constexpr double kLongest_ms = 1000.0;
+constexpr std::uint32_t kLongestPhase_ms = 600'000;
 
 constexpr std::array<std::string_view, 14> kSignals{
     "depth",   "depth_b", "voltage_monitor", "current_monitor", "drive",   "brake",     "measurement",
     "request", "permit",  "estop_a",         "estop_b",         "arm_key", "reset_key", "relay"};
-constexpr std::array<std::string_view, 13> kKinds{
-    "frozen",  "replay",        "offset", "scale",       "drift",           "lag", "quantised", "inverted",
-    "dropout", "other_surface", "noise",  "oscillation", "missing_polarity"};
+constexpr std::array<std::string_view, 14> kKinds{
+    "frozen", "replay",      "offset",           "scale",   "drift",
+    "lag",    "quantised",   "inverted",         "dropout", "other_surface",
+    "noise",  "oscillation", "missing_polarity", "command"};
 
 template <class Name, std::size_t size>
 Name named(TomlTable& table, std::string_view entry, const std::array<std::string_view, size>& names) {
@@ -60,6 +62,7 @@ bool is_possible(FaultSignal signal, FaultKind kind) {
   if (is_link(signal)) return kind == Frozen || kind == Lag || kind == Dropout;
   if (signal == FaultSignal::Brake) return kind == Frozen || kind == Lag || kind == Dropout || kind == Scale;
   if (is_contact(signal)) return kind == Frozen || kind == Inverted || kind == OtherSurface;
+  if (kind == Command) return signal == FaultSignal::VoltageMonitor;
   return kind != OtherSurface || signal == FaultSignal::Depth || signal == FaultSignal::DepthB;
 }
 
@@ -89,6 +92,13 @@ std::optional<std::pair<double, double>> range_of(FaultKind kind, double most) {
   }
 }
 
+// Of an intermittent fault.
+std::int32_t phase_ms(TomlTable& table, std::string_view entry) {
+  const std::uint32_t ms = table.whole_number(entry, kLongestPhase_ms);
+  if (ms == 0) table.refuse(entry, "is 0", "give both on_ms and off_ms, 1 or more, or neither");
+  return static_cast<std::int32_t>(ms);
+}
+
 Fault read_fault(TomlTable& table) {
   Fault fault;
   fault.signal = named<FaultSignal>(table, "signal", kSignals);
@@ -97,7 +107,7 @@ Fault read_fault(TomlTable& table) {
     table.refuse("kind", fmt::format("cannot be \"{}\" on {}", name_of(fault.kind), name_of(fault.signal)),
                  "links: frozen, lag, dropout; brake: these and scale; contacts: frozen, inverted, "
                  "other_surface (0 open, 1 closed); "
-                 "other_surface elsewhere: depth and depth_b only");
+                 "other_surface elsewhere: depth and depth_b only; command: voltage_monitor only");
   const Unit unit = unit_of(fault.signal);
   const double most = is_contact(fault.signal) ? 1.0 : unit.most;
   const auto range = range_of(fault.kind, most);
@@ -107,6 +117,10 @@ Fault read_fault(TomlTable& table) {
   else if (table.has("value"))
     table.number("value", -most, most, unit.name);  // allowed, and without a meaning: frozen, inverted, noise
   if (table.has("noise")) fault.noise = table.number("noise", 0.0, most, unit.name);
+  if (table.has("on_ms") || table.has("off_ms")) {
+    fault.on_ms = phase_ms(table, "on_ms");
+    fault.off_ms = phase_ms(table, "off_ms");
+  }
   if (table.has("from_depth_mm"))
     fault.from_depth_mm = table.number("from_depth_mm", -kDeepest_mm, kDeepest_mm, "mm");
   if (table.has("from_s")) fault.from_s = table.number("from_s", 0.0, kLatest_s, "s");

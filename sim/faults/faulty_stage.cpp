@@ -36,6 +36,9 @@ void FaultyStage::update_activity() {
         (!fault.from_depth_mm || depth_mm >= *fault.from_depth_mm))
       state.active = true;
     if (state.ended) state.active = false;
+    const bool pauses = fault.on_ms > 0 && state.ticks % (fault.on_ms + fault.off_ms) >= fault.on_ms;
+    state.shown_ticks = state.shows ? state.shown_ticks + 1 : 0;
+    state.shows = state.active && !pauses;
   }
 }
 
@@ -50,7 +53,7 @@ double FaultyStage::drawn(std::size_t i) {
 }
 
 bool FaultyStage::is_lost(std::size_t i) {
-  return states_[i].active && faults_[i].kind == FaultKind::Dropout && drawn(i) < faults_[i].value;
+  return states_[i].shows && faults_[i].kind == FaultKind::Dropout && drawn(i) < faults_[i].value;
 }
 
 // What the signal shows instead of its sound value.
@@ -61,17 +64,18 @@ double FaultyStage::shown(std::size_t i, double sound) {
     return state.past.empty() ? sound : state.past[state.past.size() - std::min(ticks, state.past.size())];
   };
   double value = sound;
-  if (state.active) {
+  if (state.shows) {
     const auto ms = static_cast<std::size_t>(std::lround(fault.value));
     const double since_s = static_cast<double>(state.ticks) * kTick_s;
-    if (state.ticks == 0) {
+    if (state.shown_ticks == 0) {
+      state.replay.clear();
       const std::size_t kept = fault.kind == FaultKind::Replay ? ms : 1;
       for (std::size_t k = kept; k >= 1; --k) state.replay.push_back(back(k));
     }
     switch (fault.kind) {
       case FaultKind::Frozen:
       case FaultKind::Replay:
-        value = state.replay[static_cast<std::size_t>(state.ticks) % state.replay.size()];
+        value = state.replay[static_cast<std::size_t>(state.shown_ticks) % state.replay.size()];
         break;
       case FaultKind::Offset:
         value += fault.value;
@@ -99,6 +103,9 @@ double FaultyStage::shown(std::size_t i, double sound) {
         break;
       case FaultKind::MissingPolarity:
         if (value * fault.value > 0.0) value = 0.0;
+        break;
+      case FaultKind::Command:
+        value = asked_V_;
         break;
       case FaultKind::Dropout:
       case FaultKind::Noise:
@@ -141,6 +148,7 @@ drivers::SensorReading FaultyStage::read() {
 }
 
 std::int32_t FaultyStage::write(const safety::GatedVoltage& voltage) {
+  asked_V_ = voltage.hv_enabled() ? voltage.mV() * 1e-3 : 0.0;
   double volts = voltage.mV() * 1e-3;
   double grips = voltage.brake_on() ? 1.0 : 0.0, holding = 1.0;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
@@ -148,7 +156,7 @@ std::int32_t FaultyStage::write(const safety::GatedVoltage& voltage) {
       volts = shown(i, volts);
       if (is_lost(i)) volts = 0.0;
     } else if (faults_[i].signal == FaultSignal::Brake && faults_[i].kind == FaultKind::Scale) {
-      if (states_[i].active) holding *= std::max(0.0, faults_[i].value);
+      if (states_[i].shows) holding *= std::max(0.0, faults_[i].value);
     } else if (faults_[i].signal == FaultSignal::Brake) {
       grips = shown(i, grips);
       if (is_lost(i)) grips = 0.0;

@@ -29,14 +29,18 @@ class Stage {
  public:
   explicit Stage(const PlantModel& model) : model_(model), state_(at_rest(model)) {}
 
-  void load(double mass) {
+  void load(const LoadStep& put_on) {
+    const double mass = put_on.mass;
     if (mass == loaded_) return;
     if (acts_by_position(model_)) {
       push_ = mass * model_.baseline.g;
       return;
     }
     const double sunk = (mass - loaded_) * model_.baseline.g / model_.baseline.k;
+    const double before = model_.mass_A();
     model_.weight += mass - loaded_;
+    if (put_on.speed > 0.0)  // what falls on plate A stays on it
+      state_.motion.v += (mass - loaded_) / (before + mass - loaded_) * (-put_on.speed - state_.motion.v);
     loaded_ = mass;
     zero_ += sunk;
     shift(model_, state_, sunk);
@@ -58,10 +62,10 @@ class Stage {
   double push_ = 0.0;    // N
 };
 
-double load_at(const std::vector<LoadStep>& loads, double time) {
+LoadStep load_at(const std::vector<LoadStep>& loads, double time) {
   for (const LoadStep& load : loads)
-    if (time >= load.from && time < load.to) return load.mass;
-  return 0.0;
+    if (time >= load.from && time < load.to) return load;
+  return {};
 }
 
 Course empty_course(std::size_t ticks) {
@@ -74,8 +78,8 @@ Course empty_course(std::size_t ticks) {
 
 }  // namespace
 
-LoopSettings paper_loop() {
-  return {.gains = {}, .highest = 10e3, .feed = {}};
+LoopSettings paper_loop(double period) {
+  return {.gains = {}, .highest = 10e3, .feed = {}, .period = period};
 }
 
 Course follow(const PlantModel& model, const LoopTask& task, const LoopSettings& settings) {
@@ -84,6 +88,7 @@ Course follow(const PlantModel& model, const LoopTask& task, const LoopSettings&
   Stage stage(model);
   control::PiState loop;
   double fed = 0.0;  // V
+  const auto every = std::max(1U, static_cast<std::uint32_t>(std::lround(settings.period / kTick_s)));
   for (std::uint32_t tick = 0; tick < ticks; ++tick) {
     const double time = tick * kTick_s;
     stage.load(load_at(task.loads, time));
@@ -92,7 +97,8 @@ Course follow(const PlantModel& model, const LoopTask& task, const LoopSettings&
       const double feed = settings.feed(time);
       loop.integral += Volts(feed - std::exchange(fed, feed));
     }
-    loop = control::pi_step(settings.gains, loop, Millimetres(target - reading), Volts(settings.highest));
+    if (tick % every == 0)
+      loop = control::pi_step(settings.gains, loop, Millimetres(target - reading), Volts(settings.highest));
     course.time.push_back(time);
     course.target.push_back(target);
     course.plate_a.push_back(reading);

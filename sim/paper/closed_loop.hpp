@@ -15,6 +15,7 @@ using OfTime = std::function<double(double)>;  // of s since the loop was closed
 struct LoadStep {
   double from = 0.0, to = 0.0;  // s
   double mass = 0.0;            // kg
+  double speed = 0.0;           // m/s, downward, with which it meets plate A
 };
 
 struct LoopTask {
@@ -28,10 +29,11 @@ struct LoopSettings {
   PiGains gains;
   double highest = 8000.0;  // V, as far as Fig. 8b sweeps the stack, and the gate's limit
   OfTime feed;              // V, feed-forward; empty: none, as in the paper
+  double period = 1e-3;     // s between iterations, whole ticks; the gains are per iteration
 };
 
 // The paper's loop, limited only by its amplifier: Trek 10/40, 10 V from the DAQ times 1000 (III.D).
-LoopSettings paper_loop();
+LoopSettings paper_loop(double period = 1e-3);
 
 // One entry per tick: the reading, and the amplitude commanded after it.
 struct Course {
@@ -46,7 +48,7 @@ struct Course {
 
 // Runs the task. A weight on plate A adds mass and shifts the plate's zero by m g/k, because the plant's zero
 // is its equilibrium under weight. Where a force depends on plate A's position (nonlinear spring, stop,
-// tissue) that shift is not possible and the weight acts as a force without inertia.
+// tissue) that shift is not possible and the weight acts as a force without inertia, and without impact.
 Course follow(const PlantModel& stage, const LoopTask& task, const LoopSettings& settings = {});
 
 // Targets in mm, Hz: a square wave that begins at `low`, and a sine that begins at its minimum.

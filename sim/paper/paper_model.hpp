@@ -22,6 +22,7 @@ struct Film {
 struct Joint {
   double mass = 0.050;  // kg carried by plate A: link, output shaft's inertia and load as felt at the slider
   double friction = 0.050;  // N, dry friction of its bearings as felt at the slider
+  double breakaway = 1.0;   // times that from rest
   double crank = 10e-3;     // m, from the shaft to the link's pin
   double start = 0.0;       // rad, crank at displacement 0, from the perpendicular to the slider
 };
@@ -39,6 +40,8 @@ struct PaperModel {
   Film pi25, bopp25;  // 25 um PI, 25 um pre-coated BOPP: Fig. 6 alone
   Joint joint;
   Needle needle;
+  double loop_period = 1e-3;  // s, of the loop in Fig. 9 to 13: 1 ms by IV.D
+  double drop = 0.0;          // m, from which the 50 g of Fig. 11 fall
   // For calibration: shorter runs. Rows differ by less than 1 %.
   bool brief = false;
 };

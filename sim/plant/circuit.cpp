@@ -30,39 +30,35 @@ double amplifier_slope(const AmplifierDynamics& amplifier, double u_i, double u_
   return std::copysign(amplifier.slew > 0.0 ? std::min(free, 1.0 / amplifier.slew) : free, u_command - u_i);
 }
 
-Circuit::Circuit(const PlantModel& model, double u_command, double h)
-    : model_(model),
-      amplifier_(amplifier_dynamics(model.effects)),
+Circuit::Circuit(const PlantModel& model)
+    : amplifier_(amplifier_dynamics(model.effects)),
       screening_(screening_of(model.effects)),
       instant_(amplifier_.instant()),
-      u_command_(u_command),
-      h_(h),
-      half_(instant_ ? decay(0.5 * h) : Decay{}) {}
+      K_(model.baseline.K),
+      tau_(model.baseline.tau) {}
 
 Circuit::Decay Circuit::decay(double t) const {
-  const double tau = model_.baseline.tau;
-  Decay out{.u_o = std::exp(-t / tau)};
+  Decay out{.u_o = std::exp(-t / tau_)};
   if (screening_) {
     out.screened = std::exp(-t / screening_->time);
     out.charging =
-        screening_->share / screening_->time * decay_response(1.0 / screening_->time, 1.0 / tau, t);
+        screening_->share / screening_->time * decay_response(1.0 / screening_->time, 1.0 / tau_, t);
   }
   return out;
 }
 
 CircuitState Circuit::ramped(const CircuitState& c, const Ramp& ramp, double t) const {
-  const Baseline& b = model_.baseline;
-  const double out = 1.0 / b.tau;
+  const double out = 1.0 / tau_;
   double in = 1.0 / ramp.lag;
   if (std::abs(out - in) < 1e-5 * out) in = (1.0 - 1e-5) * out;  // below it divides by their difference
-  const double push = b.K * ramp.missing * in;
+  const double push = K_ * ramp.missing * in;
   CircuitState end;
   end.u_i = c.u_i + ramp.slope * t - ramp.missing * std::expm1(-in * t);
-  end.u_o = c.u_o * std::exp(-out * t) + b.K * ramp.slope * decay_response(out, 0.0, t);
+  end.u_o = c.u_o * std::exp(-out * t) + K_ * ramp.slope * decay_response(out, 0.0, t);
   if (ramp.missing != 0.0) end.u_o += push * decay_response(out, in, t);
   if (!screening_) return end;
   // u_o is a sum of exponentials, decaying, constant and approaching; the screening is driven by each.
-  const double level = b.K * ramp.slope * b.tau, approach = push / (out - in),
+  const double level = K_ * ramp.slope * tau_, approach = push / (out - in),
                follow = 1.0 / screening_->time;
   const double driven = (c.u_o - level - approach) * decay_response(follow, out, t) +
                         level * decay_response(follow, 0.0, t) + approach * decay_response(follow, in, t);

@@ -48,17 +48,21 @@ inline AmplifierDynamics amplifier_dynamics(const Effects& effects) {
 // dV/s of the amplifier's output on its way to u_command.
 double amplifier_slope(const AmplifierDynamics& amplifier, double u_i, double u_command);
 
-// The circuit over the substeps of one step with one command. While the amplifier stands still, the decay
-// over half of the last length is kept: substeps are mostly equally long.
+// The circuit over the substeps of steps with one command. While the amplifier stands still, the decay over
+// half of the last length is kept: substeps are mostly equally long.
 class Circuit {
  public:
-  Circuit(const PlantModel& model, double u_command, double h);
+  explicit Circuit(const PlantModel& model);
 
-  VoltageProfile over(const CircuitState& from, double h) {
-    if (!instant_) return lagging(from, h);
+  bool instant() const { return instant_; }
+  void command(double u_command) { u_command_ = u_command; }
+
+  // `model`: the one that it was made of.
+  VoltageProfile over(const PlantModel& model, const CircuitState& from, double h) {
+    if (!instant_) return lagging(model, from, h);
     if (h != h_) h_ = h, half_ = decay(0.5 * h);
     const CircuitState half = decayed(from);
-    return profile(from, half, decayed(half));
+    return profile(model, from, half, decayed(half));
   }
 
  private:
@@ -80,20 +84,21 @@ class Circuit {
   }
   CircuitState ramped(const CircuitState& c, const Ramp& ramp, double t) const;
   CircuitState after(const CircuitState& from, double t) const;  // where the amplifier lags
-  VoltageProfile lagging(const CircuitState& from, double h) const {
+  VoltageProfile lagging(const PlantModel& model, const CircuitState& from, double h) const {
     const CircuitState half = after(from, 0.5 * h);
-    return profile(from, half, after(half, 0.5 * h));
+    return profile(model, from, half, after(half, 0.5 * h));
   }
-  VoltageProfile profile(const CircuitState& from, const CircuitState& half, const CircuitState& end) const {
-    return {acting_voltage(model_, from), acting_voltage(model_, half), acting_voltage(model_, end), end};
+  static VoltageProfile profile(const PlantModel& model, const CircuitState& from, const CircuitState& half,
+                                const CircuitState& end) {
+    return {acting_voltage(model, from), acting_voltage(model, half), acting_voltage(model, end), end};
   }
 
-  const PlantModel& model_;
   AmplifierDynamics amplifier_;
   std::optional<Screening> screening_;
   bool instant_;
-  double u_command_;
-  double h_;
+  double K_, tau_;  // of the baseline
+  double u_command_ = 0.0;
+  double h_ = 0.0;  // none yet
   Decay half_;
 };
 

@@ -27,7 +27,7 @@ double tissue_load(const StepContext& s, const Motion& m, const PlateMotion& pla
     const TissueLayer& layer = s.model.tissue[i];
     load += layer.surface.load(plate) + layer.shaft.load(plate) + layer.relaxation.load(plate, m.crept[i]);
   }
-  return with_effects<true>(load, s, m, plate);
+  return s.has.tissue_load ? with_effects<true>(load, s, m, plate) : load;
 }
 
 // Rates of the states that are integrated; d.dH and the speed v (m/s) of plate A are known.
@@ -58,14 +58,15 @@ double spring_force(const StepContext& s, const Motion& m, Instant at, double& d
   const Baseline& b = s.model.baseline;
   PouchOffset offset;
   if constexpr (kOffset) offset = pouch_offset(s.model, m, s.state.remembered, at.since);
-  double undamped = undamped_spring(s.model, m, s.state.remembered, s.mass, offset.height);
+  double undamped = undamped_spring(s.model, s.has, m, s.state.remembered, s.mass, offset.height);
   if constexpr (kOffset) undamped += b.c_k * b.n * offset.rate;
-  const double u = pulling_voltage(s.model, m, s.state.remembered, at.u);
+  const double u = s.has.pulling ? pulling_voltage(s.model, m, s.state.remembered, at.u) : at.u;
   Equilibrium goal = equilibrium(b, pressure(b, u), std::max(0.0, undamped) + b.m_B * b.g);
-  for_each_present(s.model.effects, m.integrated, s.state.remembered,
-                   [&]<class E>(const E& effect, const auto&... own) {
-                     if constexpr (requires { &E::held; }) goal = effect.held(goal, b.H_0, own...);
-                   });
+  if (s.has.held)
+    for_each_present(s.model.effects, m.integrated, s.state.remembered,
+                     [&]<class E>(const E& effect, const auto&... own) {
+                       if constexpr (requires { &E::held; }) goal = effect.held(goal, b.H_0, own...);
+                     });
   if (kOffset && goal.H < offset.floor) goal = {offset.floor, 0.0};
   const double slope = undamped > 0.0 ? goal.slope : 0.0;
   const double per_H = kOffset ? b.n * (1.0 + offset.per_H) : b.n;  // plate B's travel per height of a pouch
@@ -102,7 +103,6 @@ double term_force(const StepContext& s, const Motion& m, Instant at) {
   return force;
 }
 
-// The net force, and the pouches' rate.
 double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) {
   const Baseline& b = s.model.baseline;
   const bool stack = b.drive == Drive::Stack;
@@ -127,8 +127,12 @@ ActiveTerms active_terms(const PlantModel& model) {
   for_each_present(model.effects, [&]<class E>(const E&) {
     if constexpr (requires { &E::dry_friction; }) has.dry_friction = true;
     if constexpr (requires { &E::pouch_offset; }) has.pouch_offset = true;
-    if constexpr (requires { &E::spring_push; }) has.load = true;
-    if constexpr (requires { &E::load; }) has.load |= E::info.attaches != Attachment::Tissue;
+    if constexpr (requires { &E::spring_push; }) has.load = has.spring_push = true;
+    if constexpr (requires { &E::load; })
+      (E::info.attaches == Attachment::Tissue ? has.tissue_load : has.load) = true;
+    if constexpr (requires { &E::held; } || requires { &E::hold; }) has.held = true;
+    if constexpr (requires { &E::pulling; }) has.pulling = true;
+    if constexpr (requires { &E::bounded; } || requires { &E::remember; }) has.remembers = true;
     if constexpr (requires { &E::follow; }) has.sensor_filter = true;
     if constexpr (requires { &E::cut_rate; }) has.cut_rate = true;
     if constexpr (HasIntegratedState<E>) has.integrated_state = true;
@@ -170,18 +174,26 @@ PouchOffset pouch_offset(const PlantModel& model, const Motion& m, const Remembe
   return sum;
 }
 
-double net_force(const StepContext& s, const Motion& m, Instant at) {
-  double unused = 0.0;
-  return net_force(s, m, at, unused);
+Force net_force(const StepContext& s, const Motion& m, Instant at) {
+  Force force;
+  force.net = net_force(s, m, at, force.dH);
+  return force;
+}
+
+Derivative stuck_rates(const StepContext& s, const Motion& m, double dH) {
+  Derivative d;
+  d.dH = dH;
+  if (s.evolves()) state_rates(s, m, 0.0, d);
+  return d;
 }
 
 Derivative rates(const StepContext& s, const Motion& m, Instant at, int direction) {
-  Derivative d;
   if (direction == 0) {
-    if (s.model.baseline.drive == Drive::Stack) spring_force(s, m, at, d.dH);
-    if (s.evolves()) state_rates(s, m, 0.0, d);
-    return d;
+    double dH = 0.0;
+    if (s.model.baseline.drive == Drive::Stack) spring_force(s, m, at, dH);
+    return stuck_rates(s, m, dH);
   }
+  Derivative d;
   d.dx = m.v;
   const double friction = s.has.dry_friction ? direction * friction_bound(s, m, m.v, at) : 0.0;
   d.dv = (net_force(s, m, at, d.dH) - friction) / s.mass;

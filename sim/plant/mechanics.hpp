@@ -12,6 +12,11 @@ struct ActiveTerms {
   bool dry_friction;      // can hold plate A
   bool pouch_offset;      // on top of the pouches
   bool load;              // of effects on plate A, besides the tissue's
+  bool tissue_load;       // of effects
+  bool spring_push;
+  bool held;       // pouches, by an effect that follows their equilibrium
+  bool pulling;    // adhesion of the films
+  bool remembers;  // what an effect takes over at a substep's end
   bool integrated_state;  // of effects
   bool sensor_filter;
   bool cut_rate;  // something may move faster than a step resolves
@@ -37,6 +42,7 @@ struct Instant {
   double u, since;
 };
 
+// Derivatives of H, x and v, and of what else evolves.
 struct Derivative {
   double dH = 0.0, dx = 0.0, dv = 0.0;
   IntegratedStates integrated;            // only where the model has any
@@ -47,8 +53,14 @@ struct Derivative {
 // direction: +1 or -1 while sliding (friction opposes it), 0 while stuck.
 Derivative rates(const StepContext& s, const Motion& m, Instant at, int direction);
 
-// Net force on plate A without dry friction. N, up
-double net_force(const StepContext& s, const Motion& m, Instant at);
+// Net force on plate A without dry friction, N, up; and the rate of the pouches there, m/s.
+struct Force {
+  double net = 0.0, dH = 0.0;
+};
+Force net_force(const StepContext& s, const Motion& m, Instant at);
+
+// As rates() of a plate A that is stuck, the rate of the pouches being known.
+Derivative stuck_rates(const StepContext& s, const Motion& m, double dH);
 
 // Dry friction available in this motion, plate A having speed v. N
 double friction_bound(const StepContext& s, const Motion& m, double v, Instant at);
@@ -69,11 +81,12 @@ inline double pulling_voltage(const PlantModel& model, const Motion& m, const Re
 
 // The series spring's push on a plate A of that mass (kg), without the part of its damper that depends on
 // plate B's speed; `offset` (m) is on top of each pouch. N, up
-inline double undamped_spring(const PlantModel& model, const Motion& m, const RememberedStates& remembered,
-                              double mass, double offset) {
+inline double undamped_spring(const PlantModel& model, const ActiveTerms& has, const Motion& m,
+                              const RememberedStates& remembered, double mass, double offset) {
   const Baseline& b = model.baseline;
   const double stretch = b.n * (m.H - b.H_0 + offset) - m.x;
   double push = mass * b.g + b.k * stretch - b.c_k * m.v;
+  if (!has.spring_push) return push;
   for_each_present(model.effects, m.integrated, remembered,
                    [&]<class E>(const E& effect, const auto&... own) {
                      if constexpr (requires { &E::spring_push; })

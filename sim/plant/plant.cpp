@@ -5,10 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/plant/circuit.hpp"
-#include "sim/plant/mechanics.hpp"
 #include "sim/plant/pouch.hpp"
 #include "sim/plant/sensor.hpp"
+#include "sim/plant/stepper.hpp"
 
 namespace biopsy::sim {
 namespace {
@@ -45,10 +44,18 @@ Motion advanced(const StepContext& s, const Motion& m, double h, const Derivativ
   return out;
 }
 
+// How plate A moves over a substep; and the rate of the pouches at its beginning where it is stuck, m/s.
+struct Regime {
+  int direction;  // +1, -1, or 0 where friction holds plate A
+  double dH = 0.0;
+};
+
 // Kutta's third-order method.
 Motion runge_kutta(const StepContext& s, const Motion& m, double h, const VoltageProfile& volts,
-                   int direction) {
-  const Derivative a = rates(s, m, {volts.start, 0.0}, direction);
+                   const Regime& regime) {
+  const int direction = regime.direction;
+  const Derivative a =
+      direction == 0 ? stuck_rates(s, m, regime.dH) : rates(s, m, {volts.start, 0.0}, direction);
   const Derivative b = rates(s, advanced(s, m, h, a, 0.5, a, 0.0, a, 0.0), {volts.half, 0.5 * h}, direction);
   const Derivative c = rates(s, advanced(s, m, h, a, -1.0, b, 2.0, b, 0.0), {volts.end, h}, direction);
   return advanced(s, m, h, a, 1.0 / 6, b, 4.0 / 6, c, 1.0 / 6);
@@ -61,28 +68,27 @@ CircuitState circuit_state(const PlantState& state) {
 // Positive while the regime lasts: friction in reserve while stuck (N), speed while sliding (m/s).
 double regime_margin(const StepContext& s, const Motion& m, Instant at, int direction) {
   if (direction != 0) return m.v * direction;
-  return friction_bound(s, m, 0.0, at) - std::abs(net_force(s, m, at));
+  return friction_bound(s, m, 0.0, at) - std::abs(net_force(s, m, at).net);
 }
 
-// +1, -1, or 0 where friction holds plate A.
-int slide_direction(const StepContext& s, const Motion& m, bool breaks_away) {
-  if (m.v != kStopped) return m.v > 0.0 ? 1 : -1;
+Regime regime_of(const StepContext& s, const Motion& m, bool breaks_away) {
+  if (m.v != kStopped) return {m.v > 0.0 ? 1 : -1};
   const Instant now{acting_voltage(s.model, circuit_state(s.state)), 0.0};
-  const double net = net_force(s, m, now);
-  if (!breaks_away && std::abs(net) <= friction_bound(s, m, 0.0, now)) return 0;
-  return net > 0.0 ? 1 : -1;
+  const Force force = net_force(s, m, now);
+  if (!breaks_away && std::abs(force.net) <= friction_bound(s, m, 0.0, now)) return {0, force.dH};
+  return {force.net > 0.0 ? 1 : -1};
 }
 
 // States that follow the height at which pressure carries the load now.
-void hold_pouches(const PlantModel& model, PlantState& state) {
+void hold_pouches(const PlantModel& model, const ActiveTerms& has, double mass, PlantState& state) {
   const Baseline& b = model.baseline;
-  if (b.drive == Drive::Force) return;
+  if (!has.held || b.drive == Drive::Force) return;
   for_each_present(
       model.effects, state.motion.integrated, state.remembered, [&]<class E>(const E& effect, auto&... own) {
         if constexpr (requires { &E::hold; }) {
-          const double offset = pouch_offset(model, state.motion, state.remembered, 0.0).height;
-          const double spring =
-              undamped_spring(model, state.motion, state.remembered, model.mass_A(), offset);
+          const double offset =
+              has.pouch_offset ? pouch_offset(model, state.motion, state.remembered, 0.0).height : 0.0;
+          const double spring = undamped_spring(model, has, state.motion, state.remembered, mass, offset);
           const double u = acting_voltage(model, circuit_state(state));
           const double P = pressure(b, pulling_voltage(model, state.motion, state.remembered, u));
           effect.hold(equilibrium(b, P, std::max(0.0, spring) + b.m_B * b.g).H, b.H_0, own...);
@@ -98,7 +104,8 @@ struct Substep {
 };
 
 // Takes over the motion and voltages at the substep's end, and what effects remember of it.
-void commit(const PlantModel& model, const ActiveTerms& has, PlantState& state, const Substep& substep) {
+void commit(const PlantModel& model, const ActiveTerms& has, double mass, PlantState& state,
+            const Substep& substep) {
   const Baseline& b = model.baseline;
   const double target_before = has.sensor_filter ? target_position(model, state) : 0.0;
   const CircuitState& circuit = substep.volts.after;
@@ -110,30 +117,31 @@ void commit(const PlantModel& model, const ActiveTerms& has, PlantState& state, 
   state.time += substep.h;
   state.x_max = std::max(state.x_max, state.motion.x);
   const Moved moved{state.motion.H - b.H_0, state.motion.x, substep.h};
-  for_each_present(model.effects, state.motion.integrated, state.remembered,
-                   [&]<class E>(const E& effect, auto&... own) {
-                     if constexpr (requires { &E::bounded; }) ((own = effect.bounded(own)), ...);
-                     if constexpr (requires { &E::remember; }) effect.remember(moved, own...);
-                   });
-  hold_pouches(model, state);
+  if (has.remembers)
+    for_each_present(model.effects, state.motion.integrated, state.remembered,
+                     [&]<class E>(const E& effect, auto&... own) {
+                       if constexpr (requires { &E::bounded; }) ((own = effect.bounded(own)), ...);
+                       if constexpr (requires { &E::remember; }) effect.remember(moved, own...);
+                     });
+  hold_pouches(model, has, mass, state);
   if (has.sensor_filter) follow_target(model, state, target_before, substep.h);
 }
 
-Substep substep_of(const StepContext& s, Circuit& circuit, double h, int direction) {
-  Substep substep{h, circuit.over(circuit_state(s.state), h), {}};
-  substep.after = runge_kutta(s, s.state.motion, h, substep.volts, direction);
-  return substep;
+Substep substep_of(const StepContext& s, Circuit& circuit, double h, const Regime& regime) {
+  const VoltageProfile volts = circuit.over(s.model, circuit_state(s.state), h);
+  return {h, volts, runge_kutta(s, s.state.motion, h, volts, regime)};
 }
 
 // The step, cut where the regime ends; located by false position (Illinois variant).
-Substep until_event(const StepContext& s, Circuit& circuit, double h, int direction) {
-  Substep substep = substep_of(s, circuit, h, direction);
+Substep until_event(const StepContext& s, Circuit& circuit, double h, const Regime& regime) {
+  const int direction = regime.direction;
+  Substep substep = substep_of(s, circuit, h, regime);
   double at_high = regime_margin(s, substep.after, {substep.volts.end, h}, direction);
   if (at_high >= 0.0) return substep;
   double low = 0.0, high = h;
   double at_low = regime_margin(s, s.state.motion, {substep.volts.start, 0.0}, direction);
   for (int i = 0; i < kRootSteps && high - low > kRootResolution; ++i) {
-    substep = substep_of(s, circuit, high - at_high * (high - low) / (at_high - at_low), direction);
+    substep = substep_of(s, circuit, high - at_high * (high - low) / (at_high - at_low), regime);
     const double here = regime_margin(s, substep.after, {substep.volts.end, substep.h}, direction);
     if (here < 0.0) {
       high = substep.h, at_high = here, at_low *= 0.5;
@@ -152,18 +160,19 @@ std::size_t layers_within_reach(const PlantModel& model, const PlantState& state
 
 // One internal step of length h. With dry friction the step is cut where plate A stops or breaks away, which
 // keeps the order of the method.
-void internal_step(const PlantModel& model, const ActiveTerms& has, PlantState& state, double h,
+void internal_step(const PlantModel& model, const ActiveTerms& has, double mass, PlantState& state, double h,
                    Circuit& circuit, const PlantInputs& inputs) {
   bool breaks_away = false;
   for (int event = 0; h > kRootResolution; ++event) {
-    const StepContext s{model, inputs, state, has, layers_within_reach(model, state), model.mass_A()};
-    const int direction = has.dry_friction ? slide_direction(s, state.motion, breaks_away) : 1;
+    const StepContext s{model, inputs, state, has, layers_within_reach(model, state), mass};
+    const Regime regime = has.dry_friction ? regime_of(s, state.motion, breaks_away) : Regime{1};
+    const int direction = regime.direction;
     const bool locate = has.dry_friction && event < kEventsPerStep;
-    Substep substep = locate ? until_event(s, circuit, h, direction) : substep_of(s, circuit, h, direction);
+    Substep substep = locate ? until_event(s, circuit, h, regime) : substep_of(s, circuit, h, regime);
     if (has.dry_friction && direction != 0 && (substep.h < h || substep.after.v * direction <= 0.0))
       substep.after.v = kStopped;
     breaks_away = direction == 0 && substep.h < h;
-    commit(model, has, state, substep);
+    commit(model, has, mass, state, substep);
     h -= substep.h;
   }
 }
@@ -180,10 +189,10 @@ int cuts(const PlantModel& model, const PlantState& state, double h) {
 }
 
 // Commands the amplifier; one without lag jumps there, and the stack with it (eq. (2) at a sample).
-void command(const PlantModel& model, PlantState& state, double voltage) {
+void command(const PlantModel& model, bool instant, PlantState& state, double voltage) {
   state.u_command = commanded_voltage(model, voltage);
   state.charge = 0.0;
-  if (!amplifier_dynamics(model.effects).instant()) return;
+  if (!instant) return;
   const double jump = state.u_command - state.u_i;
   state.u_i = state.u_command;
   state.u_o += model.baseline.K * jump;
@@ -236,20 +245,28 @@ void shift(const PlantModel& model, PlantState& state, double dx) {
                    });
 }
 
-PlantState step(const PlantModel& model, PlantState state, const PlantInputs& inputs, Seconds duration) {
+Stepper::Stepper(const PlantModel& model)
+    : has_(active_terms(model)), mass_(model.mass_A()), circuit_(model) {
   assert(model.tissue.size() <= kMaxLayers);
-  command(model, state, inputs.voltage);
-  hold_pouches(model, state);  // a jump carries the pouches furthest at once, before the load has risen
+}
+
+void Stepper::advance(const PlantModel& model, PlantState& state, const PlantInputs& inputs,
+                      Seconds duration) {
+  command(model, circuit_.instant(), state, inputs.voltage);
+  circuit_.command(state.u_command);
+  hold_pouches(model, has_, mass_, state);  // a jump carries the pouches furthest at once, before the load has risen
   const int pieces = std::max(1, static_cast<int>(std::ceil(duration.count() / model.internal_step - 1e-9)));
   const double h = duration.count() / pieces;
-  Circuit circuit(model, state.u_command, h);
-  const ActiveTerms has = active_terms(model);
   for (int i = 0; i < pieces; ++i) {
-    const int parts = has.cut_rate ? cuts(model, state, h) : 1;
+    const int parts = has_.cut_rate ? cuts(model, state, h) : 1;
     const double part = parts > 1 ? h / parts : h;
-    for (int j = 0; j < parts; ++j) internal_step(model, has, state, part, circuit, inputs);
+    for (int j = 0; j < parts; ++j) internal_step(model, has_, mass_, state, part, circuit_, inputs);
   }
   ++state.readings;
+}
+
+PlantState step(const PlantModel& model, PlantState state, const PlantInputs& inputs, Seconds duration) {
+  Stepper(model).advance(model, state, inputs, duration);
   return state;
 }
 

@@ -40,6 +40,7 @@ const std::vector<Folder> kFolders{
     {"sim/gap", 3, {"sim"}},
     {"sim/paper", 3, {"sim"}},
     {"sim/paper/calibration", 3, {"sim", "sim/paper"}},
+    {"sim/paper/missing", 3, {"sim", "sim/paper", "sim/paper/calibration"}},
     {"sim/paper/identification", 3, {"sim", "sim/paper"}},
     {"sim/paper/design", 3, {"sim", "sim/paper"}},
     {"sim/paper/tuning", 3, {"sim", "sim/paper"}},

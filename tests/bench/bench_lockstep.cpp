@@ -1,22 +1,30 @@
-// How fast the rehearsal is: the whole lockstep, its parts, and the same baseline integrated by SUNDIALS
-// CVODE. Best of several repetitions on one core; ratios to real time are what counts.
+// How fast the rehearsal is: the whole lockstep, its parts, many stages at once, and the same baseline
+// integrated by SUNDIALS CVODE. CPU time, best of several repetitions on one core.
+//   bench_lockstep [--out FILE] [--held-against FILE]
+// Exit code 3 where a figure lost more than a fifth of its speed against the peer, 2 for unusable input.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "planner/plan/plan_insertion.hpp"
 #include "planner/plan/registration.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/cycle/simulated_robot.hpp"
 #include "robot/procedure/operator.hpp"
 #include "sim/plant/model_file.hpp"
+#include "sim/plant/batch.hpp"
+#include "sim/plant/seeded_noise.hpp"
+#include "sim/plant/stepper.hpp"
 #include "sim/simulated_stage.hpp"
 #include "sim/tissue/tissue.hpp"
+#include "tests/bench/bench_result.hpp"
 #include "tests/bench/cvode_peer.hpp"
 #include "tests/source_dir.hpp"
 
@@ -26,22 +34,18 @@ namespace {
 constexpr int kRepetitions = 7;
 constexpr int kTicks = 30'000;  // of the plant alone
 constexpr double kTick_s = 1e-3;
+constexpr std::size_t kBatch = 64;  // stages
 double keep = 0.0;  // read at the end, so that nothing is optimised away
 
 // Seconds for one call, the fastest of several.
 double best_of(const std::function<void()>& work) {
   double best = 1e9;
   for (int i = 0; i < kRepetitions; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin = cpu_s();
     work();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    best = std::min(best, cpu_s() - begin);
   }
   return best;
-}
-
-void row(const std::string& what, double seconds, std::size_t ticks, const std::string& remark = "") {
-  const double per_tick = seconds / static_cast<double>(ticks);
-  fmt::print("{:<52}{:>10.0f}{:>12.0f}  {}\n", what, per_tick * 1e9, kTick_s / per_tick, remark);
 }
 
 // The paper's liver biopsy: 2.0 then 3.5 mm.
@@ -142,8 +146,9 @@ std::vector<double> drive() {
 std::vector<double> plant_run(const sim::PlantModel& model, const std::vector<double>& voltage) {
   std::vector<double> x;
   sim::PlantState state = sim::at_rest(model);
+  sim::Stepper stepper(model);
   for (const double volts : voltage) {
-    state = sim::step(model, state, {.voltage = volts}, Seconds(kTick_s));
+    stepper.advance(model, state, {.voltage = volts}, Seconds(kTick_s));
     x.push_back(state.motion.x);
   }
   return x;
@@ -156,52 +161,117 @@ std::string accuracy(const std::vector<double>& x, const std::vector<double>& ex
   return fmt::format("worst error {:.3f} um", worst * 1e6);
 }
 
-void compare_with_peer() {
-  const sim::PlantModel model;
+// Stages like the reference, in lanes; the first is the reference.
+std::vector<sim::PlantModel> stages_around(const sim::PlantModel& reference) {
+  std::vector<sim::PlantModel> models(kBatch, reference);
+  for (std::size_t i = 1; i < kBatch; ++i) {
+    const double off = 0.2 * (sim::uniform(1, i) - 0.5);
+    models[i].baseline.k *= 1.0 + off, models[i].baseline.c_s *= 1.0 - off;
+  }
+  return models;
+}
+
+// Deflection of the first stage.
+std::vector<double> batch_run(const std::vector<sim::PlantModel>& models, const std::vector<double>& voltage) {
+  std::vector<double> x, volts(models.size());
+  sim::PlantBatch batch(models, Seconds(kTick_s));
+  for (const double now : voltage) {
+    std::fill(volts.begin(), volts.end(), now);
+    batch.step(volts);
+    x.push_back(batch.x(0));
+  }
+  return x;
+}
+
+void measure_plants(BenchResult& result) {
+  sim::PlantModel model;
   const std::vector<double> voltage = drive();
+  const auto ticks = static_cast<double>(voltage.size());
   const std::vector<double> exact = cvode_run(model.baseline, model.weight, voltage, {1e-12, 1e-15, true});
   std::vector<double> x;
-  const double own = best_of([&] { x = plant_run(model, voltage); });
-  keep += x.back();
-  row("baseline alone, sim/plant", own, voltage.size(), accuracy(x, exact));
+  const double own = best_of([&] { x = plant_run(model, voltage); }) / ticks;
+  result.add({"plant", "baseline alone, sim/plant", own * 1e9, accuracy(x, exact)});
+  const auto batch = [&](const std::string& name, const std::string& what) {
+    const auto models = stages_around(model);
+    const double seconds = best_of([&] { x = batch_run(models, voltage); }) / (ticks * kBatch);
+    result.add({name, what, seconds * 1e9, accuracy(x, exact)});
+  };
+  batch("batch", fmt::format("  {} stages at once, each", kBatch));
   if (!cvode_is_there())
     return static_cast<void>(fmt::print("{:<52}{:>10}\n", "baseline by SUNDIALS CVODE", "not installed"));
   for (const bool every_tick : {true, false})
     for (const double relative : {1e-4, 1e-5, 1e-6}) {
       const PeerSettings settings{relative, relative * 1e-3, every_tick};
-      const double peer = best_of([&] { x = cvode_run(model.baseline, model.weight, voltage, settings); });
+      const double peer =
+          best_of([&] { x = cvode_run(model.baseline, model.weight, voltage, settings); }) / ticks;
       if (x.size() != voltage.size()) throw std::runtime_error("CVODE failed: no figure");
-      row(fmt::format("  CVODE Adams, rtol {:.0e}, restart {}", relative,
-                      every_tick ? "each tick" : "at jumps only"),
-          peer, voltage.size(), fmt::format("{}, {:.1f} x the plant's time", accuracy(x, exact), peer / own));
+      result.add({fmt::format("cvode {:.0e}{}", relative, every_tick ? " each tick" : ""),
+                  fmt::format("  CVODE Adams, rtol {:.0e}, restart {}", relative,
+                              every_tick ? "each tick" : "at jumps only"),
+                  peer * 1e9, fmt::format("{}, {:.1f} x the plant's time", accuracy(x, exact), peer / own)});
     }
+  model.effects.coulomb_friction = sim::CoulombFriction{0.05};
+  const double rubbing = best_of([&] { keep += plant_run(model, voltage).back(); }) / ticks;
+  result.add({"plant with friction", "baseline with dry friction, sim/plant", rubbing * 1e9, ""});
+  const auto models = stages_around(model);
+  const double lanes = best_of([&] { keep += batch_run(models, voltage).back(); }) / (ticks * kBatch);
+  result.add({"batch with friction", fmt::format("  {} stages at once, each", kBatch), lanes * 1e9, ""});
 }
 
-int run() {
+void measure_lockstep(BenchResult& result) {
   const Biopsy biopsy = liver_biopsy();
-  fmt::print("best of {} on one core{:<30}{:>10}{:>12}\n", kRepetitions, "", "ns/tick", "x real time");
   std::size_t ticks = 0;
   const double whole = best_of([&] {
     ticks = 0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) ticks += lockstep_run(biopsy, seed);
   });
-  row("lockstep: stage, evidence, supervisor, loop, gate", whole, ticks,
-      "liver biopsy, rehearsal model, tissue, noise");
+  result.add({"lockstep", "lockstep: stage, evidence, supervisor, loop, gate", whole / ticks * 1e9,
+              "liver biopsy, rehearsal model, tissue, noise"});
   Record record;
   lockstep_run(biopsy, 1, &record);
-  row("  evidence, supervisor and gate alone", best_of([&] { safety_run(biopsy, record); }),
-      record.ticks.size());
+  const auto recorded = static_cast<double>(record.ticks.size());
+  const double safety = best_of([&] { safety_run(biopsy, record); });
+  result.add({"safety", "  evidence, supervisor and gate alone", safety / recorded * 1e9, ""});
   std::vector<double> volts;
   for (const robot::CycleRecord& tick : record.ticks) volts.push_back(tick.drive_mV * 1e-3);
-  row("  plant alone, same voltages, in tissue",
-      best_of([&] { keep += plant_run(biopsy.model, volts).back(); }), volts.size());
-  compare_with_peer();
-  return std::isfinite(keep) ? 0 : 1;
+  const double plant = best_of([&] { keep += plant_run(biopsy.model, volts).back(); });
+  result.add({"plant in tissue", "  plant alone, same voltages, in tissue", plant / recorded * 1e9, ""});
+}
+
+int run(const std::string& out, const std::string& earlier) {
+  BenchResult result;
+  result.set_peer("cvode 1e-05");  // the nearest that is not more exact
+  fmt::print("CPU time, best of {} on one core{:<21}{:>10}{:>12}\n", kRepetitions, "", "ns/tick", "x real time");
+  measure_lockstep(result);
+  measure_plants(result);
+  if (!std::isfinite(keep)) return 1;
+  if (!out.empty()) result.write(out);
+  if (earlier.empty()) return 0;
+  const std::string losses = result.losses(earlier);
+  fmt::print("{}", losses.empty() ? "no figure lost a fifth of its speed\n" : "lost speed:\n" + losses);
+  return losses.empty() ? 0 : 3;
 }
 
 }  // namespace
 }  // namespace biopsy::bench
 
-int main() {
-  return biopsy::bench::run();
+int main(int argc, char** argv) {
+  std::string out, earlier;
+  for (int i = 1; i < argc; i += 2) {
+    const std::string option = argv[i];
+    if (i + 1 < argc && option == "--out") {
+      out = argv[i + 1];
+    } else if (i + 1 < argc && option == "--held-against") {
+      earlier = argv[i + 1];
+    } else {
+      fmt::print(stderr, "error: \"{}\"; bench_lockstep takes --out FILE and --held-against FILE\n", option);
+      return 2;
+    }
+  }
+  try {
+    return biopsy::bench::run(out, earlier);
+  } catch (const biopsy::ConfigError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 2;
+  }
 }

@@ -129,7 +129,8 @@ DepthCheck check_depth(const Volume& before, std::span<const Volume> after, cons
                        const Direction& axis_S, const DepthCheckSettings& settings,
                        DepthCheckPictures* pictures) {
   if (after.empty()) throw ConfigError("no image", "depth check", "give the image with the needle");
-  const Volume& view = widest_view(after, p_SE, axis_S.normalized());
+  const Direction unit_axis = axis_S.normalized();
+  const Volume& view = widest_view(after, p_SE, unit_axis);
   const NeedleFrame frame = needle_frame(view.grid, p_SE, axis_S);
   refuse_bad(before, after, frame);
   const DepthReading reading = read_depth(before, after, frame, settings.depth_max);

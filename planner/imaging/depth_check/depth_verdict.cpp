@@ -14,7 +14,6 @@ namespace biopsy::imaging {
 namespace {
 
 using enum DepthVerdict;
-using fmt::format;
 using MaybeJudgement = std::optional<DepthJudgement>;
 
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
@@ -64,14 +63,14 @@ MaybeJudgement doubt_about(const RegistrationResult& motion, const DepthCheckSet
     return DepthJudgement{Unsure, "The images have too little in common around the path to compare them."};
   if (!motion.within_limits)
     return DepthJudgement{
-        Unsure, format("The patient seems to have moved by {:.1f} mm: too far to compare the images. "
-                       "Plan anew.",
-                       motion.shift_mm.norm())};
+        Unsure, fmt::format("The patient seems to have moved by {:.1f} mm: too far to compare the images. "
+                            "Plan anew.",
+                            motion.shift_mm.norm())};
   if (!(motion.score >= s.registration_min))
-    return DepthJudgement{Unsure,
-                          format("The images do not match well enough to compare (correlation {:.2f}, needed "
-                                 "{:.2f}).",
-                                 motion.score, s.registration_min)};
+    return DepthJudgement{
+        Unsure, fmt::format("The images do not match well enough to compare (correlation {:.2f}, needed "
+                            "{:.2f}).",
+                            motion.score, s.registration_min)};
   return std::nullopt;
 }
 
@@ -86,90 +85,92 @@ MaybeJudgement absence(const TipFinding& tip, const DepthCheckSettings& s) {
     return DepthJudgement{Unsure,
                           "A needle could not be told from noise and motion along this path: contrast is too "
                           "low."};
-  return DepthJudgement{Reject,
-                        format("No needle found: along the path {:.0f} % of the signal is lost at most; a "
-                               "needle would take {:.0f} %.",
-                               100.0 * lost_at_most, 100.0 * s.needle_loss)};
+  return DepthJudgement{
+      Reject, fmt::format("No needle found: along the path {:.0f} % of the signal is lost at most; a "
+                          "needle would take {:.0f} %.",
+                          100.0 * lost_at_most, 100.0 * s.needle_loss)};
 }
 
 // A quantity of the needle that certainly misses its tolerance.
 MaybeJudgement miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
   const double chance = 1.0 - s.missed_certainly;
   if (within_disc(tip.beside_mm, s.lateral_mm.tolerance) < chance)
-    return DepthJudgement{Reject,
-                          format("The needle lies {:.1f} mm (+-{:.1f}) beside the planned axis; {:.1f} mm "
-                                 "are allowed.",
-                                 read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.tolerance)};
+    return DepthJudgement{
+        Reject, fmt::format("The needle lies {:.1f} mm (+-{:.1f}) beside the planned axis; {:.1f} mm "
+                            "are allowed.",
+                            read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.tolerance)};
   if (within_disc(tip.slope, std::tan(s.angle_deg.tolerance / kDegreesPerRadian)) < chance)
     return DepthJudgement{Reject,
-                          format("The needle is tilted by {:.1f} degrees (+-{:.1f}) against the planned "
-                                 "axis; {:.1f} are allowed.",
-                                 read.angle_deg, read.angle_sigma_deg, s.angle_deg.tolerance)};
+                          fmt::format("The needle is tilted by {:.1f} degrees (+-{:.1f}) against the planned "
+                                      "axis; {:.1f} are allowed.",
+                                      read.angle_deg, read.angle_sigma_deg, s.angle_deg.tolerance)};
   if (!s.expected || !s.tip_offset) return std::nullopt;
   const double expected = s.expected->value;
   if (tip.at_end) {
     const double least = tip.seen_to_mm - s.tip_offset->value.value - 2.0 * read.depth_sigma_mm;
     if (least > expected + s.depth_mm.tolerance)
-      return DepthJudgement{Reject,
-                            format("The void goes on to the end of the images, {:.1f} mm from the entry: "
-                                   "deeper than the planned {:.2f} mm.",
-                                   tip.seen_to_mm, expected)};
+      return DepthJudgement{
+          Reject, fmt::format("The void goes on to the end of the images, {:.1f} mm from the entry: "
+                              "deeper than the planned {:.2f} mm.",
+                              tip.seen_to_mm, expected)};
     return std::nullopt;
   }
   if (depth_within(tip, expected, s.depth_mm.tolerance, s) >= chance) return std::nullopt;
   const double off = read.depth_mm - expected;
-  return DepthJudgement{Reject,
-                        format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", read.depth_mm,
-                               std::abs(off), off > 0.0 ? "deeper than" : "short of", expected)};
+  return DepthJudgement{
+      Reject, fmt::format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", read.depth_mm,
+                          std::abs(off), off > 0.0 ? "deeper than" : "short of", expected)};
 }
 
 // What keeps the needle's place from being certain.
 MaybeJudgement doubt_about(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
   if (tip.at_end)
     return DepthJudgement{Unsure,
-                          format("The void goes on to the end of what both images show, {:.1f} mm from "
-                                 "the entry: where the tip is cannot be seen.",
-                                 tip.seen_to_mm)};
+                          fmt::format("The void goes on to the end of what both images show, {:.1f} mm from "
+                                      "the entry: where the tip is cannot be seen.",
+                                      tip.seen_to_mm)};
   if (tip.gap_mm > 0.0)
-    return DepthJudgement{Unsure,
-                          format("The void along the path is interrupted for {:.1f} mm: it may not be one "
-                                 "needle.",
-                                 tip.gap_mm)};
+    return DepthJudgement{
+        Unsure, fmt::format("The void along the path is interrupted for {:.1f} mm: it may not be one "
+                            "needle.",
+                            tip.gap_mm)};
   const double lateral = within_disc(tip.beside_mm, s.lateral_mm.limit);
   if (!(read.lateral_mm <= s.lateral_mm.tolerance && lateral >= s.confidence))
-    return DepthJudgement{Unsure,
-                          format("The needle is read {:.1f} mm (+-{:.1f}) beside the planned axis; that it "
-                                 "is within {:.1f} mm is not certain.",
-                                 read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.limit)};
+    return DepthJudgement{
+        Unsure, fmt::format("The needle is read {:.1f} mm (+-{:.1f}) beside the planned axis; that it "
+                            "is within {:.1f} mm is not certain.",
+                            read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.limit)};
   const double angle = within_disc(tip.slope, std::tan(s.angle_deg.limit / kDegreesPerRadian));
   if (!(read.angle_deg <= s.angle_deg.tolerance && angle >= s.confidence))
-    return DepthJudgement{Unsure, format("The needle's angle to the planned axis is read as {:.1f} degrees "
-                                         "(+-{:.1f}); that it is within {:.1f} degrees is not certain.",
-                                         read.angle_deg, read.angle_sigma_deg, s.angle_deg.limit)};
-  if (!s.tip_offset)
     return DepthJudgement{Unsure,
-                          format("The void ends at {:.2f} mm, but how far it goes on beyond the tip has not "
-                                 "been calibrated for this needle and sequence.",
-                                 read.depth_mm)};
+                          fmt::format("The needle's angle to the planned axis is read as {:.1f} degrees "
+                                      "(+-{:.1f}); that it is within {:.1f} degrees is not certain.",
+                                      read.angle_deg, read.angle_sigma_deg, s.angle_deg.limit)};
+  if (!s.tip_offset)
+    return DepthJudgement{
+        Unsure, fmt::format("The void ends at {:.2f} mm, but how far it goes on beyond the tip has not "
+                            "been calibrated for this needle and sequence.",
+                            read.depth_mm)};
   const double centre = s.expected ? s.expected->value : read.depth_mm;
   const double depth = depth_within(tip, centre, s.depth_mm.limit, s);
   if (!(std::abs(read.depth_mm - centre) <= s.depth_mm.tolerance && depth >= s.confidence))
-    return DepthJudgement{Unsure,
-                          format("The tip is read at {:.2f} mm (+-{:.2f}); that it is within {:.1f} mm of {} "
-                                 "{:.2f} mm is not certain.",
-                                 read.depth_mm, read.depth_sigma_mm, s.depth_mm.limit,
-                                 s.expected ? "the planned" : "the read", centre)};
+    return DepthJudgement{
+        Unsure, fmt::format("The tip is read at {:.2f} mm (+-{:.2f}); that it is within {:.1f} mm of {} "
+                            "{:.2f} mm is not certain.",
+                            read.depth_mm, read.depth_sigma_mm, s.depth_mm.limit,
+                            s.expected ? "the planned" : "the read", centre)};
   return std::nullopt;
 }
 
 DepthJudgement accepted(const NeedlePlacement& read, const DepthCheckSettings& s) {
-  const std::string beside =
-      format("{:.1f} mm beside the planned axis, tilted by {:.1f} degrees", read.lateral_mm, read.angle_deg);
+  const std::string beside = fmt::format("{:.1f} mm beside the planned axis, tilted by {:.1f} degrees",
+                                         read.lateral_mm, read.angle_deg);
   if (!s.expected)
-    return {Accept, format("Tip found {:.2f} mm from the entry, known to {:.2f} mm; {}.", read.depth_mm,
-                           read.depth_sigma_mm, beside)};
-  return {Accept, format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm; {}.", read.depth_mm,
-                         rounded(read.depth_mm - s.expected->value, 2), s.expected->value, beside)};
+    return {Accept, fmt::format("Tip found {:.2f} mm from the entry, known to {:.2f} mm; {}.", read.depth_mm,
+                                read.depth_sigma_mm, beside)};
+  return {Accept,
+          fmt::format("Tip found at {:.2f} mm, {:+.2f} mm from the planned {:.2f} mm; {}.", read.depth_mm,
+                      rounded(read.depth_mm - s.expected->value, 2), s.expected->value, beside)};
 }
 
 }  // namespace
@@ -206,7 +207,8 @@ DepthJudgement judge_depth(const DepthReading& reading, const DepthCheckSettings
   constexpr double kWorthTelling_mm =
       1.0;  // the depth is the robot's; where the tissue went, a person must weigh
   if (moved_mm > kWorthTelling_mm)
-    judgement.reason += format(" The patient moved {:.1f} mm at the entry since the image before.", moved_mm);
+    judgement.reason +=
+        fmt::format(" The patient moved {:.1f} mm at the entry since the image before.", moved_mm);
   return judgement;
 }
 

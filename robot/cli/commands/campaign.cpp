@@ -1,14 +1,18 @@
-// biopsy campaign: many rehearsals with faults.
+// biopsy campaign: many rehearsals with faults, at once or in shards.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "planner/plan/seal.hpp"
 #include "robot/cli/command.hpp"
 #include "robot/cli/shared_options.hpp"
+#include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/progress.hpp"
+#include "robot/common/sha256.hpp"
+#include "robot/common/text/encoding.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/procedure/campaign/fault_campaign.hpp"
 #include "robot/procedure/procedure.hpp"
@@ -24,6 +28,8 @@ struct Options {
   ProcedureOptions procedure;
   fs::path faults;
   int runs = 20;
+  std::string shard;
+  std::size_t merge = 0;  // shards; 0: none
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -33,6 +39,12 @@ void declare(CLI::App& app, Options& options) {
       "every kind, in sizes from small to gross");
   add(app, "--runs N", options.runs, "rehearsals of each fault, with seeds from `--seed` up", "20")
       ->check(in_range(1, 100'000));
+  CLI::Option* shard =
+      add(app, "--shard I/N", options.shard,
+          "rehearse the I-th of N parts only and keep it in `shards`, unless it is there already", "all of it");
+  add(app, "--merge N", options.merge, "rehearse nothing: put the N parts in `shards` together", "not")
+      ->check(in_range(1, kShardsMax))
+      ->excludes(shard);
 }
 
 json null_or(double value) {
@@ -78,48 +90,102 @@ std::string table_of(const std::vector<EntryResult>& results) {
   return text;
 }
 
-Result run(const Options& options, const Context& context) {
-  const fs::path& out = options.procedure.out;
-  const std::vector<FaultEntry> entries =
-      options.faults.empty() ? fault_grid()
-                             : std::vector<FaultEntry>{{options.faults.filename().string(), FaultBegin::Start,
-                                                        sim::read_faults(options.faults)}};
-  const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
-  if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan))
-    return {.exit_code = 3,
-            .text = fmt::format("no plan: {}; {}\n", refusal->what, refusal->remedy),
-            .json = "null"};
-  std::vector<EntryResult> results;
-  {
-    ProgressLine line;
-    results = run_campaign(
-        prepared, entries, {.runs = options.runs, .seed = prepared.given.seed, .stop = context.interrupted},
-        out / "runs", [&line](double share, const std::string& what) { line.show(share, what); });
-  }
-  fs::remove_all(out / "runs");
-  int runs = 0, beyond = 0;
-  for (const EntryResult& one : results) runs += one.runs, beyond += one.beyond;
+// Results of a campaign, however it was run.
+Result conclude(const CampaignRuns& campaign, const fs::path& out, bool interrupted) {
+  const std::vector<EntryResult> results = entry_results(campaign);
   EntryResult all;
-  all.runs = runs, all.beyond = beyond;
-  json document{{"target_mm", std::get<Plan>(prepared.plan).target_depth.value},
+  for (const EntryResult& one : results) all.runs += one.runs, all.beyond += one.beyond;
+  json document{{"target_mm", campaign.target_mm},
                 {"beyond_most_mm", kBeyondMost_mm},
-                {"runs", runs},
-                {"beyond", beyond},
+                {"runs", all.runs},
+                {"beyond", all.beyond},
                 {"beyond_upper95", all.beyond_upper95()},
-                {"interrupted", context.interrupted.stop_requested()},
+                {"interrupted", interrupted},
                 {"entries", json::array()}};
   for (const EntryResult& one : results) document["entries"].push_back(to_json(one));
   const std::string text = document.dump(1) + "\n";
   atomic_write(out / "campaign.json", text);
   return {
-      .exit_code = beyond > 0 ? 3 : 0,
+      .exit_code = all.beyond > 0 ? 3 : 0,
       .text =
           table_of(results) +
           fmt::format(
               "\n{} of {} rehearsals beyond target + {:g} mm; share below {:.2g} % at 95 % confidence\n"
               "numbers: {}\n",
-              beyond, runs, kBeyondMost_mm, 100.0 * all.beyond_upper95(), (out / "campaign.json").string()),
+              all.beyond, all.runs, kBeyondMost_mm, 100.0 * all.beyond_upper95(),
+              (out / "campaign.json").string()),
       .json = text};
+}
+
+// Of this program and of what its rehearsals depend on.
+std::string identity_of(const Options& options, const PreparedCase& prepared) {
+  const Rehearsal& rehearsal = prepared.given.rehearsal;
+  std::string text = fmt::format("{} {} {} {} {}\n", planner::plan_tag(std::get<Plan>(prepared.plan)),
+                                 prepared.given.seed, options.runs, prepared.given.weight.value,
+                                 rehearsal.scan.count());
+  for (const fs::path& file : {fs::path("/proc/self/exe"), rehearsal.model, rehearsal.tissues, options.faults})
+    if (!file.empty()) text += hex(sha256(read_file(file)));
+  return hex(sha256(text));
+}
+
+Result refused(const PlanRefusal& refusal) {
+  return {.exit_code = 3,
+          .text = fmt::format("no plan: {}; {}\n", refusal.what, refusal.remedy),
+          .json = "null"};
+}
+
+struct Rehearsals {
+  CampaignRuns campaign;
+  bool were_there = false;
+};
+
+// The shard of the campaign; `scratch` holds images while they are needed. A shard of the same campaign in
+// `kept` is taken from there.
+Rehearsals rehearse(const Options& options, const PreparedCase& prepared, const Shard& shard,
+                    const fs::path& scratch, const fs::path& kept, const std::stop_token& stop) {
+  const std::string identity = identity_of(options, prepared);
+  if (!kept.empty() && fs::exists(kept)) {
+    CampaignRuns earlier = read_shard(kept, shard);
+    if (earlier.identity == identity) return {std::move(earlier), true};
+  }
+  const std::vector<FaultEntry> entries =
+      options.faults.empty() ? fault_grid()
+                             : std::vector<FaultEntry>{{options.faults.filename().string(), FaultBegin::Start,
+                                                        sim::read_faults(options.faults)}};
+  ProgressLine line;
+  Rehearsals out{run_campaign(
+      prepared, entries,
+      {.runs = options.runs, .seed = prepared.given.seed, .shard = shard, .stop = stop}, scratch,
+      [&line](double share, const std::string& what) { line.show(share, what); })};
+  out.campaign.identity = identity;
+  return out;
+}
+
+Result run_shard(const Options& options, const Context& context) {
+  const Shard shard = parse_shard(options.shard);
+  const fs::path folder = options.procedure.out / "shards", kept = shard_file(folder, shard);
+  const fs::path work = folder / kept.stem();  // of this shard alone: others may run beside it
+  const PreparedCase prepared = prepare_run(case_of(options.procedure), work, context.clearable);
+  if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) return refused(*refusal);
+  const Rehearsals done = rehearse(options, prepared, shard, work / "runs", kept, context.interrupted);
+  fs::remove_all(work);
+  if (context.interrupted.stop_requested())
+    return {.text = "interrupted: nothing is kept of this shard\n", .json = "null"};
+  if (!done.were_there) write_shard(kept, done.campaign, shard);
+  return {.text = fmt::format("shard {}/{} {}: {}\n", shard.index, shard.count,
+                              done.were_there ? "was there already" : "done", kept.string()),
+          .json = read_file(kept)};
+}
+
+Result run(const Options& options, const Context& context) {
+  const fs::path& out = options.procedure.out;
+  if (options.merge > 0) return conclude(merge_shards(out / "shards", options.merge), out, false);
+  if (!options.shard.empty()) return run_shard(options, context);
+  const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
+  if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) return refused(*refusal);
+  const Rehearsals done = rehearse(options, prepared, {}, out / "runs", {}, context.interrupted);
+  fs::remove_all(out / "runs");
+  return conclude(done.campaign, out, context.interrupted.stop_requested());
 }
 
 }  // namespace campaign_cli
@@ -138,9 +204,14 @@ Command campaign_command() {
           "says "
           "how deep the true tip came beyond the target, how many runs were completed, and which hazard "
           "noticed "
-          "the fault after which time. Nothing real moves.",
+          "the fault after which time. Nothing real moves.\n\nWith `--shard` several processes share a "
+          "campaign, on one machine or many: each rehearses its part, and `--merge` puts the parts "
+          "together to what one process would have written, to the bit "
+          "([Campaigns on many machines](../how-to/campaigns.md)).",
       .examples = {"biopsy campaign gap --faults docs/examples/faults.toml --runs 4 --out out/campaign"},
-      .long_examples = {"biopsy campaign liver --runs 299 --out out/campaign"},
+      .long_examples = {"biopsy campaign liver --runs 299 --out out/campaign",
+                        "biopsy campaign liver --runs 299 --shard 3/64 --out out/campaign",
+                        "biopsy campaign --merge 64 --out out/campaign"},
       .exit_codes =
           "0 where no run came further than 2 mm beyond the target, 3 where one did or there is no plan, 2 "
           "for unusable input, 130 where Ctrl-C ended it; what was run until then is written",
@@ -152,7 +223,8 @@ Command campaign_command() {
             "seed "
             "and beginning, `completed_off_mm` (largest distance of a completed run's true depth from the "
             "target), `detected_by` (hazard: runs), `detected_ms_median`, `detected_ms_max`"},
-           {"planning", "the planning image of a built-in case, as DICOM"}},
+           {"planning", "the planning image of a built-in case, as DICOM"},
+           {"shards", "with `--shard`: `I-of-N.json`, each rehearsal of a part", true}},
       .replaces_earlier_run = true,
       .json = "the content of `campaign.json`",
       .interruptible = true,

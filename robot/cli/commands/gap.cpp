@@ -7,6 +7,7 @@
 
 #include "robot/cli/accepted_model.hpp"
 #include "robot/cli/command.hpp"
+#include "robot/cli/commands/gap_paper.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
@@ -28,29 +29,42 @@ struct Options {
   fs::path dataset, model, out;
   std::vector<std::string> free;  // baseline parameters that are not known
   std::optional<double> window;   // s; empty: each run from its start in one piece
+  bool paper = false;             // the paper's figures in place of a data set
   bool as_given = false;          // neither is chosen from the data
   bool accept = false;            // the model file is replaced by what was found
   bool recheck = true;            // rehearse with the model that was found
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "DATASET", options.dataset, "folder of a [data set](model-files.md#data-set)")->required();
-  add_model(app, options.model, "[model file](model-files.md#model)")->required();
+  CLI::Option* dataset = add(app, "DATASET", options.dataset,
+                             "folder of a [data set](model-files.md#data-set). Required without `--paper`");
+  add_model(app, options.model,
+            "[model file](model-files.md#model); with `--paper` the numbers that are not searched. Required "
+            "without `--paper`");
   add_out(app, options.out, "the report and the better model")->required();
+  CLI::Option* paper = app.add_flag(
+      "--paper", options.paper,
+      "compare with the paper's figures in place of a data set: each candidate as extra unknowns of the "
+      "calibration, every figure by a calibration on the others. Some 7,000 evaluations of all figures: "
+      "forty minutes of two processors");
+  paper->excludes(dataset);
   add(app, "--free NAMES", options.free,
       "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->excludes(paper);
   add(app, "--window SECONDS", options.window,
       "simulate in windows of this length, each from a free initial state",
       "each run in one piece; windows where a mechanism drifts")
-      ->check(in_range(1e-3, 1e6, "s"));
-  app.add_flag(
-      "--as-given", options.as_given,
-      "choose neither free numbers nor windows from the data: calibrated numbers, runs in one piece");
+      ->check(in_range(1e-3, 1e6, "s"))
+      ->excludes(paper);
+  app.add_flag("--as-given", options.as_given,
+               "choose neither free numbers nor windows from the data: calibrated numbers, runs in one piece")
+      ->excludes(paper);
   app.add_flag("--accept", options.accept,
                "replace the model file by the better model, or by the one with a proposed term; the old one "
                "stays beside it as `NAME.toml.1`, `.2` "
-               "and so on");
+               "and so on")
+      ->excludes(paper);
   app.add_flag_callback(
       "--no-recheck", [&options] { options.recheck = false; },
       "leave out the rehearsals of the built-in cases with the old and the better model");
@@ -171,7 +185,16 @@ std::string accept(const GapFinding& finding, const fs::path& model) {
                      old.string());
 }
 
+void refuse_missing(const std::filesystem::path& given, const char* what, const char* which) {
+  if (given.empty())
+    throw ConfigError(fmt::format("{} is missing", what), "gap",
+                      fmt::format("name {}, or compare with the paper's figures by --paper", which));
+}
+
 Result run(const Options& options, const Context& context) {
+  if (options.paper) return gap_paper(options.model, options.out, context);
+  refuse_missing(options.dataset, "DATASET", "the folder of a data set");
+  refuse_missing(options.model, "--model", "a model file");
   const sim::NotedModel given = sim::read_noted_model(options.model);
   sim::Dataset dataset = sim::read_dataset(options.dataset, given.model.baseline.drive);
   dataset.title = title_of(dataset, options.dataset);
@@ -200,10 +223,13 @@ Command gap_command() {
           "parameter explains it, and shows on runs it did not use how far that closes the gap: [finding "
           "what a model is missing](../how-to/find-missing-effects.md). The same data and model give the "
           "same answer; nothing in it is "
-          "random. A data set or model that lies in the place of the answer is refused.",
+          "random. `--paper` asks of the paper's figures what they lack: [what was "
+          "found](../explanation/paper.md#what-the-figures-lack). A data set or model that lies in the place "
+          "of the answer is refused.",
       .examples = {"biopsy gap docs/examples/gap --model docs/examples/gap/stage.toml --out "
                    "out/gap-example --no-recheck"},
-      .long_examples = {"biopsy gap rig --model rig.toml --free m,c_s,k --window 0.5 --out out/rig"},
+      .long_examples = {"biopsy gap rig --model rig.toml --free m,c_s,k --window 0.5 --out out/rig",
+                        "biopsy gap --paper --out out/paper-gap"},
       .exit_codes =
           "0 for any verdict, \"unexplained\" included; 2 for unusable input; 130 where Ctrl-C "
           "ended the search, with what was found until then written",
@@ -218,9 +244,11 @@ Command gap_command() {
            {"proposed.toml",
             "only where no effect fits and [a term is "
             "proposed](../explanation/gap-search.md#a-proposed-term): "
-            "the model with it"}},
+            "the model with it"},
+           {"paper_gap.json",
+            "with `--paper`, and then beside report.html alone: [what the figures lack](#paper_gapjson)"}},
       .replaces_earlier_run = true,
-      .json = "the content of [gap.json](#gapjson)",
+      .json = "the content of [gap.json](#gapjson), or with `--paper` of [paper_gap.json](#paper_gapjson)",
       .interruptible = true,
       .declare = with_options(declare, run)};
 }

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <string>
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
@@ -21,10 +23,23 @@ fs::path program_folder() {
   return fs::read_symlink("/proc/self/exe", error).parent_path();
 }
 
+// As the build tree says it; empty for an installed program, which knows nothing of where it was built.
+fs::path source_of_the_build() {
+  for (fs::path folder = program_folder(); folder.has_relative_path(); folder = folder.parent_path())
+    if (std::ifstream told{folder / "source_folder.txt"}; told) {
+      std::string source;
+      std::getline(told, source);
+      return source;
+    }
+  return {};
+}
+
 }  // namespace
 
 fs::path source_folder() {
-  return BIOPSY_SOURCE_FOLDER;
+  if (const fs::path source = source_of_the_build(); !source.empty()) return source;
+  throw ConfigError("the source tree is not there", program_folder().string(),
+                    "run the program of a build tree: ./dev build");
 }
 
 fs::path data_folder() {
@@ -33,11 +48,12 @@ fs::path data_folder() {
     throw ConfigError("holds no sim/models", fmt::format("BIOPSY_DATA={}", given),
                       "set it to the folder share/biopsy of an installation, or leave it unset");
   }
-  const fs::path installed = program_folder().parent_path() / "share/biopsy";
-  for (const fs::path& folder : {installed, source_folder()})
-    if (holds_data(folder)) return folder;
+  const fs::path installed = program_folder().parent_path() / "share/biopsy", source = source_of_the_build();
+  for (const fs::path& folder : {installed, source})
+    if (!folder.empty() && holds_data(folder)) return folder;
   throw ConfigError(
-      "models and cases are missing", fmt::format("{} and {}", installed.string(), source_folder().string()),
+      "models and cases are missing",
+      source.empty() ? installed.string() : fmt::format("{} and {}", installed.string(), source.string()),
       "install the program whole (cmake --install), or set BIOPSY_DATA to its folder share/biopsy");
 }
 

@@ -7,15 +7,16 @@
 namespace biopsy {
 
 // $BIOPSY_DATA where set; else share/biopsy beside the folder of the running program (an installation,
-// wherever it was moved); else the source tree that it was built from. Throws ConfigError naming all three
-// where none is there.
+// wherever it was moved); else the source tree of the build tree that the program is in. Throws ConfigError
+// naming those that were looked at where none is there.
 std::filesystem::path data_folder();
 
 // The built page of the console: console/page in data_folder(), else console/page/dist beside the program, as
 // in a build tree. Throws ConfigError naming both where it is in neither.
 std::filesystem::path page_folder();
 
-// The source tree that the program was built from, whether or not it still exists.
+// The source tree of a program in its build tree (its file source_folder.txt says where). Throws ConfigError
+// for an installed one.
 std::filesystem::path source_folder();
 
 }  // namespace biopsy

@@ -30,6 +30,7 @@ constexpr std::array kNumbers{
     Column{"current_uA", -1e7, 1e7},
     Column{"tip_mm", -kLength_mm, kLength_mm, true},
     Column{"plate_b_mm", -kLength_mm, kLength_mm, true},
+    Column{"locked", 0.0, 1.0, true},  // not in files of before the brake
 };
 constexpr std::array kNames{"mode", "stop", "stage", "gate"};
 

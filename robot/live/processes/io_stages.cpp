@@ -14,6 +14,15 @@ constexpr std::int64_t kCatchUp_ticks = 50;  // after a longer stall the rest of
 
 }  // namespace
 
+digital_io::PanelLevels panel_levels(const drivers::Panel& panel) {
+  return {.arm_key = panel.arm,
+          .reset_key = panel.reset,
+          .estop_a_closed = panel.estop_a_closed,
+          .estop_b_closed = panel.estop_b_closed,
+          .bench_key = false,
+          .relay_closed = panel.relay_closed};
+}
+
 drivers::SensorReading SimulatedNeedleStage::read() {
   drivers::SensorReading reading = stage_.read();
   reading.time_us = realtime::monotonic_ns() / 1000;

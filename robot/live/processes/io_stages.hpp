@@ -4,9 +4,13 @@
 #include <cstdint>
 
 #include "drivers/digital_io/io_views.hpp"
+#include "drivers/hardware_needle_stage.hpp"
 #include "drivers/needle_stage.hpp"
 
 namespace biopsy::robot {
+
+// Keys and contacts of a hardware stage as the supervisor reads them. It has no key for the bench.
+digital_io::PanelLevels panel_levels(const drivers::Panel& panel);
 
 // The simulated stage in real time: one write() advances the plant by the milliseconds that went by since the
 // last. Its converter is the shared output; stack and brake get what the interlock's relay lets through.

@@ -79,12 +79,7 @@ void run_hardware(live::LiveProcess& process, digital_io::StageIo& io) {
       process.tick_log().record(kDeviceError, loop.measured().time_us, error.status, error.count);
     errors = error.count;
     const drivers::Panel keys = hardware->panel();
-    panel.set({.arm_key = keys.arm,
-               .reset_key = keys.reset,
-               .estop_a_closed = keys.estop_a_closed,
-               .estop_b_closed = keys.estop_b_closed,
-               .bench_key = false,
-               .relay_closed = keys.relay_closed});
+    panel.set(robot::panel_levels(keys));
     if (keys.read) io.mark_panel_read(realtime::monotonic_ns());
   });
 }

@@ -4,6 +4,8 @@
 
 #include <initializer_list>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace biopsy::robot {
 namespace {
@@ -11,6 +13,8 @@ namespace {
 using sim::Fault;
 using sim::FaultKind;
 using sim::FaultSignal;
+
+using Phases = std::vector<std::pair<std::int32_t, std::int32_t>>;  // ms on, ms off
 
 struct Grid {
   std::vector<FaultEntry> entries;
@@ -32,6 +36,17 @@ struct Grid {
       entries.push_back({fmt::format("{} {}, noise {:g} {}", name_of(signal), name_of(kind), noise, unit),
                          FaultBegin::Motion,
                          {Fault{.signal = signal, .kind = kind, .noise = noise}}});
+  }
+  // Comes and goes: shows for `on` ms, not for `off` ms.
+  void add_intermittent(Fault fault, std::string_view unit, const Phases& phases) {
+    for (const auto& [on, off] : phases) {
+      fault.on_ms = on, fault.off_ms = off;
+      entries.push_back(
+          {fmt::format("{} {} {:g}{}{}, {} ms of {}", name_of(fault.signal), name_of(fault.kind), fault.value,
+                       unit.empty() ? "" : " ", unit, on, on + off),
+           FaultBegin::Motion,
+           {fault}});
+    }
   }
   void add_plain(FaultSignal signal, FaultKind kind, FaultBegin begin) {
     entries.push_back({fmt::format("{} {}{}", name_of(signal), name_of(kind),
@@ -60,6 +75,14 @@ void add_depth(Grid& grid) {
   grid.add(kDepth, OtherSurface, "mm", Motion, {-2, 0, 0.5, 1, 2, 4, 8}, 0.02);
   grid.add(kDepth, Dropout, "", Motion, {0.01, 0.1, 0.3, 0.6, 0.9, 1});
   grid.add_noisy(kDepth, Noise, "mm", {0.05, 0.1, 0.3, 1});
+  const Phases phases{{9, 1}, {5, 5}, {1, 1}, {1, 5}, {200, 50}};
+  for (const double surface_mm : {0.5, 1.0, 2.0})
+    grid.add_intermittent({.signal = kDepth, .kind = OtherSurface, .value = surface_mm, .noise = 0.01}, "mm",
+                          phases);
+  grid.add_intermittent({.signal = kDepth, .kind = Offset, .value = -1.0}, "mm", phases);
+  grid.add_intermittent({.signal = kDepth, .kind = Drift, .value = -0.5}, "mm/s", phases);
+  grid.add_intermittent({.signal = kDepth, .kind = Dropout, .value = 1.0}, "",
+                        {{2, 1}, {1, 1}, {1, 5}, {20, 200}});
 }
 
 void add_monitors(Grid& grid) {
@@ -70,6 +93,12 @@ void add_monitors(Grid& grid) {
   grid.add(kVoltage, Offset, "V", Motion, {-1000, -200, -50, 50, 200, 1000});
   grid.add_plain(kVoltage, Frozen, Motion);
   grid.add(kVoltage, Lag, "ms", Motion, {2, 10, 50, 200});
+  // Wired to the command in place of the output, which nobody then sees.
+  for (const double output : {0.0, 0.5, 0.8, 1.2, 1.5})
+    grid.entries.push_back({fmt::format("voltage_monitor command, drive scale {:g}", output),
+                            Motion,
+                            {Fault{.signal = kVoltage, .kind = Command},
+                             Fault{.signal = FaultSignal::Drive, .kind = Scale, .value = output}}});
   grid.add(kCurrent, Scale, "", Start, {0, 0.5, 2});
   grid.add(kCurrent, Scale, "", Motion, {0, 0.5, 2});
 }
@@ -85,6 +114,8 @@ void add_drive(Grid& grid) {
   grid.add(kDrive, Oscillation, "V", Motion, {50, 200, 500, 1000, 2000});
   grid.add(kDrive, MissingPolarity, "", Motion, {-1, 1});
   grid.add(kDrive, Dropout, "", Motion, {0.1, 0.5, 1});
+  for (const double weak : {0.5, 0.8, 1.2})  // in every second half-period
+    grid.add_intermittent({.signal = kDrive, .kind = Scale, .value = weak}, "", {{250, 250}, {2, 1}});
   grid.add(kDrive, Lag, "ms", Motion, {2, 10, 50});
 }
 

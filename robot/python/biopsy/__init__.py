@@ -4,10 +4,12 @@ cycle with its supervisor, on numpy arrays. Units are part of the names; points 
 import os as _os
 import pathlib as _pathlib
 
-# The models and cases of the installation that this package belongs to, wherever it was moved.
+# The models and cases of the installation, or of the build tree, that this package belongs to, wherever it was moved.
 for _folder in _pathlib.Path(__file__).resolve().parents:
-    if (_folder / "share/biopsy/sim/models").is_dir():
-        _os.environ.setdefault("BIOPSY_DATA", str(_folder / "share/biopsy"))
+    _told = _folder / "source_folder.txt"
+    _data = _pathlib.Path(_told.read_text().strip()) if _told.is_file() else _folder / "share/biopsy"
+    if (_data / "sim/models").is_dir():
+        _os.environ.setdefault("BIOPSY_DATA", str(_data))
         break
 
 from ._biopsy import (  # noqa: E402  (after the folder is known)

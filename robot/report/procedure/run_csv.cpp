@@ -12,9 +12,10 @@ namespace {
 
 constexpr const char* kSimulatedHeader =
     "time_s,voltage_V,displacement_mm,plate_b_mm,current_uA,setpoint_mm,tip_mm,envelope_kV,monitor_kV,mode,"
-    "stop,stage,gate\n";
+    "stop,stage,gate,locked\n";
 constexpr const char* kMeasuredHeader =
-    "time_s,voltage_V,displacement_mm,current_uA,setpoint_mm,envelope_kV,monitor_kV,mode,stop,stage,gate\n";
+    "time_s,voltage_V,displacement_mm,current_uA,setpoint_mm,envelope_kV,monitor_kV,mode,stop,stage,gate,"
+    "locked\n";
 
 // Adding zero turns a rounded -0.0 into 0.0.
 double steady(double value, double steps_per_unit) {
@@ -41,8 +42,8 @@ std::string row(const Sample& s, bool simulated) {
   if (simulated) fmt::format_to(out, FMT_COMPILE("{:.5f},"), um10(s.plate_b_mm));
   fmt::format_to(out, FMT_COMPILE("{:.3f},{:.5f},"), nA(s.current_uA), um10(s.setpoint_mm));
   if (simulated) fmt::format_to(out, FMT_COMPILE("{:.5f},"), um10(s.tip_mm));
-  fmt::format_to(out, FMT_COMPILE("{:.6f},{:.6f},{},{},{},{}\n"), mV(s.envelope_kV), mV(s.monitor_kV),
-                 label(s.mode), label(s.stop), s.step + 1, label(s.verdict));
+  fmt::format_to(out, FMT_COMPILE("{:.6f},{:.6f},{},{},{},{},{:d}\n"), mV(s.envelope_kV), mV(s.monitor_kV),
+                 label(s.mode), label(s.stop), s.step + 1, label(s.verdict), s.locked);
   return text;
 }
 

@@ -39,22 +39,23 @@ Eigen::MatrixXd central_differences(const std::vector<Parameter>& parameters, co
   return out;
 }
 
-// At the upper edge of a range backward.
+// Of the parameters from `first` on. At the upper edge of a range backward.
 Eigen::MatrixXd forward_differences(const std::vector<Parameter>& parameters, const Vector& z,
-                                    const Vector& here, const Residuals& f) {
-  Eigen::MatrixXd out(here.size(), z.size());
-  in_parallel(static_cast<std::size_t>(z.size()), [&](std::size_t i) {
-    const auto parameter = static_cast<Eigen::Index>(i);
+                                    const Vector& here, const Residuals& f, Eigen::Index first = 0) {
+  Eigen::MatrixXd out(here.size(), z.size() - first);
+  in_parallel(static_cast<std::size_t>(z.size() - first), [&](std::size_t i) {
+    const auto parameter = first + static_cast<Eigen::Index>(i);
     Vector point = moved(parameters, z, parameter, kFarStride);
     if (point[parameter] - z[parameter] < 0.5 * kFarStride)
       point = moved(parameters, z, parameter, -kFarStride);
-    out.col(parameter) = (f(point) - here) / (point[parameter] - z[parameter]);
+    out.col(parameter - first) = (f(point) - here) / (point[parameter] - z[parameter]);
   });
   return out;
 }
 
 // Damping of Levenberg-Marquardt that is tried at once, times the last that helped.
 constexpr std::array kDampings{0.03, 0.3, 3.0, 30.0};
+static_assert(kDampings.size() == kEvaluationsAlong);
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-4, kMostDamping = 1e4;
 constexpr double kFarthestStep = 1.5;  // prior stds of any parameter
 constexpr double kGain = 2e-3;         // of the cost: less ends the descent
@@ -94,14 +95,14 @@ Vector within(const std::vector<Parameter>& parameters, Vector z) {
   return z;
 }
 
-Descent descend(const Question& question, const Vector& start, int steps, Pull pull,
-                Differences differences) {
+Descent descend(const Question& question, const Vector& start, int steps, Pull pull, Differences differences,
+                const std::stop_token& stop) {
   const std::vector<Parameter>& parameters = question.parameters;
   const auto f = [&](const Vector& point) { return residuals(question, point, false, pull); };
   Descent out{within(parameters, start), 1};
   Vector r = residuals(question, out.z, true, pull);
   double damping = kFirstDamping;
-  for (int step = 0; step < steps && damping <= kMostDamping; ++step) {
+  for (int step = 0; step < steps && damping <= kMostDamping && !stop.stop_requested(); ++step) {
     const bool forward = differences == Differences::Forward;
     const Eigen::MatrixXd J =
         forward ? forward_differences(parameters, out.z, r, f) : central_differences(parameters, out.z, f);
@@ -117,6 +118,34 @@ Descent descend(const Question& question, const Vector& start, int steps, Pull p
     r = best.residuals;
     damping = std::max(kLeastDamping, best.damping);
     if (after > (1.0 - kGain) * before) break;
+  }
+  return out;
+}
+
+Eigen::MatrixXd slopes(const Question& question, const Vector& z, Pull pull, Eigen::Index first) {
+  const auto f = [&](const Vector& point) { return residuals(question, point, false, pull); };
+  return forward_differences(question.parameters, z, residuals(question, z, true, pull), f, first);
+}
+
+Descent descend_along(const Question& question, const Vector& start, Eigen::MatrixXd slopes, int steps,
+                      Pull pull) {
+  const auto f = [&](const Vector& point) { return residuals(question, point, false, pull); };
+  Descent out{within(question.parameters, start), 1};
+  Vector r = residuals(question, out.z, true, pull);
+  double damping = kFirstDamping;
+  for (int step = 0; step < steps && damping <= kMostDamping; ++step) {
+    out.evaluations += kEvaluationsAlong;
+    const Trial best = best_trial(question.parameters, out.z, r, slopes, damping, f);
+    const Vector moved = best.z - out.z, change = best.residuals - r;
+    if (moved.squaredNorm() > 0.0)
+      slopes += (change - slopes * moved) * moved.transpose() / moved.squaredNorm();
+    if (best.residuals.squaredNorm() < r.squaredNorm()) {
+      out.z = best.z;
+      r = best.residuals;
+      damping = std::max(kLeastDamping, best.damping);
+    } else {
+      damping *= kDampings.back();
+    }
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <stop_token>
 #include <vector>
 
 #include "sim/paper/calibration/objective.hpp"
@@ -22,9 +23,18 @@ struct Descent {
   int evaluations = 0;
 };
 
-// Levenberg-Marquardt from z.
+// Levenberg-Marquardt from z. `stop` ends it after a whole step.
 Descent descend(const Question& question, const Eigen::VectorXd& z, int steps, Pull pull,
-                Differences differences);
+                Differences differences, const std::stop_token& stop = {});
+
+// d residuals / d z at z by forward differences, of the parameters from `first` on.
+Eigen::MatrixXd slopes(const Question& question, const Eigen::VectorXd& z, Pull pull, Eigen::Index first);
+
+// Levenberg-Marquardt from z with `slopes` of all parameters there. They are not computed again but corrected
+// by what each trial shows (Broyden 1965): a step costs kEvaluationsAlong evaluations.
+inline constexpr int kEvaluationsAlong = 4;
+Descent descend_along(const Question& question, const Eigen::VectorXd& z, Eigen::MatrixXd slopes, int steps,
+                      Pull pull);
 
 // Sensitivities of the readings to the parameters, without the priors' own: one row per reading, in bands per
 // prior std.

@@ -30,6 +30,9 @@ Place outside_stage(PaperModel& model, const std::string& name) {
   if (name.starts_with("film.bopp25.")) return in_film(model.bopp25, name.substr(12));
   if (name == "joint.mass_g") return {&model.joint.mass, 1e-3};
   if (name == "joint.friction_N") return {&model.joint.friction};
+  if (name == "joint.breakaway") return {&model.joint.breakaway};
+  if (name == "loop.period_ms") return {&model.loop_period, 1e-3};
+  if (name == "impact.drop_mm") return {&model.drop, 1e-3};
   return {};
 }
 

@@ -35,7 +35,8 @@ PaperFigure figure_10(const PaperModel& model) {
   stage.weight = kWeight;
   stage.effects.sensor_noise.reset();  // of two lasers it would be the same on both plates, and hide them
   const Course course =
-      follow(stage, {.target = [](double) { return kHeld; }, .seconds = kUntil, .loads = {}}, paper_loop());
+      follow(stage, {.target = [](double) { return kHeld; }, .seconds = kUntil, .loads = {}},
+             paper_loop(model.loop_period));
   const double a = span(course, course.plate_a, kFrom, kUntil).width();
   const double b = span(course, course.plate_b, kFrom, kUntil).width();
   const double drive_a = synchronous_motion(course, course.plate_a),

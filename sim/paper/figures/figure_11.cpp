@@ -67,8 +67,11 @@ PaperFigure figure_11(const PaperModel& model) {
   const Course course = follow(stage,
                                {.target = [](double) { return kHeld; },
                                 .seconds = kEnd,
-                                .loads = {{.from = kOn, .to = kOff, .mass = kImpact}}},
-                               paper_loop());
+                                .loads = {{.from = kOn,
+                                           .to = kOff,
+                                           .mass = kImpact,
+                                           .speed = std::sqrt(2.0 * stage.baseline.g * model.drop)}}},
+                               paper_loop(model.loop_period));
   PaperFigure figure{"11",
                      "Impact: 50 g put on plate A at 5 mm, and taken off",
                      "The spring yields at once, then the loop returns plate A to its target.",

@@ -15,12 +15,13 @@
 namespace biopsy::sim::paper {
 namespace {
 
-constexpr double kHold = 6.5;       // s on each level: seven of them, and the target is 0 again at 50 s
-constexpr double kFirst = 4.5;      // s
-constexpr double kDown = 50.0;      // s, "after the 50s", IV.F.1
-constexpr double kEnd = 60.0;       // s
-constexpr double kAtZero = 0.1;     // mm: tolerance for having returned
-constexpr double kNoVoltage = 0.1;  // kV
+constexpr double kHold = 6.5;         // s on each level: seven of them, and the target is 0 again at 50 s
+constexpr double kFirst = 4.5;        // s
+constexpr double kDown = 50.0;        // s, "after the 50s", IV.F.1
+constexpr double kEnd = 60.0;         // s
+constexpr double kAtZero = 0.1;       // mm: tolerance for having returned
+constexpr double kNoVoltage = 0.1;    // kV
+constexpr double kJointSlips = 2e-3;  // m/s, where its breakaway friction has fallen to 1/e
 
 PlantModel jointed(const PaperModel& model) {
   PlantModel stage = model.stage;
@@ -28,7 +29,11 @@ PlantModel jointed(const PaperModel& model) {
   CoulombFriction friction;
   if (stage.effects.coulomb_friction) friction = *stage.effects.coulomb_friction;
   friction.force += model.joint.friction;
-  stage.effects.coulomb_friction = friction;
+  if (model.joint.breakaway > 1.0 && !stage.effects.stribeck_friction)
+    stage.effects.stribeck_friction =
+        StribeckFriction{model.joint.friction, model.joint.breakaway * model.joint.friction, kJointSlips};
+  else
+    stage.effects.coulomb_friction = friction;
   return stage;
 }
 
@@ -123,8 +128,8 @@ void add_rows(PaperFigure& figure, const PlantModel& stage, const Course& course
 }  // namespace
 
 PaperFigure figure_12(const PaperModel& model) {
-  const Course course =
-      follow(jointed(model), {.target = manual_steps(), .seconds = kEnd, .loads = {}}, paper_loop());
+  const Course course = follow(jointed(model), {.target = manual_steps(), .seconds = kEnd, .loads = {}},
+                               paper_loop(model.loop_period));
   PaperFigure figure{"12",
                      "Rotary joint: 0 to 8 mm and back in steps of 2 mm",
                      "Eight steps by hand, up and down again, and ten seconds at 0.",

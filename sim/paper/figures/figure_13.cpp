@@ -71,13 +71,14 @@ void add_rows(PaperFigure& figure, const Needle& needle, const Course& gap, cons
 PaperFigure figure_13(const PaperModel& model) {
   assert(!model.needle.tissue.empty());
   const PlantModel stage = with_needle(model);
-  const Course gap = follow(
-      stage, {.target = [](double) { return kGapTarget; }, .seconds = kHold, .loads = {}}, paper_loop());
+  const Course gap =
+      follow(stage, {.target = [](double) { return kGapTarget; }, .seconds = kHold, .loads = {}},
+             paper_loop(model.loop_period));
   const Course liver = follow(stage,
                               {.target = stair_target({0.0, kHold}, {kLiverFirst, kLiverTarget}),
                                .seconds = 2.0 * kHold,
                                .loads = {}},
-                              paper_loop());
+                              paper_loop(model.loop_period));
   PaperFigure figure{"13",
                      "Needle: the gap at 2.5 mm, the liver at 2 and then 3.5 mm",
                      "The needle's depth beside its targets: muscle, gap and liver lie below one another.",

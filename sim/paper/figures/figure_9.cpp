@@ -24,7 +24,8 @@ constexpr double kSquareRmse = 0.077;  // mm, IV.D
 Course slow_course(const PaperModel& model, const OfTime& target, double periods = kPeriods) {
   PlantModel stage = model.stage;
   stage.weight = kWeight;
-  return follow(stage, {.target = target, .seconds = periods / kSlowest, .loads = {}}, paper_loop());
+  return follow(stage, {.target = target, .seconds = periods / kSlowest, .loads = {}},
+                paper_loop(model.loop_period));
 }
 
 // The paper's RMSE can be over everything or over settled windows: which one follows by arithmetic.

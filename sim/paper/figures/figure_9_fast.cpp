@@ -32,10 +32,10 @@ std::vector<Followed> follow_all(const PaperModel& model, OfTime (*target)(doubl
   std::vector<Followed> out;
   out.reserve(kFrequencies.size());
   for (const double f : kFrequencies) {
-    out.push_back(
-        {f,
-         follow(stage, {.target = target(low, high, f), .seconds = kPeriods / f, .loads = {}}, paper_loop()),
-         1.0 / f});
+    out.push_back({f,
+                   follow(stage, {.target = target(low, high, f), .seconds = kPeriods / f, .loads = {}},
+                          paper_loop(model.loop_period)),
+                   1.0 / f});
   }
   return out;
 }

@@ -35,6 +35,19 @@ TEST_F(GapRefuses, AFolderThatIsNotThere) {
   expect("nowhere", "", {"error: ", "nowhere"});
 }
 
+TEST_F(GapRefuses, ThePaperAndADatasetAtOnce) {
+  expect("data", "--paper", {"error: ", "--paper"});
+}
+
+TEST_F(GapRefuses, NeitherADatasetNorThePaper) {
+  for (const std::string words : {"gap --out ", "gap --free m --out "}) {
+    const Outcome answer = biopsy(words + path("out"));
+    EXPECT_EQ(answer.code, 2) << answer.text;
+    EXPECT_NE(answer.text.find("DATASET is missing"), std::string::npos) << answer.text;
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  }
+}
+
 TEST_F(GapRefuses, AFolderWithoutADataset) {
   fs::remove(folder_ / "data/dataset.toml");
   expect("data", "", {"dataset.toml"});

@@ -104,12 +104,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Work{{"tune"}, "%", "tune.json"}, Work{{"design"}, "designs", "design.json"},
                     Work{{"calibrate"}, "searching", "calibration.json"},
                     Work{{"reproduce"}, "figure ", "reproduce.json"},
-                    Work{{"gap", "data", "--model", "data/stage.toml"}, "round 1: ", "gap.json"}),
-    [](const auto& given) {
-      std::string name = given.param.words.front();
-      std::erase(name, '-');
-      return name;
-    });
+                    Work{{"gap", "data", "--model", "data/stage.toml"}, "round 1: ", "gap.json"},
+                    Work{{"gap", "--paper"}, "all figures", "paper_gap.json"}),
+    [](const auto& given) { return given.param.json.substr(0, given.param.json.find('.')); });
 
 TEST(Interrupt, RequestsAStopAtTheFirstSignalAndGivesTheSignalsBack) {
   {

@@ -3,10 +3,10 @@
 import { expect, type Page, test } from '@playwright/test'
 
 import { expectAccessible } from './support/accessibility'
-import { PageOperator } from './support/page_operator'
+import { distance, PageOperator } from './support/page_operator'
 import { Robot } from './support/robot'
 import { kAlarm, kCold, kWarning } from './support/scenes'
-import { freezePage } from './support/tap'
+import { freezePage, lastEvent } from './support/tap'
 
 const robot = new Robot()
 test.beforeAll(() => robot.start())
@@ -53,7 +53,7 @@ for (const [alarm, priority, count, flash_s] of [[kAlarm, 'high', 10, '0.5s'], [
     const line = page.locator('.alarm')
     await expect(line).toHaveAttribute('data-priority', priority)
     await expect(line.locator('.mark')).toContainText(priority.toUpperCase())
-    expect(await line.evaluate((one) => getComputedStyle(one).animationDuration)).toBe(flash_s)
+    expect(await line.evaluate((one) => getComputedStyle(one, '::before').animationDuration)).toBe(flash_s)
     await expect.poll(async () => (await pulses(page)).length).toBe(count)
     for (const { from, to, hz } of await pulses(page)) {
       expect(hz).toBeGreaterThanOrEqual(150)
@@ -80,7 +80,7 @@ test('sound is paused and returns; acknowledging silences what is there, not wha
 
   await operator.button('Acknowledge').click()
   await expect(page.locator('.alarm')).toHaveClass(/acknowledged/)
-  expect(await page.locator('.alarm').evaluate((one) => getComputedStyle(one).animationName)).toBe('none')
+  expect(await page.locator('.alarm').evaluate((one) => getComputedStyle(one, '::before').animationName)).toBe('none')
   await expect(page.locator('[data-name=alarm]')).toContainText(kAlarm.code) // it stands as long as its cause
   await forget(page)
   await raise(page, [kAlarm, kWarning, kNotice])
@@ -90,21 +90,58 @@ test('sound is paused and returns; acknowledging silences what is there, not wha
 
 test('the list shows what is and what was, newest first', async ({ page }) => {
   const operator = await watched(page)
-  await raise(page, [kWarning])
-  await expect(page.locator('[data-name=alarm-count]')).toHaveText('1')
-  await operator.button('Acknowledge').click()
-  await raise(page, [kAlarm])
-  await expect(page.locator('[data-name=alarm]')).toContainText(kAlarm.code)
+  const at = Date.now()
+  const row = (number: number, alarm: object, from_ms: number, to_ms: number, acknowledged_ms: number) => ({ number, alarm, from_ms, to_ms, acknowledged_ms })
+  const rows = [row(2, kAlarm, at - 1000, 0, 0), row(1, kWarning, at - 9000, at - 2000, at - 5000)]
+  await freezePage(page, { mode: 'Safe', step: 'Check', alarms: [kAlarm], disabled: kCold }, [{ type: 'AlarmHistory', rows }])
   await operator.button(/^Alarms: 1/).click()
-  const rows = page.locator('.alarm-list tbody tr')
-  await expect(rows).toHaveCount(2)
-  await expect(rows.nth(0)).toContainText(kAlarm.code)
-  await expect(rows.nth(0)).toHaveAttribute('data-active', 'true')
-  await expect(rows.nth(0).locator('td').nth(2)).toHaveText('no')
-  await expect(rows.nth(1)).toContainText(kWarning.code)
-  await expect(rows.nth(1)).toHaveAttribute('data-active', 'false')
-  await expect(rows.nth(1).locator('td').nth(2)).toHaveText(/^\d\d:\d\d:\d\d$/)
+  const shown = page.locator('.alarm-list tbody tr')
+  await expect(shown).toHaveCount(2)
+  await expect(shown.nth(0)).toContainText(kAlarm.code)
+  await expect(shown.nth(0)).toHaveAttribute('data-active', 'true')
+  await expect(shown.nth(0).locator('td').nth(2)).toHaveText('no')
+  await expect(shown.nth(1)).toContainText(kWarning.code)
+  await expect(shown.nth(1)).toHaveAttribute('data-active', 'false')
+  await expect(shown.nth(1).locator('td').nth(2)).toHaveText(/\d\d:\d\d:\d\d$/)
   await expectAccessible(page)
   // STOP and the alarms stay in reach.
   await expect(operator.button('STOP')).toBeInViewport({ ratio: 1 })
+})
+
+test('history, acknowledgement, series and points outlive a reload of the page and a restart of the console', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.ready()
+  const points = await lastEvent(page, 'Planned')
+  await page.keyboard.press('Escape')
+  await expect(operator.alarm()).toContainText('STOP was pressed')
+  await operator.button('Acknowledge').click()
+  await expect(page.locator('.alarm')).toHaveClass(/acknowledged/)
+  const stop = page.locator('.alarm-list tbody tr').filter({ hasText: 'STOP was pressed' }).first()
+  const list = async () => {
+    await operator.button(/^Alarms: /).click()
+    await expect(stop.locator('td').nth(2)).toHaveText(/:/)
+    return (await stop.locator('td').allTextContents()).filter((_, n) => n === 0 || n === 2)
+  }
+  const before = await list()
+
+  await page.reload()
+  await expect(operator.alarm()).toContainText('STOP was pressed')
+  await expect(page.locator('.alarm')).toHaveClass(/acknowledged/) // nobody has to do it twice
+  expect(await list()).toEqual(before)
+
+  process.kill(robot.pid('biopsy-console'), 'SIGKILL')
+  await expect(page.locator('[data-screen]')).toHaveAttribute('data-screen', 'ended')
+  await expect(page.locator('[data-screen]')).toHaveCount(0, { timeout: 40_000 })
+  await expect(page.locator('.alarm-list tbody tr').filter({ hasText: 'E-124' })).toHaveAttribute('data-active', 'true')
+  await expect(page.locator('.alarm-list tbody tr').filter({ hasText: 'E-100' }).first()).toHaveAttribute('data-active', 'false')
+  expect((await stop.locator('td').allTextContents()).filter((_, n) => n === 0 || n === 2)).toEqual(before)
+  await operator.imageShown()
+  const after = await lastEvent(page, 'Planned')
+  expect(after.confirmed).toBe(false)
+  for (const mark of ['entry', 'target'] as const)
+    expect(distance(after[mark][0].ras, points[mark][0].ras)).toBeLessThan(1e-6)
+  expect(after.depth).toBeCloseTo(points.depth, 6)
+  await page.reload()
+  await operator.ready()
+  await expect(page.locator('[data-name=alarm]').filter({ hasText: 'E-124' })).toHaveCount(0)
 })

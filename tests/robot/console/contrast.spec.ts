@@ -42,7 +42,7 @@ async function expectReadable(page: Page, where: string): Promise<void> {
     if (contrast < kContrast) poor.push(`${where}, ${how}: ${name} ${contrast.toFixed(1)}`)
   }
   // One that changes the page is not held down: what it changes is a state of its own.
-  const changes = /Dark|Alarms|Acknowledge|sound|Open|Print|Close|Other series|Ruler|axial|coronal|sagittal|^\?/
+  const changes = /Dark|Alarms|Acknowledge|sound|Open|Print|Close|Other series|Ruler|axial|coronal|sagittal|along the needle|3-D|side by side|slider|difference|^\?/
   for (let n = 0; n < (await buttons.count()); ++n) {
     await look(n, 'at rest')
     const box = await buttons.nth(n).boundingBox()

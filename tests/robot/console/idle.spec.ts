@@ -1,7 +1,8 @@
 // A page on which nothing moves costs next to nothing: the robot is planned and waits, the whole browser draws in software.
 import { type Browser, expect, type Page, test } from '@playwright/test'
 
-import { note, round } from './support/figures'
+import { browserLoad } from './support/browser_load'
+import { note } from './support/figures'
 import { PageOperator } from './support/page_operator'
 import { pause, Robot } from './support/robot'
 
@@ -16,27 +17,6 @@ const robot = new Robot()
 test.beforeAll(() => robot.start())
 test.afterAll(() => robot.stop())
 
-// CPU time of all processes of the browser, by type, as a share of one core. CPU time, not wall time: other work on the
-// machine changes it little.
-async function load(browser: Browser): Promise<Record<string, number>> {
-  const whole = await browser.newBrowserCDPSession()
-  const measure = async () => {
-    const { processInfo } = await whole.send('SystemInfo.getProcessInfo')
-    return { at: performance.now() / 1000, processInfo }
-  }
-  const from = await measure()
-  await pause(kMeasured_ms) // a figure, not a state
-  const to = await measure()
-  const shares: Record<string, number> = { all: 0 }
-  for (const one of to.processInfo) {
-    const before = from.processInfo.find((other) => other.id === one.id)?.cpuTime ?? 0
-    const share = (100 * (one.cpuTime - before)) / (to.at - from.at)
-    shares[one.type] = (shares[one.type] ?? 0) + share
-    shares.all! += share
-  }
-  return Object.fromEntries(Object.entries(shares).map(([name, share]) => [name, round(share)]))
-}
-
 // A host that stalls stops the robot, and its alarm flashes until somebody acknowledges it: then something did move, and
 // it is measured again.
 async function expectIdle(page: Page, browser: Browser, name: string): Promise<void> {
@@ -47,7 +27,7 @@ async function expectIdle(page: Page, browser: Browser, name: string): Promise<v
     await page.mouse.move(5, 5)
     await pause(kSettle_ms)
     const before = await alarms.textContent()
-    const shares = await load(browser)
+    const shares = await browserLoad(browser, kMeasured_ms)
     const same = (await alarms.textContent()) === before
     if (!same && attempt < kAttempts) continue
     note({ [`idle_${name}_cpu_percent`]: shares })

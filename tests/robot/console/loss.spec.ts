@@ -3,7 +3,7 @@
 import { expect, type Page, test } from '@playwright/test'
 
 import { PageOperator } from './support/page_operator'
-import { pause, Robot } from './support/robot'
+import { Robot } from './support/robot'
 import { freezePage, lastEvent } from './support/tap'
 import { TcpProxy } from './support/tcp_proxy'
 
@@ -85,17 +85,16 @@ test('a controller that is killed ends all: the page says so and does not promis
   await expect(page.locator('[data-screen]')).toContainText('open the address that it prints')
 })
 
-test('a killed console comes back at the same address, and says what is gone', async ({ page }) => {
+test('a killed console comes back at the same address with its points, and says what is gone', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
   await operator.planned()
   process.kill(robot.pid('biopsy-console'), 'SIGKILL')
   await expectScreen(page, 'ended', 'The console has ended, or cannot be reached')
   await expect(page.locator('[data-screen]')).toHaveCount(0, { timeout: 40_000 })
   await expect(operator.alarm()).toContainText('E-124')
-  await expect(page.locator('dd[data-name=entry]')).toHaveText('not set')
-  await expect(operator.button(/^Open /)).toBeVisible()
-  await pause(500)
-  await operator.openSeries()
+  await operator.imageShown()
+  await expect(page.locator('dd[data-name=entry]')).not.toHaveText('not set')
+  await expect(page.getByRole('checkbox')).toHaveCount(0)
+  await operator.click('Confirm this plan')
   await expect(page.locator('[data-name=alarm]').filter({ hasText: 'E-124' })).toHaveCount(0)
-  await operator.setPoints()
 })

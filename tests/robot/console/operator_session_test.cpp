@@ -8,6 +8,8 @@
 
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
+#include "robot/console/kept_points.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "safety/types/transitions.hpp"
@@ -100,6 +102,54 @@ TEST(OperatorSession, ResetAfterATripNeedsTheConfirmedPlan) {
   console_.receive(Mode::Safe, safety::Hazard::None);
   ASSERT_EQ(console_.sent.size(), 2u);
   EXPECT_EQ(console_.sent[1][1], 0u);
+}
+
+TEST(OperatorSession, PointsAreKeptOverARestartAndNeverTheirConfirmation) {
+  const ScratchFolder kept;
+  KeptPoints points(kept / "points.jsonl");
+  Console before(read_case("gap"));
+  const Target target = before.session.prepared().target;
+  ASSERT_TRUE(before.open(before.session.prepared().image.identity.series_uid));
+  const Point p_ST = target.p_SE + 0.8 * (target.p_ST - target.p_SE);  // not what the case proposes
+  before.plan(target.p_SE, p_ST);
+  before.tick_all(true);
+  points.update(before.session);
+
+  Console after(read_case("gap"));
+  KeptPoints(kept / "points.jsonl").restore(after.session);
+  const events::Planned planned = after.session.planned();
+  const events::Planned set = before.session.planned();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(planned.entry.at(0).ras[axis], set.entry.at(0).ras[axis], 1e-6);
+    EXPECT_NEAR(planned.target.at(0).ras[axis], set.target.at(0).ras[axis], 1e-6);
+  }
+  EXPECT_NEAR(planned.depth, set.depth, 1e-6);
+  EXPECT_FALSE(planned.confirmed);
+  EXPECT_EQ(after.session.state(kPage, 0).step, console::Step::Plan);
+  after.receive(Mode::Safe, safety::Hazard::PlanUnconfirmed);
+  EXPECT_TRUE(after.sent.empty());
+}
+
+TEST(OperatorSession, KeptPointsThatAreTornOrOfAnotherSeriesAreAsNone) {
+  const ScratchFolder kept;
+  Console before(read_case("gap"));
+  const Target target = before.session.prepared().target;
+  ASSERT_TRUE(before.open(before.session.prepared().image.identity.series_uid));
+  before.plan(target.p_SE, target.p_ST);
+  KeptPoints(kept / "points.jsonl").update(before.session);
+  const std::string whole = read_file(kept / "points.jsonl");
+  const std::string uid = before.session.prepared().image.identity.series_uid;
+  std::string other = whole;
+  for (std::size_t at = 0; (at = other.find(uid, at)) != std::string::npos; at += 2)
+    other.replace(at, uid.size(), "1.2");
+  for (const std::string& wrong :
+       {whole.substr(0, whole.size() / 2), other, std::string("[]"), std::string("\xff")}) {
+    kept.write("points.jsonl", wrong);
+    Console after(read_case("gap"));
+    KeptPoints(kept / "points.jsonl").restore(after.session);
+    EXPECT_TRUE(after.session.planned().entry.empty()) << wrong;
+    EXPECT_TRUE(after.session.planned().target.empty()) << wrong;
+  }
 }
 
 TEST(OperatorSession, AStopWithoutVoltageStandsUntilItIsReset) {

@@ -71,6 +71,7 @@ async function expectRow(page: Page, table: Table, own_s: number, run = 0): Prom
   await expect(shown(page, 'State', run)).toHaveText(row('mode').toUpperCase())
   await expect(shown(page, 'Step', run)).toHaveText(row('stage'))
   await expect(shown(page, 'Stop', run)).toHaveText(row('stop'))
+  await expect(shown(page, 'Needle', run)).toHaveText(row('locked') === '1' ? 'locked' : 'free')
   const figures: [string, string, number][] = [
     ['Depth', 'displacement_mm', 1], ['Target', 'setpoint_mm', 1], ['True tip', 'tip_mm', 1], ['Voltage', 'voltage_V', 1e-3],
     ['Its monitor', 'monitor_kV', 1], ['Its limit', 'envelope_kV', 1],

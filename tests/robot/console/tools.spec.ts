@@ -93,7 +93,7 @@ test('? lists every input, and leaves STOP and the alarms in view', async ({ pag
   await operator.planned()
   await page.locator('canvas[tabindex]').focus()
   await page.keyboard.press('?')
-  await expect(page.locator('.inputs dt')).toHaveCount(14)
+  await expect(page.locator('.inputs dt')).toHaveCount(18)
   await expect(operator.button('STOP')).toBeInViewport({ ratio: 1 })
   await expect(page.locator('.alarm')).toBeInViewport({ ratio: 1 })
   await expectAccessible(page)

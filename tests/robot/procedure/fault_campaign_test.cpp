@@ -17,7 +17,8 @@ struct Campaign {
   PreparedCase prepared = prepare(read_case("gap"), folder / "case");
 
   std::vector<EntryResult> run(const std::vector<FaultEntry>& entries, const CampaignOptions& options) const {
-    return run_campaign(prepared, entries, options, folder / "runs", [](double, const std::string&) {});
+    return entry_results(
+        run_campaign(prepared, entries, options, folder / "runs", [](double, const std::string&) {}));
   }
 };
 

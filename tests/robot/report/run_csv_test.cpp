@@ -46,6 +46,18 @@ TEST(RunCsv, NumbersReadBackToTheGatesMillivoltAndTheLasersMicrometre) {
   }
 }
 
+TEST(RunCsv, EndsWithWhetherTheNeedleIsLocked) {
+  RunRecord record = example_run();
+  for (std::size_t k = 0; k < record.samples.size(); ++k) record.samples[k].locked = k % 3 == 1;
+  for (const bool simulated : {true, false}) {
+    record.simulated = simulated;
+    const auto rows = table(run_csv(record));
+    ASSERT_EQ(rows.front().back(), "locked");
+    for (std::size_t k = 0; k < record.samples.size(); ++k)
+      ASSERT_EQ(rows[k + 1].back(), k % 3 == 1 ? "1" : "0");
+  }
+}
+
 TEST(RunCsv, LeavesOutWhatOnlyASimulationKnowsWhenTheRunWasReal) {
   RunRecord record = example_run();
   record.simulated = false;

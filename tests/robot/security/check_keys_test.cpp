@@ -87,6 +87,38 @@ TEST_F(CheckKeys, AFileThatOthersMayReadIsRefused) {
   EXPECT_EQ(stage_problem(), "keys: is open to other users (mode 0720)");
 }
 
+// In the folder of a role others may not even read: it holds a private key.
+TEST_F(CheckKeys, ARolesFolderThatOthersMayOpenIsRefused) {
+  const auto signing_problem = [this] {
+    return inspect_signing_keys(set_.folder(), Signer::Recorder).front().problem;
+  };
+  for (const fs::perms bit : {fs::perms::group_read, fs::perms::group_exec, fs::perms::others_write}) {
+    for (const fs::path& folder : {files_.identity.parent_path(),
+                                   signing_files(set_.folder(), Signer::Recorder).private_key.parent_path()})
+      fs::permissions(folder, bit, fs::perm_options::add);
+    EXPECT_TRUE(stage_problem().starts_with("stage: is open to other users"));
+    EXPECT_TRUE(signing_problem().starts_with("is open to other users"));
+    for (const fs::path& folder : {files_.identity.parent_path(),
+                                   signing_files(set_.folder(), Signer::Recorder).private_key.parent_path()})
+      fs::permissions(folder, bit, fs::perm_options::remove);
+  }
+  EXPECT_EQ(stage_problem() + signing_problem(), "");
+}
+
+TEST_F(CheckKeys, CountFromTheirFirstSecondToTheirLast) {
+  const auto problem_at = [this](std::chrono::sys_seconds at) {
+    for (const FileVerdict& verdict : inspect_keys(set_.folder(), Role::Stage, at))
+      if (verdict.file == files_.identity) return verdict.problem;
+    return std::string("no identity");
+  };
+  const std::chrono::seconds one(1);
+  EXPECT_EQ(problem_at(times().from), "");
+  EXPECT_EQ(problem_at(times().until), "");
+  EXPECT_TRUE(problem_at(times().from - one).starts_with("is not valid before"));
+  EXPECT_TRUE(problem_at(times().until + one).starts_with("expired at"));
+  EXPECT_EQ(check_keys(set_.folder(), Role::Stage, now()), times().until) << "the first that expires";
+}
+
 TEST_F(CheckKeys, AFileThatCannotBeReadIsNamed) {
   if (geteuid() == 0) {  // root may read every file: a folder in its place
     fs::remove(files_.identity);

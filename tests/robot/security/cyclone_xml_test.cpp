@@ -37,6 +37,18 @@ TEST(CycloneXml, SecurityNamesTheFilesOfTheRoleByTheirWholePath) {
     EXPECT_TRUE(holds(xml, ">" + base + name + "<")) << name;
 }
 
+TEST(CycloneXml, EachFileStandsInItsOwnElement) {
+  const std::string xml =
+      cyclone_xml({.interface = {}, .security = Security{"/keys", Role::Stage}, .domain_on_wire = {}});
+  for (const auto& [element, name] : {std::pair{"IdentityCA", "identity_ca.pem"},
+                                      {"PermissionsCA", "permissions_ca.pem"},
+                                      {"IdentityCertificate", "identity.pem"},
+                                      {"PrivateKey", "identity_key.pem"},
+                                      {"Governance", "governance.p7s"},
+                                      {"Permissions", "permissions.p7s"}})
+    EXPECT_TRUE(holds(xml, std::string("<") + element + ">file:/keys/stage/" + name + "</")) << element;
+}
+
 TEST(CycloneXml, ValuesCannotBecomeElements) {
   const std::string xml = cyclone_xml(
       {.interface = "</General>&'", .security = Security{"/a<b>&c", Role::Stage}, .domain_on_wire = {}});

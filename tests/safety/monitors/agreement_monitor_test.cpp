@@ -49,6 +49,34 @@ TEST(AgreementMonitor, SpikesAreNotAFault) {
   for (int i = 0; i < 1'000; ++i) EXPECT_EQ(bench.sample(2'000, i % 5 == 0 ? 9'000 : 2'000), 0U);
 }
 
+// The needle and another surface by turns, 1.5 mm apart: a sound sample in between hides nothing.
+TEST(AgreementMonitor, NamesALaserThatShowsTheNeedleAndAnotherSurfaceByTurns) {
+  const auto samples_until_named = [](int apart, int together) {
+    AgreementBench bench;
+    for (int i = 0; i < 1'000; ++i)
+      if (bench.sample(i % (apart + together) < apart ? 1'000 : 2'500, 2'500) == kDiffers) return i + 1;
+    return 0;
+  };
+  EXPECT_EQ(samples_until_named(1'000, 1), 10);
+  for (const auto& [apart, together] : {std::pair{9, 1}, {5, 5}, {1, 1}, {1, 3}, {3, 8}}) {
+    const int samples = samples_until_named(apart, together);
+    EXPECT_GT(samples, 0) << apart << " of " << apart + together;
+    EXPECT_LE(samples, 200) << apart << " of " << apart + together;
+  }
+  EXPECT_EQ(samples_until_named(1, 4), 0) << "spikes";
+}
+
+TEST(AgreementMonitor, ASecondLaserThatLosesItsTargetTwiceInThreeSamplesIsBlind) {
+  AgreementBench bench;
+  bench.samples(20, 2'000, 2'000);
+  HazardSet found = 0;
+  for (int i = 0; i < 30; ++i) {
+    bench.m.laser_b_valid = i % 3 == 0;
+    found |= bench.sample(2'000, 2'000);
+  }
+  EXPECT_EQ(found, kBlind);
+}
+
 TEST(AgreementMonitor, ExtremeReadingsDoNotOverflow) {
   constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max(), kLeast = -kMost - 1;
   EXPECT_EQ(AgreementBench().samples(10, kLeast, kMost), kDiffers);

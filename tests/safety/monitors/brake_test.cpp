@@ -16,7 +16,7 @@ struct LockedBench : DepthBench {
     seen.measurement.command_mV = 4'000'000;
     samples(600, 2'000);
   }
-  void lock() { seen.measurement.brake_on = true; }
+  void lock() { seen.measurement.brake_on = seen.permit.brake = true; }
   DepthFindings at(std::int32_t depth_um) {
     seen.measurement.depth_um = depth_um;
     ++seen.measurement.laser_code;
@@ -165,6 +165,21 @@ TEST(BrakeMonitor, OnlyANeedleWithoutVoltageIsStill) {
   rig.run(50);
   EXPECT_TRUE(rig.evidence.locked);
   EXPECT_FALSE(rig.evidence.still);
+}
+
+// In motion, where no permit lets it: it must not be taken for the one that a permit keeps.
+TEST(BrakeMonitor, ABrakeThatGripsUnaskedIsADriverThatDisobeysAndGetsNoPermit) {
+  verifies("R-09", "R-54");
+  Rig rig;
+  ASSERT_TRUE(rig.go_active());
+  rig.on_measurement = [](Measurement& m) { m.brake_on = m.brake_fitted = true; };
+  for (int tick = 0; tick < 4; ++tick) {
+    rig.tick();
+    EXPECT_FALSE(rig.evidence.locked);
+    EXPECT_FALSE(rig.output.permit.brake);
+  }
+  EXPECT_EQ(rig.state.mode, Mode::Trip);
+  EXPECT_EQ(rig.output.reason, Hazard::DriverDisobeys);
 }
 
 }  // namespace

@@ -280,6 +280,20 @@ TEST(DepthMonitor, LaserDropoutIsThreeSamplesWithoutATargetAndTheNeedleIsNowhere
   EXPECT_EQ(bench.monitor.history.advance_um(), 0);
 }
 
+TEST(DepthMonitor, LaserDropoutThatComesAndGoesInTwoOfThreeSamplesIsNamedAndInOneOfThreeIsNot) {
+  for (const bool often : {true, false}) {
+    DepthBench bench;
+    bench.samples(20, 2'000);
+    bool named = false;
+    for (int i = 0; i < 60; ++i) {
+      bench.seen.measurement.laser_valid = (i % 3 == 0) == often;
+      named = named || (update(bench.plan, bench.monitor, bench.seen, true, false).found &
+                        bit(Hazard::LaserDropout)) != 0;
+    }
+    EXPECT_EQ(named, often);
+  }
+}
+
 TEST(DepthMonitor, LaserDropoutOfTwoSamplesKeepsTheHistory) {
   DepthBench bench;
   bench.samples(20, 100);

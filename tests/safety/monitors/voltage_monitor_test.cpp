@@ -14,7 +14,7 @@ bool disagrees(std::int32_t before_mV, std::int32_t command_mV, std::int32_t mon
                bool enabled = true) {
   VoltageBench bench(Mode::Active, enabled);
   bench.monitor.command_mV = before_mV;
-  bench.monitor.disagree_ticks = 2;
+  bench.monitor.disagree_score = kComes_goes * 2;
   bench.sample(command_mV, monitor_mV);
   return bench.names(Hazard::MonitorDisagrees);
 }
@@ -66,11 +66,33 @@ TEST(VoltageMonitor, OverVoltageIsAboveEightPointTwoKilovoltsTwice) {
   }
 }
 
+// A loose contact or a sparking joint: sound samples in between hide nothing, single spikes are none.
+TEST(VoltageMonitor, WhatComesAndGoesInMoreThanAThirdOfTheSamplesAddsUp) {
+  const auto named = [](Hazard hazard, int on, int off, std::int32_t monitor_mV, std::int32_t current_nA) {
+    VoltageBench bench;
+    bench.seen.measurement.command_mV = bench.monitor.command_mV = 4'000'000;
+    for (int tick = 0; tick < 300; ++tick) {
+      const bool shown = tick % (on + off) < on;
+      bench.sample(4'000'000, shown ? monitor_mV : 4'000'000, shown ? current_nA : 0);
+      if (bench.names(hazard)) return true;
+    }
+    return false;
+  };
+  for (const auto& [on, off] : {std::pair{2, 1}, {1, 1}, {2, 3}}) {
+    EXPECT_TRUE(named(Hazard::MonitorDisagrees, on, off, 5'000'000, 0)) << on << " of " << on + off;
+    EXPECT_TRUE(named(Hazard::Arc, on, off, 4'000'000, 5'000'000)) << on << " of " << on + off;
+  }
+  for (const auto& [on, off] : {std::pair{1, 2}, {1, 9}}) {
+    EXPECT_FALSE(named(Hazard::MonitorDisagrees, on, off, 5'000'000, 0)) << on << " of " << on + off;
+    EXPECT_FALSE(named(Hazard::Arc, on, off, 4'000'000, 5'000'000)) << on << " of " << on + off;
+  }
+}
+
 // A change of the command explains its charging current for the tick it was put out in and two more.
 TEST(VoltageMonitor, ArcIsAMilliampereAboveWhatTheLastThreeChangesExplainTwice) {
   verifies("R-07");
   const auto is_arc = [](VoltageBench bench, std::int32_t command_mV, std::int32_t current_nA) {
-    bench.monitor.arc_ticks = 1;
+    bench.monitor.arc_score = kComes_goes;
     bench.sample(command_mV, command_mV, current_nA);
     return bench.names(Hazard::Arc);
   };

@@ -106,8 +106,8 @@ TEST(Defaults, OfThePanelMonitorTakeAllForUntested) {
 
 TEST(Defaults, OfTheVoltageMonitorHaveSeenNoZeroVolts) {
   const VoltageMonitor monitor;
-  EXPECT_TRUE(are_zero(monitor.found, monitor.command_mV, monitor.over_ticks, monitor.arc_ticks,
-                       monitor.disagree_ticks, monitor.disobey_ticks, monitor.zero_ticks,
+  EXPECT_TRUE(are_zero(monitor.found, monitor.command_mV, monitor.over_ticks, monitor.arc_score,
+                       monitor.disagree_score, monitor.disobey_ticks, monitor.zero_ticks,
                        monitor.nonzero_ticks, monitor.zero_volts, monitor.off_ticks, monitor.signed_mVms,
                        monitor.total_mVms, monitor.wave_ticks, monitor.flips, monitor.tick, monitor.polarity,
                        monitor.wrong_frequency, monitor.pull_V2, monitor.ceiling_mV));
@@ -127,7 +127,7 @@ TEST(Defaults, OfTheDepthMonitorHaveSeenNoTargetAndNoNeedleAtHome) {
                        monitor.frozen_high_mV));
   EXPECT_EQ(monitor.range_low_mV, -1) << "no drive: the range is looked up at the first";
   EXPECT_EQ(monitor.range_high_mV, -1);
-  EXPECT_EQ(monitor.dropout_ticks, 3);
+  EXPECT_EQ(monitor.dropout_score, kDropoutTrip);
   EXPECT_TRUE(are_zero(DepthFindings{}.found, DepthFindings{}.needle_home));
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
@@ -21,7 +22,9 @@ Fault parsed(const std::string& entries) {
 TEST(FaultFile, ReadsEveryEntry) {
   const Fault fault = parsed(
       "signal = \"depth\"\nkind = \"drift\"\nfrom_depth_mm = 1.5\nfrom_s = 2\nuntil_s = 3\nvalue = "
-      "-0.1\nnoise = 0.01\n");
+      "-0.1\nnoise = 0.01\non_ms = 7\noff_ms = 4\n");
+  EXPECT_EQ(fault.on_ms, 7);
+  EXPECT_EQ(fault.off_ms, 4);
   EXPECT_EQ(fault.signal, FaultSignal::Depth);
   EXPECT_EQ(fault.kind, FaultKind::Drift);
   EXPECT_EQ(fault.from_depth_mm, 1.5);
@@ -42,6 +45,9 @@ TEST(FaultFile, RefusesWhatItCannotMean) {
                            "[[fault]]\nsignal = \"drive\"\nkind = \"other_surface\"\nvalue = 2\n",
                            "[[fault]]\nsignal = \"brake\"\nkind = \"offset\"\nvalue = 1\n",
                            "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\nfrom_s = 3\nuntil_s = 2\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\non_ms = 3\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\non_ms = 3\noff_ms = 0\n",
+                           "[[fault]]\nsignal = \"depth\"\nkind = \"command\"\n",
                            "[[fault]]\nsignal = \"depth\"\nkind = \"frozen\"\nfrom = 3\n", "fault = 3\n"})
     EXPECT_THROW(parse_faults(text, "faults.toml"), ConfigError) << text;
 }
@@ -90,6 +96,61 @@ TEST(FaultyStage, ShowsWhatTheKindSays) {
   EXPECT_LT(depth(FaultKind::Frozen, 0.0), 100);  // from the first reading on
   EXPECT_FALSE(
       after({{.signal = FaultSignal::Depth, .kind = FaultKind::Dropout, .value = 1.0}}, 10).seen.laser_valid);
+}
+
+// Of each of 40 ticks: whether another surface, which is not there, is shown.
+std::string surface_shown(std::int32_t on_ms, std::int32_t off_ms) {
+  SimulatedStage sound = calibrated_stage();
+  FaultyStage faulty(sound,
+                     {{.kind = FaultKind::OtherSurface, .value = 7.0, .on_ms = on_ms, .off_ms = off_ms}}, 1);
+  std::string shown;
+  for (int k = 0; k < 20; ++k) {
+    shown += faulty.read().depth_um == 7'000 ? '#' : '.';
+    EXPECT_EQ(faulty.active_faults(), 1U) << "it has begun, whether it shows or not";
+    sound.put_out(0.0);
+  }
+  return shown;
+}
+
+TEST(FaultyStage, AnIntermittentFaultShowsByTurns) {
+  EXPECT_EQ(surface_shown(0, 0), "####################");
+  EXPECT_EQ(surface_shown(3, 2), "###..###..###..###..");
+  EXPECT_EQ(surface_shown(1, 4), "#....#....#....#....");
+}
+
+TEST(FaultyStage, AnIntermittentFreezeStaysEachTimeWhereItBegan) {
+  std::set<std::int32_t> shown_um;
+  SimulatedStage sound = calibrated_stage();
+  FaultyStage faulty(sound, {{.kind = FaultKind::Frozen, .on_ms = 200, .off_ms = 1}}, 1);
+  for (int k = 0; k < 2'000; ++k) {
+    shown_um.insert(faulty.read().depth_um);
+    sound.put_out(k % 500 < 250 ? 4500.0 : -4500.0);
+  }
+  EXPECT_GE(shown_um.size(), 10U);
+  EXPECT_LE(shown_um.size(), 20U) << "of two thousand readings";
+}
+
+// The driver asks for 4 kV, a weak amplifier puts out half of it.
+TEST(FaultyStage, AMonitorOfTheCommandShowsWhatWasAsked) {
+  SimulatedStage sound = calibrated_stage();
+  FaultyStage faulty(sound,
+                     {{.signal = FaultSignal::VoltageMonitor, .kind = FaultKind::Command},
+                      {.signal = FaultSignal::Drive, .kind = FaultKind::Scale, .value = 0.5}},
+                     1);
+  safety::GateState gate;
+  Permit permit{.session = 1, .epoch = 1, .ttl_us = 5'000, .mode = Mode::Safe};
+  DriveRequest request{.wanted_mV = 4'000'000};
+  for (int k = 0; k < 100; ++k) {
+    faulty.read();
+    ++permit.seq, ++request.seq;
+    const safety::GateResult result = safety::gate(gate, &request, &permit, 1'000 * (k + 1), 1);
+    gate = result.state;
+    faulty.write(result.voltage);
+    permit.mode = Mode::Active, permit.stop = StopCategory::None, permit.hv_enable = true;
+    permit.v_max_mV = 8'000'000, permit.slew_up_mV_per_tick = 400'000;
+  }
+  EXPECT_EQ(faulty.read().monitor_mV, 4'000'000);
+  EXPECT_NEAR(sound.truth().u_i, 2'000.0, 100.0);
 }
 
 // A needle that is lifted, locked, and left without voltage: how far it has moved half a second later. mm

@@ -50,6 +50,34 @@ TEST(PaperLoop, AWeightAddsItsInertia) {
   EXPECT_GT(when, 1.05 * std::numbers::pi / std::sqrt(model.baseline.k / model.mass_A()));
 }
 
+// Undamped: the weight keeps its momentum, and swings about the sagged rest.
+TEST(PaperLoop, AFallingWeightSwingsAsItsMomentumHasIt) {
+  PlantModel model;
+  model.baseline.c_s = model.baseline.c_k = 0.0;
+  const double added = 0.020, speed = 0.2;
+  const Course course = follow(model,
+                               {.target = [](double) { return 0.0; },
+                                .seconds = 2.0,
+                                .loads = {{.from = 1.0, .to = 11.0, .mass = added, .speed = speed}}},
+                               kNoLoop);
+  const double mass = model.mass_A() + added, sag = added * model.baseline.g / model.baseline.k;
+  const double thrown = added * speed / mass * std::sqrt(mass / model.baseline.k);
+  const double lowest = *std::min_element(course.plate_a.begin(), course.plate_a.end());
+  EXPECT_NEAR(lowest, -1e3 * (sag + std::hypot(sag, thrown)), 0.01);
+}
+
+TEST(PaperLoop, IteratesOncePerPeriod) {
+  const Course course = follow(
+      rehearsal(), {.target = square_target(2.0, 8.0, 0.5), .seconds = 3.0, .loads = {}}, paper_loop(3e-3));
+  std::size_t changed = 0;
+  for (std::size_t k = 1; k < course.amplitude.size(); ++k) {
+    if (course.amplitude[k] == course.amplitude[k - 1]) continue;
+    EXPECT_EQ(k % 3, 0U);
+    ++changed;
+  }
+  EXPECT_GT(changed, 300U);
+}
+
 TEST(PaperLoop, AmplitudeIsWithinItsLimits) {
   const Course course =
       follow(rehearsal(), {.target = square_target(2.0, 8.0, 0.5), .seconds = 6.0, .loads = {}},

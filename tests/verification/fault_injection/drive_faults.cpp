@@ -117,6 +117,12 @@ Corruptors disobey(Draw& draw, Procedure& procedure, const TickRecord& now) {
               }};
 }
 
+// The driver locks the needle without a permit for it, and says so.
+Corruptors lock_unasked(Draw&, Procedure&, const TickRecord&) {
+  return {.observation = [](safety::SupervisorInputs& seen) { seen.measurement.brake_on = true; },
+          .shows = [](const ObservedTick& s) { return s.seen.measurement.brake_on && !s.seen.permit.brake; }};
+}
+
 bool in_motion(const ObservedTick& s) {
   return s.seen.permit.mode == Mode::Active && std::abs(s.seen.measurement.command_mV) >= 1'000'000;
 }
@@ -186,6 +192,11 @@ std::vector<FaultClass> drive_faults() {
   disobeys.react_ms = disobeys.detect_ms + 21;  // the interlock's 20 ms after the last pulse
   disobeys.raises_drive = true;
 
+  FaultClass locks = class_of(Hazard::DriverDisobeys, kDriven, lock_unasked);
+  locks.id = "R-09/brake";
+  locks.what = "driver locks the needle without a permit";
+  locks.row = 3;
+
   FaultClass stuck = class_of(Hazard::PolarityStuck, {Mode::Active}, stick_polarity);
   stuck.fits = [](const ProcedureState& g) { return std::abs(g.drive_mV) > 1'200'000 && g.left > 1'900; };
   stuck.instead = bit(Hazard::WrongFrequency);  // where it sticks with a change of polarity
@@ -194,7 +205,7 @@ std::vector<FaultClass> drive_faults() {
   rate.fits = [](const ProcedureState& g) { return std::abs(g.drive_mV) > 1'200'000 && g.left > 1'700; };
   // A slow wave that has just begun is all of one sign; the charge it builds up moves the needle.
   rate.instead = bit(Hazard::PolarityStuck) | bit(Hazard::OffsetOrScale);
-  return {residual, over, arcing, differs, disobeys, stuck, rate};
+  return {residual, over, arcing, differs, disobeys, locks, stuck, rate};
 }
 
 }  // namespace biopsy::fault_injection

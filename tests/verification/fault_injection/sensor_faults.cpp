@@ -110,6 +110,22 @@ Corruptors depart(Draw& draw, Procedure&, const TickRecord&) {
               }};
 }
 
+// The first laser shows the needle and another place by turns, more often the other place.
+Corruptors alternate(Draw& draw, Procedure&, const TickRecord&) {
+  const std::int32_t apart_um = static_cast<std::int32_t>(draw.either_sign(500.0, 3'000.0));
+  const std::int32_t on = draw.whole(2, 9), off = draw.whole(1, on);
+  return {.reading =
+              [=, tick = 0](drivers::SensorReading& r) mutable {
+                if (tick++ % (on + off) < on) r.depth_um += apart_um;
+                r.laser_code = r.depth_um;
+              },
+          .one_laser = true,
+          .shows =
+              [](const ObservedTick& s) {
+                return std::abs(s.seen.measurement.depth_um - s.seen.measurement.depth_b_um) > 300;
+              }};
+}
+
 }  // namespace
 
 std::vector<FaultClass> sensor_faults() {
@@ -132,7 +148,13 @@ std::vector<FaultClass> sensor_faults() {
   departs.what = "one of two lasers departs";
   departs.inject = depart;
   departs.row = 10;
-  return {stale, frozen, dropout, offset, departs};
+
+  FaultClass turns = departs;
+  turns.id = "R-21/by-turns";
+  turns.what = "one of two lasers shows another place by turns";
+  turns.inject = alternate;
+  turns.row = 1;
+  return {stale, frozen, dropout, offset, departs, turns};
 }
 
 }  // namespace biopsy::fault_injection

@@ -67,7 +67,7 @@ void claim_bounded(const safety::EvidenceMemory& m) {
         "the balance is at most the charge");
   const DepthMonitor& depth = m.depth;
   claim(depth.not_back_ticks <= kNotBack_ticks && depth.implausible_ticks <= kImplausible_ticks &&
-            depth.same_code_ticks <= kFrozen_ticks && depth.dropout_ticks <= kDropout_ticks,
+            depth.same_code_ticks <= kFrozen_ticks && depth.dropout_score <= kDropoutTrip,
         "depth counters stop at their limits");
   claim(depth.window.block >= 0 && depth.window.block < DriveWindow::kBlocks,
         "the window stays inside itself");

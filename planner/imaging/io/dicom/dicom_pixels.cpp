@@ -26,6 +26,14 @@ namespace {
 constexpr const char* kCopyAgain = "copy the file again from the scanner or archive";
 constexpr const char* kUncompressed = "export the series uncompressed (Explicit VR Little Endian)";
 
+bool is_encapsulated(const DcmXfer& syntax) {
+#if PACKAGE_VERSION_NUMBER >= 368  // there the old name is deprecated
+  return syntax.usesEncapsulatedFormat() && syntax.isPixelDataCompressed();
+#else
+  return syntax.isEncapsulated();
+#endif
+}
+
 bool is_jpeg2000(E_TransferSyntax syntax) {
   return syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000;
 }
@@ -42,7 +50,7 @@ bool is_decoded(E_TransferSyntax syntax) {
     case EXS_JPEGLSLossy:
       return true;
     default:
-      return !DcmXfer(syntax).isEncapsulated();
+      return !is_encapsulated(DcmXfer(syntax));
   }
 }
 
@@ -176,7 +184,7 @@ void DicomPixels::Open::find_pixels(std::uint64_t file_bytes) {
   if (dataset().findAndGetElement(DCM_PixelData, element).bad() ||
       !(pixels = dynamic_cast<DcmPixelData*>(element)))
     throw ConfigError("holds no pixel data", file, "give an image series");
-  if (syntax.isEncapsulated()) return;
+  if (is_encapsulated(syntax)) return;
   // Whether the two words of such a pixel are swapped too is read differently by different writers.
   if (format.bits_allocated == 32 && syntax.isBigEndian())
     throw ConfigError("32-bit pixels in big endian are not read", file, kUncompressed);

@@ -2,47 +2,10 @@
 import type { Checked, Judgement, State } from './generated/messages'
 import { withToken } from './address'
 import { send } from './link'
-import { checked, state, welcome, disabledReason } from './robot'
+import { Compare } from './compare'
+import { checked, state, disabledReason } from './robot'
 import { tipText } from './stop_card'
 import { mm } from './viewer/geometry'
-
-// Both pictures have the same pixels.
-function Picture(props: { of: Checked; after: boolean }) {
-  const { of } = props
-  const place = (depth: number): [number, number] => [
-    of.entry_px[0] + (of.axis[0] * depth) / of.per_pixel,
-    of.entry_px[1] + (of.axis[1] * depth) / of.per_pixel,
-  ]
-  const [px, py] = place(of.planned)
-  const [tx, ty] = place(of.found)
-  const size = of.width / 60
-  return (
-    <figure>
-      <figcaption>
-        {props.after ? 'After: needle in place' : 'Before'}
-        {welcome.value?.simulated && ' · SIMULATED'}
-      </figcaption>
-      <svg viewBox={`0 0 ${of.width} ${of.height}`} role="img" aria-label={props.after ? 'image after' : 'image before'}>
-        <image
-          href={`data:image/png;base64,${props.after ? of.after_png : of.before_png}`}
-          width={of.width}
-          height={of.height}
-        />
-        {of.per_pixel > 0 && (
-          <g data-name="planned" data-mm={of.planned} class="mark target" style={{ strokeWidth: size / 4 }}>
-            <path d={`M${px - size},${py}H${px + size}M${px},${py - size}V${py + size}`} />
-          </g>
-        )}
-        {of.per_pixel > 0 && props.after && of.tip_found && (
-          <g data-name="found" data-mm={of.found} class="tip">
-            <circle class="solid" cx={tx} cy={ty} r={size / 3} />
-            <circle class="uncertain" cx={tx} cy={ty} r={Math.max((2 * of.sigma) / of.per_pixel, size / 2)} />
-          </g>
-        )}
-      </svg>
-    </figure>
-  )
-}
 
 function Buttons(props: { of: Checked }) {
   const why = disabledReason.value || state.value?.disabled.judge || ''
@@ -111,10 +74,7 @@ export function ConfirmView() {
     )
   return (
     <div class="confirm">
-      <div class="pair">
-        <Picture of={last} after={false} />
-        <Picture of={last} after={true} />
-      </div>
+      <Compare of={last}>{now.hold_left > 0 && <p data-name="hold-left">{heldText(now)}</p>}</Compare>
       <dl>
         <div>
           <dt>Planned</dt>
@@ -150,9 +110,6 @@ export function ConfirmView() {
         </div>
       </dl>
       <p>{last.reason}</p>
-      {now.hold_left > 0 && (
-        <p data-name="hold-left">{heldText(now)}</p>
-      )}
       {now.report ? <Report path={now.report} completed={now.completed} /> : <Buttons of={last} />}
     </div>
   )

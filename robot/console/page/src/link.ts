@@ -87,11 +87,11 @@ function onEvent(message: Event): void {
         welcome(message)
         break
       case 'Opened':
-        robot.restarted.value = false
         if (robot.opened.value?.series.series_uid !== message.series.series_uid) robot.opened.value = message
         break
       case 'Planned':
         robot.planned.value = message
+        if (message.confirmed) robot.restarted.value = false
         robot.checked.value = []
         break
       case 'State':
@@ -101,6 +101,9 @@ function onEvent(message: Event): void {
         break
       case 'Telemetry':
         robot.appendTelemetry(message)
+        break
+      case 'AlarmHistory':
+        robot.alarmHistory.value = message
         break
       case 'Checked':
         robot.checked.value = [...robot.checked.value.filter((c) => c.stage !== message.stage), message]

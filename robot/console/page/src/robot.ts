@@ -1,7 +1,7 @@
 // The state of the robot as signals: set by link.ts only, read by the components.
 import { computed, signal } from '@preact/signals'
 
-import type { Answer, Checked, Opened, Planned, State, Telemetry, Welcome } from './generated/messages'
+import type { AlarmHistory, Answer, Checked, Opened, Planned, State, Telemetry, Welcome } from './generated/messages'
 
 export type Vec3 = [number, number, number]
 
@@ -11,6 +11,7 @@ export const planned = signal<Planned | null>(null)
 export const state = signal<State | null>(null) // as shown: shown_state.ts
 export const statesReceived = signal(0)
 export const checked = signal<Checked[]>([])
+export const alarmHistory = signal<AlarmHistory | null>(null) // as the console keeps it
 export const refused = signal<Answer | null>(null) // the last refusal, until something is done
 
 // The link
@@ -32,7 +33,7 @@ export const loss = computed<Loss | null>(() => (linked.value ? null : connected
 // The console answers, the robot does not.
 export const robotSilent = computed(() => linked.value && state.value !== null && !state.value.measured && everMeasured.value)
 export const everMeasured = signal(false)
-// An earlier start of the console knew points and plan that this one does not.
+// An earlier start of the console knew a confirmed plan: until one is confirmed again.
 export const restarted = signal(false)
 
 export const kBack_mm = 0.1 // so near to 0 the needle is back

@@ -68,7 +68,9 @@ TEST(RunTable, OfTheReportsWriterHasEverySampleAndEveryChangeOfState) {
   for (const bool simulated : {true, false}) {
     record.simulated = simulated;
     const RunTable table = parse_run_table(report::run_csv(record), "run.csv");
-    EXPECT_EQ(table.columns.size(), simulated ? 9U : 7U);
+    EXPECT_EQ(table.columns.size(), simulated ? 10U : 8U);
+    for (std::size_t k = 0; k < record.samples.size(); ++k)
+      ASSERT_EQ(column(table, "locked")[k] > 0.0, record.samples[k].locked);
     ASSERT_EQ(column(table, "time_s").size(), record.samples.size());
     std::size_t changes = 1;
     for (std::size_t k = 1; k < record.samples.size(); ++k) {

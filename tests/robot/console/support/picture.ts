@@ -14,8 +14,9 @@ export interface Nifti {
   voxels: Float32Array
 }
 
-export async function readVolume(page: Page): Promise<Nifti> {
-  const { volume } = await lastEvent(page, 'Opened')
+// `which`: the image, or the label map.
+export async function readVolume(page: Page, which: 'volume' | 'labels' = 'volume'): Promise<Nifti> {
+  const { [which]: volume } = await lastEvent(page, 'Opened')
   const url = new URL(page.url())
   const answer = await page.request.get(`${url.origin}${volume}${url.search}`)
   const bytes = await answer.body()
@@ -26,7 +27,7 @@ export async function readVolume(page: Page): Promise<Nifti> {
 }
 
 // The axes of a voxel grid are perpendicular.
-function voxelAt({ rows }: Nifti, p: Vec3): Vec3 {
+export function voxelAt({ rows }: Nifti, p: Vec3): Vec3 {
   const d = [p[0] - rows[3]!, p[1] - rows[7]!, p[2] - rows[11]!]
   return [0, 1, 2].map((n) => {
     const axis = [rows[n]!, rows[4 + n]!, rows[8 + n]!]
@@ -34,7 +35,7 @@ function voxelAt({ rows }: Nifti, p: Vec3): Vec3 {
   }) as Vec3
 }
 
-function valueAt({ size, voxels }: Nifti, v: Vec3): number {
+export function valueAt({ size, voxels }: Nifti, v: Vec3): number {
   const low = v.map(Math.floor)
   let sum = 0
   for (let corner = 0; corner < 8; ++corner) {
@@ -58,8 +59,8 @@ export async function bare(page: Page): Promise<Buffer> {
   return shot
 }
 
-// Of the picture without what is drawn over it: grey values, NaN where the viewer's crosshair is.
-async function greyOf(page: Page): Promise<(x: number, y: number) => number> {
+// Of the picture without what is drawn over it: red, green and blue of each pixel.
+export async function coloursOf(page: Page): Promise<(x: number, y: number) => [number, number, number]> {
   const shot = await bare(page)
   const { width, pixels } = await page.evaluate(async (base64) => {
     const picture = new Image()
@@ -71,15 +72,24 @@ async function greyOf(page: Page): Promise<(x: number, y: number) => number> {
     const drawn = canvas.getContext('2d')!
     drawn.drawImage(picture, 0, 0)
     const { data } = drawn.getImageData(0, 0, canvas.width, canvas.height)
-    return { width: canvas.width, pixels: Array.from({ length: data.length / 4 }, (_, n) => (Math.abs(data[4 * n]! - data[4 * n + 1]!) > 6 ? -1 : data[4 * n]!)) }
+    return { width: canvas.width, pixels: Array.from({ length: data.length / 4 }, (_, n) => (data[4 * n]! << 16) | (data[4 * n + 1]! << 8) | data[4 * n + 2]!) }
   }, shot.toString('base64'))
   return (x, y) => {
-    const grey = pixels[Math.floor(y) * width + Math.floor(x)] ?? -1
-    return grey < 0 ? NaN : grey
+    const colour = pixels[Math.floor(y) * width + Math.floor(x)] ?? NaN
+    return [colour >> 16, (colour >> 8) & 255, colour & 255]
   }
 }
 
-function correlation(a: number[], b: number[]): number {
+// Grey values, NaN where there is a colour.
+export async function greyOf(page: Page): Promise<(x: number, y: number) => number> {
+  const colours = await coloursOf(page)
+  return (x, y) => {
+    const [red, green] = colours(x, y)
+    return Math.abs(red - green) > 6 ? NaN : red
+  }
+}
+
+export function correlation(a: number[], b: number[]): number {
   const pairs = a.map((value, n) => [value, b[n]!] as const).filter(([one, other]) => !Number.isNaN(one + other))
   const mean = (of: 0 | 1) => pairs.reduce((sum, pair) => sum + pair[of], 0) / pairs.length
   const [ma, mb] = [mean(0), mean(1)]
@@ -108,8 +118,8 @@ const edge = (page: Page, name: string) => page.locator(`[data-tile^=large] [dat
 
 // Across and down, as voxel axis and direction: of the letters at the edges.
 async function axes(page: Page, { rows }: Nifti): Promise<[Vec3, Vec3]> {
-  const way = (letter: string): Vec3 => {
-    const side = 'RASLPI'.indexOf(letter)
+  const way = (letters: string): Vec3 => {
+    const side = 'RASLPI'.indexOf(letters[0]!) // the largest part first
     const along = [0, 1, 2].map((n) => (side < 3 ? 1 : -1) * rows[4 * (side % 3) + n]!)
     const axis = along.reduce((best, value, n) => (Math.abs(value) > Math.abs(along[best]!) ? n : best), 0)
     const spacing = Math.hypot(rows[axis]!, rows[4 + axis]!, rows[8 + axis]!)

@@ -81,15 +81,16 @@ TEST_F(ControllerLoopBench, CarriesTheValuesOfStepFinishAndHoldStill) {
 }
 
 TEST_F(ControllerLoopBench, AnswersEveryMeasurementOnceAndNothingElse) {
-  for (std::uint32_t seq = 1; seq <= 4; ++seq) {
+  std::vector<std::uint32_t> answers, answered;  // to as many as the bus keeps
+  for (std::uint32_t seq = 1; seq <= 16; ++seq) {
     Measurement measured;
     measured.seq = seq;
     fake_bus::put(measured);
+    answers.push_back(1'000 + seq);
   }
   loop.turn(std::chrono::milliseconds(5));
-  std::vector<std::uint32_t> answered;
   for (const DriveRequest& request : fake_bus::written<DriveRequest>()) answered.push_back(request.seq);
-  EXPECT_EQ(answered, (std::vector<std::uint32_t>{1'001, 1'002, 1'003, 1'004}));
+  EXPECT_EQ(answered, answers);
   loop.turn(std::chrono::milliseconds(5));
   EXPECT_TRUE(fake_bus::written<DriveRequest>().empty());
   EXPECT_EQ(fake_bus::state().waited.back(), std::chrono::milliseconds(5));
@@ -124,6 +125,12 @@ TEST_F(ControllerLoopBench, TakesAPlanAtRestOnlyAndSaysWhatItRuns) {
   turn();
   ASSERT_EQ(calls.loaded.size(), 1U);
   EXPECT_EQ(calls.loaded.front(), plan);
+  permit.mode = Mode::Ready;
+  fake_bus::put(permit);
+  fake_bus::put(plan);
+  turn();
+  ASSERT_EQ(calls.loaded.size(), 2U) << "another, ready or not";
+  calls.loaded.pop_back();
   EXPECT_TRUE(loop.heartbeat().health().ready);
   EXPECT_EQ(loop.heartbeat().health().plan_tag, 99U);
   EXPECT_EQ(loop.heartbeat().health().note, "");
@@ -160,6 +167,9 @@ TEST_F(ControllerLoopBench, WaitsForMeasurementsAndSaysHowLongItsAnswerTook) {
   EXPECT_LT(fake_bus::state().now_ns, began_ns + 1'000) << "one was there";
   EXPECT_EQ(loop.heartbeat().lateness().count(), 1U);
   EXPECT_EQ(loop.heartbeat().lateness().max_us(), 0);
+  calls.control_ns = 700'000;
+  turn();
+  EXPECT_EQ(loop.heartbeat().lateness().max_us(), 700);
 }
 
 TEST_F(ControllerLoopBench, BeatsInMicrosecondsOfTheClock) {

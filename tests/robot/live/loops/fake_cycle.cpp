@@ -1,5 +1,7 @@
 #include "tests/robot/live/loops/fake_cycle.hpp"
 
+#include "tests/robot/live/loops/fake_bus.hpp"
+
 namespace biopsy::fake_cycle {
 
 Calls& calls() {
@@ -63,6 +65,7 @@ void load_plan(const SealedPlan& sealed, ControllerMemory& memory) {
 DriveRequest control(const ControllerInputs& in, ControllerMemory& memory) {
   calls().controlled.push_back(in);
   calls().controller_config = memory.config_tag;
+  fake_bus::state().now_ns += calls().control_ns;
   DriveRequest request;
   request.seq = in.measurement.seq + 1'000;
   return request;

@@ -41,6 +41,13 @@ TEST_F(HeartbeatBench, TellsTheFirstHundredAndTwentyCharactersOfANote) {
   EXPECT_EQ(beat(100'000).note, "short");
 }
 
+TEST_F(HeartbeatBench, TellsHowManyMessagesWereRefusedSoFar) {
+  for (const std::uint32_t refused : {0U, 5U, 7U}) {
+    fake_bus::state().unauthenticated = refused;
+    EXPECT_EQ(beat(100'000 * (1 + refused)).refused, refused);
+  }
+}
+
 TEST_F(HeartbeatBench, HasRoomForANoteBeforeItIsTold) {
   EXPECT_GE(heart.health().note.capacity(), 120U);
 }
@@ -54,6 +61,10 @@ TEST_F(HeartbeatBench, OfAnotherCountsForHalfASecondToTheMicrosecond) {
   board.update(kStart_us);
   EXPECT_EQ(board.of(Process::Controller, kStart_us + 500'000), health);
   EXPECT_EQ(board.of(Process::Controller, kStart_us + 500'001).seq, 0U);
+  health.seq = 1;  // it was started again
+  fake_bus::put(health);
+  board.update(kStart_us + 600'000);
+  EXPECT_EQ(board.of(Process::Controller, kStart_us + 600'000), health);
   EXPECT_EQ(board.of(Process::Stage, kStart_us).process, Process::Stage);
   EXPECT_EQ(board.of(Process::Stage, kStart_us).seq, 0U);
 }

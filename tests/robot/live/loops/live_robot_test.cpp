@@ -137,6 +137,32 @@ TEST_F(LiveRobotBench, HoldsNothingForAProgramThatStandsStillWhileItsThreadGoesO
   EXPECT_EQ(later.back().token, 41U);
 }
 
+// Its stop stays asked for, and its panel is still there, however long it stands still.
+TEST_F(LiveRobotBench, KeepsTheStopOfAProgramThatStandsStill) {
+  digital_io::StageIo driver(folder.path());
+  const digital_io::IoReader reader(folder.path());
+  robot::OperatorInputs inputs = asked();
+  inputs.stop = StopCategory::C1Ramp;
+  (void)ask(inputs, 1'000);
+  for (const std::int64_t us : {300'000, 20'000'000}) {
+    fake_bus::written<OperatorAct>();
+    turn(us);
+    const std::vector<OperatorAct> acts = fake_bus::written<OperatorAct>();
+    ASSERT_EQ(acts.size(), 1U) << us;
+    EXPECT_EQ(acts.front().stop, StopCategory::C1Ramp);
+  }
+  Decision decision;  // a supervisor that was started meanwhile has its panel proven
+  decision.session = 8;
+  fake_bus::put(decision);
+  bool opened = false;
+  for (std::int64_t us = 20'100'000; us < 20'600'000; us += 10'000) {
+    turn(us);
+    driver.mark_panel_read((kStart_us + us) * 1'000);
+    opened |= !reader.panel((kStart_us + us) * 1'000).levels.estop_a_closed;
+  }
+  EXPECT_TRUE(opened);
+}
+
 TEST_F(LiveRobotBench, SendsAVerdictWhenAnyFieldOfItChangesAndOnlyThen) {
   Plan plan;
   planner::seal(plan);
@@ -167,6 +193,11 @@ TEST_F(LiveRobotBench, SendsAVerdictWhenAnyFieldOfItChangesAndOnlyThen) {
   expect_sent([](const DepthVerdictNote& note) { return note.since_seq == 5; });
   inputs.depth_accepted = false;
   expect_sent([](const DepthVerdictNote& note) { return !note.accepted && note.step == 3; });
+  plan.target_depth = Millimetres(7.0);
+  planner::seal(plan);
+  robot->send_plan(plan, {3, 4});
+  EXPECT_EQ(fake_bus::written<SealedPlan>().front().seq, 2U);
+  expect_sent([](const DepthVerdictNote& note) { return !note.accepted; });  // with the new plan's tag
 }
 
 TEST_F(LiveRobotBench, TurnsTheKeysOfTheSimulatedPanel) {
@@ -205,7 +236,7 @@ TEST_F(LiveRobotBench, ReturnsEveryTickInOrderWithWhatWasPutOutThen) {
   for (const std::uint32_t n : {1U, 2U, 3U, 7U}) {
     Measurement measured;
     measured.seq = n;
-    measured.command_mV = static_cast<std::int32_t>(100 * n);
+    measured.command_mV = -static_cast<std::int32_t>(100 * n);
     fake_bus::put(measured);
   }
   turn(1'000);
@@ -214,7 +245,7 @@ TEST_F(LiveRobotBench, ReturnsEveryTickInOrderWithWhatWasPutOutThen) {
     const auto sample = robot->tick(asked());
     ASSERT_TRUE(sample);
     EXPECT_EQ(sample->record.measurement.seq, n);
-    EXPECT_EQ(sample->record.drive_mV, static_cast<std::int32_t>(n == 3 ? 700 : 100 * (n + 1)));
+    EXPECT_EQ(sample->record.drive_mV, -static_cast<std::int32_t>(n == 3 ? 700 : 100 * (n + 1)));
     EXPECT_EQ(sample->newest, n == 3);
     EXPECT_EQ(sample->record.request, request);
     EXPECT_EQ(sample->record.supervisor.permit.v_max_mV, 77);
@@ -365,18 +396,20 @@ TEST_F(LiveRobotBench, TestsTheSimulatedPanelOnceInEachSessionOfTheSupervisor) {
 TEST_F(LiveRobotBench, ShowsARampOrATripOfOneTickThoughLaterDecisionsCameWithIt) {
   ask({}, 10'000);
   std::uint32_t number = 0;
-  for (const Mode mode : {Mode::Hold, Mode::Retract, Mode::Safe, Mode::Ready}) {
-    Decision decision;
-    decision.seq = ++number;
-    decision.mode = mode;
-    fake_bus::put(decision);
+  for (const Mode passed : {Mode::Retract, Mode::Trip}) {
+    for (const Mode mode : {Mode::Hold, passed, Mode::Safe, Mode::Ready}) {
+      Decision decision;
+      decision.seq = ++number;
+      decision.mode = mode;
+      fake_bus::put(decision);
+    }
+    const auto first = ask({}, 10'000 * number);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->record.supervisor.permit.mode, passed);
+    const auto second = ask({}, 10'000 * number + 1'000);
+    ASSERT_TRUE(second);
+    EXPECT_EQ(second->record.supervisor.permit.mode, Mode::Ready);
   }
-  const auto first = ask({}, 20'000);
-  ASSERT_TRUE(first);
-  EXPECT_EQ(first->record.supervisor.permit.mode, Mode::Retract);
-  const auto second = ask({}, 30'000);
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->record.supervisor.permit.mode, Mode::Ready);
 }
 
 }  // namespace

@@ -165,11 +165,12 @@ TEST_F(RecorderLoopBench, WritesWhatTheGateRefusesWhenHighVoltageSwitchesAndWhat
 
 TEST_F(RecorderLoopBench, WritesDepthChecksAndPlansThatAreSent) {
   DepthVerdictNote verdict;
-  verdict.step = 2, verdict.accepted = true;
+  verdict.seq = 5, verdict.step = 2, verdict.accepted = true, verdict.since_seq = 900;
   const std::vector<Record> records = after(verdict);
   ASSERT_EQ(kinds(records), "depth check");
   EXPECT_EQ(json::parse(records[0].body)["stage"], 3);
   EXPECT_EQ(json::parse(records[0].body)["accepted"], true);
+  EXPECT_EQ(json::parse(records[0].body)["since_seq"], 900);
   const std::vector<Record> plan = after(SealedPlan{1, {1, 2, 3}, {0xAB}, {}});
   ASSERT_EQ(kinds(plan), "plan");
   EXPECT_EQ(json::parse(plan[0].body)["seal_holds"], false);
@@ -239,6 +240,38 @@ TEST_F(RecorderLoopBench, WritesWritersThatFallSilentByTheNameOfTheirTopic) {
   told("Decision", fake_bus::channel<Decision>());
   told("Measurement", fake_bus::channel<Measurement>());
   told("DriveRequest", fake_bus::channel<DriveRequest>());
+}
+
+// Whatever waits to be written counts too, however new the rest is.
+TEST_F(RecorderLoopBench, TellsTheAgeOfTheOldestRecordThatWaitsAsTheLogsBacklog) {
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  std::int64_t most_ms = 0;
+  for (int n = 0; n < 30; ++n) {
+    if (n == 4) decision.stop = StopCategory::C2Hold;  // a record that may wait for others
+    fake_bus::put(decision);
+    fake_bus::put(Measurement{});
+    fake_bus::put(DriveRequest{});
+    turn();
+    for (const LogHealth& health : fake_bus::written<LogHealth>())
+      if (n > 0) most_ms = std::max<std::int64_t>(most_ms, health.backlog_ms);
+  }
+  EXPECT_GE(most_ms, 10);
+  EXPECT_LE(most_ms, 100);
+}
+
+TEST_F(RecorderLoopBench, NamesTheOperatorOfNow) {
+  Health person;
+  person.process = Process::Person;
+  OperatorAct act;
+  for (const char* name : {"Ada", "Grace"}) {
+    ++person.seq, person.note = name;
+    (void)after(person);
+    ++act.token;
+    const std::vector<Record> records = after(act);
+    ASSERT_EQ(kinds(records), "operator act");
+    EXPECT_EQ(json::parse(records[0].body)["operator"], name);
+  }
 }
 
 TEST_F(RecorderLoopBench, TellsTheAgeOfTheOldestTopicAsTheLogsBacklog) {

@@ -73,11 +73,13 @@ TEST_F(RecorderLoopBench, WritesChangesInBothDirections) {
   EXPECT_EQ(json::parse(records[0].body)["seq"], 3);
   decision.seq = 4;
   EXPECT_EQ(kinds_after(decision), "") << "the same refusal";
-  decision.seq = 5, decision.refusal = 0;
+  decision.seq = 5, decision.refusal = 2;
+  EXPECT_EQ(kinds_after(decision), "request refused") << "for another reason";
+  decision.seq = 6, decision.refusal = 0;
   EXPECT_EQ(kinds_after(decision), "");
-  decision.seq = 6, decision.worst = 3;
+  decision.seq = 7, decision.worst = 3;
   records = after(decision);
-  EXPECT_EQ(json::parse(records.at(0).body)["seq"], 6);
+  EXPECT_EQ(json::parse(records.at(0).body)["seq"], 7);
   DriveRequest asked;
   asked.step = 4, asked.finished = true;
   (void)after(asked);

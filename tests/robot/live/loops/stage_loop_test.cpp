@@ -10,7 +10,9 @@ namespace {
 
 struct DepthOnly final : drivers::NeedleStage {
   std::int32_t depth_um = 17;
+  std::size_t driven = 0;  // times before the last reading
   drivers::SensorReading read() override {
+    driven = fake_cycle::calls().driven.size();
     drivers::SensorReading reading;
     reading.depth_um = depth_um;
     return reading;
@@ -87,6 +89,17 @@ TEST_F(StageLoopBench, PulsesOnceATickWhereTheGateFeedsTheInterlockAndNoThreadOf
   EXPECT_EQ(threads(), before);
 }
 
+// Who may pulse is the gate's to say.
+TEST_F(StageLoopBench, PulsesAsTheGateSaysWhateverElseIsWrong) {
+  fake_bus::channel<Permit>().writers = 2;
+  for (const bool feeds : {true, false}) {
+    const std::uint64_t had = pulses();
+    calls.feeds_interlock = feeds;
+    tick();
+    EXPECT_EQ(pulses() - had, feeds ? 1U : 0U);
+  }
+}
+
 TEST_F(StageLoopBench, PublishesOneMeasurementATickReadAfterTheGate) {
   for (std::uint32_t n = 1; n <= 5; ++n) {
     stage.depth_um = 1'000 * static_cast<std::int32_t>(n);
@@ -95,6 +108,7 @@ TEST_F(StageLoopBench, PublishesOneMeasurementATickReadAfterTheGate) {
     ASSERT_EQ(sent.size(), 1U);
     EXPECT_EQ(sent.front().seq, n);
     EXPECT_EQ(sent.front().depth_um, stage.depth_um);
+    EXPECT_EQ(stage.driven, n) << "of this tick";
     EXPECT_EQ(sent.front().config_tag, kConfig);
     EXPECT_EQ(loop.measured(), sent.front());
   }

@@ -135,6 +135,31 @@ TEST_F(SupervisorLoopBench, StartsWithItsConfigurationSelfTestAndSession) {
   EXPECT_EQ(calls.supervisor_config, kConfig);
   EXPECT_EQ(calls.self_test, safety::SelfTest::Passed);
   EXPECT_EQ(calls.session, kSession);
+  live::SupervisorLoop failed(bus, pulse, panel, files, kConfig, kSession, safety::SelfTest::Failed);
+  fake_bus::put(Measurement{});
+  failed.turn();
+  EXPECT_EQ(calls.self_test, safety::SelfTest::Failed);
+}
+
+// What changes between two ticks of one turn: here by the pulse of the first.
+TEST_F(SupervisorLoopBench, ReadsThePanelInEachTickOfABurst) {
+  struct TurnsAKey final : drivers::PulseOutput {
+    digital_io::PanelIo& panel;
+    explicit TurnsAKey(digital_io::PanelIo& of) : panel(of) {}
+    void pulse() override { panel.set({.reset_key = true}); }
+  } turns_a_key(panel_of_device);
+  digital_io::StageIo(folder.path()).mark_panel_read(kStart_us * 1'000);
+  live::SupervisorLoop other(bus, turns_a_key, panel, files, kConfig, kSession, safety::SelfTest::Passed);
+  calls.output.interlock_pulse = true;
+  for (std::uint32_t n = 1; n <= 2; ++n) {
+    Measurement measured;
+    measured.seq = n;
+    fake_bus::put(measured);
+  }
+  other.turn();
+  ASSERT_EQ(calls.supervised.size(), 2U);
+  EXPECT_FALSE(calls.supervised[0].panel.levels.reset_key);
+  EXPECT_TRUE(calls.supervised[1].panel.levels.reset_key);
 }
 
 TEST_F(SupervisorLoopBench, OpensEveryPlanThatComesAndSaysItsTag) {
@@ -266,6 +291,14 @@ TEST_F(SupervisorLoopBench, CountsPeriodsThatItMissedAndHowLateItWas) {
   EXPECT_EQ(loop.heartbeat().lateness().max_us(), 3'400);
   turn(17'400);  // one millisecond late: one period missed
   EXPECT_EQ(loop.heartbeat().health().overruns, 4U);
+}
+
+TEST_F(SupervisorLoopBench, ATickThatComesEarlyIsNotLate) {
+  turn(10'000);
+  turn(10'200);
+  turn(10'400);
+  EXPECT_EQ(loop.heartbeat().lateness().max_us(), 0);
+  EXPECT_EQ(loop.heartbeat().health().overruns, 0U);
 }
 
 TEST_F(SupervisorLoopBench, SaysThatItIsReadyTenTimesASecond) {

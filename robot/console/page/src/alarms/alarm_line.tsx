@@ -2,8 +2,9 @@
 // their sound. The border flashes, the text never does.
 import { signal } from '@preact/signals'
 
-import type { Alarm } from '../generated/messages'
-import { acknowledge, active, history, isAcknowledged, kPriority, loudest } from './alarms'
+import type { PastAlarm } from '../generated/messages'
+import { acknowledge, active, isAcknowledged, kPriority, loudest } from './alarms'
+import { history } from './history'
 import { muted, pausedLeft_s, pauseOrResume } from './sound'
 
 const kMarks = { Alarm: '!!!', Warning: '!!', Notice: '!' }
@@ -42,15 +43,20 @@ export function AlarmLine() {
   )
 }
 
-const timeOf = (date: Date | null) => date?.toTimeString().slice(0, 8) ?? ''
+// With the day where it is not today's.
+function timeOf(ms: number): string {
+  const date = new Date(ms)
+  const time = date.toTimeString().slice(0, 8)
+  return date.toDateString() === new Date().toDateString() ? time : `${date.toLocaleDateString('sv')} ${time}`
+}
 
-function Row(props: { alarm: Alarm; from: Date; to: Date | null; acknowledged: Date | null }) {
-  const { alarm } = props
+function Row(props: { row: PastAlarm }) {
+  const { alarm, from_ms, to_ms, acknowledged_ms } = props.row
   return (
-    <tr data-priority={kPriority[alarm.severity]} data-active={props.to === null}>
-      <td>{timeOf(props.from)}</td>
-      <td>{props.to ? timeOf(props.to) : 'active'}</td>
-      <td>{timeOf(props.acknowledged) || 'no'}</td>
+    <tr data-priority={kPriority[alarm.severity]} data-active={to_ms === 0}>
+      <td>{timeOf(from_ms)}</td>
+      <td>{to_ms ? timeOf(to_ms) : 'active'}</td>
+      <td>{acknowledged_ms ? timeOf(acknowledged_ms) : 'no'}</td>
       <td>{kPriority[alarm.severity]}</td>
       <td>
         <b>{alarm.code}</b> {alarm.what} {alarm.robot_did}
@@ -63,7 +69,7 @@ export function AlarmList() {
   if (!listed.value) return null
   return (
     <section class="alarm-list" aria-label="list of alarms" tabIndex={0}>
-      <h2>Alarms since this page was opened</h2>
+      <h2>Alarms of this robot, newest first</h2>
       <table>
         <thead>
           <tr>
@@ -76,7 +82,7 @@ export function AlarmList() {
         </thead>
         <tbody>
           {history.value.map((one) => (
-            <Row key={`${one.alarm.code} ${one.from.getTime()}`} {...one} />
+            <Row key={`${one.number} ${one.alarm.code} ${one.from_ms}`} row={one} />
           ))}
         </tbody>
       </table>

@@ -1,9 +1,9 @@
-// Alarms in the manner of IEC 60601-1-8: the robot's own and those of the page; which of them are acknowledged, and what
-// there was since the page was opened.
+// Alarms in the manner of IEC 60601-1-8: the robot's own and those of the page, and which of them are acknowledged.
 import { computed, effect, signal } from '@preact/signals'
 
 import type { Alarm, Severity } from '../generated/messages'
-import { type Loss, loss, refused, restarted, state } from '../robot'
+import { post } from '../link'
+import { alarmHistory, controls, type Loss, loss, refused, restarted, state } from '../robot'
 
 export const kPriority: Record<Severity, string> = { Alarm: 'high', Warning: 'medium', Notice: 'low' }
 const kOrder: Severity[] = ['Alarm', 'Warning', 'Notice']
@@ -36,8 +36,8 @@ const kRestarted: Alarm = {
   severity: 'Warning',
   code: 'E-124',
   what: 'The console was started anew.',
-  robot_did: 'The robot held the needle, then took the voltage off. Points, plan and checks are gone.',
-  to_do: 'Look at the needle. Then open the series again.',
+  robot_did: 'The robot held the needle, then took the voltage off. Series and points are kept, the checks are gone.',
+  to_do: 'Look at the needle. Then look at the plan and confirm it again.',
 }
 
 export const active = computed<Alarm[]>(() => {
@@ -54,48 +54,27 @@ export const active = computed<Alarm[]>(() => {
 })
 
 // By code and words: the same alarm with other words is another one.
-const keyOf = (alarm: Alarm) => `${alarm.code} ${alarm.what}`
+export const keyOf = (alarm: Alarm) => `${alarm.code} ${alarm.what}`
 
-const acknowledged = signal<ReadonlySet<string>>(new Set())
+// On this page, and by the page that controls, whichever was open then.
+const acknowledgedHere = signal<ReadonlySet<string>>(new Set())
+const acknowledged = computed<ReadonlySet<string>>(() => {
+  const kept = (alarmHistory.value?.rows ?? []).filter((row) => row.to_ms === 0 && row.acknowledged_ms > 0)
+  return new Set([...acknowledgedHere.value, ...kept.map((row) => keyOf(row.alarm))])
+})
 export const isAcknowledged = (alarm: Alarm) => acknowledged.value.has(keyOf(alarm))
-export const acknowledge = () => void (acknowledged.value = new Set(active.value.map(keyOf)))
+export function acknowledge(): void {
+  acknowledgedHere.value = new Set(active.value.map(keyOf))
+  if (controls.value) post({ type: 'Acknowledge', newest: alarmHistory.value?.rows[0]?.number ?? 0 })
+}
 
 // What sounds: the highest priority that nobody has acknowledged.
 export const loudest = computed(() => active.value.find((one) => !isAcknowledged(one))?.severity ?? null)
 
-export interface Past {
-  alarm: Alarm
-  from: Date
-  to: Date | null
-  acknowledged: Date | null
-}
-const kPastMax = 200
-export const history = signal<Past[]>([]) // newest first
-
+// What has ended is new when it comes again.
 effect(() => {
-  const now = new Date()
-  const keys = new Map(active.value.map((alarm) => [keyOf(alarm), alarm]))
-  const known = acknowledged.value
-  const before = history.peek()
-  let changed = false
-  const after = before.map((one) => {
-    const key = keyOf(one.alarm)
-    if (one.to) return one
-    if (!keys.has(key)) {
-      changed = true
-      return { ...one, to: now }
-    }
-    keys.delete(key)
-    if (one.acknowledged || !known.has(key)) return one
-    changed = true
-    return { ...one, acknowledged: now }
-  })
-  if (changed || keys.size)
-    history.value = [
-      ...[...keys.values()].map((alarm) => ({ alarm, from: now, to: null, acknowledged: null })),
-      ...after,
-    ].slice(0, kPastMax)
-  // What has ended is new when it comes again.
-  const still = new Set([...known].filter((key) => active.value.some((alarm) => keyOf(alarm) === key)))
-  if (still.size !== known.size) acknowledged.value = still
+  const keys = new Set(active.value.map(keyOf))
+  const known = acknowledgedHere.value
+  const still = new Set([...known].filter((key) => keys.has(key)))
+  if (still.size !== known.size) acknowledgedHere.value = still
 })

@@ -32,6 +32,18 @@ function blocksOf(run: Run, spans: Span[]): Block[] {
   return blocks
 }
 
+// Where the brake held the needle, as left and right edges.
+function lockedOf(run: Run): [number, number][] {
+  const locked = run.columns.get('locked')
+  if (!locked) return []
+  const edges: number[] = []
+  for (let n = 0; n < locked.length; ++n) if (locked[n] !== (n > 0 ? locked[n - 1] : 0)) edges.push(run.time[n]!)
+  if (edges.length % 2) edges.push(run.end)
+  const place = (at: number) => Math.min(Math.max(xOf(onAxis(run, at)), kLeft_px), kLeft_px + inner())
+  const spans = edges.filter((_, n) => n % 2 === 0).map((from, n): [number, number] => [place(from), place(edges[2 * n + 1]!)])
+  return spans.filter(([left, right]) => right > left)
+}
+
 function Lane(props: { run: Run }) {
   const { run } = props
   const [from, to] = view.value
@@ -51,6 +63,11 @@ function Lane(props: { run: Run }) {
             </text>
           )}
         </g>
+      ))}
+      {lockedOf(run).map(([left, right]) => (
+        <rect key={`locked ${left}`} class="locked-mark" x={left} y={kHeight_px - 6} width={right - left} height="4">
+          <title>needle locked</title>
+        </rect>
       ))}
       {inView(run.about.images).map((image) => (
         <path key={`image ${image.step}`} class="image-mark" data-step={image.step} d={`M${xOf(onAxis(run, image.at)) - 7},3h14v10h-14z`} />

@@ -37,6 +37,11 @@ export function spanAt(run: Run, own: number): Span | undefined {
   return run.about.spans.findLast((span) => span.from <= own + 1e-9)
 }
 
+function needleText(run: Run, index: number): string {
+  const locked = run.columns.get('locked')?.[index]
+  return locked === undefined ? '–' : locked > 0 ? 'locked' : 'free'
+}
+
 const shownAs = (value: number | undefined, digits: number) => (value === undefined ? '–' : mm(value, digits))
 
 export function Values() {
@@ -72,6 +77,7 @@ export function Values() {
           {texts('State', (run, index) => span(run, index)?.mode.toUpperCase() ?? '–')}
           {texts('Step', (run, index) => String(span(run, index)?.step ?? '–'))}
           {texts('Stop', (run, index) => kStops[span(run, index)?.stop ?? 'None'])}
+          {all.some(({ run }) => run.columns.has('locked')) && texts('Needle', needleText)}
           {shown.map(({ name, unit, digits, of }) => {
             const values = all.map(({ run, index }) => (index < 0 ? undefined : of(run, index)))
             const [a, b] = values

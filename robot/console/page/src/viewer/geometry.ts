@@ -12,30 +12,37 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
 ]
 
 // One tile of the viewer, in CSS pixels: the pixel (x, y) shows the point origin + x * right + y * down.
-export interface Tile {
-  n: number // of the viewer
-  plane: Plane
+export interface Rectangle {
   left: number
   top: number
   width: number
   height: number
+}
+export interface Tile extends Rectangle {
+  n: number // of the viewer
+  plane: View
   origin: Vec3 // mm at pixel (0, 0) of the canvas
   right: Vec3 // mm per pixel
   down: Vec3
 }
 export type Plane = 'axial' | 'coronal' | 'sagittal'
 export const kPlanes: Plane[] = ['axial', 'coronal', 'sagittal']
+// What the large view can show: a plane, the plane along the needle, or the whole from outside.
+export type View = Plane | 'needle' | '3-D'
+export const kNames: Record<View, string> = {
+  axial: 'axial', coronal: 'coronal', sagittal: 'sagittal', needle: 'along the needle', '3-D': '3-D',
+}
 
 export const pointAt = (tile: Tile, x: number, y: number): Vec3 => add(add(tile.origin, tile.right, x), tile.down, y)
 
-// Where a point is drawn, and how far in front of or behind the tile's plane it is.
+// Where a point is drawn, and how far in front of or behind the tile's plane it is; the 3-D view has no plane.
 export function project(tile: Tile, p: Vec3): { x: number; y: number; off: number } {
   const d = minus(p, tile.origin)
   const n = cross(tile.right, tile.down)
   return {
     x: dot(d, tile.right) / dot(tile.right, tile.right),
     y: dot(d, tile.down) / dot(tile.down, tile.down),
-    off: dot(d, n) / length(n),
+    off: tile.plane === '3-D' ? 0 : dot(d, n) / length(n),
   }
 }
 
@@ -47,10 +54,16 @@ export function voxelOf(rows: readonly number[], p: Vec3): Vec3 {
   return [along(0), along(1), along(2)]
 }
 
-// The side of the patient that lies most in this direction.
-export function letterOf(way: Vec3, sign: number): string {
-  const axis = [0, 1, 2].reduce((best, n) => (Math.abs(way[n]!) > Math.abs(way[best]!) ? n : best), 0)
-  return (sign * way[axis]! > 0 ? 'RAS' : 'LPI')[axis]!
+// The side of the patient that lies in this direction, as DICOM writes it: the largest part first, and others where they
+// are a third of the whole.
+const kOblique = 1 / 3
+export function lettersOf(way: Vec3, sign: number): string {
+  const share = (n: number) => Math.abs(way[n]!) / length(way)
+  return [0, 1, 2]
+    .sort((a, b) => share(b) - share(a))
+    .filter((axis, n) => n === 0 || share(axis) > kOblique)
+    .map((axis) => (sign * way[axis]! > 0 ? 'RAS' : 'LPI')[axis]!)
+    .join('')
 }
 
 // Never "-0.00": what rounds to zero has no sign.

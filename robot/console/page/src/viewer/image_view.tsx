@@ -3,13 +3,14 @@ import { effect } from '@preact/signals'
 import { useEffect, useRef } from 'preact/hooks'
 
 import { withToken } from '../address'
-import type { Series, Step } from '../generated/messages'
+import type { Mark, Series, Step } from '../generated/messages'
 import { send } from '../link'
-import { disabledReason, opened, state, welcome } from '../robot'
+import { disabledReason, opened, state, type Vec3, welcome } from '../robot'
 import { listen } from './inputs'
 import { Overlay } from './overlay'
-import { redo, undo } from './points'
-import { Caption, choosing, InputList, listed, Picking, Planes, Slice, Tools } from './toolbar'
+import { NeedleCanvas } from './needle_canvas'
+import { redo, setPoint, undo } from './points'
+import { Caption, choosing, InputList, Legend, listed, Picking, Pointed, Slice, Tissues, Tools, Views } from './toolbar'
 import { hideVolume, ruling, showVolume } from './view'
 
 const kPlanning: Step[] = ['Plan', 'Check', 'Arm'] // steps in which points may be changed
@@ -22,6 +23,7 @@ const mayPlan = () => kPlanning.includes(state.value?.step ?? 'Image')
 const kActs = {
   undo: () => void (mayPlan() && undo()),
   redo: () => void (mayPlan() && redo()),
+  set: (mark: Mark, p: Vec3) => void (mayPlan() && !disabledReason.value && setPoint(mark, p)),
   list: () => void (listed.value = !listed.value),
 }
 
@@ -30,7 +32,8 @@ function Shown() {
   useEffect(() => {
     let gone = false
     const silence = listen(canvas.current!, kActs)
-    void showVolume(canvas.current!, withToken(opened.value!.volume), () => gone).then(() => {
+    const { volume, labels } = opened.value!
+    void showVolume(canvas.current!, withToken(volume), labels && withToken(labels), () => gone).then(() => {
       if (!gone) document.body.dataset.image = 'shown'
     })
     return () => {
@@ -44,15 +47,21 @@ function Shown() {
     <>
       <div class={ruling.value ? 'slices ruling' : 'slices'}>
         <canvas ref={canvas} tabIndex={0} aria-label="image: click or arrow keys move the crosshair, wheel the slice; ? lists all keys" />
+        <NeedleCanvas />
         <Overlay />
+        <Legend />
         <InputList />
       </div>
       <div class="picking">
         {mayPlan() && <Picking />}
-        <Planes />
+        <Views />
         <Tools />
+        <Tissues />
         <Slice />
-        <Caption />
+        <div class="readings">
+          <Pointed />
+          <Caption />
+        </div>
       </div>
     </>
   )

@@ -1,22 +1,30 @@
 // Every input that the image takes, and what each does; there is no other. The list is what `?` shows.
+import type { Mark } from '../generated/messages'
 import { opened, type Vec3 } from '../robot'
 import { add, kPlanes, length, pointAt, type Tile } from './geometry'
+import { kOpacityStep, opacity, paintOrNot, setOpacity } from './tissues'
 import * as view from './view'
 
 const kFine_mm = 0.1
 const kWindow_px = 200 // of a drag doubles the window
 const kWindowStep = 0.15
+const kTurn_deg_px = 0.5 // of a drag in the 3-D view
+const kTurn_deg = 5
 
 export const kList: [string, string][] = [
   ['click or left drag', 'move the crosshair (with Ruler: measure)'],
-  ['wheel, Page Up, Page Down', 'one slice'],
-  ['arrows', 'one voxel; with Shift 0.1 mm'],
+  ['wheel, Page Up, Page Down', 'one slice; along the needle and in 3-D: turn'],
+  ['arrows', 'one voxel; in 3-D: turn, as a left drag'],
+  ['Shift + arrows, Page Up or Down', '0.1 mm'],
+  ['e, t', 'set entry, set target at the crosshair'],
   ['middle drag', 'pan'],
   ['right drag', 'window: right wider, up brighter'],
   ['Ctrl + wheel, + and -', 'zoom about the crosshair'],
   ['[ and ], ; and \'', 'window narrower, wider; darker, brighter'],
   ['0', 'fit: zoom, pan and window as at first'],
   ['1, 2, 3', 'axial, coronal, sagittal large'],
+  ['4, 5', 'along the needle, 3-D'],
+  ['p; , and .', 'tissues painted or not; fainter, stronger'],
   ['m', 'ruler on and off'],
   ['x', 'crosshair on and off'],
   ['Ctrl + Z, Ctrl + Y', 'undo and redo entry or target'],
@@ -25,6 +33,7 @@ export const kList: [string, string][] = [
 ]
 
 export interface Acts {
+  set(mark: Mark, p: Vec3): void
   undo(): void
   redo(): void
   list(): void
@@ -50,16 +59,20 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
     canvas.setPointerCapture(event.pointerId)
     dragged = { tile, button: event.button, last: [x, y], from: pointAt(tile, x, y) }
     if (event.button !== 0) return
+    if (tile.plane === '3-D') return
     if (view.ruling.value) view.ruler.value = { from: dragged.from, to: dragged.from }
     else view.moveTo(dragged.from)
   })
   on('pointermove', (event) => {
-    if (!dragged) return
     const [x, y] = [event.offsetX, event.offsetY]
+    const over = tileAt(x, y)
+    view.pointed.value = over && over.plane !== '3-D' ? pointAt(over, x, y) : null
+    if (!dragged) return
     const { tile, last } = dragged
     if (dragged.button === 1) view.pan(tile, last, [x, y])
     else if (dragged.button === 2) view.changeWindow((x - last[0]) / kWindow_px, (y - last[1]) / kWindow_px)
-    else if (tileAt(x, y)?.n === tile.n) {
+    else if (tile.plane === '3-D') view.turn3d((x - last[0]) * kTurn_deg_px, (y - last[1]) * kTurn_deg_px)
+    else if (over?.n === tile.n) {
       // The slice of this tile does not change by a move in it: its points are those of the press.
       if (view.ruling.value) view.ruler.value = { from: dragged.from, to: pointAt(tile, x, y) }
       else view.moveTo(pointAt(tile, x, y))
@@ -69,6 +82,7 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
   const drop = () => void (dragged = null)
   on('pointerup', drop)
   on('pointercancel', drop)
+  on('pointerleave', () => void (view.pointed.value = null))
   on('lostpointercapture', drop)
   on('contextmenu', (event) => event.preventDefault())
   on('dragover', (event) => event.preventDefault())
@@ -103,16 +117,18 @@ function actOn(event: KeyboardEvent, acts: Acts): boolean {
     return true
   }
   const nudge = (way: Vec3, sign: number) => {
+    if (tile.plane === '3-D') return view.turn3d(way === tile.right ? sign * kTurn_deg : 0, way === tile.down ? sign * kTurn_deg : 0)
     const step = event.shiftKey ? kFine_mm : (opened.value?.series.spacing[0] ?? 1)
     view.moveTo(add(at, way, (sign * step) / length(way)))
   }
+  const through = (sign: number) => (event.shiftKey ? view.moveThrough(tile, sign * kFine_mm) : view.moveSlice(tile, sign))
   const keys: Record<string, () => void> = {
     ArrowRight: () => nudge(tile.right, 1),
     ArrowLeft: () => nudge(tile.right, -1),
     ArrowDown: () => nudge(tile.down, 1),
     ArrowUp: () => nudge(tile.down, -1),
-    PageUp: () => view.moveSlice(tile, 1),
-    PageDown: () => view.moveSlice(tile, -1),
+    PageUp: () => through(1),
+    PageDown: () => through(-1),
     '+': () => view.zoomBy(view.kZoomStep),
     '=': () => view.zoomBy(view.kZoomStep),
     '-': () => view.zoomBy(1 / view.kZoomStep),
@@ -124,6 +140,13 @@ function actOn(event: KeyboardEvent, acts: Acts): boolean {
     '1': () => view.arrange(kPlanes[0]!),
     '2': () => view.arrange(kPlanes[1]!),
     '3': () => view.arrange(kPlanes[2]!),
+    '4': () => view.arrange('needle'),
+    '5': () => view.arrange('3-D'),
+    p: paintOrNot,
+    ',': () => setOpacity(opacity.value - kOpacityStep),
+    '.': () => setOpacity(opacity.value + kOpacityStep),
+    e: () => acts.set('Entry', at),
+    t: () => acts.set('Target', at),
     m: () => void (view.ruling.value = !view.ruling.value),
     x: () => void (view.crossed.value = !view.crossed.value),
     '?': acts.list,

@@ -1,9 +1,10 @@
 // Drawn over the image, in each of its frames: crosshair, entry, target, path, live tip, points proposed by the case, the
 // stage's reach, ruler, scale bars. SVG, so that a test can read every position in mm from the page. Dashed: in front of
 // or behind the displayed slice.
-import { add, length, letterOf, minus, mm, project, type Tile } from './geometry'
+import { add, kNames, length, lettersOf, minus, mm, project, type Tile } from './geometry'
+import * as path from './path'
 import { crossed, crosshair, ruler, rulerLength, tiles } from './view'
-import { isOld, opened, plan, planned, state, type Vec3 } from '../robot'
+import { isOld, opened, plan, state, type Vec3 } from '../robot'
 
 const kOff_mm = 0.5
 const kBars_mm = [100, 50, 20, 10, 5, 2, 1]
@@ -69,7 +70,7 @@ function Cross(props: { tile: Tile; at: Vec3 }) {
   return <path class="cross" data-name="cross" d={lines} />
 }
 
-// Where the stage's stroke ends, all around the entry: cut by the slice.
+// Where the stage's stroke ends, all around the entry, or around the crosshair before there is one: cut by the slice.
 function Reach(props: { tile: Tile; entry: Vec3; reach: number }) {
   const { x, y, off } = project(props.tile, props.entry)
   const across = Math.sqrt(Math.max(props.reach ** 2 - off ** 2, 0)) / length(props.tile.right)
@@ -104,7 +105,7 @@ function Letters(props: { tile: Tile }) {
     <>
       {letters.map(([edge, at, line, way, sign]) => (
         <text key={edge} class="letter" data-edge={edge} x={at} y={line} text-anchor="middle">
-          {letterOf(way, sign)}
+          {lettersOf(way, sign)}
         </text>
       ))}
     </>
@@ -128,22 +129,20 @@ function Scale(props: { tile: Tile }) {
 }
 
 export function Overlay() {
-  const points = planned.value
-  const entry = points?.entry[0]?.ras as Vec3 | undefined
-  const target = points?.target[0]?.ras as Vec3 | undefined
+  const [entry, target] = [path.entry.value, path.target.value]
   const proposal = opened.value?.proposal[0]
   return (
     <svg class="overlay" role="img" aria-label="entry, target, path and needle tip over the image">
       {crosshair.value && <g data-name="crosshair" data-mm={mmText(crosshair.value)} />}
       {tiles.value.map((tile, n) => (
-        <g key={n} data-tile={n === 0 ? `large ${tile.plane}` : tile.plane}>
+        <g key={n} data-tile={n === 0 ? `large ${tile.plane}` : tile.plane} data-right={tile.right.map((v) => v.toPrecision(6)).join()}>
           <clipPath id={`tile${n}`}>
             <rect x={tile.left} y={tile.top} width={tile.width} height={tile.height} />
           </clipPath>
           <g clip-path={`url(#tile${n})`}>
-            {crosshair.value && crossed.value && <Cross tile={tile} at={crosshair.value} />}
-            {opened.value && (entry ?? proposal) && (
-              <Reach tile={tile} entry={entry ?? (proposal!.entry_ras as Vec3)} reach={opened.value.reach} />
+            {crosshair.value && crossed.value && tile.plane !== '3-D' && <Cross tile={tile} at={crosshair.value} />}
+            {opened.value && (entry ?? crosshair.value) && (
+              <Reach tile={tile} entry={entry ?? crosshair.value!} reach={opened.value.reach} />
             )}
             {proposal && !entry && <Mark tile={tile} at={proposal.entry_ras as Vec3} kind="entry" proposed />}
             {proposal && !target && <Mark tile={tile} at={proposal.target_ras as Vec3} kind="target" proposed />}
@@ -151,11 +150,11 @@ export function Overlay() {
             {entry && <Mark tile={tile} at={entry} kind="entry" />}
             {target && <Mark tile={tile} at={target} kind="target" />}
             {plan.value && entry && target && <Tip tile={tile} from={entry} to={target} />}
-            <Ruler tile={tile} />
+            {tile.plane !== '3-D' && <Ruler tile={tile} />}
             {tile.height > kTextMin_px && (
               <>
                 <text class="plane" x={tile.left + 14} y={tile.top + 26}>
-                  {tile.plane}
+                  {kNames[tile.plane]}
                 </text>
                 <Letters tile={tile} />
                 <Scale tile={tile} />

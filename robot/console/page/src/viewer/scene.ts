@@ -3,11 +3,14 @@
 // in mm.
 import { Niivue, SLICE_TYPE } from '@niivue/niivue'
 
-import { kPlanes, type Plane, type Tile } from './geometry'
+import { kPlanes, type Rectangle, type Tile, type View } from './geometry'
 import type { Vec3 } from '../robot'
+import type { Colour } from './tissues'
 
 const kLarge = 0.66 // of the width
 const kProbe_px = 10
+
+const kFrom: [number, number] = [160, 15] // azimuth and elevation of the 3-D view at first: from the front, a little above
 
 export interface Window {
   low: number
@@ -25,6 +28,7 @@ class Drawing extends Niivue {
 }
 
 export class Scene {
+  private due: number | null = null // a frame that was asked for
   private constructor(private viewer: Drawing) {}
 
   // `drawn` is called after each frame.
@@ -42,6 +46,7 @@ export class Scene {
       isResizeCanvas: true,
     })
     viewer.opts.multiplanarShowRender = 0
+    ;[viewer.scene.renderAzimuth, viewer.scene.renderElevation] = kFrom
     await viewer.attachToCanvas(canvas)
     await viewer.loadFromArrayBuffer(volume, 'volume.nii')
     const scene = new Scene(viewer)
@@ -52,20 +57,56 @@ export class Scene {
   // Gives the drawing context back: a browser has sixteen.
   dispose(): void {
     this.viewer.drawn = null
+    if (this.due !== null) cancelAnimationFrame(this.due)
     this.viewer.cleanup()
     this.viewer.gl.getExtension('WEBGL_lose_context')?.loseContext()
   }
 
-  // One large view, and all three small ones beside it.
-  arrange(plane: Plane): void {
-    const type = { axial: SLICE_TYPE.AXIAL, coronal: SLICE_TYPE.CORONAL, sagittal: SLICE_TYPE.SAGITTAL }
+  // One large view, and all three small ones beside it. The plane along the needle is not drawn here.
+  arrange(large: View): void {
+    const type = { axial: SLICE_TYPE.AXIAL, coronal: SLICE_TYPE.CORONAL, sagittal: SLICE_TYPE.SAGITTAL, '3-D': SLICE_TYPE.RENDER }
     this.viewer.setCustomLayout([
-      { sliceType: type[plane], position: [0, 0, kLarge, 1] },
+      ...(large === 'needle' ? [] : [{ sliceType: type[large], position: [0, 0, kLarge, 1] as [number, number, number, number] }]),
       ...kPlanes.map((small, n) => ({
         sliceType: type[small],
         position: [kLarge, n / 3, 1 - kLarge, 1 / 3] as [number, number, number, number],
       })),
     ])
+  }
+
+  // The large view's part of the canvas, CSS pixels.
+  get largeBox(): Rectangle {
+    const { width, height } = this.viewer.canvas!.getBoundingClientRect()
+    return { left: 0, top: 0, width: width * kLarge, height }
+  }
+
+  // A label map over the image, of 16-bit whole numbers (labelFile() in voxels.ts); `colourOf` a value, or null: not painted.
+  async paint(labels: ArrayBuffer, values: number[], colourOf: (value: number) => Colour | null): Promise<void> {
+    const colours = [0, ...values].map((value) => colourOf(value))
+    const channel = (n: number) => colours.map((colour) => colour?.[n] ?? 0)
+    await this.viewer.loadFromArrayBuffer(labels, 'labels.nii')
+    this.viewer.volumes[1]!.setColormapLabel({
+      R: channel(0), G: channel(1), B: channel(2),
+      A: colours.map((colour) => (colour ? 255 : 0)),
+      I: [0, ...values],
+      labels: colours.map(() => ''),
+    })
+    this.setOpacity(0)
+  }
+  setOpacity(opacity: number): void {
+    if (this.viewer.volumes.length > 1) this.viewer.setOpacity(1, opacity)
+  }
+
+  // The 3-D view, degrees.
+  turn(azimuth: number, elevation: number): void {
+    const { scene } = this.viewer
+    scene.renderAzimuth = (scene.renderAzimuth + azimuth + 360) % 360
+    scene.renderElevation = Math.min(Math.max(scene.renderElevation + elevation, -90), 90)
+    // Slow without a graphics card: once a frame at most.
+    this.due ??= requestAnimationFrame(() => {
+      this.due = null
+      this.viewer.drawScene()
+    })
   }
 
   get crosshair(): Vec3 {
@@ -98,6 +139,7 @@ export class Scene {
     const centre = this.viewer.frac2mm(this.viewer.scene.crosshairPos)
     for (let n = 0; n < 3; ++n) pan[n]! += (pan[3]! - zoom) * centre[n]!
     pan[3] = zoom
+    this.viewer.scene.volScaleMultiplier = zoom
     this.viewer.drawScene()
   }
   // So that what is drawn at one pixel of a tile is drawn at the other.
@@ -109,7 +151,10 @@ export class Scene {
     this.viewer.drawScene()
   }
   resetView(): void {
-    this.viewer.scene.pan2Dxyzmm = [0, 0, 0, 1] as never
+    const { scene } = this.viewer
+    scene.pan2Dxyzmm = [0, 0, 0, 1] as never
+    scene.volScaleMultiplier = 1
+    ;[scene.renderAzimuth, scene.renderElevation] = kFrom
     this.viewer.drawScene()
   }
 
@@ -142,8 +187,10 @@ export class Scene {
     const slice = this.viewer.screenSlices[n]!
     let [left, top, width, height] = slice.leftTopWidthHeight as [number, number, number, number]
     if (width < 0) [left, width] = [left + width, -width]
-    if (slice.axCorSag > 2 || width < 4 * kProbe_px || height < 4 * kProbe_px) return null
+    if (width < 4 * kProbe_px || height < 4 * kProbe_px) return null
     const ratio = this.ratio
+    const box = { left: left / ratio, top: top / ratio, width: width / ratio, height: height / ratio }
+    if (slice.axCorSag > 2) return this.renderTile(n, box)
     const [x, y] = [(left + width / 2) / ratio, (top + height / 2) / ratio]
     const at = (px: number, py: number) => this.mmOf(this.fracAt(n, px, py))
     const middle = at(x, y)
@@ -152,6 +199,24 @@ export class Scene {
     const down = step(at(x, y + kProbe_px))
     const origin = middle.map((v, i) => v - right[i]! * x - down[i]! * y) as Vec3
     const plane = kPlanes[slice.axCorSag]!
-    return { n, plane, left: left / ratio, top: top / ratio, width: width / ratio, height: height / ratio, origin, right, down }
+    return { n, plane, ...box, origin, right, down }
+  }
+
+  // The viewer's own projection, which has no perspective: pixels are linear in mm.
+  private renderTile(n: number, box: Rectangle): Tile {
+    const { scene } = this.viewer
+    const ratio = this.ratio
+    const whole = [box.left, box.top, box.width, box.height].map((v) => v * ratio)
+    const [map] = this.viewer.calculateMvpMatrix(null, whole as never, scene.renderAzimuth, scene.renderElevation) as unknown as [number[]]
+    const px = (row: 0 | 1) => {
+      const half = row === 0 ? box.width / 2 : -box.height / 2
+      const per_mm: Vec3 = [map[row]! * half, map[4 + row]! * half, map[8 + row]! * half]
+      return { per_mm, at0: (row === 0 ? box.left + box.width / 2 : box.top + box.height / 2) + map[12 + row]! * half }
+    }
+    const [x, y] = [px(0), px(1)]
+    const step = (a: Vec3): Vec3 => a.map((v) => v / (a[0] ** 2 + a[1] ** 2 + a[2] ** 2)) as Vec3
+    const [right, down] = [step(x.per_mm), step(y.per_mm)]
+    const origin = right.map((v, i) => -v * x.at0 - down[i]! * y.at0) as Vec3
+    return { n, plane: '3-D', ...box, origin, right, down }
   }
 }

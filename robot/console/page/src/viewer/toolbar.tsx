@@ -2,10 +2,14 @@
 import { signal } from '@preact/signals'
 
 import { disabledReason, opened, welcome } from '../robot'
-import { kPlanes, mm, ras } from './geometry'
+import { kNames, length, minus, mm, ras, type View } from './geometry'
 import { kList } from './inputs'
+import { turnBy, turned } from './needle_plane'
+import { entry } from './path'
 import { redo, setPoint, undo, whyNoRedo, whyNoUndo } from './points'
+import { coloured, colourOf, labels, opacity, setOpacity, tissueAt } from './tissues'
 import * as view from './view'
+import { nearestAt } from './voxels'
 
 export const listed = signal(false) // the list of inputs is shown
 export const choosing = signal(false) // the list of series is shown, to open another one
@@ -42,11 +46,17 @@ export function Picking() {
   )
 }
 
-export function Planes() {
+export function Views() {
   return (
     <div class="group">
-      {kPlanes.map((plane) => (
-        <Act key={plane} name={plane} pressed={view.large.value === plane} act={() => view.arrange(plane)} />
+      {(Object.keys(kNames) as View[]).map((one) => (
+        <Act
+          key={one}
+          name={kNames[one]}
+          why={one === 'needle' ? view.whyNoNeedlePlane.value : ''}
+          pressed={view.large.value === one}
+          act={() => view.arrange(one)}
+        />
       ))}
     </div>
   )
@@ -64,10 +74,92 @@ export function Tools() {
   )
 }
 
+// How strongly the tissues are painted over.
+export function Tissues() {
+  if (!labels.value || !coloured().length) return null
+  return (
+    <label class="slice">
+      <span>
+        tissues <b data-name="opacity">{mm(100 * opacity.value, 0)}</b> %
+      </span>
+      <input
+        type="range"
+        min="0"
+        max="100"
+        step="5"
+        value={100 * opacity.value}
+        onInput={(event) => setOpacity(Number(event.currentTarget.value) / 100)}
+      />
+    </label>
+  )
+}
+
+// Over the image.
+export function Legend() {
+  if (!labels.value || opacity.value === 0) return null
+  return (
+    <ul class="tissues" aria-label="colours of the tissues">
+      {coloured().map(({ value, name }) => (
+        <li key={value}>
+          <svg width="16" height="16" aria-hidden="true">
+            <rect width="16" height="16" fill={`rgb(${colourOf(value)!.join(' ')})`} />
+          </svg>
+          {name}
+        </li>
+      ))}
+    </ul>
+  )
+}
+
+// What lies under the pointer, or else under the crosshair: tissue, value, and whether the stroke reaches it.
+export function Pointed() {
+  const at = view.pointed.value ?? view.crosshair.value
+  if (!at || !view.voxels.value || !opened.value) return null
+  const value = nearestAt(view.voxels.value, at)
+  const apart = entry.value ? length(minus(at, entry.value)) : null
+  const { reach } = opened.value
+  return (
+    <p class="pointed" data-name="pointed">
+      {view.pointed.value ? 'pointer' : 'crosshair'}
+      {tissueAt(at) && (
+        <span>
+          : <b data-name="tissue">{tissueAt(at)}</b>
+        </span>
+      )}
+      <span> · value {value === null ? 'outside' : mm(value, 0)}</span>
+      {apart !== null && (
+        <span data-name="from-entry">
+          {' '}
+          · {mm(apart)} mm from the entry{apart > reach && <b>: beyond the stroke of {mm(reach)} mm</b>}
+        </span>
+      )}
+    </p>
+  )
+}
+
+function Turned() {
+  return (
+    <label class="slice">
+      <span>
+        turned <b data-name="turned">{turned.value}</b> deg
+      </span>
+      <input
+        type="range"
+        min="0"
+        max="355"
+        step="5"
+        value={turned.value}
+        onInput={(event) => turnBy(Number(event.currentTarget.value) - turned.value)}
+      />
+    </label>
+  )
+}
+
 export function Slice() {
   const tile = view.largeTile.value
   const at = view.crosshair.value
-  if (!tile || !at) return null
+  if (tile?.plane === 'needle') return <Turned />
+  if (!tile || !at || !view.isPlane(tile)) return null
   const stack = view.stackOf(tile)
   const slice = Math.min(Math.max(Math.round(stack.at(at)), 0), stack.count - 1)
   return (

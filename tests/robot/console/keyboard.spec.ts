@@ -1,0 +1,54 @@
+// A whole procedure without a mouse: from the image to an accepted depth, retracted, and a further target; and how many acts
+// each takes.
+import { expect, type Page, test } from '@playwright/test'
+
+import { note } from './support/figures'
+import { KeyboardOperator } from './support/keyboard_operator'
+import { distance, kEntry, kGapDepth_mm, PageOperator } from './support/page_operator'
+import { Robot } from './support/robot'
+
+const robot = new Robot()
+test.describe.configure({ mode: 'serial' })
+test.beforeAll(() => robot.start())
+test.afterAll(() => robot.stop())
+
+// No mouse at all: what the page gets of one is counted.
+const countMouse = (page: Page) =>
+  page.addInitScript(() => {
+    const counted = window as unknown as { mouse: number }
+    counted.mouse = 0
+    for (const name of ['pointerdown', 'pointermove', 'wheel']) addEventListener(name, () => ++counted.mouse, true)
+  })
+
+test('from the image to an accepted depth by keyboard alone', async ({ page }) => {
+  test.setTimeout(240_000)
+  await countMouse(page)
+  const operator = new KeyboardOperator(page, robot.url)
+  await operator.open()
+  await operator.openSeries()
+  await operator.clickAt('proposed-entry')
+  await operator.press('e')
+  await expect(page.locator('dd[data-name=entry]')).not.toHaveText('not set')
+  await operator.clickAt('proposed-target')
+  await operator.press('t')
+  await expect(page.locator('[data-name=planned-depth]')).toBeVisible()
+  expect(distance(await operator.mm('entry'), kEntry)).toBeLessThan(0.3)
+  const depth = parseFloat((await page.locator('[data-name=planned-depth]').textContent())!)
+  note({ keyboard_depth_error_mm: Math.abs(depth - kGapDepth_mm) })
+  expect(Math.abs(depth - kGapDepth_mm)).toBeLessThan(0.3)
+  await operator.confirmPlan()
+  await operator.recover()
+  await operator.arm()
+  await operator.insert()
+  await expect(page.locator('[data-name=verdict]')).toHaveText('accept')
+  await operator.click('Accept this depth')
+  await expect(page.locator('[aria-current=step]')).toContainText(/Accepted|The run is over/)
+  const retract = page.getByRole('button', { name: 'Retract', exact: true })
+  if ((await retract.getAttribute('aria-disabled')) === 'false') await operator.activate(retract)
+  await expect(page.getByRole('link', { name: /Accepted. Open the report/ })).toBeVisible({ timeout: 30_000 })
+  note({ keyboard_keys: operator.keys })
+  expect(await page.evaluate(() => (window as unknown as { mouse: number }).mouse)).toBe(0)
+  // STOP, from wherever the focus is.
+  await operator.press('Escape')
+  await expect(operator.alarm()).toContainText('STOP was pressed')
+})
