@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <optional>
 
 #include "robot/bench/bench_notes.hpp"
 #include "robot/bench/bench_session.hpp"
 #include "robot/bench/stage_runs.hpp"
+#include "robot/bench/until_named.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
@@ -105,8 +108,17 @@ void add_run(report::BenchRecord& record, sim::Dataset& dataset, const BenchRun&
   store(result, dataset, folder);
 }
 
+// Indices of the session's runs that are due after what is recorded; none: the session is over.
+using Due = std::function<std::vector<std::size_t>(const sim::Dataset& recorded)>;
+
+std::vector<std::size_t> all_at_once(const BenchSession& session, const sim::Dataset& recorded) {
+  std::vector<std::size_t> out(recorded.runs.empty() ? session.runs.size() : 0);
+  std::iota(out.begin(), out.end(), std::size_t{0});
+  return out;
+}
+
 report::BenchRecord carry_out(const BenchSession& session, const CharacteriseOptions& options,
-                              const Hardware& hardware, const std::stop_token& stop,
+                              const Hardware& hardware, const Due& due, const std::stop_token& stop,
                               const std::function<void(const std::string&)>& notify) {
   ProgressLine line;
   report::BenchRecord record;
@@ -114,18 +126,17 @@ report::BenchRecord carry_out(const BenchSession& session, const CharacteriseOpt
   record.device = record.simulated ? "simulated stage" : hardware.stage->product();
   if (record.simulated) record.model = session.model_file.string();
   record.notes = session.notes;
-  record.planned_runs = session.runs.size();
   sim::Dataset dataset;
-  for (std::size_t i = 0; i < session.runs.size(); ++i) {
+  const auto carried_out = [&](std::size_t i) {  // whether it came to its end
     const BenchRun& run = session.runs[i];
-    const RunHooks hooks{
-        .show_progress =
-            [&](double share) {
-              line.show((static_cast<double>(i) + share) / static_cast<double>(session.runs.size()),
-                        run.name);
-            },
-        .stop = [&] { return stop.stop_requested(); },
-        .notify = notify};
+    const RunHooks hooks{.show_progress =
+                             [&](double share) {
+                               line.show((static_cast<double>(record.runs.size()) + share) /
+                                             static_cast<double>(record.planned_runs),
+                                         run.name);
+                             },
+                         .stop = [&] { return stop.stop_requested(); },
+                         .notify = notify};
     const BenchResult result = record.simulated
                                    ? run_simulated(session, i, options.seed, hooks)
                                    : run_on_hardware(session, i, 1 + options.seed, *hardware.stage,
@@ -133,10 +144,17 @@ report::BenchRecord carry_out(const BenchSession& session, const CharacteriseOpt
     if (result.recorded.time.empty()) {
       record.notes.push_back(
           fmt::format("{} was stopped before it began: {}.", run.name, result.stopped_because));
-      break;
+      return false;
     }
     add_run(record, dataset, run, result, options.out);
-    if (!result.stopped_because.empty()) break;
+    return result.stopped_because.empty();
+  };
+  bool goes_on = true;
+  while (goes_on) {
+    const std::vector<std::size_t> runs = due(dataset);
+    if (runs.empty()) break;
+    record.planned_runs += runs.size();
+    goes_on = std::ranges::all_of(runs, carried_out);
   }
   note_the_travel(record, session.highest(), options.drive_scale);
   atomic_write(options.out / "report.html", report::bench_html(record));
@@ -150,24 +168,34 @@ Characterisation characterise(const CharacteriseOptions& options, const std::vec
                               const std::function<void(const std::string&)>& notify) {
   const BenchSession session = prepare_session(options);
   if (options.dry_run)
-    return {.record = {}, .complete = true, .text = describe_session(session) + "nothing was moved\n"};
+    return {.record = {},
+            .complete = true,
+            .rounds = {},
+            .text = describe_session(session) + "nothing was moved\n"};
   if (options.out.empty())
     throw ConfigError("nowhere to put the data set", "command line", "add --out FOLDER, or --dry-run");
   if (!options.bench)
     throw ConfigError("it is not confirmed that the stage is on the bench: no patient, no needle",
                       "command line",
                       "see what would be done with --dry-run; then clear the stage and add --bench");
-  const Inputs inputs{session.model_file, options.device_config, options.commissioning, options.keys};
+  const Inputs inputs{session.model_file, options.device_config, options.commissioning, options.keys,
+                      options.until_named};
   keep_apart(options.out, inputs, clearable);
+  std::optional<UntilNamed> naming;
+  if (!options.until_named.empty()) naming.emplace(session, options.until_named, stop);
   const Hardware hardware = open_hardware(options);
   claim_run_folder(options.out, inputs, clearable);
   if (hardware.stage) notify(realtime::to_text(realtime::become_realtime({.fifo_priority = kLoopPriority})));
   Characterisation out;
-  out.record = carry_out(session, options, hardware, stop, notify);
+  const Due due = [&](const sim::Dataset& recorded) {
+    return naming ? naming->next(recorded) : all_at_once(session, recorded);
+  };
+  out.record = carry_out(session, options, hardware, due, stop, notify);
+  if (naming) out.rounds = naming->rounds();
   out.complete =
       out.record.runs.size() == out.record.planned_runs && out.record.runs.back().stopped_because.empty();
-  out.text = fmt::format("{}\ndata set: {}\nreport:   {}\n", report::bench_console(out.record),
-                         options.out.string(), (options.out / "report.html").string());
+  out.text = fmt::format("{}\n{}data set: {}\nreport:   {}\n", report::bench_console(out.record),
+                         to_text(out.rounds), options.out.string(), (options.out / "report.html").string());
   return out;
 }
 

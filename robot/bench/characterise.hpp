@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drivers/needle_stage_factory.hpp"
+#include "robot/bench/naming_round.hpp"
 #include "robot/report/study/bench_report.hpp"
 
 namespace biopsy::robot {
@@ -27,12 +28,14 @@ struct CharacteriseOptions {
   std::filesystem::path device_config, commissioning,
       keys;  // of a real stage; keys empty: the user's own set
   std::filesystem::path out;
+  std::filesystem::path until_named;  // a model that is compared with what is recorded; empty: no comparison
 };
 
 struct Characterisation {
-  report::BenchRecord record;  // without runs after a dry run
-  bool complete = false;       // every run came to its end, or it was a dry run
-  std::string text;            // for a terminal
+  report::BenchRecord record;       // without runs after a dry run
+  bool complete = false;            // every run came to its end, or it was a dry run
+  std::vector<NamingRound> rounds;  // with until_named
+  std::string text;                 // for a terminal
 };
 
 // Carries out the experiments, or tells what they would be. `clearable`: files of an earlier run in the

@@ -31,6 +31,13 @@ struct FoundGap {
     double std = 0.0;
   };
   std::vector<Source> changed;
+  // The strongest effect and the next best candidate, each as fitted: what finding.next would separate. Empty
+  // where no effect was selected or nothing competes with it.
+  struct Rival {
+    std::string name;
+    PlantModel model;
+  };
+  std::vector<Rival> rivals;
   // With the term of finding.proposed; `model` is then the given one.
   std::optional<PlantModel> proposed_model;
   std::vector<Source> proposed_changed;

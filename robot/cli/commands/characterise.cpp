@@ -46,6 +46,9 @@ void declare(CLI::App& app, Options& options) {
                "real stage: a person lays weights on [under "
                "voltage](../how-to/measure-a-stage.md#on-a-real-stage), for "
                "`load` and `impact`");
+  add(app, "--until-named MODEL", bench.until_named,
+      "one experiment after the other, until what this model lacks [has a "
+      "name](../how-to/measure-a-stage.md#until-the-effect-has-a-name) or nothing more can be learnt");
   add_out(app, bench.out, "the data set; required unless `--dry-run`");
 }
 
@@ -59,12 +62,21 @@ std::string json_of(const Characterisation& done, const CharacteriseOptions& opt
          {"what", run.what},
          {"weight_g", run.weight_g},
          {"stopped_because", run.stopped_because.empty() ? Json(nullptr) : Json(run.stopped_because)}});
+  Json rounds = Json::array();
+  for (const NamingRound& round : done.rounds)
+    rounds.push_back({{"experiment", round.experiment},
+                      {"verdict", round.verdict},
+                      {"effect", round.effect.empty() ? Json(nullptr) : Json(round.effect)},
+                      {"probability", round.probability},
+                      {"gap_closed", round.gap_closed},
+                      {"decision", round.decision}});
   const Json all = options.dry_run ? Json{{"dry_run", true}, {"plan", done.text}}
                                    : Json{{"dataset", options.out.string()},
                                           {"device", record.device},
                                           {"complete", done.complete},
                                           {"sensor_noise_mm", record.sensor_noise_mm},
                                           {"runs", runs},
+                                          {"rounds", rounds},
                                           {"notes", record.notes}};
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -90,31 +102,33 @@ Result run(const Options& given, const Context& context) {
 
 Command characterise_command() {
   using namespace characterise_cli;
-  return {
-      .name = "characterise",
-      .summary = "experiments on a stage without patient and needle, for gap",
-      .description =
-          "Plays voltages open loop under the supervisor and stores a [data set]"
-          "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the "
-          "supervisor "
-          "stops is kept and marked.",
-      .examples = {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact"},
-      .exit_codes =
-          "0 completed, 3 stopped, 2 for unusable input, 130 where Ctrl-C ended it; the needle is "
-          "retracted and what was recorded is stored",
-      .outputs = {{"dataset.toml",
-                   "the runs that were carried out, and the laser's noise at rest. A title "
-                   "with \"incomplete\" where one was stopped"},
-                  {"run-*.csv",
-                   "one run, 1 kHz: the voltage the gate put out, displacement, current (of row "
-                   "k: the mean over the row before), push"},
-                  {"report.html", "table and pictures"}},
-      .replaces_earlier_run = true,
-      .json =
-          "`dataset`, the folder; `device`, `complete`, `sensor_noise_mm`, `notes`; `runs`: list of "
-          "`name`, `file`, `what`, `weight_g`, `stopped_because`. With `--dry-run` `plan`, a text",
-      .interruptible = true,
-      .declare = with_options(declare, run)};
+  return {.name = "characterise",
+          .summary = "experiments on a stage without patient and needle, for gap",
+          .description =
+              "Plays voltages open loop under the supervisor and stores a [data set]"
+              "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the "
+              "supervisor "
+              "stops is kept and marked.",
+          .examples = {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact",
+                       "biopsy characterise --bench --until-named sim/models/baseline.toml --out out/named"},
+          .exit_codes =
+              "0 completed, 3 stopped, 2 for unusable input, 130 where Ctrl-C ended it; the needle is "
+              "retracted and what was recorded is stored",
+          .outputs = {{"dataset.toml",
+                       "the runs that were carried out, and the laser's noise at rest. A title "
+                       "with \"incomplete\" where one was stopped"},
+                      {"run-*.csv",
+                       "one run, 1 kHz: the voltage the gate put out, displacement, current (of row "
+                       "k: the mean over the row before), push"},
+                      {"report.html", "table and pictures"}},
+          .replaces_earlier_run = true,
+          .json =
+              "`dataset`, the folder; `device`, `complete`, `sensor_noise_mm`, `notes`; `runs`: list of "
+              "`name`, `file`, `what`, `weight_g`, `stopped_because`; `rounds`, with `--until-named`: "
+              "`experiment`, `verdict`, "
+              "`effect`, `probability`, `gap_closed`, `decision`. With `--dry-run` `plan`, a text",
+          .interruptible = true,
+          .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

@@ -19,11 +19,12 @@ constexpr double kMisses = 0.3;     // misfit from which a run may be misread
 constexpr double kExplains = 0.35;  // of that misfit is left by the right reading
 constexpr double kLongest = 20.0;   // s of a run that are looked at
 constexpr std::size_t kFewestRows = 200;
-constexpr double kBallistic = 0.5;     // s, windows of a mechanism without a spring
-constexpr double kLongestShift = 2.0;  // s
-constexpr double kLate = 0.2;          // s; less is a lag of the sensor
-constexpr double kEarly = 0.005;       // s, and two rows: no effect comes before its cause
-constexpr double kVisible = 20.0;      // noises that a motion must have
+constexpr double kBallistic = 0.5;         // s, windows of a mechanism without a spring
+constexpr double kLongestShift = 2.0;      // s
+constexpr double kLate = 0.2;              // s; less is a lag of the sensor
+constexpr double kEarly = 0.005;           // s, and two rows: no effect comes before its cause
+constexpr double kGramForce = 9.80665e-3;  // N
+constexpr double kVisible = 20.0;          // noises that a motion must have
 
 // One way in which the file may have been meant.
 struct Reading {
@@ -70,8 +71,13 @@ std::vector<Reading> readings(Drive drive) {
       in_unit("displacement", "displacement_mm", "um", "mm", displacement, 1e-3),
       in_unit("displacement", "displacement_mm", "cm", "mm", displacement, 10.0),
       in_unit("displacement", "displacement_mm", "nm", "mm", displacement, 1e-6),
+      in_unit("displacement", "displacement_mm", "in", "mm", displacement, 25.4),
       in_unit(key, input, stack ? "kV" : "kN", stack ? "V" : "N", &RecordedRun::input, 1e3),
       in_unit(key, input, stack ? "mV" : "mN", stack ? "V" : "N", &RecordedRun::input, 1e-3)};
+  if (!stack) {
+    out.push_back(in_unit(key, input, "gf", "N", &RecordedRun::input, kGramForce));
+    out.push_back(in_unit(key, input, "kgf", "N", &RecordedRun::input, 1e3 * kGramForce));
+  }
   const std::string turned = stack ? "displacement_mm" : "displacement_mm (or force_N)";
   out.push_back({"sign", turned, "displacement_mm counts against the model's direction",
                  "[columns] displacement = { sign = -1 }",
@@ -166,8 +172,9 @@ double time_offset(const Motions& motion) {
 
 struct Looked {
   const Reading* reading = nullptr;
-  double offset = 0.0;               // s
-  double before = 0.0, after = 0.0;  // misfits
+  double offset = 0.0;                       // s
+  double before = 0.0, after = 0.0;          // misfits
+  std::map<const Reading*, double> meant{};  // misfit of each reading that explains the run
 };
 
 Looked look_at(const RecordedRun& recorded, const PlantModel& model, double noise,
@@ -183,12 +190,31 @@ Looked look_at(const RecordedRun& recorded, const PlantModel& model, double nois
     const double rate = 1.0 / other.period;
     if (rate < 1.0 || rate > 1e6) continue;
     const Motions meant = motions(beginning(std::move(other)), model, noise);
-    if (meant.misfit < kExplains * as_given.misfit && meant.misfit < out.after)
-      out.after = meant.misfit, out.reading = &reading;
+    if (!(meant.misfit < kExplains * as_given.misfit)) continue;
+    out.meant[&reading] = meant.misfit;
+    if (meant.misfit < out.after) out.after = meant.misfit, out.reading = &reading;
   }
   if (out.reading == nullptr && model.baseline.k > 0.0 && run.time.size() > 2)
     out.offset = time_offset(as_given);
   return out;
+}
+
+// Millimetres for micrometres and kilonewtons for newtons are the same to a linear mechanism: a reading that
+// explains all runs that any explains is taken for all of them, the best of several.
+void agree_on_one_reading(std::vector<Looked>& looked) {
+  std::map<const Reading*, std::pair<std::size_t, double>> together;  // runs, sum of misfits
+  std::size_t misread = 0;
+  for (const Looked& one : looked) {
+    misread += one.reading != nullptr ? 1 : 0;
+    for (const auto& [reading, misfit] : one.meant)
+      ++together[reading].first, together[reading].second += misfit;
+  }
+  const Reading* best = nullptr;
+  for (const auto& [reading, sum] : together)
+    if (sum.first == misread && (best == nullptr || sum.second < together[best].second)) best = reading;
+  if (best == nullptr) return;
+  for (Looked& one : looked)
+    if (one.reading != nullptr) one.reading = best, one.after = one.meant.at(best);
 }
 
 std::string share_text(double misfit) {
@@ -251,6 +277,7 @@ std::vector<DataRemark> examine_with_model(const Dataset& dataset, const PlantMo
   const std::vector<Reading> all = readings(model.baseline.drive);
   std::vector<Looked> looked(dataset.runs.size());
   in_parallel(looked.size(), [&](std::size_t i) { looked[i] = look_at(dataset.runs[i], model, noise, all); });
+  agree_on_one_reading(looked);
   std::vector<DataRemark> out;
   std::map<const Reading*, std::vector<std::size_t>> by_reading;
   std::vector<std::size_t> missed;

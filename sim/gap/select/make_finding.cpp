@@ -129,19 +129,24 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
   return out;
 }
 
-// The experiment that best separates the winner from the next best effect.
-NextExperiment experiment_between(const Selection& selection, const Evidence& evidence) {
-  if (selection.selected.empty()) return {};
-  const SelectedTerm& first = selection.selected.front();
+// The winner and the next best effect.
+std::vector<FoundGap::Rival> rivals_of(const Selection& selection) {
+  std::vector<FoundGap::Rival> out;
+  if (selection.selected.empty()) return out;
+  for (const CandidateFit& t : selection.selected.front().comparison) {
+    if (!t.fitted || !std::isfinite(t.scored.square) || out.size() == 2) continue;
+    if (!out.empty() && t.candidate.effect == kBaseline) continue;
+    const PlantModel& model = t.scored.hypothesis.model;
+    out.push_back({t.candidate.name(model.baseline.drive), model});
+  }
+  return out.size() < 2 ? std::vector<FoundGap::Rival>{} : out;
+}
+
+NextExperiment experiment_between(const std::vector<FoundGap::Rival>& rivals, const Evidence& evidence) {
+  if (rivals.empty()) return {};
   std::vector<PlantModel> models;
   std::vector<std::string> names;
-  for (const CandidateFit& t : first.comparison) {
-    if (!t.fitted || !std::isfinite(t.scored.square) || models.size() == 2) continue;
-    if (!models.empty() && t.candidate.effect == kBaseline) continue;
-    models.push_back(t.scored.hypothesis.model);
-    names.push_back(t.candidate.name(models.back().baseline.drive));
-  }
-  if (models.size() < 2) return {};
+  for (const FoundGap::Rival& rival : rivals) models.push_back(rival.model), names.push_back(rival.name);
   return next_experiment(models, names, evidence.noise, evidence.u_max,
                          {.x_low = evidence.x_low, .x_high = evidence.x_high, .input = evidence.u_max});
 }
@@ -237,7 +242,8 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   if (f.verdict == GapVerdict::Unexplained)
     f.shapes = residual_shapes(evidence, selection.start.hypothesis.model,
                                residual(selection.start.hypothesis.model, evidence, Part::All));
-  if (f.verdict != GapVerdict::NoGap) f.next = experiment_between(selection, evidence);
+  if (f.verdict != GapVerdict::NoGap) found.rivals = rivals_of(selection);
+  f.next = experiment_between(found.rivals, evidence);
   return found;
 }
 

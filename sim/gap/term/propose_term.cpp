@@ -21,6 +21,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
+constexpr double kTermUndoes = -0.8;     // of the input
 constexpr double kTermTolerance = 0.1;   // of the noise
 constexpr double kTermClosed = 0.7;      // of the held-out RMSE above the noise, against the given model
 constexpr double kTermClosedMore = 0.5;  // and against its calibration
@@ -71,6 +72,17 @@ bool is_significant(const ScoredModel& start, const ScoredModel& with, std::size
   return gain > kTermNeededEvidence + static_cast<double>(coefficients) * (0.5 * std::log(n) + 1.0);
 }
 
+// A force that takes away what drives the mechanism is no force that is missing: the recorded input does not
+// drive this motion.
+bool undoes_the_drive(const Hypothesis& hypothesis) {
+  TermPowers drive{};
+  drive[static_cast<std::size_t>(TermFactor::Drive)] = 1;
+  return hypothesis.model.baseline.drive == Drive::Force &&
+         std::ranges::any_of(hypothesis.model.terms.back().parts, [&](const TermPart& part) {
+           return part.powers == drive && part.coefficient < kTermUndoes;
+         });
+}
+
 bool stands(const ScoredModel& before, const ScoredModel& start, const ScoredModel& with,
             const Evidence& evidence) {
   return std::isfinite(with.square) &&
@@ -79,7 +91,7 @@ bool stands(const ScoredModel& before, const ScoredModel& start, const ScoredMod
          is_significant(start, with, term_unknowns(with.hypothesis).size(), evidence) &&
          helps_in_each_run(start, with, evidence) &&
          std::ranges::all_of(term_unknowns(with.hypothesis), is_known) &&
-         !distorts_calibration(with.hypothesis);
+         !distorts_calibration(with.hypothesis) && !undoes_the_drive(with.hypothesis);
 }
 
 double rounded_outward(double value, bool up) {

@@ -52,6 +52,46 @@ TEST(Characterise, NamesTheFrictionThatWasHiddenInTheStage) {
   EXPECT_LT(found["rmse_mm"]["after"], 0.0105);
 }
 
+// One experiment names it, a second confirms it, and no third is made.
+TEST(Characterise, EndsWhenWhatIsMissingHasAName) {
+  const ScratchFolder folder;
+  folder.write("stage.toml", std::string("[baseline]\n") + kNoise + kFriction);
+  folder.write("assumed.toml", std::string("[baseline]\n") + kNoise);
+  const Outcome measured = standard_output(
+      "characterise dc staircase load --bench --json --model " + (folder / "stage.toml").string() +
+      " --until-named " + (folder / "assumed.toml").string() + " --out " + (folder / "data").string());
+  ASSERT_EQ(measured.code, 0) << measured.text;
+  const nlohmann::json rounds = nlohmann::json::parse(measured.text)["rounds"];
+  ASSERT_EQ(rounds.size(), 2U) << measured.text;
+  EXPECT_EQ(rounds[0]["experiment"], "dc");
+  EXPECT_NE(rounds[1]["experiment"], "dc");
+  for (const nlohmann::json& round : rounds) EXPECT_EQ(round["effect"], "coulomb_friction");
+  EXPECT_EQ(rounds[1]["decision"], "Named: coulomb_friction, confirmed by a further experiment.");
+}
+
+TEST(Characterise, GoesThroughAllExperimentsWhereNothingIsMissing) {
+  const ScratchFolder folder;
+  folder.write("stage.toml", std::string("[baseline]\n") + kNoise);
+  const Outcome measured = standard_output(
+      "characterise dc load --bench --json --model " + (folder / "stage.toml").string() + " --until-named " +
+      (folder / "stage.toml").string() + " --out " + (folder / "data").string());
+  ASSERT_EQ(measured.code, 0) << measured.text;
+  const nlohmann::json rounds = nlohmann::json::parse(measured.text)["rounds"];
+  ASSERT_EQ(rounds.size(), 2U) << measured.text;
+  for (const nlohmann::json& round : rounds) EXPECT_EQ(round["verdict"], "no_gap");
+  EXPECT_EQ(rounds[1]["decision"], "No experiment is left.");
+}
+
+TEST(Characterise, ComparesOnlyWithAModelThatHasAStack) {
+  const ScratchFolder folder;
+  folder.write("rig.toml", "[baseline]\ndrive = \"force\"\nm = 1\nc_s = 1\nk = 1\n");
+  const Outcome refused = biopsy("characterise dc --bench --until-named " + (folder / "rig.toml").string() +
+                                 " --out " + (folder / "data").string());
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.text.find("--until-named"), std::string::npos) << refused.text;
+  EXPECT_FALSE(fs::exists(folder / "data"));
+}
+
 // Row k is measured, then its voltage and its push act. One row off would show in every change of polarity.
 TEST(Characterise, StoresEachRowAsTheModelOfADataSetHasIt) {
   const ScratchFolder folder;

@@ -91,6 +91,8 @@ std::vector<Damage> damages() {
       {"metres", "unit", each([](RecordedRun& r) { scale(r.displacement, 1e-3); })},
       {"micrometres", "unit", each([](RecordedRun& r) { scale(r.displacement, 1e3); })},
       {"centimetres", "unit", each([](RecordedRun& r) { scale(r.displacement, 0.1); })},
+      {"inches", "unit", each([](RecordedRun& r) { scale(r.displacement, 1.0 / 25.4); })},
+      {"grams of force", "unit", each([](RecordedRun& r) { scale(r.input, 1.0 / 9.80665e-3); }), false},
       {"kilo input", "unit", each([](RecordedRun& r) { scale(r.input, 1e-3); })},
       {"milli input", "unit", each([](RecordedRun& r) { scale(r.input, 1e3); })},
       {"metres in one run", "unit", one([](RecordedRun& r) { scale(r.displacement, 1e-3); })},
@@ -164,6 +166,20 @@ TEST(DamagedRecording, OfTheStageIsNamedByItsCause) {
 TEST(DamagedRecording, OfARigIsNamedByItsCause) {
   for (const Damage& damage : damages())
     if (damage.rig) expect_named(rig(), damage);
+}
+
+// To a linear mechanism kilonewtons for newtons and millimetres for micrometres are the same: one is said, of
+// all runs.
+TEST(DamagedRecording, AUnitIsTheSameInAllRuns) {
+  for (const Damage& damage : damages()) {
+    if (damage.cause != "unit" || !damage.rig || damage.name.find("one run") != std::string::npos) continue;
+    if (damage.name.starts_with("noise") || damage.name.starts_with("ten times")) continue;
+    const std::vector<DataRemark> remarks = examined(rig(), &damage);
+    const auto units = std::ranges::count_if(remarks, [](const DataRemark& one) {
+      return one.cause == "unit" && one.channel != "sensor_noise_mm";
+    });
+    EXPECT_EQ(units, 1) << damage.name << "\n" << listed(remarks);
+  }
 }
 
 TEST(DamagedRecording, UndamagedNothingIsFound) {

@@ -106,6 +106,8 @@ Answer answer_of(const GapFinding& finding) {
 }
 
 void Score::compare_parameters(const HiddenCase& hidden, const Answer& answer) {
+  if (std::ranges::all_of(answer.effects, [](const auto& effect) { return effect.parameters.empty(); }))
+    return;  // a peer, or a generator of another parametrisation
   for (const TrueParameter& truth : hidden.truth())
     for (const AnsweredEffect& effect : answer.effects) {
       if (effect.name != truth.effect) continue;
