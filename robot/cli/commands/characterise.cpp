@@ -109,8 +109,9 @@ Command characterise_command() {
               "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the "
               "supervisor "
               "stops is kept and marked.",
-          .examples = {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact",
-                       "biopsy characterise --bench --until-named sim/models/baseline.toml --out out/named"},
+          .examples =
+              {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact",
+               "biopsy characterise dc load --bench --until-named sim/models/baseline.toml --out out/named"},
           .exit_codes =
               "0 completed, 3 stopped, 2 for unusable input, 130 where Ctrl-C ended it; the needle is "
               "retracted and what was recorded is stored",
