@@ -111,7 +111,7 @@ Command characterise_command() {
               "stops is kept and marked.",
           .examples =
               {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact",
-               "biopsy characterise dc load --bench --until-named sim/models/baseline.toml --out out/named"},
+               "biopsy characterise load --bench --until-named docs/examples/no-friction.toml --out out/named"},
           .exit_codes =
               "0 completed, 3 stopped, 2 for unusable input, 130 where Ctrl-C ended it; the needle is "
               "retracted and what was recorded is stored",
