@@ -44,7 +44,7 @@ GapVerdict verdict_of_numbers(double left) {
   return verdict(leaving(kBefore), selection, evidence_of_five_millimetres());
 }
 
-// What it leaves is then compared with what an equation leaves (GapWithTerm).
+// What more it needs is for objections() and for the best equation to say.
 TEST(Verdict, ANameThatLeavesHalfOfTheGapIsNoneHoweverFarAhead) {
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.50)), GapVerdict::Unexplained);
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.58)), GapVerdict::Unexplained);

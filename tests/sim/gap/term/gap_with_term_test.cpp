@@ -78,9 +78,9 @@ TEST(GapWithTerm, ProposesNothingWhereAnEffectIsNamed) {
   EXPECT_FALSE(finding.proposed);
 }
 
-// Drag that grows with the root of the speed resembles friction that falls while sliding: most of it is
-// closed by that name, and far more by an equation.
-TEST(GapWithTerm, ANameGivesWayToAnEquationThatLeavesFarLess) {
+// Drag that grows with the root of the speed resembles friction that grows from breakaway to sliding:
+// Stribeck friction the other way round.
+TEST(GapWithTerm, ADragOfTheRootOfTheSpeedIsNoFriction) {
   for (const std::uint64_t seed : {85, 86, 87}) {
     Dice dice(seed);
     LawRig rig = drawn_rig(dice);
