@@ -101,14 +101,21 @@ std::size_t ByteSource::inflate_some(std::byte* bytes, std::size_t count) {
 }
 
 void ByteSource::read(std::span<std::byte> bytes) {
-  for (std::size_t done = 0; done < bytes.size();) {
+  const std::size_t got = read_at_most(bytes);
+  if (got < bytes.size())
+    throw ConfigError(fmt::format("truncated: {} bytes missing", bytes.size() - got), path_.string(),
+                      kRemedyForDamage);
+}
+
+std::size_t ByteSource::read_at_most(std::span<std::byte> bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
     const std::size_t got = read_some(bytes.data() + done, bytes.size() - done);
-    if (got == 0)
-      throw ConfigError(fmt::format("truncated: {} bytes missing", bytes.size() - done), path_.string(),
-                        kRemedyForDamage);
+    if (got == 0) break;
     done += got;
   }
-  most_left_ -= std::min<std::uint64_t>(most_left_, bytes.size());
+  most_left_ -= std::min<std::uint64_t>(most_left_, done);
+  return done;
 }
 
 void ByteSource::skip(std::uint64_t count) {

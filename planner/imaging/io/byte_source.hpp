@@ -19,7 +19,8 @@ class ByteSource {
   // Gzip where the bytes are not gzip.
   ByteSource(const std::filesystem::path& file, Packing packing, std::uint64_t offset = 0);
 
-  void read(std::span<std::byte> bytes);  // all of them, or ConfigError "truncated"
+  void read(std::span<std::byte> bytes);                 // all of them, or ConfigError "truncated"
+  std::size_t read_at_most(std::span<std::byte> bytes);  // fewer only where the data end
   void skip(std::uint64_t count);
 
   // The most bytes that can still come: what is left of a plain file, 1032 times that of a compressed one

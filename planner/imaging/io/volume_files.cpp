@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kFormats =
-    "give DICOM, NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd)";
+    "give DICOM, NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nrrd.gz, .nhdr) or MetaImage (.mha, .mhd)";
 
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;

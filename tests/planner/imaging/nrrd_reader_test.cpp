@@ -78,6 +78,28 @@ TEST_F(NrrdReader, ReadsBigEndianGzipAndDetachedData) {
   EXPECT_REFUSED(folder / "image.nhdr", "image.raw", "truncated");
 }
 
+TEST_F(NrrdReader, ReadsAFilePackedAsAWhole) {
+  write_gzip(folder / "image.nrrd.gz", kHeader + voxels());
+  const Volume volume = read_volume(folder / "image.nrrd.gz");
+  EXPECT_TRUE((volume.grid.X_SI * Point(3, 4, 5)).isApprox(Point(25, 23, 22)));
+  EXPECT_EQ(volume.at(3, 4, 5), 109.0F);
+  EXPECT_EQ(volume.at(1, 0, 0), -9.0F);
+  EXPECT_TRUE(volume.warnings.empty());
+
+  write_gzip(folder / "image.nrrd.gz", kHeader + voxels() + "more");
+  EXPECT_EQ(read_volume(folder / "image.nrrd.gz").warnings.size(), 1U);
+  write_gzip(folder / "image.nrrd.gz", (kHeader + voxels()).substr(0, kHeader.size() + 100));
+  EXPECT_REFUSED(folder / "image.nrrd.gz", "image.nrrd.gz", "truncated");
+  write_gzip(folder / "image.nrrd.gz", with("raw", "gzip") + voxels());
+  EXPECT_REFUSED(folder / "image.nrrd.gz", "image.nrrd.gz", "packed twice");
+  write_content(folder / "image.nrrd.gz", kHeader + voxels());
+  EXPECT_REFUSED(folder / "image.nrrd.gz", "image.nrrd.gz", "not gzip");
+  write_gzip(folder / "image.nrrd.gz", kHeader + voxels());
+  const std::string whole = file_content(folder / "image.nrrd.gz");
+  write_content(folder / "image.nrrd.gz", whole.substr(0, whole.size() - 6));  // within the checksum
+  EXPECT_REFUSED(folder / "image.nrrd.gz", "image.nrrd.gz", "truncated");
+}
+
 TEST_F(NrrdReader, ReadsHeadersWithWindowsLineEnds) {
   std::string header = kHeader;
   for (std::size_t at = 0; (at = header.find('\n', at)) != std::string::npos; at += 2)

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "planner/imaging/io/grid_rules.hpp"
 #include "robot/common/config_error.hpp"
@@ -64,12 +64,15 @@ void take_line(const std::string& line, const std::string& file, Fields& fields)
     refuse(fmt::format("field \"{}\" is given twice", name), file);
 }
 
+bool packed_as_a_whole(const std::filesystem::path& path) {
+  return path.extension() == ".gz";
+}
+
 HeaderText read_text(const std::filesystem::path& path) {
   const std::string file = path.string();
-  std::ifstream in(path, std::ios::binary);
+  ByteSource source(path, packed_as_a_whole(path) ? ByteSource::Packing::Gzip : ByteSource::Packing::Plain);
   std::string head(kHeaderMax, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  head.resize(source.read_at_most(std::as_writable_bytes(std::span(head))));
   if (head.size() < 9 || head.compare(0, 7, "NRRD000") != 0 || head[7] < '1' || head[7] > '5')
     refuse("not an NRRD file (NRRD0001 to NRRD0005)", file);
 
@@ -203,7 +206,14 @@ void find_data(const std::filesystem::path& path, const HeaderText& text, NrrdHe
     if (!text.ended)
       refuse("truncated: the header ends without an empty line and without data", path.string());
     header.data_file = path;
-    header.data_offset = text.length;
+    if (!packed_as_a_whole(path)) {
+      header.data_offset = text.length;
+      return;
+    }
+    if (header.packing == ByteSource::Packing::Gzip)
+      refuse("packed twice, as a file and as data", path.string());
+    header.packing = ByteSource::Packing::Gzip;
+    header.data_skip = text.length;
     return;
   }
   const std::filesystem::path name = detached->second;

@@ -18,7 +18,8 @@ struct NrrdHeader {
   VoxelCoding coding;
   ByteSource::Packing packing = ByteSource::Packing::Plain;
   std::filesystem::path data_file;  // the header's own file unless the data are detached
-  std::uint64_t data_offset = 0;    // bytes into data_file
+  std::uint64_t data_offset = 0;    // bytes into data_file as it lies on the disk
+  std::uint64_t data_skip = 0;      // unpacked bytes before the data: the header of a file packed as a whole
 };
 
 // Throws ConfigError naming file and reason: not NRRD, other than three spatial dimensions, no or unknown

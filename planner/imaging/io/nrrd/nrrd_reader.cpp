@@ -17,6 +17,7 @@ Volume volume_without_voxels(const std::filesystem::path& file, const NrrdHeader
 
 ByteSource open_data(const NrrdHeader& header) {
   ByteSource source(header.data_file, header.packing, header.data_offset);
+  source.skip(header.data_skip);
   source.refuse_if_shorter_than(header.grid.voxel_count() * bytes_of(header.coding.type));
   return source;
 }
@@ -24,7 +25,8 @@ ByteSource open_data(const NrrdHeader& header) {
 }  // namespace
 
 bool looks_like_nrrd(const std::filesystem::path& file) {
-  return file.extension() == ".nrrd" || file.extension() == ".nhdr";
+  const std::string name = file.filename().string();
+  return name.ends_with(".nrrd") || name.ends_with(".nhdr") || name.ends_with(".nrrd.gz");
 }
 
 Volume read_nrrd_header(const std::filesystem::path& file) {

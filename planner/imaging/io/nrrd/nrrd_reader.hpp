@@ -1,4 +1,4 @@
-// NRRD images (.nrrd, .nhdr with the data in a file beside it; raw or gzip; either byte order).
+// NRRD images (.nrrd, .nrrd.gz, .nhdr with the data in a file beside it; raw or gzip; either byte order).
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace biopsy::imaging {
 
-// By name (.nrrd, .nhdr).
+// By name (.nrrd, .nrrd.gz, .nhdr).
 bool looks_like_nrrd(const std::filesystem::path& file);
 
 // The grid in LPS mm, format, files and warnings, without the voxels. Throws ConfigError naming file and
