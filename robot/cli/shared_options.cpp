@@ -28,6 +28,11 @@ void add_case_options(CLI::App& app, ProcedureOptions& options) {
   add(app, "--entry R,A,S", options.entry,
       "where the needle tip waits, mm; needed with `--image` (`up --console`: set on the page)");
   add(app, "--target R,A,S", options.target, "where it shall go, mm; needed with `--entry`");
+  add(app, "--markups FILE", options.markups,
+      "entry and target from a file of 3D Slicer (`.mrk.json`, `.fcsv`); with it `--entry` and `--target` "
+      "are "
+      "labels of its points, not numbers; with `--image`",
+      "the labels `entry` and `target`");
   add(app, "--labels PATH", options.labels, "label map of the tissues on the same patient; with `--image`");
   add(app, "--fiducials FILE", options.fiducials,
       "CSV of fiducial pairs, robot and scanner; replaces the case's");

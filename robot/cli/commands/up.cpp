@@ -146,6 +146,7 @@ std::vector<std::string> console_arguments(const Options& options) {
   add("--series", given.series);
   add("--entry", given.entry);
   add("--target", given.target);
+  add("--markups", given.markups.string());
   add("--labels", given.labels.string());
   add("--fiducials", given.fiducials.string());
   add("--model", given.model.string());

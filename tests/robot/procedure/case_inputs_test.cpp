@@ -50,8 +50,43 @@ TEST(CaseFile, RefusesNeedlesAndSequencesThatAreNone) {
     EXPECT_THROW(case_with(tables), ConfigError) << tables;
 }
 
+// Three points about the scanner's centre, as 3D Slicer writes them.
+const std::string kMarkups = R"({"@schema": "https://x/markups-schema-v1.0.3.json#", "markups": [
+  {"type": "Fiducial", "coordinateSystem": "RAS", "coordinateUnits": "mm", "controlPoints": [
+    {"label": "entry", "position": [1, 2, 3]}, {"label": "target", "position": [4, 5, 6]},
+    {"label": "F-3", "position": [7, 8, 9]}]}]})";
+
+Case case_with_target(const std::string& entries, const std::string& image = "path = \"scan.nii\"") {
+  ScratchFolder folder;
+  write_content(folder / "points.mrk.json", kMarkups);
+  write_content(folder / "case.toml", "[image]\n" + image + "\n[target]\n" + entries);
+  return read_case((folder / "case.toml").string());
+}
+
+TEST(CaseFile, TakesEntryAndTargetFromMarkups) {
+  const Case plain = case_with_target("markups = \"points.mrk.json\"\n");
+  EXPECT_EQ(*plain.p_SE, Point(-1, -2, 3));
+  EXPECT_EQ(*plain.p_ST, Point(-4, -5, 6));
+  EXPECT_EQ(plain.markups.filename(), "points.mrk.json");
+  const Case named =
+      case_with_target("markups = \"points.mrk.json\"\nentry_label = \"target\"\ntarget_label = \"F-3\"\n");
+  EXPECT_EQ(*named.p_SE, Point(-4, -5, 6));
+  EXPECT_EQ(*named.p_ST, Point(-7, -8, 9));
+}
+
+TEST(CaseFile, RefusesMarkupsBesideOtherPoints) {
+  for (const char* entries :
+       {"markups = \"points.mrk.json\"\nentry_ras_mm = [1, 2, 3]\n",
+        "markups = \"points.mrk.json\"\ndepth_mm = 2\n",
+        "markups = \"points.mrk.json\"\ntarget_label = \"F-4\"\n", "markups = \"others.mrk.json\"\n",
+        "entry_ras_mm = [1, 2, 3]\ntarget_ras_mm = [1, 2, 6]\nentry_label = \"entry\"\n"})
+    EXPECT_THROW(case_with_target(entries), ConfigError) << entries;
+  EXPECT_THROW(case_with_target("markups = \"points.mrk.json\"\n", "phantom = \"paper\""), ConfigError);
+}
+
 struct Points : testing::Test {
   ScratchFolder folder, out;
+  std::filesystem::path markups;  // a file that says its frame
   sim::Phantom phantom = sim::paper_phantom({.voxel = Millimetres(0.5)});
 
   // The phantom about the scanner's centre, so that each point has a mirror image in it, or where it was.
@@ -69,6 +104,7 @@ struct Points : testing::Test {
     given.image = folder / "image";
     if (labels != nullptr) given.labels = folder / "labels";
     given.p_SE = p_SE, given.p_ST = p_SE + 4.0 * phantom.axis_S;
+    given.markups = markups;
     if (mirrored)
       for (auto* point : {&given.p_SE, &given.p_ST})
         **point = Point(-(**point).x(), -(**point).y(), (**point).z());
@@ -93,6 +129,11 @@ TEST_F(Points, TypedAsLpsOutsideTheImageAreRefusedWithAHint) {
 
 TEST_F(Points, ThatFitInBothFramesAreAskedBack) {
   EXPECT_TRUE(warns(prepared(true, false), "were the points typed as R, A, S?"));
+}
+
+TEST_F(Points, OfAFileThatSaysItsFrameAreNot) {
+  markups = "points.mrk.json";
+  EXPECT_FALSE(warns(prepared(true, false), "R, A, S?"));
 }
 
 TEST_F(Points, ThatFitInOneFrameAreNot) {
