@@ -33,7 +33,9 @@ void add_case_options(CLI::App& app, ProcedureOptions& options) {
       "are "
       "labels of its points, not numbers; with `--image`",
       "the labels `entry` and `target`");
-  add(app, "--labels PATH", options.labels, "label map of the tissues on the same patient; with `--image`");
+  add(app, "--labels PATH", options.labels,
+      "label map or segmentation (`.seg.nrrd`, DICOM SEG) of the tissues on the same patient; with "
+      "`--image`");
   add(app, "--fiducials FILE", options.fiducials,
       "CSV of fiducial pairs, robot and scanner; replaces the case's");
   add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",

@@ -1,5 +1,6 @@
 // What a case and its points say of scanner, needle and path. Inputs: case files written here over the
 // built-in phantom's image.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -145,6 +146,35 @@ TEST_F(Points, OnAPathWithoutALabelAreAWarning) {
   for (float& value : labels.voxels) value = value == 3.0F ? 0.0F : value;  // the liver was not drawn
   const PreparedCase gap = prepared(false, false, &labels);
   EXPECT_TRUE(warns(gap, "have no label"));
+}
+
+// The phantom's tissues as 3D Slicer writes a segmentation: numbers of its own, names in the file.
+TEST_F(Points, OnAPathThroughSegmentsMeetTissuesByTheirNames) {
+  const Grid& grid = phantom.labels.grid;
+  const auto vector = [](const Point& v) { return fmt::format("({},{},{})", v.x(), v.y(), v.z()); };
+  std::string file = fmt::format(
+      "NRRD0004\ntype: unsigned char\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
+      "space directions: {} {} {}\nkinds: domain domain domain\nencoding: raw\nspace origin: {}\n"
+      "Segmentation_MasterRepresentation:=Binary labelmap\n",
+      grid.size.x(), grid.size.y(), grid.size.z(), vector(grid.X_SI.linear().col(0)),
+      vector(grid.X_SI.linear().col(1)), vector(grid.X_SI.linear().col(2)), vector(grid.X_SI.translation()));
+  for (int n = 1; n <= 3; ++n)
+    file += fmt::format("Segment{0}_LabelValue:={1}\nSegment{0}_Layer:=0\nSegment{0}_Name:={2}\n", n - 1,
+                        n + 10, phantom.names[static_cast<std::size_t>(n)]);
+  file += '\n';
+  for (const float value : phantom.labels.voxels) file += static_cast<char>(value == 0.0F ? 0 : value + 10);
+  write_content(folder / "tissue.seg.nrrd", file);
+
+  Case given = blank_case();
+  sim::write_dicom_series(phantom.image, folder / "image");
+  given.image = folder / "image";
+  given.labels = folder / "tissue.seg.nrrd";
+  given.p_SE = phantom.p_SE, given.p_ST = phantom.p_SE + 4.0 * phantom.axis_S;
+  const PreparedCase by_name = prepare_run(given, out / "run", {});
+  ASSERT_EQ(by_name.layers.size(), 3U);
+  for (std::size_t n = 0; n < 3; ++n) EXPECT_EQ(by_name.layers[n].name, phantom.names[n + 1]);
+  given.label_names[13] = "spleen";  // the case's word counts
+  EXPECT_EQ(prepare_run(given, out / "run", {}).layers.back().name, "spleen");
 }
 
 }  // namespace
