@@ -1,4 +1,4 @@
-// A plan as markups: its points come back through the reader; tests/robot/cli/markups reads the file with
+// A plan as markups: its points come back through the reader; tests/robot/cli/slicer reads the file with
 // another program's JSON.
 #include "planner/plan/markups/plan_markups.hpp"
 
