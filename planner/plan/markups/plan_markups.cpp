@@ -17,7 +17,7 @@ constexpr const char* kSchema =
     "markups-schema-v1.0.3.json#";
 
 OrderedJson control_point(std::size_t number, const std::string& label, const std::string& description,
-                   const Point& p_S) {
+                          const Point& p_S) {
   return {{"id", std::to_string(number)},
           {"label", label},
           {"description", description},
@@ -49,8 +49,9 @@ std::string plan_markups(const Plan& plan) {
     stages.push_back(control_point(n + 1, fmt::format("stage {}: {:.2f} mm", n + 1, step.depth.value),
                                    plain(step.why), p_S));
   }
-  const OrderedJson line = OrderedJson::array({control_point(1, "entry", "where the needle tip waits", plan.target.p_SE),
-                                 control_point(2, "target", "where it shall go", plan.target.p_ST)});
+  const OrderedJson line =
+      OrderedJson::array({control_point(1, "entry", "where the needle tip waits", plan.target.p_SE),
+                          control_point(2, "target", "where it shall go", plan.target.p_ST)});
   const OrderedJson file = {
       {"@schema", kSchema},
       {"markups", OrderedJson::array({markup("Line", "plan", line), markup("Fiducial", "stages", stages)})}};
