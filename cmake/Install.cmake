@@ -6,6 +6,10 @@ foreach(FOLDER sim/models robot/procedure/cases safety/case docs/examples)
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/${FOLDER}/ DESTINATION share/biopsy/${FOLDER} COMPONENT program)
 endforeach()
 
+if(TARGET biopsy-mpi)
+  install(TARGETS biopsy-mpi COMPONENT mpi)
+endif()
+
 install(TARGETS biopsy-interlock biopsy-supervisor biopsy-controller biopsy-stage biopsy-recorder COMPONENT live)
 set(SYSTEMD ${CMAKE_SOURCE_DIR}/robot/live/systemd)
 foreach(UNIT prepare interlock recorder supervisor stage controller)

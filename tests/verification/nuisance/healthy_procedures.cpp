@@ -75,6 +75,8 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
   return run;
 }
 
+}  // namespace
+
 HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.hours += b.hours;
   a.procedures += b.procedures;
@@ -89,8 +91,6 @@ HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
   return a;
 }
-
-}  // namespace
 
 HealthyRun run_healthy_procedures(const NominalModels& models, double hours, std::uint64_t seed,
                                   const std::function<void(safety::SupervisorInputs&)>& corrupt_inputs,

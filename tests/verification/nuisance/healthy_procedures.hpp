@@ -27,6 +27,9 @@ struct HealthyRun {
   std::vector<Alarm> alarms;      // the first of each procedure
 };
 
+// Of one run after another.
+HealthyRun joined(HealthyRun a, const HealthyRun& b);
+
 // Procedures of different scenarios and operators until `hours` are full. The same seed gives the same run.
 // `corrupt_inputs`, if given, may corrupt what the supervisor sees: a bench that cannot complain proves
 // nothing.
