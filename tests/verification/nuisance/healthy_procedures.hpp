@@ -12,6 +12,7 @@
 namespace biopsy::fault_injection {
 
 struct Alarm {
+  std::size_t stage = 1;  // of those that were rehearsed
   std::uint64_t procedure = 0;
   double at_s = 0.0;
   std::string what;

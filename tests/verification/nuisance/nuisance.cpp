@@ -27,7 +27,7 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
   report.tables["alarms"] = nlohmann::json::array();
   for (const Alarm& alarm : day.alarms)
     report.tables["alarms"].push_back(
-        {{"procedure", alarm.procedure}, {"at_s", alarm.at_s}, {"what", alarm.what}});
+        {{"stage", alarm.stage}, {"procedure", alarm.procedure}, {"at_s", alarm.at_s}, {"what", alarm.what}});
   return report;
 }
 
@@ -35,15 +35,18 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
 biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
   NominalModels models = read_nominal_models(biopsy::source_dir() / "sim/models");
   std::vector<biopsy::sim::PlantModel> stages{models.stage};
+  models.varies = drawn == 0;
   if (drawn > 0) stages = drawn_stages(biopsy::source_dir() / "sim/models/calibrated.toml", drawn, seed);
   const biopsy::Stopwatch time;
   HealthyRun all;
   for (std::size_t day = 0; day < stages.size(); ++day) {
     models.stage = stages[day];
-    all = joined(std::move(all), run_healthy_procedures(models, hours, seed + day, {}, [&](double share) {
-                   fmt::print(stderr, "\rhealthy procedures: stage {} of {}, {:3.0f} %", day + 1,
-                              stages.size(), 100.0 * std::min(share, 1.0));
-                 }));
+    HealthyRun one = run_healthy_procedures(models, hours, seed + day, {}, [&](double share) {
+      fmt::print(stderr, "\rhealthy procedures: stage {} of {}, {:3.0f} %", day + 1, stages.size(),
+                 100.0 * std::min(share, 1.0));
+    });
+    for (Alarm& alarm : one.alarms) alarm.stage = day + 1;
+    all = joined(std::move(all), one);
   }
   fmt::print(
       "\n{} stages, {:.2f} h, {} procedures ({} completed, {} given up), {} steps, {} releases: {} trips, {} "
@@ -52,7 +55,8 @@ biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
       stages.size(), all.hours, all.procedures, all.completed, all.given_up, all.steps, all.releases,
       all.trips, all.unexpected_stops, all.punctures_held, all.needles_held);
   for (const Alarm& alarm : all.alarms)
-    fmt::print("  procedure {} at {:.2f} s: {}\n", alarm.procedure, alarm.at_s, alarm.what);
+    fmt::print("  stage {}, procedure {} at {:.2f} s: {}\n", alarm.stage, alarm.procedure, alarm.at_s,
+               alarm.what);
   return report_of(all, time.seconds());
 }
 
