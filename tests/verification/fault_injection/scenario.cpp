@@ -98,9 +98,11 @@ Scenario draw_scenario(const NominalModels& models, std::uint64_t seed) {
     scenario.facts = robot::plan_facts(scenario.plan, 1 + draw.bits() % 1'000'000);
     scenario.plant = models.stage;
     scenario.plant.weight = request.weight.value * 1e-3;
-    scenario.plant.brake
-        .reset();  // most faults show in a needle that is free; those of the brake have classes of their own
-    if (models.varies) vary_stage(draw, scenario.plant);
+    if (models.varies) {
+      // Most faults show in a needle that is free; those of the brake have classes of their own.
+      scenario.plant.brake.reset();
+      vary_stage(draw, scenario.plant);
+    }
     scenario.plant.tissue = sim::tissue_along(scenario.plan.layers, models.tissues);
     for (sim::TissueLayer& layer : scenario.plant.tissue) vary_tissue(draw, layer);
     scenario.noise_seed = draw.bits();
