@@ -22,7 +22,9 @@ bool commands_robot(const Message& message) {
 
 bool stops_robot(const Message& message) {
   const auto* text = std::get_if<Text>(&message.body);
-  return text != nullptr && (text->text == name_of(Phase::Stop) || text->text == name_of(Phase::Emergency));
+  if (text == nullptr) return false;
+  const std::optional<Phase> phase = phase_of(*text);
+  return phase == Phase::Stop || phase == Phase::Emergency;
 }
 
 bool is_position(const Message& message) {
@@ -58,8 +60,11 @@ void NavigationServer::handle(Client client, const Message& message, std::int64_
   if (commands && controller_ != client && !stops_robot(message))
     return server_.send(client, {"CURRENT_STATUS", Status{StatusCode::AccessDenied, message.device,
                                                           "another navigation program controls"}});
+  const std::string due = protocol_.due();
   const std::vector<Message> answers = protocol_.receive(message, robot_.view(now_us), now_us);
-  robot_.tell(protocol_.wish(), now_us);  // a stop before its acknowledgement
+  robot_.tell(protocol_.wish(), now_us);             // a stop before its acknowledgement
+  if (commands && asked_ != client && !due.empty())  // who waits for it learns why it does not come
+    server_.send(asked_, {due, Status{StatusCode::NotReady, "", "stopped by another navigation program"}});
   if (commands) asked_ = client;
   if (const auto* text = std::get_if<Text>(&message.body))
     kLog.info("client {}: STRING({}, {})", client, message.device, text->text.substr(0, 64));

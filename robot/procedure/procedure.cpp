@@ -7,6 +7,7 @@
 #include <chrono>
 #include <utility>
 
+#include "planner/imaging/io/dicom/plan_structure_set.hpp"
 #include "planner/plan/fiducial_file.hpp"
 #include "planner/plan/markups/plan_markups.hpp"
 #include "robot/common/config_error.hpp"
@@ -176,6 +177,8 @@ std::string finish(report::RunRecord& record, const PreparedCase& prepared, cons
   }
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (record.plan) atomic_write(out / "plan.mrk.json", planner::plan_markups(*record.plan));
+  if (record.plan && imaging::takes_structure_set(prepared.image))
+    imaging::write_plan_structure_set(*record.plan, prepared.image, out / "plan.rtss.dcm");
   report::save_report(record, out);
   return report::console_table(record, isatty(STDOUT_FILENO) == 1) +
          fmt::format("\nreport: {}\n", (out / "report.html").string());
