@@ -225,11 +225,8 @@ void Server::State::tell_end(Client client, Connection& connection, std::vector<
 }
 
 void Server::State::bury(std::vector<ServerEvent>& events) {
-  std::erase_if(connections, [&](auto& one) {
-    auto& [client, connection] = one;
-    tell_end(client, connection, events);
-    return connection.told;
-  });
+  for (auto& [client, connection] : connections) tell_end(client, connection, events);
+  std::erase_if(connections, [](const auto& one) { return one.second.told; });
 }
 
 Server::Server(const ServerSettings& settings) : state_(std::make_unique<State>(settings)) {}
