@@ -99,7 +99,7 @@ std::filesystem::path received(const Bytes& message, const std::filesystem::path
   igtl::Script told;
   Site::wait(20s, [&] {
     server.turn(1ms);
-    told = client.came();
+    for (std::string& one : client.came()) told.push_back(std::move(one));
     return !told.empty();
   });
   EXPECT_EQ(told, (igtl::Script{"STATUS T1 planning 1"}));
@@ -158,6 +158,7 @@ std::string confirm_by_message(std::uint32_t domain, const Way& way, bool is_rig
   const console::events::Checked check = site.person->check();
   const std::string told = fmt::format("{}: {}", check.verdict, check.reason);
   if (check.verdict.empty()) return site.kept("no image was judged");
+  fmt::print("planned {:.2f} mm, found {:.2f} mm; {}\n", check.planned, check.found, told);
   if (is_right) {
     if (site.person->mode != Mode::Hold) return site.kept("it was not held");
     EXPECT_EQ(site.person->accepted, 1) << told;

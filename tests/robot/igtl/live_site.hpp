@@ -33,10 +33,10 @@ inline std::int64_t now_in_us() {
 }
 
 // A person who confirms what is proposed, arms, holds Insert when it is asked for, and accepts good images.
-class Person {
+class PersonAtConsole {
  public:
-  Person(transport::Participant& bus, const LiveSession& live, const std::filesystem::path& folder,
-         PreparedCase opened)
+  PersonAtConsole(transport::Participant& bus, const LiveSession& live, const std::filesystem::path& folder,
+                  PreparedCase opened)
       : robot_(bus, live.settings().lines, live::config_tag(folder, live.settings())),
         link_(bus),
         session_(std::move(opened), true, folder / "console", 1,
@@ -122,7 +122,7 @@ struct Site {
   PreparedCase prepared;
   std::unique_ptr<LiveSession> live;
   std::unique_ptr<transport::Participant> bus;
-  std::unique_ptr<Person> person;
+  std::unique_ptr<PersonAtConsole> person;
   std::uint16_t port = 0;
 
   // `more`: options of biopsy-igtl.
@@ -135,7 +135,8 @@ struct Site {
                                          robot::Person::AtTheConsole);
     bus = std::make_unique<transport::Participant>(
         live::bus_settings(live->settings(), security::Role::Console));
-    person = std::make_unique<Person>(*bus, *live, folder.path(), open_case(prepared.given, folder / "case"));
+    person = std::make_unique<PersonAtConsole>(*bus, *live, folder.path(),
+                                               open_case(prepared.given, folder / "case"));
     std::vector<std::string> words{"--port", "0"};
     words.insert(words.end(), more.begin(), more.end());
     live->launcher().start(Process::Navigation, words);

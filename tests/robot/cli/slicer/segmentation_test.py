@@ -103,8 +103,8 @@ def write_seg(image, file, keep=lambda number, k, mask: mask.any(), order=None, 
     return numpy.stack(frames)
 
 
-def rewritten(file, syntax, frames=None, **changes):
-    """The file with other elements and in another transfer syntax: `frames` uncompressed, or a list of what is in each fragment."""
+def rewritten(file, syntax, frames=None, representation=None, **changes):
+    """The file with other elements, in another transfer syntax: `frames` uncompressed, as OB or OW, or a list of its fragments."""
     data = pydicom.dcmread(file)
     for name, value in changes.items():
         setattr(data, name, value)
@@ -114,6 +114,8 @@ def rewritten(file, syntax, frames=None, **changes):
     elif frames is not None:
         content = frames.tobytes()
         data.PixelData = content + b"\0" * (len(content) % 2)
+    if representation:
+        data["PixelData"].VR = representation
     data.file_meta.TransferSyntaxUID = syntax
     data.is_little_endian = syntax != pydicom.uid.ExplicitVRBigEndian
     pydicom.dcmwrite(file, data, write_like_original=False)
@@ -226,8 +228,9 @@ class Segmentation(unittest.TestCase):
         write_seg(self.image, self.folder / "turned.dcm")
         bits = numpy.packbits(frames.reshape(-1), bitorder="little")
         words = numpy.append(bits, numpy.zeros(len(bits) % 2, numpy.uint8)).view("<u2")
-        rewritten(self.folder / "turned.dcm", pydicom.uid.ExplicitVRBigEndian, words.astype(">u2"))
-        self.expect_layers("turned.dcm")
+        for representation, pixels in (("OW", words.astype(">u2")), ("OB", words)):
+            rewritten(self.folder / "turned.dcm", pydicom.uid.ExplicitVRBigEndian, pixels, representation)
+            self.expect_layers("turned.dcm")
 
     def test_fractional_segments_are_where_more_than_half_is(self):
         for most, kind in ((255, "PROBABILITY"), (100, "OCCUPANCY"), (1, "OCCUPANCY")):
