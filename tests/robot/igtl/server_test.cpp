@@ -1,5 +1,7 @@
 // The port against clients that keep to the protocol. Loopback.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "robot/common/config_error.hpp"
 #include "tests/robot/igtl/server_bench.hpp"
@@ -163,6 +165,33 @@ TEST(IgtlServer, WritesImagesIntoItsFolderOrRefusesThem) {
   other.send({"scan", image});
   EXPECT_EQ(without.answers(other, 1), (Script{"STATUS scan 10"}));
   EXPECT_THROW(Bench({}, folder / "nowhere"), ConfigError);
+}
+
+// A disk that does not take the image: a pipe that nobody reads lies where it would be written.
+TEST(IgtlServer, NoStopWaitsForAnImageThatIsBeingWritten) {
+  ScratchFolder folder;
+  Bench bench({}, folder.path());
+  const std::filesystem::path pipe = folder / fmt::format("igtl-001-scan.nrrd.part{}", getpid());
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Image image;
+  image.scalar = Image::Scalar::UInt8;
+  image.size = {2, 1, 1};
+  image.axes = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  image.voxels = {7, 9};
+  TestClient client(bench.port());
+  client.send({"scan", image});
+  EXPECT_EQ(bench.command(client, "STOP", 3),
+            (Script{"STRING ACK_1 STOP", "STATUS CURRENT_STATUS 1 STOP", "STATUS STOP 1"}));
+  EXPECT_EQ(bench.robot.told.back().stop, StopCategory::C1Ramp);
+  EXPECT_EQ(client.came(), Script{});
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  Script later;
+  bench.turn_until([&] {
+    for (std::string& one : client.came()) later.push_back(std::move(one));
+    return std::ranges::find(later, "STATUS scan 1") != later.end();
+  });
+  EXPECT_NE(std::ranges::find(later, "STATUS scan 1"), later.end());
+  close(reader);
 }
 
 TEST(IgtlServer, SaysWhyItCannotListen) {
