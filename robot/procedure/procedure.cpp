@@ -149,6 +149,18 @@ void check_files(const Case& given) {
   if (!given.fiducials.empty()) planner::read_fiducials(given.fiducials);
 }
 
+// After the report, which does not depend on it: the image may be gone by the end of a run. Returns why there
+// is none where there should be.
+std::string export_plan(const report::RunRecord& record, const PreparedCase& prepared, const fs::path& out) {
+  if (!record.plan || !imaging::takes_structure_set(prepared.image)) return {};
+  try {
+    imaging::write_plan_structure_set(*record.plan, prepared.image, out / "plan.rtss.dcm");
+  } catch (const ConfigError& error) {
+    return fmt::format("no plan.rtss.dcm: {}\n", error.what());
+  }
+  return {};
+}
+
 }  // namespace
 
 PreparedCase prepare_run(const Case& given, const fs::path& out, const std::vector<std::string>& clearable) {
@@ -177,11 +189,9 @@ std::string finish(report::RunRecord& record, const PreparedCase& prepared, cons
   }
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (record.plan) atomic_write(out / "plan.mrk.json", planner::plan_markups(*record.plan));
-  if (record.plan && imaging::takes_structure_set(prepared.image))
-    imaging::write_plan_structure_set(*record.plan, prepared.image, out / "plan.rtss.dcm");
   report::save_report(record, out);
   return report::console_table(record, isatty(STDOUT_FILENO) == 1) +
-         fmt::format("\nreport: {}\n", (out / "report.html").string());
+         fmt::format("\nreport: {}\n", (out / "report.html").string()) + export_plan(record, prepared, out);
 }
 
 }  // namespace biopsy::robot

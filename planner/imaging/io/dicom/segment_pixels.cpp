@@ -64,7 +64,10 @@ SegmentPixels::SegmentPixels(DcmItem& dataset, SegmentationKind kind, const std:
   if (fractional) half_ = half_of_most(dataset, file);
   decoded_.emplace(path);
   if (decoded_->lossy()) refuse_segmentation("compressed with loss: its borders may have moved", file);
-  if (decoded_->format().is_signed) refuse_segmentation("its pixels are signed numbers", file);
+  const PixelFormat& format = decoded_->format();
+  if (format.pixels() != pixels || static_cast<std::size_t>(format.frames) < frames)
+    refuse_segmentation("its pixels are not those of its frames", file);
+  if (format.is_signed) refuse_segmentation("its pixels are signed numbers", file);
 }
 
 const std::vector<int>& SegmentPixels::frame(std::size_t number, int segment) {

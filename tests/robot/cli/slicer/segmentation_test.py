@@ -302,14 +302,20 @@ class Segmentation(unittest.TestCase):
             self.expect_refused(f"bad{n}.dcm", why, where="labels" if "another frame" in why else None)
 
     def test_damaged_files_are_read_or_refused(self):
-        write_seg(self.image, self.folder / "whole.dcm")
-        whole = (self.folder / "whole.dcm").read_bytes()
-        head = len(whole) - len(pydicom.dcmread(self.folder / "whole.dcm").PixelData)
+        frames = write_seg(self.image, self.folder / "whole.dcm")
+        self.expect_no_crash("whole.dcm", 12)
+        rewritten(self.folder / "whole.dcm", pydicom.uid.RLELossless, [run_lengths(plane) for plane in fractional(frames, 255)],
+                  **EIGHT_BITS, SegmentationType="FRACTIONAL", SegmentationFractionalType="OCCUPANCY", MaximumFractionalValue=255)
+        self.expect_no_crash("whole.dcm", 12)
+
+    def expect_no_crash(self, file, times):
+        whole = (self.folder / file).read_bytes()
+        head = len(whole) - len(pydicom.dcmread(self.folder / file).PixelData)
         random = numpy.random.default_rng(27)
         codes = set()
-        for _ in range(12):
+        for _ in range(times):
             content = bytearray(whole)
-            for at in random.integers(132, head, 3):
+            for at in random.integers(132, head + 2000, 6):
                 content[at] = random.integers(256)
             (self.folder / "damaged.dcm").write_bytes(content[:random.integers(head, len(content))] if random.integers(3) == 0 else content)
             codes.add(self.plan("damaged.dcm").returncode)
