@@ -13,13 +13,12 @@ namespace biopsy::sim {
 // Ismail, Ikhouane, Rodellar 2009) `stiffening` above 0.5 is the part whose loading stiffens. It is between
 // plate A and the frame, or across the series spring, driven by the motion of plate A against plate B.
 struct HystereticSpring {
-  double stiffness = 0.0;  // N/m
-  double yield = 0.5e-3;   // m
-  double sharpness = 2.0;  // exponent n: 1 a smooth bend, large a corner
-  double beta = 0.5;       // share of the reversible part: 0.5 unloads with the full stiffness
-  double across = 0.0;     // 0: against the frame, 1: across the series spring
-  double stiffening =
-      0.0;  // 0: loading yields, 0.5: it stays straight, 1: it stiffens as much as it would yield
+  double stiffness = 0.0;   // N/m
+  double yield = 0.5e-3;    // m
+  double sharpness = 2.0;   // exponent n: 1 a smooth bend, large a corner
+  double beta = 0.5;        // share of the reversible part: 0.5 unloads with the full stiffness
+  double across = 0.0;      // 0: against the frame, 1: across the series spring
+  double stiffening = 0.0;  // 0: loading yields, 0.5: it stays straight, 1: it stiffens as much
 
   static constexpr double kMostStretched = 4.0;  // |z| over yield where loading stiffens: keeps it finite
 

@@ -78,6 +78,21 @@ TEST(GapWithTerm, ProposesNothingWhereAnEffectIsNamed) {
   EXPECT_FALSE(finding.proposed);
 }
 
+// Drag that grows with the cube of the speed: that with its square closes nine tenths of the gap, which would
+// be enough for a name.
+TEST(GapWithTerm, ANameGivesWayToAnEquationThatLeavesFarLess) {
+  for (const std::uint64_t seed : {88, 89}) {
+    const GapFinding finding = searched(0, seed, 0.25).found.finding;
+    EXPECT_EQ(finding.verdict, GapVerdict::Unexplained) << seed;
+    EXPECT_EQ(finding.rejected.effects, std::vector<std::string>{"quadratic_damping"}) << seed;
+    ASSERT_FALSE(finding.rejected.objections.empty()) << seed;
+    EXPECT_NE(finding.rejected.objections.front().find("an equation leaves far less"), std::string::npos)
+        << finding.rejected.objections.front();
+    ASSERT_TRUE(finding.proposed) << seed;
+    EXPECT_EQ(finding.proposed->expression, "a v^3") << seed;
+  }
+}
+
 // Drag that grows with the root of the speed resembles friction that grows from breakaway to sliding:
 // Stribeck friction the other way round.
 TEST(GapWithTerm, ADragOfTheRootOfTheSpeedIsNoFriction) {
