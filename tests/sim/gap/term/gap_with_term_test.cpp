@@ -78,8 +78,8 @@ TEST(GapWithTerm, ProposesNothingWhereAnEffectIsNamed) {
   EXPECT_FALSE(finding.proposed);
 }
 
-// Drag that grows with the cube of the speed: that with its square closes 95 % of the gap and meets everything
-// else that a name needs.
+// Drag that grows with the cube of the speed: that with its square closes 95 % of the gap and meets
+// everything else that a name needs.
 TEST(GapWithTerm, ANameGivesWayToAnEquationThatLeavesFarLess) {
   Dice dice(700);
   LawRig rig = drawn_rig(dice);
