@@ -107,7 +107,7 @@ TEST_P(IgtlStop, AMoveThatIsRefusedWhileMovingEndsTheMotion) {
 }
 
 TEST_P(IgtlStop, IsUnderstoodWithWhatSomeProgramsSendBehindIt) {
-  for (const std::string behind : {std::string(1, '\0'), std::string("\r\n"), std::string("  ")}) {
+  for (const std::string& behind : {std::string(1, '\0'), std::string("\r\n"), std::string("  ")}) {
     ScriptedRobot other(GetParam());
     other.moving();
     EXPECT_EQ(other.command("STOP" + behind),

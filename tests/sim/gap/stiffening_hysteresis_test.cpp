@@ -10,7 +10,7 @@
 #include "sim/plant/model_file.hpp"
 #include "tests/sim/gap/generator/hidden_physics.hpp"
 
-namespace biopsy::hidden {
+namespace biopsy::hidden::bouc_wen {
 namespace {
 
 constexpr double kReadingNoise = 3e-6, kRate = 300.0, kSeconds = 10.0;  // m, Hz, s
@@ -107,4 +107,4 @@ TEST(StiffeningHysteresis, ASpringWithoutMemoryIsNotCalledSo) {
 }
 
 }  // namespace
-}  // namespace biopsy::hidden
+}  // namespace biopsy::hidden::bouc_wen
