@@ -132,8 +132,8 @@ std::string installed_version(const Soup& soup) {
   return makers_version(shell("dpkg-query -W -f='${Version}' '" + soup.package + "' 2>/dev/null").text);
 }
 
-// The list names packages and versions of one system: on another one it would have to be written anew, with the
-// anomalies known there.
+// The list names packages and versions of one system: on another one it would have to be written anew, with
+// the anomalies known there.
 bool is_system_of_list() {
   return file_content("/etc/os-release").find("VERSION_CODENAME=bookworm") != std::string::npos;
 }
