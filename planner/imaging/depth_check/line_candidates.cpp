@@ -89,7 +89,7 @@ SlabMaps disc_maps(const SlabMaps& points, const cv::Mat& kernel) {
   return maps;
 }
 
-LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& reach) {
+LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& reach, double loss_least) {
   LineFit best;
   const double behind = std::max(-maps.t_min, 0.0);
   std::array<double, kStarts> match{}, energy{};
@@ -105,7 +105,7 @@ LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& 
       const auto s = static_cast<std::size_t>(n);
       match[s] += m, energy[s] += e;
       if (end < reach.depth_min_mm || end > reach.depth_max_mm || energy[s] <= 0.0) continue;
-      const double loss = std::clamp(match[s] / energy[s], 0.0, 1.1);
+      const double loss = std::clamp(match[s] / energy[s], loss_least, 1.1);
       const double gain = loss * (2.0 * match[s] - loss * energy[s]);
       if (gain > best.gain) best = {gain, loss, start, end};
     }
@@ -113,9 +113,8 @@ LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& 
   return best;
 }
 
-}  // namespace
-
-std::vector<LineCandidate> line_candidates(const Corridor& corridor, const SearchReach& reach) {
+std::vector<LineCandidate> candidates_losing(const Corridor& corridor, const SearchReach& reach,
+                                             double loss_least) {
   const SlabMaps points = point_maps(corridor);
   std::vector<LineCandidate> best;
   for (double radius : kRadii) {
@@ -132,7 +131,7 @@ std::vector<LineCandidate> line_candidates(const Corridor& corridor, const Searc
           for (int b = -tilts; b <= tilts; ++b) {
             if (std::hypot(a, b) > tilts) continue;
             const VoidLine line{i * step, j * step, a * slope, b * slope, radius};
-            const LineFit fit = best_tip(maps, line, reach);
+            const LineFit fit = best_tip(maps, line, reach, loss_least);
             if (fit.gain > top.fit.gain) top = {line, fit};
           }
       }
@@ -141,6 +140,16 @@ std::vector<LineCandidate> line_candidates(const Corridor& corridor, const Searc
   std::stable_sort(best.begin(), best.end(),
                    [](const LineCandidate& a, const LineCandidate& b) { return a.fit.gain > b.fit.gain; });
   return best;
+}
+
+}  // namespace
+
+std::vector<LineCandidate> line_candidates(const Corridor& corridor, const SearchReach& reach) {
+  // A wide place that is a little darker can outweigh a thin void that is black, and is no needle.
+  constexpr double kNeedleLoses = 0.5;
+  std::vector<LineCandidate> needles = candidates_losing(corridor, reach, kNeedleLoses);
+  if (needles.front().fit.gain > 0.0) return needles;
+  return candidates_losing(corridor, reach, 0.0);
 }
 
 }  // namespace biopsy::imaging

@@ -14,7 +14,8 @@ namespace {
 constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
 constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
 constexpr std::size_t kVoxelsMax = 3000, kVoxelsFirst = 800;  // about the tip; half of that along the shaft
-constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
+constexpr double kLossMost = 1.1;  // no void loses more than everything; a little for errors of brightness
+constexpr double kClip = 4.0;      // standard deviations; larger residuals pull no harder (Huber)
 
 // What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
 // bounds. Zero: nothing is known.
@@ -92,7 +93,7 @@ class Fitting {
   // (measured - model) / standard deviation
   std::vector<double> residuals(const VoidVector& x) const {
     const VoidShape s = shape(x);
-    const double loss = std::clamp(x[kLoss], 0.0, 1.1);
+    const double loss = std::clamp(x[kLoss], 0.0, kLossMost);
     std::vector<double> z(used_.size());
     for (std::size_t n = 0; n < used_.size(); ++n) {
       const CorridorVoxel& voxel = corridor_.voxels[used_[n]];
@@ -116,11 +117,13 @@ class Fitting {
         damped.diagonal().array() += 1e-9;
         const VoidVector step = damped.ldlt().solve(right);
         if (!step.allFinite()) return x;
-        const double value = cost(x + step);
+        VoidVector there = x + step;  // a loss beyond its bounds would say that nothing depends on it
+        there[kLoss] = std::clamp(there[kLoss], 0.0, kLossMost);
+        const double value = cost(there);
         better = value < best;
         if (!better) continue;
         const bool done = best - value < 1e-3 * (1.0 + 1e-3 * best);
-        x += step, best = value;
+        x = there, best = value;
         if (done) return x;
       }
     }
@@ -192,7 +195,7 @@ Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
   fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
   fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
   fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
-  fit.loss = std::clamp(best.x[kLoss], 0.0, 1.1);
+  fit.loss = std::clamp(best.x[kLoss], 0.0, kLossMost);
   fit.chi2 = least - fitting.prior_cost(best.x);
   VoidVector nothing = best.x;
   nothing[kLoss] = 0.0;
