@@ -15,7 +15,7 @@ install(FILES ${LIVE_UNITS} ${SYSTEMD}/biopsy.target DESTINATION lib/systemd/sys
 install(FILES ${SYSTEMD}/biopsy.sysusers DESTINATION lib/sysusers.d RENAME biopsy.conf COMPONENT live)
 install(FILES ${SYSTEMD}/biopsy.tmpfiles DESTINATION lib/tmpfiles.d RENAME biopsy.conf COMPONENT live)
 
-install(TARGETS biopsy-console biopsy-igtl biopsy-ros2 COMPONENT console)
+install(TARGETS biopsy-console biopsy-igtl biopsy-mcap biopsy-ros2 COMPONENT console)
 install(FILES ${SYSTEMD}/biopsy-console.service ${SYSTEMD}/biopsy-igtl.service ${SYSTEMD}/biopsy-ros2.service DESTINATION lib/systemd/system COMPONENT console)
 set(BUILT_PAGE ${CMAKE_BINARY_DIR}/console/page/dist)
 install(CODE "if(NOT EXISTS ${BUILT_PAGE}/index.html)

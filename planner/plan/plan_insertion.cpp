@@ -198,6 +198,8 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
   if (Refusal why = first_objection(request, aim)) return *why;
 
   const NominalModel model(request.weight, request.stage);
+  const PlanLimits limits{
+      .depth_max = aim.depth() + kDepthMargin, .v_max = Volts(0.0), .plausible = model.plausible_depths()};
   Plan plan{.target = request.target,
             .X_SR = request.X_SR,
             .registration_fre_mm = request.registration_fre_mm,
@@ -207,9 +209,7 @@ std::variant<Plan, PlanRefusal> plan_insertion(const InsertionRequest& request) 
             .layers = request.layers,
             .steps = plan_steps(request.layers, aim.depth(), request.waypoints, request.staging, request.pace,
                                 model),
-            .limits = {.depth_max = aim.depth() + kDepthMargin,
-                       .v_max = Volts(0.0),
-                       .plausible = model.plausible_depths()},
+            .limits = limits,
             .gains = request.gains,
             .tip_offset = request.tip_offset};
   for (const InsertionStep& step : plan.steps) plan.limits.v_max = std::max(plan.limits.v_max, step.v_max);

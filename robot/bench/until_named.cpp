@@ -8,6 +8,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/progress.hpp"
+#include "robot/report/gap/gap_labels.hpp"
 #include "sim/plant/model_file.hpp"
 #include "sim/plant/simulate.hpp"
 
@@ -15,20 +16,6 @@ namespace biopsy::robot {
 namespace {
 
 constexpr double kPossible = 0.05;  // a rival more probable than that is not excluded
-
-std::string verdict_name(GapVerdict verdict) {
-  switch (verdict) {
-    case GapVerdict::NoGap:
-      return "no_gap";
-    case GapVerdict::Parameter:
-      return "parameter";
-    case GapVerdict::Effect:
-      return "effect";
-    case GapVerdict::Unexplained:
-      break;
-  }
-  return "unexplained";
-}
 
 bool stands_alone(const GapFinding& finding) {
   if (finding.verdict != GapVerdict::Effect || finding.partial) return false;
@@ -93,7 +80,7 @@ std::vector<std::size_t> UntilNamed::next(const sim::Dataset& recorded) {
       });
   const GapFinding& finding = found.finding;
   NamingRound round{.experiment = last_,
-                    .verdict = verdict_name(finding.verdict),
+                    .verdict = std::string(report::label(finding.verdict)),
                     .effect = {},
                     .gap_closed = finding.gap_closed,
                     .decision = {}};

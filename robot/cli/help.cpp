@@ -37,11 +37,13 @@ bool is_group(const CommandLine::Entry& entry) {
 // Markdown for a terminal: without the marks of code; a link, relative to docs/reference, becomes "text
 // (docs/...)".
 std::string for_terminal(const std::string& markdown) {
-  static const std::regex kUp(R"(\[([^\]]+)\]\(\.\./([a-z/-]+\.md)[^)]*\))"),
-      kBeside(R"(\[([^\]]+)\]\(([a-z-]+\.md)[^)]*\))"), kAnchor(R"(\[([^\]]+)\]\(#[^)]*\))");
+  static const std::regex kUp(R"(\[([^\]]+)\]\(\.\./([a-z0-9/-]+\.md)[^)]*\))"),
+      kBeside(R"(\[([^\]]+)\]\(([a-z0-9-]+\.md)[^)]*\))"), kAnchor(R"(\[([^\]]+)\]\(#[^)]*\))"),
+      kWeb(R"(\[([^\]]+)\]\((https://[^)]*)\))");
   std::string text = std::regex_replace(markdown, kUp, "$1 (docs/$2)");
   text = std::regex_replace(text, kBeside, "$1 (docs/reference/$2)");
   text = std::regex_replace(text, kAnchor, "$1");
+  text = std::regex_replace(text, kWeb, "$1 ($2)");
   std::erase(text, '`');
   return text;
 }

@@ -28,7 +28,14 @@ void add_case_options(CLI::App& app, ProcedureOptions& options) {
   add(app, "--entry R,A,S", options.entry,
       "where the needle tip waits, mm; needed with `--image` (`up --console`: set on the page)");
   add(app, "--target R,A,S", options.target, "where it shall go, mm; needed with `--entry`");
-  add(app, "--labels PATH", options.labels, "label map of the tissues on the same patient; with `--image`");
+  add(app, "--markups FILE", options.markups,
+      "entry and target from a file of 3D Slicer (`.mrk.json`, `.fcsv`); with it `--entry` and `--target` "
+      "are "
+      "labels of its points, not numbers; with `--image`",
+      "the labels `entry` and `target`");
+  add(app, "--labels PATH", options.labels,
+      "label map or segmentation (`.seg.nrrd`, DICOM SEG) of the tissues on the same patient; with "
+      "`--image`");
   add(app, "--fiducials FILE", options.fiducials,
       "CSV of fiducial pairs, robot and scanner; replaces the case's");
   add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",

@@ -7,11 +7,13 @@ OUT_FOLDER/robot/msg/messages.hpp          every struct of the bus
 OUT_FOLDER/robot/msg/topics.hpp            topics: delivery, writers, protection
 OUT_FOLDER/robot/msg/wire.idl              what goes over the wire, for idlc
 OUT_FOLDER/robot/msg/wire_types.hpp        which field of a struct is which field on the wire
+OUT_FOLDER/robot/msg/json_messages.hpp     the bus's messages as JSON, with a schema, for viewers
 OUT_FOLDER/robot/msg/console_messages.hpp  the console's messages with a strict JSON codec
 OUT_FOLDER/console/messages.ts             the same for the page
 Structs of modules in biopsy::console are the console's, every other struct is the bus's.
 """
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -107,10 +109,14 @@ def cpp_enum(item):
     return head
 
 
+def words_of(item):
+    return [" ".join(re.findall(r"[A-Z][a-z0-9]*", value)).lower() for value in item.values]
+
+
 def enum_traits(item):
     """Specialised in namespace biopsy; names are the enumerators as lower-case words."""
     name = "::".join((*item.module[1:], item.name))
-    words = ", ".join(f'"{" ".join(re.findall(r"[A-Z][a-z0-9]*", value)).lower()}"' for value in item.values)
+    words = ", ".join(f'"{word}"' for word in words_of(item))
     lines = ["template <>", f"struct EnumTraits<{name}> {{",
              f"  static constexpr std::array<std::string_view, {len(item.values)}> names{{{words}}};"]
     if item.unknown:
@@ -222,6 +228,34 @@ def wire_types(given):
                       in_namespace(("biopsy",), lines))
 
 
+def json_schema(topic):
+    """JSON Schema of a message: what its comments say, too. 64-bit numbers that JavaScript cannot hold are texts."""
+    properties = {}
+    for part in topic.struct.fields:
+        if part.most or part.count and part.type == "octet":
+            continue  # bytes
+        kind = ("string" if part.of or part.type in ("string", "unsigned long long") or part.name.endswith("_ns") and part.type == "long long"
+                else "boolean" if part.type == "boolean" else "integer")
+        one = {"type": kind, **({"enum": words_of(part.of)} if isinstance(part.of, Enum) else {})}
+        properties[part.name] = {"type": "array", "items": one} if part.count else one
+        if part.beside:
+            properties[part.name]["description"] = part.beside
+    return {"type": "object", "title": topic.struct.name, "description": " ".join(topic.struct.above), "properties": properties}
+
+
+def json_messages(given):
+    lines = ["// Its JSON Schema.", "template <class Message>", 'inline constexpr const char* kJsonSchema = "";', ""]
+    for topic in given:
+        schema = json_schema(topic)
+        long = {part.name for part in topic.struct.fields if part.type == "long long" and schema["properties"][part.name]["type"] == "string"}
+        values = [f'{{"{name}", {"std::to_string" if name in long else "json_value"}(from.{name})}}' for name in schema["properties"]]
+        lines += ["template <>", f"inline constexpr const char* kJsonSchema<{topic.struct.name}> =", f'    R"json({json.dumps(schema)})json";',
+                  f"inline nlohmann::ordered_json json_of(const {topic.struct.name}& from) {{",
+                  f"  return {{{', '.join(values)}}};", "}", ""]
+    return cpp_header(["<nlohmann/json.hpp>", "<string>", "", '"robot/msg/json_value.hpp"', '"robot/msg/topics.hpp"'],
+                      in_namespace(("biopsy",), lines))
+
+
 # The console's messages
 
 
@@ -326,6 +360,7 @@ def outputs(found):
         "robot/msg/topics.hpp": topics(given),
         "robot/msg/wire.idl": wire_idl(given),
         "robot/msg/wire_types.hpp": wire_types(given),
+        "robot/msg/json_messages.hpp": json_messages(given),
         "robot/msg/console_messages.hpp": console_messages(console, borrowed),
         "console/messages.ts": typescript(console, borrowed),
     }

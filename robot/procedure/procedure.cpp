@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "planner/plan/fiducial_file.hpp"
+#include "planner/plan/markups/plan_markups.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
 #include "robot/common/operator_name.hpp"
 #include "robot/common/progress.hpp"
@@ -39,6 +41,21 @@ ImageSource image_source(const ProcedureOptions& options) {
           options.images_confirmed_by};
 }
 
+// Entry and target of an image that is given without a case.
+void take_points(const ProcedureOptions& options, Points points, Case& given) {
+  if (!options.markups.empty()) {
+    take_markups(options.markups, options.entry.empty() ? "entry" : options.entry,
+                 options.target.empty() ? "target" : options.target, given);
+    return;
+  }
+  if (options.entry.empty() && options.target.empty() && points == Points::PickedLater) return;
+  if (options.entry.empty() || options.target.empty())
+    throw ConfigError("--image without --entry and --target", "command line",
+                      "pick both points: --entry R,A,S --target R,A,S, or --markups FILE");
+  given.p_SE = parse_ras_point("--entry", options.entry);
+  given.p_ST = parse_ras_point("--target", options.target);
+}
+
 }  // namespace
 
 Case case_of(const ProcedureOptions& options, Points points) {
@@ -46,20 +63,15 @@ Case case_of(const ProcedureOptions& options, Points points) {
   if (by_image && !options.case_name.empty())
     throw ConfigError("both a case and --image", "command line",
                       "give a case file, or --image with --entry and --target");
-  if (!by_image && (!options.entry.empty() || !options.target.empty() || !options.labels.empty()))
-    throw ConfigError("--entry, --target or --labels without --image", "command line", "add --image PATH");
+  if (!by_image && (!options.entry.empty() || !options.target.empty() || !options.labels.empty() ||
+                    !options.markups.empty()))
+    throw ConfigError("--entry, --target, --markups or --labels without --image", "command line",
+                      "add --image PATH");
   Case given = by_image ? blank_case() : read_case(options.case_name.empty() ? "liver" : options.case_name);
   if (by_image) {
-    const bool none = options.entry.empty() && options.target.empty();
-    if ((options.entry.empty() || options.target.empty()) && !(none && points == Points::PickedLater))
-      throw ConfigError("--image without --entry and --target", "command line",
-                        "pick both points: --entry R,A,S --target R,A,S");
     given.image = options.image;
     given.title = (options.image / "").parent_path().filename().string();
-    if (!none) {
-      given.p_SE = parse_ras_point("--entry", options.entry);
-      given.p_ST = parse_ras_point("--target", options.target);
-    }
+    take_points(options, points, given);
     given.labels = options.labels;
   }
   if (!options.series.empty() && given.phantom)
@@ -102,7 +114,7 @@ void refuse_outside(const PreparedCase& prepared) {
        {std::pair("entry", prepared.given.p_SE), std::pair("target", prepared.given.p_ST)}) {
     if (!point || lies_inside(grid, *point)) continue;
     const std::string hint =
-        lies_inside(grid, as_if_lps(*point))
+        prepared.given.markups.empty() && lies_inside(grid, as_if_lps(*point))
             ? fmt::format(
                   "; read as L, P, S the same numbers lie inside it, at {}: turn the first two signs "
                   "if they were copied from a program that shows L, P, S",
@@ -118,7 +130,7 @@ void refuse_outside(const PreparedCase& prepared) {
 void ask_for_the_frame(PreparedCase& prepared) {
   const Grid& grid = prepared.image.grid;
   const auto& [entry, target] = std::pair(prepared.given.p_SE, prepared.given.p_ST);
-  if (!entry || !target) return;
+  if (!entry || !target || !prepared.given.markups.empty()) return;  // markups say their frame
   const Point other = as_if_lps(*target);
   if (!lies_inside(grid, as_if_lps(*entry)) || !lies_inside(grid, other)) return;
   if ((other - *target).norm() < 1.0) return;  // the same place for a robot
@@ -163,6 +175,7 @@ std::string finish(report::RunRecord& record, const PreparedCase& prepared, cons
     record.provenance.emplace_back("operator", operator_name());
   }
   record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (record.plan) atomic_write(out / "plan.mrk.json", planner::plan_markups(*record.plan));
   report::save_report(record, out);
   return report::console_table(record, isatty(STDOUT_FILENO) == 1) +
          fmt::format("\nreport: {}\n", (out / "report.html").string());

@@ -11,7 +11,8 @@ namespace biopsy::robot {
 struct ProcedureOptions {
   std::string case_name;  // empty: the built-in liver case, unless an image is given
   std::filesystem::path image, labels, fiducials;
-  std::string series, entry, target;  // "R,A,S" in mm
+  std::string series, entry, target;  // points: "R,A,S" in mm, or with markups the label of one of its points
+  std::filesystem::path markups;      // of 3D Slicer
   std::optional<std::uint64_t> seed;
   std::filesystem::path model, controller;
   std::filesystem::path out;

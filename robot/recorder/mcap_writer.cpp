@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace biopsy::recorder {
 namespace {
@@ -89,7 +90,7 @@ void McapWriter::add_message(std::uint16_t channel, std::uint32_t sequence, std:
 
 void McapWriter::end_chunk() {
   if (chunk_.empty()) return;
-  ChunkIndex chunk{first_ns_, last_ns_, file_.size(), 0, 0, chunk_.size(), {}};
+  ChunkIndex chunk{first_ns_, last_ns_, end(), 0, 0, chunk_.size(), {}};
   append(file_, Op::Chunk,
          Content()
              .integer(index_.empty() ? 0 : first_ns_, 8)
@@ -99,27 +100,35 @@ void McapWriter::end_chunk() {
              .string("")
              .integer(chunk_.size(), 8)
              .raw(chunk_));
-  chunk.length = file_.size() - chunk.start;
-  const std::size_t index_start = file_.size();
+  chunk.length = end() - chunk.start;
+  const std::uint64_t index_start = end();
   for (auto& [channel, entries] : index_) {
     std::ranges::stable_sort(entries, {}, &IndexEntry::time_ns);
     Content list;
     for (const IndexEntry& entry : entries) list.integer(entry.time_ns, 8).integer(entry.offset, 8);
-    chunk.index_offsets[channel] = file_.size();
+    chunk.index_offsets[channel] = end();
     append(file_, Op::MessageIndex, Content().integer(channel, 2).string(list.text));
   }
-  chunk.index_length = file_.size() - index_start;
+  chunk.index_length = end() - index_start;
   chunks_.push_back(std::move(chunk));
   chunk_.clear();
   index_.clear();
 }
 
+std::string McapWriter::take() {
+  end_chunk();
+  taken_ += file_.size();
+  taken_crc_ = crc(file_, taken_crc_);
+  return std::exchange(file_, {});
+}
+
 std::string McapWriter::finish() {
   end_chunk();
-  append(file_, Op::DataEnd, Content().integer(crc(file_), 4));
-  const std::uint64_t summary_start = file_.size();
+  append(file_, Op::DataEnd, Content().integer(crc(file_, taken_crc_), 4));
+  const std::size_t summary = file_.size();
+  const std::uint64_t summary_start = end();
   file_ += definitions_;
-  const std::uint64_t statistics_start = file_.size();
+  const std::uint64_t statistics_start = end();
   std::uint64_t messages = 0, first_ns = 0, last_ns = 0;
   for (const auto& [channel, count] : counts_) messages += count;
   for (const ChunkIndex& chunk : chunks_) {
@@ -137,7 +146,7 @@ std::string McapWriter::finish() {
              .integer(first_ns, 8)
              .integer(last_ns, 8)
              .raw(map_of(counts_).text));
-  const std::uint64_t index_start = file_.size();
+  const std::uint64_t index_start = end();
   for (const ChunkIndex& chunk : chunks_)
     append(file_, Op::ChunkIndex,
            Content()
@@ -150,7 +159,7 @@ std::string McapWriter::finish() {
                .string("")
                .integer(chunk.size, 8)
                .integer(chunk.size, 8));
-  const std::uint64_t offsets_start = file_.size();
+  const std::uint64_t offsets_start = end();
   const auto group = [&](Op op, std::uint64_t start, std::uint64_t end) {
     if (end == start) return;
     append(file_, Op::SummaryOffset,
@@ -162,7 +171,7 @@ std::string McapWriter::finish() {
   constexpr std::uint64_t kFooter_bytes = 8 + 8 + 4;
   file_ += Content().integer(static_cast<std::uint8_t>(Op::Footer), 1).integer(kFooter_bytes, 8).text;
   file_ += Content().integer(summary_start, 8).integer(offsets_start, 8).text;
-  file_ += Content().integer(crc(std::string_view(file_).substr(summary_start)), 4).text;
+  file_ += Content().integer(crc(std::string_view(file_).substr(summary)), 4).text;
   file_ += kMagic;
   return std::move(file_);
 }

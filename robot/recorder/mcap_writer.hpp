@@ -21,7 +21,10 @@ class McapWriter {
   // `time_ns`: since 1970, UTC.
   void add_message(std::uint16_t channel, std::uint32_t sequence, std::uint64_t time_ns,
                    std::string_view json);
-  // The whole file; nothing can be added afterwards.
+  // The file's bytes since the last call, up to and with the last message: what was added before is a chunk
+  // of its own, which readers find in a file that ends there.
+  std::string take();
+  // The rest of the file, or the whole where nothing was taken; nothing can be added afterwards.
   std::string finish();
 
  private:
@@ -33,7 +36,10 @@ class McapWriter {
     std::map<std::uint16_t, std::uint64_t> index_offsets;
   };
   void end_chunk();
+  std::uint64_t end() const { return taken_ + file_.size(); }  // of the file so far
 
+  std::uint64_t taken_ = 0;                                 // bytes that are not in file_ any more,
+  std::uint32_t taken_crc_ = 0;                             // and their CRC
   std::string file_, definitions_, chunk_;                  // definitions: schemas and channels, as records
   std::map<std::uint16_t, std::vector<IndexEntry>> index_;  // of the present chunk
   std::vector<ChunkIndex> chunks_;

@@ -8,6 +8,7 @@
 
 #include "sim/gap/examine/examine.hpp"
 #include "sim/gap/fit/fit.hpp"
+#include "sim/gap/millimetres.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/residual/straw_men.hpp"
 #include "sim/gap/select/choose.hpp"
@@ -22,8 +23,10 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr int kIterations = 25;
-constexpr double kNotWorse = 1.05;  // held-out mean square
-constexpr double kWindow = 0.5;     // s: a few periods of the stage's ringing, a few stick-slip jumps
+constexpr double kNotWorse = 1.05;      // held-out mean square
+constexpr double kWindow = 0.5;         // s: a few periods of the stage's ringing, a few stick-slip jumps
+constexpr double kMuchLeft = 2.0;       // noises that a name leaves: beyond, it competes with an equation
+constexpr double kEquationWins = 0.25;  // of the excess square that a name leaves
 
 // The given model, fitted in the parameters that were declared free.
 Hypothesis fit_free_parameters(const Hypothesis& start, const Evidence& evidence) {
@@ -139,13 +142,29 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
   return out;
 }
 
-// What no effect explains as an equation, where there is one.
-void add_proposal(FoundGap& out, const Search& found, const std::stop_token& stop) {
-  const std::optional<TermProposal> proposal =
+// A name after which more than noise is left: an equation may say better what is missing.
+bool leaves_much(const Search& found) {
+  return found.verdict() == GapVerdict::Effect &&
+         std::sqrt(excess(found.selection.best.square, found.evidence)) > kMuchLeft * found.evidence.noise;
+}
+
+// What no effect explains as an equation, where there is one. Where a name leaves much more than the
+// equation, it is not the name: the effect only resembles the law.
+std::optional<TermProposal> proposal_for(Search& found, const Progress& progress,
+                                         const std::stop_token& stop) {
+  const bool named = leaves_much(found);
+  if (found.interrupted || !(named || found.verdict() == GapVerdict::Unexplained)) return std::nullopt;
+  progress(0.95, named ? "the name leaves much: looking for an equation that leaves less"
+                       : "no effect fits: looking for an equation");
+  std::optional<TermProposal> proposal =
       propose_term(found.as_given, found.selection.start, found.coarse, found.evidence, stop);
-  if (!proposal) return;
-  out.finding.proposed = proposal->description;
-  set_proposed_model(out, proposal->scored.hypothesis, found.evidence);
+  if (!named || !proposal) return proposal;
+  const double left = found.selection.best.square, by_equation = proposal->scored.square;
+  if (excess(by_equation, found.evidence) > kEquationWins * excess(left, found.evidence)) return std::nullopt;
+  found.selection.objections.push_back(
+      fmt::format("an equation leaves far less ({:.3g} mm) than it does ({:.3g} mm)",
+                  std::sqrt(by_equation) * kMm, std::sqrt(left) * kMm));
+  return proposal;
 }
 
 // The finding where the recording itself is wrong: nothing was fitted.
@@ -207,10 +226,11 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
           window);
     }
   }
+  const std::optional<TermProposal> proposal = proposal_for(found, progress, options.stop);
   FoundGap out = make_finding(model, found.as_given, found.selection, found.evidence);
-  if (out.finding.verdict == GapVerdict::Unexplained && !found.interrupted) {
-    progress(0.95, "no effect fits: looking for an equation");
-    add_proposal(out, found, options.stop);
+  if (proposal) {
+    out.finding.proposed = proposal->description;
+    set_proposed_model(out, proposal->scored.hypothesis, found.evidence);
   }
   if (!options.window) out.finding.straw_men = straw_men(dataset, found.evidence);
   if (!warning.empty()) out.finding.warnings.push_back(warning);

@@ -57,7 +57,11 @@ struct Solver {
   void* memory = nullptr;
 
   Solver(Problem& problem, const PeerSettings& settings) {
+#ifdef SUN_COMM_NULL  // from SUNDIALS 7
+    SUNContext_Create(SUN_COMM_NULL, &context);
+#else
     SUNContext_Create(nullptr, &context);
+#endif
     state = N_VNew_Serial(3, context);
     NV_Ith_S(state, 0) = problem.b.H_0;
     NV_Ith_S(state, 1) = NV_Ith_S(state, 2) = 0.0;

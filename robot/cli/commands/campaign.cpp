@@ -91,7 +91,7 @@ std::string table_of(const std::vector<EntryResult>& results) {
 }
 
 // Results of a campaign, however it was run.
-Result conclude(const CampaignRuns& campaign, const fs::path& out, bool interrupted) {
+Result report_campaign(const CampaignRuns& campaign, const fs::path& out, bool interrupted) {
   const std::vector<EntryResult> results = entry_results(campaign);
   EntryResult all;
   for (const EntryResult& one : results) all.runs += one.runs, all.beyond += one.beyond;
@@ -177,13 +177,13 @@ Result run_shard(const Options& options, const Context& context) {
 
 Result run(const Options& options, const Context& context) {
   const fs::path& out = options.procedure.out;
-  if (options.merge > 0) return conclude(merge_shards(out / "shards", options.merge), out, false);
+  if (options.merge > 0) return report_campaign(merge_shards(out / "shards", options.merge), out, false);
   if (!options.shard.empty()) return run_shard(options, context);
   const PreparedCase prepared = prepare_run(case_of(options.procedure), out, context.clearable);
   if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) return refused(*refusal);
   const Rehearsals done = rehearse(options, prepared, {}, out / "runs", {}, context.interrupted);
   fs::remove_all(out / "runs");
-  return conclude(done.campaign, out, context.interrupted.stop_requested());
+  return report_campaign(done.campaign, out, context.interrupted.stop_requested());
 }
 
 }  // namespace campaign_cli

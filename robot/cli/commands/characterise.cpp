@@ -102,33 +102,35 @@ Result run(const Options& given, const Context& context) {
 
 Command characterise_command() {
   using namespace characterise_cli;
-  return {.name = "characterise",
-          .summary = "experiments on a stage without patient and needle, for gap",
-          .description =
-              "Plays voltages open loop under the supervisor and stores a [data set]"
-              "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the "
-              "supervisor "
-              "stops is kept and marked.",
-          .examples = {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact",
-                       "biopsy characterise --bench --until-named sim/models/baseline.toml --out out/named"},
-          .exit_codes =
-              "0 completed, 3 stopped, 2 for unusable input, 130 where Ctrl-C ended it; the needle is "
-              "retracted and what was recorded is stored",
-          .outputs = {{"dataset.toml",
-                       "the runs that were carried out, and the laser's noise at rest. A title "
-                       "with \"incomplete\" where one was stopped"},
-                      {"run-*.csv",
-                       "one run, 1 kHz: the voltage the gate put out, displacement, current (of row "
-                       "k: the mean over the row before), push"},
-                      {"report.html", "table and pictures"}},
-          .replaces_earlier_run = true,
-          .json =
-              "`dataset`, the folder; `device`, `complete`, `sensor_noise_mm`, `notes`; `runs`: list of "
-              "`name`, `file`, `what`, `weight_g`, `stopped_because`; `rounds`, with `--until-named`: "
-              "`experiment`, `verdict`, "
-              "`effect`, `probability`, `gap_closed`, `decision`. With `--dry-run` `plan`, a text",
-          .interruptible = true,
-          .declare = with_options(declare, run)};
+  return {
+      .name = "characterise",
+      .summary = "experiments on a stage without patient and needle, for gap",
+      .description =
+          "Plays voltages open loop under the supervisor and stores a [data set]"
+          "(model-files.md#data-set): [measuring a stage](../how-to/measure-a-stage.md). A run that the "
+          "supervisor "
+          "stops is kept and marked.",
+      .examples =
+          {"biopsy characterise --dry-run", "biopsy characterise impact --bench --out out/impact",
+           "biopsy characterise load --bench --until-named docs/examples/no-friction.toml --out out/named"},
+      .exit_codes =
+          "0 completed, 3 stopped, 2 for unusable input, 130 where Ctrl-C ended it; the needle is "
+          "retracted and what was recorded is stored",
+      .outputs = {{"dataset.toml",
+                   "the runs that were carried out, and the laser's noise at rest. A title "
+                   "with \"incomplete\" where one was stopped"},
+                  {"run-*.csv",
+                   "one run, 1 kHz: the voltage the gate put out, displacement, current (of row "
+                   "k: the mean over the row before), push"},
+                  {"report.html", "table and pictures"}},
+      .replaces_earlier_run = true,
+      .json =
+          "`dataset`, the folder; `device`, `complete`, `sensor_noise_mm`, `notes`; `runs`: list of "
+          "`name`, `file`, `what`, `weight_g`, `stopped_because`; `rounds`, with `--until-named`: "
+          "`experiment`, `verdict`, "
+          "`effect`, `probability`, `gap_closed`, `decision`. With `--dry-run` `plan`, a text",
+      .interruptible = true,
+      .declare = with_options(declare, run)};
 }
 
 }  // namespace biopsy::robot

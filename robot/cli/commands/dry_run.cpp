@@ -171,6 +171,7 @@ Result plan(const ProcedureOptions& options, const Context& context) {
 std::vector<OutputFile> plan_outputs() {
   return {{"report.html", "the report for people"},
           {"report.json", "[the report for programs](#reportjson)"},
+          {"plan.mrk.json", "the plan as markups for 3D Slicer"},
           {"planning.png", "the planning image along the needle"},
           {"axial.png", "the planning image in three planes through the target, radiological convention"},
           {"coronal.png", "the same"},

@@ -47,6 +47,7 @@ struct Options {
   std::uint16_t port = 0;  // of that page; 0: any that is free
   std::string igtl;        // dialect; empty: no navigation program can connect
   std::uint16_t igtl_port = 18944;
+  bool mcap = false;             // record every topic for viewers
   bool ros2 = false;             // publish the state as topics of ROS 2
   std::int32_t ros_domain = -1;  // as ROS_DOMAIN_ID says, or 0
 };
@@ -84,6 +85,10 @@ void declare(CLI::App& app, Options& options) {
       "18944")
       ->check(in_range(0, 65535))
       ->needs(igtl);
+  app.add_flag("--mcap", options.mcap,
+               "record every topic of the bus in an [MCAP file](../how-to/use-the-log.md#record-the-bus) "
+               "for viewers")
+      ->excludes(prepare);
   app.add_flag("--ros2", options.ros2,
                "publish the robot's state as topics of [ROS 2](../how-to/ros2.md), on this machine")
       ->excludes(prepare);
@@ -146,6 +151,7 @@ std::vector<std::string> console_arguments(const Options& options) {
   add("--series", given.series);
   add("--entry", given.entry);
   add("--target", given.target);
+  add("--markups", given.markups.string());
   add("--labels", given.labels.string());
   add("--fiducials", given.fiducials.string());
   add("--model", given.model.string());
@@ -176,15 +182,17 @@ std::vector<std::string> igtl_arguments(const Options& options) {
   return words;
 }
 
-void start_ros2(const Options& options, LiveSession& session) {
+void start_observers(const Options& options, LiveSession& session) {
+  if (options.mcap) session.launcher().start_observer("biopsy-mcap", {});
   std::vector<std::string> words;
   if (options.ros_domain >= 0) words = {"--ros-domain", std::to_string(options.ros_domain)};
   if (options.ros2) session.launcher().start_observer("biopsy-ros2", words);
 }
 
-void watch_ros2(LiveSession& session) {
+// The robot goes on without them.
+void watch_observers(LiveSession& session) {
   if (const auto alone = session.launcher().observer_ended())
-    kLog.error("{}; nothing is published to ROS 2", *alone);
+    kLog.error("{}; the robot goes on without it", *alone);
 }
 
 // How a session came to its end.
@@ -211,7 +219,7 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
   std::filesystem::remove(address);
   session.launcher().start(Process::Person, console_arguments(options));
   if (!options.igtl.empty()) session.launcher().start(Process::Navigation, igtl_arguments(options));
-  start_ros2(options, session);
+  start_observers(options, session);
   const auto started = Clock::now();
   std::optional<std::string> ended;
   bool announced = false;
@@ -233,7 +241,7 @@ Ending run_with_console(const Options& options, const PreparedCase& prepared, re
     }
     if (const auto alone = session.launcher().ended(Process::Navigation))
       kLog.error("{}; no navigation program can connect", *alone);
-    watch_ros2(session);
+    watch_observers(session);
     if (!ended && Clock::now() > restart_at) {
       restart_at = kNever;
       ++restarts;
@@ -253,7 +261,7 @@ Ending run_without_console(const Options& options, const PreparedCase& prepared,
   LiveSession session(options.live, options.device, options.hardware, prepared, options.procedure.out);
   session.wait_until_healthy();
   session.send_plan(std::get<Plan>(prepared.plan));
-  start_ros2(options, session);
+  start_observers(options, session);
   context.say(fmt::format("up: {}; Ctrl-C brings it down",
                           session.settings().keys.empty() ? "WITHOUT security" : "secured"));
   ProgressLine line;
@@ -265,7 +273,7 @@ Ending run_without_console(const Options& options, const PreparedCase& prepared,
     const OperatorInputs idle = OperatorInputs::idle();  // the E-stop is released, no key is turned
     cycle = session.robot().tick(idle);
     if (ticks++ % 250 == 0) line.show(-1.0, board_text(session.robot().health(), cycle, lines));
-    watch_ros2(session);
+    watch_observers(session);
     ended = session.launcher().ended();
     if (options.seconds > 0.0 && Clock::now() - started > std::chrono::duration<double>(options.seconds))
       break;
@@ -341,6 +349,8 @@ Command up_command() {
                       {"*.log", "the [diagnostic log](diagnostic-log.md) of each process", true},
                       {"console", "with `--console`: a folder for each run"},
                       {"navigation.txt", "with `--igtl`: where it listens"},
+                      {"bus*.mcap", "with `--mcap`: every topic of the bus", true},
+                      {"biopsy-mcap.txt", "with `--mcap`: which file that is"},
                       {"biopsy-ros2.txt", "with `--ros2`: what it publishes"},
                       {"console.url", "with `--console`: the page's address"}},
           .replaces_earlier_run = true,

@@ -26,6 +26,11 @@ bool is_one_of(const FileNames& names, const std::string& name) {
   return std::any_of(names.begin(), names.end(), [&](const std::string& one) { return matches(name, one); });
 }
 
+// The mark of a run, or one that a killed run did not finish.
+bool is_mark(const fs::directory_entry& entry) {
+  return entry.path().filename().string().starts_with(kMark);
+}
+
 // The first name on the way from `folder` to `path`; "." for the folder itself, empty where it is elsewhere.
 std::string way_into(const fs::path& folder, const fs::path& path) {
   const fs::path way = fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(folder));
@@ -57,12 +62,15 @@ void make_output_folder(const fs::path& folder, const Inputs& inputs, const File
 
 void claim_run_folder(const fs::path& folder, const Inputs& inputs, const FileNames& names) {
   make_output_folder(folder, inputs, names);
-  if (!fs::is_empty(folder) && !fs::exists(folder / kMark))
+  if (!fs::exists(folder / kMark) &&
+      !std::all_of(fs::directory_iterator(folder), fs::directory_iterator(), is_mark))
     throw ConfigError("holds files that no run of this program wrote", folder.string(),
                       "give --out an empty or new folder; nothing was touched");
   atomic_write(folder / kMark, "written by biopsy; the next run into this folder clears it\n");
-  for (const auto& left : fs::directory_iterator(folder))
-    if (is_one_of(names, left.path().filename().string())) fs::remove_all(left.path());
+  for (const auto& left : fs::directory_iterator(folder)) {
+    const std::string name = left.path().filename().string();
+    if (is_one_of(names, name) || (is_mark(left) && name != kMark)) fs::remove_all(left.path());
+  }
 }
 
 }  // namespace biopsy

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "planner/plan/markups/markups_file.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/toml_reader.hpp"
@@ -44,7 +45,22 @@ void read_image(TomlTable table, const fs::path& file, Case& out) {
     out.label_names[static_cast<int>(label.number("value", -1e6, 1e6))] = label.text("name");
 }
 
-void read_target(TomlTable table, Case& out) {
+// The points of a file that says its frame itself, instead of numbers.
+void read_markups_entry(TomlTable& table, const fs::path& file, Case& out) {
+  for (const char* name : {"entry_label", "target_label"})
+    if (table.has(name) && !table.has("markups"))
+      table.refuse(name, "needs `markups`", "name the file of points too, or remove it");
+  if (!table.has("markups")) return;
+  for (const char* name : {"entry_ras_mm", "target_ras_mm", "depth_mm"})
+    if (table.has(name)) table.refuse(name, "does not go with `markups`", "keep one of them");
+  if (out.phantom) table.refuse("markups", "needs an image", "give the image's path instead of the phantom");
+  take_markups(beside(file, table.text("markups")),
+               table.has("entry_label") ? table.text("entry_label") : "entry",
+               table.has("target_label") ? table.text("target_label") : "target", out);
+}
+
+void read_target(TomlTable table, const fs::path& file, Case& out) {
+  read_markups_entry(table, file, out);
   if (table.has("entry_ras_mm")) out.p_SE = ras_point(table, "entry_ras_mm");
   if (table.has("target_ras_mm")) out.p_ST = ras_point(table, "target_ras_mm");
   if (table.has("depth_mm")) out.depth = Millimetres(table.number("depth_mm", 0.0, 100.0));
@@ -53,7 +69,7 @@ void read_target(TomlTable table, Case& out) {
                       "give entry_ras_mm and target_ras_mm");
   if (!out.depth && !(out.p_SE && out.p_ST))
     throw ConfigError("no target", table.where(),
-                      "give entry_ras_mm and target_ras_mm, or depth_mm with the phantom");
+                      "give entry_ras_mm and target_ras_mm, or markups, or depth_mm with the phantom");
 }
 
 void read_robot(TomlTable table, const fs::path& file, Case& out) {
@@ -97,7 +113,7 @@ Case case_of(TomlTable& root, const fs::path& file) {
   Case out = blank_case();
   out.title = root.has("title") ? root.text("title") : file.stem().string();
   read_image(root.table("image"), file, out);
-  read_target(root.table("target"), out);
+  read_target(root.table("target"), file, out);
   if (root.has("robot")) read_robot(root.table("robot"), file, out);
   if (root.has("plan")) read_plan(root.table("plan"), out);
   if (root.has("controller")) out.gains = read_controller(root.table("controller"));
@@ -123,11 +139,20 @@ std::vector<std::string> built_in_cases() {
 }
 
 std::vector<fs::path> files_of(const Case& given) {
-  return {given.image, given.labels, given.fiducials, given.rehearsal.model, given.rehearsal.tissues};
+  return {given.image,   given.labels,          given.fiducials,
+          given.markups, given.rehearsal.model, given.rehearsal.tissues};
 }
 
 bool has_points(const Case& given) {
   return given.phantom || (given.p_SE && given.p_ST);
+}
+
+void take_markups(const fs::path& file, const std::string& entry_label, const std::string& target_label,
+                  Case& out) {
+  const std::vector<planner::MarkupPoint> points = planner::read_markups(file);
+  out.p_SE = planner::point_labelled(points, entry_label, file.string());
+  out.p_ST = planner::point_labelled(points, target_label, file.string());
+  out.markups = file;
 }
 
 Case blank_case() {

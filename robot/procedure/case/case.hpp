@@ -33,6 +33,7 @@ struct Case {
   planner::LabelNames label_names;
   std::vector<Layer> layers;                     // a table instead of labels
   std::optional<Point> p_SE, p_ST;               // LPS mm; of a phantom: its own; neither: set at the console
+  std::filesystem::path markups;                 // the file that they are from; empty: numbers
   std::optional<Millimetres> depth;              // phantom only: target on the needle's axis
   std::filesystem::path fiducials;               // CSV; empty: none
   std::optional<std::vector<double>> transform;  // 16 numbers, robot to scanner RAS
@@ -52,6 +53,11 @@ std::vector<std::filesystem::path> files_of(const Case& given);
 
 // Whether entry and target are known; otherwise they are set on the image at the console.
 bool has_points(const Case& given);
+
+// Entry and target from the points with these labels, of 3D Slicer's file. Throws ConfigError naming the
+// place.
+void take_markups(const std::filesystem::path& file, const std::string& entry_label,
+                  const std::string& target_label, Case& out);
 
 // `name_or_path`: a case file, or the name of a built-in case. Throws ConfigError naming file and line.
 Case read_case(const std::string& name_or_path);

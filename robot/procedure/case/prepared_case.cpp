@@ -88,10 +88,12 @@ PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
     out.image = imaging::read_volume(given.image, series_to_open(given));
     out.target.p_SE = given.p_SE.value_or(Point::Zero());
     out.target.p_ST = given.p_ST.value_or(Point::Zero());
-    if (!given.labels.empty()) out.labels = imaging::read_volume(given.labels);
-    if (out.labels) {
-      check_frames(out.image, *out.labels);
-      imaging::refuse_unlike_labels(*out.labels, given.labels.string());
+    if (!given.labels.empty()) {
+      imaging::LabelMap map = imaging::read_labels(given.labels);
+      check_frames(out.image, map.volume);
+      imaging::cover_image(out.image.grid, map);
+      out.labels = std::move(map.volume);
+      out.label_names.merge(map.names);  // the case's come first
       for (const std::string& warning : out.labels->warnings)
         out.image.warnings.push_back("label map: " + warning);
     }

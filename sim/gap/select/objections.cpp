@@ -19,6 +19,7 @@ constexpr double kNearNoise = 1.0;     // noises that are left
 constexpr double kFlexibleWins = 0.8;  // of the excess square that a name leaves
 constexpr double kAddsToCurve = 0.7;   // of the excess square that the curve leaves
 constexpr double kStillCloses = 0.5;   // with the runs exchanged
+constexpr double kContradicts = 2.0;   // standard deviations
 constexpr double kSameStds = 4.0;      // between the two fits of a strength,
 constexpr double kSameShare = 0.5;     // and of it
 constexpr int kExchangedIterations = 8;
@@ -52,6 +53,27 @@ void add_unknown_parameters(std::vector<std::string>& out, const Selection& sele
     }
     if (any_strength && !known_strength)
       out.push_back(fmt::format("no strength of {} is known to better than itself", effect.info.name));
+  }
+}
+
+// A fit may use an effect for the opposite of what its name says: a drag that grows with the root of the
+// speed is friction that grows from breakaway to sliding.
+void add_contradictions(std::vector<std::string>& out, const Selection& selection) {
+  const Hypothesis& best = selection.best.hypothesis;
+  for (const SelectedTerm& term : selection.selected) {
+    if (!term.is_effect() || library_effect(term.candidate.effect).info.name != StribeckFriction::info.name)
+      continue;
+    const StribeckFriction& friction = *best.model.effects.stribeck_friction;
+    double std = 0.0;
+    for (const Unknown& u : best.unknowns)
+      if (u.effect == term.candidate.effect &&
+          library_effect(u.effect).parameters[u.parameter].role == Role::Strength)
+        std = std::hypot(std, u.value_std());
+    if (friction.sliding - friction.breakaway > kContradicts * std)
+      out.push_back(
+          fmt::format("it would break away at {:.2g} N and need {:.2g} N to keep sliding, the opposite of "
+                      "its name",
+                      friction.breakaway, friction.sliding));
   }
 }
 
@@ -127,6 +149,7 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   if (closed < kHalf && std::sqrt(excess(selection.best.square, fine)) > kNearNoise * fine.noise)
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_unknown_parameters(out, selection, fine);
+  add_contradictions(out, selection);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || is_whole(selection, fine)) return out;
   add_rival(out, selection);

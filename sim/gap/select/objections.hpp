@@ -13,9 +13,9 @@ namespace biopsy::sim::gap {
 bool is_whole(const Selection& selection, const Evidence& evidence);
 
 // Empty where the name stands. It needs: more than half of the gap closed; parameters known to better than
-// themselves; the same with training and held-out runs exchanged; and, where the gap is not wholly closed,
-// less left than by any smooth function of speed, position, input or time. Standard deviations must be
-// estimated.
+// themselves, and not the opposite of what the name says; the same with training and held-out runs exchanged;
+// and, where the gap is not wholly closed, less left than by any smooth function of speed, position, input or
+// time. Standard deviations must be estimated.
 std::vector<std::string> objections(const Selection& selection, const Evidence& coarse, const Evidence& fine);
 
 }  // namespace biopsy::sim::gap

@@ -28,6 +28,7 @@ TEST(Registry, ExplainsEveryCommandBeginningWithItsOwnName) {
         << help.text;
     EXPECT_EQ(help.text, robot::help_of(line, command.name));
     EXPECT_NE(help.text.find(command.summary), std::string::npos);
+    EXPECT_EQ(help.text.find("]("), std::string::npos) << "a link as Markdown: " << help.text;
     if (is_group(entry)) continue;
     EXPECT_NE(help.text.find("Example:\n  biopsy " + command.name), std::string::npos) << help.text;
     EXPECT_FALSE(command.exit_codes.empty()) << command.name;

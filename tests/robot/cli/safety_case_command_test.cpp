@@ -164,10 +164,11 @@ TEST(SoupList, NamesEveryLibraryThatTheProgramLoadsAndEveryPackageOfThePage) {
   }
 }
 
-// A copy of the program has no test programs beside it.
+// In a build tree where only the program was built, as `./dev run` leaves it.
 TEST(SafetyCaseCommand, SaysInOneLineThatNothingIsBuiltAndLeavesNothing) {
   const ScratchFolder folder;
   fs::copy_file(program(), folder / "biopsy");
+  folder.write("source_folder.txt", kSource.string() + "\n");
   const std::string out = (folder / "case").string();
   const Outcome outcome =
       shell("'" + (folder / "biopsy").string() + "' safety-case --quick --out " + out + " 2>&1");

@@ -39,7 +39,7 @@ test('slice number, slider and keys agree', async ({ page }) => {
   await canvas.focus()
   await page.keyboard.press('PageUp')
   await expect.poll(slice).toBe(from + 1)
-  await page.locator('.slice input').focus()
+  await page.getByRole('slider', { name: /slice/ }).focus()
   await page.keyboard.press('ArrowRight')
   await expect.poll(slice).toBe(from + 2)
   const [series, before] = [(await lastEvent(page, 'Opened')).series, await operator.mm('crosshair')]

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What the generator of the messages refuses, with file and line, and what it makes of an IDL it accepts."""
 
+import json
 import sys
 import tempfile
 import unittest
@@ -102,6 +103,15 @@ class Outputs(unittest.TestCase):
         for line in ("Mode mode = Mode::Off;  // what it does", "bool busy = true;", "std::string note;",
                      "std::vector<std::uint8_t> bytes;", "std::array<std::int64_t, 2> at{};"):
             self.assertIn("\n  " + line + "\n", text)
+
+    def test_messages_as_json_have_a_schema_with_their_comments(self):
+        text = outputs_of(GOOD.replace("    long long at[2];", "    long long at_ns;\n    unsigned long long tag[2];"))["robot/msg/json_messages.hpp"]
+        schema = json.loads(text[text.index('R"json(') + 7:text.index(')json"')])
+        self.assertEqual(schema["properties"], {
+            "seq": {"type": "integer"}, "mode": {"type": "string", "enum": ["off", "locked", "on"], "description": "what it does"},
+            "busy": {"type": "boolean"}, "note": {"type": "string"}, "at_ns": {"type": "string"},
+            "tag": {"type": "array", "items": {"type": "string"}}})  # bytes are left out; JavaScript holds no 64 bits
+        self.assertIn('{"at_ns", std::to_string(from.at_ns)}, {"tag", json_value(from.tag)}', text)
 
     def test_the_real_files_give_a_header_without_a_heap_for_safety(self):
         made = generate.outputs(idl.read([ROOM / "bus.idl", ROOM / "console.idl", ROOM / "review.idl"]))

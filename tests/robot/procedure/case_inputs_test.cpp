@@ -1,5 +1,6 @@
 // What a case and its points say of scanner, needle and path. Inputs: case files written here over the
 // built-in phantom's image.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,8 +51,43 @@ TEST(CaseFile, RefusesNeedlesAndSequencesThatAreNone) {
     EXPECT_THROW(case_with(tables), ConfigError) << tables;
 }
 
+// Three points about the scanner's centre, as 3D Slicer writes them.
+const std::string kMarkups = R"({"@schema": "https://x/markups-schema-v1.0.3.json#", "markups": [
+  {"type": "Fiducial", "coordinateSystem": "RAS", "coordinateUnits": "mm", "controlPoints": [
+    {"label": "entry", "position": [1, 2, 3]}, {"label": "target", "position": [4, 5, 6]},
+    {"label": "F-3", "position": [7, 8, 9]}]}]})";
+
+Case case_with_target(const std::string& entries, const std::string& image = "path = \"scan.nii\"") {
+  ScratchFolder folder;
+  write_content(folder / "points.mrk.json", kMarkups);
+  write_content(folder / "case.toml", "[image]\n" + image + "\n[target]\n" + entries);
+  return read_case((folder / "case.toml").string());
+}
+
+TEST(CaseFile, TakesEntryAndTargetFromMarkups) {
+  const Case plain = case_with_target("markups = \"points.mrk.json\"\n");
+  EXPECT_EQ(*plain.p_SE, Point(-1, -2, 3));
+  EXPECT_EQ(*plain.p_ST, Point(-4, -5, 6));
+  EXPECT_EQ(plain.markups.filename(), "points.mrk.json");
+  const Case named =
+      case_with_target("markups = \"points.mrk.json\"\nentry_label = \"target\"\ntarget_label = \"F-3\"\n");
+  EXPECT_EQ(*named.p_SE, Point(-4, -5, 6));
+  EXPECT_EQ(*named.p_ST, Point(-7, -8, 9));
+}
+
+TEST(CaseFile, RefusesMarkupsBesideOtherPoints) {
+  for (const char* entries :
+       {"markups = \"points.mrk.json\"\nentry_ras_mm = [1, 2, 3]\n",
+        "markups = \"points.mrk.json\"\ndepth_mm = 2\n",
+        "markups = \"points.mrk.json\"\ntarget_label = \"F-4\"\n", "markups = \"others.mrk.json\"\n",
+        "entry_ras_mm = [1, 2, 3]\ntarget_ras_mm = [1, 2, 6]\nentry_label = \"entry\"\n"})
+    EXPECT_THROW(case_with_target(entries), ConfigError) << entries;
+  EXPECT_THROW(case_with_target("markups = \"points.mrk.json\"\n", "phantom = \"paper\""), ConfigError);
+}
+
 struct Points : testing::Test {
   ScratchFolder folder, out;
+  std::filesystem::path markups;  // a file that says its frame
   sim::Phantom phantom = sim::paper_phantom({.voxel = Millimetres(0.5)});
 
   // The phantom about the scanner's centre, so that each point has a mirror image in it, or where it was.
@@ -69,6 +105,7 @@ struct Points : testing::Test {
     given.image = folder / "image";
     if (labels != nullptr) given.labels = folder / "labels";
     given.p_SE = p_SE, given.p_ST = p_SE + 4.0 * phantom.axis_S;
+    given.markups = markups;
     if (mirrored)
       for (auto* point : {&given.p_SE, &given.p_ST})
         **point = Point(-(**point).x(), -(**point).y(), (**point).z());
@@ -95,6 +132,11 @@ TEST_F(Points, ThatFitInBothFramesAreAskedBack) {
   EXPECT_TRUE(warns(prepared(true, false), "were the points typed as R, A, S?"));
 }
 
+TEST_F(Points, OfAFileThatSaysItsFrameAreNot) {
+  markups = "points.mrk.json";
+  EXPECT_FALSE(warns(prepared(true, false), "R, A, S?"));
+}
+
 TEST_F(Points, ThatFitInOneFrameAreNot) {
   EXPECT_FALSE(warns(prepared(false, false), "R, A, S?"));
 }
@@ -104,6 +146,35 @@ TEST_F(Points, OnAPathWithoutALabelAreAWarning) {
   for (float& value : labels.voxels) value = value == 3.0F ? 0.0F : value;  // the liver was not drawn
   const PreparedCase gap = prepared(false, false, &labels);
   EXPECT_TRUE(warns(gap, "have no label"));
+}
+
+// The phantom's tissues as 3D Slicer writes a segmentation: numbers of its own, names in the file.
+TEST_F(Points, OnAPathThroughSegmentsMeetTissuesByTheirNames) {
+  const Grid& grid = phantom.labels.grid;
+  const auto vector = [](const Point& v) { return fmt::format("({},{},{})", v.x(), v.y(), v.z()); };
+  std::string file = fmt::format(
+      "NRRD0004\ntype: unsigned char\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
+      "space directions: {} {} {}\nkinds: domain domain domain\nencoding: raw\nspace origin: {}\n"
+      "Segmentation_MasterRepresentation:=Binary labelmap\n",
+      grid.size.x(), grid.size.y(), grid.size.z(), vector(grid.X_SI.linear().col(0)),
+      vector(grid.X_SI.linear().col(1)), vector(grid.X_SI.linear().col(2)), vector(grid.X_SI.translation()));
+  for (int n = 1; n <= 3; ++n)
+    file += fmt::format("Segment{0}_LabelValue:={1}\nSegment{0}_Layer:=0\nSegment{0}_Name:={2}\n", n - 1,
+                        n + 10, phantom.names[static_cast<std::size_t>(n)]);
+  file += '\n';
+  for (const float value : phantom.labels.voxels) file += static_cast<char>(value == 0.0F ? 0 : value + 10);
+  write_content(folder / "tissue.seg.nrrd", file);
+
+  Case given = blank_case();
+  sim::write_dicom_series(phantom.image, folder / "image");
+  given.image = folder / "image";
+  given.labels = folder / "tissue.seg.nrrd";
+  given.p_SE = phantom.p_SE, given.p_ST = phantom.p_SE + 4.0 * phantom.axis_S;
+  const PreparedCase by_name = prepare_run(given, out / "run", {});
+  ASSERT_EQ(by_name.layers.size(), 3U);
+  for (std::size_t n = 0; n < 3; ++n) EXPECT_EQ(by_name.layers[n].name, phantom.names[n + 1]);
+  given.label_names[13] = "spleen";  // the case's word counts
+  EXPECT_EQ(prepare_run(given, out / "run", {}).layers.back().name, "spleen");
 }
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "robot/common/config_error.hpp"
 #include "robot/recorder/log_csv.hpp"
+#include "robot/report/procedure/report.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 
@@ -95,6 +97,28 @@ TEST(McapCore, ReadsEveryMessageAsItIsInTheLog) {
     folder.write("log.mcap", changed);
     EXPECT_NE(std::system(command.c_str()), 0);
   }
+}
+
+// The columns are those of a simulated run, the bodies as the recorder writes them. Mcap.RecordsLiveRuns asks
+// the same of a real log.
+TEST(McapCore, FindsEveryPathOfTheExamplesLayout) {
+  const std::filesystem::path reader = binary_dir() / "mcap_reader";
+  if (!std::filesystem::exists(reader / "node_modules")) GTEST_SKIP() << "without npm and its registry";
+  std::vector<Record> records = drawn_log(0);
+  records.push_back(
+      record_of(records.size() + 1, 9'000'000'000, name_of(RecordKind::Plan), R"({"seal_holds":true})"));
+  report::RunRecord run;
+  for (std::size_t ms = 0; ms < 3'000; ++ms)
+    run.samples.push_back({.time_ms = static_cast<double>(ms),
+                           .mode = std::array{Mode::Safe, Mode::Ready, Mode::Armed}[ms / 1'000]});
+  const ScratchFolder folder;
+  folder.write("run.csv", report::run_csv(run));
+  const CsvTable rows = read_csv(folder / "run.csv");
+  folder.write("log.mcap", log_mcap(records, &rows, "test"));
+  const std::string command = fmt::format("cd {} && node paths.mjs {} {} > {} 2>&1", reader.string(),
+                                          (source_dir() / "docs/examples/foxglove-layout.json").string(),
+                                          (folder / "log.mcap").string(), (folder / "told").string());
+  EXPECT_EQ(std::system(command.c_str()), 0) << file_content(folder / "told");
 }
 
 TEST(LogMcap, PutsTheRunWhereTheLogWentThroughItsStates) {

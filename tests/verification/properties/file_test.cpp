@@ -121,16 +121,18 @@ RC_GTEST_PROP(RunFile, AnyRunIsReadWithinTheDigitsThatAreWritten, ()) {
     sample.stop = static_cast<StopCategory>(*rc::gen::inRange(0, 4));
     sample.step = *rc::gen::inRange<std::uint8_t>(0, 20);
     sample.verdict = static_cast<GateVerdict>(*rc::gen::inRange(0, 11));
+    sample.locked = *rc::gen::arbitrary<bool>();
     record.samples.push_back(sample);
   }
   const console::RunTable read = console::parse_run_table(report::run_csv(record), "run.csv");
-  RC_ASSERT(read.columns.size() == (record.simulated ? 9U : 7U));
+  RC_ASSERT(read.columns.size() == (record.simulated ? 10U : 8U));
   std::size_t span = 0;
   for (std::size_t k = 0; k < record.samples.size(); ++k) {
     const report::Sample& sample = record.samples[k];
     RC_ASSERT(std::abs(read.values[0][k] - 1e-3 * sample.time_ms) < 1e-6);
     RC_ASSERT(std::abs(read.values[1][k] - sample.depth_mm) < 1e-5);  // after time in the table of columns
     RC_ASSERT(std::abs(read.values[3][k] - 1e3 * sample.drive_kV) < 1e-3);
+    RC_ASSERT(read.values.back()[k] == (sample.locked ? 1.0 : 0.0));
     while (span + 1 < read.spans.size() && read.spans[span + 1].from <= read.values[0][k] &&
            (read.spans[span].mode != sample.mode || read.spans[span].stop != sample.stop ||
             read.spans[span].step != sample.step + 1U))

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "robot/common/config_error.hpp"
+#include "robot/common/text/sanitize_text.hpp"
 #include "robot/common/text/strict_number.hpp"
 
 namespace biopsy::imaging {
@@ -28,8 +29,8 @@ std::optional<std::vector<double>> dicom_numbers(DcmItem& item, const DcmTagKey&
   if (text.empty()) return std::nullopt;
   auto numbers = strict_numbers(text, '\\');
   if (!numbers || numbers->size() != count)
-    throw ConfigError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), text, count,
-                                  count == 1 ? "" : "s"),
+    throw ConfigError(fmt::format("{} is \"{:.80}\", not {} number{}", dicom_tag_name(tag), plain(text),
+                                  count, count == 1 ? "" : "s"),
                       file, "export the series again with its original headers");
   return numbers;
 }

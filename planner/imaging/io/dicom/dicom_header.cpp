@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "planner/imaging/io/dicom/dicom_fields.hpp"
+#include "planner/imaging/io/dicom/dicom_frame.hpp"
 #include "planner/imaging/io/dicom/dicom_pixels.hpp"
 #include "planner/imaging/io/dicom/dicom_time.hpp"
 #include "planner/imaging/io/grid_rules.hpp"
@@ -15,60 +16,6 @@
 
 namespace biopsy::imaging {
 namespace {
-
-// The items that hold the attributes of one frame: the data set itself for a classic image, the functional
-// groups of an enhanced one (DICOM PS3.3 C.7.6.16.2), where the frame's own group comes before the shared
-// one.
-struct FrameItems {
-  DcmItem* position = nullptr;
-  DcmItem* orientation = nullptr;
-  DcmItem* measures = nullptr;
-  DcmItem* scale = nullptr;
-};
-
-FrameItems items_of_classic(DcmItem& dataset) {
-  return {&dataset, &dataset, &dataset, &dataset};
-}
-
-FrameItems items_of_frame(DcmItem& dataset, int frame, const std::string& name) {
-  DcmItem* own = nullptr;
-  if (dataset.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, own, frame).bad() || !own)
-    throw ConfigError("the functional groups of this frame are missing", name, "export the series again");
-  DcmItem* shared = dicom_first_item(dataset, DCM_SharedFunctionalGroupsSequence);
-  const auto group = [&](const DcmTagKey& sequence) {
-    DcmItem* found = dicom_first_item(*own, sequence);
-    return !found && shared ? dicom_first_item(*shared, sequence) : found;
-  };
-  const FrameItems items = {group(DCM_PlanePositionSequence), group(DCM_PlaneOrientationSequence),
-                            group(DCM_PixelMeasuresSequence), group(DCM_PixelValueTransformationSequence)};
-  if (!items.position || !items.orientation || !items.measures)
-    throw ConfigError(
-        "plane position, plane orientation or pixel measures are missing from the functional groups", name,
-        "export the series as classic single-frame images");
-  return items;
-}
-
-double number_to_compare(DcmItem& item, const DcmTagKey& tag, const std::string& name) {
-  return dicom_numbers(item, tag, 1, name).value_or(std::vector<double>{0.0}).front();
-}
-
-SlicePlane plane_of(const FrameItems& items, const PixelFormat& format, const std::string& name) {
-  SlicePlane plane;
-  plane.name = name;
-  plane.columns = format.columns;
-  plane.rows = format.rows;
-  const auto position = required_dicom_numbers(*items.position, DCM_ImagePositionPatient, 3, name);
-  const auto orientation = required_dicom_numbers(*items.orientation, DCM_ImageOrientationPatient, 6, name);
-  const auto spacing = required_dicom_numbers(*items.measures, DCM_PixelSpacing, 2, name);
-  plane.p_SV = Eigen::Map<const Eigen::Vector3d>(position.data());
-  plane.along_row = Eigen::Map<const Eigen::Vector3d>(orientation.data());
-  plane.along_column = Eigen::Map<const Eigen::Vector3d>(orientation.data() + 3);
-  plane.spacing_j_mm = spacing[0];  // PS3.3 10.7.1.3: first between rows, then between columns
-  plane.spacing_i_mm = spacing[1];
-  plane.stated_gap_mm = number_to_compare(*items.measures, DCM_SpacingBetweenSlices, name);
-  plane.thickness_mm = number_to_compare(*items.measures, DCM_SliceThickness, name);
-  return plane;
-}
 
 void read_scale(DcmItem& item, DicomSlice& slice) {
   const std::string& name = slice.plane.name;
@@ -100,7 +47,7 @@ void read_slices(DcmItem& dataset, DicomFile& file) {
     const std::string slice_name = enhanced ? fmt::format("{} (frame {})", name, frame + 1) : name;
     const FrameItems items =
         enhanced ? items_of_frame(dataset, frame, slice_name) : items_of_classic(dataset);
-    slice.plane = plane_of(items, format, slice_name);
+    slice.plane = plane_of(items, format.columns, format.rows, slice_name);
     slice.file = file.file;
     slice.frame = frame;
     if (items.scale) read_scale(*items.scale, slice);

@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* kNrrdRemedy =
     "save the volume again as NRRD with raw or gzip encoding, or give the DICOM series";
+constexpr int kLayersMax = 256;
 constexpr std::size_t kHeaderMax = 1 << 20;  // key/value pairs of segmentations reach tens of kilobytes
 
 // Say nothing about where a voxel is or what it holds. The measurement frame concerns vectors and tensors
@@ -35,7 +36,7 @@ const std::set<std::string> kUsed = {"type",         "dimension",   "sizes",    
 using Fields = std::map<std::string, std::string>;
 
 struct HeaderText {
-  Fields fields;
+  Fields fields, keys;
   std::uint64_t length = 0;  // bytes up to and with the empty line
   bool ended = false;        // by an empty line (attached data), or by the end of the file
 };
@@ -51,16 +52,21 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-void take_line(const std::string& line, const std::string& file, Fields& fields) {
+void take_line(const std::string& line, const std::string& file, HeaderText& text) {
   if (line.front() == '#') return;
   const std::size_t colon = line.find(':');
   if (colon == std::string::npos) refuse(fmt::format("header line without a colon: \"{:.60}\"", line), file);
-  if (line.compare(colon, 2, ":=") == 0) return;  // a key of the program that wrote it
+  if (line.compare(colon, 2, ":=") == 0) {  // a key of the program that wrote it
+    const std::string key = line.substr(0, colon);
+    if (!text.keys.emplace(key, line.substr(colon + 2)).second && key.starts_with("Segment"))
+      refuse(fmt::format("key \"{:.60}\" is given twice", key), file);
+    return;
+  }
   std::string name = lower(trimmed(line.substr(0, colon)));
   if (name == "datafile") name = "data file";
   if (kNeedless.contains(name)) return;
   if (!kUsed.contains(name)) refuse(fmt::format("field \"{:.40}\" is not read", name), file);
-  if (!fields.emplace(name, trimmed(line.substr(colon + 1))).second)
+  if (!text.fields.emplace(name, trimmed(line.substr(colon + 1))).second)
     refuse(fmt::format("field \"{}\" is given twice", name), file);
 }
 
@@ -88,7 +94,7 @@ HeaderText read_text(const std::filesystem::path& path) {
       text.ended = true;
       return text;
     }
-    if (line_number > 0) take_line(line, file, text.fields);
+    if (line_number > 0) take_line(line, file, text);
   }
   return text;
 }
@@ -134,23 +140,34 @@ ByteSource::Packing packing_of(const Fields& fields, const std::string& file) {
   refuse(fmt::format("encoding \"{:.20}\" is not read", encoding), file);
 }
 
-Eigen::Vector3i size_of(const Fields& fields, const std::string& file) {
+// Numbers of voxels; before them, where there is a list, that of its layers.
+void read_size(const Fields& fields, NrrdLayers layers, const std::string& file, NrrdHeader& header) {
   const auto dimension = strict_integer(field(fields, "dimension", file));
   if (!dimension || *dimension < 1 || *dimension > 16)
     refuse("field \"dimension\" is not a number from 1 to 16", file);
-  if (*dimension != 3)
+  const bool listed = *dimension == 4 && layers == NrrdLayers::Allowed && fields.contains("kinds") &&
+                      lower(fields.at("kinds")).starts_with("list ");
+  if (*dimension != 3 && !listed)
     refuse(fmt::format("{}-D: only three-dimensional images of one number a voxel are read (no time series, "
                        "colour, vectors)",
                        *dimension),
            file);
-  const auto sizes = strict_numbers(field(fields, "sizes", file), ' ');
-  if (!sizes || sizes->size() != 3) refuse("field \"sizes\" does not hold three numbers", file);
+  auto sizes = strict_numbers(field(fields, "sizes", file), ' ');
+  if (!sizes || sizes->size() != (listed ? 4U : 3U))
+    refuse(fmt::format("field \"sizes\" does not hold {} numbers", listed ? "four" : "three"), file);
   for (double size : *sizes)
     if (size < 0 || size > 1e6 || size != std::floor(size))
       refuse("field \"sizes\" holds an impossible number", file);
-  Eigen::Vector3i size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
-  refuse_bad_size(size, file);
-  return size;
+  if (listed) {
+    if (sizes->front() < 1 || sizes->front() > kLayersMax)
+      refuse(fmt::format("{} layers: 1 to {} are read", sizes->front(), kLayersMax), file);
+    header.layers = static_cast<int>(sizes->front());
+    sizes->erase(sizes->begin());
+  }
+  header.grid.size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
+  refuse_bad_size(header.grid.size, file);
+  if (header.layers * header.grid.size.cast<double>().prod() > kVoxelsMax)
+    refuse(fmt::format("{} layers of that size are more than 2^31 voxels", header.layers), file);
 }
 
 // Signs that carry the named space to LPS.
@@ -163,14 +180,18 @@ Eigen::Vector3d signs_to_lps(const Fields& fields, const std::string& file) {
   refuse(fmt::format("space \"{:.40}\" does not say where left, posterior and superior are", space), file);
 }
 
-// The vectors "(a,b,c) (d,e,f) ..." of a field, exactly `count` of them.
+// The vectors "(a,b,c) (d,e,f) ..." of a field, exactly `count` of them; behind "none" for a list.
 std::vector<Eigen::Vector3d> vectors(const Fields& fields, const char* name, std::size_t count,
-                                     const std::string& file) {
+                                     const std::string& file, bool listed = false) {
   std::string_view rest = trimmed(field(fields, name, file));
   std::vector<Eigen::Vector3d> result;
   const auto bad = [&] {
     refuse(fmt::format("field \"{}\" does not hold {} vectors of three numbers", name, count), file);
   };
+  if (listed) {
+    if (!rest.starts_with("none ")) bad();
+    rest = trimmed(rest.substr(5));
+  }
   while (!rest.empty()) {
     const std::size_t close = rest.find(')');
     if (rest.front() != '(' || close == std::string_view::npos) bad();
@@ -183,7 +204,7 @@ std::vector<Eigen::Vector3d> vectors(const Fields& fields, const char* name, std
   return result;
 }
 
-void refuse_odd_units_and_kinds(const Fields& fields, const std::string& file) {
+void refuse_odd_units_and_kinds(const Fields& fields, bool listed, const std::string& file) {
   if (fields.contains("space units")) {
     std::string units = fields.at("space units");
     std::erase_if(units, [](char c) { return c == '"' || c == ' '; });
@@ -191,7 +212,7 @@ void refuse_odd_units_and_kinds(const Fields& fields, const std::string& file) {
       refuse(fmt::format("space units {:.40} are not mm", fields.at("space units")), file);
   }
   if (!fields.contains("kinds")) return;
-  const std::string kinds = lower(fields.at("kinds")) + ' ';
+  const std::string kinds = lower(fields.at("kinds")).substr(listed ? 5 : 0) + ' ';
   for (std::size_t at = 0, end; (end = kinds.find(' ', at)) != std::string::npos; at = end + 1) {
     const std::string kind = kinds.substr(at, end - at);
     if (!kind.empty() && kind != "domain" && kind != "space" && kind != "???" && kind != "none")
@@ -228,18 +249,20 @@ void find_data(const std::filesystem::path& path, const HeaderText& text, NrrdHe
 
 }  // namespace
 
-NrrdHeader read_nrrd_header_fields(const std::filesystem::path& path) {
+NrrdHeader read_nrrd_header_fields(const std::filesystem::path& path, NrrdLayers layers) {
   const std::string file = path.string();
   const HeaderText text = read_text(path);
   NrrdHeader header;
-  header.grid.size = size_of(text.fields, file);
+  header.keys = text.keys;
+  read_size(text.fields, layers, file, header);
+  const bool listed = strict_integer(text.fields.at("dimension")) == 4;
   header.coding.type = type_of(text.fields, file);
   header.packing = packing_of(text.fields, file);
   header.coding.swapped = swapped_bytes(text.fields, header.coding.type, file);
-  refuse_odd_units_and_kinds(text.fields, file);
+  refuse_odd_units_and_kinds(text.fields, listed, file);
 
   const Eigen::Vector3d signs = signs_to_lps(text.fields, file);
-  const auto directions = vectors(text.fields, "space directions", 3, file);
+  const auto directions = vectors(text.fields, "space directions", 3, file, listed);
   for (int axis = 0; axis < 3; ++axis)
     header.grid.X_SI.linear().col(axis) = signs.cwiseProduct(directions[static_cast<std::size_t>(axis)]);
   header.grid.X_SI.translation() = signs.cwiseProduct(vectors(text.fields, "space origin", 1, file).front());

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,17 +15,24 @@
 namespace biopsy::imaging {
 
 struct NrrdHeader {
-  Grid grid;  // LPS mm
+  Grid grid;       // LPS mm
+  int layers = 1;  // volumes on the grid: of each voxel one number a layer, together
   VoxelCoding coding;
   ByteSource::Packing packing = ByteSource::Packing::Plain;
   std::filesystem::path data_file;  // the header's own file unless the data are detached
   std::uint64_t data_offset = 0;    // bytes into data_file as it lies on the disk
   std::uint64_t data_skip = 0;      // unpacked bytes before the data: the header of a file packed as a whole
+  std::map<std::string, std::string> keys;  // of the program that wrote it: "key:=value"
 };
 
-// Throws ConfigError naming file and reason: not NRRD, other than three spatial dimensions, no or unknown
+// A list of volumes on one grid, as in a segmentation whose segments overlap.
+enum class NrrdLayers { Refused, Allowed };
+
+// Throws ConfigError naming file and reason: not NRRD, other than three spatial dimensions (and, where it is
+// allowed, a list before them), no or unknown
 // anatomical space, missing or bad directions or origin, colour, vectors, unsupported encoding, units other
 // than mm.
-NrrdHeader read_nrrd_header_fields(const std::filesystem::path& file);
+NrrdHeader read_nrrd_header_fields(const std::filesystem::path& file,
+                                   NrrdLayers layers = NrrdLayers::Refused);
 
 }  // namespace biopsy::imaging

@@ -1,6 +1,5 @@
 #include "planner/imaging/io/nrrd/nrrd_reader.hpp"
 
-#include "planner/imaging/io/nrrd/nrrd_header.hpp"
 #include "planner/imaging/io/voxel_type.hpp"
 
 namespace biopsy::imaging {
@@ -36,10 +35,15 @@ Volume read_nrrd_header(const std::filesystem::path& file) {
 }
 
 Volume read_nrrd(const std::filesystem::path& file) {
-  const NrrdHeader header = read_nrrd_header_fields(file);
+  return read_nrrd_layers(file, read_nrrd_header_fields(file));
+}
+
+Volume read_nrrd_layers(const std::filesystem::path& file, const NrrdHeader& header) {
   Volume volume = volume_without_voxels(file, header);
   ByteSource source = open_data(header);
+  volume.grid.size.x() *= header.layers;  // as they lie in the file
   read_voxels(source, header.coding, header.data_file.string(), volume);
+  volume.grid.size.x() = header.grid.size.x();
   if (source.rest() > 0) volume.warnings.push_back("the file holds more bytes than its header accounts for");
   return volume;
 }

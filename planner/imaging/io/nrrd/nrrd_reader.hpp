@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "planner/imaging/io/nrrd/nrrd_header.hpp"
 #include "robot/msg/volume.hpp"
 
 namespace biopsy::imaging {
@@ -16,5 +17,8 @@ Volume read_nrrd_header(const std::filesystem::path& file);
 
 // The same with the voxels as stored.
 Volume read_nrrd(const std::filesystem::path& file);
+
+// The same of a header that was read; of layers `header.layers` numbers a voxel, together.
+Volume read_nrrd_layers(const std::filesystem::path& file, const NrrdHeader& header);
 
 }  // namespace biopsy::imaging

@@ -78,6 +78,24 @@ TEST(GapWithTerm, ProposesNothingWhereAnEffectIsNamed) {
   EXPECT_FALSE(finding.proposed);
 }
 
+// Drag that grows with the root of the speed resembles friction that grows from breakaway to sliding:
+// Stribeck friction the other way round.
+TEST(GapWithTerm, ADragOfTheRootOfTheSpeedIsNoFriction) {
+  for (const std::uint64_t seed : {85, 86, 87}) {
+    Dice dice(seed);
+    LawRig rig = drawn_rig(dice);
+    rig.law.force = [](const LawPoint& p) {
+      return -0.4 * p.v / std::sqrt(0.05 * std::max(std::abs(p.v), 1e-3));
+    };
+    const std::string model = law_rig_model(rig, dice);
+    const GapFinding finding =
+        sim::gap::find_gap(law_recording(rig, kWholeNoise, seed), sim::parse_model(model, "rig.toml"), {})
+            .finding;
+    EXPECT_EQ(finding.verdict, GapVerdict::Unexplained) << seed;
+    EXPECT_TRUE(finding.effects.empty()) << seed << " " << finding.effects.front().name;
+  }
+}
+
 TEST(GapWithTerm, ProposesNothingWhereNothingIsMissingOrNoForceIs) {
   for (const auto& [shocks, wander] : std::vector<std::pair<double, double>>{{0, 0}, {1.0, 0}, {0, 5e-4}}) {
     Dice dice(84);

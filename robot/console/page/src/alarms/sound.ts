@@ -34,14 +34,18 @@ let context: AudioContext | null = null
 export const muted = signal(true) // the browser lets a page sound only after its first click or key
 
 function unlock(): void {
+  if (!muted.value) return
   context ??= new AudioContext()
   void context.resume().then(() => (muted.value = context!.state !== 'running'))
 }
 for (const input of ['pointerdown', 'keydown'] as const) window.addEventListener(input, unlock)
 
 let sounding: OscillatorNode[] = []
-function play({ starts_s, pulse_s, tone_Hz }: Burst): void {
-  if (!context || context.state !== 'running') return
+async function play({ starts_s, pulse_s, tone_Hz }: Burst, wanted: () => boolean): Promise<void> {
+  if (!context) return
+  await context.resume()
+  muted.value = context.state !== 'running'
+  if (muted.value || !wanted()) return
   const wave = context.createPeriodicWave(new Float32Array(kHarmonics.length), new Float32Array(kHarmonics))
   const from = context.currentTime + 0.02
   sounding = starts_s.map((start) => {
@@ -65,14 +69,21 @@ function hush(): void {
   sounding = []
 }
 
-// A burst at once when the loudest alarm changes, then again and again.
+// A burst at once when the loudest alarm changes, then again and again. A context that plays silence costs a hundredth of a
+// core and more, so that it is suspended while there is nothing to hear.
 const quiet = computed(() => pausedLeft_s.value > 0)
 effect(() => {
   const severity = loudest.value
-  if (!severity || quiet.value || muted.value) return
-  play(kBursts[severity])
-  const timer = setInterval(() => play(kBursts[severity]), 1000 * kBursts[severity].again_s)
+  if (!severity || quiet.value || muted.value) {
+    if (!muted.value) void context?.suspend()
+    return
+  }
+  let wanted = true
+  const burst = () => void play(kBursts[severity], () => wanted)
+  burst()
+  const timer = setInterval(burst, 1000 * kBursts[severity].again_s)
   return () => {
+    wanted = false
     clearInterval(timer)
     hush()
   }

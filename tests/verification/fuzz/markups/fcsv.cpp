@@ -1,0 +1,5 @@
+#include "tests/verification/fuzz/markups/markups.hpp"
+
+FUZZ(fcsv) {
+  biopsy::fuzz::read_points("points.fcsv", bytes);
+}
