@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "planner/imaging/depth_check/prediction.hpp"
 #include "robot/common/statistics.hpp"
@@ -40,6 +40,31 @@ void learn_noise(const std::vector<float>& steepness, double needle_mm, std::siz
     CorridorVoxel& voxel = corridor.voxels[first + n];
     const double model = kModelError * static_cast<double>(voxel.predicted);
     voxel.variance = static_cast<float>(noise * noise + std::pow(misfit_mm * slopes[n], 2) + model * model);
+  }
+}
+
+// Where the before image tells less (another contrast, motion of its own) its errors are larger all around: a
+// variance of the whole corridor would let such places outweigh a needle. From the tissue beside it.
+void vary_noise(const Grid& grid, double needle_mm, std::size_t first, Corridor& corridor) {
+  constexpr double kReach_mm = 12.0;  // wider than the needle's surroundings, which are not asked
+  constexpr float kSquareMost = 16.0f, kLeast = 0.25f;
+  Volume squares;
+  squares.grid = grid;
+  squares.voxels.assign(grid.voxel_count(), 0.0f);
+  Volume one = squares;
+  for (std::size_t n = first; n < corridor.voxels.size(); ++n) {
+    const CorridorVoxel& voxel = corridor.voxels[n];
+    if (std::hypot(voxel.u, voxel.v) < static_cast<float>(needle_mm)) continue;
+    const float change = voxel.measured - voxel.predicted;
+    one.voxels[voxel.cell] = 1.0f;
+    squares.voxels[voxel.cell] = std::min(change * change / voxel.variance, kSquareMost);
+  }
+  one = box_averaged(std::move(one), kReach_mm);
+  squares = box_averaged(std::move(squares), kReach_mm);
+  for (std::size_t n = first; n < corridor.voxels.size(); ++n) {
+    CorridorVoxel& voxel = corridor.voxels[n];
+    const float asked = one.voxels[voxel.cell];
+    if (asked > 0.02f) voxel.variance *= std::max(squares.voxels[voxel.cell] / asked, kLeast);
   }
 }
 
@@ -124,6 +149,7 @@ void add_stack(const Predicted& predicted, const CorridorSettings& settings, Cor
         steepness.push_back(predicted.before.steepness.voxels[n]);
       }
   learn_noise(steepness, settings.needle_mm, first, corridor);
+  vary_noise(after.grid, settings.needle_mm, first, corridor);
 }
 
 }  // namespace

@@ -65,11 +65,18 @@ Prediction predicted(const Volume& before, const Volume& after, const TissueMoti
         result.steepness.voxels[n] = static_cast<float>(gradient.norm());
       }
   const BrightnessMap map = learn_brightness(after, result.value, needle);
-  for (n = 0; n < result.value.voxels.size(); ++n) {
-    float& value = result.value.voxels[n];  // stays NaN where it is
-    if (std::isfinite(value)) value = std::max(map.offset.voxels[n] + map.slope.voxels[n] * value, 0.0f);
-    result.steepness.voxels[n] *= map.slope.voxels[n];
-  }
+  const Sampler slope(map.slope), offset(map.offset);
+  n = 0;
+  for (int k = 0; k < grid.size.z(); ++k)
+    for (int j = 0; j < grid.size.y(); ++j)
+      for (int i = 0; i < grid.size.x(); ++i, ++n) {
+        float& value = result.value.voxels[n];
+        if (!std::isfinite(value)) continue;
+        const Point p_S = grid.X_SI * Eigen::Vector3d(i, j, k);
+        const auto gain = static_cast<float>(slope.at(p_S));
+        value = std::max(static_cast<float>(offset.at(p_S)) + gain * value, 0.0f);
+        result.steepness.voxels[n] *= gain;
+      }
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "planner/imaging/depth_check/control_places.hpp"
 #include "planner/imaging/depth_check/void_shape.hpp"
@@ -171,56 +172,12 @@ class Fitting {
   std::vector<std::uint32_t> used_;
 };
 
-struct Fitted {
-  VoidFit fit;
-  VoidVector x = VoidVector::Zero();
-  VoidLine about;  // whose surroundings were fitted
-  double about_mm = 0.0;
-};
-
-Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
-              const std::vector<double>& starts_mm, std::size_t voxels_max) {
-  const Fitting fitting(corridor, line, depth_mm, voxels_max);
-  Fitted best{{}, fitting.start(line, depth_mm), line, depth_mm};
-  double least = 1e300;
-  for (double apart : starts_mm) {
-    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
-    const double cost = fitting.cost(x);
-    if (cost < least) least = cost, best.x = x;
-  }
-  VoidFit& fit = best.fit;
-  const VoidShape shape = fitting.shape(best.x);
-  fit.line = shape.line;
-  fit.depth_mm = shape.depth;
-  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
-  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
-  fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
-  fit.loss = std::clamp(best.x[kLoss], 0.0, kLossMost);
-  fit.chi2 = least - fitting.prior_cost(best.x);
-  VoidVector nothing = best.x;
-  nothing[kLoss] = 0.0;
-  fit.gain = fitting.cost(nothing) - fitting.prior_cost(nothing) - fit.chi2;
-  fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
-  return best;
-}
-
-}  // namespace
-
-VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
-  Fitted best;
-  for (const LineCandidate& candidate : candidates) {
-    const Fitted one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
-    if (one.fit.gain > best.fit.gain) best = one;
-  }
-  if (best.fit.gain <= 0.0) return best.fit;
-  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
-  best = fitted(corridor, best.fit.line, best.fit.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
-  VoidFit fit = best.fit;
-  const Fitting fitting(corridor, best.about, best.about_mm, kVoxelsMax);
+// The errors of a fit, as measured beside it.
+void measure_errors(const Corridor& corridor, const Fitting& fitting, const VoidVector& x, VoidFit& fit) {
   VoidMatrix normal;
   VoidVector right;
   std::vector<TemplateVoxel> slopes;
-  fitting.normal_equations(best.x, normal, right, &slopes);
+  fitting.normal_equations(x, normal, right, &slopes);
   normal.diagonal().array() += 1e-9;
   const VoidMatrix alone = normal.inverse();  // covariance if voxels erred alone
   const double clear_mm = fit.line.radius_mm + fit.soft_mm + 1.0;
@@ -235,7 +192,48 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
   information = std::max(information, 1e-9);
   fit.inflation = std::max(worse * (control.loss_alone / information + 1.0), 1.0);
   fit.loss_sigma = std::sqrt(fit.inflation / information);
+}
+
+VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
+               const std::vector<double>& starts_mm, std::size_t voxels_max) {
+  const Fitting fitting(corridor, line, depth_mm, voxels_max);
+  VoidVector best = fitting.start(line, depth_mm);
+  double least = 1e300;
+  for (double apart : starts_mm) {
+    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
+    const double cost = fitting.cost(x);
+    if (cost < least) least = cost, best = x;
+  }
+  VoidFit fit;
+  const VoidShape shape = fitting.shape(best);
+  fit.line = shape.line;
+  fit.depth_mm = shape.depth;
+  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
+  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
+  fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
+  fit.loss = std::clamp(best[kLoss], 0.0, kLossMost);
+  fit.chi2 = least - fitting.prior_cost(best);
+  VoidVector nothing = best;
+  nothing[kLoss] = 0.0;
+  fit.gain = fitting.cost(nothing) - fitting.prior_cost(nothing) - fit.chi2;
+  fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
+  if (fit.gain > 0.0) measure_errors(corridor, fitting, best, fit);
   return fit;
+}
+
+}  // namespace
+
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
+  VoidFit best;
+  for (const LineCandidate& candidate : candidates) {
+    const VoidFit one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
+    // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
+    const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
+    if (one.gain > 0.0 && worth(one) > worth(best)) best = one;
+  }
+  if (best.gain <= 0.0) return best;
+  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
+  return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
 }
 
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,

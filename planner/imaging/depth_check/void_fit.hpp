@@ -26,6 +26,8 @@ struct VoidFit {
   double inflation = 1.0;
   std::size_t control_places = 0;  // where it was measured
 
+  // By how many standard deviations signal is lost; 0 where no place beside it tells how large they are.
+  double evidence() const { return control_places > 0 ? loss / std::max(loss_sigma, 1e-6) : 0.0; }
   double sigma(VoidParameter p) const { return std::sqrt(std::max(covariance(p, p), 0.0)); }
 };
 

@@ -7,7 +7,7 @@ namespace biopsy::imaging {
 
 // after = offset + slope . before, both varying slowly over the image.
 struct BrightnessMap {
-  Volume slope, offset;  // on the after image's grid
+  Volume slope, offset;  // on a grid of cells that covers the after image's
 };
 
 // `before` lies on the after image's grid, NaN where it is unknown. Learned from tissue outside the needle's

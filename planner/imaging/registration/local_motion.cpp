@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "planner/imaging/registration/brightness.hpp"
 #include "robot/common/statistics.hpp"
@@ -12,10 +13,10 @@
 namespace biopsy::imaging {
 namespace {
 
-// One stack of the after image at one scale, with what is needed to compare its voxels.
+// One stack of the after image at one scale: a lattice of places, and how bright what is expected is there.
 struct Compared {
-  Volume after;
-  BrightnessMap brightness;
+  Volume after, slope, offset;
+  double alike;  // voxels that err together, for they were smoothed: so many count as one
 };
 
 Volume moved(const Sampler& before, const Grid& grid, const TissueMotion& motion, Volume onto) {
@@ -25,6 +26,25 @@ Volume moved(const Sampler& before, const Grid& grid, const TissueMotion& motion
         onto.voxels[grid.index(i, j, k)] =
             static_cast<float>(before.at(motion.before(grid.X_SI * Eigen::Vector3d(i, j, k))));
   return onto;
+}
+
+Volume sampled(const Volume& cells, Volume onto) {
+  const Sampler sampler(cells);
+  std::size_t n = 0;
+  for (int k = 0; k < onto.grid.size.z(); ++k)
+    for (int j = 0; j < onto.grid.size.y(); ++j)
+      for (int i = 0; i < onto.grid.size.x(); ++i, ++n)
+        onto.voxels[n] = static_cast<float>(sampler.at(onto.grid.X_SI * Eigen::Vector3d(i, j, k)));
+  return onto;
+}
+
+Compared compared(Volume after, const Sampler& before, const TissueMotion& motion, const NeedleMask& mask,
+                  double sigma_mm) {
+  const BrightnessMap map = learn_brightness(after, moved(before, after.grid, motion, after), mask);
+  // White noise, smoothed: the noise of places nearer than 2 sqrt(pi) sigma is one.
+  const double one_mm = 2.0 * std::sqrt(std::numbers::pi) * sigma_mm;
+  const double alike = (one_mm / after.grid.spacing_mm().array()).max(1.0).prod();
+  return {after, sampled(map.slope, after), sampled(map.offset, after), alike};
 }
 
 // Calls `use(place, index)` for voxels of the lattice's reach that the mask leaves.
@@ -60,9 +80,8 @@ class LocalFit {
 
  private:
   double error_at(const Compared& stack, std::size_t index, double value) const {
-    return static_cast<double>(stack.after.voxels[index]) -
-           static_cast<double>(stack.brightness.offset.voxels[index]) -
-           static_cast<double>(stack.brightness.slope.voxels[index]) * value;
+    return static_cast<double>(stack.after.voxels[index]) - static_cast<double>(stack.offset.voxels[index]) -
+           static_cast<double>(stack.slope.voxels[index]) * value;
   }
 
   void add_data(const TissueMotion& motion, Eigen::MatrixXd& normal, Eigen::VectorXd& right) const {
@@ -75,7 +94,7 @@ class LocalFit {
                      });
       if (sizes.size() < 100) continue;
       const double sigma = std::max(kMadToSigma * median(std::move(sizes)), 1e-9), limit = 4.685 * sigma;
-      const double worth = 1.0 / (sigma * sigma * settings_.voxels_alike);
+      const double worth = 1.0 / (sigma * sigma * stack.alike);
       for_each_place(stack.after, mask_, motion.local,
                      [&](const Point& p_S, std::size_t index, const DisplacementField::Nodes& nodes) {
                        double value;
@@ -84,7 +103,7 @@ class LocalFit {
                        const double error = error_at(stack, index, value);
                        if (std::abs(error) >= limit) return;
                        const double weight = worth * std::pow(1.0 - std::pow(error / limit, 2), 2);
-                       gradient *= static_cast<double>(stack.brightness.slope.voxels[index]);
+                       gradient *= static_cast<double>(stack.slope.voxels[index]);
                        const Eigen::Matrix3d square = weight * gradient * gradient.transpose();
                        for (int a = 0; a < 8; ++a) {
                          const auto row = 3 * static_cast<Eigen::Index>(nodes.node[a]);
@@ -176,9 +195,8 @@ DisplacementField register_local(const Volume& before, std::span<const Volume> a
     const Sampler sampler(smooth);
     std::vector<Compared> stacks;
     for (const Volume& stack : after) {
-      Volume one = smoothed(stack, sigma_mm);
-      BrightnessMap brightness = learn_brightness(one, moved(sampler, one.grid, motion, one), mask);
-      stacks.push_back({std::move(one), std::move(brightness)});
+      stacks.push_back(
+          compared(thinned(smoothed(stack, sigma_mm), 2.0 * sigma_mm), sampler, motion, mask, sigma_mm));
     }
     const LocalFit fit(smooth, stacks, mask, settings);
     for (int n = 0; n < 3; ++n) fit.improve(motion);

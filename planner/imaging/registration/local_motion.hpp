@@ -48,9 +48,8 @@ struct TissueMotion {
 struct LocalMotionSettings {
   double from_mm = -30.0, to_mm = 60.0, radius_mm = 25.0;  // about the needle's path
   double spacing_mm = 15.0;                                // of the nodes
-  double strain = 0.05;       // of tissue, one standard deviation: how far neighbouring nodes may part
-  double reach_mm = 3.0;      // of a displacement, one standard deviation
-  double voxels_alike = 8.0;  // that err together: so many count as one
+  double strain = 0.05;   // of tissue, one standard deviation: how far neighbouring nodes may part
+  double reach_mm = 3.0;  // of a displacement, one standard deviation
 };
 
 // Least squares over all voxels near the path but those under the mask, which the field bridges smoothly.
