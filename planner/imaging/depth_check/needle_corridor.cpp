@@ -160,7 +160,10 @@ Corridor needle_corridor(const Volume& before, std::span<const Volume> after,
   Corridor corridor;
   corridor.frame = frame;
   corridor.radius_mm = settings.radius_mm;
-  const NeedleMask mask{frame, settings.from_mm, settings.to_mm, settings.needle_mm};
+  constexpr double kMargin_mm = 5.0;  // of what surrounds the corridor, to match brightness
+  const NeedleMask mask{frame, settings.from_mm, settings.to_mm, settings.needle_mm},
+      reach{frame, settings.from_mm - kMargin_mm, settings.to_mm + kMargin_mm,
+            settings.radius_mm + kMargin_mm};
   TissueMotion tissue{motion.X_after_before.inverse(), {}};
   if (motion.points > 0)
     tissue.local = register_local(
@@ -169,7 +172,7 @@ Corridor needle_corridor(const Volume& before, std::span<const Volume> after,
   std::vector<Predicted> stacks;
   for (const Volume& stack : after) {
     if (stack.voxels.empty() || before.voxels.empty()) continue;
-    stacks.push_back({&stack, predicted(before, stack, tissue, mask)});
+    stacks.push_back({&stack, predicted(before, stack, tissue, mask, reach)});
   }
   find_coverage(stacks, settings, corridor);
   for (const Predicted& stack : stacks) add_stack(stack, settings, corridor);

@@ -37,7 +37,7 @@ std::vector<Eigen::Vector3d> places_in_voxel(const Grid& before, const Grid& aft
 }  // namespace
 
 Prediction predicted(const Volume& before, const Volume& after, const TissueMotion& motion,
-                     const NeedleMask& needle) {
+                     const NeedleMask& needle, const NeedleMask& reach) {
   Prediction result{after, after};
   const Sampler sampler(before);
   const AffineTransform X_IS = before.grid.X_SI.inverse();
@@ -50,6 +50,8 @@ Prediction predicted(const Volume& before, const Volume& after, const TissueMoti
         double value = std::numeric_limits<double>::quiet_NaN();
         Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
         const Eigen::Vector3d centre(i, j, k);
+        result.value.voxels[n] = std::numeric_limits<float>::quiet_NaN();
+        if (!reach.covers(grid.X_SI * centre)) continue;
         const Point p_before = motion.before(grid.X_SI * centre);
         if (well_inside(before.grid, X_IS * p_before)) sampler.at(p_before, value, gradient);
         if (places.size() > 1 && std::isfinite(value)) {

@@ -5,13 +5,14 @@
 
 namespace biopsy::imaging {
 
-// On the after image's grid; NaN where the before image does not know.
+// On the after image's grid; NaN where the before image does not know, and out of reach.
 struct Prediction {
   Volume value, steepness;  // steepness per mm
 };
 
-// The before image, moved, averaged over the after image's voxels and matched in brightness.
+// The before image, moved, averaged over the after image's voxels and matched in brightness, within `reach`
+// of the needle's path.
 Prediction predicted(const Volume& before, const Volume& after, const TissueMotion& motion,
-                     const NeedleMask& needle);
+                     const NeedleMask& needle, const NeedleMask& reach);
 
 }  // namespace biopsy::imaging

@@ -191,12 +191,12 @@ DisplacementField register_local(const Volume& before, std::span<const Volume> a
   TissueMotion motion{X_before_after, DisplacementField(mask.frame, settings.from_mm, settings.to_mm,
                                                         settings.radius_mm, settings.spacing_mm)};
   for (const double sigma_mm : {1.5, 0.7}) {
-    const Volume smooth = smoothed(before, sigma_mm);
+    const Volume smooth = smoothed_coarse(before, sigma_mm);
     const Sampler sampler(smooth);
     std::vector<Compared> stacks;
     for (const Volume& stack : after) {
-      stacks.push_back(
-          compared(thinned(smoothed(stack, sigma_mm), 2.0 * sigma_mm), sampler, motion, mask, sigma_mm));
+      stacks.push_back(compared(thinned(smoothed_coarse(stack, sigma_mm), 2.5 * sigma_mm), sampler, motion,
+                                mask, sigma_mm));
     }
     const LocalFit fit(smooth, stacks, mask, settings);
     for (int n = 0; n < 3; ++n) fit.improve(motion);

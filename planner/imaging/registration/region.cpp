@@ -84,6 +84,30 @@ Volume smoothed(const Volume& volume, double sigma_mm) {
   return result;
 }
 
+Volume smoothed_coarse(const Volume& volume, double sigma_mm) {
+  const Grid& grid = volume.grid;
+  Eigen::Vector3i side = (sigma_mm / grid.spacing_mm().array()).floor().max(1.0).cast<int>();
+  side.z() = 1;  // a stack of few slices stays one
+  side = side.cwiseMin(grid.size).cwiseMax(1);
+  if (side == Eigen::Vector3i::Ones()) return smoothed(volume, sigma_mm);
+  Volume coarse;
+  coarse.identity = volume.identity;
+  coarse.format = volume.format;
+  coarse.grid.size = grid.size.cwiseQuotient(side);  // whole blocks only
+  coarse.grid.X_SI = grid.X_SI;
+  coarse.grid.X_SI.linear() = grid.X_SI.linear() * side.cast<double>().asDiagonal();
+  coarse.grid.X_SI.translation() = grid.X_SI * (0.5 * (side.cast<double>().array() - 1.0)).matrix();
+  coarse.voxels.assign(coarse.grid.voxel_count(), 0.0f);
+  const Eigen::Vector3i used = coarse.grid.size.cwiseProduct(side);
+  const float share = 1.0f / static_cast<float>(side.prod());
+  for (int k = 0; k < used.z(); ++k)
+    for (int j = 0; j < used.y(); ++j)
+      for (int i = 0; i < used.x(); ++i)
+        coarse.voxels[coarse.grid.index(i / side.x(), j / side.y(), k / side.z())] +=
+            share * volume.at(i, j, k);
+  return smoothed(coarse, sigma_mm);
+}
+
 Volume box_averaged(Volume volume, double half_mm) {
   const Eigen::Vector3i& size = volume.grid.size;
   const Eigen::Vector3i half = (half_mm / volume.grid.spacing_mm().array()).floor().cast<int>();

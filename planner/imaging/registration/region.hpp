@@ -30,6 +30,9 @@ Volume thinned(const Volume& volume, double step_mm);
 // Gaussian of the given standard deviation in mm along each voxel axis; borders repeat their last voxel.
 Volume smoothed(const Volume& volume, double sigma_mm);
 
+// Smoothed likewise, with pixels as large as the smoothing leaves detail: of fine images a small part.
+Volume smoothed_coarse(const Volume& volume, double sigma_mm);
+
 // Means over a box of `half_mm` to all sides, by running sums: a wide one costs no more than a narrow one.
 // Borders repeat their last voxel.
 Volume box_averaged(Volume volume, double half_mm);

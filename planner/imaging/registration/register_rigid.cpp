@@ -295,7 +295,7 @@ RegistrationSettings within_images(std::span<const Volume> after, RegistrationSe
 
 std::vector<Volume> all_smoothed(std::span<const Volume> after, double sigma_mm) {
   std::vector<Volume> result;
-  for (const Volume& stack : after) result.push_back(smoothed(stack, sigma_mm));
+  for (const Volume& stack : after) result.push_back(smoothed_coarse(stack, sigma_mm));
   return result;
 }
 
@@ -309,7 +309,8 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
   // Places enough to average noise out, few enough for a tenth of a second.
   constexpr double kCoarse = 4000.0, kFine = 30000.0;
   const double coarse_step = std::cbrt(sides.prod() / kCoarse), fine_step = std::cbrt(sides.prod() / kFine);
-  Volume before_coarse = smoothed(before, 0.7 * coarse_step), before_fine = smoothed(before, 0.5 * fine_step);
+  Volume before_coarse = smoothed_coarse(before, 0.7 * coarse_step),
+         before_fine = smoothed_coarse(before, 0.5 * fine_step);
   std::vector<Volume> after_coarse = all_smoothed(after, 0.7 * coarse_step),
                       after_fine = all_smoothed(after, 0.5 * fine_step);
   const Volume before_plain = before_fine;  // which `plain` reads on

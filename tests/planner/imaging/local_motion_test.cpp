@@ -27,7 +27,7 @@ struct LocalMotion : testing::Test {
   Grid grid = scene::grid(0.9, 3.0);
   Volume before = scene::imaged(scene::grid(0.7, 2.5), [](const Point& p) { return scene::tissue(p); });
   NeedleFrame frame = needle_frame(grid, scene::kEntry, scene::kAxis);
-  NeedleMask mask{frame, -30.0, 50.0, 8.0};
+  NeedleMask mask{frame, -30.0, 50.0, 8.0}, everywhere{frame, -200.0, 200.0, 200.0};
 
   DisplacementField found(const Volume& after) const {
     return register_local(before, std::span(&after, 1), RigidTransform::Identity(), mask,
@@ -87,7 +87,7 @@ TEST_F(LocalMotion, BrightnessFollowsASaturationBandAndAnotherContrast) {
     return band * (80.0 + 0.7 * scene::tissue(p));
   };
   const Volume after = scene::imaged(grid, seen);
-  const Prediction prediction = predicted(before, after, {}, mask);
+  const Prediction prediction = predicted(before, after, {}, mask, everywhere);
   double left = 0.0, total = 0.0;
   for (std::size_t n = 0; n < after.voxels.size(); ++n) {
     if (!std::isfinite(prediction.value.voxels[n])) continue;
@@ -101,7 +101,7 @@ TEST_F(LocalMotion, BrightnessOfAVoidIsNotLearned) {
   const Volume after = scene::imaged(grid, [](const Point& p) {
     return scene::tissue(p) * scene::left_by_needle(p, scene::kEntry, scene::kAxis, 20.0, 2.5);
   });
-  const Prediction prediction = predicted(before, after, {}, mask);
+  const Prediction prediction = predicted(before, after, {}, mask, everywhere);
   const Sampler sampler(prediction.value);
   for (double t : {2.0, 8.0, 14.0}) {
     const Point p = frame.point(t, 0.0, 0.0);
