@@ -47,7 +47,9 @@ Read read(RescanCase c) {
   // The painted void ends at the tip, but for what rounds it.
   one.settings.tip_offset =
       TipOffset{"painted", "rescan", Millimetres(c.needle.beyond_mm), Millimetres(0.15)};
-  c.before = Volume{}, c.after = Volume{.grid = c.after.grid};  // of many cases there would be gigabytes
+  const Grid grid = c.after.grid;
+  c.before = c.after = Volume{};  // of many cases there would be gigabytes
+  c.after.grid = grid;
   one.c = std::move(c);
   return one;
 }
