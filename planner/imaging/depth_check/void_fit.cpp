@@ -236,6 +236,29 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
   return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
 }
 
+namespace {
+
+// What the centreline loses. A wide void fades towards its rim in more ways than one edge has: all of it
+// loses less than its core, and where the core has lost half of that lies beyond the end.
+double loss_of_core(const Corridor& corridor, const VoidFit& fit,
+                    const std::vector<const CorridorVoxel*>& core) {
+  constexpr double kApart = 0.1;    // of the two losses, one standard deviation
+  constexpr double kWithin = 0.95;  // of a voxel lies in the void
+  const VoidShape shape{fit.line, fit.depth_mm, fit.soft_mm, fit.rounding};
+  double energy = 1.0 / (kApart * kApart), match = fit.loss * energy;
+  for (const CorridorVoxel* one : core) {
+    const double covered = coverage(corridor, *one, shape);
+    if (covered < kWithin) continue;
+    const double full = covered * static_cast<double>(one->predicted);
+    const double weight = 1.0 / (fit.inflation * static_cast<double>(one->variance));
+    match += weight * full * static_cast<double>(one->predicted - one->measured);
+    energy += weight * full * full;
+  }
+  return std::clamp(match / energy, 0.0, kLossMost);
+}
+
+}  // namespace
+
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                                   const std::vector<double>& depths) {
   double voxel_mm = 0.0;
@@ -249,13 +272,14 @@ std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                    static_cast<double>(one.v) - fit.line.v - fit.line.v_slope * t) <= reach)
       core.push_back(&one);
   }
+  const double loss = loss_of_core(corridor, fit, core);
   std::vector<double> chi2;
   for (double depth : depths) {
     const VoidShape shape{fit.line, depth, fit.soft_mm, fit.rounding};
     double sum = 0.0;
     for (const CorridorVoxel* one : core) {
       const double model =
-          static_cast<double>(one->predicted) * (1.0 - fit.loss * coverage(corridor, *one, shape));
+          static_cast<double>(one->predicted) * (1.0 - loss * coverage(corridor, *one, shape));
       sum +=
           huber((static_cast<double>(one->measured) - model) / std::sqrt(static_cast<double>(one->variance)));
     }

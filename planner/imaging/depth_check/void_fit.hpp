@@ -35,8 +35,8 @@ struct VoidFit {
 // least one.
 VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates);
 
-// Chi-square of the void with its tip elsewhere and all else as fitted, for each of `depths`; voxels near the
-// centreline only, the form of a wide void's rim has no say in its depth.
+// Chi-square of the void with its tip elsewhere and all else as fitted, but for what its core loses, for each
+// of `depths`; voxels near the centreline only, the form of a wide void's rim has no say in its depth.
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                                   const std::vector<double>& depths);
 
