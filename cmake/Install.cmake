@@ -6,6 +6,10 @@ foreach(FOLDER sim/models robot/procedure/cases safety/case docs/examples)
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/${FOLDER}/ DESTINATION share/biopsy/${FOLDER} COMPONENT program)
 endforeach()
 
+if(TARGET biopsy-mpi)
+  install(TARGETS biopsy-mpi COMPONENT mpi)
+endif()
+
 install(TARGETS biopsy-interlock biopsy-supervisor biopsy-controller biopsy-stage biopsy-recorder COMPONENT live)
 set(SYSTEMD ${CMAKE_SOURCE_DIR}/robot/live/systemd)
 foreach(UNIT prepare interlock recorder supervisor stage controller)
@@ -16,7 +20,9 @@ install(FILES ${SYSTEMD}/biopsy.sysusers DESTINATION lib/sysusers.d RENAME biops
 install(FILES ${SYSTEMD}/biopsy.tmpfiles DESTINATION lib/tmpfiles.d RENAME biopsy.conf COMPONENT live)
 
 install(TARGETS biopsy-console biopsy-igtl biopsy-mcap biopsy-ros2 COMPONENT console)
-install(FILES ${SYSTEMD}/biopsy-console.service ${SYSTEMD}/biopsy-igtl.service ${SYSTEMD}/biopsy-ros2.service DESTINATION lib/systemd/system COMPONENT console)
+foreach(UNIT console igtl mcap ros2)
+  install(FILES ${SYSTEMD}/biopsy-${UNIT}.service DESTINATION lib/systemd/system COMPONENT console)
+endforeach()
 set(BUILT_PAGE ${CMAKE_BINARY_DIR}/console/page/dist)
 install(CODE "if(NOT EXISTS ${BUILT_PAGE}/index.html)
     message(FATAL_ERROR \"the console's page is not built: ./dev build, or build the target console_page (needs npm);\"

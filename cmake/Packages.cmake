@@ -10,6 +10,9 @@ set(CPACK_COMPONENTS_ALL program live console dev)
 if(BIOPSY_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
+if(TARGET biopsy-mpi)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+endif()
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -54,6 +57,11 @@ step and confirms the depth, in a browser on the same machine.")
 biopsy_package(dev biopsy-dev "MRI-safe needle biopsy robot: libraries and messages"
 "libeigen3-dev, libopencv-core-dev, libopencv-imgproc-dev, libdcmtk-dev, libopenjp2-7-dev, libnifti-dev, libpng-dev, zlib1g-dev, libssl-dev, libtbb-dev, libceres-dev, libfmt-dev, libspdlog-dev, libtomlplusplus-dev, nlohmann-json3-dev"
 "What other programs are built with (find_package(biopsy)): messages, safety,\nplanner, images, simulation and gap search; and the bus messages as OMG IDL.")
+
+if(TARGET biopsy-mpi)
+  biopsy_package(mpi biopsy-mpi "MRI-safe needle biopsy robot: campaigns on many machines" "biopsy ${SAME_VERSION}, openmpi-bin"
+"Runs the rehearsals of a campaign on the ranks of an MPI job.")
+endif()
 
 if(BIOPSY_PYTHON)
   math(EXPR NEXT_MINOR "${Python3_VERSION_MINOR} + 1")

@@ -28,7 +28,8 @@ struct CharacteriseOptions {
   std::filesystem::path device_config, commissioning,
       keys;  // of a real stage; keys empty: the user's own set
   std::filesystem::path out;
-  std::filesystem::path until_named;  // a model that is compared with what is recorded; empty: no comparison
+  std::filesystem::path
+      until_named{};  // a model that is compared with what is recorded; empty: no comparison
 };
 
 struct Characterisation {

@@ -182,8 +182,8 @@ Body image_of(Bytes content) {
   return image;
 }
 
-Body body_of(const Header& header, Bytes body) {
-  if (crc64(body) != header.crc) return unusable(header.type, "its CRC is wrong");
+Body body_of(const Header& header, Bytes body, std::uint64_t crc) {
+  if (crc != header.crc) return unusable(header.type, "its CRC is wrong");
   const std::optional<Bytes> content = content_of(header, body);
   if (!content) return unusable(header.type, "its extended header does not fit its body");
   if (header.type == "STRING") return text_of(*content);
@@ -262,8 +262,13 @@ std::optional<Message> Decoder::next() {
   const std::size_t most = header.type == "IMAGE" ? limits_.image_bytes : limits_.body_bytes;
   if (header.body_bytes > most)
     throw FramingLost{fmt::format("a {} of {} bytes; {} are allowed", header.type, header.body_bytes, most)};
-  if (waiting_.size() - kHeader_bytes < header.body_bytes) return std::nullopt;
-  Message message{header.device, body_of(header, Bytes(waiting_).subspan(kHeader_bytes, header.body_bytes))};
+  const Bytes come = Bytes(waiting_).subspan(
+      kHeader_bytes, std::min<std::size_t>(waiting_.size() - kHeader_bytes, header.body_bytes));
+  crc_ = crc64(come.subspan(crc_bytes_), crc_);
+  crc_bytes_ = come.size();
+  if (come.size() < header.body_bytes) return std::nullopt;
+  Message message{header.device, body_of(header, come, crc_)};
+  crc_ = 0, crc_bytes_ = 0;
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<long>(kHeader_bytes + header.body_bytes));
   return message;
 }

@@ -45,6 +45,9 @@ class Decoder {
  private:
   Limits limits_;
   std::vector<std::uint8_t> waiting_;
+  // Of the body's bytes that have come: a large body is not gone through at once when its last byte is there.
+  std::uint64_t crc_ = 0;
+  std::size_t crc_bytes_ = 0;
 };
 
 }  // namespace biopsy::igtl

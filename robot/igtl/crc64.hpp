@@ -21,8 +21,8 @@ constexpr std::array<std::uint64_t, 256> make() {
 inline constexpr std::array<std::uint64_t, 256> kTable = make();
 }  // namespace crc64_table
 
-constexpr std::uint64_t crc64(std::span<const std::uint8_t> bytes) {
-  std::uint64_t crc = 0;
+// `crc`: of the bytes before these.
+constexpr std::uint64_t crc64(std::span<const std::uint8_t> bytes, std::uint64_t crc = 0) {
   for (const std::uint8_t byte : bytes) crc = (crc << 8U) ^ crc64_table::kTable[(crc >> 56U) ^ byte];
   return crc;
 }

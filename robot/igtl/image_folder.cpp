@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <charconv>
 #include <exception>
 
 #include "robot/common/config_error.hpp"
@@ -29,6 +30,16 @@ const char* nrrd_type(Image::Scalar scalar) {
       return "float";
   }
   return "";
+}
+
+constexpr std::string_view kPrefix = "igtl-";
+
+// Of "igtl-012-scan.nrrd" 12; of other files 0.
+int number_in(const std::string& name) {
+  int number = 0;
+  if (name.starts_with(kPrefix))
+    std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), number);
+  return number;
 }
 
 }  // namespace
@@ -61,6 +72,9 @@ ImageFolder::ImageFolder(std::filesystem::path folder) : folder_(std::move(folde
   if (!folder_.empty() && !std::filesystem::is_directory(folder_))
     throw ConfigError("the folder for images does not exist", folder_.string(),
                       "make it, or leave --images-to away");
+  if (folder_.empty()) return;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    last_ = std::max(last_, number_in(entry.path().filename().string()));
 }
 
 std::variant<std::string, Refused> ImageFolder::store(const std::string& device, const Image& image) {
@@ -71,13 +85,13 @@ std::variant<std::string, Refused> ImageFolder::store(const std::string& device,
   for (const char letter : device)
     if (std::isalnum(static_cast<unsigned char>(letter)) != 0) letters += letter;
   const std::string name =
-      fmt::format("igtl-{:03}{}{}.nrrd", stored_ + 1, letters.empty() ? "" : "-", letters);
+      fmt::format("{}{:03}{}{}.nrrd", kPrefix, last_ + 1, letters.empty() ? "" : "-", letters);
   try {
     atomic_write(folder_ / name, nrrd_of(image));
   } catch (const std::exception& error) {
     return Refused{error.what()};
   }
-  ++stored_;
+  ++stored_, ++last_;
   return name;
 }
 

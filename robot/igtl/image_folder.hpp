@@ -24,6 +24,7 @@ class ImageFolder {
  private:
   std::filesystem::path folder_;
   int stored_ = 0;
+  int last_ = 0;  // number in a name, of earlier starts too: their images stay
 };
 
 }  // namespace biopsy::igtl

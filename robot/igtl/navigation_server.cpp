@@ -22,7 +22,9 @@ bool commands_robot(const Message& message) {
 
 bool stops_robot(const Message& message) {
   const auto* text = std::get_if<Text>(&message.body);
-  return text != nullptr && (text->text == name_of(Phase::Stop) || text->text == name_of(Phase::Emergency));
+  if (text == nullptr) return false;
+  const std::optional<Phase> phase = phase_of(*text);
+  return phase == Phase::Stop || phase == Phase::Emergency;
 }
 
 bool is_position(const Message& message) {
@@ -39,17 +41,20 @@ void NavigationServer::send(Client client, const std::vector<Message>& messages)
   for (const Message& message : messages) server_.send(client, message, is_position(message));
 }
 
-void NavigationServer::store(Client client, const Message& message) {
-  const auto stored = images_.store(message.device, std::get<Image>(message.body));
+void NavigationServer::tell_stored(Client client, const std::string& device,
+                                   const std::variant<std::string, Refused>& stored) {
   const auto* refused = std::get_if<Refused>(&stored);
   const std::string text = refused ? refused->why : std::get<std::string>(stored);
   kLog.info("image of client {}: {}", client, text);
-  server_.send(client,
-               {message.device, Status{refused ? StatusCode::ConfigError : StatusCode::Ok, "IMAGE", text}});
+  server_.send(client, {device, Status{refused ? StatusCode::ConfigError : StatusCode::Ok, "IMAGE", text}});
 }
 
-void NavigationServer::handle(Client client, const Message& message, std::int64_t now_us) {
-  if (std::holds_alternative<Image>(message.body)) return store(client, message);
+void NavigationServer::handle(Client client, Message& message, std::int64_t now_us) {
+  if (auto* image = std::get_if<Image>(&message.body)) {
+    if (const auto refused = images_.submit(client, message.device, std::move(*image)))
+      tell_stored(client, message.device, *refused);
+    return;
+  }
   const bool commands = commands_robot(message);
   if (commands && !controller_) {
     controller_ = client;
@@ -58,8 +63,11 @@ void NavigationServer::handle(Client client, const Message& message, std::int64_
   if (commands && controller_ != client && !stops_robot(message))
     return server_.send(client, {"CURRENT_STATUS", Status{StatusCode::AccessDenied, message.device,
                                                           "another navigation program controls"}});
+  const std::string due = protocol_.due();
   const std::vector<Message> answers = protocol_.receive(message, robot_.view(now_us), now_us);
-  robot_.tell(protocol_.wish(), now_us);  // a stop before its acknowledgement
+  robot_.tell(protocol_.wish(), now_us);             // a stop before its acknowledgement
+  if (commands && asked_ != client && !due.empty())  // who waits for it learns why it does not come
+    server_.send(asked_, {due, Status{StatusCode::NotReady, "", "stopped by another navigation program"}});
   if (commands) asked_ = client;
   if (const auto* text = std::get_if<Text>(&message.body))
     kLog.info("client {}: STRING({}, {})", client, message.device, text->text.substr(0, 64));
@@ -67,9 +75,9 @@ void NavigationServer::handle(Client client, const Message& message, std::int64_
 }
 
 void NavigationServer::turn(std::chrono::milliseconds timeout) {
-  const std::vector<ServerEvent> events = server_.poll(timeout);
+  std::vector<ServerEvent> events = server_.poll(timeout);
   const std::int64_t now_us = now_in_us();
-  for (const ServerEvent& event : events) {
+  for (ServerEvent& event : events) {
     if (event.message) {
       handle(event.client, *event.message, now_us);
     } else {
@@ -83,6 +91,8 @@ void NavigationServer::turn(std::chrono::milliseconds timeout) {
   const std::vector<Message> answers = protocol_.tick(robot_.view(now_us), now_us);
   robot_.tell(protocol_.wish(), now_us);
   send(asked_, answers);
+  for (const ImageWriter::Written& image : images_.take_written())
+    tell_stored(image.client, image.device, image.result);
   server_.flush();
 }
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "robot/igtl/image_folder.hpp"
+#include "robot/igtl/image_writer.hpp"
 #include "robot/igtl/protocol.hpp"
 #include "robot/igtl/server.hpp"
 
@@ -33,13 +33,14 @@ class NavigationServer {
   std::size_t connections() const { return server_.connections(); }
 
  private:
-  void handle(Client client, const Message& message, std::int64_t now_us);
-  void store(Client client, const Message& message);
+  void handle(Client client, Message& message, std::int64_t now_us);  // takes an image out of it
+  void tell_stored(Client client, const std::string& device,
+                   const std::variant<std::string, Refused>& stored);
   void send(Client client, const std::vector<Message>& messages);
 
   Server server_;
   RobotProtocol protocol_;
-  ImageFolder images_;
+  ImageWriter images_;
   RobotLink& robot_;
   std::optional<Client> controller_;
   Client asked_ = 0;  // the client of the last command: answers that had to wait are its

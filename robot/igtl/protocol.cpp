@@ -23,12 +23,6 @@ constexpr std::int64_t kPositionEvery_us = 100'000;
 constexpr std::size_t kEchoMax = 256;
 constexpr std::uint16_t kAscii = 3, kUtf8 = 106;  // MIBenum; a command is the same bytes in both
 
-std::optional<Phase> phase_named(std::string_view name) {
-  const auto found = std::ranges::find(kPhases, name);
-  if (found == kPhases.end()) return std::nullopt;
-  return static_cast<Phase>(found - kPhases.begin());
-}
-
 // "ACK_0001" of "CMD_0001".
 std::string acknowledged(const std::string& device) {
   return "ACK_" + device.substr(4);
@@ -50,6 +44,14 @@ std::string with_reason(std::string text, const std::string& reason) {
 
 std::string_view name_of(Phase phase) {
   return kPhases[static_cast<std::size_t>(phase)];
+}
+
+std::optional<Phase> phase_of(const Text& text) {
+  constexpr std::string_view kBehind{"\0 \t\r\n", 5};
+  const std::string_view name = text.text;
+  const auto found = std::ranges::find(kPhases, name.substr(0, name.find_last_not_of(kBehind) + 1));
+  if (found == kPhases.end()) return std::nullopt;
+  return static_cast<Phase>(found - kPhases.begin());
 }
 
 void RobotProtocol::status(std::string_view device, StatusCode code, const std::string& text,
@@ -91,7 +93,7 @@ void RobotProtocol::on_text(const Message& message, const Text& text, const Robo
   };
   if (!message.device.starts_with("CMD_"))
     return illegal(fmt::format("STRING({}): commands are named CMD_n", message.device));
-  const std::optional<Phase> phase = phase_named(text.text);
+  const std::optional<Phase> phase = phase_of(text);
   const bool readable = text.encoding == kAscii || text.encoding == kUtf8;
   if (!readable && phase != Phase::Stop && phase != Phase::Emergency)  // those are never refused
     return illegal(fmt::format("encoding {}; commands are US-ASCII, {}", text.encoding, kAscii));
@@ -254,8 +256,11 @@ std::string RobotProtocol::why_no_motion(const RobotView& robot) const {
 }
 
 void RobotProtocol::begin_motion(const RobotView& robot, std::int64_t now_us) {
-  if (const std::string why = why_no_motion(robot); !why.empty())
+  if (const std::string why = why_no_motion(robot); !why.empty()) {
+    if (wish_.motion)
+      stop(StopCategory::C1Ramp, now_us);  // of an earlier command: who is refused expects none
     return status(name_of(Phase::MoveToTarget), StatusCode::NotReady, why);
+  }
   if (dialect_ == Dialect::Of2021)
     status(name_of(Phase::MoveToTarget), StatusCode::Ok, "a person holds the button at the console");
   wish_.motion = !is_at_target(robot);

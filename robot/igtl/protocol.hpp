@@ -32,6 +32,9 @@ enum class Phase : std::uint8_t {
 };
 // As it is sent: "MOVE_TO_TARGET".
 std::string_view name_of(Phase phase);
+// The phase that a command asks for; what some programs send behind it, a NUL or the end of a line, is not
+// part of it.
+std::optional<Phase> phase_of(const Text& text);
 
 // What is known of the robot. Default-constructed: nothing.
 struct RobotView {
@@ -76,6 +79,8 @@ class RobotProtocol {
   void link_lost(const RobotView& robot, std::int64_t now_us);
 
   const Wish& wish() const { return wish_; }
+  // Name of the status that is still due for the last command or target; empty: none.
+  std::string due() const { return pending_ ? pending_->what : std::string(); }
 
  private:
   struct Pending {

@@ -90,6 +90,7 @@ struct Server::Connection {
   std::size_t messages = 0;
   bool has_spoken = false;
   std::string ended;  // why; empty: it has not
+  bool told = false;  // that it has, as an event
 };
 
 struct Server::State {
@@ -97,10 +98,13 @@ struct Server::State {
 
   void accept_new();
   void make_room();
+  void make_space(Connection& reading, std::size_t more);
   void read(Client client, Connection& connection, std::vector<ServerEvent>& events);
   void take_messages(Client client, Connection& connection, std::vector<ServerEvent>& events);
   void write(Connection& connection);
+  void end(Connection& connection, const std::string& why);
   void look_at_time(Connection& connection);
+  void tell_end(Client client, Connection& connection, std::vector<ServerEvent>& events);
   void bury(std::vector<ServerEvent>& events);
 
   ServerSettings settings;
@@ -109,6 +113,16 @@ struct Server::State {
   Client last_client = 0;
   Clock::time_point now;
 };
+
+// With a STATUS that says why; who does not read it was told all the same.
+void Server::State::end(Connection& connection, const std::string& why) {
+  const std::vector<std::uint8_t> last =
+      encode({"CURRENT_STATUS", Status{StatusCode::IllegalInstruction, "CLOSED", why}},
+             std::chrono::system_clock::now());
+  connection.unsent.insert(connection.unsent.end(), last.begin(), last.end());
+  write(connection);
+  connection.ended = why;
+}
 
 // A connection that never said anything gives way to one that may.
 void Server::State::make_room() {
@@ -125,11 +139,14 @@ void Server::State::accept_new() {
     Descriptor socket(accept4(listener.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.number() < 0) return;
     make_room();
-    if (connections.size() >= settings.connections) continue;  // closed by going out of scope
     find_half_open(socket.number(), settings.half_open);
     Connection connection(-1, settings.limits);
     connection.socket = std::move(socket);
     connection.second = now;
+    if (connections.size() >= settings.connections) {
+      end(connection, fmt::format("{} are connected, and no more can be", settings.connections));
+      continue;  // closed by going out of scope
+    }
     connections.emplace(++last_client, std::move(connection));
   }
 }
@@ -142,16 +159,30 @@ void Server::State::take_messages(Client client, Connection& connection, std::ve
       if (now - connection.second >= std::chrono::seconds(1))
         connection.second = now, connection.messages = 0;
       if (++connection.messages > settings.messages_per_s) {
-        connection.ended = fmt::format("more than {} messages in a second", settings.messages_per_s);
-        return;
+        return end(connection, fmt::format("more than {} messages in a second", settings.messages_per_s));
       }
       events.push_back({client, std::move(message), {}});
     }
   } catch (const FramingLost& lost) {
-    connection.ended = lost.why;
-    return;
+    return end(connection, lost.why);
   }
   if (connection.decoder.waiting_bytes() > 0 && !connection.inside_since) connection.inside_since = now;
+}
+
+// For so many bytes more of a connection: where all messages that are not whole are too much together, the
+// longest of them ends, whoever is the one to read now.
+void Server::State::make_space(Connection& reading, std::size_t more) {
+  const auto length = [&](const Connection& one) {
+    return one.decoder.waiting_bytes() + (&one == &reading ? more : 0);
+  };
+  std::size_t all = 0;
+  Connection* longest = &reading;
+  for (auto& [client, one] : connections) {
+    if (!one.ended.empty()) continue;
+    all += length(one);
+    if (length(one) > length(*longest)) longest = &one;
+  }
+  if (all > settings.received_bytes) end(*longest, "too much that is not whole yet");
 }
 
 void Server::State::read(Client client, Connection& connection, std::vector<ServerEvent>& events) {
@@ -165,12 +196,8 @@ void Server::State::read(Client client, Connection& connection, std::vector<Serv
     connection.ended = "closed by the peer";
     return;
   }
-  std::size_t waiting = static_cast<std::size_t>(count);
-  for (const auto& [other, one] : connections) waiting += one.decoder.waiting_bytes();
-  if (waiting > settings.received_bytes) {
-    connection.ended = "too much that is not whole yet";
-    return;
-  }
+  make_space(connection, static_cast<std::size_t>(count));
+  if (!connection.ended.empty()) return;
   connection.decoder.feed({bytes.data(), static_cast<std::size_t>(count)});
   take_messages(client, connection, events);
 }
@@ -187,16 +214,19 @@ void Server::State::look_at_time(Connection& connection) {
   if (!connection.ended.empty() || !connection.inside_since) return;
   const bool large = connection.decoder.waiting_bytes() > settings.limits.body_bytes;
   if (now - *connection.inside_since > (large ? settings.image_time : settings.message_time))
-    connection.ended = "a message that was begun did not come to its end in time";
+    end(connection, "a message that was begun did not come to its end in time");
+}
+
+// Behind what it still sent, and before what a client says that connected later: the same program, come back.
+void Server::State::tell_end(Client client, Connection& connection, std::vector<ServerEvent>& events) {
+  if (connection.ended.empty() || connection.told) return;
+  events.push_back({client, std::nullopt, connection.ended});
+  connection.told = true;
 }
 
 void Server::State::bury(std::vector<ServerEvent>& events) {
-  std::erase_if(connections, [&](const auto& one) {
-    const auto& [client, connection] = one;
-    if (connection.ended.empty()) return false;
-    events.push_back({client, std::nullopt, connection.ended});
-    return true;
-  });
+  for (auto& [client, connection] : connections) tell_end(client, connection, events);
+  std::erase_if(connections, [](const auto& one) { return one.second.told; });
 }
 
 Server::Server(const ServerSettings& settings) : state_(std::make_unique<State>(settings)) {}
@@ -230,6 +260,7 @@ std::vector<ServerEvent> Server::poll(std::chrono::milliseconds timeout) {
     if ((wanted[i + 1].revents & (POLLIN | POLLERR | POLLHUP)) != 0 && connection.ended.empty())
       state_->read(clients[i], connection, events);
     state_->look_at_time(connection);
+    state_->tell_end(clients[i], connection, events);
   }
   state_->bury(events);
   if (wanted[0].revents != 0) state_->accept_new();

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <utility>
 
+#include "planner/imaging/io/dicom/plan_structure_set.hpp"
 #include "planner/plan/fiducial_file.hpp"
 #include "planner/plan/markups/plan_markups.hpp"
 #include "robot/common/config_error.hpp"
@@ -148,6 +149,18 @@ void check_files(const Case& given) {
   if (!given.fiducials.empty()) planner::read_fiducials(given.fiducials);
 }
 
+// After the report, which does not depend on it: the image may be gone by the end of a run. Returns why there
+// is none where there should be.
+std::string export_plan(const report::RunRecord& record, const PreparedCase& prepared, const fs::path& out) {
+  if (!record.plan || !imaging::takes_structure_set(prepared.image)) return {};
+  try {
+    imaging::write_plan_structure_set(*record.plan, prepared.image, out / "plan.rtss.dcm");
+  } catch (const ConfigError& error) {
+    return fmt::format("no plan.rtss.dcm: {}\n", error.what());
+  }
+  return {};
+}
+
 }  // namespace
 
 PreparedCase prepare_run(const Case& given, const fs::path& out, const std::vector<std::string>& clearable) {
@@ -178,7 +191,7 @@ std::string finish(report::RunRecord& record, const PreparedCase& prepared, cons
   if (record.plan) atomic_write(out / "plan.mrk.json", planner::plan_markups(*record.plan));
   report::save_report(record, out);
   return report::console_table(record, isatty(STDOUT_FILENO) == 1) +
-         fmt::format("\nreport: {}\n", (out / "report.html").string());
+         fmt::format("\nreport: {}\n", (out / "report.html").string()) + export_plan(record, prepared, out);
 }
 
 }  // namespace biopsy::robot

@@ -16,11 +16,11 @@ struct Security {
 };
 
 struct CycloneOptions {
-  std::string interface;              // name of a network interface; empty: this machine only (loopback)
-  std::optional<Security> security;   // nothing: no authentication, no encryption
-  std::optional<RoleFiles> enclave;   // instead of `security`: files of a keystore that is not ours
-  std::optional<int> domain_on_wire;  // 0 to 230, where it differs from the id given to dds_create_domain:
-                                      // two roles in one process
+  std::string interface;               // name of a network interface; empty: this machine only (loopback)
+  std::optional<Security> security;    // nothing: no authentication, no encryption
+  std::optional<RoleFiles> enclave{};  // instead of `security`: files of a keystore that is not ours
+  std::optional<int> domain_on_wire;   // 0 to 230, where it differs from the id given to dds_create_domain:
+                                       // two roles in one process
 };
 
 // Reads no file: see check_keys. Throws ConfigError for a name that cannot stand in a configuration.

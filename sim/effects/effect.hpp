@@ -14,7 +14,8 @@
 //   plate A  double added_mass()             kg
 //            double spring_push(spring, own) N, upward, besides the linear series spring
 //            double load(plate, own)         N, downward, without dry friction
-//            double dry_friction(x, v)       N, its bound
+//            double dry_friction(plate)      N, its bound; v = 0 while it holds
+//            bool rubs()                     whether it has any; without this hook it has
 //   sensor   double transmitted(own)         position of the sensor's target in place of plate A's
 //            double target_motion(time)      added to that position
 //            double filtered(own)            reading in place of the target's position

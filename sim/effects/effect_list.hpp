@@ -12,6 +12,7 @@
 #include "sim/effects/electrical/charge_retention.hpp"
 #include "sim/effects/electrical/polarity_asymmetry.hpp"
 #include "sim/effects/electrical/voltage_saturation.hpp"
+#include "sim/effects/electrical/voltage_threshold.hpp"
 #include "sim/effects/pouch/film_hysteresis.hpp"
 #include "sim/effects/pouch/pouch_creep.hpp"
 #include "sim/effects/pouch/residual_set.hpp"
@@ -42,6 +43,7 @@ struct Effects {
   std::optional<AmplifierLag> amplifier_lag;
   std::optional<ChargeRetention> charge_retention;
   std::optional<PolarityAsymmetry> polarity_asymmetry;
+  std::optional<VoltageThreshold> voltage_threshold;
   std::optional<FilmHysteresis> film_hysteresis;
   std::optional<ZippingHysteresis> zipping_hysteresis;
   std::optional<ResidualSet> residual_set;
@@ -67,15 +69,15 @@ struct Effects {
 };
 
 inline constexpr std::tuple kEffectOrder{
-    &Effects::voltage_saturation, &Effects::amplifier_lag,        &Effects::charge_retention,
-    &Effects::polarity_asymmetry, &Effects::film_hysteresis,      &Effects::zipping_hysteresis,
-    &Effects::residual_set,       &Effects::pouch_creep,          &Effects::added_mass,
-    &Effects::spring_hardening,   &Effects::hysteretic_spring,    &Effects::quadratic_damping,
-    &Effects::external_force,     &Effects::periodic_disturbance, &Effects::end_stop,
-    &Effects::coulomb_friction,   &Effects::stribeck_friction,    &Effects::layer_puncture,
-    &Effects::shaft_friction,     &Effects::tissue_relaxation,    &Effects::backlash,
-    &Effects::sensor_lag,         &Effects::sensor_scale,         &Effects::sensor_drift,
-    &Effects::sensor_offset,      &Effects::sensor_noise};
+    &Effects::voltage_saturation, &Effects::amplifier_lag,     &Effects::charge_retention,
+    &Effects::polarity_asymmetry, &Effects::voltage_threshold, &Effects::film_hysteresis,
+    &Effects::zipping_hysteresis, &Effects::residual_set,      &Effects::pouch_creep,
+    &Effects::added_mass,         &Effects::spring_hardening,  &Effects::hysteretic_spring,
+    &Effects::quadratic_damping,  &Effects::external_force,    &Effects::periodic_disturbance,
+    &Effects::end_stop,           &Effects::coulomb_friction,  &Effects::stribeck_friction,
+    &Effects::layer_puncture,     &Effects::shaft_friction,    &Effects::tissue_relaxation,
+    &Effects::backlash,           &Effects::sensor_lag,        &Effects::sensor_scale,
+    &Effects::sensor_drift,       &Effects::sensor_offset,     &Effects::sensor_noise};
 
 // Calls visit(optional effect) for each effect of the library.
 template <class AnyEffects, class Visitor>

@@ -8,6 +8,10 @@
 namespace biopsy::sim {
 namespace {
 
+PlateMotion plate_motion(const StepContext& s, const Motion& m, double v, Instant at) {
+  return {m.x, v, s.state.x_max, s.state.time + at.since, s.model.baseline.drive == Drive::Stack};
+}
+
 // `load` plus that of the effects on plate A: of those of the tissue, or of the others. N, down
 template <bool kTissue>
 double with_effects(double load, const StepContext& s, const Motion& m, const PlateMotion& plate) {
@@ -106,7 +110,7 @@ double term_force(const StepContext& s, const Motion& m, Instant at) {
 double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) {
   const Baseline& b = s.model.baseline;
   const bool stack = b.drive == Drive::Stack;
-  const PlateMotion plate{m.x, m.v, s.state.x_max, s.state.time + at.since, stack};
+  const PlateMotion plate = plate_motion(s, m, m.v, at);
   double down = b.c_s * m.v + s.inputs.external_force + tissue_load(s, m, plate);
   if (s.inputs.grip.stiffness > 0.0) down += s.inputs.grip.load(m.x, m.v);
   if (s.has.load) {
@@ -124,8 +128,11 @@ double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) 
 ActiveTerms active_terms(const PlantModel& model) {
   ActiveTerms has{};
   has.dry_friction = !model.tissue.empty();
-  for_each_present(model.effects, [&]<class E>(const E&) {
-    if constexpr (requires { &E::dry_friction; }) has.dry_friction = true;
+  for_each_present(model.effects, [&]<class E>([[maybe_unused]] const E& effect) {
+    if constexpr (requires { &E::rubs; })
+      has.dry_friction |= effect.rubs();
+    else if constexpr (requires { &E::dry_friction; })
+      has.dry_friction = true;
     if constexpr (requires { &E::pouch_offset; }) has.pouch_offset = true;
     if constexpr (requires { &E::spring_push; }) has.load = has.spring_push = true;
     if constexpr (requires { &E::load; })
@@ -150,11 +157,13 @@ ActiveTerms active_terms(const PlantModel& model) {
 }
 
 double friction_bound(const StepContext& s, const Motion& m, double v, Instant at) {
+  const PlateMotion plate = plate_motion(s, m, v, at);
   double bound = 0.0;
   for_each_present(s.model.effects, [&]<class E>(const E& effect) {
-    if constexpr (requires { &E::dry_friction; }) bound += effect.dry_friction(m.x, v);
+    if constexpr (requires { &E::dry_friction; }) bound += effect.dry_friction(plate);
   });
-  for (const TissueLayer& layer : s.model.tissue) bound += layer.shaft.dry_friction(m.x, v);
+  for (const TissueLayer& layer : s.model.tissue)
+    bound += layer.surface.dry_friction(plate) + layer.shaft.dry_friction(plate);
   if (s.has.term)
     for (std::size_t i = 0; i < s.model.terms.size(); ++i)
       bound += s.model.terms[i].dry_friction(term_point(s, m, at, i));

@@ -12,6 +12,7 @@ template <class Effect>
 void take(TomlTable& table, Effect& effect) {
   for (const auto& parameter : Effect::parameters()) {
     if (parameter.name == "depth_mm" || parameter.name == "from_mm") continue;
+    if (parameter.optional && !table.has(parameter.name)) continue;
     effect.*(parameter.member) =
         table.number(parameter.name, parameter.low, parameter.high) * parameter.si_per_unit;
   }

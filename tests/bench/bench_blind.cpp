@@ -26,7 +26,7 @@ using hidden::Answer;
 constexpr double kWellClosed = 0.8, kHalfClosed = 0.5;
 
 struct Options {
-  std::string only, write, peers = "none";
+  std::string only, kind, write, peers = "none";
   int every = 1, from = 0;
   std::uint64_t seed = 1;
 };
@@ -52,6 +52,20 @@ hidden::HiddenCase as_scored(const BlindCase& one) {
   }
   for (const std::string& name : one.effects) out.terms.push_back({name, 0.0});
   return out;
+}
+
+std::string to_string(Kind kind) {
+  switch (kind) {
+    case Kind::Single:
+      return "single";
+    case Kind::Pair:
+      return "pair";
+    case Kind::Nothing:
+      return "nothing";
+    case Kind::Outside:
+      break;
+  }
+  return "outside";
 }
 
 struct Method {
@@ -117,6 +131,7 @@ int run(const Options& options) {
   int index = -1;
   for (const BlindCase& one : blind::blind_cases(options.seed)) {
     if (one.name.find(options.only) == std::string::npos) continue;
+    if (!options.kind.empty() && to_string(one.kind) != options.kind) continue;
     if (++index % options.every != options.from) continue;
     const auto folder = options.write.empty()
                             ? scratch.path() / std::to_string(index)
@@ -162,6 +177,8 @@ int main(int argc, char** argv) {
   CLI::App app("hidden effects of rigs that nobody here tuned the search on");
   biopsy::bench::Options options;
   app.add_option("--only", options.only, "cases whose sealed name contains this");
+  app.add_option("--kind", options.kind, "cases of one kind")
+      ->check(CLI::IsMember({"single", "pair", "nothing", "outside"}));
   app.add_option("--every", options.every, "only every n-th case")->check(CLI::PositiveNumber);
   app.add_option("--from", options.from, "which of each n")->check(CLI::NonNegativeNumber);
   app.add_option("--seed", options.seed, "of all that is drawn");

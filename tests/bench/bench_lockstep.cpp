@@ -226,8 +226,8 @@ void measure_lockstep(BenchResult& result) {
     ticks = 0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) ticks += lockstep_run(biopsy, seed);
   });
-  result.add({"lockstep", "lockstep: stage, evidence, supervisor, loop, gate", whole / ticks * 1e9,
-              "liver biopsy, rehearsal model, tissue, noise"});
+  result.add({"lockstep", "lockstep: stage, evidence, supervisor, loop, gate",
+              whole / static_cast<double>(ticks) * 1e9, "liver biopsy, rehearsal model, tissue, noise"});
   Record record;
   lockstep_run(biopsy, 1, &record);
   const auto recorded = static_cast<double>(record.ticks.size());

@@ -172,6 +172,7 @@ std::vector<OutputFile> plan_outputs() {
   return {{"report.html", "the report for people"},
           {"report.json", "[the report for programs](#reportjson)"},
           {"plan.mrk.json", "the plan as markups for 3D Slicer"},
+          {"plan.rtss.dcm", "the plan as a DICOM RT structure set; only where the planning image is DICOM"},
           {"planning.png", "the planning image along the needle"},
           {"axial.png", "the planning image in three planes through the target, radiological convention"},
           {"coronal.png", "the same"},

@@ -29,6 +29,8 @@ struct Rehearsal {
   std::optional<sim::NeedleBody> needle;  // with the field of its material; absent: a painted void that ends
                                           // at the tip. Entry and tip are filled in when an image is taken
   sim::Sequence sequence;
+  bool accept_unseen = false;  // no image is rendered, each counts as accepted: a campaign without its time,
+                               // in which no image catches a fault. Not of a case file
 };
 
 // Changes what the table has. Paths count from the folder of `file`. Throws ConfigError naming file and line.

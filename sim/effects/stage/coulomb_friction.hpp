@@ -10,7 +10,7 @@ namespace biopsy::sim {
 struct CoulombFriction {
   double force = 0.0;  // N
 
-  double dry_friction(double, double) const { return force; }
+  double dry_friction(const PlateMotion&) const { return force; }
 
   static constexpr EffectInfo info{"coulomb_friction",
                                    Attachment::Stage,

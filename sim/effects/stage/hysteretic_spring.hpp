@@ -9,28 +9,40 @@
 namespace biopsy::sim {
 
 // Bouc-Wen spring, normalised: it starts with `stiffness` and yields at a displacement `yield` after the last
-// reversal; its inner displacement z stays within +-yield. It is between plate A and the frame, or across the
-// series spring, driven by the motion of plate A against plate B.
+// reversal; its inner displacement z stays within +-yield. Of the general form (gamma + delta of either sign,
+// Ismail, Ikhouane, Rodellar 2009) `stiffening` above 0.5 is the part whose loading stiffens. It is between
+// plate A and the frame, or across the series spring, driven by the motion of plate A against plate B.
 struct HystereticSpring {
-  double stiffness = 0.0;  // N/m
-  double yield = 0.5e-3;   // m
-  double sharpness = 2.0;  // exponent n: 1 a smooth bend, large a corner
-  double beta = 0.5;       // share of the reversible part: 0.5 unloads with the full stiffness
-  double across = 0.0;     // 0: against the frame, 1: across the series spring
+  double stiffness = 0.0;   // N/m
+  double yield = 0.5e-3;    // m
+  double sharpness = 2.0;   // exponent n: 1 a smooth bend, large a corner
+  double beta = 0.5;        // share of the reversible part: 0.5 unloads with the full stiffness
+  double across = 0.0;      // 0: against the frame, 1: across the series spring
+  double stiffening = 0.0;  // 0: loading yields, 0.5: it stays straight, 1: it stiffens as much
+
+  static constexpr double kMostStretched = 4.0;  // |z| over yield where loading stiffens: keeps it finite
 
   using State = double;  // m, inner displacement z
 
-  double pull(double z) const { return stiffness * std::clamp(z, -yield, yield); }
+  double pull(double z) const { return stiffness * bounded(z); }
   double load(const PlateMotion& a, double z) const { return (a.on_stack ? 1.0 - across : 1.0) * pull(z); }
   double spring_push(const SpringMotion& s, double z) const { return s.on_stack ? -across * pull(z) : 0.0; }
-  double bounded(double z) const { return std::clamp(z, -yield, yield); }
+  double bounded(double z) const {
+    const double most = stiffening > 0.0 ? kMostStretched * yield : yield;
+    return std::clamp(z, -most, most);
+  }
   double state_rate(const Flow& f, double z) const { return rate(f.v - across * f.n * f.dH, bounded(z)); }
-  Steepness steepest(const Reach&) const { return {.stiffness = stiffness}; }
+  Steepness steepest(const Reach& reach) const {
+    if (stiffening <= 0.0) return {.stiffness = stiffness};
+    const double share = std::clamp(reach.x / yield, 0.0, kMostStretched);
+    const double steeper = std::max(0.0, 2.0 * stiffening - 1.0 + 2.0 * beta);
+    return {.stiffness = stiffness * (1.0 + steeper * std::pow(share, sharpness))};
+  }
   double rate(double v, double z) const {
     const double turn = v * z > 0.0 ? beta : v * z < 0.0 ? -beta : 0.0;
     const double share = std::abs(z) / yield;
     const double bend = sharpness == 2.0 ? share * share : std::pow(share, sharpness);  // mostly 2
-    return v * (1.0 - bend * (turn + 1.0 - beta));
+    return v * (1.0 - bend * (turn + 1.0 - beta - 2.0 * stiffening));
   }
 
   static constexpr EffectInfo info{
@@ -38,7 +50,8 @@ struct HystereticSpring {
       Attachment::Stage,
       "A restoring force that depends on the history of the motion: stiff after each reversal, then "
       "yielding.",
-      "F = -stiffness z, dz/dt = v (1 - |z/yield|^n (beta sign(v z) + 1 - beta)), v = v_A - across v_B",
+      "F = -stiffness z, dz/dt = v (1 - |z/yield|^n (beta sign(v z) + 1 - beta - 2 stiffening)), v = v_A - "
+      "across v_B",
       "slow_triangle",
       "Bouc 1967; Wen 1976, ASCE J. Eng. Mech. 102(2); Ikhouane, Rodellar 2007, normalised form"};
   static constexpr auto parameters() {
@@ -52,7 +65,9 @@ struct HystereticSpring {
         Parameter<E>{"beta", &E::beta, 1.0, 0.05, 1.0, 0.5, "how much a reversal stiffens it", Role::Shape},
         Parameter<E>{"across_share", &E::across, 1.0, 0.0, 1.0, 0.0,
                      "0: between plate A and the frame, 1: across the series spring", Role::Shape,
-                     kMayBeLeftOut}};
+                     kMayBeLeftOut},
+        Parameter<E>{"stiffening", &E::stiffening, 1.0, 0.0, 1.0, 0.0,
+                     "0: loading yields, 1: it stiffens by as much", Role::Shape, kMayBeLeftOut}};
   }
 };
 

@@ -18,7 +18,7 @@ struct StribeckFriction {
     const double ratio = v / speed;
     return sliding + (breakaway - sliding) * std::exp(-ratio * ratio);
   }
-  double dry_friction(double, double v) const { return magnitude(v); }
+  double dry_friction(const PlateMotion& a) const { return magnitude(a.v); }
 
   static constexpr EffectInfo info{"stribeck_friction",
                                    Attachment::Stage,

@@ -16,7 +16,7 @@ struct ShaftFriction {
 
   double inserted(double x) const { return std::clamp(x, from, to) - from; }
   double load(const PlateMotion& a) const { return viscous * inserted(a.x) * a.v; }
-  double dry_friction(double x, double) const { return coulomb * inserted(x); }
+  double dry_friction(const PlateMotion& a) const { return coulomb * inserted(a.x); }
   Steepness steepest(const Reach& reach) const { return {.damping = viscous * inserted(reach.x)}; }
 
   static constexpr bool acts_by_position = true;

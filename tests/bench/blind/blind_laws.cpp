@@ -117,6 +117,9 @@ std::vector<Law> laws_of_the_stage() {
        }},
       {"backlash", add_play}};
   for (const Law& one : laws_of_sensors()) out.push_back(one);
+  out.push_back({"voltage_threshold", [](Extra& e, Random& r, const Sizes& s) {
+                   e.threshold = between(r, 0.05, 0.15) * s.volts;
+                 }});
   return out;
 }
 
@@ -202,9 +205,6 @@ const std::vector<Law>& outside_stage_laws() {
                    "u"});
     out.push_back({"oil leaves slowly",
                    [](Extra& e, Random& r, const Sizes&) { e.slow_fall = between(r, 1.0, 3.0); }, ""});
-    out.push_back(
-        {"no pull below a voltage",
-         [](Extra& e, Random& r, const Sizes& s) { e.threshold = between(r, 0.05, 0.15) * s.volts; }, ""});
     return out;
   }();
   return laws;

@@ -80,7 +80,7 @@ class Carriage {
       const double deep = (at - e_.surface) / e_.bulge;
       open_ = open_ || deep >= 1.0;
       falling_ = open_ ? approach(falling_, e_.after, h, 5e-3) : e_.rupture;
-      // Once open, the tip cuts on the way in only, and nothing is left where the hole is open already.
+      // Once open, the tip cuts on every way in, and nothing holds it on the way out.
       if (!open_)
         out += e_.rupture * deep * deep;
       else if (v > 0.0)

@@ -132,7 +132,14 @@ std::string installed_version(const Soup& soup) {
   return makers_version(shell("dpkg-query -W -f='${Version}' '" + soup.package + "' 2>/dev/null").text);
 }
 
+// The list names packages and versions of one system: on another one it would have to be written anew, with
+// the anomalies known there.
+bool is_system_of_list() {
+  return file_content("/etc/os-release").find("VERSION_CODENAME=bookworm") != std::string::npos;
+}
+
 TEST(SoupList, HasTheVersionsThatAreInstalled) {
+  if (!is_system_of_list()) GTEST_SKIP() << "software.toml lists the packages of Debian 12";
   ASSERT_EQ(shell("dpkg-query --version >/dev/null 2>&1").code, 0)
       << "dpkg-query says which versions these are";
   const SafetyCase safety_case = shipped_case();
@@ -142,6 +149,7 @@ TEST(SoupList, HasTheVersionsThatAreInstalled) {
 }
 
 TEST(SoupList, NamesEveryLibraryThatTheProgramLoadsAndEveryPackageOfThePage) {
+  if (!is_system_of_list()) GTEST_SKIP() << "software.toml lists the libraries of Debian 12";
   const SafetyCase safety_case = shipped_case();
   const auto listed = [&](const std::string& library) {
     for (const Soup& soup : safety_case.risk.soup)

@@ -1,5 +1,4 @@
-// A whole procedure without a mouse: from the image to an accepted depth, retracted, and a further target; and how many acts
-// each takes.
+// A whole procedure without a mouse: from the image to an accepted depth, and retracted.
 import { expect, type Page, test } from '@playwright/test'
 
 import { note } from './support/figures'

@@ -95,6 +95,28 @@ TEST_P(IgtlStop, AnyOtherPhaseEndsAMotion) {
   }
 }
 
+// A client that is refused does not expect a motion.
+TEST_P(IgtlStop, AMoveThatIsRefusedWhileMovingEndsTheMotion) {
+  client.moving();
+  EXPECT_EQ(client.command("MOVE_TO_TARGET").back(), "TRANSFORM CURRENT_POSITION");  // nothing against it
+  EXPECT_TRUE(client.protocol.wish().motion);
+  client.robot.console = false;
+  EXPECT_EQ(client.command("MOVE_TO_TARGET").back(), "STATUS MOVE_TO_TARGET 13");
+  EXPECT_FALSE(client.protocol.wish().motion);
+  EXPECT_EQ(wished(), StopCategory::C1Ramp);
+}
+
+TEST_P(IgtlStop, IsUnderstoodWithWhatSomeProgramsSendBehindIt) {
+  for (const std::string& behind : {std::string(1, '\0'), std::string("\r\n"), std::string("  ")}) {
+    ScriptedRobot other(GetParam());
+    other.moving();
+    EXPECT_EQ(other.command("STOP" + behind),
+              (Script{"STRING ACK_1 STOP" + behind, "STATUS CURRENT_STATUS 1 STOP"}));
+    EXPECT_EQ(other.protocol.wish().stop, StopCategory::C1Ramp);
+  }
+  EXPECT_EQ(client.command("STOP now").back(), "STATUS CURRENT_STATUS 12 STOP now");
+}
+
 TEST_P(IgtlStop, ALostConnectionIsAStop) {
   client.moving();
   client.protocol.link_lost(client.robot, client.now_us);

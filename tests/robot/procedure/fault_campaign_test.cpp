@@ -99,5 +99,33 @@ TEST(FaultCampaign, NoFaultOfTheGridTakesTheNeedleBeyondTheTargetAndTwoMillimetr
   }
 }
 
+// Without an image that could catch a fault, over more stages, tissues and moments.
+TEST(FaultCampaign, NoFaultOfTheGridDoesSoWhereEachImageIsAcceptedUnseen) {
+  Campaign campaign;
+  campaign.prepared.given.rehearsal.accept_unseen = true;
+  for (const EntryResult& one : campaign.run(fault_grid(), {.runs = 3, .seed = 2301}))
+    EXPECT_EQ(one.beyond, 0) << one.name << ": " << one.worst_mm << " mm, seed " << one.worst_seed;
+}
+
+// The needle is where the stage left it, image or not: the same faults, moments and noise.
+TEST(FaultCampaign, AnImageAcceptedUnseenMovesNothing) {
+  Campaign campaign;
+  const CampaignOptions options{.runs = 3, .seed = 29};
+  const std::vector<FaultEntry> faults{
+      frozen_with_noise(0.01),
+      {"scale",
+       FaultBegin::Motion,
+       {{.signal = sim::FaultSignal::Depth, .kind = sim::FaultKind::Scale, .value = 0.99}}}};
+  const auto seen = campaign.run(faults, options);
+  campaign.prepared.given.rehearsal.accept_unseen = true;
+  const auto unseen = campaign.run(faults, options);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    EXPECT_EQ(seen[i].worst_mm, unseen[i].worst_mm);
+    EXPECT_EQ(seen[i].detected_by, unseen[i].detected_by);
+  }
+  EXPECT_EQ(seen[1].completed, 3);
+  EXPECT_EQ(unseen[1].completed, 3);
+}
+
 }  // namespace
 }  // namespace biopsy::robot

@@ -57,6 +57,18 @@ TEST(HystereticSpring, YieldsAtItsYieldDisplacement) {
   EXPECT_NEAR(state_of<HystereticSpring>(sliding), 0.5e-3, 1e-9);
 }
 
+// dz/dx = 1 + |z|/yield on loading (n = 1, stiffening 1), whose solution is an exponential.
+TEST(HystereticSpring, StiffensAsItIsLoadedWhereTold) {
+  const HystereticSpring spring{
+      .stiffness = 100.0, .yield = 0.5e-3, .sharpness = 1.0, .beta = 0.5, .stiffening = 1.0};
+  double z = 0.0;
+  constexpr double kStep = 1e-9;  // Euler: 1.4 nm off after half a millimetre
+  for (int i = 0; i < 500000; ++i) z += spring.rate(kStep, z);
+  EXPECT_NEAR(z, 0.5e-3 * (std::exp(1.0) - 1.0), 1e-8);
+  EXPECT_NEAR(spring.pull(z), 100.0 * z, 1e-12);
+  EXPECT_GT(-spring.rate(-kStep, z), spring.rate(kStep, z));  // and unloads along a steeper way
+}
+
 TEST(HystereticSpring, StaysBoundedWhereItYieldsFasterThanTheStep) {
   const PlantModel model =
       with_effect(bare_mass(), HystereticSpring{.stiffness = 1e4, .yield = 1e-6, .sharpness = 6.0});

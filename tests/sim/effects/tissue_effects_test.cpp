@@ -59,6 +59,20 @@ TEST(LayerPuncture, ThePlantRemembersTheCutWhenTheNeedleComesAgain) {
             1.6e-3);  // but not through whole skin
 }
 
+// By hand: m dv/dt = F - c v - reopening forward and F - c v backward, once the surface has given way.
+TEST(LayerPuncture, ReopeningResistsTheWayInOnly) {
+  PlantModel model = bare_mass(3.0);
+  model.effects.layer_puncture = kSkin;
+  model.effects.layer_puncture->reopening = 0.06;
+  PlantState cut = needle_at(model, 20e-3);
+  cut.motion.x = 5e-3;  // far from where it was cut last
+  EXPECT_NEAR(pushed(model, cut, 0.09, 1000).motion.v, (0.09 - 0.06) / 3.0, 1e-9);
+  EXPECT_EQ(pushed(model, cut, 0.059, 300).motion.x, 5e-3);                 // holds a push that is weaker,
+  EXPECT_NEAR(pushed(model, cut, -0.03, 300).motion.v, -0.03 / 3.0, 1e-6);  // and no pull
+  PlantState whole = needle_at(model, 1.2e-3);
+  EXPECT_NEAR(pushed(model, whole, 0.1, 20000).motion.x, 1.5e-3, 1e-8);  // nothing before the puncture
+}
+
 TEST(ShaftFriction, HoldsInProportionToTheLengthInside) {
   PlantModel model = bare_mass();
   model.effects.shaft_friction = ShaftFriction{.from = 1e-3, .coulomb = 20.0};  // 0.02 N/mm

@@ -18,8 +18,6 @@ void vary(Draw& draw, double& value, double share) {
 
 // How stages of one kind differ: pouches and films by a few per cent, guides and dampers by more.
 void vary_stage(Draw& draw, sim::PlantModel& plant) {
-  plant.brake
-      .reset();  // most faults show in a needle that is free; those of the brake have classes of their own
   vary(draw, plant.baseline.K, 0.01);
   vary(draw, plant.baseline.tau, 0.10);
   vary(draw, plant.baseline.eps_film, 0.03);
@@ -84,7 +82,7 @@ planner::InsertionRequest draw_request(Draw& draw, const planner::NominalStage& 
 }  // namespace
 
 NominalModels read_nominal_models(const std::filesystem::path& models) {
-  return {sim::read_model(models / "calibrated.toml"),
+  return {sim::read_model(models / "calibrated.toml"), true,
           planner::read_nominal_stage(models / "calibrated.toml"),
           sim::read_tissues(models / "tissues.toml")};
 }
@@ -100,7 +98,11 @@ Scenario draw_scenario(const NominalModels& models, std::uint64_t seed) {
     scenario.facts = robot::plan_facts(scenario.plan, 1 + draw.bits() % 1'000'000);
     scenario.plant = models.stage;
     scenario.plant.weight = request.weight.value * 1e-3;
-    vary_stage(draw, scenario.plant);
+    if (models.varies) {
+      // Most faults show in a needle that is free; those of the brake have classes of their own.
+      scenario.plant.brake.reset();
+      vary_stage(draw, scenario.plant);
+    }
     scenario.plant.tissue = sim::tissue_along(scenario.plan.layers, models.tissues);
     for (sim::TissueLayer& layer : scenario.plant.tissue) vary_tissue(draw, layer);
     scenario.noise_seed = draw.bits();

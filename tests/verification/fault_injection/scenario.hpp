@@ -17,6 +17,7 @@ namespace biopsy::fault_injection {
 // The nominal stage and tissues, read once.
 struct NominalModels {
   sim::PlantModel stage;
+  bool varies = true;  // stages of its kind, without a brake; false: this one as it is
   planner::NominalStage nominal;
   sim::TissueTable tissues;
 };

@@ -1,5 +1,7 @@
 // Stages drawn from the calibration's posterior: what is not known of the paper's stage must not stop a
 // procedure.
+#include "tests/verification/nuisance/drawn_stages.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,15 +9,9 @@
 #include <mutex>
 
 #include "robot/common/in_parallel.hpp"
-#include "robot/common/statistics.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
 #include "safety/types/transitions.hpp"
-#include "sim/paper/calibration/objective.hpp"
-#include "sim/paper/open_loop.hpp"
-#include "sim/paper/paper_targets.hpp"
-#include "sim/paper/tuning/uncertainty.hpp"
-#include "sim/plant/model_file.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 #include "tests/verification/fault_injection/procedure.hpp"
@@ -30,17 +26,6 @@ constexpr int kMostComplete = 190;
 constexpr std::int64_t kTicksMax = 600'000;
 // Of the whole image, in every stage: a tenth of a voxel.
 constexpr double kStill_mm = 0.1;
-
-// What the calibration itself required and its deviations do not hold: 8 kV lift 50 g by 8.1 mm, within its
-// band of 5 % twice, and the laser has noise (0.005 mm at least).
-bool is_calibrated_for(const sim::PlantModel& stage) {
-  constexpr double kLeast_m = 0.9 * sim::calibration::kReach, kQuietest_m = 5e-6;
-  sim::PlantModel loaded = stage;
-  loaded.weight = sim::paper::kWeight;
-  const sim::paper::OpenLoopRun run = sim::paper::run_open_loop(
-      loaded, {.amplitude = 8000.0, .frequency = 2.0, .settle = 6.0, .watch = 0.5, .period = 2.5e-3}, true);
-  return mean(run.displacement) >= kLeast_m && stage.effects.sensor_noise->std >= kQuietest_m;
-}
 
 // Nobody has measured this brake: any that holds the needle's weight twice, on any clamp.
 sim::Brake drawn_brake(std::uint64_t seed) {
@@ -75,16 +60,15 @@ Tally rehearsed(const std::string& name) {
   const ScratchFolder folder;
   const robot::PreparedCase prepared = robot::prepare(robot::read_case(name), folder / "");
   const Plan& plan = std::get<Plan>(prepared.plan);
-  const sim::tuning::UncertainStages drawn = sim::tuning::uncertain_stages(
-      sim::read_noted_model(prepared.given.rehearsal.model), kStages, 1, is_calibrated_for);
+  const std::vector<sim::PlantModel> drawn = drawn_stages(prepared.given.rehearsal.model, kStages, 1);
   const sim::TissueTable tissues = sim::read_tissues(prepared.given.rehearsal.tissues);
   Tally tally;
   std::mutex one;
-  in_parallel(drawn.stages.size(), [&](std::size_t i) {
+  in_parallel(drawn.size(), [&](std::size_t i) {
     Scenario scenario;
     scenario.plan = plan;
     scenario.facts = robot::plan_facts(plan, 1);
-    scenario.plant = drawn.stages[i];
+    scenario.plant = drawn[i];
     scenario.plant.weight = prepared.given.weight.value * 1e-3;
     scenario.plant.tissue = sim::tissue_along(prepared.layers, tissues);
     scenario.plant.brake = drawn_brake(i + 1);

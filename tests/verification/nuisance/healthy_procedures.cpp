@@ -59,9 +59,11 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
     run.trips += fell;
     run.unexpected_stops += stopped;
     if ((fell || stopped) && run.alarms.empty())
-      run.alarms.push_back({number, static_cast<double>(ticks) * 1e-3,
-                            fmt::format("{} to {}: {}", safety::name_of(before), safety::name_of(line.mode),
-                                        safety::name_of(safety::worst_of(line.hazards)))});
+      run.alarms.push_back(
+          {1, number, static_cast<double>(ticks) * 1e-3,
+           fmt::format("{} to {}: {}; needle at {:.2f} mm of {:.2f}", safety::name_of(before),
+                       safety::name_of(line.mode), safety::name_of(safety::worst_of(line.hazards)),
+                       line.depth_mm, scenario.plan.steps[line.step].depth.value)});
     before = line.mode;
   }
   run.hours = static_cast<double>(ticks) / 3.6e6;
@@ -71,9 +73,11 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
   run.steps = static_cast<std::int32_t>(step) + 1;
   run.releases = varied.releases();
   if (!varied.completed() && !varied.gave_up() && run.alarms.empty())
-    run.alarms.push_back({number, static_cast<double>(ticks) * 1e-3, "did not reach its target"});
+    run.alarms.push_back({1, number, static_cast<double>(ticks) * 1e-3, "did not reach its target"});
   return run;
 }
+
+}  // namespace
 
 HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.hours += b.hours;
@@ -89,8 +93,6 @@ HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
   return a;
 }
-
-}  // namespace
 
 HealthyRun run_healthy_procedures(const NominalModels& models, double hours, std::uint64_t seed,
                                   const std::function<void(safety::SupervisorInputs&)>& corrupt_inputs,

@@ -12,6 +12,7 @@
 namespace biopsy::fault_injection {
 
 struct Alarm {
+  std::size_t stage = 1;  // of those that were rehearsed
   std::uint64_t procedure = 0;
   double at_s = 0.0;
   std::string what;
@@ -26,6 +27,9 @@ struct HealthyRun {
   std::int32_t needles_held = 0;  // not ready, friction truly holding the needle more than 1 mm out at 0 V
   std::vector<Alarm> alarms;      // the first of each procedure
 };
+
+// Of one run after another.
+HealthyRun joined(HealthyRun a, const HealthyRun& b);
 
 // Procedures of different scenarios and operators until `hours` are full. The same seed gives the same run.
 // `corrupt_inputs`, if given, may corrupt what the supervisor sees: a bench that cannot complain proves

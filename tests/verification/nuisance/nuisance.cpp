@@ -3,6 +3,7 @@
 
 #include "tests/source_dir.hpp"
 #include "tests/verification/evidence_program.hpp"
+#include "tests/verification/nuisance/drawn_stages.hpp"
 #include "tests/verification/nuisance/healthy_procedures.hpp"
 
 namespace {
@@ -26,25 +27,37 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
   report.tables["alarms"] = nlohmann::json::array();
   for (const Alarm& alarm : day.alarms)
     report.tables["alarms"].push_back(
-        {{"procedure", alarm.procedure}, {"at_s", alarm.at_s}, {"what", alarm.what}});
+        {{"stage", alarm.stage}, {"procedure", alarm.procedure}, {"at_s", alarm.at_s}, {"what", alarm.what}});
   return report;
 }
 
-biopsy::EvidenceReport run(double hours, std::uint64_t seed) {
-  const NominalModels models = read_nominal_models(biopsy::source_dir() / "sim/models");
+// Figures of all days together; each day's stage is another of `stages`.
+biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
+  NominalModels models = read_nominal_models(biopsy::source_dir() / "sim/models");
+  std::vector<biopsy::sim::PlantModel> stages{models.stage};
+  models.varies = drawn == 0;
+  if (drawn > 0) stages = drawn_stages(biopsy::source_dir() / "sim/models/calibrated.toml", drawn, seed);
   const biopsy::Stopwatch time;
-  const HealthyRun day = run_healthy_procedures(models, hours, seed, {}, [](double share) {
-    fmt::print(stderr, "\rhealthy procedures: {:3.0f} %", 100.0 * std::min(share, 1.0));
-  });
+  HealthyRun all;
+  for (std::size_t day = 0; day < stages.size(); ++day) {
+    models.stage = stages[day];
+    HealthyRun one = run_healthy_procedures(models, hours, seed + day, {}, [&](double share) {
+      fmt::print(stderr, "\rhealthy procedures: stage {} of {}, {:3.0f} %", day + 1, stages.size(),
+                 100.0 * std::min(share, 1.0));
+    });
+    for (Alarm& alarm : one.alarms) alarm.stage = day + 1;
+    all = joined(std::move(all), one);
+  }
   fmt::print(
-      "\n{:.2f} h, {} procedures ({} completed, {} given up), {} steps, {} releases: {} trips, {} "
+      "\n{} stages, {:.2f} h, {} procedures ({} completed, {} given up), {} steps, {} releases: {} trips, {} "
       "unrequested stops, {} holds after a puncture that truly jumped, {} needles that friction held at 0 "
       "V\n",
-      day.hours, day.procedures, day.completed, day.given_up, day.steps, day.releases, day.trips,
-      day.unexpected_stops, day.punctures_held, day.needles_held);
-  for (const Alarm& alarm : day.alarms)
-    fmt::print("  procedure {} at {:.2f} s: {}\n", alarm.procedure, alarm.at_s, alarm.what);
-  return report_of(day, time.seconds());
+      stages.size(), all.hours, all.procedures, all.completed, all.given_up, all.steps, all.releases,
+      all.trips, all.unexpected_stops, all.punctures_held, all.needles_held);
+  for (const Alarm& alarm : all.alarms)
+    fmt::print("  stage {}, procedure {} at {:.2f} s: {}\n", alarm.stage, alarm.procedure, alarm.at_s,
+               alarm.what);
+  return report_of(all, time.seconds());
 }
 
 }  // namespace
@@ -53,10 +66,13 @@ int main(int argc, char** argv) {
   double hours = 8.0;
   bool quick = false;
   std::uint64_t seed = 1;
+  int drawn = 0;
   CLI::App app{"Hours of healthy procedures on the virtual clock: no trip and no unrequested stop"};
   app.add_flag("--quick", quick, "twenty minutes");
   app.add_option("--hours", hours, "of procedures")->check(CLI::Range(1e-3, 1'000.0));
   app.add_option("--seed", seed, "of all random choices");
+  app.add_option("--drawn-stages", drawn, "so many stages of the calibration's posterior, each for the hours")
+      ->check(CLI::Range(0, 1'000));
   return biopsy::evidence_program("nuisance", app, argc, argv,
-                                  [&] { return run(quick ? 1.0 / 3.0 : hours, seed); });
+                                  [&] { return run(quick ? 1.0 / 3.0 : hours, seed, drawn); });
 }

@@ -8,7 +8,7 @@
 #include "planner/imaging/io/dicom/dicom_fields.hpp"
 #include "planner/imaging/io/dicom/dicom_frame.hpp"
 #include "planner/imaging/io/dicom/dicom_header.hpp"
-#include "planner/imaging/io/dicom/dicom_pixels.hpp"
+#include "planner/imaging/io/dicom/segment_pixels.hpp"
 #include "planner/imaging/io/segment_labels.hpp"
 #include "planner/imaging/io/volume_files.hpp"
 #include "robot/common/text/sanitize_text.hpp"
@@ -20,10 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFramesMax = 65'536;
-
-[[noreturn]] void refuse_segmentation(const std::string& what, const std::string& where) {
-  throw ConfigError(what, where, "export the segmentation again, as binary and uncompressed, or as NRRD");
-}
+constexpr const char* kLabelMapStorage = "1.2.840.10008.5.1.4.1.1.66.7";  // since 2024, not in DCMTK 3.6
 
 struct SegmentFrame {
   SlicePlane plane;
@@ -38,7 +35,8 @@ bool is_segmentation(const fs::path& file) {
                             DCM_PixelData)
           .bad())
     return false;
-  return dicom_text(*content.getDataset(), DCM_SOPClassUID) == UID_SegmentationStorage;
+  const std::string sop_class = dicom_text(*content.getDataset(), DCM_SOPClassUID);
+  return sop_class == UID_SegmentationStorage || sop_class == kLabelMapStorage;
 }
 
 int count_at(DcmItem& dataset, const DcmTagKey& tag, int most, const std::string& file) {
@@ -48,35 +46,25 @@ int count_at(DcmItem& dataset, const DcmTagKey& tag, int most, const std::string
   return static_cast<int>(*number);
 }
 
-void refuse_other_kinds(DcmItem& dataset, const std::string& file) {
-  const std::string kind = dicom_text(dataset, DCM_SegmentationType);
-  if (kind != "BINARY")
-    refuse_segmentation(fmt::format("a segmentation of the type \"{:.20}\": BINARY is read", plain(kind)),
-                        file);
-  if (dicom_unsigned_short(dataset, DCM_BitsAllocated) != 1 ||
-      dicom_unsigned_short(dataset, DCM_SamplesPerPixel).value_or(1) != 1)
-    refuse_segmentation("the segments are not stored as one bit a pixel", file);
-}
-
-std::map<int, std::string> segment_names(DcmItem& dataset, const std::string& file) {
+std::map<int, std::string> segment_names(DcmItem& dataset, SegmentationKind kind, const std::string& file) {
   std::map<int, std::string> names;
   DcmItem* item = nullptr;
   for (int n = 0; dataset.findAndGetSequenceItem(DCM_SegmentSequence, item, n).good() && item != nullptr;
        ++n) {
-    const int number = dicom_unsigned_short(*item, DCM_SegmentNumber).value_or(0);
-    if (number == 0) refuse_segmentation("a segment has no number", file);
+    const auto number = dicom_unsigned_short(*item, DCM_SegmentNumber);
+    if (number == 0 && kind == SegmentationKind::LabelMap) continue;  // the background
+    if (number.value_or(0) == 0) refuse_segmentation("a segment has no number", file);
     std::string name = plain(dicom_text(*item, DCM_SegmentLabel));
-    if (name.empty()) name = fmt::format("segment {}", number);
-    if (!names.emplace(number, std::move(name)).second)
-      refuse_segmentation(fmt::format("two segments have the number {}", number), file);
-    item = nullptr;
+    if (name.empty()) name = fmt::format("segment {}", *number);
+    if (!names.emplace(*number, std::move(name)).second)
+      refuse_segmentation(fmt::format("two segments have the number {}", *number), file);
   }
   if (names.empty()) refuse_segmentation("it has no segments", file);
   return names;
 }
 
-std::vector<SegmentFrame> segment_frames(DcmItem& dataset, const std::map<int, std::string>& names,
-                                         const std::string& file) {
+std::vector<SegmentFrame> segment_frames(DcmItem& dataset, SegmentationKind kind,
+                                         const std::map<int, std::string>& names, const std::string& file) {
   const int columns = count_at(dataset, DCM_Columns, kSizeMax, file);
   const int rows = count_at(dataset, DCM_Rows, kSizeMax, file);
   const int count = count_at(dataset, DCM_NumberOfFrames, kFramesMax, file);
@@ -87,7 +75,7 @@ std::vector<SegmentFrame> segment_frames(DcmItem& dataset, const std::map<int, s
     SegmentFrame frame{.plane = plane_of(items, columns, rows, name)};
     if (items.segment != nullptr)
       frame.segment = dicom_unsigned_short(*items.segment, DCM_ReferencedSegmentNumber).value_or(0);
-    if (!names.contains(frame.segment))
+    if (kind != SegmentationKind::LabelMap && !names.contains(frame.segment))
       refuse_segmentation(fmt::format("the frame is of segment {}, which is not described", frame.segment),
                           name);
     frames.push_back(std::move(frame));
@@ -158,20 +146,6 @@ std::vector<SlicePlane> all_slices(std::vector<SegmentFrame>& frames, const std:
   return slices;
 }
 
-// The bits, of one frame behind the other without padding between, the lowest bit of a byte first.
-std::vector<bool> segment_bits(DcmItem& dataset, std::size_t count, const std::string& file) {
-  const Uint8* bytes = nullptr;
-  unsigned long length = 0;
-  if (dataset.findAndGetUint8Array(DCM_PixelData, bytes, &length).bad() || bytes == nullptr)
-    refuse_segmentation("its pixels are missing or compressed", file);
-  if (length < (count + 7) / 8)
-    refuse_segmentation(
-        fmt::format("truncated: {} bytes of pixels, {} are promised", length, (count + 7) / 8), file);
-  std::vector<bool> bits(count);
-  for (std::size_t n = 0; n < count; ++n) bits[n] = (bytes[n / 8] >> (n % 8) & 1U) != 0;
-  return bits;
-}
-
 }  // namespace
 
 std::optional<fs::path> dicom_segmentation_at(const fs::path& path) {
@@ -194,9 +168,10 @@ LabelMap read_dicom_segmentation(const fs::path& path) {
   if (loaded.bad()) refuse_segmentation(fmt::format("cannot be read as DICOM ({})", loaded.text()), file);
   DcmItem& dataset = *content.getDataset();
   dataset.convertToUTF8();  // what cannot be converted is made plain later
-  refuse_other_kinds(dataset, file);
-  SegmentLabels labels(segment_names(dataset, file), file);
-  std::vector<SegmentFrame> frames = segment_frames(dataset, labels.names(), file);
+  const SegmentationKind kind = segmentation_kind(dataset, file);
+  SegmentLabels labels(segment_names(dataset, kind, file), file);
+  const std::map<int, std::string> segments = labels.names();
+  std::vector<SegmentFrame> frames = segment_frames(dataset, kind, segments, file);
   const SliceStack stack = stack_slices(all_slices(frames, file));
   std::vector<int> slice_of_plane(stack.order.size());
   for (std::size_t k = 0; k < stack.order.size(); ++k) slice_of_plane[stack.order[k]] = static_cast<int>(k);
@@ -210,18 +185,20 @@ LabelMap read_dicom_segmentation(const fs::path& path) {
   refuse_large_labels(stack.grid, file);
   const int columns = stack.grid.size.x(), rows = stack.grid.size.y();
   const std::size_t pixels = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-  const std::vector<bool> bits = segment_bits(dataset, pixels * frames.size(), file);
+  SegmentPixels segment_pixels(dataset, kind, path, pixels, frames.size());
   map.volume.voxels.assign(stack.grid.voxel_count(), 0.0F);
   for (std::size_t n = 0; n < frames.size(); ++n) {
-    const int k = slice_of_plane[static_cast<std::size_t>(frames[n].slice)];
-    for (int j = 0; j < rows; ++j)
-      for (int i = 0; i < columns; ++i) {
-        if (!bits[n * pixels + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
-                  static_cast<std::size_t>(i)])
-          continue;
-        float& voxel = map.volume.voxels[stack.grid.index(i, j, k)];
-        voxel = static_cast<float>(labels.joined(static_cast<int>(voxel), frames[n].segment));
-      }
+    const std::vector<int>& of_frame = segment_pixels.frame(n, frames[n].segment);
+    float* voxels = map.volume.voxels.data() +
+                    stack.grid.index(0, 0, slice_of_plane[static_cast<std::size_t>(frames[n].slice)]);
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      const int segment = of_frame[pixel];
+      if (segment == 0) continue;
+      if (!segments.contains(segment))
+        refuse_segmentation(fmt::format("a pixel is of segment {}, which is not described", segment),
+                            frames[n].plane.name);
+      voxels[pixel] = static_cast<float>(labels.joined(static_cast<int>(voxels[pixel]), segment));
+    }
   }
   map.names = labels.names();
   return map;

@@ -49,13 +49,28 @@ function columns(of: 'depth' | 'drive'): Columns {
 const kNoise: Record<keyof Telemetry, number> = {
   time: Infinity, depth_low: 0.15, depth_high: 0.15, setpoint: 0.01, drive_low: 0.05, drive_high: 0.05, envelope: 0.01,
 }
+const kSeen = Object.entries(kNoise) as [keyof Telemetry, number][]
 const looksLike = (one: Telemetry, other: Telemetry) =>
-  (Object.keys(kNoise) as (keyof Telemetry)[]).every((part) => Math.abs(one[part] - other[part]) <= kNoise[part])
+  kSeen.every(([part, noise]) => Math.abs(one[part] - other[part]) <= noise)
 
-// Nothing moves: all that is in view looks like the newest.
+// Nothing moves: all that is in view looks the same. Each sample is looked at once.
+let steady: Telemetry | undefined
+let changedAt = -Infinity
+let lookedAt = -Infinity
+
 function isStill(): boolean {
   const newest = telemetry.at(-1)
-  return newest === undefined || telemetry.every((one) => looksLike(one, newest))
+  if (newest === undefined) return true
+  if (newest.time < lookedAt) steady = undefined // a new stage process has its own clock
+  if (steady === undefined) changedAt = lookedAt = -Infinity
+  for (const sample of telemetry.slice(telemetry.findLastIndex((one) => one.time <= lookedAt) + 1)) {
+    steady ??= sample
+    if (looksLike(sample, steady)) continue
+    steady = sample
+    changedAt = sample.time
+  }
+  lookedAt = newest.time
+  return newest.time - changedAt > kPlot_ms
 }
 
 function Plot(props: { of: 'depth' | 'drive'; label: string; options: uPlot.Options }) {

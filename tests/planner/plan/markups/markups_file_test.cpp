@@ -222,8 +222,10 @@ TEST(MarkupsFile, ThatIsDamagedIsReadOrRefused) {
         for (std::size_t changes = 1 + below(4); changes > 0; --changes)
           text[below(text.size())] = static_cast<char>(below(256));
       try {
-        for (const MarkupPoint& point : parse_markups(text, file))
-          if (point.p_S) EXPECT_LE(point.p_S->cwiseAbs().maxCoeff(), 2000.0) << text;
+        for (const MarkupPoint& point : parse_markups(text, file)) {
+          const double farthest_mm = point.p_S ? point.p_S->cwiseAbs().maxCoeff() : 0.0;
+          EXPECT_LE(farthest_mm, 2000.0) << text;
+        }
       } catch (const ConfigError& refusal) {
         EXPECT_FALSE(refusal.what_is_wrong.empty() || refusal.where.empty() || refusal.remedy.empty());
         ++refused;

@@ -61,17 +61,15 @@ def item(**elements):
     return one
 
 
-def write_seg(image, file, keep=lambda number, k, mask: mask.any(), **changes):
-    """Frames segment by segment, from the highest slice down, those that are empty left out as other programs do."""
-    frames, groups = [], []
-    for number, mask in image.segments().items():
-        for k in reversed(range(image.shape[0])):
-            if not keep(number, k, mask[k]):
-                continue
-            frames.append(mask[k])
-            groups.append(item(
-                PlanePositionSequence=[item(ImagePositionPatient=[f"{x:.9g}" for x in image.origin + k * image.k])],
-                SegmentIdentificationSequence=[item(ReferencedSegmentNumber=number)]))
+def write_seg(image, file, keep=lambda number, k, mask: mask.any(), order=None, **changes):
+    """Frames segment by segment, from the highest slice down, those that are empty left out as other programs do; or in any order."""
+    masks, frames, groups = image.segments(), [], []
+    places = [(number, k) for number, mask in masks.items() for k in reversed(range(image.shape[0])) if keep(number, k, mask[k])]
+    for number, k in places if order is None else [places[n] for n in order.permutation(len(places))]:
+        frames.append(masks[number][k])
+        groups.append(item(
+            PlanePositionSequence=[item(ImagePositionPatient=[f"{x:.9g}" for x in image.origin + k * image.k])],
+            SegmentIdentificationSequence=[item(ReferencedSegmentNumber=number)]))
     first = image.slices[0]
     data = pydicom.Dataset()
     data.SOPClassUID = pydicom.uid.UID("1.2.840.10008.5.1.4.1.1.66.4")
@@ -102,6 +100,47 @@ def write_seg(image, file, keep=lambda number, k, mask: mask.any(), **changes):
     data.file_meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
     data.is_little_endian, data.is_implicit_VR = True, False
     pydicom.dcmwrite(file, data, write_like_original=False)
+    return numpy.stack(frames)
+
+
+def rewritten(file, syntax, frames=None, representation=None, **changes):
+    """The file with other elements, in another transfer syntax: `frames` uncompressed, as OB or OW, or a list of its fragments."""
+    data = pydicom.dcmread(file)
+    for name, value in changes.items():
+        setattr(data, name, value)
+    if isinstance(frames, list):
+        data.PixelData = pydicom.encaps.encapsulate(frames)
+        data["PixelData"].is_undefined_length = True
+    elif frames is not None:
+        content = frames.tobytes()
+        data.PixelData = content + b"\0" * (len(content) % 2)
+    if representation:
+        data["PixelData"].VR = representation
+    data.file_meta.TransferSyntaxUID = syntax
+    data.is_little_endian = syntax != pydicom.uid.ExplicitVRBigEndian
+    pydicom.dcmwrite(file, data, write_like_original=False)
+
+
+def run_lengths(plane):
+    """One 8-bit plane in PackBits behind DICOM's header of 64 bytes (PS3.5 G), row by row."""
+    content = bytearray()
+    for row in plane:
+        at = 0
+        while at < len(row):
+            run = 1
+            while at + run < len(row) and run < 128 and row[at + run] == row[at]:
+                run += 1
+            content += bytes([257 - run if run > 1 else 0, row[at]])
+            at += run
+    return numpy.array([1, 64] + 14 * [0], "<u4").tobytes() + bytes(content) + b"\0" * (len(content) % 2)
+
+
+def fractional(frames, most, shares=(0.2, 0.9)):
+    """Inside of a segment the second share of the most is stored, outside the first."""
+    return numpy.where(frames, round(shares[1] * most), round(shares[0] * most)).astype(numpy.uint8)
+
+
+EIGHT_BITS = {"BitsAllocated": 8, "BitsStored": 8, "HighBit": 7}
 
 
 def write_seg_nrrd(image, file):
@@ -176,6 +215,72 @@ class Segmentation(unittest.TestCase):
         write_seg(self.image, self.folder / "few.dcm", keep=lambda number, k, mask: mask.any() and not mask.all())
         self.expect_layers("few.dcm")
 
+    def test_frames_may_come_in_any_order(self):
+        for seed in (1, 2, 3):
+            write_seg(self.image, self.folder / "mixed.dcm", order=numpy.random.default_rng(seed))
+            self.expect_layers("mixed.dcm")
+
+    def test_deflated_and_big_endian_bits_are_read(self):
+        """DICOM's own deflate; and words whose bytes are turned round, as the retired big endian has them."""
+        frames = write_seg(self.image, self.folder / "deflated.dcm")
+        rewritten(self.folder / "deflated.dcm", pydicom.uid.DeflatedExplicitVRLittleEndian)
+        self.expect_layers("deflated.dcm")
+        write_seg(self.image, self.folder / "turned.dcm")
+        bits = numpy.packbits(frames.reshape(-1), bitorder="little")
+        words = numpy.append(bits, numpy.zeros(len(bits) % 2, numpy.uint8)).view("<u2")
+        for representation, pixels in (("OW", words.astype(">u2")), ("OB", words)):
+            rewritten(self.folder / "turned.dcm", pydicom.uid.ExplicitVRBigEndian, pixels, representation)
+            self.expect_layers("turned.dcm")
+
+    def test_fractional_segments_are_where_more_than_half_is(self):
+        for most, kind in ((255, "PROBABILITY"), (100, "OCCUPANCY"), (1, "OCCUPANCY")):
+            frames = write_seg(self.image, self.folder / "share.dcm")
+            changes = {**EIGHT_BITS, "SegmentationType": "FRACTIONAL", "SegmentationFractionalType": kind, "MaximumFractionalValue": most}
+            rewritten(self.folder / "share.dcm", pydicom.uid.ExplicitVRLittleEndian, fractional(frames, most), **changes)
+            self.expect_layers("share.dcm")
+            rewritten(self.folder / "share.dcm", pydicom.uid.RLELossless, [run_lengths(plane) for plane in fractional(frames, most)])
+            self.expect_layers("share.dcm")
+
+    def test_half_of_the_most_is_outside(self):
+        frames = write_seg(self.image, self.folder / "half.dcm", keep=lambda number, k, mask: number < 3 or mask.any())
+        pixels = fractional(frames, 100)
+        lesion = [n for n, group in enumerate(pydicom.dcmread(self.folder / "half.dcm").PerFrameFunctionalGroupsSequence)
+                  if group.SegmentIdentificationSequence[0].ReferencedSegmentNumber == 3]
+        pixels[lesion] = fractional(frames[lesion], 100, shares=(0.0, 0.5))
+        rewritten(self.folder / "half.dcm", pydicom.uid.ExplicitVRLittleEndian, pixels, **EIGHT_BITS, SegmentationType="FRACTIONAL",
+                  SegmentationFractionalType="OCCUPANCY", MaximumFractionalValue=100)
+        result = self.plan("half.dcm")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("liver", result.stdout)
+        self.assertNotIn("lesion", result.stdout)
+
+    def test_label_map_segments_are_read(self):
+        """LABELMAP of 2024: the pixel is the number of its segment, so that segments cannot overlap."""
+        masks = self.image.segments()
+        flat = numpy.where(masks[3], 3, numpy.where(masks[2], 2, 1)).astype(numpy.uint8)
+        write_seg(self.image, self.folder / "map.dcm", keep=lambda number, k, mask: number == 1, order=None)
+        groups = [item(PlanePositionSequence=[item(ImagePositionPatient=[f"{x:.9g}" for x in self.image.origin + k * self.image.k])])
+                  for k in range(self.image.shape[0])]
+        changes = {**EIGHT_BITS, "SOPClassUID": pydicom.uid.UID("1.2.840.10008.5.1.4.1.1.66.7"), "SegmentationType": "LABELMAP",
+                   "NumberOfFrames": len(groups), "PerFrameFunctionalGroupsSequence": groups}
+        rewritten(self.folder / "map.dcm", pydicom.uid.ExplicitVRLittleEndian, flat, **changes)
+        result = self.plan("map.dcm")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"muscle.*liver.*lesion")
+        self.assertNotIn("liver + lesion", result.stdout)
+        rewritten(self.folder / "map.dcm", pydicom.uid.ExplicitVRLittleEndian, numpy.where(flat == 3, 9, flat).astype(numpy.uint8))
+        self.expect_refused("map.dcm", "segment 9, which is not described")
+
+    def test_compressed_bits_and_lossy_shares_are_refused(self):
+        frames = write_seg(self.image, self.folder / "packed.dcm")
+        rewritten(self.folder / "packed.dcm", pydicom.uid.RLELossless,
+                  [run_lengths(numpy.packbits(frame, axis=1, bitorder="little")) for frame in frames])
+        self.expect_refused("packed.dcm", "compressed as RLE Lossless: segments of one bit")
+        rewritten(self.folder / "packed.dcm", pydicom.uid.RLELossless, [run_lengths(plane) for plane in fractional(frames, 255)],
+                  **EIGHT_BITS, SegmentationType="FRACTIONAL", SegmentationFractionalType="OCCUPANCY", MaximumFractionalValue=255,
+                  LossyImageCompression="01")
+        self.expect_refused("packed.dcm", "compressed with loss")
+
     def test_seg_nrrd_in_layers_gives_the_same(self):
         write_seg_nrrd(self.image, self.folder / "tissue.seg.nrrd")
         self.expect_layers("tissue.seg.nrrd")
@@ -183,7 +288,10 @@ class Segmentation(unittest.TestCase):
     def test_uncertain_segmentations_are_refused(self):
         segments = [item(SegmentNumber=1, SegmentLabel="a"), item(SegmentNumber=1, SegmentLabel="b")]
         for n, (changes, why) in enumerate((
-                ({"SegmentationType": "FRACTIONAL"}, "FRACTIONAL"),
+                ({"SegmentationType": "SURFACE"}, "SURFACE"),
+                ({"SegmentationType": "FRACTIONAL"}, "8 bits a pixel"),
+                ({"SegmentationType": "FRACTIONAL", **EIGHT_BITS}, "MaximumFractionalValue"),
+                ({"SegmentationType": "FRACTIONAL", **EIGHT_BITS, "MaximumFractionalValue": 255}, "truncated"),
                 ({"BitsAllocated": 8}, "one bit a pixel"),
                 ({"SegmentSequence": segments}, "two segments have the number 1"),
                 ({"SegmentSequence": segments[:1]}, "segment 2, which is not described"),
@@ -194,14 +302,20 @@ class Segmentation(unittest.TestCase):
             self.expect_refused(f"bad{n}.dcm", why, where="labels" if "another frame" in why else None)
 
     def test_damaged_files_are_read_or_refused(self):
-        write_seg(self.image, self.folder / "whole.dcm")
-        whole = (self.folder / "whole.dcm").read_bytes()
-        head = len(whole) - len(pydicom.dcmread(self.folder / "whole.dcm").PixelData)
+        frames = write_seg(self.image, self.folder / "whole.dcm")
+        self.expect_no_crash("whole.dcm", 12)
+        rewritten(self.folder / "whole.dcm", pydicom.uid.RLELossless, [run_lengths(plane) for plane in fractional(frames, 255)],
+                  **EIGHT_BITS, SegmentationType="FRACTIONAL", SegmentationFractionalType="OCCUPANCY", MaximumFractionalValue=255)
+        self.expect_no_crash("whole.dcm", 12)
+
+    def expect_no_crash(self, file, times):
+        whole = (self.folder / file).read_bytes()
+        head = len(whole) - len(pydicom.dcmread(self.folder / file).PixelData)
         random = numpy.random.default_rng(27)
         codes = set()
-        for _ in range(12):
+        for _ in range(times):
             content = bytearray(whole)
-            for at in random.integers(132, head, 3):
+            for at in random.integers(132, head + 2000, 6):
                 content[at] = random.integers(256)
             (self.folder / "damaged.dcm").write_bytes(content[:random.integers(head, len(content))] if random.integers(3) == 0 else content)
             codes.add(self.plan("damaged.dcm").returncode)

@@ -53,6 +53,7 @@ constexpr CatalogueEntry kLibrary[] = {
     {"sensor_offset", 0.08e-3, -0.30e-3, [](P& p, double s) { p.offset = s; }, {{{"offset_mm", 1e3}}}},
     {"sensor_scale", 0.07, -0.12, [](P& p, double s) { p.gain_error = s; }, {{{"share"}}}},
     {"sensor_drift", 6e-6, 20e-6, [](P& p, double s) { p.drift = s; }, {{{"rate_um_per_s", 1e6}}}},
+    {"voltage_threshold", 60, 180, [](P& p, double s) { p.dead_band = s; }, {{{"threshold_V"}}}},
 };
 
 // Why none of them is a library effect plus small parameters stands beside each.

@@ -26,6 +26,7 @@ struct HiddenPhysics {
   double amplifier_time = 0, amplifier_slew = 8e5;  // s, V/s
   double saturation = 0, saturation_power = 24;     // V; soft knee u/(1+|u/L|^p)^(1/p)
   double asymmetry = 0;                             // relative pressure of positive over negative
+  double dead_band = 0;                             // V that do not pull; a soft onset, 30 V wide
   // pouch
   double zip_radius = 0;                // m of one pouch; two plays, radius r and 2 r
   double set_share = 0, set_time = 25;  // of the peak, s

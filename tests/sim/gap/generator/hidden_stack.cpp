@@ -7,6 +7,7 @@ namespace biopsy::hidden {
 namespace {
 constexpr double kEps0 = 8.8541878128e-12;
 constexpr double kHeatSeconds = 12.0;
+constexpr double kOnset = 30.0;      // V
 constexpr double kFullHeat = 1.2e7;  // V^2/s of switching: 1.6 kV turned over twice 2.4 times a second
 constexpr std::array<double, 2> kPlayWeight{0.65, 0.35}, kPlayRadius{1.0, 2.0};
 constexpr std::array<double, 3> kCreepSeconds{0.8, 3.5, 14.0};
@@ -60,7 +61,11 @@ void HiddenSupply::advance(double t, double h) {
 }
 
 double HiddenSupply::pressure() const {
-  const double acting = output_ - trapped_;
+  double acting = output_ - trapped_;
+  if (p_.dead_band > 0.0) {  // softplus
+    const double above = (std::abs(acting) - p_.dead_band) / kOnset;
+    acting = std::copysign(kOnset * (above > 30.0 ? above : std::log1p(std::exp(above))), acting);
+  }
   const double side = 1.0 + (p_.asymmetry != 0.0 ? p_.asymmetry * std::tanh(acting / 20.0) : 0.0);
   const double warm = 1.0 - p_.heating * heat_ / (1.0 + heat_);
   return warm * side * numbers_.eps_film * kEps0 * acting * acting /

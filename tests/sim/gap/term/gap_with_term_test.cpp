@@ -78,6 +78,25 @@ TEST(GapWithTerm, ProposesNothingWhereAnEffectIsNamed) {
   EXPECT_FALSE(finding.proposed);
 }
 
+// Drag that grows with the cube of the speed: that with its square closes 95 % of the gap and meets
+// everything else that a name needs.
+TEST(GapWithTerm, ANameGivesWayToAnEquationThatLeavesFarLess) {
+  Dice dice(700);
+  LawRig rig = drawn_rig(dice);
+  rig.law = outside_laws(rig, dice.between(0.1, 0.4), dice)[0];
+  const std::string model = law_rig_model(rig, dice);
+  const GapFinding finding =
+      sim::gap::find_gap(law_recording(rig, kWholeNoise, 701), sim::parse_model(model, "rig.toml"), {})
+          .finding;
+  EXPECT_EQ(finding.verdict, GapVerdict::Unexplained);
+  EXPECT_EQ(finding.rejected.effects, std::vector<std::string>{"quadratic_damping"});
+  ASSERT_EQ(finding.rejected.objections.size(), 1U);
+  EXPECT_NE(finding.rejected.objections.front().find("an equation leaves far less"), std::string::npos)
+      << finding.rejected.objections.front();
+  ASSERT_TRUE(finding.proposed);
+  EXPECT_EQ(finding.proposed->expression, "a v^3");
+}
+
 // Drag that grows with the root of the speed resembles friction that grows from breakaway to sliding:
 // Stribeck friction the other way round.
 TEST(GapWithTerm, ADragOfTheRootOfTheSpeedIsNoFriction) {

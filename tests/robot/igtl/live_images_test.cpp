@@ -1,0 +1,189 @@
+// IMAGE messages all the way: a navigation program sends the planning image, then the confirmation, as bytes
+// that are put together here by the protocol's description (header versions 1 and 2, both byte orders, both
+// frames), and the live robot plans on the one and judges its depth by the other. Images: the built-in
+// phantom, and what the simulated scanner makes of it with a needle.
+#include <cmath>
+
+#include "robot/igtl/navigation_server.hpp"
+#include "sim/scanner/scanner.hpp"
+#include "tests/robot/igtl/live_site.hpp"
+#include "tests/robot/live/steady_host.hpp"
+
+namespace biopsy::robot {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+void append(Bytes& to, std::uint64_t value, int count) {
+  while (count-- > 0) to.push_back(static_cast<std::uint8_t>(value >> (8 * count)));
+}
+void append(Bytes& to, float value) {
+  append(to, std::bit_cast<std::uint32_t>(value), 4);
+}
+void append_name(Bytes& to, const std::string& name, std::size_t count) {
+  to.insert(to.end(), name.begin(), name.end());
+  to.resize(to.size() + count - name.size());
+}
+
+// ECMA-182, a bit at a time.
+std::uint64_t crc_of(const Bytes& bytes) {
+  std::uint64_t crc = 0;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= static_cast<std::uint64_t>(byte) << 56U;
+    for (int bit = 0; bit < 8; ++bit) crc = crc << 1U ^ (crc >> 63U) * 0x42F0E1EBA9EA3693U;
+  }
+  return crc;
+}
+
+struct Way {
+  int version = 1;              // of the header
+  bool big_endian = true;       // voxels
+  bool ras = true;              // or LPS
+  bool says_the_other = false;  // frame than the numbers are in
+  int components = 1;
+};
+
+Bytes image_message(const std::string& device, const Volume& volume, const Way& way) {
+  const Grid& grid = volume.grid;
+  const Eigen::Vector3d turn = way.ras ? Eigen::Vector3d(-1, -1, 1) : Eigen::Vector3d(1, 1, 1);
+  Bytes content;
+  append(content, 1, 2), append(content, static_cast<std::uint64_t>(way.components), 1);
+  append(content, way.big_endian ? 10 : 4, 1);  // float32, int16
+  append(content, way.big_endian ? 1 : 2, 1), append(content, way.ras != way.says_the_other ? 1 : 2, 1);
+  for (int axis = 0; axis < 3; ++axis) append(content, static_cast<std::uint64_t>(grid.size[axis]), 2);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      append(content, static_cast<float>(turn[row] * grid.X_SI.linear()(row, column)));
+  const Point centre = turn.cwiseProduct(
+      grid.X_SI * Point((grid.size.x() - 1) / 2.0, (grid.size.y() - 1) / 2.0, (grid.size.z() - 1) / 2.0));
+  for (int row = 0; row < 3; ++row) append(content, static_cast<float>(centre[row]));
+  append(content, 0, 6);
+  for (int axis = 0; axis < 3; ++axis) append(content, static_cast<std::uint64_t>(grid.size[axis]), 2);
+  for (const float value : volume.voxels) {
+    if (way.big_endian) {
+      append(content, value);
+      continue;
+    }
+    const auto whole = static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(value)));
+    content.push_back(static_cast<std::uint8_t>(whole));
+    content.push_back(static_cast<std::uint8_t>(whole >> 8U));
+  }
+  Bytes body;
+  if (way.version == 2) {  // extended header; one entry of metadata, "a" = "b", behind the content
+    append(body, 12, 2), append(body, 2 + 8, 2), append(body, 2, 4), append(body, 7, 4);
+    body.insert(body.end(), content.begin(), content.end());
+    append(body, 1, 2), append(body, 1, 2), append(body, 3, 2), append(body, 1, 4);
+    append_name(body, "ab", 2);
+  } else {
+    body = content;
+  }
+  Bytes message;
+  append(message, static_cast<std::uint64_t>(way.version), 2);
+  append_name(message, "IMAGE", 12), append_name(message, device, 20), append(message, 0, 8);
+  append(message, body.size(), 8), append(message, crc_of(body), 8);
+  message.insert(message.end(), body.begin(), body.end());
+  return message;
+}
+
+// By a server without a robot, before there is one: the file that it wrote.
+std::filesystem::path received(const Bytes& message, const std::filesystem::path& folder) {
+  struct : igtl::RobotLink {
+    igtl::RobotView view(std::int64_t) override { return {}; }
+    void tell(const igtl::Wish&, std::int64_t) override {}
+  } nobody;
+  igtl::ServerSettings settings;
+  settings.port = 0;
+  igtl::NavigationServer server(settings, igtl::Dialect::Of2021, folder, nobody);
+  igtl::TestClient client(server.port());
+  std::jthread sends([&] { client.send_bytes(message); });
+  igtl::Script told;
+  Site::wait(20s, [&] {
+    server.turn(1ms);
+    for (std::string& one : client.came()) told.push_back(std::move(one));
+    return !told.empty();
+  });
+  EXPECT_EQ(told, (igtl::Script{"STATUS T1 planning 1"}));
+  return folder / "igtl-001-T1planning.nrrd";
+}
+
+// The case "gap" on an image that came as a message, with a needle that was calibrated.
+Case case_on(const std::filesystem::path& image, const Target& target,
+             const std::filesystem::path& incoming) {
+  Case given = read_case("gap");
+  given.phantom = false;
+  given.image = image;
+  given.depth.reset();
+  given.p_SE = target.p_SE, given.p_ST = target.p_ST;
+  given.tip_offset =
+      TipOffset{.needle = "18G", .sequence = "GRE", .value = Millimetres(0), .sigma = Millimetres(0.2)};
+  given.images = {incoming, 200ms, 60s, "R. Nurse"};
+  given.rehearsal.scan = Seconds(0.3);
+  return given;
+}
+
+// What kept it from its claim, or nothing. `changed`: of the way in which the confirmation is sent.
+std::string confirm_by_message(std::uint32_t domain, const Way& way, bool is_right) {
+  const ScratchFolder first, incoming;
+  const PreparedCase phantom = prepare(read_case("gap"), first.path());
+  const Plan& by_phantom = std::get<Plan>(phantom.plan);
+  const auto file = received(image_message("T1 planning", phantom.image, {}), first.path());
+  Site site(domain, case_on(file, by_phantom.target, incoming.path()),
+            {"--images-to", incoming.path().string()});
+  const Plan& plan = std::get<Plan>(site.prepared.plan);
+  EXPECT_EQ(site.prepared.image.voxels, phantom.image.voxels);
+  EXPECT_TRUE(site.prepared.image.grid.X_SI.isApprox(phantom.image.grid.X_SI, 1e-6));
+  EXPECT_NEAR(plan.target_depth.value, by_phantom.target_depth.value, 1e-3);
+  if (site.port == 0)
+    return "biopsy-igtl does not listen: " + read_file_if_present(site.folder / "navigation.txt");
+  if (!site.in(Mode::Safe)) return site.kept("it was not safe");
+
+  Navigator navigator(site);
+  navigator.client.send_bytes(image_message("colour", phantom.image, {.components = 3}));
+  EXPECT_EQ(Navigator::missing(navigator.until("STATUS CURRENT_STATUS 12 colour")), "");
+  EXPECT_TRUE(std::filesystem::is_empty(incoming.path()));
+  if (const std::string wrong = navigator.target(site); !wrong.empty()) return site.kept(wrong);
+  if (!site.in(Mode::Armed, 60s)) return site.kept("it was not armed");
+  const igtl::Script moved = navigator.command("MOVE_TO_TARGET", "STATUS MOVE_TO_TARGET 1");
+  if (const std::string wrong = Navigator::missing(moved); !wrong.empty()) return site.kept(wrong);
+
+  sim::ScanSettings settings;
+  settings.needle = sim::NeedleArtefact{.p_SE = plan.X_SR.translation(),
+                                        .axis_S = plan.X_SR.linear().col(2),
+                                        .tip_depth = plan.steps.back().depth};
+  settings.snr = 60.0;
+  navigator.client.send_bytes(image_message("scan", sim::scan(phantom.image, settings), way));
+  EXPECT_EQ(Navigator::missing(navigator.until("STATUS scan 1")), "");
+  Site::wait(60s, [&] { return site.person->accepted > 0 || !site.person->check().verdict.empty(); });
+  if (is_right) Site::wait(5s, [&] { return site.person->accepted > 0; });
+  const console::events::Checked check = site.person->check();
+  const std::string told = fmt::format("{}: {}", check.verdict, check.reason);
+  if (check.verdict.empty()) return site.kept("no image was judged");
+  fmt::print("planned {:.2f} mm, found {:.2f} mm; {}\n", check.planned, check.found, told);
+  if (is_right) {
+    if (site.person->mode != Mode::Hold) return site.kept("it was not held");
+    EXPECT_EQ(site.person->accepted, 1) << told;
+    EXPECT_TRUE(check.tip_found) << told;
+    EXPECT_NEAR(check.found, plan.steps.back().depth.value, 0.5) << told;
+    EXPECT_LT(std::abs(check.lateral), 0.5) << told;
+  } else {
+    std::this_thread::sleep_for(500ms);
+    EXPECT_EQ(site.person->accepted, 0) << told;
+  }
+  navigator.command("STOP", "STATUS STOP 1");
+  return {};
+}
+
+TEST(LiveImages, ArePlannedOnAndConfirmTheDepthHoweverTheyAreSent) {
+  live_tests::on_a_steady_host([] {
+    return confirm_by_message(kDomain + 3, {.version = 2, .big_endian = false, .ras = false}, true);
+  });
+}
+
+// A program that mixes up the frames: the anatomy is not where it was planned.
+TEST(LiveImages, OfAnotherFrameThanTheySayConfirmNothing) {
+  live_tests::on_a_steady_host(
+      [] { return confirm_by_message(kDomain + 4, {.says_the_other = true}, false); });
+}
+
+}  // namespace
+}  // namespace biopsy::robot
