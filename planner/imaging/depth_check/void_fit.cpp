@@ -221,23 +221,6 @@ VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
   return fit;
 }
 
-}  // namespace
-
-VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
-  VoidFit best;
-  for (const LineCandidate& candidate : candidates) {
-    const VoidFit one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
-    // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
-    const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
-    if (one.gain > 0.0 && worth(one) > worth(best)) best = one;
-  }
-  if (best.gain <= 0.0) return best;
-  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
-  return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
-}
-
-namespace {
-
 // What the centreline loses. A wide void fades towards its rim in more ways than one edge has: all of it
 // loses less than its core, and where the core has lost half of that lies beyond the end.
 double loss_of_core(const Corridor& corridor, const VoidFit& fit,
@@ -258,6 +241,19 @@ double loss_of_core(const Corridor& corridor, const VoidFit& fit,
 }
 
 }  // namespace
+
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
+  VoidFit best;
+  for (const LineCandidate& candidate : candidates) {
+    const VoidFit one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
+    // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
+    const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
+    if (one.gain > 0.0 && worth(one) > worth(best)) best = one;
+  }
+  if (best.gain <= 0.0) return best;
+  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
+  return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
+}
 
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                                   const std::vector<double>& depths) {
