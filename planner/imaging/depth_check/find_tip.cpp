@@ -69,7 +69,9 @@ void weigh_depths(const Corridor& corridor, const VoidFit& fit, const SearchReac
     if (std::abs(off) < 5.0) alone += weight * off * off, weight_alone += weight;
   }
   alone = weight_alone > 0.0 ? std::max(alone / weight_alone, 1e-4) : wanted;
-  const double variance = weigh(std::max(wanted / alone, 1.0));
+  double inflation = std::max(wanted / alone, 1.0), variance = weigh(inflation);
+  // A likelihood that is not normal: as wide as measured, or as wide as it gets.
+  for (int n = 0; n < 20 && variance < wanted; ++n) variance = weigh(inflation *= 1.3);
   found.sigma_mm = std::sqrt(std::max(variance, wanted));
   // Where the tissue ahead is dark in both images, the void's end could lie anywhere in it: the shortest
   // depth that is half as likely as the likeliest is what was seen.
@@ -95,7 +97,7 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
   }
   found.loss = fit.loss;
   found.loss_sigma = fit.loss_sigma;
-  found.evidence = fit.loss / std::max(fit.loss_sigma, 1e-6);
+  found.evidence = fit.evidence();
   found.visible = visibility(search, corridor, fit.inflation);
   found.control_places = fit.control_places;
   found.radius_mm = fit.line.radius_mm;

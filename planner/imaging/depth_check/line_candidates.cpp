@@ -6,6 +6,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "robot/common/statistics.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -89,7 +91,26 @@ SlabMaps disc_maps(const SlabMaps& points, const cv::Mat& kernel) {
   return maps;
 }
 
-LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& reach) {
+// As measured beside the needle's reach, on stretches of 10 mm.
+double inflation_of(const SlabMaps& maps, double from_mm, double to_mm) {
+  constexpr std::size_t kStretch = 5;
+  constexpr double kMedianOfSquare = 0.455;  // of a normal variable
+  std::vector<double> squares;
+  for (std::size_t slab = 0; slab + kStretch <= maps.match.size(); slab += kStretch) {
+    cv::Mat match = maps.match[slab].clone(), energy = maps.energy[slab].clone();
+    for (std::size_t n = slab + 1; n < slab + kStretch; ++n) match += maps.match[n], energy += maps.energy[n];
+    for (int row = 0; row < maps.cells; ++row)
+      for (int column = 0; column < maps.cells; ++column) {
+        const double beside = kCell_mm * std::hypot(row - maps.cells / 2, column - maps.cells / 2);
+        const auto m = static_cast<double>(match.at<float>(row, column)),
+                   e = static_cast<double>(energy.at<float>(row, column));
+        if (beside >= from_mm && beside <= to_mm && e > 0.0) squares.push_back(m * m / e);
+      }
+  }
+  return squares.size() < 20 ? 1.0 : std::max(median(std::move(squares)) / kMedianOfSquare, 1.0);
+}
+
+LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& reach, double loss_least) {
   LineFit best;
   const double behind = std::max(-maps.t_min, 0.0);
   std::array<double, kStarts> match{}, energy{};
@@ -105,7 +126,7 @@ LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& 
       const auto s = static_cast<std::size_t>(n);
       match[s] += m, energy[s] += e;
       if (end < reach.depth_min_mm || end > reach.depth_max_mm || energy[s] <= 0.0) continue;
-      const double loss = std::clamp(match[s] / energy[s], 0.0, 1.1);
+      const double loss = std::clamp(match[s] / energy[s], loss_least, 1.1);
       const double gain = loss * (2.0 * match[s] - loss * energy[s]);
       if (gain > best.gain) best = {gain, loss, start, end};
     }
@@ -113,14 +134,15 @@ LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& 
   return best;
 }
 
-}  // namespace
-
-std::vector<LineCandidate> line_candidates(const Corridor& corridor, const SearchReach& reach) {
+std::vector<LineCandidate> candidates_losing(const Corridor& corridor, const SearchReach& reach,
+                                             double loss_least) {
   const SlabMaps points = point_maps(corridor);
   std::vector<LineCandidate> best;
   for (double radius : kRadii) {
     const SlabMaps maps = disc_maps(points, disc_kernel(corridor, radius));
     LineCandidate top;
+    // Further out, discs reach beyond the corridor.
+    top.inflation = inflation_of(maps, reach.beside_mm + 4.0, corridor.radius_mm - radius);
     const double step = std::max(kCell_mm, 0.5 * radius);
     const int n = static_cast<int>(std::ceil(reach.beside_mm / step));
     const int tilts = static_cast<int>(std::floor(reach.tilt_deg / kTiltStep_deg));
@@ -132,15 +154,25 @@ std::vector<LineCandidate> line_candidates(const Corridor& corridor, const Searc
           for (int b = -tilts; b <= tilts; ++b) {
             if (std::hypot(a, b) > tilts) continue;
             const VoidLine line{i * step, j * step, a * slope, b * slope, radius};
-            const LineFit fit = best_tip(maps, line, reach);
-            if (fit.gain > top.fit.gain) top = {line, fit};
+            const LineFit fit = best_tip(maps, line, reach, loss_least);
+            if (fit.gain > top.fit.gain) top.line = line, top.fit = fit;
           }
       }
     best.push_back(top);
   }
   std::stable_sort(best.begin(), best.end(),
-                   [](const LineCandidate& a, const LineCandidate& b) { return a.fit.gain > b.fit.gain; });
+                   [](const LineCandidate& a, const LineCandidate& b) { return a.worth() > b.worth(); });
   return best;
+}
+
+}  // namespace
+
+std::vector<LineCandidate> line_candidates(const Corridor& corridor, const SearchReach& reach) {
+  // A wide place that is a little darker can outweigh a thin void that is black, and is no needle.
+  constexpr double kNeedleLoses = 0.5;
+  std::vector<LineCandidate> needles = candidates_losing(corridor, reach, kNeedleLoses);
+  if (needles.front().fit.gain > 0.0) return needles;
+  return candidates_losing(corridor, reach, 0.0);
 }
 
 }  // namespace biopsy::imaging

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
+#include "planner/imaging/depth_check/prediction.hpp"
 #include "robot/common/statistics.hpp"
 
 namespace biopsy::imaging {
@@ -11,69 +12,6 @@ namespace {
 
 constexpr double kThin_mm = 0.6;      // finer voxels are thinned for the search: a void is wider
 constexpr double kModelError = 0.05;  // of a voxel's signal: interpolation and contrast never match better
-
-// Before image on the after image's grid, its steepness per mm, and where both are known.
-struct Prediction {
-  Volume value, steepness;
-};
-
-// The outermost layer has no neighbour to be interpolated with: it holds for a quarter of a voxel beyond.
-bool well_inside(const Grid& grid, const Eigen::Vector3d& index) {
-  constexpr double kBeyond = 0.25;
-  return (index.array() >= -kBeyond).all() &&
-         (index.array() <= grid.size.cast<double>().array() - 1.0 + kBeyond).all();
-}
-
-Prediction predicted(const Volume& before, const Volume& after, const RigidTransform& X_before_after) {
-  Prediction result{after, after};
-  const Sampler sampler(before);
-  const AffineTransform X_IS = before.grid.X_SI.inverse();
-  const Grid& grid = after.grid;
-  for (int k = 0; k < grid.size.z(); ++k)
-    for (int j = 0; j < grid.size.y(); ++j)
-      for (int i = 0; i < grid.size.x(); ++i) {
-        double value = std::numeric_limits<double>::quiet_NaN();
-        Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-        const Point p_before = X_before_after * (grid.X_SI * Eigen::Vector3d(i, j, k));
-        if (well_inside(before.grid, X_IS * p_before)) sampler.at(p_before, value, gradient);
-        result.value.voxels[grid.index(i, j, k)] = static_cast<float>(value);
-        result.steepness.voxels[grid.index(i, j, k)] = static_cast<float>(gradient.norm());
-      }
-  return result;
-}
-
-double mean_of_known(const Volume& volume) {
-  double total = 0.0;
-  std::size_t count = 0;
-  for (float value : volume.voxels)
-    if (std::isfinite(value)) total += static_cast<double>(value), ++count;
-  return total / static_cast<double>(std::max<std::size_t>(count, 1));
-}
-
-// Multiplies the prediction by the ratio of the images' local means (12 mm): coil sensitivity drifts. Learned
-// beside the needle only, a void must not count as drift, and in tissue only: air's noise has a mean that is
-// no sensitivity.
-void match_brightness(const Volume& after, const NeedleMask& needle, Volume& prediction) {
-  constexpr double kDriftScale_mm = 12.0;
-  const double mean = mean_of_known(prediction);
-  Volume seen = after, expected = prediction;
-  std::size_t n = 0;
-  for (int k = 0; k < after.grid.size.z(); ++k)
-    for (int j = 0; j < after.grid.size.y(); ++j)
-      for (int i = 0; i < after.grid.size.x(); ++i, ++n) {
-        const bool tissue = static_cast<double>(prediction.voxels[n]) > 0.3 * mean;  // false where unknown
-        if (!tissue || needle.covers(after.grid.X_SI * Eigen::Vector3d(i, j, k)))
-          seen.voxels[n] = expected.voxels[n] = 0.0f;
-      }
-  seen = smoothed(seen, kDriftScale_mm);
-  expected = smoothed(expected, kDriftScale_mm);
-  const float little = static_cast<float>(0.02 * mean);
-  for (n = 0; n < prediction.voxels.size(); ++n) {
-    const float ratio =
-        (std::max(seen.voxels[n], 0.0f) + little) / (std::max(expected.voxels[n], 0.0f) + little);
-    prediction.voxels[n] *= std::clamp(ratio, 0.1f, 10.0f);
-  }
-}
 
 // Of one stack's voxels, from `first` on. Noise from the flatter half of the tissue beside the needle, the
 // registration error from the steep quarter.
@@ -102,6 +40,31 @@ void learn_noise(const std::vector<float>& steepness, double needle_mm, std::siz
     CorridorVoxel& voxel = corridor.voxels[first + n];
     const double model = kModelError * static_cast<double>(voxel.predicted);
     voxel.variance = static_cast<float>(noise * noise + std::pow(misfit_mm * slopes[n], 2) + model * model);
+  }
+}
+
+// Where the before image tells less (another contrast, motion of its own) its errors are larger all around: a
+// variance of the whole corridor would let such places outweigh a needle. From the tissue beside it.
+void vary_noise(const Grid& grid, double needle_mm, std::size_t first, Corridor& corridor) {
+  constexpr double kReach_mm = 12.0;  // wider than the needle's surroundings, which are not asked
+  constexpr float kSquareMost = 16.0f, kLeast = 0.25f;
+  Volume squares;
+  squares.grid = grid;
+  squares.voxels.assign(grid.voxel_count(), 0.0f);
+  Volume one = squares;
+  for (std::size_t n = first; n < corridor.voxels.size(); ++n) {
+    const CorridorVoxel& voxel = corridor.voxels[n];
+    if (std::hypot(voxel.u, voxel.v) < static_cast<float>(needle_mm)) continue;
+    const float change = voxel.measured - voxel.predicted;
+    one.voxels[voxel.cell] = 1.0f;
+    squares.voxels[voxel.cell] = std::min(change * change / voxel.variance, kSquareMost);
+  }
+  one = box_averaged(std::move(one), kReach_mm);
+  squares = box_averaged(std::move(squares), kReach_mm);
+  for (std::size_t n = first; n < corridor.voxels.size(); ++n) {
+    CorridorVoxel& voxel = corridor.voxels[n];
+    const float asked = one.voxels[voxel.cell];
+    if (asked > 0.02f) voxel.variance *= std::max(squares.voxels[voxel.cell] / asked, kLeast);
   }
 }
 
@@ -186,6 +149,7 @@ void add_stack(const Predicted& predicted, const CorridorSettings& settings, Cor
         steepness.push_back(predicted.before.steepness.voxels[n]);
       }
   learn_noise(steepness, settings.needle_mm, first, corridor);
+  vary_noise(after.grid, settings.needle_mm, first, corridor);
 }
 
 }  // namespace
@@ -196,12 +160,19 @@ Corridor needle_corridor(const Volume& before, std::span<const Volume> after,
   Corridor corridor;
   corridor.frame = frame;
   corridor.radius_mm = settings.radius_mm;
+  constexpr double kMargin_mm = 5.0;  // of what surrounds the corridor, to match brightness
+  const NeedleMask mask{frame, settings.from_mm, settings.to_mm, settings.needle_mm},
+      reach{frame, settings.from_mm - kMargin_mm, settings.to_mm + kMargin_mm,
+            settings.radius_mm + kMargin_mm};
+  TissueMotion tissue{motion.X_after_before.inverse(), {}};
+  if (motion.points > 0)
+    tissue.local = register_local(
+        before, after, tissue.X_before_after, mask,
+        {.from_mm = settings.from_mm, .to_mm = settings.to_mm, .radius_mm = settings.radius_mm});
   std::vector<Predicted> stacks;
   for (const Volume& stack : after) {
     if (stack.voxels.empty() || before.voxels.empty()) continue;
-    stacks.push_back({&stack, predicted(before, stack, motion.X_after_before.inverse())});
-    match_brightness(stack, {frame, settings.from_mm, settings.to_mm, settings.needle_mm},
-                     stacks.back().before.value);
+    stacks.push_back({&stack, predicted(before, stack, tissue, mask, reach)});
   }
   find_coverage(stacks, settings, corridor);
   for (const Predicted& stack : stacks) add_stack(stack, settings, corridor);

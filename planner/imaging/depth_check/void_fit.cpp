@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "planner/imaging/depth_check/control_places.hpp"
 #include "planner/imaging/depth_check/void_shape.hpp"
@@ -14,7 +15,8 @@ namespace {
 constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
 constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
 constexpr std::size_t kVoxelsMax = 3000, kVoxelsFirst = 800;  // about the tip; half of that along the shaft
-constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
+constexpr double kLossMost = 1.1;  // no void loses more than everything; a little for errors of brightness
+constexpr double kClip = 4.0;      // standard deviations; larger residuals pull no harder (Huber)
 
 // What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
 // bounds. Zero: nothing is known.
@@ -92,7 +94,7 @@ class Fitting {
   // (measured - model) / standard deviation
   std::vector<double> residuals(const VoidVector& x) const {
     const VoidShape s = shape(x);
-    const double loss = std::clamp(x[kLoss], 0.0, 1.1);
+    const double loss = std::clamp(x[kLoss], 0.0, kLossMost);
     std::vector<double> z(used_.size());
     for (std::size_t n = 0; n < used_.size(); ++n) {
       const CorridorVoxel& voxel = corridor_.voxels[used_[n]];
@@ -116,11 +118,13 @@ class Fitting {
         damped.diagonal().array() += 1e-9;
         const VoidVector step = damped.ldlt().solve(right);
         if (!step.allFinite()) return x;
-        const double value = cost(x + step);
+        VoidVector there = x + step;  // a loss beyond its bounds would say that nothing depends on it
+        there[kLoss] = std::clamp(there[kLoss], 0.0, kLossMost);
+        const double value = cost(there);
         better = value < best;
         if (!better) continue;
         const bool done = best - value < 1e-3 * (1.0 + 1e-3 * best);
-        x += step, best = value;
+        x = there, best = value;
         if (done) return x;
       }
     }
@@ -168,56 +172,12 @@ class Fitting {
   std::vector<std::uint32_t> used_;
 };
 
-struct Fitted {
-  VoidFit fit;
-  VoidVector x = VoidVector::Zero();
-  VoidLine about;  // whose surroundings were fitted
-  double about_mm = 0.0;
-};
-
-Fitted fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
-              const std::vector<double>& starts_mm, std::size_t voxels_max) {
-  const Fitting fitting(corridor, line, depth_mm, voxels_max);
-  Fitted best{{}, fitting.start(line, depth_mm), line, depth_mm};
-  double least = 1e300;
-  for (double apart : starts_mm) {
-    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
-    const double cost = fitting.cost(x);
-    if (cost < least) least = cost, best.x = x;
-  }
-  VoidFit& fit = best.fit;
-  const VoidShape shape = fitting.shape(best.x);
-  fit.line = shape.line;
-  fit.depth_mm = shape.depth;
-  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
-  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
-  fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
-  fit.loss = std::clamp(best.x[kLoss], 0.0, 1.1);
-  fit.chi2 = least - fitting.prior_cost(best.x);
-  VoidVector nothing = best.x;
-  nothing[kLoss] = 0.0;
-  fit.gain = fitting.cost(nothing) - fitting.prior_cost(nothing) - fit.chi2;
-  fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
-  return best;
-}
-
-}  // namespace
-
-VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
-  Fitted best;
-  for (const LineCandidate& candidate : candidates) {
-    const Fitted one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
-    if (one.fit.gain > best.fit.gain) best = one;
-  }
-  if (best.fit.gain <= 0.0) return best.fit;
-  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
-  best = fitted(corridor, best.fit.line, best.fit.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
-  VoidFit fit = best.fit;
-  const Fitting fitting(corridor, best.about, best.about_mm, kVoxelsMax);
+// The errors of a fit, as measured beside it.
+void measure_errors(const Corridor& corridor, const Fitting& fitting, const VoidVector& x, VoidFit& fit) {
   VoidMatrix normal;
   VoidVector right;
   std::vector<TemplateVoxel> slopes;
-  fitting.normal_equations(best.x, normal, right, &slopes);
+  fitting.normal_equations(x, normal, right, &slopes);
   normal.diagonal().array() += 1e-9;
   const VoidMatrix alone = normal.inverse();  // covariance if voxels erred alone
   const double clear_mm = fit.line.radius_mm + fit.soft_mm + 1.0;
@@ -232,7 +192,67 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
   information = std::max(information, 1e-9);
   fit.inflation = std::max(worse * (control.loss_alone / information + 1.0), 1.0);
   fit.loss_sigma = std::sqrt(fit.inflation / information);
+}
+
+VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
+               const std::vector<double>& starts_mm, std::size_t voxels_max) {
+  const Fitting fitting(corridor, line, depth_mm, voxels_max);
+  VoidVector best = fitting.start(line, depth_mm);
+  double least = 1e300;
+  for (double apart : starts_mm) {
+    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
+    const double cost = fitting.cost(x);
+    if (cost < least) least = cost, best = x;
+  }
+  VoidFit fit;
+  const VoidShape shape = fitting.shape(best);
+  fit.line = shape.line;
+  fit.depth_mm = shape.depth;
+  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
+  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
+  fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
+  fit.loss = std::clamp(best[kLoss], 0.0, kLossMost);
+  fit.chi2 = least - fitting.prior_cost(best);
+  VoidVector nothing = best;
+  nothing[kLoss] = 0.0;
+  fit.gain = fitting.cost(nothing) - fitting.prior_cost(nothing) - fit.chi2;
+  fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
+  if (fit.gain > 0.0) measure_errors(corridor, fitting, best, fit);
   return fit;
+}
+
+// What the centreline loses. A wide void fades towards its rim in more ways than one edge has: all of it
+// loses less than its core, and where the core has lost half of that lies beyond the end.
+double loss_of_core(const Corridor& corridor, const VoidFit& fit,
+                    const std::vector<const CorridorVoxel*>& core) {
+  constexpr double kApart = 0.1;    // of the two losses, one standard deviation
+  constexpr double kWithin = 0.95;  // of a voxel lies in the void
+  const VoidShape shape{fit.line, fit.depth_mm, fit.soft_mm, fit.rounding};
+  double energy = 1.0 / (kApart * kApart), match = fit.loss * energy;
+  for (const CorridorVoxel* one : core) {
+    const double covered = coverage(corridor, *one, shape);
+    if (covered < kWithin) continue;
+    const double full = covered * static_cast<double>(one->predicted);
+    const double weight = 1.0 / (fit.inflation * static_cast<double>(one->variance));
+    match += weight * full * static_cast<double>(one->predicted - one->measured);
+    energy += weight * full * full;
+  }
+  return std::clamp(match / energy, 0.0, kLossMost);
+}
+
+}  // namespace
+
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
+  VoidFit best;
+  for (const LineCandidate& candidate : candidates) {
+    const VoidFit one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
+    // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
+    const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
+    if (one.gain > 0.0 && worth(one) > worth(best)) best = one;
+  }
+  if (best.gain <= 0.0) return best;
+  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
+  return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
 }
 
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
@@ -248,13 +268,14 @@ std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                    static_cast<double>(one.v) - fit.line.v - fit.line.v_slope * t) <= reach)
       core.push_back(&one);
   }
+  const double loss = loss_of_core(corridor, fit, core);
   std::vector<double> chi2;
   for (double depth : depths) {
     const VoidShape shape{fit.line, depth, fit.soft_mm, fit.rounding};
     double sum = 0.0;
     for (const CorridorVoxel* one : core) {
       const double model =
-          static_cast<double>(one->predicted) * (1.0 - fit.loss * coverage(corridor, *one, shape));
+          static_cast<double>(one->predicted) * (1.0 - loss * coverage(corridor, *one, shape));
       sum +=
           huber((static_cast<double>(one->measured) - model) / std::sqrt(static_cast<double>(one->variance)));
     }

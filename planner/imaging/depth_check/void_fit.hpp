@@ -26,6 +26,8 @@ struct VoidFit {
   double inflation = 1.0;
   std::size_t control_places = 0;  // where it was measured
 
+  // By how many standard deviations signal is lost; 0 where no place beside it tells how large they are.
+  double evidence() const { return control_places > 0 ? loss / std::max(loss_sigma, 1e-6) : 0.0; }
   double sigma(VoidParameter p) const { return std::sqrt(std::max(covariance(p, p), 0.0)); }
 };
 
@@ -33,8 +35,8 @@ struct VoidFit {
 // least one.
 VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates);
 
-// Chi-square of the void with its tip elsewhere and all else as fitted, for each of `depths`; voxels near the
-// centreline only, the form of a wide void's rim has no say in its depth.
+// Chi-square of the void with its tip elsewhere and all else as fitted, but for what its core loses, for each
+// of `depths`; voxels near the centreline only, the form of a wide void's rim has no say in its depth.
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                                   const std::vector<double>& depths);
 

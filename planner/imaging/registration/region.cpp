@@ -48,6 +48,22 @@ Volume cropped(const Volume& volume, const Box& box) {
   return part;
 }
 
+Volume thinned(const Volume& volume, double step_mm) {
+  const Grid& grid = volume.grid;
+  const Eigen::Vector3i every = (step_mm / grid.spacing_mm().array()).floor().max(1.0).cast<int>();
+  Volume thin;
+  thin.identity = volume.identity;
+  thin.format = volume.format;
+  thin.grid.size = (grid.size + every - Eigen::Vector3i::Ones()).cwiseQuotient(every);
+  thin.grid.X_SI = grid.X_SI;
+  thin.grid.X_SI.linear() = grid.X_SI.linear() * every.cast<double>().asDiagonal();
+  thin.voxels.reserve(thin.grid.voxel_count());
+  for (int k = 0; k < grid.size.z(); k += every.z())
+    for (int j = 0; j < grid.size.y(); j += every.y())
+      for (int i = 0; i < grid.size.x(); i += every.x()) thin.voxels.push_back(volume.at(i, j, k));
+  return thin;
+}
+
 Volume smoothed(const Volume& volume, double sigma_mm) {
   Volume result = volume;
   const Eigen::Vector3d sigma = sigma_mm * volume.grid.spacing_mm().cwiseInverse();
@@ -66,6 +82,44 @@ Volume smoothed(const Volume& volume, double sigma_mm) {
                      cv::BORDER_REPLICATE);
   }
   return result;
+}
+
+Volume smoothed_coarse(const Volume& volume, double sigma_mm) {
+  const Grid& grid = volume.grid;
+  Eigen::Vector3i side = (sigma_mm / grid.spacing_mm().array()).floor().max(1.0).cast<int>();
+  side.z() = 1;  // a stack of few slices stays one
+  side = side.cwiseMin(grid.size).cwiseMax(1);
+  if (side == Eigen::Vector3i::Ones()) return smoothed(volume, sigma_mm);
+  Volume coarse;
+  coarse.identity = volume.identity;
+  coarse.format = volume.format;
+  coarse.grid.size = grid.size.cwiseQuotient(side);  // whole blocks only
+  coarse.grid.X_SI = grid.X_SI;
+  coarse.grid.X_SI.linear() = grid.X_SI.linear() * side.cast<double>().asDiagonal();
+  coarse.grid.X_SI.translation() = grid.X_SI * (0.5 * (side.cast<double>().array() - 1.0)).matrix();
+  coarse.voxels.assign(coarse.grid.voxel_count(), 0.0f);
+  const Eigen::Vector3i used = coarse.grid.size.cwiseProduct(side);
+  const float share = 1.0f / static_cast<float>(side.prod());
+  for (int k = 0; k < used.z(); ++k)
+    for (int j = 0; j < used.y(); ++j)
+      for (int i = 0; i < used.x(); ++i)
+        coarse.voxels[coarse.grid.index(i / side.x(), j / side.y(), k / side.z())] +=
+            share * volume.at(i, j, k);
+  return smoothed(coarse, sigma_mm);
+}
+
+Volume box_averaged(Volume volume, double half_mm) {
+  const Eigen::Vector3i& size = volume.grid.size;
+  const Eigen::Vector3i half = (half_mm / volume.grid.spacing_mm().array()).floor().cast<int>();
+  const Eigen::Vector3i side = 2 * half + Eigen::Vector3i::Ones();
+  if (volume.voxels.empty()) return volume;
+  for (int k = 0; k < size.z(); ++k) {
+    cv::Mat slice(size.y(), size.x(), CV_32F, volume.voxels.data() + volume.grid.index(0, 0, k));
+    cv::blur(slice, slice, cv::Size(side.x(), side.y()), cv::Point(-1, -1), cv::BORDER_REPLICATE);
+  }
+  cv::Mat stack(size.z(), size.x() * size.y(), CV_32F, volume.voxels.data());
+  cv::blur(stack, stack, cv::Size(1, side.z()), cv::Point(-1, -1), cv::BORDER_REPLICATE);
+  return volume;
 }
 
 }  // namespace biopsy::imaging

@@ -23,7 +23,18 @@ struct Box {
 // the identity, drops the file list.
 Volume cropped(const Volume& volume, const Box& box);
 
+// Every n-th voxel along each axis, as far apart as `step_mm` allows: of a smooth volume that is all there
+// is.
+Volume thinned(const Volume& volume, double step_mm);
+
 // Gaussian of the given standard deviation in mm along each voxel axis; borders repeat their last voxel.
 Volume smoothed(const Volume& volume, double sigma_mm);
+
+// Smoothed likewise, with pixels as large as the smoothing leaves detail: of fine images a small part.
+Volume smoothed_coarse(const Volume& volume, double sigma_mm);
+
+// Means over a box of `half_mm` to all sides, by running sums: a wide one costs no more than a narrow one.
+// Borders repeat their last voxel.
+Volume box_averaged(Volume volume, double half_mm);
 
 }  // namespace biopsy::imaging

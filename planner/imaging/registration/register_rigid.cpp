@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "planner/imaging/registration/local_contrast.hpp"
 #include "robot/common/statistics.hpp"
 
 namespace biopsy::imaging {
@@ -20,8 +21,10 @@ bool is_thin(const Volume& volume) {
 using Vector14 = Eigen::Matrix<double, 14, 1>;
 using Matrix14 = Eigen::Matrix<double, 14, 14>;
 
-constexpr double kLever_mm = 50.0;    // at which a rotation is counted as a distance
-constexpr double kStepMost_mm = 4.0;  // in one iteration
+constexpr double kTurn_rad = 0.05, kMove_mm = 5.0;  // of a patient, one standard deviation
+constexpr double kAlike = 30.0;                     // places that err together: so many count as one
+constexpr double kLever_mm = 50.0;                  // at which a rotation is counted as a distance
+constexpr double kStepMost_mm = 4.0;                // in one iteration
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // The motion that is searched takes a place in the after image to its place in the before image.
@@ -114,12 +117,17 @@ class Level {
   }
 
   // Gauss-Newton until a step moves nothing by more than a thousandth of a millimetre.
-  Fit refined(const Motion& start, int iterations) const {
+  Fit refined(const Motion& start, int iterations) const { return improved(start, iterations, true); }
+  // The brightness alone.
+  Fit matched(const Motion& motion) const { return improved(motion, 5, false); }
+
+ private:
+  Fit improved(const Motion& start, int iterations, bool moves) const {
     Fit fit;
     fit.motion = start;
     fit_brightness(fit);
     for (int i = 0; i < iterations; ++i) {
-      Vector14 step = gauss_newton_step(fit);
+      Vector14 step = gauss_newton_step(fit, moves);
       if (!step.allFinite()) break;
       // From afar the linear model holds for a few millimetres only.
       const double moved_mm = step.head<3>().norm() * kLever_mm + step.segment<3>(3).norm();
@@ -131,13 +139,11 @@ class Level {
       fit.motion.shift += step.segment<3>(3);
       fit.gain += step.segment<4>(6);
       fit.bias += step.tail<4>();
-      if (moved_mm < 1e-3) break;
+      if (moves && moved_mm < 1e-3) break;
     }
     score(fit);
     return fit;
   }
-
- private:
   // Of the after image and `model` of the before image's value, where both are known.
   template <class Model>
   Moments moments(const Motion& motion, const Model& model) const {
@@ -157,7 +163,7 @@ class Level {
     fit.bias[0] = sums.n > 0 ? (sums.a - fit.gain[0] * sums.b) / sums.n : 0.0;
   }
 
-  Vector14 gauss_newton_step(const Fit& fit) const {
+  Vector14 gauss_newton_step(const Fit& fit, bool moves) const {
     std::vector<double> sizes;
     sizes.reserve(places_.size());
     for (const Place& place : places_) {
@@ -181,11 +187,23 @@ class Level {
       if (std::abs(error) >= limit) continue;
       const double weight = std::pow(1.0 - std::pow(error / limit, 2), 2);
       Vector14 row;
-      row << gain * y.cross(gradient), gain * gradient, value * place.x, place.x;
+      if (moves)
+        row << gain * y.cross(gradient), gain * gradient, value * place.x, place.x;
+      else
+        row << Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), value * place.x, place.x;
       normal.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
       right += weight * error * row;
     }
     normal = normal.selfadjointView<Eigen::Lower>();
+    // What images do not tell is not made up: most patients move by little.
+    const double alike = kAlike * std::pow(limit / 4.685, 2);
+    const double turns = alike / std::pow(kTurn_rad, 2), moves_by = alike / std::pow(kMove_mm, 2);
+    const Eigen::AngleAxisd turn(fit.motion.rotation);
+    normal.diagonal().head<3>().array() += turns;
+    right.head<3>() -= turns * turn.angle() * turn.axis();
+    normal.diagonal().segment<3>(3).array() += moves_by;
+    right.segment<3>(3) -= moves_by * fit.motion.shift;
+    if (!moves) right.head<6>().setZero();
     normal.diagonal() *= 1.0 + 1e-4;  // flat images leave some motions free: those then stay put
     normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
     return normal.ldlt().solve(right);
@@ -277,7 +295,7 @@ RegistrationSettings within_images(std::span<const Volume> after, RegistrationSe
 
 std::vector<Volume> all_smoothed(std::span<const Volume> after, double sigma_mm) {
   std::vector<Volume> result;
-  for (const Volume& stack : after) result.push_back(smoothed(stack, sigma_mm));
+  for (const Volume& stack : after) result.push_back(smoothed_coarse(stack, sigma_mm));
   return result;
 }
 
@@ -291,8 +309,21 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
   // Places enough to average noise out, few enough for a tenth of a second.
   constexpr double kCoarse = 4000.0, kFine = 30000.0;
   const double coarse_step = std::cbrt(sides.prod() / kCoarse), fine_step = std::cbrt(sides.prod() / kFine);
-  const Volume before_coarse = smoothed(before, 0.7 * coarse_step);
-  const Level coarse(before_coarse, all_smoothed(after, 0.7 * coarse_step), settings, kCoarse);
+  Volume before_coarse = smoothed_coarse(before, 0.7 * coarse_step),
+         before_fine = smoothed_coarse(before, 0.5 * fine_step);
+  std::vector<Volume> after_coarse = all_smoothed(after, 0.7 * coarse_step),
+                      after_fine = all_smoothed(after, 0.5 * fine_step);
+  const Volume before_plain = before_fine;  // which `plain` reads on
+  const Level plain(before_plain, after_fine, settings, kFine);
+  // A slab has no neighbourhood across its slices to be compared with a volume's.
+  const bool thin = std::any_of(after.begin(), after.end(), is_thin);
+  if (!thin) {
+    before_coarse = local_contrast(before_coarse, settings.mask);
+    before_fine = local_contrast(before_fine, settings.mask);
+    for (Volume& stack : after_coarse) stack = local_contrast(stack, settings.mask);
+    for (Volume& stack : after_fine) stack = local_contrast(stack, settings.mask);
+  }
+  const Level coarse(before_coarse, after_coarse, settings, kCoarse);
   if (coarse.places().size() < 200) return {};
 
   std::vector<Fit> fits;
@@ -304,9 +335,14 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
     return std::pair(near(a) && a.score > 0.0, a.score) > std::pair(near(b) && b.score > 0.0, b.score);
   });
 
-  const Volume before_fine = smoothed(before, 0.5 * fine_step);
-  const Level fine(before_fine, all_smoothed(after, 0.5 * fine_step), settings, kFine);
-  RegistrationResult result = finished(fine.refined(fits.front().motion, 20), settings);
+  const Level fine(before_fine, after_fine, settings, kFine);
+  // Told by the images as they are: how well they match and how bright they are.
+  const Fit fit = fine.refined(fits.front().motion, 20);
+  RegistrationResult result = finished(fit, settings);
+  if (!thin) {  // the brightness of the images as they are
+    const Fit as_they_are = plain.matched(fit.motion);
+    result.gain = as_they_are.gain, result.bias = as_they_are.bias;
+  }
   for (const Fit& other : fits)
     if (other.score > fits.front().score - 0.02)
       result.runner_up_mm =

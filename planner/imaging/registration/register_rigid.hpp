@@ -35,7 +35,9 @@ struct RegistrationResult {
   RigidTransform X_after_before = RigidTransform::Identity();
   Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();      // p_after = R (p_before - about) + about + shift
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // rotation vector, LPS axes
-  double score = 0.0;  // correlation after registration at the finest level
+  // Correlation after registration at the finest level: of local contrast, which other tissue does not share;
+  // of the images themselves where they are slabs or planes.
+  double score = 0.0;
   double runner_up_mm =
       0.0;  // mean distance in the box to the best result from elsewhere that scores nearly alike
   std::size_t points = 0;  // compared; 0 where the images do not overlap
@@ -45,8 +47,9 @@ struct RegistrationResult {
 };
 
 // Six degrees of freedom by robust Gauss-Newton on squared differences with a linearly varying gain and bias,
-// from coarse to fine, from the best of a lattice of starts. In space rather than ECC in the needle's plane:
-// patients turn out of any plane, and slices of 3 mm give a plane too little of what it needs.
+// from coarse to fine, from the best of a lattice of starts; of volumes, on their local contrast. What images
+// do not tell is held near no motion. In space rather than ECC in the needle's plane: patients turn out of any
+// plane, and slices of 3 mm give a plane too little of what it needs.
 // `after` may be several stacks that were taken together (slabs of a few slices, orthogonal planes): one
 // motion explains them all.
 RegistrationResult register_rigid(const Volume& before, std::span<const Volume> after,

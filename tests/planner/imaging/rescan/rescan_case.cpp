@@ -1,6 +1,5 @@
 #include "tests/planner/imaging/rescan/rescan_case.hpp"
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -86,10 +85,7 @@ Volume centred_on(Volume volume, const Point& p_S) {
 }
 
 void put_plan_wrong(Kind kind, Draw& draw, RescanCase& c) {
-  const double sign = draw.below(2) == 0 ? 1.0 : -1.0;
   const Direction side = draw.perpendicular_to(c.needle.axis_S);
-  if (kind == Kind::Depth3mm) c.plan_depth_mm += sign * 3.0;
-  if (kind == Kind::Depth8mm) c.plan_depth_mm += sign * 8.0;
   if (kind == Kind::Beside5mm) c.plan_p_SE += 5.0 * side;
   if (kind == Kind::Tilted6deg) {
     const double angle = 6.0 * std::numbers::pi / 180.0;
@@ -100,11 +96,23 @@ void put_plan_wrong(Kind kind, Draw& draw, RescanCase& c) {
 }  // namespace
 
 std::string_view label(Kind kind) {
-  constexpr std::array<std::string_view, kKinds> kLabels{
-      "right plan",      "depth wrong by 3 mm", "depth wrong by 8 mm",
-      "5 mm beside",     "tilted by 6 degrees", "without needle",
-      "another patient", "images swapped",      "old track beside"};
-  return kLabels.at(static_cast<std::size_t>(kind));
+  switch (kind) {
+    case Kind::RightPlan:
+      return "right plan";
+    case Kind::Beside5mm:
+      return "5 mm beside";
+    case Kind::Tilted6deg:
+      return "tilted by 6 degrees";
+    case Kind::NoNeedle:
+      return "without needle";
+    case Kind::OtherPatient:
+      return "another patient";
+    case Kind::Swapped:
+      return "images swapped";
+    case Kind::OldTrack:
+      return "old track beside";
+  }
+  return "";
 }
 
 std::optional<Pair> real_pair(std::string_view name) {

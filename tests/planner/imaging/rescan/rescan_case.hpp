@@ -10,19 +10,17 @@
 
 namespace biopsy::imaging::rescan {
 
-// What is wrong with the plan, or with the images.
+// What is wrong with the plan, or with the images. A planned depth that is wrong needs no images of its own:
+// it is unknown to what reads them. The numbers seed the draws.
 enum class Kind {
-  RightPlan,
-  Depth3mm,  // the needle ends 3 mm from where it should
-  Depth8mm,
-  Beside5mm,  // it is 5 mm beside the planned axis
+  RightPlan = 0,
+  Beside5mm = 3,  // the needle is 5 mm beside the planned axis
   Tilted6deg,
   NoNeedle,
   OtherPatient,  // the image before is a liver's
   Swapped,       // the image with the needle is given as the one before
   OldTrack,      // right plan; an old track beside the needle, in both images
 };
-inline constexpr int kKinds = 9;
 std::string_view label(Kind kind);
 
 struct Pair {
