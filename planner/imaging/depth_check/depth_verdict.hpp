@@ -30,8 +30,8 @@ struct DepthCheckSettings {
   Allowance angle_deg{2.0, 4.0};
   double confidence = 0.95;        // that a quantity is within its limit
   double missed_certainly = 0.99;  // that a quantity is beyond its tolerance
-  // Local contrast of registered images of one patient by one sequence correlates above 0.9, of a guidance scan
-  // with a planning scan by 0.7 to 0.98; of two patients by 0.5 at most.
+  // Local contrast of registered images of one patient by one sequence correlates above 0.9, of a guidance
+  // scan with a planning scan by 0.7 to 0.98; of two patients by 0.5 at most.
   double registration_min = 0.6;
   double evidence_min = 6.0;  // chance reaches 4.5 in the search of a whole corridor
   double loss_min = 0.25;     // less than this of the signal lost is no needle

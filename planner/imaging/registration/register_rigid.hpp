@@ -48,10 +48,9 @@ struct RegistrationResult {
 
 // Six degrees of freedom by robust Gauss-Newton on squared differences with a linearly varying gain and bias,
 // from coarse to fine, from the best of a lattice of starts; of volumes, on their local contrast. What images
-// do not tell is held near no motion. In space rather than ECC in the needle's plane: patients turn out of any
-// plane, and slices of 3 mm give a plane too little of what it needs.
-// `after` may be several stacks that were taken together (slabs of a few slices, orthogonal planes): one
-// motion explains them all.
+// do not tell is held near no motion. In space rather than ECC in the needle's plane: patients turn out of
+// any plane, and slices of 3 mm give a plane too little of what it needs. `after` may be several stacks that
+// were taken together (slabs of a few slices, orthogonal planes): one motion explains them all.
 RegistrationResult register_rigid(const Volume& before, std::span<const Volume> after,
                                   const RegistrationSettings& settings);
 inline RegistrationResult register_rigid(const Volume& before, const Volume& after,
