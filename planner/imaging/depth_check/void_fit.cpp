@@ -269,17 +269,24 @@ std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
       core.push_back(&one);
   }
   const double loss = loss_of_core(corridor, fit, core);
-  std::vector<double> chi2;
-  for (double depth : depths) {
-    const VoidShape shape{fit.line, depth, fit.soft_mm, fit.rounding};
-    double sum = 0.0;
-    for (const CorridorVoxel* one : core) {
+  std::vector<double> chi2(depths.size(), 0.0);
+  for (const CorridorVoxel* one : core) {
+    const auto of_depth = [&](double depth) {
+      const VoidShape shape{fit.line, depth, fit.soft_mm, fit.rounding};
       const double model =
           static_cast<double>(one->predicted) * (1.0 - loss * coverage(corridor, *one, shape));
-      sum +=
-          huber((static_cast<double>(one->measured) - model) / std::sqrt(static_cast<double>(one->variance)));
-    }
-    chi2.push_back(sum);
+      return huber((static_cast<double>(one->measured) - model) /
+                   std::sqrt(static_cast<double>(one->variance)));
+    };
+    // Away from its end the void is the same wherever that is.
+    double half_mm = 0.0;
+    for (const Eigen::Vector3d& place : corridor.stacks[one->stack].places)
+      half_mm = std::max(half_mm, std::abs(place.x()));
+    const double t = static_cast<double>(one->t), ahead = t - half_mm - fit.soft_mm,
+                 behind = t + half_mm + fit.soft_mm + fit.rounding * fit.line.radius_mm;
+    const double outside = of_depth(ahead - 1.0), inside = of_depth(behind + 1.0);
+    for (std::size_t n = 0; n < depths.size(); ++n)
+      chi2[n] += depths[n] < ahead ? outside : depths[n] > behind ? inside : of_depth(depths[n]);
   }
   return chi2;
 }

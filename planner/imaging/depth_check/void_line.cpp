@@ -7,7 +7,7 @@
 namespace biopsy::imaging {
 namespace {
 
-constexpr double kCell_mm = 2.0;
+constexpr double kColumn_mm = 2.0;
 constexpr double kBin_mm = 0.5;
 constexpr double kLossMax = 1.1;  // a void cannot lose more than everything; a little for brightness errors
 
@@ -57,7 +57,7 @@ struct DiscCoverage {
 
 LineSearch::LineSearch(const Corridor& corridor, double depth_min_mm, double depth_max_mm)
     : corridor_(corridor), depth_min_mm_(depth_min_mm), depth_max_mm_(depth_max_mm) {
-  cells_ = 2 * static_cast<int>(std::ceil(corridor.radius_mm / kCell_mm));
+  cells_ = 2 * static_cast<int>(std::ceil(corridor.radius_mm / kColumn_mm));
   grid_.resize(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_));
   for (std::uint32_t n : corridor.thinned) {
     const CorridorVoxel& voxel = corridor.voxels[n];
@@ -67,7 +67,7 @@ LineSearch::LineSearch(const Corridor& corridor, double depth_min_mm, double dep
 }
 
 int LineSearch::cell_of(double beside_mm) const {
-  return std::clamp(static_cast<int>(std::floor(beside_mm / kCell_mm)) + cells_ / 2, 0, cells_ - 1);
+  return std::clamp(static_cast<int>(std::floor(beside_mm / kColumn_mm)) + cells_ / 2, 0, cells_ - 1);
 }
 
 LineSearch::CellRange LineSearch::cells_near(double at_entry, double slope, double reach_mm) const {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/imaging/registration/region.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -19,20 +21,12 @@ struct Sums {
   Volume one, a, b, ab, bb;
 };
 
-Volume empty_cells(const Grid& grid, const Eigen::Vector3i& side) {
-  Volume cells;
-  cells.grid.size = (grid.size + side - Eigen::Vector3i::Ones()).cwiseQuotient(side);
-  cells.grid.X_SI = grid.X_SI;
-  cells.grid.X_SI.linear() = grid.X_SI.linear() * side.cast<double>().asDiagonal();
-  cells.grid.X_SI.translation() = grid.X_SI * (0.5 * (side.cast<double>().array() - 1.0)).matrix();
-  cells.voxels.assign(cells.grid.voxel_count(), 0.0f);
-  return cells;
-}
-
 Sums sums_by_cell(const Volume& after, const Volume& before, const NeedleMask& needle, double cell_mm) {
   const Grid& grid = after.grid;
   const Eigen::Vector3i side = (cell_mm / grid.spacing_mm().array()).floor().max(1.0).cast<int>();
-  const Volume none = empty_cells(grid, side);
+  Volume none;
+  none.grid = grid_of_cells(grid, side);
+  none.voxels.assign(none.grid.voxel_count(), 0.0f);
   Sums sums{none, none, none, none, none};
   const double air = 0.3 * mean_of_known(before);  // its noise has a mean that is no brightness
   std::size_t n = 0;

@@ -62,7 +62,7 @@ void for_each_place(const Volume& after, const NeedleMask& mask, const Displacem
 
 class LocalFit {
  public:
-  LocalFit(const Volume& before, const std::vector<Compared>& stacks, const NeedleMask& mask,
+  LocalFit(const Sampler& before, const std::vector<Compared>& stacks, const NeedleMask& mask,
            const LocalMotionSettings& settings)
       : before_(before), stacks_(stacks), mask_(mask), settings_(settings) {}
 
@@ -141,7 +141,7 @@ class LocalFit {
         }
   }
 
-  Sampler before_;
+  const Sampler& before_;
   const std::vector<Compared>& stacks_;
   const NeedleMask& mask_;
   const LocalMotionSettings& settings_;
@@ -198,7 +198,7 @@ DisplacementField register_local(const Volume& before, std::span<const Volume> a
       stacks.push_back(compared(thinned(smoothed_coarse(stack, sigma_mm), 2.5 * sigma_mm), sampler, motion,
                                 mask, sigma_mm));
     }
-    const LocalFit fit(smooth, stacks, mask, settings);
+    const LocalFit fit(sampler, stacks, mask, settings);
     for (int n = 0; n < 3; ++n) fit.improve(motion);
   }
   return motion.local;

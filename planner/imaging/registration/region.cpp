@@ -48,15 +48,23 @@ Volume cropped(const Volume& volume, const Box& box) {
   return part;
 }
 
+Grid grid_of_cells(const Grid& grid, const Eigen::Vector3i& side) {
+  Grid cells;
+  cells.size = (grid.size + side - Eigen::Vector3i::Ones()).cwiseQuotient(side);
+  cells.X_SI = grid.X_SI;
+  cells.X_SI.linear() = grid.X_SI.linear() * side.cast<double>().asDiagonal();
+  cells.X_SI.translation() = grid.X_SI * (0.5 * (side.cast<double>().array() - 1.0)).matrix();
+  return cells;
+}
+
 Volume thinned(const Volume& volume, double step_mm) {
   const Grid& grid = volume.grid;
   const Eigen::Vector3i every = (step_mm / grid.spacing_mm().array()).floor().max(1.0).cast<int>();
   Volume thin;
   thin.identity = volume.identity;
   thin.format = volume.format;
-  thin.grid.size = (grid.size + every - Eigen::Vector3i::Ones()).cwiseQuotient(every);
-  thin.grid.X_SI = grid.X_SI;
-  thin.grid.X_SI.linear() = grid.X_SI.linear() * every.cast<double>().asDiagonal();
+  thin.grid = grid_of_cells(grid, every);
+  thin.grid.X_SI.translation() = grid.X_SI.translation();  // the first voxel, no mean of many
   thin.voxels.reserve(thin.grid.voxel_count());
   for (int k = 0; k < grid.size.z(); k += every.z())
     for (int j = 0; j < grid.size.y(); j += every.y())
@@ -93,10 +101,8 @@ Volume smoothed_coarse(const Volume& volume, double sigma_mm) {
   Volume coarse;
   coarse.identity = volume.identity;
   coarse.format = volume.format;
-  coarse.grid.size = grid.size.cwiseQuotient(side);  // whole blocks only
-  coarse.grid.X_SI = grid.X_SI;
-  coarse.grid.X_SI.linear() = grid.X_SI.linear() * side.cast<double>().asDiagonal();
-  coarse.grid.X_SI.translation() = grid.X_SI * (0.5 * (side.cast<double>().array() - 1.0)).matrix();
+  coarse.grid = grid_of_cells(grid, side);
+  coarse.grid.size = grid.size.cwiseQuotient(side);  // whole cells only
   coarse.voxels.assign(coarse.grid.voxel_count(), 0.0f);
   const Eigen::Vector3i used = coarse.grid.size.cwiseProduct(side);
   const float share = 1.0f / static_cast<float>(side.prod());

@@ -23,6 +23,9 @@ struct Box {
 // the identity, drops the file list.
 Volume cropped(const Volume& volume, const Box& box);
 
+// A grid of cells that are `side` voxels large, as many as touch the grid.
+Grid grid_of_cells(const Grid& grid, const Eigen::Vector3i& side);
+
 // Every n-th voxel along each axis, as far apart as `step_mm` allows: of a smooth volume that is all there
 // is.
 Volume thinned(const Volume& volume, double step_mm);

@@ -117,17 +117,12 @@ class Level {
   }
 
   // Gauss-Newton until a step moves nothing by more than a thousandth of a millimetre.
-  Fit refined(const Motion& start, int iterations) const { return improved(start, iterations, true); }
-  // The brightness alone.
-  Fit matched(const Motion& motion) const { return improved(motion, 5, false); }
-
- private:
-  Fit improved(const Motion& start, int iterations, bool moves) const {
+  Fit refined(const Motion& start, int iterations) const {
     Fit fit;
     fit.motion = start;
     fit_brightness(fit);
     for (int i = 0; i < iterations; ++i) {
-      Vector14 step = gauss_newton_step(fit, moves);
+      Vector14 step = gauss_newton_step(fit);
       if (!step.allFinite()) break;
       // From afar the linear model holds for a few millimetres only.
       const double moved_mm = step.head<3>().norm() * kLever_mm + step.segment<3>(3).norm();
@@ -139,11 +134,20 @@ class Level {
       fit.motion.shift += step.segment<3>(3);
       fit.gain += step.segment<4>(6);
       fit.bias += step.tail<4>();
-      if (moves && moved_mm < 1e-3) break;
+      if (moved_mm < 1e-3) break;
     }
     score(fit);
     return fit;
   }
+  // One gain and one bias.
+  Fit matched(const Motion& motion) const {
+    Fit fit;
+    fit.motion = motion;
+    fit_brightness(fit);
+    return fit;
+  }
+
+ private:
   // Of the after image and `model` of the before image's value, where both are known.
   template <class Model>
   Moments moments(const Motion& motion, const Model& model) const {
@@ -163,7 +167,7 @@ class Level {
     fit.bias[0] = sums.n > 0 ? (sums.a - fit.gain[0] * sums.b) / sums.n : 0.0;
   }
 
-  Vector14 gauss_newton_step(const Fit& fit, bool moves) const {
+  Vector14 gauss_newton_step(const Fit& fit) const {
     std::vector<double> sizes;
     sizes.reserve(places_.size());
     for (const Place& place : places_) {
@@ -187,10 +191,7 @@ class Level {
       if (std::abs(error) >= limit) continue;
       const double weight = std::pow(1.0 - std::pow(error / limit, 2), 2);
       Vector14 row;
-      if (moves)
-        row << gain * y.cross(gradient), gain * gradient, value * place.x, place.x;
-      else
-        row << Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), value * place.x, place.x;
+      row << gain * y.cross(gradient), gain * gradient, value * place.x, place.x;
       normal.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
       right += weight * error * row;
     }
@@ -203,7 +204,6 @@ class Level {
     right.head<3>() -= turns * turn.angle() * turn.axis();
     normal.diagonal().segment<3>(3).array() += moves_by;
     right.segment<3>(3) -= moves_by * fit.motion.shift;
-    if (!moves) right.head<6>().setZero();
     normal.diagonal() *= 1.0 + 1e-4;  // flat images leave some motions free: those then stay put
     normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
     return normal.ldlt().solve(right);
@@ -313,11 +313,13 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
          before_fine = smoothed_coarse(before, 0.5 * fine_step);
   std::vector<Volume> after_coarse = all_smoothed(after, 0.7 * coarse_step),
                       after_fine = all_smoothed(after, 0.5 * fine_step);
-  const Volume before_plain = before_fine;  // which `plain` reads on
-  const Level plain(before_plain, after_fine, settings, kFine);
   // A slab has no neighbourhood across its slices to be compared with a volume's.
   const bool thin = std::any_of(after.begin(), after.end(), is_thin);
+  Volume before_plain;  // which `plain` reads
+  std::optional<Level> plain;
   if (!thin) {
+    before_plain = before_coarse;
+    plain.emplace(before_plain, after_coarse, settings, kCoarse);
     before_coarse = local_contrast(before_coarse, settings.mask);
     before_fine = local_contrast(before_fine, settings.mask);
     for (Volume& stack : after_coarse) stack = local_contrast(stack, settings.mask);
@@ -336,11 +338,10 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
   });
 
   const Level fine(before_fine, after_fine, settings, kFine);
-  // Told by the images as they are: how well they match and how bright they are.
   const Fit fit = fine.refined(fits.front().motion, 20);
   RegistrationResult result = finished(fit, settings);
-  if (!thin) {  // the brightness of the images as they are
-    const Fit as_they_are = plain.matched(fit.motion);
+  if (plain) {  // the brightness of the images as they are
+    const Fit as_they_are = plain->matched(fit.motion);
     result.gain = as_they_are.gain, result.bias = as_they_are.bias;
   }
   for (const Fit& other : fits)

@@ -108,6 +108,7 @@ Result report_campaign(const CampaignRuns& campaign, const fs::path& out, bool i
   for (const EntryResult& one : results) all.runs += one.runs, all.beyond += one.beyond;
   json document{{"target_mm", campaign.target_mm},
                 {"beyond_most_mm", kBeyondMost_mm},
+                {"images_accepted", campaign.images_accepted},
                 {"runs", all.runs},
                 {"beyond", all.beyond},
                 {"beyond_upper95", all.beyond_upper95()},
@@ -120,9 +121,10 @@ Result report_campaign(const CampaignRuns& campaign, const fs::path& out, bool i
       .exit_code = all.beyond > 0 ? 3 : 0,
       .text = table_of(results) +
               fmt::format(
-                  "\n{} of {} rehearsals beyond target + {:g} mm; share below {:.2g} % at 95 % confidence\n"
+                  "\n{} of {} rehearsals beyond target + {:g} mm; share below {:.2g} % at 95 % confidence{}\n"
                   "numbers: {}\n",
                   all.beyond, all.runs, kBeyondMost_mm, 100.0 * all.beyond_upper95(),
+                  campaign.images_accepted ? "; each image was accepted unseen" : "",
                   (out / "campaign.json").string()),
       .json = text};
 }
@@ -227,7 +229,8 @@ Command campaign_command() {
           "for unusable input, 130 where Ctrl-C ended it; what was run until then is written",
       .outputs =
           {{"campaign.json",
-            "`target_mm`, `runs`, `beyond`, `beyond_upper95` (Clopper and Pearson, one-sided), and for each "
+            "`target_mm`, `images_accepted` (each unseen), `runs`, `beyond`, `beyond_upper95` (Clopper and "
+            "Pearson, one-sided), and for each "
             "of "
             "`entries`: `name`, `runs`, `began`, `completed`, `beyond`, `worst_beyond_target_mm` with its "
             "seed "

@@ -65,16 +65,20 @@ class ShardReader {
  public:
   explicit ShardReader(const fs::path& file) : file_(file) {
     document_ = json::parse(read_file(file, "run that shard"), nullptr, false);
+    // Of a program that always rendered them.
+    if (document_.is_object() && !document_.contains("images_accepted")) document_["images_accepted"] = false;
   }
 
   CampaignRuns read(const Shard& shard) const {
-    check_keys(document_, {"shard", "identity", "target_mm", "seed", "each", "names", "runs"});
+    check_keys(document_,
+               {"shard", "identity", "target_mm", "seed", "images_accepted", "each", "names", "runs"});
     if (text(document_, "shard") != fmt::format("{}/{}", shard.index, shard.count))
       refuse(fmt::format("it is not shard {}/{}", shard.index, shard.count));
     CampaignRuns out;
     out.identity = text(document_, "identity");
     out.target_mm = number(document_, "target_mm", -kMost_mm, kMost_mm);
     out.seed = count(document_, "seed", UINT64_MAX);
+    out.images_accepted = yes(document_, "images_accepted");
     out.each = static_cast<std::size_t>(count(document_, "each", kRunsMax));
     for (const json& name : list("names", kEntriesMax)) {
       if (!name.is_string()) refuse("a name is no text");
@@ -174,6 +178,7 @@ void write_shard(const fs::path& file, const CampaignRuns& campaign, const Shard
                 {"identity", campaign.identity},
                 {"target_mm", campaign.target_mm},
                 {"seed", campaign.seed},
+                {"images_accepted", campaign.images_accepted},
                 {"each", campaign.each},
                 {"names", campaign.names},
                 {"runs", json::array()}};
@@ -193,7 +198,8 @@ CampaignRuns merge_shards(const fs::path& folder, std::size_t count) {
     const fs::path file = shard_file(folder, shard);
     const CampaignRuns part = read_shard(file, shard);
     if (part.identity != whole.identity || part.seed != whole.seed || part.each != whole.each ||
-        part.names != whole.names || part.target_mm != whole.target_mm)
+        part.names != whole.names || part.images_accepted != whole.images_accepted ||
+        part.target_mm != whole.target_mm)
       throw ConfigError("a shard of another campaign, or of another build of the program", file.string(),
                         "run all shards with the same options and program");
     for (std::size_t i = 0; i < whole.runs.size(); ++i)

@@ -38,6 +38,7 @@ struct CampaignRuns {
   std::string identity;  // of program and inputs; equal in all shards of a campaign
   double target_mm = 0.0;
   std::uint64_t seed = 1;
+  bool images_accepted = false;      // each unseen
   std::size_t each = 1;              // rehearsals of an entry, with seeds from `seed` up
   std::vector<std::string> names{};  // of the entries
   std::vector<CampaignRun> runs{};   // of entry e with seed + i at e * each + i

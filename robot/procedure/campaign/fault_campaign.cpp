@@ -56,6 +56,7 @@ CampaignRuns run_campaign(const PreparedCase& prepared, const std::vector<FaultE
   CampaignRuns out;
   out.target_mm = std::get<Plan>(prepared.plan).target_depth.value;
   out.seed = options.seed;
+  out.images_accepted = prepared.given.rehearsal.accept_unseen;
   out.each = static_cast<std::size_t>(options.runs);
   for (const FaultEntry& entry : entries) out.names.push_back(entry.name);
   out.runs.resize(entries.size() * out.each);

@@ -166,7 +166,9 @@ std::string confirm_by_message(std::uint32_t domain, const Way& way, bool is_rig
     EXPECT_NEAR(check.found, plan.steps.back().depth.value, 0.5) << told;
     EXPECT_LT(std::abs(check.lateral), 0.5) << told;
   } else {
-    std::this_thread::sleep_for(500ms);
+    const int looks = site.person->looks;
+    EXPECT_TRUE(
+        Site::wait(20s, [&] { return site.person->looks >= looks + 25; }));  // half a second of the robot
     EXPECT_EQ(site.person->accepted, 0) << told;
   }
   navigator.command("STOP", "STATUS STOP 1");

@@ -56,6 +56,7 @@ class PersonAtConsole {
   std::uint64_t lost() const { return robot_.lost(); }
   std::array<Health, kCount<Process>> health() const { return robot_.health(); }
   std::atomic<int> accepted = 0;  // images
+  std::atomic<int> looks = 0;     // every 20 ms
   // What the console says of the newest image.
   console::events::Checked check() const {
     const std::lock_guard guard(mutex_);
@@ -105,6 +106,7 @@ class PersonAtConsole {
     }
     if (state.disabled.accept.empty() && ask(commands::Judge{1, state.stage, console::Judgement::Accept}))
       ++accepted;
+    ++looks;
   }
 
   LiveRobot robot_;

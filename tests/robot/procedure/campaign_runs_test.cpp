@@ -17,7 +17,8 @@ namespace {
 CampaignRuns drawn_campaign(unsigned seed, std::size_t entries, std::size_t each) {
   std::mt19937_64 dice(seed);
   std::normal_distribution<double> any(0.0, 3.0);
-  CampaignRuns campaign{.identity = "abc", .target_mm = any(dice), .seed = 7, .each = each};
+  CampaignRuns campaign{
+      .identity = "abc", .target_mm = any(dice), .seed = 7, .images_accepted = seed % 2 == 0, .each = each};
   for (std::size_t e = 0; e < entries; ++e)
     campaign.names.push_back("fault \"" + std::to_string(e) + "\" \u00b5");
   for (std::size_t i = 0; i < entries * each; ++i) {
@@ -35,6 +36,7 @@ void expect_same(const CampaignRuns& a, const CampaignRuns& b) {
   EXPECT_EQ(a.identity, b.identity);
   EXPECT_EQ(a.target_mm, b.target_mm);
   EXPECT_EQ(a.seed, b.seed);
+  EXPECT_EQ(a.images_accepted, b.images_accepted);
   EXPECT_EQ(a.names, b.names);
   for (std::size_t i = 0; i < a.runs.size(); ++i) {
     EXPECT_TRUE(b.runs[i].done);

@@ -2,24 +2,13 @@
 Slicer's published schema; the program's own reader and writer take no part. markups_test.py BIOPSY"""
 
 import json
-import pathlib
 import re
-import subprocess
 import sys
-import tempfile
 import unittest
 
-BIOPSY = sys.argv.pop()
-ENTRY, TARGET = (-4.396, 33.092, 51.854), (-6.737, 33.183, 50.982)  # R, A, S mm, in the built-in case's image
+from sample_case import ENTRY, TARGET, SampleCase, lps, text
+
 TYPES = {"Fiducial", "Line", "Angle", "Curve", "ClosedCurve", "Plane", "ROI"}
-
-
-def lps(point):
-    return (-point[0], -point[1], point[2])
-
-
-def text(point):
-    return ",".join(str(number) for number in point)
 
 
 def checked_points(file):
@@ -39,21 +28,11 @@ def checked_points(file):
     return [markup["type"] for markup in content["markups"]], points
 
 
-class Markups(unittest.TestCase):
+class Markups(SampleCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.scratch.name)
-        assert cls.run_biopsy("plan", "gap", "--out", "gap").returncode == 0
+        super().setUpClass()
         assert cls.plan("numbers", "--entry", text(ENTRY), "--target", text(TARGET)).returncode == 0
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
-
-    @classmethod
-    def run_biopsy(cls, *words):
-        return subprocess.run([BIOPSY, *words], cwd=cls.folder, capture_output=True, text=True, timeout=300)
 
     @classmethod
     def plan(cls, out, *words):

@@ -3,10 +3,7 @@ tissues are half spaces across the needle's path, so that their borders are know
 both. segmentation_test.py BIOPSY"""
 
 import gzip
-import pathlib
-import subprocess
 import sys
-import tempfile
 import unittest
 
 try:
@@ -17,15 +14,11 @@ except ImportError as missing:
     print(f"skipped: {missing}")
     sys.exit(77)
 
-BIOPSY = sys.argv.pop()
-ENTRY, TARGET = (-4.396, 33.092, 51.854), (-6.737, 33.183, 50.982)  # R, A, S mm, in the built-in case's image
+from sample_case import ENTRY, TARGET, SampleCase, lps, text
+
 BORDER_MM = 1.4  # muscle until there, liver behind
 LESION_MM = 2.0  # and a lesion, in the liver, from here
 NAMES = {1: "muscle", 2: "liver", 3: "lesion"}
-
-
-def lps(point):
-    return numpy.array([-point[0], -point[1], point[2]])
 
 
 class Image:
@@ -42,7 +35,7 @@ class Image:
         self.shape = (len(slices), first.Rows, first.Columns)
         k, j, i = numpy.indices(self.shape)
         places = self.origin + i[..., None] * self.i + j[..., None] * self.j + k[..., None] * self.k
-        way = lps(TARGET) - lps(ENTRY)
+        way = numpy.subtract(lps(TARGET), lps(ENTRY))
         self.depth = (places - lps(ENTRY)) @ (way / numpy.linalg.norm(way))
 
     @staticmethod
@@ -164,25 +157,14 @@ def write_seg_nrrd(image, file):
     file.write_bytes(("\n".join(header) + "\n\n").encode() + gzip.compress(voxels.tobytes()))
 
 
-class Segmentation(unittest.TestCase):
+class Segmentation(SampleCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.scratch.name)
-        result = cls.run_biopsy("plan", "gap", "--out", "gap")
-        assert result.returncode == 0, result.stderr
+        super().setUpClass()
         cls.image = Image(cls.folder / "gap/planning")
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
-
-    @classmethod
-    def run_biopsy(cls, *words):
-        return subprocess.run([BIOPSY, *words], cwd=cls.folder, capture_output=True, text=True, timeout=300)
-
     def plan(self, labels):
-        return self.run_biopsy("plan", "--image", "gap/planning", "--entry", ",".join(map(str, ENTRY)), "--target", ",".join(map(str, TARGET)),
+        return self.run_biopsy("plan", "--image", "gap/planning", "--entry", text(ENTRY), "--target", text(TARGET),
                                "--labels", labels, "--out", "out")
 
     def expect_layers(self, labels):

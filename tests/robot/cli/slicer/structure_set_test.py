@@ -2,12 +2,10 @@
 of dicom3tools too, where it is installed. structure_set_test.py BIOPSY"""
 
 import json
-import pathlib
 import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 try:
@@ -17,8 +15,8 @@ except ImportError as missing:
     print(f"skipped: {missing}")
     sys.exit(77)
 
-BIOPSY = sys.argv.pop()
-ENTRY, TARGET = (-4.396, 33.092, 51.854), (-6.737, 33.183, 50.982)  # R, A, S mm, in the built-in case's image
+from sample_case import ENTRY, TARGET, SampleCase, lps, text
+
 PATIENT_AND_STUDY = ("PatientName", "PatientID", "PatientBirthDate", "PatientSex", "StudyInstanceUID", "StudyDate", "StudyTime",
                      "ReferringPhysicianName", "StudyID", "AccessionNumber", "FrameOfReferenceUID", "PositionReferenceIndicator")
 # Attributes of type 1, which have a value, and of type 2, which may be empty.
@@ -27,21 +25,10 @@ TYPE_1 = ("SOPClassUID", "SOPInstanceUID", "Modality", "SeriesInstanceUID", "Str
 TYPE_2 = ("SeriesNumber", "OperatorsName", "Manufacturer", "StructureSetDate", "StructureSetTime")
 
 
-def lps(point):
-    return numpy.array([-point[0], -point[1], point[2]])
-
-
-def text(point):
-    return ",".join(map(str, point))
-
-
-class StructureSet(unittest.TestCase):
+class StructureSet(SampleCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.scratch.name)
-        result = cls.run_biopsy("plan", "gap", "--out", "gap")
-        assert result.returncode == 0, result.stderr
+        super().setUpClass()
         cls.slices = [pydicom.dcmread(file) for file in sorted((cls.folder / "gap/planning").iterdir())]
         # Of a patient with a name that is no ASCII, in an order that is not the position's.
         (cls.folder / "named").mkdir()
@@ -53,14 +40,6 @@ class StructureSet(unittest.TestCase):
             one.save_as(cls.folder / f"named/IM{(7 * n) % 1000:04}")
         result = cls.plan("points", "--image", "named")
         assert result.returncode == 0, result.stderr
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
-
-    @classmethod
-    def run_biopsy(cls, *words):
-        return subprocess.run([BIOPSY, *words], cwd=cls.folder, capture_output=True, text=True, timeout=300)
 
     @classmethod
     def plan(cls, out, *words, target=TARGET):
