@@ -15,8 +15,8 @@ constexpr double kModelError = 0.05;  // of a voxel's signal: interpolation and 
 
 // Of one stack's voxels, from `first` on. Noise from the flatter half of the tissue beside the needle, the
 // registration error from the steep quarter.
-void learn_noise(const std::vector<float>& steepness, double needle_mm, std::size_t first,
-                 Corridor& corridor) {
+void learn_noise(const std::vector<float>& steepness, const std::vector<float>& interpolation,
+                 double needle_mm, std::size_t first, Corridor& corridor) {
   if (steepness.empty()) return;
   std::vector<double> slopes(steepness.begin(), steepness.end()), flat, steep, squared, values;
   std::vector<double> sorted = slopes;
@@ -39,7 +39,8 @@ void learn_noise(const std::vector<float>& steepness, double needle_mm, std::siz
   for (std::size_t n = 0; n < slopes.size(); ++n) {
     CorridorVoxel& voxel = corridor.voxels[first + n];
     const double model = kModelError * static_cast<double>(voxel.predicted);
-    voxel.variance = static_cast<float>(noise * noise + std::pow(misfit_mm * slopes[n], 2) + model * model);
+    voxel.variance = static_cast<float>(noise * noise + std::pow(misfit_mm * slopes[n], 2) + model * model) +
+                     interpolation[n] * interpolation[n];
   }
 }
 
@@ -129,7 +130,7 @@ void add_stack(const Predicted& predicted, const CorridorSettings& settings, Cor
   const std::size_t first = corridor.voxels.size();
   const auto number = static_cast<std::uint32_t>(corridor.stacks.size());
   corridor.stacks.push_back(stack_of(after.grid, corridor));
-  std::vector<float> steepness;
+  std::vector<float> steepness, interpolation;
   const Eigen::Array3i stride = (kThin_mm / after.grid.spacing_mm().array()).round().max(1.0).cast<int>();
   std::size_t n = 0;
   for (int k = 0; k < after.grid.size.z(); ++k)
@@ -147,8 +148,9 @@ void add_stack(const Predicted& predicted, const CorridorSettings& settings, Cor
                                    static_cast<float>(c.z()), after.voxels[n], before, 1.0f, number,
                                    static_cast<std::uint32_t>(n)});
         steepness.push_back(predicted.before.steepness.voxels[n]);
+        interpolation.push_back(predicted.before.interpolation.voxels[n]);
       }
-  learn_noise(steepness, settings.needle_mm, first, corridor);
+  learn_noise(steepness, interpolation, settings.needle_mm, first, corridor);
   vary_noise(after.grid, settings.needle_mm, first, corridor);
 }
 

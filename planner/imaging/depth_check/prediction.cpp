@@ -34,11 +34,29 @@ std::vector<Eigen::Vector3d> places_in_voxel(const Grid& before, const Grid& aft
   return places;
 }
 
+// By how much linear interpolation may err, from the second differences of the voxels: an eighth of one in a
+// smooth image (Taylor), all of it where something as thin as a voxel lies between two.
+float interpolation_error(const Volume& before, const Eigen::Vector3d& index) {
+  constexpr float kOfSecondDifference = 1.0f / 6.0f;
+  const Eigen::Vector3i last = before.grid.size.array() - 1, at = index.array().round().cast<int>();
+  const auto voxel = [&](const Eigen::Vector3i& near) {
+    const Eigen::Vector3i inside = near.cwiseMax(0).cwiseMin(last);
+    return before.at(inside.x(), inside.y(), inside.z());
+  };
+  float sum = 0.0f;
+  for (int a = 0; a < 3; ++a) {
+    const Eigen::Vector3i step = Eigen::Vector3i::Unit(a);
+    const float bend = voxel(at - step) - 2.0f * voxel(at) + voxel(at + step);
+    sum += bend * bend;
+  }
+  return kOfSecondDifference * std::sqrt(sum);
+}
+
 }  // namespace
 
 Prediction predicted(const Volume& before, const Volume& after, const TissueMotion& motion,
                      const NeedleMask& needle, const NeedleMask& reach) {
-  Prediction result{after, after};
+  Prediction result{after, after, after};
   const Sampler sampler(before);
   const AffineTransform X_IS = before.grid.X_SI.inverse();
   const Grid& grid = after.grid;
@@ -65,6 +83,7 @@ Prediction predicted(const Volume& before, const Volume& after, const TissueMoti
         }
         result.value.voxels[n] = static_cast<float>(value);
         result.steepness.voxels[n] = static_cast<float>(gradient.norm());
+        result.interpolation.voxels[n] = interpolation_error(before, X_IS * p_before);
       }
   const BrightnessMap map = learn_brightness(after, result.value, needle);
   const Sampler slope(map.slope), offset(map.offset);
@@ -78,6 +97,7 @@ Prediction predicted(const Volume& before, const Volume& after, const TissueMoti
         const auto gain = static_cast<float>(slope.at(p_S));
         value = std::max(static_cast<float>(offset.at(p_S)) + gain * value, 0.0f);
         result.steepness.voxels[n] *= gain;
+        result.interpolation.voxels[n] *= gain;
       }
   return result;
 }

@@ -25,7 +25,8 @@ struct Draw {
   double depth_min_mm, depth_max_mm;
   double snr_min = 15.0, snr_max = 35.0;
   bool needle = true;
-  bool adversarial = false;  // old track and bubbles in both images, ghosting, lower signal
+  bool adversarial = false;    // old track and bubbles in both images, ghosting, lower signal
+  bool bubble_at_tip = false;  // one of the bubbles, so that the tissue about the tip is dark in both images
 };
 
 struct Case {
@@ -77,7 +78,7 @@ sim::NeedleArtefact strayed_needle(const Case& c, const imaging::NeedleFrame& fr
   return needle;
 }
 
-void add_traces(Case& c, const imaging::NeedleFrame& frame, int rows, std::uint64_t key) {
+void add_traces(Case& c, const imaging::NeedleFrame& frame, const Draw& draw, int rows, std::uint64_t key) {
   const double beside = between(4.0, 8.0, key, 60), towards = between(0.0, 6.28, key, 61);
   const Eigen::Vector3d aside = beside * (std::cos(towards) * frame.across + std::sin(towards) * frame.up);
   std::vector<sim::TissueVoid> voids{
@@ -85,8 +86,11 @@ void add_traces(Case& c, const imaging::NeedleFrame& frame, int rows, std::uint6
        c.p_SE + between(c.depth_mm - 3.0, c.depth_mm + 7.0, key, 62) * c.axis_S + aside, Millimetres(1.0),
        Millimetres(0.4), 0.7}};
   for (std::uint64_t n = 0; n < 4; ++n) {
-    const Point bubble = c.p_SE + between(0.0, 1.3 * c.depth_mm, key, 70 + n) * c.axis_S +
-                         between(0.0, 5.0, key, 95 + n) * random_direction(key, 80 + 3 * n);
+    const bool at_tip = draw.bubble_at_tip && n == 0;
+    const double along_mm = at_tip ? between(c.depth_mm - 1.0, c.depth_mm + 3.0, key, 70)
+                                   : between(0.0, 1.3 * c.depth_mm, key, 70 + n);
+    const Point bubble = c.p_SE + along_mm * c.axis_S +
+                         between(0.0, at_tip ? 1.5 : 5.0, key, 95 + n) * random_direction(key, 80 + 3 * n);
     voids.push_back({bubble, bubble, Millimetres(between(1.0, 3.0, key, 100 + n)), Millimetres(0.4), 0.9});
   }
   c.before.voids = c.after.voids = voids;
@@ -115,7 +119,7 @@ std::optional<Case> drawn_case(const Volume& planning, double tissue, const Draw
     c.after.motion = {c.p_SE, between(0.0, 5.0, key, 21) * random_direction(key, 30),
                       between(0.0, 5.0, key, 22) * random_direction(key, 34)};
     if (draw.needle) c.after.needle = strayed_needle(c, frame, draw, key);
-    if (draw.adversarial) add_traces(c, frame, 100, key);
+    if (draw.adversarial) add_traces(c, frame, draw, 100, key);
     return c;
   }
   return std::nullopt;
@@ -150,10 +154,11 @@ std::uint64_t read_of(std::uint64_t whole) {
   return std::getenv("WHOLE_CAMPAIGNS") == nullptr ? whole / 4 : whole;
 }
 
-std::vector<Outcome> campaign(const Volume& planning, const Draw& draw, std::uint64_t whole) {
+std::vector<Outcome> campaign(const Volume& planning, const Draw& draw, std::uint64_t whole,
+                              std::uint64_t first = 1) {
   const double tissue = sim::tissue_signal(planning);
   std::vector<Outcome> outcomes;
-  for (std::uint64_t seed = 1; seed <= read_of(whole); ++seed)
+  for (std::uint64_t seed = first; seed < first + read_of(whole); ++seed)
     if (const auto c = drawn_case(planning, tissue, draw, seed))
       outcomes.push_back(read_rendering(planning, *c, draw));
   return outcomes;
@@ -168,10 +173,10 @@ bool within(const Outcome& o, double band_mm) {
   return o.check.tip_found && std::abs(o.error_mm) <= band_mm;
 }
 
-void expect_no_wrong_accept(const std::vector<Outcome>& outcomes) {
+void expect_no_wrong_accept(const std::vector<Outcome>& outcomes, double most_mm = 1.0) {
   for (const Outcome& o : outcomes) {
     if (o.check.verdict != DepthVerdict::Accept) continue;
-    EXPECT_LE(std::abs(o.error_mm), 1.0) << "at " << o.depth_mm << " mm: " << o.check.reason;
+    EXPECT_LE(std::abs(o.error_mm), most_mm) << "at " << o.depth_mm << " mm: " << o.check.reason;
   }
 }
 
@@ -243,6 +248,17 @@ TEST(DepthCheckCampaign, SurvivesOldTracksBubblesAndGhostsInCoarseVoxels) {
   const auto outcomes = campaign(coarse(*planning), draw, 100);
   EXPECT_GE(share(outcomes, [](const Outcome& o) { return within(o, 0.6); }), 0.85);
   expect_no_wrong_accept(outcomes);
+}
+
+// Where neither image shows tissue, nothing says where the needle ends. A noise model without the error of
+// interpolation accepted two of the first 40 needles, wrong by 2.0 and 2.2 mm.
+TEST(DepthCheckCampaign, AcceptsNoWrongDepthWhereABubbleTouchesTheTip) {
+  const auto planning = real_volume("prostate_planning");
+  if (!planning) GTEST_SKIP() << "no real images beside the source folder";
+  Draw draw = kCoarse;
+  draw.adversarial = draw.bubble_at_tip = true;
+  constexpr double kHalfSlice_mm = 1.8;
+  expect_no_wrong_accept(campaign(coarse(*planning), draw, 160, 61), kHalfSlice_mm);
 }
 
 TEST(DepthCheckCampaign, NeverAcceptsARealGuidanceScanWithoutNeedle) {

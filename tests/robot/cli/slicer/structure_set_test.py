@@ -23,6 +23,7 @@ PATIENT_AND_STUDY = ("PatientName", "PatientID", "PatientBirthDate", "PatientSex
 TYPE_1 = ("SOPClassUID", "SOPInstanceUID", "Modality", "SeriesInstanceUID", "StructureSetLabel", "StructureSetROISequence",
           "ROIContourSequence", "RTROIObservationsSequence", "ApprovalStatus")
 TYPE_2 = ("SeriesNumber", "OperatorsName", "Manufacturer", "StructureSetDate", "StructureSetTime")
+BEYOND_THE_STROKE = (-24.0, 26.0, 46.0)  # R, A, S mm, within the image
 
 
 class StructureSet(SampleCase):
@@ -133,9 +134,14 @@ class StructureSet(SampleCase):
 
     def test_a_refused_plan_leaves_no_earlier_one(self):
         shutil.copytree(self.folder / "points", self.folder / "refused")
-        self.assertNotEqual(self.plan("refused", "--image", "named", target=(-60.0, 33.0, 51.0)).returncode, 0)
-        if not (self.folder / "refused/plan.mrk.json").exists():
-            self.assertFalse((self.folder / "refused/plan.rtss.dcm").exists())
+        self.assertEqual(self.plan("refused", "--image", "named", target=BEYOND_THE_STROKE).returncode, 3)
+        self.assertEqual(sorted(self.folder.glob("refused/plan.*")), [])
+
+    def test_a_point_outside_the_image_changes_nothing(self):
+        shutil.copytree(self.folder / "points", self.folder / "kept")
+        before = {file: file.read_bytes() for file in (self.folder / "kept").iterdir()}
+        self.assertEqual(self.plan("kept", "--image", "named", target=(-60.0, 33.0, 51.0)).returncode, 2)
+        self.assertEqual({file: file.read_bytes() for file in (self.folder / "kept").iterdir()}, before)
 
     def test_it_may_lie_among_the_images(self):
         shutil.copytree(self.folder / "named", self.folder / "both")
