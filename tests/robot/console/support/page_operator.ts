@@ -24,6 +24,11 @@ export class PageOperator {
     await this.page.goto(this.url)
     await expect(this.page.locator('.steps [aria-current]')).toBeVisible(kSlow)
   }
+  async reopen(): Promise<void> {
+    await this.page.mouse.move(5, 5)
+    await this.open()
+    await this.imageShown()
+  }
   button(name: string | RegExp): Locator {
     return this.page.getByRole('button', { name })
   }
