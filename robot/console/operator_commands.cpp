@@ -247,7 +247,7 @@ std::string OperatorSession::why_no_arm() const {
   if (!confirmed_) return "Confirm the plan first.";
   if (hv_permitted()) return "It is armed.";
   if (run_ && !run_->ended) return "The last run is not over: judge its image.";
-  if (!all_ticked()) return "Tick all three checks first.";
+  if (!all_ticked()) return carries_checks() ? "Tick the check first." : "Tick all three checks first.";
   if (mode == Mode::Trip || standing_stop_) return "Stopped: Reset first.";
   if (mode == Mode::Lock) return "Locked: service only.";
   if (mode != Mode::Ready) return fmt::format("Not ready yet: {}.", safety::name_of(seen_.supervisor.worst));

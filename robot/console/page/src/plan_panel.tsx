@@ -104,7 +104,11 @@ function Check(props: { text: string; checked: boolean; set: (on: boolean) => vo
         type="checkbox"
         checked={props.checked}
         disabled={disabledReason.value !== ''}
-        onChange={(event) => props.set(event.currentTarget.checked)}
+        onChange={(event) => {
+          const on = event.currentTarget.checked
+          event.currentTarget.checked = props.checked // until the console says otherwise, which may refuse it
+          props.set(on)
+        }}
       />
       {props.text}
     </label>
