@@ -102,11 +102,26 @@ OperatorSession::Answer OperatorSession::on(const commands::ConfirmPlan& command
   return done(command.id);
 }
 
+OperatorSession::Answer OperatorSession::why_no_check(std::uint32_t id, const std::string& seal) const {
+  if (!confirmed_) return refusal(id, Refused::NoPlan, "confirm the plan first");
+  if (!is_displayed(seal)) return refusal(id, Refused::OldPlan);
+  if (hv_permitted()) return refusal(id, Refused::NeedleInUse);
+  return std::nullopt;
+}
+
 OperatorSession::Answer OperatorSession::on(const commands::SetTick& command) {
-  if (!confirmed_) return refusal(command.id, Refused::NoPlan, "confirm the plan first");
-  if (!is_displayed(command.seal)) return refusal(command.id, Refused::OldPlan);
-  if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
+  if (const Answer refused = why_no_check(command.id, command.seal)) return refused;
   ticks_[static_cast<std::size_t>(command.tick)] = command.on;
+  if (!command.on && command.tick != console::Tick::Place) undisturbed_ = false;
+  if (all_ticked()) ticked_us_ = now_us_;
+  confirmations_due_ = true;
+  return done(command.id);
+}
+
+OperatorSession::Answer OperatorSession::on(const commands::RenewChecks& command) {
+  if (const Answer refused = why_no_check(command.id, command.seal)) return refused;
+  if (!carries_checks()) return refusal(command.id, Refused::NotNow, "tick all three checks");
+  ticks_ = {true, true, true};
   ticked_us_ = now_us_;
   confirmations_due_ = true;
   return done(command.id);
@@ -125,6 +140,7 @@ OperatorSession::Answer OperatorSession::on(const commands::Press& command) {
 // In force until high voltage is off, whatever else is commanded.
 OperatorSession::Answer OperatorSession::on(const commands::Stop& command) {
   hold_.cancel();
+  undisturbed_ = false;
   const Mode mode = seen_.supervisor.permit.mode;
   standing_stop_ = !hv_permitted() && mode != Mode::Trip && mode != Mode::Lock;
   stopped_ = true;
@@ -220,7 +236,8 @@ console::Step OperatorSession::step() const {
   if (run_ && !run_->ended && run_->moved) return Step::Confirm;
   if (!opened_) return Step::Image;
   if (!confirmed_) return Step::Plan;
-  if (run_ && std::none_of(ticks_.begin(), ticks_.end(), [](bool tick) { return tick; }))
+  const bool shows_run = run_ && plan() != nullptr && plan()->seal == run_->plan().seal;
+  if (shows_run && std::none_of(ticks_.begin(), ticks_.end(), [](bool tick) { return tick; }))
     return Step::Confirm;
   return all_ticked() ? Step::Arm : Step::Check;
 }
@@ -230,7 +247,7 @@ std::string OperatorSession::why_no_arm() const {
   if (!confirmed_) return "Confirm the plan first.";
   if (hv_permitted()) return "It is armed.";
   if (run_ && !run_->ended) return "The last run is not over: judge its image.";
-  if (!all_ticked()) return "Tick all three checks first.";
+  if (!all_ticked()) return carries_checks() ? "Tick the check first." : "Tick all three checks first.";
   if (mode == Mode::Trip || standing_stop_) return "Stopped: Reset first.";
   if (mode == Mode::Lock) return "Locked: service only.";
   if (mode != Mode::Ready) return fmt::format("Not ready yet: {}.", safety::name_of(seen_.supervisor.worst));

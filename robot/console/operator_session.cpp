@@ -24,6 +24,9 @@ namespace events = console::events;
 namespace {
 
 constexpr std::int64_t kTicksLive_us = 60'000'000;  // checks expire after a minute
+// Patient and Risks, from one target to the next: to plan it and to insert takes a few minutes each; later a
+// patient or who stands at the table may have changed.
+constexpr std::int64_t kCarried_us = 900'000'000;
 constexpr std::int64_t kArmHold_us = 2'000'000;
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
@@ -65,7 +68,9 @@ void OperatorSession::wait_for_results() const {
 }
 
 void OperatorSession::disconnect(console::Client client) {
-  if (lease_.release(client)) hold_.cancel();
+  if (!lease_.release(client)) return;
+  hold_.cancel();
+  undisturbed_ = false;
 }
 
 const Plan* OperatorSession::plan() const {
@@ -92,6 +97,12 @@ void OperatorSession::send_confirmations() {
   const std::uint64_t tag = planner::plan_tag(*plan());
   if (complete || announced_) send_plan_(*plan(), {confirmed_ ? tag : 0, complete ? tag : 0});
   announced_ = complete;
+}
+
+// Place is not carried: it is of the plan. Patient and Risks hold once the run that they were ticked for
+// ended with its depth accepted, and nothing disturbed it.
+bool OperatorSession::carries_checks() const {
+  return undisturbed_ && run_ && run_->ended && run_->completed && now_us_ - ticked_us_ < kCarried_us;
 }
 
 void OperatorSession::unconfirm() {
@@ -140,6 +151,7 @@ void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   now_us_ = now_us;
   const Mode mode = seen_.supervisor.permit.mode;
   if (mode != before) mode_since_us_ = now_us;
+  if (mode == Mode::Trip || mode == Mode::Lock) undisturbed_ = false;
   // A stop or a retraction is repeated until high voltage is off.
   if (hv_permitted() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
   if (hv_permitted() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
@@ -159,6 +171,7 @@ void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
 void OperatorSession::show_series() {
   std::optional<Volume> image = series_.take();
   if (!image) return;
+  undisturbed_ = false;
   prepared_.image = std::move(*image);
   prepared_.target.patient_id = prepared_.image.identity.patient_id;
   prepared_.target.series_uid = prepared_.image.identity.series_uid;
@@ -174,6 +187,7 @@ void OperatorSession::update_run(const CycleSample& sample, Mode before) {
   if (mode == Mode::Armed && before != Mode::Armed && plan() != nullptr) {
     run_ = std::make_shared<Run>(prepared_, folder_ / fmt::format("run-{}", ++runs_));
     report_.clear();
+    undisturbed_ = !silent_;
     ++version_;
   }
   if (!run_ || run_->ended) return;
@@ -338,6 +352,7 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   if (mode == Mode::Armed)
     state.armed_left = seconds_left(mode_since_us_, std::int64_t{limits::kArmedMax_ms} * 1'000, now_us);
   if (all_ticked() && !hv_permitted()) state.ticks_left = seconds_left(ticked_us_, kTicksLive_us, now_us);
+  if (carries_checks()) state.carried_left = seconds_left(ticked_us_, kCarried_us, now_us);
   if (hold_.held(now_us)) state.held.push_back(button_);
   if (button_ == console::Button::Arm) state.arm_held = static_cast<double>(hold_.held_for_us(now_us)) * 1e-6;
   state.completed = run_ && run_->completed;

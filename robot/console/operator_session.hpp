@@ -46,7 +46,7 @@ class OperatorSession {
   // Robot
   OperatorInputs inputs(std::int64_t now_us);
   void update(const CycleSample& sample, std::int64_t now_us);
-  void mark_silent() { silent_ = true; }  // no tick for a second
+  void mark_silent() { silent_ = true, undisturbed_ = false; }  // no tick for a second
 
   // Over a restart of the console. The series that a person opened and the points that are planned with the
   // case's own registration; what is restored is not confirmed.
@@ -82,6 +82,7 @@ class OperatorSession {
   Answer on(const console::commands::SetPoint& command);
   Answer on(const console::commands::ConfirmPlan& command);
   Answer on(const console::commands::SetTick& command);
+  Answer on(const console::commands::RenewChecks& command);
   Answer on(const console::commands::Press& command);
   Answer on(const console::commands::Stop& command);
   Answer on(const console::commands::Retract& command);
@@ -100,6 +101,8 @@ class OperatorSession {
   void unconfirm();
   void send_confirmations();
   bool all_ticked() const { return ticks_ == std::array{true, true, true}; }
+  Answer why_no_check(std::uint32_t id, const std::string& seal) const;
+  bool carries_checks() const;
   void show_series();
   void update_run(const CycleSample& sample, Mode before);
   void note_end_of_hold(Mode before);
@@ -131,7 +134,10 @@ class OperatorSession {
   std::optional<Point> p_SE_, p_ST_;
   std::vector<console::commands::SetPoint> restored_;  // for the series that is being read
   std::array<bool, 3> ticks_{};
-  std::int64_t ticked_us_ = 0;
+  std::int64_t ticked_us_ = 0;  // the last of the three
+  // Since the last arming nothing happened after which Patient or Risks, as ticked for it, might no longer
+  // hold: another series, another page in control, a stop, a trip, silence.
+  bool undisturbed_ = false;
 
   std::optional<NavigationRequest> navigation_;  // newest, of a program that is there
   std::uint32_t proposal_ = 0;                   // of it, taken last

@@ -64,6 +64,28 @@ for (const [alarm, priority, count, flash_s] of [[kAlarm, 'high', 10, '0.5s'], [
     await expectAccessible(page)
   })
 
+// A context that plays silence costs processor time.
+test('the sound rests between two bursts, and comes again', async ({ page }) => {
+  await page.addInitScript(() => {
+    const Real = window.AudioContext
+    window.AudioContext = class extends Real {
+      constructor() {
+        super()
+        Object.assign(window, { audio: this })
+      }
+    }
+  })
+  await watched(page)
+  await raise(page, [kAlarm])
+  const audio = () => page.evaluate(() => (window as unknown as { audio: AudioContext }).audio.state)
+  await expect.poll(audio).toBe('running')
+  await expect.poll(audio).toBe('suspended')
+  expect(await pulses(page)).toHaveLength(10)
+  await expect.poll(async () => (await pulses(page)).length).toBe(20)
+  await expect.poll(audio).toBe('running')
+  await expect(page.locator('[data-name=audio-off]')).toHaveCount(0)
+})
+
 test('sound is paused and returns; acknowledging silences what is there, not what comes', async ({ page }) => {
   const operator = await watched(page)
   await operator.button('Alarms').first().waitFor()

@@ -5,7 +5,7 @@ import { expect, test } from '@playwright/test'
 
 import config from './playwright.config'
 import { browserLoad } from './support/browser_load'
-import { note, round } from './support/figures'
+import { note, round, spread } from './support/figures'
 import { PageOperator } from './support/page_operator'
 import { pause, Robot } from './support/robot'
 import { kAlarm, kCold, kWarning } from './support/scenes'
@@ -14,8 +14,9 @@ import { freezePage } from './support/tap'
 const launchOptions = config.use!.launchOptions!
 test.use({ launchOptions: { ...launchOptions, args: [...launchOptions.args!, '--disable-gpu-compositing'] } })
 
-const kSettle_ms = 2000
-const kMeasured_ms = 10_000
+const kSettle_ms = 1500
+const kMeasured_ms = 5000
+const kPairs = 5 // flashing and acknowledged in turn, so that other work on the machine meets both; the median of the differences
 const kMax_percent = 4 // of one core, more than the same page with the alarm acknowledged
 
 const robot = new Robot()
@@ -26,17 +27,25 @@ for (const alarm of [kAlarm, kWarning])
   test(`a flashing ${alarm.severity} costs at most ${kMax_percent} % of a core`, async ({ page, browser }) => {
     const operator = new PageOperator(page, robot.url)
     await operator.planned()
+    const line = page.locator('.alarm')
+    const show = (alarms: object[]) => freezePage(page, { mode: 'Safe', step: 'Check', alarms, disabled: kCold })
     const measure = async () => {
       await page.mouse.move(5, 5)
       await pause(kSettle_ms) // figures, not states
       return (await browserLoad(browser, kMeasured_ms)).all!
     }
-    await freezePage(page, { mode: 'Safe', step: 'Check', alarms: [alarm], disabled: kCold })
-    await expect(page.locator('.alarm')).toHaveClass(new RegExp(alarm.severity))
-    const flashing = await measure()
-    await operator.button('Acknowledge').click()
-    await expect(page.locator('.alarm')).toHaveClass(/acknowledged/)
-    const still = await measure()
-    note({ [`flashing_${alarm.severity}_cpu_percent`]: round(flashing - still) })
-    expect(flashing - still).toBeLessThanOrEqual(kMax_percent)
+    const differences: number[] = []
+    for (let pair = 0; pair < kPairs; ++pair) {
+      await show([])
+      await expect(line).not.toHaveClass(new RegExp(alarm.severity))
+      await show([alarm]) // a new one, which nobody has acknowledged
+      await expect(line).toHaveClass(new RegExp(alarm.severity))
+      await expect(line).not.toHaveClass(/acknowledged/)
+      const flashing = await measure()
+      await operator.button('Acknowledge').click()
+      await expect(line).toHaveClass(/acknowledged/)
+      differences.push(round(flashing - (await measure())))
+    }
+    note({ [`flashing_${alarm.severity}_cpu_percent`]: differences })
+    expect(spread(differences).median).toBeLessThanOrEqual(kMax_percent)
   })

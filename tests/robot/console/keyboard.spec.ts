@@ -1,9 +1,9 @@
-// A whole procedure without a mouse: from the image to an accepted depth, and retracted.
+// A whole procedure without a mouse: from the image to an accepted depth, to that of a further target, and retracted.
 import { expect, type Page, test } from '@playwright/test'
 
 import { note } from './support/figures'
 import { KeyboardOperator } from './support/keyboard_operator'
-import { distance, kEntry, kGapDepth_mm, PageOperator } from './support/page_operator'
+import { distance, kActsMax, kEntry, kFurtherActsMax, kGapDepth_mm } from './support/page_operator'
 import { Robot } from './support/robot'
 
 const robot = new Robot()
@@ -19,17 +19,18 @@ const countMouse = (page: Page) =>
     for (const name of ['pointerdown', 'pointermove', 'wheel']) addEventListener(name, () => ++counted.mouse, true)
   })
 
-test('from the image to an accepted depth by keyboard alone', async ({ page }) => {
-  test.setTimeout(240_000)
+test('from the image to an accepted depth, and of a further target, by keyboard alone', async ({ page }) => {
+  test.setTimeout(400_000)
   await countMouse(page)
   const operator = new KeyboardOperator(page, robot.url)
   await operator.open()
   await operator.openSeries()
   await operator.clickAt('proposed-entry')
   await operator.press('e')
+  ++operator.acts
   await expect(page.locator('dd[data-name=entry]')).not.toHaveText('not set')
   await operator.clickAt('proposed-target')
-  await operator.press('t')
+  await operator.setTarget()
   await expect(page.locator('[data-name=planned-depth]')).toBeVisible()
   expect(distance(await operator.mm('entry'), kEntry)).toBeLessThan(0.3)
   const depth = parseFloat((await page.locator('[data-name=planned-depth]').textContent())!)
@@ -42,10 +43,13 @@ test('from the image to an accepted depth by keyboard alone', async ({ page }) =
   await expect(page.locator('[data-name=verdict]')).toHaveText('accept')
   await operator.click('Accept this depth')
   await expect(page.locator('[aria-current=step]')).toContainText(/Accepted|The run is over/)
-  const retract = page.getByRole('button', { name: 'Retract', exact: true })
-  if ((await retract.getAttribute('aria-disabled')) === 'false') await operator.activate(retract)
-  await expect(page.getByRole('link', { name: /Accepted. Open the report/ })).toBeVisible({ timeout: 30_000 })
-  note({ keyboard_keys: operator.keys })
+  note({ keyboard_keys: operator.keys, keyboard_acts: operator.acts })
+  expect(operator.acts).toBeLessThanOrEqual(kActsMax)
+
+  const further = await operator.furtherTarget(0.9)
+  note({ keyboard_acts_of_a_further_target: further })
+  expect(further).toBeLessThanOrEqual(kFurtherActsMax)
+  await operator.retractAccepted()
   expect(await page.evaluate(() => (window as unknown as { mouse: number }).mouse)).toBe(0)
   // STOP, from wherever the focus is.
   await operator.press('Escape')

@@ -1,9 +1,11 @@
 // Before and after, side by side: detected tip, planned target, error and confidence. No default answer.
+import { computed, effect, signal } from '@preact/signals'
+
 import type { Checked, Judgement, State } from './generated/messages'
 import { withToken } from './address'
 import { send } from './link'
 import { Compare } from './compare'
-import { checked, state, disabledReason } from './robot'
+import { checked, state, disabledReason, runOver } from './robot'
 import { tipText } from './stop_card'
 import { mm } from './viewer/geometry'
 
@@ -33,9 +35,20 @@ function printReport(path: string): void {
   report?.addEventListener('load', () => report.print())
 }
 
+// Once a run is over: its result, or the image, on which a further target is set. An accepted one makes way by itself.
+const shown = signal<'result' | 'image' | null>(null)
+effect(() => {
+  if (!runOver.value) shown.value = null
+})
+const showsImage = computed(() => runOver.value && (shown.value ?? (state.value?.completed ? 'image' : 'result')) === 'image')
+
 function Report(props: { path: string; completed: boolean }) {
+  const image = showsImage.value
   return (
     <div class="row" data-name="report">
+      <button onClick={() => void (shown.value = image ? 'result' : 'image')}>
+        {image ? 'Show the result' : 'Back to the image'}
+      </button>
       <a class="button" href={withToken(props.path)} target="_blank" rel="noreferrer">
         {props.completed ? 'Accepted.' : 'Not accepted.'} Open the report
       </a>
@@ -56,6 +69,28 @@ function NoImage(props: { path: string }) {
   )
 }
 
+// Below the image.
+function Result(props: { of: Checked | undefined; path: string; completed: boolean }) {
+  const { of } = props
+  return (
+    <div class="result" role="status">
+      <p>
+        {!of && 'No image was taken.'}
+        {of && !of.tip_found && 'No tip was found.'}
+        {of?.tip_found && (
+          <>
+            Tip at <b data-name="found-depth">{foundText(of)}</b>, error <b data-name="error">{mm(of.error, 2)} mm</b>, depth
+            check: <b data-name="verdict">{of.verdict}</b>
+          </>
+        )}
+      </p>
+      <Report path={props.path} completed={props.completed} />
+    </div>
+  )
+}
+
+const foundText = (of: Checked) => `${mm(of.found, 2)} ± ${mm(of.sigma, 2)} mm`
+
 const heldText = (now: State) =>
   `The needle is ${now.locked ? 'locked' : 'held'} for ${now.hold_left} s more, then retracted.`
 
@@ -63,6 +98,7 @@ export function ConfirmView() {
   const now = state.value
   const last = checked.value.at(-1)
   if (now?.step !== 'Confirm') return null
+  if (showsImage.value) return <Result of={last} path={now.report} completed={now.completed} />
   if (!last && now.report) return <NoImage path={now.report} />
   if (!last && now.mode !== 'Hold' && now.scanner === 'Idle') return null // the image shows the retracting tip
   if (!last || (now.scanner !== 'Idle' && !now.report))
@@ -83,7 +119,7 @@ export function ConfirmView() {
         <div>
           <dt>In the image</dt>
           <dd data-name="found-depth">
-            {last.tip_found ? `${mm(last.found, 2)} ± ${mm(last.sigma, 2)} mm` : 'no tip found'}
+            {last.tip_found ? foundText(last) : 'no tip found'}
           </dd>
         </div>
         <div>

@@ -2,9 +2,11 @@
 import type { Tick } from './generated/messages'
 import { mm, ras } from './viewer/geometry'
 import { send } from './link'
-import { disabledReason, isKnown, kBack_mm, opened, plan, planned, state, type Vec3 } from './robot'
+import { disabledReason, isKnown, kBack_mm, opened, plan, planned, runOver, state, type Vec3 } from './robot'
 import { lit, StopCard, tipText } from './stop_card'
 import { warningsOf } from './plan_warnings'
+
+const kTicks: Tick[] = ['Patient', 'Place', 'Risks']
 
 function Points() {
   const current = planned.value
@@ -95,30 +97,50 @@ function Limit(props: { name: string; value: number | null; warn: number; hard: 
   )
 }
 
+function Check(props: { text: string; checked: boolean; set: (on: boolean) => void }) {
+  return (
+    <label>
+      <input
+        type="checkbox"
+        checked={props.checked}
+        disabled={disabledReason.value !== ''}
+        onChange={(event) => {
+          const on = event.currentTarget.checked
+          event.currentTarget.checked = props.checked // until the console says otherwise, which may refuse it
+          props.set(on)
+        }}
+      />
+      {props.text}
+    </label>
+  )
+}
+
 function Checks() {
   const series = opened.value!.series
-  const now = plan.value!
-  const ticks: [Tick, string][] = [
-    ['Patient', `The patient is ${series.patient || 'without a name'}, ID ${series.patient_id || 'none'}.`],
-    ['Place', `Needle from ${now.side}, ${mm(now.depth, 2)} mm deep, through ${now.layers.map((l) => l.name).join(', ')}.`],
-    ['Risks', 'High voltage comes on and the needle moves. The E-stop is in reach.'],
-  ]
+  const { seal, side, depth, layers } = plan.value!
+  const texts: Record<Tick, string> = {
+    Patient: `The patient is ${series.patient || 'without a name'}, ID ${series.patient_id || 'none'}.`,
+    Place: `Needle from ${side}, ${mm(depth, 2)} mm deep, through ${layers.map((l) => l.name).join(', ')}.`,
+    Risks: 'High voltage comes on and the needle moves. The E-stop is in reach.',
+  }
+  const { ticks, ticks_left, carried_left } = state.value!
+  const set = (tick: Tick, on: boolean) => void send({ type: 'SetTick', tick, on, seal })
+  const renew = (on: boolean) => (on ? void send({ type: 'RenewChecks', seal }) : set('Place', false))
   return (
     <div class={lit.value === 'checks' ? 'checks lit' : 'checks'} data-lit={lit.value === 'checks'}>
-      {ticks.map(([tick, text], n) => (
-        <label key={tick}>
-          <input
-            type="checkbox"
-            checked={state.value?.ticks[n] ?? false}
-            disabled={disabledReason.value !== ''}
-            onChange={(event) =>
-              void send({ type: 'SetTick', tick, on: event.currentTarget.checked, seal: now.seal })
-            }
-          />
-          {text}
-        </label>
-      ))}
-      {(state.value?.ticks_left ?? 0) > 0 && <p>Checked; good for {Math.ceil(state.value!.ticks_left)} s.</p>}
+      {carried_left > 0 ? (
+        <>
+          <div class="carried" data-name="carried">
+            <p>{texts.Patient}</p>
+            <p>{texts.Risks}</p>
+            <p>Ticked for an earlier target; can be renewed for {Math.ceil(carried_left / 60)} min.</p>
+          </div>
+          <Check text={`${texts.Place} Both above still hold.`} checked={ticks.every(Boolean)} set={renew} />
+        </>
+      ) : (
+        kTicks.map((tick, n) => <Check key={tick} text={texts[tick]} checked={ticks[n]!} set={(on) => set(tick, on)} />)
+      )}
+      {ticks_left > 0 && <p>Checked; good for {Math.ceil(ticks_left)} s.</p>}
     </div>
   )
 }
@@ -144,8 +166,8 @@ function Residual() {
 export function PlanPanel(props: { children?: preact.ComponentChildren }) {
   const current = planned.value
   const now = state.value
-  const over = now?.step === 'Confirm' && now.report !== '' // another run of the same plan begins with its checks
-  const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || over)
+  // Another run of the same plan begins with its checks.
+  const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || runOver.value)
   const why = disabledReason.value || now?.disabled.plan || ''
   return (
     <section class="plan" aria-label="plan" tabIndex={0}>

@@ -42,6 +42,9 @@ export const isKnown = computed(() => !isOld.value && (state.value?.measured ?? 
 export const controls = computed(() => linked.value && (state.value?.controller ?? false))
 export const plan = computed(() => (planned.value?.stages.length ? planned.value : null))
 
+// The needle is back and the report written: another run may be planned, or begun with its checks.
+export const runOver = computed(() => state.value?.step === 'Confirm' && state.value.report !== '')
+
 // The last 30 s of plots; not signals, since they are drawn on a timer.
 export const kPlot_ms = 30_000
 export const telemetry: Telemetry[] = []

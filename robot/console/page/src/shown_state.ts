@@ -4,6 +4,7 @@ import type { State } from './generated/messages'
 
 const kDepth_mm = 0.01 // the second decimal, which noise must not change
 const kDrive_kV = 0.02
+const kMinute_s = 60
 
 const steady = (value: number, before: number | undefined, least: number) =>
   before !== undefined && Math.abs(value - before) < least ? before : value
@@ -17,6 +18,7 @@ export function shownState(now: State, before: State | null): State {
     hold_left: Math.ceil(now.hold_left),
     armed_left: Math.ceil(now.armed_left),
     ticks_left: Math.ceil(now.ticks_left),
+    carried_left: kMinute_s * Math.ceil(now.carried_left / kMinute_s),
     arm_held: Math.round(10 * now.arm_held) / 10,
   }
   return before && JSON.stringify(shown) === JSON.stringify(before) ? before : shown

@@ -1,6 +1,6 @@
 // The current step, decided by the server, and what to do in it.
 import type { Step } from './generated/messages'
-import { planned, state } from './robot'
+import { planned, runOver, state } from './robot'
 import { stopped } from './stop_card'
 
 const kSteps: [Step, string][] = [
@@ -17,7 +17,9 @@ function hintOf(step: Step, hint: string): string {
   if (step === 'Plan' && planned.value?.entry.length === 0) return 'Click where the tip waits, then Set entry.'
   if (step === 'Plan' && planned.value?.target.length === 0) return 'Click where it shall go, then Set target.'
   if (step === 'Plan') return 'Look at depth, layers and limits. Confirm the plan.'
-  if (step === 'Confirm' && state.value?.report) return 'The run is over: see its report.'
+  if (runOver.value && state.value?.completed) return 'Accepted, and over. A further target: click it, then Set target.'
+  if (runOver.value) return 'The run is over: see its report.'
+  if (step === 'Check' && (state.value?.carried_left ?? 0) > 0) return 'Compare with the patient and tick.'
   if (step === 'Confirm' && state.value?.completed) return 'Accepted. Take the sample, then Retract.'
   return hint
 }

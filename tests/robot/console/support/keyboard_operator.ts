@@ -1,10 +1,11 @@
 // A person without a mouse: everything is reached by Tab, pressed by Enter or Space, and pointed at by arrow keys.
 import { expect, type Locator, type Page } from '@playwright/test'
 
-import { PageOperator } from './page_operator'
+import { distance, PageOperator } from './page_operator'
 
 const kTabsMax = 80
 const kStepsMax = 400
+const kFine_mm = 0.1
 const kNear_px = 1 // a nudge of 0.1 mm is drawn about as long
 
 export class KeyboardOperator extends PageOperator {
@@ -37,6 +38,21 @@ export class KeyboardOperator extends PageOperator {
   }
   override async letGo(): Promise<void> {
     await this.page.keyboard.up('Space')
+  }
+
+  // From the target, where the crosshair was left, back towards the entry: in the view along the needle that is upwards.
+  override async pointAlongPath(share: number): Promise<void> {
+    ++this.acts
+    const far = (1 - share) * distance(await this.mm('entry'), await this.mm('target'))
+    expect(distance(await this.mm('crosshair'), await this.mm('target'))).toBeLessThan(kFine_mm)
+    await this.tabTo(this.page.locator('canvas[tabindex]'))
+    await this.press('4')
+    await expect(this.button('along the needle')).toHaveAttribute('aria-pressed', 'true')
+    for (let steps = Math.round(far / kFine_mm); steps > 0; --steps) await this.press('Shift+ArrowUp')
+  }
+  override async setTarget(): Promise<void> {
+    ++this.acts
+    await this.press('t')
   }
 
   // To a mark that the image shows, by what is seen: how far it lies from the crosshair, and whether it is dashed.

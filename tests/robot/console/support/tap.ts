@@ -74,6 +74,8 @@ export async function freezePage(page: Page, given: Record<string, unknown>, mor
         })
       }
       const again = () => tap.inject(now)
+      // The page keeps a shown depth or voltage that a new one hardly differs from (shown_state.ts): of the noise before.
+      tap.inject({ ...now, depth: now.depth + 1, drive: now.drive + 1 })
       again()
       const timers = window as unknown as { stillTimer: number }
       clearInterval(timers.stillTimer)

@@ -62,20 +62,27 @@ async function play({ starts_s, pulse_s, tone_Hz }: Burst, wanted: () => boolean
     tone.stop(from + start + pulse_s)
     return tone
   })
+  sounding.at(-1)!.onended = rest
 }
 
+// A context that plays silence costs a hundredth of a core and more, so that it is suspended while there is nothing to
+// hear, between two bursts too.
+const rest = () => void (!muted.value && context?.suspend())
+
 function hush(): void {
-  for (const tone of sounding) tone.stop()
+  for (const tone of sounding) {
+    tone.onended = null // of a burst that another one may follow at once
+    tone.stop()
+  }
   sounding = []
 }
 
-// A burst at once when the loudest alarm changes, then again and again. A context that plays silence costs a hundredth of a
-// core and more, so that it is suspended while there is nothing to hear.
+// A burst at once when the loudest alarm changes, then again and again.
 const quiet = computed(() => pausedLeft_s.value > 0)
 effect(() => {
   const severity = loudest.value
   if (!severity || quiet.value || muted.value) {
-    if (!muted.value) void context?.suspend()
+    rest()
     return
   }
   let wanted = true

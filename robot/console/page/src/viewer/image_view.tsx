@@ -5,7 +5,7 @@ import { useEffect, useRef } from 'preact/hooks'
 import { withToken } from '../address'
 import type { Mark, Series, Step } from '../generated/messages'
 import { send } from '../link'
-import { disabledReason, opened, state, type Vec3, welcome } from '../robot'
+import { disabledReason, opened, runOver, state, type Vec3, welcome } from '../robot'
 import { listen } from './inputs'
 import { Overlay } from './overlay'
 import { NeedleCanvas } from './needle_canvas'
@@ -19,7 +19,7 @@ effect(() => {
   if (opened.value) choosing.value = false
 })
 
-const mayPlan = () => kPlanning.includes(state.value?.step ?? 'Image')
+const mayPlan = () => runOver.value || kPlanning.includes(state.value?.step ?? 'Image')
 const kActs = {
   undo: () => void (mayPlan() && undo()),
   redo: () => void (mayPlan() && redo()),
