@@ -25,7 +25,7 @@ namespace {
 constexpr int kIterations = 25;
 constexpr double kNotWorse = 1.05;      // held-out mean square
 constexpr double kWindow = 0.5;         // s: a few periods of the stage's ringing, a few stick-slip jumps
-constexpr double kMuchLeft = 2.0;       // noises that a name leaves: beyond, it competes with an equation
+constexpr double kMuchLeft = 1.0;       // noises that a name leaves: beyond, it competes with an equation
 constexpr double kEquationWins = 0.25;  // of the excess square that a name leaves
 
 // The given model, fitted in the parameters that were declared free.

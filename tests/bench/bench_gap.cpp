@@ -36,13 +36,16 @@ struct Method {
 struct Options {
   bool quick = false, list = false, no_timing = false, say_steps = false;
   std::string only, group, peers = "some";
-  int seeds = 1, every = 1;
+  int seeds = 1, every = 1, runs = 0;
+  double length = 1.0;
 };
 
 std::vector<HiddenCase> chosen_cases(const Options& options) {
   std::vector<HiddenCase> out;
   int index = 0;
-  for (const HiddenCase& one : options.quick ? hidden::quick_cases() : hidden::hidden_cases()) {
+  for (HiddenCase one : options.quick ? hidden::quick_cases() : hidden::hidden_cases()) {
+    one.length *= options.length;
+    if (options.runs > 0) one.runs = std::min(one.runs, options.runs);
     if (one.name.find(options.only) == std::string::npos) continue;
     if (!options.group.empty() && one.group != options.group) continue;
     if (index++ % options.every != 0) continue;
@@ -145,6 +148,9 @@ Options read_options(CLI::App& app, int argc, char** argv) {
   app.add_option("--only", options.only, "cases whose name contains this");
   app.add_option("--group", options.group, "cases of one group, as in the second column");
   app.add_option("--every", options.every, "only every n-th case")->check(CLI::PositiveNumber);
+  app.add_option("--length", options.length, "of each case, in its full lengths")
+      ->check(CLI::Range(0.2, 1.0));
+  app.add_option("--runs", options.runs, "of each case, at most")->check(CLI::PositiveNumber);
   app.add_option("--seeds", options.seeds, "draws of each case")->check(CLI::PositiveNumber);
   app.add_option("--peers", options.peers,
                  "none, fast (without naive selection), some (that on every sixth case), all, or only: "

@@ -120,17 +120,6 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
       set_fit(out, std::move(attempt.reached), evidence);
 }
 
-double log_evidence(const ScoredModel& scored, double effective_sample_size, const Evidence& evidence) {
-  const double tolerated = kTolerance * evidence.noise;
-  const bool waves = scored.hypothesis.model.effects.periodic_disturbance.has_value();
-  double free = waves ? static_cast<double>(evidence.runs.size()) : 0.0;  // each run has its phase
-  for (const Unknown& u : scored.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
-  if (!std::isfinite(scored.square)) return -std::numeric_limits<double>::infinity();
-  return -0.5 * effective_sample_size * std::log(scored.square + tolerated * tolerated) -
-         0.5 * scored.hypothesis.prior_cost() -
-         free * (0.5 * std::log(effective_sample_size) + kComplexityPenalty);
-}
-
 auto by_square = [](const CandidateFit& a, const CandidateFit& b) {
   return a.scored.square < b.scored.square;
 };
@@ -214,6 +203,26 @@ double held_out_effective_sample_size(const Evidence& evidence) {
   return windows > 0.0 ? windows : independent_samples(evidence.held_out_seconds);
 }
 
+double log_evidence(const ScoredModel& scored, const Evidence& evidence) {
+  const double effective_sample_size = held_out_effective_sample_size(evidence);
+  const double tolerated = kTolerance * evidence.noise;
+  const bool waves = scored.hypothesis.model.effects.periodic_disturbance.has_value();
+  double free = waves ? static_cast<double>(evidence.runs.size()) : 0.0;  // each run has its phase
+  for (const Unknown& u : scored.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
+  if (!std::isfinite(scored.square)) return -std::numeric_limits<double>::infinity();
+  return -0.5 * effective_sample_size * std::log(scored.square + tolerated * tolerated) -
+         0.5 * scored.hypothesis.prior_cost() -
+         free * (0.5 * std::log(effective_sample_size) + kComplexityPenalty);
+}
+
+void rank(Round& round, const ScoredModel& now) {
+  std::stable_sort(round.fits.begin(), round.fits.end(), [](const CandidateFit& a, const CandidateFit& b) {
+    return a.fitted != b.fitted ? a.fitted : a.fitted && a.log_evidence > b.log_evidence;
+  });
+  normalise_probabilities(round);
+  mark_indistinguishable(round, now);
+}
+
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
                      const RoundName& name, const Progress& progress, const std::stop_token& stop) {
   const std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
@@ -238,15 +247,10 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   fit_best_fully(round.fits, promising, fine);
   std::stable_sort(round.fits.begin(), end, by_square);
   if (promising == 0) return round;
-  const double effective_sample_size = held_out_effective_sample_size(fine);
-  round.null_evidence = log_evidence(now, effective_sample_size, fine);
+  round.null_evidence = log_evidence(now, fine);
   for (CandidateFit& t : round.fits)
-    if (t.fitted) t.log_evidence = log_evidence(t.scored, effective_sample_size, fine);
-  std::stable_sort(round.fits.begin(), end, [](const CandidateFit& a, const CandidateFit& b) {
-    return a.log_evidence > b.log_evidence;
-  });
-  normalise_probabilities(round);
-  mark_indistinguishable(round, now);
+    if (t.fitted) t.log_evidence = log_evidence(t.scored, fine);
+  rank(round, now);
   return round;
 }
 

@@ -10,7 +10,13 @@ namespace biopsy::sim::gap {
 struct Round {
   std::vector<CandidateFit> fits;  // best first
   double null_evidence = 0.0;      // log evidence of the present hypothesis
+  double exchanged_null_square = std::numeric_limits<double>::quiet_NaN();  // m^2, of it: exchange.hpp
 };
+
+// The fits by their log evidence, with probabilities and what cannot be told apart.
+void rank(Round& round, const ScoredModel& now);
+
+double log_evidence(const ScoredModel& scored, const Evidence& evidence);
 
 struct RoundName {
   int number = 1;

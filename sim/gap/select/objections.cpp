@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/flexible.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/exchange.hpp"
 #include "sim/gap/select/verdict.hpp"
 
 namespace biopsy::sim::gap {
@@ -23,6 +25,11 @@ constexpr double kContradicts = 2.0;   // standard deviations
 constexpr double kSameStds = 4.0;      // between the two fits of a strength,
 constexpr double kSameShare = 0.5;     // and of it
 constexpr int kExchangedIterations = 8;
+constexpr std::string_view kDryFriction = "coulomb_N_per_mm";  // of a shaft
+
+bool is_near_noise(double left, const Evidence& evidence) {
+  return std::sqrt(excess(left, evidence)) < kNearNoise * evidence.noise;
+}
 
 double closed_by_names(const Selection& selection, const Evidence& evidence) {
   return gap_closed(selection.start.square, selection.best.square, evidence.noise);
@@ -56,31 +63,41 @@ void add_unknown_parameters(std::vector<std::string>& out, const Selection& sele
   }
 }
 
-// A fit may use an effect for the opposite of what its name says: a drag that grows with the root of the
-// speed is friction that grows from breakaway to sliding.
+bool is(const SelectedTerm& term, std::string_view name) {
+  return term.is_effect() && library_effect(term.candidate.effect).info.name == name;
+}
+
+// Root sum of squares over the effect's strengths.
+double strength_std(const Hypothesis& hypothesis, int effect) {
+  double std = 0.0;
+  for (const Unknown& u : hypothesis.unknowns)
+    if (u.effect == effect && library_effect(effect).parameters[u.parameter].role == Role::Strength)
+      std = std::hypot(std, u.value_std());
+  return std;
+}
+
+// A fit may use an effect for something else than its name says: a drag that grows with the root of the speed
+// is friction that grows from breakaway to sliding; thick grease at one end is a shaft that tissue holds
+// without rubbing on it.
 void add_contradictions(std::vector<std::string>& out, const Selection& selection) {
   const Hypothesis& best = selection.best.hypothesis;
   for (const SelectedTerm& term : selection.selected) {
-    if (!term.is_effect() || library_effect(term.candidate.effect).info.name != StribeckFriction::info.name)
-      continue;
-    const StribeckFriction& friction = *best.model.effects.stribeck_friction;
-    double std = 0.0;
-    for (const Unknown& u : best.unknowns)
-      if (u.effect == term.candidate.effect &&
-          library_effect(u.effect).parameters[u.parameter].role == Role::Strength)
-        std = std::hypot(std, u.value_std());
-    if (friction.sliding - friction.breakaway > kContradicts * std)
-      out.push_back(
-          fmt::format("it would break away at {:.2g} N and need {:.2g} N to keep sliding, the opposite of "
-                      "its name",
-                      friction.breakaway, friction.sliding));
+    if (is(term, StribeckFriction::info.name)) {
+      const StribeckFriction& friction = *best.model.effects.stribeck_friction;
+      if (friction.sliding - friction.breakaway > kContradicts * strength_std(best, term.candidate.effect))
+        out.push_back(
+            fmt::format("it would break away at {:.2g} N and need {:.2g} N to keep sliding, the opposite of "
+                        "its name",
+                        friction.breakaway, friction.sliding));
+    }
+    if (is(term, ShaftFriction::info.name))
+      for (const Unknown& u : best.unknowns)
+        if (u.effect == term.candidate.effect &&
+            library_effect(u.effect).parameters[u.parameter].name == kDryFriction &&
+            !(u.value() > kContradicts * u.value_std()))
+          out.emplace_back(
+              "it would be a drag that grows with depth, without the friction that it is named for");
   }
-}
-
-Evidence exchanged(Evidence evidence) {
-  for (EvidenceRun& run : evidence.runs) run.training_rows = run.training_rows > 0 ? 0 : run.rows.size();
-  std::swap(evidence.training_seconds, evidence.held_out_seconds);
-  return evidence;
 }
 
 // Trained on the held-out runs, tested on the others.
@@ -93,7 +110,7 @@ void add_instability(std::vector<std::string>& out, const Selection& selection, 
   fit(start, other, kExchangedIterations);
   const double before = score_model(start, other).square, after = score_model(hypothesis, other).square;
   const double closed = gap_closed(before, after, other.noise);
-  if (std::sqrt(excess(after, other)) > kNearNoise * other.noise && closed < kStillCloses)
+  if (!is_near_noise(after, other) && closed < kStillCloses)
     out.push_back(fmt::format("with training and held-out runs exchanged it closes {:.0f} % of the gap",
                               100.0 * closed));
   estimate_uncertainty(hypothesis, other);
@@ -135,23 +152,40 @@ void add_flexible(std::vector<std::string>& out, const Selection& selection, con
                             1e3 * std::sqrt(selection.best.square)));
 }
 
+// Whether holds(mean square before, left) for the held-out runs; where these could not decide alone, for the
+// training runs too.
+template <class Condition>
+bool in_all_that_decided(const Selection& selection, const Evidence& evidence, const Condition& holds) {
+  const auto training = [&](const ScoredModel& scored) {
+    return mean_square(residual(scored.hypothesis.model, evidence, Part::Training));
+  };
+  return holds(selection.start.square, selection.best.square) &&
+         (!selection.by_both || holds(training(selection.start), training(selection.best)));
+}
+
+bool leaves_noise(const Selection& selection, const Evidence& evidence) {
+  return in_all_that_decided(selection, evidence,
+                             [&](double, double left) { return is_near_noise(left, evidence); });
+}
+
 }  // namespace
 
 bool is_whole(const Selection& selection, const Evidence& evidence) {
-  return std::sqrt(excess(selection.best.square, evidence)) < kNearNoise * evidence.noise ||
-         closed_by_names(selection, evidence) >= kWhole;
+  return in_all_that_decided(selection, evidence, [&](double before, double left) {
+    return is_near_noise(left, evidence) || gap_closed(before, left, evidence.noise) >= kWhole;
+  });
 }
 
 std::vector<std::string> objections(const Selection& selection, const Evidence& coarse,
                                     const Evidence& fine) {
   std::vector<std::string> out;
   const double closed = closed_by_names(selection, fine);
-  if (closed < kHalf && std::sqrt(excess(selection.best.square, fine)) > kNearNoise * fine.noise)
+  if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_unknown_parameters(out, selection, fine);
   add_contradictions(out, selection);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
-  if (!out.empty() || is_whole(selection, fine)) return out;
+  if (!out.empty() || leaves_noise(selection, fine)) return out;
   add_rival(out, selection);
   if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);

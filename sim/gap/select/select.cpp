@@ -9,6 +9,7 @@
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/fit/restart.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
+#include "sim/gap/select/exchange.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -32,12 +33,14 @@ bool is_accepted(const Round& round, const ScoredModel& now, bool much_left, con
   const CandidateFit& first = round.fits.front();
   const double needed = much_left ? kWorthTrying : kWorthKeeping;
   return first.log_evidence > round.null_evidence + kNeededEvidence &&
-         excess(first.scored.square, evidence) < (1.0 - needed) * excess(now.square, evidence);
+         excess(square_of_both(first, evidence), evidence) <
+             (1.0 - needed) * excess(square_of_both(now, round, evidence), evidence);
 }
 
-double reduction(const ScoredModel& from, const ScoredModel& to, const Evidence& evidence) {
-  const double left = excess(from.square, evidence);
-  return left > 0.0 ? 1.0 - excess(to.square, evidence) / left : 0.0;
+// Of the excess square, by the round's winner.
+double reduction(const ScoredModel& from, const Round& round, const Evidence& evidence) {
+  const double left = excess(square_of_both(from, round, evidence), evidence);
+  return left > 0.0 ? 1.0 - excess(square_of_both(round.fits.front(), evidence), evidence) / left : 0.0;
 }
 
 // The remainder is noise, or too small for a further effect.
@@ -139,15 +142,20 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
     Round round = selection_step(models.back(), coarse, fine,
                                  {number, fmt::format("round {}", number), begun, over}, progress, stop);
     const bool much_left = excess(models.back().square, fine) > kMuchLeft * excess(out.start.square, fine);
-    const bool found = is_accepted(round, models.back(), much_left, fine);
+    bool found = is_accepted(round, models.back(), much_left, fine);
+    if (!found && effects == 0 && !is_exhausted(fine) && !stop.stop_requested()) {
+      progress(over, fmt::format("round {}: training and held-out runs exchanged", number));
+      found = judge_by_both(round, models.back(), fine) && is_accepted(round, models.back(), much_left, fine);
+      out.by_both = out.by_both || found;
+    }
     if (found) {
       refit_elsewhere(round.fits.front(), coarse, fine, [&] {
         progress(over, fmt::format("round {}: {} from other shapes and places", number,
                                    round.fits.front().candidate.name(out.start.drive())));
       });
       round.fits.front().chosen = true;
-      out.selected.push_back({round.fits.front().candidate,
-                              reduction(models.back(), round.fits.front().scored, fine), round.fits});
+      out.selected.push_back(
+          {round.fits.front().candidate, reduction(models.back(), round, fine), round.fits});
       models.push_back(round.fits.front().scored);
       if (out.selected.back().is_effect()) ++effects;
     }

@@ -3,10 +3,12 @@
 // Log evidence of a hypothesis = -N/2 ln(held-out mean square) - prior cost/2 - (free parameters) (ln(N)/2 +
 // 1), N the effective sample size: the Bayesian information criterion. Residuals of a wrong model are
 // correlated; with N = number of readings nearly every candidate would be accepted. A tenth of the noise is
-// tolerated, so that differences between integrators are not attributed to an effect.
+// tolerated, so that differences between integrators are not attributed to an effect. Where the held-out runs
+// show too little to decide, both halves do (exchange.hpp).
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -35,6 +37,7 @@ struct CandidateFit {
   double probability = 0.0;  // in its round, among all candidates and the unchanged model
   bool chosen = false;
   bool indistinguishable = false;  // predicts the same as the winner or a model nested with it
+  double exchanged_square = std::numeric_limits<double>::quiet_NaN();  // m^2: exchange.hpp; NaN: not needed
 };
 
 // A selected candidate, and the last comparison that it won, the other selected terms being in the model.
@@ -52,6 +55,7 @@ struct Selection {
   std::vector<CandidateFit> fits;  // of all rounds
   std::vector<SelectedTerm> selected;
   bool cut_short = false;                    // is_exhausted() left something out
+  bool by_both = false;                      // the held-out runs could not decide alone: exchange.hpp
   std::vector<std::string> objections = {};  // to naming what was selected: objections.hpp
 };
 

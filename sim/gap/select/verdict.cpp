@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/gap/residual/predict.hpp"
+
 namespace biopsy::sim::gap {
 namespace {
 
@@ -37,6 +39,11 @@ bool follows(double after, const Evidence& evidence) {
   return left < kWellBelowNoise * evidence.noise || left < kFollows * (evidence.x_high - evidence.x_low);
 }
 
+// Held-out runs may not reach where the model fails.
+bool follows_training(const ScoredModel& best, const Evidence& evidence) {
+  return follows(mean_square(residual(best.hypothesis.model, evidence, Part::Training)), evidence);
+}
+
 }  // namespace
 
 double gap_closed(double before, double after, double noise) {
@@ -65,13 +72,15 @@ double margin_over_next(const Selection& selection) {
 }
 
 GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence) {
-  if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence))
-    return GapVerdict::NoGap;
   const bool closed = well_explained(before.square, selection.best.square, evidence);
   if (std::none_of(selection.selected.begin(), selection.selected.end(),
-                   [](const SelectedTerm& term) { return term.is_effect(); }))
+                   [](const SelectedTerm& term) { return term.is_effect(); })) {
+    if (!follows_training(selection.best, evidence)) return GapVerdict::Unexplained;
+    if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence))
+      return GapVerdict::NoGap;
     return closed && follows(selection.best.square, evidence) ? GapVerdict::Parameter
                                                               : GapVerdict::Unexplained;
+  }
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
                           margin_over_next(selection) >= kClearMargin &&
                           !relies_on_calibration_error(selection.best.hypothesis);

@@ -160,6 +160,7 @@ void Score::add(const HiddenCase& hidden, const Answer& answer) {
                             }));
       break;
   }
+  wrong_name.count(effect && !std::ranges::all_of(names, [&](const auto& n) { return holds(expected, n); }));
   lines_.push_back(fmt::format(
       "{} {:11} {:40} expected {:34} found {}; rmse {:.4f} -> {:.4f} (noise {:.4f}) mm, closed {:.3f}{}",
       right ? "  " : "!!", hidden.group, hidden.name, expectation(hidden), found(answer), answer.rmse_before,
@@ -196,18 +197,22 @@ std::string score_table(const std::vector<std::pair<std::string, Score>>& method
       {"  at least one of them", [&](const Score& s) { return share(s.one_name); }},
       {"unexplained, outside the library (>= 80 %)", [&](const Score& s) { return share(s.unexplained); }},
       {"confident wrong name there (<= 10 %)", [&](const Score& s) { return share(s.confident_wrong); }},
+      {"an effect named that is not there, any case", [&](const Score& s) { return share(s.wrong_name); }},
       {"median gap closed (>= 0.95)",
        [](const Score& s) {
          return s.gap_closed.empty() ? "-" : fmt::format("{:.3f}", s.median_gap_closed());
        }},
       {"truth inside the 95 % interval (85-99 %)", [&](const Score& s) { return share(s.inside_interval); }},
       {"median time of a case [s]", [](const Score& s) { return fmt::format("{:.1f}", median(s.seconds)); }}};
-  std::string out = fmt::format("{:44}", "");
-  for (const auto& [name, score] : methods) out += fmt::format(" | {:>14}", name);
-  out += "\n";
+  std::string out = fmt::format("| {:44} |", ""), rule = fmt::format("|{:-<46}|", "");
+  for (const auto& [name, score] : methods) {
+    out += fmt::format(" {:>14} |", name);
+    rule += fmt::format("{:->15}:|", "");
+  }
+  out += "\n" + rule + "\n";
   for (const auto& [label, cell] : rows) {
-    out += fmt::format("{:44}", label);
-    for (const auto& [name, score] : methods) out += fmt::format(" | {:>14}", cell(score));
+    out += fmt::format("| {:44} |", label);
+    for (const auto& [name, score] : methods) out += fmt::format(" {:>14} |", cell(score));
     out += "\n";
   }
   return out;

@@ -46,7 +46,7 @@ class Score {
   // The figures of docs/how-to/find-missing-effects.md. Nothing hidden: any effect or `unexplained` is a
   // false alarm; without parameter errors `parameter` is one too.
   Share right_first, right_or_tied, invented, false_alarm, both_names, one_name, parameter_found, unexplained,
-      confident_wrong, inside_interval;
+      confident_wrong, wrong_name, inside_interval;
   std::vector<double> gap_closed, seconds;  // closed: something of the library was hidden
   std::vector<std::string>
       not_compared;  // true parameters the answer named otherwise: fix the table of cases
@@ -58,7 +58,7 @@ class Score {
   std::vector<std::string> lines_;
 };
 
-// Rows: figures with their bars; columns: the methods.
+// Rows: figures with their bars; columns: the methods. Markdown, as the documents have it.
 std::string score_table(const std::vector<std::pair<std::string, Score>>& methods);
 
 }  // namespace biopsy::hidden

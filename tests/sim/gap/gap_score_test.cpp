@@ -122,9 +122,11 @@ TEST(GapScore, PrintsOneTableForAllMethods) {
   for (const HiddenCase& hidden : hidden_cases()) good.add(hidden, right_answer(hidden));
   for (const HiddenCase& hidden : hidden_cases()) bad.add(hidden, effect_answer("no_such_effect", 0.9));
   const std::string table = score_table({{"biopsy gap", good}, {"BIC", bad}});
-  EXPECT_NE(table.find("biopsy gap |            BIC"), std::string::npos) << table;
+  EXPECT_NE(table.find("biopsy gap |            BIC |"), std::string::npos) << table;
   EXPECT_NE(table.find("false alarm, nothing hidden (<= 5 %)"), std::string::npos);
   EXPECT_NE(table.find("100 % of"), std::string::npos);
+  EXPECT_EQ(good.wrong_name.right, 0);
+  EXPECT_EQ(bad.wrong_name.percent(), 100.0);
 }
 
 }  // namespace

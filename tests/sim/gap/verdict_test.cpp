@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/plant/model_file.hpp"
+
 namespace biopsy::sim::gap {
 namespace {
 
@@ -54,6 +56,26 @@ TEST(Verdict, ANameThatLeavesHalfOfTheGapIsNoneHoweverFarAhead) {
 TEST(Verdict, BetterNumbersMustFollowTheMotionToHalfAPercent) {
   EXPECT_EQ(verdict_of_numbers(15e-6), GapVerdict::Parameter);
   EXPECT_EQ(verdict_of_numbers(40e-6), GapVerdict::Unexplained);  // closes 94 %
+}
+
+// The model rests at 0, and so may the held-out run.
+TEST(Verdict, WhatTheModelMissesInTrainingRunsIsNoMatterOfNumbersAndNoAbsenceOfAGap) {
+  for (const double apart : {20e-6, 100e-6}) {
+    Evidence evidence = evidence_of_five_millimetres();
+    EvidenceRun run{.name = "stands", .rows = {}, .windows = {}};
+    for (int i = 0; i < 50; ++i) run.rows.push_back({1e-3 * i, 1e-3, 0.0, 0.0, apart});
+    run.training_rows = run.rows.size();
+    evidence.runs.push_back(run);
+    ScoredModel follows = leaving(kNoiseHere);
+    follows.hypothesis.model =
+        parse_model("[baseline]\ndrive = \"force\"\nm = 1\nc_s = 5\nk = 200\n", "rig.toml");
+    const Selection selection{.start = follows, .best = follows, .fits = {}, .selected = {}};
+    const bool far = apart > 50e-6;
+    EXPECT_EQ(verdict(leaving(kNoiseHere), selection, evidence),
+              far ? GapVerdict::Unexplained : GapVerdict::NoGap);
+    EXPECT_EQ(verdict(leaving(kBefore), selection, evidence),
+              far ? GapVerdict::Unexplained : GapVerdict::Parameter);
+  }
 }
 
 }  // namespace

@@ -80,5 +80,35 @@ TEST(WrongNames, AStiffeningSpringOfAMechanismIsNoPuncture) {
   }
 }
 
+// Of a short recording the one run that is held out may hold next to nothing of what the others show.
+TEST(WrongNames, AStiffeningSpringThatTheHeldOutRunHardlyReachesIsNoWrongNumber) {
+  Dice dice(20260120);
+  int seen = 0;
+  for (std::uint64_t seed = 9301; seed < 9307; ++seed) {
+    const HiddenCase one = drawn("spring_hardening", dice.between(1.5e7, 4e7), seed);
+    if (1e3 * identifiable_rms(one) < one.noise_um) continue;
+    ++seen;
+    const GapFinding finding = answer(one);
+    EXPECT_NE(finding.verdict, GapVerdict::Parameter) << seed;
+    EXPECT_TRUE(names(finding, "spring_hardening") || finding.verdict == GapVerdict::Unexplained) << seed;
+  }
+  EXPECT_GE(seen, 3);
+}
+
+// Grease, say: the library's shaft friction could be fitted without its friction.
+TEST(WrongNames, DragThatGrowsWithDepthIsNoFrictionOfTheShaft) {
+  Dice dice(20260121);
+  for (std::uint64_t seed = 9401; seed < 9403; ++seed) {
+    HiddenCase one = drawn("shaft_friction", 0.0, seed);
+    one.terms.clear();
+    HiddenPhysics greased;
+    greased.shaft_viscous = dice.between(2e3, 8e3);
+    const GapFinding finding =
+        sim::gap::find_gap(make_hidden(one, greased), sim::parse_model(baseline_model(one), "model.toml"), {})
+            .finding;
+    EXPECT_FALSE(names(finding, "shaft_friction")) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::hidden
