@@ -19,7 +19,8 @@ struct FurtherTarget : HeldRun {
   }
   void end() {
     for (int i = 0; i < 2'000; ++i) says(Mode::Safe);
-    while (state().report.empty()) std::this_thread::yield();
+    console.session.wait_for_results();
+    EXPECT_FALSE(state().report.empty());
   }
   bool renew() { return console.send(commands::RenewChecks{1, console.session.planned().seal}); }
   std::uint64_t confirmed_twice() const { return console.sent.back()[1]; }

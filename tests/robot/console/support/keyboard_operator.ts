@@ -63,11 +63,7 @@ export class KeyboardOperator extends PageOperator {
     const seen = async () => {
       const [at, cross] = [(await large.locator(`[data-name=${mark}]`).boundingBox())!, (await large.locator('[data-name=cross]').boundingBox())!]
       const off = Number(await large.locator(`[data-name=${mark}]`).getAttribute('data-off-mm'))
-      const [x, y] = await large.locator('[data-name=cross]').evaluate((path: SVGPathElement) => {
-        const [, y, x] = /^M[-\d.]+,([-\d.]+).*M([-\d.]+),/.exec(path.getAttribute('d')!)!
-        const canvas = path.ownerSVGElement!.getBoundingClientRect()
-        return [canvas.x + Number(x), canvas.y + Number(y)] as const
-      })
+      const { x, y } = await this.crossAt()
       expect(cross.width).toBeGreaterThan(0)
       return { dx: at.x + at.width / 2 - x, dy: at.y + at.height / 2 - y, off }
     }

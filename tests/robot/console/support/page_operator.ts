@@ -85,7 +85,20 @@ export class PageOperator {
   async clickAt(mark: string): Promise<void> {
     ++this.acts
     const box = (await this.page.locator(`[data-tile^=large] [data-name=${mark}]`).boundingBox())!
-    await this.page.mouse.click(box.x + box.width / 2, box.y + box.height / 2)
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2]
+    await this.page.mouse.click(x, y)
+    await expect.poll(async () => {
+      const cross = await this.crossAt()
+      return Math.hypot(cross.x - x, cross.y - y)
+    }, kSlow).toBeLessThan(2)
+  }
+  // The middle of the crosshair in the large view, in pixels of the page.
+  crossAt(): Promise<{ x: number; y: number }> {
+    return this.page.locator('[data-tile^=large] [data-name=cross]').evaluate((path: SVGPathElement) => {
+      const [, y, x] = /^M[-\d.]+,([-\d.]+).*M([-\d.]+),/.exec(path.getAttribute('d')!)!
+      const canvas = path.ownerSVGElement!.getBoundingClientRect()
+      return { x: canvas.x + Number(x), y: canvas.y + Number(y) }
+    })
   }
   // Clicks this share of the way from entry to target.
   async pointAlongPath(share: number): Promise<void> {
