@@ -11,10 +11,10 @@ namespace biopsy::imaging {
 namespace {
 
 constexpr double kThin_mm = 0.6;      // finer voxels are thinned for the search: a void is wider
-constexpr double kModelError = 0.05;  // of a voxel's signal: interpolation and contrast never match better
+constexpr double kModelError = 0.05;  // of a voxel's signal: contrast never matches better
 
 // Of one stack's voxels, from `first` on. Noise from the flatter half of the tissue beside the needle, the
-// registration error from the steep quarter.
+// registration error from the steep quarter; the error of interpolation is known of each voxel.
 void learn_noise(const std::vector<float>& steepness, const std::vector<float>& interpolation,
                  double needle_mm, std::size_t first, Corridor& corridor) {
   if (steepness.empty()) return;

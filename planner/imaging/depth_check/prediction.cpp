@@ -71,7 +71,8 @@ Prediction predicted(const Volume& before, const Volume& after, const TissueMoti
         result.value.voxels[n] = std::numeric_limits<float>::quiet_NaN();
         if (!reach.covers(grid.X_SI * centre)) continue;
         const Point p_before = motion.before(grid.X_SI * centre);
-        if (well_inside(before.grid, X_IS * p_before)) sampler.at(p_before, value, gradient);
+        const Eigen::Vector3d index = X_IS * p_before;
+        if (well_inside(before.grid, index)) sampler.at(p_before, value, gradient);
         if (places.size() > 1 && std::isfinite(value)) {
           double sum = 0.0;
           int count = 0;
@@ -83,7 +84,7 @@ Prediction predicted(const Volume& before, const Volume& after, const TissueMoti
         }
         result.value.voxels[n] = static_cast<float>(value);
         result.steepness.voxels[n] = static_cast<float>(gradient.norm());
-        result.interpolation.voxels[n] = interpolation_error(before, X_IS * p_before);
+        result.interpolation.voxels[n] = interpolation_error(before, index);
       }
   const BrightnessMap map = learn_brightness(after, result.value, needle);
   const Sampler slope(map.slope), offset(map.offset);
