@@ -94,10 +94,13 @@ void watch_brake(DepthMonitor& monitor, bool locked) {
   if (monitor.slip_ticks < kSlip_ticks)
     monitor.slip_ticks = debounced(monitor.slip_ticks, slips, kSlip_ticks);
   monitor.locked_ticks = debounced(monitor.locked_ticks, locked, limits::kLockedMax_ms);
+  monitor.settling_ticks = locked ? kSettling_ticks : std::max(monitor.settling_ticks - 1, 0);
 }
 
-// Pull that rises and rises while the needle seems to stand still moves a needle that is not seen.
-HazardSet check_work(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, std::int32_t drive_mV) {
+// Pull that rises and rises while the needle seems to stand still moves a needle that is not seen, unless the
+// brake holds it: it is lifted past what carried it before it is let go.
+HazardSet check_work(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, std::int32_t drive_mV,
+                     bool locked) {
   const bool lifted = mode == Mode::Active || mode == Mode::Hold;
   const std::int32_t mean_um = monitor.history.mean_um();
   const std::int64_t pull_V2 = squared_volts(drive_mV);
@@ -106,18 +109,21 @@ HazardSet check_work(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, st
     monitor.advanced_um = mean_um;
     monitor.pull_V2 = std::max(monitor.rest_pull_V2, pull_V2);
   }
-  const bool idle = lifted && is_for_patient(plan) && pull_V2 > monitor.pull_V2 + kIdlePull_V2;
+  const bool idle = lifted && !locked && is_for_patient(plan) && pull_V2 > monitor.pull_V2 + kIdlePull_V2;
   monitor.idle_ticks = debounced(monitor.idle_ticks, idle, kIdle_ticks);
   return when(monitor.idle_ticks >= kIdle_ticks, Hazard::SensorFrozen);
 }
 
 // A needle goes back when the drive was lowered. One that seems to go back without is the laser's zero
-// walking off, which the loop would follow into the tissue. (On the bench DC decays, and is measured.)
-HazardSet check_return(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, std::int32_t drive_mV) {
+// walking off, which the loop would follow into the tissue. (On the bench DC decays, and is measured.) One
+// that the brake has just let go of settles where the stack carries it now.
+HazardSet check_return(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, std::int32_t drive_mV,
+                       bool locked) {
   const bool lifted = mode == Mode::Active || mode == Mode::Hold;
   const bool lowered = drive_mV < monitor.window.highest_mV() - kLowered_mV;
+  const bool settling = !locked && monitor.settling_ticks > 0;
   const std::int32_t surely_um = monitor.history.surely_um();
-  monitor.deepest_um = !lifted || lowered ? surely_um : std::max(monitor.deepest_um, surely_um);
+  monitor.deepest_um = !lifted || lowered || settling ? surely_um : std::max(monitor.deepest_um, surely_um);
   const bool sunk = is_for_patient(plan) && monitor.deepest_um - monitor.history.latest_um() > kSunk_um;
   monitor.sunk_ticks = debounced(monitor.sunk_ticks, sunk, kSunk_ticks);
   return when(monitor.sunk_ticks >= kSunk_ticks, Hazard::OffsetOrScale);
@@ -137,10 +143,10 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorI
       debounced(monitor.not_back_ticks, zero_volts && !monitor.needle_home && !locked, kNotBack_ticks);
   monitor.found = check_depth(plan, monitor, seen.permit, depth_um);
   monitor.found |= check_motion(monitor, seen.permit.mode);
-  monitor.found |= check_return(plan, monitor, seen.permit.mode, magnitude(m.command_mV));
+  monitor.found |= check_return(plan, monitor, seen.permit.mode, magnitude(m.command_mV), locked);
   monitor.found |= check_code(monitor, m);
   monitor.found |= check_plausibility(plan, monitor, depth_um, locked);
-  monitor.found |= check_work(plan, monitor, seen.permit.mode, m.command_mV);
+  monitor.found |= check_work(plan, monitor, seen.permit.mode, m.command_mV, locked);
   monitor.found |= when(monitor.not_back_ticks >= kNotBack_ticks, Hazard::NeedleNotBack);
 }
 

@@ -60,6 +60,7 @@ struct DepthMonitor {
   std::int64_t pull_V2 = 0, rest_pull_V2 = 0;    // |V|^2 there; without any motion
   std::int32_t locked_um = 0, locked_ticks = 0;  // where and for how long the brake has held the needle
   std::int32_t slip_ticks = 0;
+  std::int32_t settling_ticks = 0;  // left since the brake let go of the needle
   std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;
 };
 

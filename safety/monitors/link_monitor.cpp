@@ -67,6 +67,11 @@ bool is_right_answer(const LinkMonitor& monitor, const SupervisorInputs& seen) {
          answer_to(challenge, m.command_mV, monitor.permit_mode[m.answered_seq % 8], m.answered_seq);
 }
 
+// A stage that no permit reached in time took the voltage off by itself: that is no disobedience.
+bool is_permit_expired(const SupervisorInputs& seen) {
+  return hv_permitted(seen.permit.mode) && seen.measurement.verdict == GateVerdict::Expired;
+}
+
 HazardSet check_answer(LinkMonitor& monitor, const SupervisorInputs& seen, bool fresh) {
   if (seen.permit.seq == 0) return bit(Hazard::WrongAnswer);
   monitor.permit_mode[seen.permit.seq % 8] = seen.permit.mode;
@@ -76,7 +81,7 @@ HazardSet check_answer(LinkMonitor& monitor, const SupervisorInputs& seen, bool 
   if (fresh ? !right : late) monitor.answer_score = error_counter(monitor.answer_score, false);
   if (fresh && right && newer) monitor.answer_score = error_counter(monitor.answer_score, true);
   if (fresh && right) monitor.answered_seq = seen.measurement.answered_seq;
-  return when(monitor.answer_score > kScoreTrip, Hazard::WrongAnswer);
+  return when(monitor.answer_score > kScoreTrip || is_permit_expired(seen), Hazard::WrongAnswer);
 }
 
 // A controller answers measurements: its silence counts only where there was one to answer.

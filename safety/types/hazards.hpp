@@ -90,7 +90,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::DriverDisobeys, StopCategory::C0Off, 4, "H-04 driver does not follow the permit", "R-09",
      Monitor::Voltage, "more than 200 V above the permit, 3 ticks"},
     {Hazard::WrongAnswer, StopCategory::C0Off, 7, "H-17 driver answers the challenge wrongly or not at all",
-     "R-10", Monitor::Link, "score: wrong +2, right -1, above 2"},
+     "R-10", Monitor::Link, "score: wrong +2, right -1, above 2; or a permit expired at the driver"},
     {Hazard::SecondWriter, StopCategory::C0Off, 1, "H-18 not exactly one writer of requests and permits",
      "R-11", Monitor::Link, "writers not 1"},
     // A controller that died is a drive without a loop: the gate would only hold its last amplitude.
@@ -114,8 +114,8 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "none for more than 3 ms"},
     {Hazard::SensorFrozen, StopCategory::C1Ramp, 20, "H-09 depth sensor frozen while the voltage moves",
      "R-19", Monitor::Depth,
-     "same code for 20 ms while the drive moves by more than 200 V, or V squared 24 kV^2 above its "
-     "value at the deepest depth seen"},
+     "same code for 20 ms while the drive moves by more than 200 V, or, the brake off, V squared 24 kV^2 "
+     "above its value at the deepest depth seen"},
     {Hazard::LaserDropout, StopCategory::C1Ramp, 3, "H-11 depth sensor has no target", "R-20", Monitor::Depth,
      "3 samples, or more than a third of them, of either laser without a target (the second only with a "
      "patient)"},
@@ -124,7 +124,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "with a patient, the two lasers more than 0.3 mm apart for 10 ms, or in more than a fifth of the "
      "samples; "
      "more than 1 mm outside the plausible band for 50 ms; with a patient, back by more than 0.6 mm for 20 "
-     "ms without the drive being lowered"},
+     "ms without the drive being lowered or the brake having let go 250 ms before"},
     {Hazard::PolarityStuck, StopCategory::C1Ramp, 1500, "H-12 polarity is unbalanced: charge builds up",
      "R-22", Monitor::Voltage, "charge of the square wave unbalanced over about four periods"},
     {Hazard::WrongFrequency, StopCategory::C1Ramp, 1300, "H-13 polarity changes at the wrong rate", "R-23",

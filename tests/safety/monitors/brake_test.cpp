@@ -44,6 +44,32 @@ TEST(BrakeMonitor, ALockedNeedleIsNoWrongSensorAtZeroVolts) {
   EXPECT_NE(bench.stay(500, 2'030).found & bit(Hazard::NeedleNotBack), 0U) << "a brake that does not let go";
 }
 
+// What drawn stages of the calibration did after a scan of a minute: 2.7 to 2.1 mm within 100 ms.
+TEST(BrakeMonitor, ANeedleThatWasLetGoMaySettleForAQuarterOfASecond) {
+  verifies("R-21");
+  for (const auto& [after, is_named] : {std::pair{1, false}, {248, false}, {249, true}, {600, true}}) {
+    LockedBench bench;
+    bench.lock();
+    bench.stay(1'000, 2'700);
+    bench.seen.measurement.brake_on = bench.seen.permit.brake = false;
+    bench.stay(after, 2'700);
+    EXPECT_EQ((bench.stay(20, 2'050).found & bit(Hazard::OffsetOrScale)) != 0, is_named) << after;
+    bench.stay(600, 2'700);
+    EXPECT_NE(bench.stay(20, 2'050).found & bit(Hazard::OffsetOrScale), 0U) << "settled";
+  }
+}
+
+TEST(BrakeMonitor, ALockedNeedleStandsStillWhateverThePull) {
+  verifies("R-19");
+  LockedBench bench;
+  bench.lock();
+  bench.seen.measurement.command_mV = 7'900'000;  // 4 kV brought it here
+  EXPECT_EQ(bench.stay(1'000, 2'000).found & bit(Hazard::SensorFrozen), 0U);
+  bench.seen.measurement.brake_on = bench.seen.permit.brake = false;
+  EXPECT_EQ(bench.stay(19, 2'000).found & bit(Hazard::SensorFrozen), 0U);
+  EXPECT_NE(bench.stay(1, 2'000).found & bit(Hazard::SensorFrozen), 0U) << "let go, it does not follow";
+}
+
 TEST(BrakeMonitor, ANeedleThatSlipsByMoreThanATenthOfAMillimetreIsNotStillAnyMore) {
   verifies("R-54");
   for (const std::int32_t sign : {1, -1}) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "safety/challenge.hpp"
+#include "safety/types/limits.hpp"
 #include "tests/safety/rig.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -109,6 +110,20 @@ TEST(SafetyLoop, ChallengeLostPermitsAreForgivenAslongAsTheAnswersAreRight) {
   rig.on_permit = [n = 0](Permit&) mutable { return ++n % 4 == 0; };  // three of four lost on the way
   rig.run(500);
   EXPECT_EQ(rig.state.mode, Mode::Active) << name_of(rig.state.reason);
+}
+
+// However long: the stage took the voltage off by itself, and did not disobey.
+TEST(SafetyLoop, ChallengeAPermitThatExpiredOnTheWayIsADriverThatDoesNotAnswer) {
+  verifies("R-09", "R-10");
+  for (int lost = 1; lost <= 12; ++lost) {
+    Rig rig;
+    ASSERT_TRUE(rig.go_active());
+    rig.on_permit = [n = 0, lost](Permit&) mutable { return ++n > lost; };
+    rig.run(30);
+    const bool expired = lost >= limits::kPermitTtl_us / 1'000;
+    EXPECT_EQ(rig.state.mode, expired ? Mode::Trip : Mode::Active) << lost;
+    EXPECT_EQ(rig.state.reason, expired ? Hazard::WrongAnswer : Hazard::None) << lost;
+  }
 }
 
 TEST(SafetyLoop, ChallengeADriverThatKeepsGivingAnOldAnswerIsFoundOut) {
