@@ -51,7 +51,7 @@ double ranged(const toml::node& node, std::string_view name, double low, double 
     table.refuse(name, "is not a finite number", fmt::format("write a finite number{}{}", space, unit));
   if (*value < low || *value > high)
     table.refuse(name, fmt::format("= {}{}{} is outside [{}, {}]", *value, space, unit, low, high),
-                 "check the unit: it stands in the name or beside it in docs/reference/model-files.md");
+                 unit.empty() ? "give a number within it" : fmt::format("give a number within it, in {}", unit));
   return *value;
 }
 
