@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "robot/common/in_parallel.hpp"
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/told_apart.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -23,6 +26,7 @@ constexpr double kWorthFitting = 0.1;       // of the best score
 constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
+constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
                 const Evidence& evidence) {
@@ -130,7 +134,7 @@ void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, cons
   while (count > 1 && fits[count - 1].scored.square > kFarWorse * fits[0].scored.square) --count;
   in_parallel(count, [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
-    fit(better, fine, kFullIterations);
+    fit_closely(better, fine, kFullIterations);
     set_fit(fits[i], std::move(better), fine);
   });
   // The others were fitted on coarse rows: score them on the same rows.
@@ -175,6 +179,44 @@ void mark_indistinguishable(Round& round, const ScoredModel& now) {
   }
 }
 
+void sort_by_evidence(Round& round) {
+  std::stable_sort(round.fits.begin(), round.fits.end(), [](const CandidateFit& a, const CandidateFit& b) {
+    return a.fitted != b.fitted ? a.fitted : a.fitted && a.log_evidence > b.log_evidence;
+  });
+}
+
+// What the evidence leaves open against the first is decided by the differences between their errors.
+void prefer_told_apart(Round& round, const Evidence& evidence) {
+  if (round.fits.empty() || !round.fits.front().fitted) return;
+  const CandidateFit first = round.fits.front();
+  for (CandidateFit& t : round.fits) {
+    const bool open = t.fitted && t.log_evidence > first.log_evidence - kOpen;
+    const double before = std::exchange(t.paired, open ? paired_evidence(t.scored, first.scored, evidence) : 0.0);
+    t.log_evidence += t.paired - before;
+  }
+}
+
+bool slides_at_less(const ScoredModel& scored) {
+  const auto& friction = scored.hypothesis.model.effects.stribeck_friction;
+  return friction && friction->sliding < friction->breakaway;
+}
+
+// Stribeck friction contains Coulomb's, so it never fits worse: it must be better beyond doubt, with a
+// breakaway that is the larger force, or Coulomb friction is the name.
+void keep_simpler(Round& round, const Evidence& evidence) {
+  const auto find = [&](std::string_view name) {
+    return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
+      return t.fitted && t.candidate.effect != kBaseline && library_effect(t.candidate.effect).info.name == name;
+    });
+  };
+  const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
+  if (simple == round.fits.end() || rich == round.fits.end()) return;
+  const bool better =
+      rich->log_evidence > simple->log_evidence + kOpen ||
+      (slides_at_less(rich->scored) && paired_evidence(rich->scored, simple->scored, evidence) > 0.0);
+  if (!better) rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
+}
+
 std::string names(const std::vector<Score>& scores, std::size_t count, Drive drive) {
   std::string out;
   for (std::size_t i = 0; i < count; ++i) out += (i ? ", " : "") + scores[i].candidate.name(drive);
@@ -215,10 +257,11 @@ double log_evidence(const ScoredModel& scored, const Evidence& evidence) {
          free * (0.5 * std::log(effective_sample_size) + kComplexityPenalty);
 }
 
-void rank(Round& round, const ScoredModel& now) {
-  std::stable_sort(round.fits.begin(), round.fits.end(), [](const CandidateFit& a, const CandidateFit& b) {
-    return a.fitted != b.fitted ? a.fitted : a.fitted && a.log_evidence > b.log_evidence;
-  });
+void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
+  sort_by_evidence(round);
+  prefer_told_apart(round, evidence);
+  keep_simpler(round, evidence);
+  sort_by_evidence(round);
   normalise_probabilities(round);
   mark_indistinguishable(round, now);
 }
@@ -250,7 +293,7 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   round.null_evidence = log_evidence(now, fine);
   for (CandidateFit& t : round.fits)
     if (t.fitted) t.log_evidence = log_evidence(t.scored, fine);
-  rank(round, now);
+  rank(round, now, fine);
   return round;
 }
 

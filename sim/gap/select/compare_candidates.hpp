@@ -13,8 +13,9 @@ struct Round {
   double exchanged_null_square = std::numeric_limits<double>::quiet_NaN();  // m^2, of it: exchange.hpp
 };
 
-// The fits by their log evidence, with probabilities and what cannot be told apart.
-void rank(Round& round, const ScoredModel& now);
+// The fits by their log evidence, with probabilities and what cannot be told apart. `evidence`: what they are
+// scored on.
+void rank(Round& round, const ScoredModel& now, const Evidence& evidence);
 
 double log_evidence(const ScoredModel& scored, const Evidence& evidence);
 

@@ -102,7 +102,7 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
 
 // Trained on the held-out runs, tested on the others.
 void add_instability(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
-  if (evidence.runs.size() < 2) return;  // the last third of one run cannot be simulated alone
+  if (!can_exchange(evidence)) return;
   const Evidence other = exchanged(evidence);
   Hypothesis hypothesis = selection.best.hypothesis;
   fit(hypothesis, other, kExchangedIterations);

@@ -8,6 +8,7 @@
 
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/fit/restart.hpp"
+#include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
 
@@ -21,6 +22,7 @@ constexpr double kWorthKeeping = 0.5;     // but the last one must explain most 
 constexpr double kMuchLeft = 0.05;        // of the first excess square
 constexpr double kOnlyNoise = 0.25;       // an excess below this share of the noise changes no RMSE by 4 %
 constexpr double kBelowNoise = 1.0;       // remainder, in noises, that does not justify a second effect
+constexpr double kImprecision = 0.0025;   // nor a share of the first excess square: an effect's form is its own
 constexpr double kAsGood = 1.05;          // ratio of mean squares within which the evidence decides
 constexpr double kFarBehind = 9.0;        // ratio of mean squares: a third of the winner's precision
 constexpr std::uint64_t kMostWork = 250'000'000;  // steps: most of a minute of a processor
@@ -43,21 +45,33 @@ double reduction(const ScoredModel& from, const Round& round, const Evidence& ev
   return left > 0.0 ? 1.0 - excess(square_of_both(round.fits.front(), evidence), evidence) / left : 0.0;
 }
 
-// The remainder is noise, or too small for a further effect.
+bool leaves_noise(const ScoredModel& now, const Evidence& evidence) {
+  return std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise;
+}
+
+// The remainder is small against what was explained: that the effects are not quite of the library's form
+// would be taken for a further one.
+bool is_imprecision(const ScoredModel& now, const ScoredModel& start, const Evidence& evidence) {
+  return excess(now.square, evidence) < kImprecision * excess(start.square, evidence);
+}
+
+// The remainder is noise. Before anything is named in the training runs
+// too: the held-out ones may not show what is missing.
 bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
-  if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
-  return is_only_noise(now.square, evidence);
+  if (named) return leaves_noise(now, evidence);
+  return is_only_noise(now.square, evidence) &&
+         is_only_noise(mean_square(residual(now.hypothesis.model, evidence, Part::Training)), evidence);
 }
 
 // The winner of a round that leaves much: fitted again from other shapes and places, before what a poor fit
 // leaves is taken for a second effect.
 void refit_elsewhere(CandidateFit& first, const Evidence& coarse, const Evidence& fine,
                      const std::function<void()>& say) {
-  if (first.candidate.effect == kBaseline || is_closed(first.scored, true, fine) || is_exhausted(fine))
+  if (first.candidate.effect == kBaseline || leaves_noise(first.scored, fine) || is_exhausted(fine))
     return;
   say();
   Hypothesis other = restarted(first.scored.hypothesis, first.candidate.effect, coarse);
-  fit(other, fine, kRefitIterations);
+  fit_closely(other, fine, kRefitIterations);
   ScoredModel scored = score_model(std::move(other), fine);
   if (scored.square < first.scored.square) first.scored = std::move(scored);
 }
@@ -67,7 +81,7 @@ ScoredModel without(const ScoredModel& best, const Candidate& candidate, const E
   Hypothesis reduced = best.hypothesis;
   std::erase_if(reduced.unknowns, [&](const Unknown& u) { return u.effect == candidate.effect; });
   library_effect(candidate.effect).remove(reduced.model);
-  fit(reduced, fine, kRefitIterations);
+  fit_closely(reduced, fine, kRefitIterations);
   return score_model(std::move(reduced), fine);
 }
 
@@ -110,6 +124,20 @@ void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine
   }
 }
 
+// A second effect may only have made up for a poor fit of the first, and is not needed once that is better.
+// The effects come in the order of what they explained: the last is tried first.
+void drop_unneeded(Selection& out, const Evidence& fine) {
+  for (std::size_t i = out.selected.size(); i-- > 0;) {
+    const auto effects = std::ranges::count_if(out.selected, &SelectedTerm::is_effect);
+    if (effects < 2 || !out.selected[i].is_effect()) continue;
+    ScoredModel less = without(out.best, out.selected[i].candidate, fine);
+    const double left = excess(out.best.square, fine), more = excess(less.square, fine);
+    if (!leaves_noise(less, fine) && !is_imprecision(less, out.start, fine) && left < (1.0 - kWorthKeeping) * more) continue;
+    out.best = std::move(less);
+    out.selected.erase(out.selected.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
 }  // namespace
 
 double excess(double square, const Evidence& evidence) {
@@ -130,7 +158,8 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   std::vector<ScoredModel> models{out.start};
   std::size_t effects = 0;
   while (out.selected.size() < kMostRounds && effects < most_effects &&
-         !is_closed(models.back(), effects > 0, fine) && !stop.stop_requested()) {
+         !is_closed(models.back(), effects > 0, fine) &&
+         !(effects > 0 && is_imprecision(models.back(), out.start, fine)) && !stop.stop_requested()) {
     if (is_exhausted(fine)) {
       out.cut_short = true;
       break;
@@ -166,9 +195,12 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
     out.selected.pop_back();
     models.pop_back();
   }
-  for (CandidateFit& fit : out.fits)
-    if (static_cast<std::size_t>(fit.round) > out.selected.size()) fit.chosen = false;
   out.best = models.back();
+  if (!stop.stop_requested() && !is_exhausted(fine)) drop_unneeded(out, fine);
+  for (CandidateFit& fit : out.fits)
+    fit.chosen = fit.chosen && std::ranges::any_of(out.selected, [&](const SelectedTerm& term) {
+                   return term.candidate == fit.candidate;
+                 });
   if (!stop.stop_requested()) reselect_terms(out, coarse, fine, progress, stop);
   return out;
 }
