@@ -9,6 +9,7 @@
 
 #include "robot/common/in_parallel.hpp"
 #include "sim/gap/fit/fit.hpp"
+#include "sim/gap/fit/probes.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/told_apart.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4;
 constexpr int kQuickIterations = 5, kFullIterations = 15;
-constexpr std::size_t kMostStarts = 3;
+constexpr std::size_t kMostStarts = 3, kMostRoughStarts = 8;  // of a cost with many minima
 constexpr int kAttempts = 3;  // for one start, each with strengths times kWeaker
 constexpr double kWeaker = 0.2;
 constexpr double kAsPromising = 0.5;        // share of the first probe's score that justifies a further start
@@ -47,10 +48,12 @@ std::vector<Probe> different_starts(const Score& score) {
       if (parameters[i].role != Role::Strength && a.start[i] != b.start[i]) return false;
     return true;
   };
+  const bool rough = score.candidate.effect != kBaseline && gives_way(library_effect(score.candidate.effect));
+  const std::size_t most = rough ? kMostRoughStarts : kMostStarts;
   for (const Probe& probe : score.probes) {
     const bool known =
         std::any_of(out.begin(), out.end(), [&](const Probe& p) { return same_shape(p, probe); });
-    if (out.empty() || (!known && out.size() < kMostStarts && probe.share > kAsPromising * score.share()))
+    if (out.empty() || (!known && out.size() < most && probe.share > kAsPromising * score.share()))
       out.push_back(probe);
     if (score.candidate.effect == kBaseline) break;
   }
@@ -105,7 +108,7 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
   std::vector<Attempt> attempts;
   const double square_now = mean_square(residual(current.model, evidence, Part::Training));
   // The best start of each first: the others are left out where simulating has cost too much by then.
-  for (std::size_t nth = 0; nth < kMostStarts && (nth == 0 || !is_exhausted(evidence)); ++nth) {
+  for (std::size_t nth = 0; nth < kMostRoughStarts && (nth == 0 || !is_exhausted(evidence)); ++nth) {
     const std::size_t begun = attempts.size();
     for (std::size_t i = 0; i < count; ++i)
       if (const auto starts = different_starts(scores[i]); nth < starts.size())

@@ -11,6 +11,7 @@
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
+#include "sim/gap/select/told_apart.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -34,7 +35,9 @@ bool is_accepted(const Round& round, const ScoredModel& now, bool much_left, con
   if (round.fits.empty() || !round.fits.front().fitted) return false;
   const CandidateFit& first = round.fits.front();
   const double needed = much_left ? kWorthTrying : kWorthKeeping;
-  return first.log_evidence > round.null_evidence + kNeededEvidence &&
+  const bool paired = excess(now.square, evidence) > std::pow(kBelowNoise * evidence.noise, 2) &&
+                      paired_evidence(first.scored, now, evidence) > kNeededEvidence;
+  return (first.log_evidence > round.null_evidence + kNeededEvidence || paired) &&
          excess(square_of_both(first, evidence), evidence) <
              (1.0 - needed) * excess(square_of_both(now, round, evidence), evidence);
 }
