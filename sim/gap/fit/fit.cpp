@@ -24,7 +24,7 @@ constexpr double kWidestRange = 1e6;  // of theta
 constexpr int kLineSearchSteps = 4;   // then the trust region shrinks instead
 constexpr int kMostFits = 3;
 constexpr double kMuchLess = 0.7;  // mean square, that changes the weight of the readings
-constexpr int kRefresh = 4;  // iterations between updates of the calibration's columns, which hardly change
+constexpr int kRefresh = 6;  // iterations between updates of the calibration's columns, which hardly change
 
 double difference_step(const Unknown& u) {
   double h = 2e-3;  // logarithms: 0.2 % of the value

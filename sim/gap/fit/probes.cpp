@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kPeaks = 3;
 constexpr double kLowestFrequency = 0.05, kHighestFrequency = 15.0;  // Hz: breathing to pumps
 constexpr double kSpectrumRate = 60.0;                               // Hz, residual thinned to
-constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85};                  // of the range that was measured
+constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85, 0.96};  // of the range that was measured; a stop ends it
 // Where a surface gives way once, the cost has a minimum for each rise that may be the one.
 constexpr std::array kFinePlaces{0.04, 0.12, 0.2, 0.28, 0.36, 0.44, 0.52, 0.6, 0.7, 0.85};
 constexpr std::array kFineFactors{1.0, 0.5, 2.0};

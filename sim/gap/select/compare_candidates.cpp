@@ -16,12 +16,14 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4;
+constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4, kCloseFits = 2;
 constexpr int kQuickIterations = 5, kFullIterations = 15;
 constexpr std::size_t kMostStarts = 3, kMostRoughStarts = 8;  // of a cost with many minima
 constexpr int kAttempts = 3;  // for one start, each with strengths times kWeaker
 constexpr double kWeaker = 0.2;
 constexpr double kAsPromising = 0.5;        // share of the first probe's score that justifies a further start
+constexpr double kWorthAnother = 0.4;       // and of the best candidate's
+constexpr double kLeads = 0.8;              // of the best candidate's, for more starts of a rough cost
 constexpr double kFarWorse = 4.0;           // mean square over the best one's after the quick fits
 constexpr double kWorthFitting = 0.1;       // of the best score
 constexpr double kTolerance = 0.1;          // of the noise
@@ -40,7 +42,8 @@ Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Pro
 }
 
 // The best probe of each shape: a fit finds the strengths from anywhere, but may converge to a wrong shape.
-std::vector<Probe> different_starts(const Score& score) {
+// `promised`: by the best candidate's best probe.
+std::vector<Probe> different_starts(const Score& score, double promised) {
   std::vector<Probe> out;
   const auto same_shape = [&](const Probe& a, const Probe& b) {
     const auto& parameters = library_effect(score.candidate.effect).parameters;
@@ -48,12 +51,14 @@ std::vector<Probe> different_starts(const Score& score) {
       if (parameters[i].role != Role::Strength && a.start[i] != b.start[i]) return false;
     return true;
   };
-  const bool rough = score.candidate.effect != kBaseline && gives_way(library_effect(score.candidate.effect));
+  const bool rough = score.candidate.effect != kBaseline &&
+                     gives_way(library_effect(score.candidate.effect)) && score.share() > kLeads * promised;
   const std::size_t most = rough ? kMostRoughStarts : kMostStarts;
   for (const Probe& probe : score.probes) {
     const bool known =
         std::any_of(out.begin(), out.end(), [&](const Probe& p) { return same_shape(p, probe); });
-    if (out.empty() || (!known && out.size() < most && probe.share > kAsPromising * score.share()))
+    const bool promising = probe.share > std::max(kAsPromising * score.share(), kWorthAnother * promised);
+    if (out.empty() || (!known && out.size() < most && promising))
       out.push_back(probe);
     if (score.candidate.effect == kBaseline) break;
   }
@@ -107,11 +112,16 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
                  const Hypothesis& current, const Evidence& evidence, const std::stop_token& stop) {
   std::vector<Attempt> attempts;
   const double square_now = mean_square(residual(current.model, evidence, Part::Training));
-  // The best start of each first: the others are left out where simulating has cost too much by then.
-  for (std::size_t nth = 0; nth < kMostRoughStarts && (nth == 0 || !is_exhausted(evidence)); ++nth) {
+  // The best start of each first.
+  const auto enough = [&] {  // one has closed the gap, or simulating has cost too much
+    return is_exhausted(evidence) || std::ranges::any_of(attempts, [&](const Attempt& attempt) {
+             return is_only_noise(attempt.square, evidence);
+           });
+  };
+  for (std::size_t nth = 0; nth < kMostRoughStarts && (nth == 0 || !enough()); ++nth) {
     const std::size_t begun = attempts.size();
     for (std::size_t i = 0; i < count; ++i)
-      if (const auto starts = different_starts(scores[i]); nth < starts.size())
+      if (const auto starts = different_starts(scores[i], scores.front().share()); nth < starts.size())
         attempts.push_back({.candidate = i, .start = starts[nth], .reached = {}});
     in_parallel(attempts.size() - begun, [&](std::size_t i) {
       Attempt& attempt = attempts[begun + i];
@@ -136,6 +146,12 @@ void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, cons
   std::size_t count = std::min(kFullFits, promising);
   while (count > 1 && fits[count - 1].scored.square > kFarWorse * fits[0].scored.square) --count;
   in_parallel(count, [&](std::size_t i) {
+    Hypothesis better = fits[i].scored.hypothesis;
+    fit(better, fine, kFullIterations);
+    set_fit(fits[i], std::move(better), fine);
+  });
+  std::stable_sort(fits.begin(), fits.begin() + static_cast<std::ptrdiff_t>(count), by_square);
+  in_parallel(std::min(kCloseFits, count), [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
     fit_closely(better, fine, kFullIterations);
     set_fit(fits[i], std::move(better), fine);
@@ -270,8 +286,11 @@ void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
 }
 
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
-                     const RoundName& name, const Progress& progress, const std::stop_token& stop) {
-  const std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
+                     const RoundName& name, const Progress& progress, const std::stop_token& stop,
+                     const std::vector<Candidate>& among) {
+  std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
+  if (!among.empty())
+    std::erase_if(open, [&](const Candidate& one) { return std::ranges::find(among, one) == among.end(); });
   progress(name.share, fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};
@@ -290,6 +309,7 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   if (stop.stop_requested()) return {};
   const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.fits.begin(), end, by_square);
+  progress(0.4 * name.share + 0.6 * name.share_after, fmt::format("{}: fitting the best fully", name.title));
   fit_best_fully(round.fits, promising, fine);
   std::stable_sort(round.fits.begin(), end, by_square);
   if (promising == 0) return round;

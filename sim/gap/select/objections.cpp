@@ -77,10 +77,13 @@ double strength_std(const Hypothesis& hypothesis, int effect) {
 }
 
 // A fit may use an effect for something else than its name says: a drag that grows with the root of the speed
-// is friction that grows from breakaway to sliding; thick grease at one end is a shaft that tissue holds
+// is friction that grows from breakaway to sliding; a stop is tissue that does not relax; thick grease at one end is a shaft that tissue holds
 // without rubbing on it.
-void add_contradictions(std::vector<std::string>& out, const Selection& selection) {
+void add_contradictions(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   const Hypothesis& best = selection.best.hypothesis;
+  double longest = 0.0;
+  for (const EvidenceRun& run : evidence.runs)
+    longest = std::max(longest, run.rows.back().time + run.rows.back().span);
   for (const SelectedTerm& term : selection.selected) {
     if (is(term, StribeckFriction::info.name)) {
       const StribeckFriction& friction = *best.model.effects.stribeck_friction;
@@ -90,6 +93,10 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
                         "its name",
                         friction.breakaway, friction.sliding));
     }
+    if (is(term, TissueRelaxation::info.name) && best.model.effects.tissue_relaxation->time > longest)
+      out.push_back(fmt::format(
+          "its force would relax in {:.2g} s, longer than any run: an elastic stop without relaxation",
+          best.model.effects.tissue_relaxation->time));
     if (is(term, ShaftFriction::info.name))
       for (const Unknown& u : best.unknowns)
         if (u.effect == term.candidate.effect &&
@@ -183,7 +190,7 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_unknown_parameters(out, selection, fine);
-  add_contradictions(out, selection);
+  add_contradictions(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || leaves_noise(selection, fine)) return out;
   add_rival(out, selection);

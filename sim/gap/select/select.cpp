@@ -88,25 +88,24 @@ ScoredModel without(const ScoredModel& best, const Candidate& candidate, const E
   return score_model(std::move(reduced), fine);
 }
 
-// No other candidate came near it when it was selected.
-bool has_clear_margin(const SelectedTerm& term) {
-  double own = 0.0, next = std::numeric_limits<double>::infinity();
-  for (const CandidateFit& t : term.comparison) {
-    if (t.candidate == term.candidate)
-      own = t.scored.square;
-    else if (t.fitted)
-      next = std::min(next, t.scored.square);
-  }
-  return next > kFarBehind * own;
+// It, and the candidates that came near it when it was selected.
+std::vector<Candidate> near_candidates(const SelectedTerm& term) {
+  const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
+  std::vector<Candidate> out;
+  for (const CandidateFit& t : term.comparison)
+    if (t.candidate == term.candidate || (t.fitted && t.scored.square <= kFarBehind * own->scored.square))
+      out.push_back(t.candidate);
+  return out;
 }
 
 // Each effect but the last was selected before the others were in the model: it is compared again with them
-// present, unless it had a clear margin.
+// present, against those that came near it.
 void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress,
                     const std::stop_token& stop) {
   for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
     SelectedTerm& term = out.selected[i];
-    if (!term.is_effect() || has_clear_margin(term)) continue;
+    const std::vector<Candidate> near = near_candidates(term);
+    if (!term.is_effect() || near.size() < 2) continue;
     if (is_exhausted(fine)) {
       out.cut_short = true;
       return;
@@ -117,7 +116,7 @@ void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine
                                   .title = fmt::format("again in place of {}", name),
                                   .share = kShareOfContest,
                                   .share_after = kShareOfContest},
-                                 progress, stop);
+                                 progress, stop, near);
     if (again.fits.empty() || !again.fits.front().fitted) continue;
     if (again.fits.front().scored.square < kAsGood * out.best.square) {
       out.best = again.fits.front().scored;
