@@ -39,8 +39,9 @@ bool follows(double after, const Evidence& evidence) {
   return left < kWellBelowNoise * evidence.noise || left < kFollows * (evidence.x_high - evidence.x_low);
 }
 
-double training_square(const ScoredModel& scored, const Evidence& evidence) {
-  return mean_square(residual(scored.hypothesis.model, evidence, Part::Training));
+// Held-out runs may not reach where the model fails.
+bool follows_training(const ScoredModel& best, const Evidence& evidence) {
+  return follows(mean_square(residual(best.hypothesis.model, evidence, Part::Training)), evidence);
 }
 
 }  // namespace
@@ -74,13 +75,9 @@ GapVerdict verdict(const ScoredModel& before, const Selection& selection, const 
   const bool closed = well_explained(before.square, selection.best.square, evidence);
   if (std::none_of(selection.selected.begin(), selection.selected.end(),
                    [](const SelectedTerm& term) { return term.is_effect(); })) {
-    // Held-out runs may not reach where the model fails.
-    const double trained = training_square(before, evidence), left = training_square(selection.best, evidence);
-    if (!follows(left, evidence)) return GapVerdict::Unexplained;
-    if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence)) {
-      if (is_negligible(trained, left, evidence)) return GapVerdict::NoGap;
-      if (!well_explained(trained, left, evidence)) return GapVerdict::Unexplained;
-    }
+    if (!follows_training(selection.best, evidence)) return GapVerdict::Unexplained;
+    if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence))
+      return GapVerdict::NoGap;
     return closed && follows(selection.best.square, evidence) ? GapVerdict::Parameter
                                                               : GapVerdict::Unexplained;
   }
