@@ -220,9 +220,9 @@ bool slides_at_less(const ScoredModel& scored) {
   return friction && friction->sliding < friction->breakaway;
 }
 
-// Stribeck friction contains Coulomb's, so it never fits worse: it must be better beyond doubt, with a
-// breakaway that is the larger force, or Coulomb friction is the name.
-void keep_simpler(Round& round, const Evidence& evidence) {
+// Stribeck friction contains Coulomb's, so it never fits worse: where it needs more force to keep sliding than
+// to break away, the opposite of its name, it must be better beyond doubt, or Coulomb friction is the name.
+void keep_simpler(Round& round) {
   const auto find = [&](std::string_view name) {
     return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
       return t.fitted && t.candidate.effect != kBaseline && library_effect(t.candidate.effect).info.name == name;
@@ -230,10 +230,8 @@ void keep_simpler(Round& round, const Evidence& evidence) {
   };
   const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
   if (simple == round.fits.end() || rich == round.fits.end()) return;
-  const bool better =
-      rich->log_evidence > simple->log_evidence + kOpen ||
-      (slides_at_less(rich->scored) && paired_evidence(rich->scored, simple->scored, evidence) > 0.0);
-  if (!better) rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
+  if (slides_at_less(rich->scored) || rich->log_evidence > simple->log_evidence + kOpen) return;
+  rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
 }
 
 std::string names(const std::vector<Score>& scores, std::size_t count, Drive drive) {
@@ -279,7 +277,7 @@ double log_evidence(const ScoredModel& scored, const Evidence& evidence) {
 void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
   sort_by_evidence(round);
   prefer_told_apart(round, evidence);
-  keep_simpler(round, evidence);
+  keep_simpler(round);
   sort_by_evidence(round);
   normalise_probabilities(round);
   mark_indistinguishable(round, now);
