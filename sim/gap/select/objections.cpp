@@ -9,6 +9,7 @@
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/flexible.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
 #include "sim/gap/select/verdict.hpp"
 
@@ -24,6 +25,7 @@ constexpr double kStillCloses = 0.5;   // with the runs exchanged
 constexpr double kContradicts = 2.0;   // standard deviations
 constexpr double kSameStds = 4.0;      // between the two fits of a strength,
 constexpr double kSameShare = 0.5;     // and of it
+constexpr double kSameShareOfLeft = 0.25;  // of the lesser excess square
 constexpr int kExchangedIterations = 8;
 constexpr std::string_view kDryFriction = "coulomb_N_per_mm";  // of a shaft
 
@@ -133,11 +135,30 @@ void add_instability(std::vector<std::string>& out, const Selection& selection, 
   }
 }
 
-// What leaves something must at least leave far less than any other candidate that predicts something else:
-// of two that explain most, either may be the wrong name.
-void add_rival(std::vector<std::string>& out, const Selection& selection) {
-  if (margin_over_next(selection) < kClearMargin)
-    out.emplace_back("another candidate leaves nearly as little");
+bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence& evidence) {
+  double apart = 0.0;
+  for (std::size_t i = 0; i < a.residual.size(); ++i) apart += std::pow(a.residual[i] - b.residual[i], 2);
+  const double least = std::min(excess(a.square, evidence), excess(b.square, evidence));
+  return apart < kSameShareOfLeft * least * static_cast<double>(a.residual.size());
+}
+
+// What leaves something must at least leave far less than any other candidate, unless that is the same by
+// another name: shaft friction that begins far above the needle is Coulomb friction. Of two that explain most,
+// either may be the wrong name.
+void add_rival(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
+  for (const SelectedTerm& term : selection.selected) {
+    const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
+    if (!term.is_effect() || own == term.comparison.end()) continue;
+    for (const CandidateFit& t : term.comparison) {
+      if (t.candidate == term.candidate || !t.fitted || !(t.scored.square < kClearMargin * own->scored.square))
+        continue;
+      const bool nested = is_dry_friction(t.candidate) && is_dry_friction(term.candidate);
+      if (nested || same_prediction(t.scored, own->scored, evidence)) continue;
+      out.push_back(fmt::format("{} leaves nearly as little as {}", t.candidate.name(selection.best.drive()),
+                                term.candidate.name(selection.best.drive())));
+      return;
+    }
+  }
 }
 
 // A curve of its own may fit better than a name that leaves something; but then the name must add to it what
@@ -193,7 +214,7 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   add_contradictions(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || leaves_noise(selection, fine)) return out;
-  add_rival(out, selection);
+  add_rival(out, selection, fine);
   if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);
   return out;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <string_view>
 
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/fit/restart.hpp"
@@ -77,6 +77,37 @@ void refit_elsewhere(CandidateFit& first, const Evidence& coarse, const Evidence
   fit_closely(other, fine, kRefitIterations);
   ScoredModel scored = score_model(std::move(other), fine);
   if (scored.square < first.scored.square) first.scored = std::move(scored);
+}
+
+bool is_effect(const SelectedTerm& term, std::string_view name) {
+  return term.is_effect() && library_effect(term.candidate.effect).info.name == name;
+}
+
+// Coulomb beside Stribeck friction is Stribeck friction: the sum of both has its form. It was found as Coulomb
+// friction first where the fit of the other began at the wrong speed.
+bool merge_friction(std::vector<SelectedTerm>& selected, std::vector<ScoredModel>& models, const Evidence& fine) {
+  const auto find = [&](std::string_view name) {
+    return std::ranges::find_if(selected, [&](const SelectedTerm& term) { return is_effect(term, name); });
+  };
+  const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
+  if (simple == selected.end() || rich == selected.end()) return false;
+  Hypothesis merged = models.back().hypothesis;
+  const double force = merged.model.effects.coulomb_friction->force;
+  for (Unknown& u : merged.unknowns)
+    if (u.effect == rich->candidate.effect &&
+        library_effect(u.effect).parameters[u.parameter].role == Role::Strength)
+      u.theta = std::min(u.theta_of(u.value() + force), u.high);
+  std::erase_if(merged.unknowns, [&](const Unknown& u) { return u.effect == simple->candidate.effect; });
+  merged.model.effects.coulomb_friction.reset();
+  std::vector<double> thetas;
+  for (const Unknown& u : merged.unknowns) thetas.push_back(u.theta);
+  merged.set(thetas);
+  fit_closely(merged, fine, kRefitIterations);
+  rich->reduction = 1.0 - (1.0 - rich->reduction) * (1.0 - simple->reduction);
+  models.erase(models.begin() + (simple - selected.begin()) + 1);
+  selected.erase(simple);
+  models.back() = score_model(std::move(merged), fine);
+  return true;
 }
 
 // The hypothesis without one of its effects, the rest fitted anew.
@@ -189,6 +220,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
           {round.fits.front().candidate, reduction(models.back(), round, fine), round.fits});
       models.push_back(round.fits.front().scored);
       if (out.selected.back().is_effect()) ++effects;
+      if (merge_friction(out.selected, models, fine)) --effects;
     }
     out.fits.insert(out.fits.end(), round.fits.begin(), round.fits.end());
     if (!found) break;
