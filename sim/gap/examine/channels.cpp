@@ -162,9 +162,9 @@ Found outliers(const Channels& c) {
   // A peak of a fast motion stands out of the median too, but not of a curve through its neighbours.
   for (std::size_t i = 2; i + 2 < x.size(); ++i) {
     const double curve = (4.0 * (x[i - 1] + x[i + 1]) - (x[i - 2] + x[i + 2])) / 6.0;
-    off[i] = std::min(
-        std::abs(x[i] - median(std::vector<double>{x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]})),
-        std::abs(x[i] - curve));
+    off[i] =
+        std::min(std::abs(x[i] - median(std::vector<double>{x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]})),
+                 std::abs(x[i] - curve));
   }
   const double scatter = std::max({c.noise, kMadToSigma * median(off), quantile(off, 0.99) / 5.0,
                                    kOutlierRange * range_of(x) / kOutlier});

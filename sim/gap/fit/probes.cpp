@@ -15,7 +15,7 @@ constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85, 0.96};  // of the range that 
 // Where a surface gives way once, the cost has a minimum for each rise that may be the one.
 constexpr std::array kFinePlaces{0.04, 0.12, 0.2, 0.28, 0.36, 0.44, 0.52, 0.6, 0.7, 0.85};
 constexpr std::array kFineFactors{1.0, 0.5, 2.0};
-constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};                  // of the largest voltage
+constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};  // of the largest voltage
 constexpr std::array kShapeFactors{1.0, 0.2, 5.0};
 
 using Starts = std::vector<std::vector<double>>;
@@ -72,7 +72,8 @@ std::vector<double> shapes_of(const LibraryParameter& p, bool fine) {
   if (p.low <= 0.0) return {p.typical, p.high};
   std::vector<double> out;
   out.reserve(kShapeFactors.size());
-  for (const double factor : fine ? kFineFactors : kShapeFactors) out.push_back(std::clamp(p.typical * factor, p.low, p.high));
+  for (const double factor : fine ? kFineFactors : kShapeFactors)
+    out.push_back(std::clamp(p.typical * factor, p.low, p.high));
   return out;
 }
 

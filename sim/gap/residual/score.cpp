@@ -12,11 +12,11 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr int kStrengthTrials = 2;      // until the response is as large as the gap
+constexpr int kStrengthTrials = 2;  // until the response is as large as the gap
 constexpr int kSurfaceTrials = 3;
 constexpr double kLeastScale = 0.3, kAsStrong = 0.2;  // of its strength, from trial to trial
-constexpr double kMuchTooStrong = 3.0;  // responses within this factor of the gap are used
-constexpr double kLargestScale = 3.0;   // range in which a response is taken as linear
+constexpr double kMuchTooStrong = 3.0;                // responses within this factor of the gap are used
+constexpr double kLargestScale = 3.0;                 // range in which a response is taken as linear
 
 // Projects out of every response what small changes of the present unknowns can explain.
 class UnexplainedResidual {

@@ -58,8 +58,7 @@ std::vector<Probe> different_starts(const Score& score, double promised) {
     const bool known =
         std::any_of(out.begin(), out.end(), [&](const Probe& p) { return same_shape(p, probe); });
     const bool promising = probe.share > std::max(kAsPromising * score.share(), kWorthAnother * promised);
-    if (out.empty() || (!known && out.size() < most && promising))
-      out.push_back(probe);
+    if (out.empty() || (!known && out.size() < most && promising)) out.push_back(probe);
     if (score.candidate.effect == kBaseline) break;
   }
   return out;
@@ -210,7 +209,8 @@ void prefer_told_apart(Round& round, const Evidence& evidence) {
   const CandidateFit first = round.fits.front();
   for (CandidateFit& t : round.fits) {
     const bool open = t.fitted && t.log_evidence > first.log_evidence - kOpen;
-    const double before = std::exchange(t.paired, open ? paired_evidence(t.scored, first.scored, evidence) : 0.0);
+    const double before =
+        std::exchange(t.paired, open ? paired_evidence(t.scored, first.scored, evidence) : 0.0);
     t.log_evidence += t.paired - before;
   }
 }
@@ -220,12 +220,14 @@ bool slides_at_less(const ScoredModel& scored) {
   return friction && friction->sliding < friction->breakaway;
 }
 
-// Stribeck friction contains Coulomb's, so it never fits worse: where it needs more force to keep sliding than
-// to break away, the opposite of its name, it must be better beyond doubt, or Coulomb friction is the name.
+// Stribeck friction contains Coulomb's, so it never fits worse: where it needs more force to keep sliding
+// than to break away, the opposite of its name, it must be better beyond doubt, or Coulomb friction is the
+// name.
 void keep_simpler(Round& round) {
   const auto find = [&](std::string_view name) {
     return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
-      return t.fitted && t.candidate.effect != kBaseline && library_effect(t.candidate.effect).info.name == name;
+      return t.fitted && t.candidate.effect != kBaseline &&
+             library_effect(t.candidate.effect).info.name == name;
     });
   };
   const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);

@@ -62,10 +62,10 @@ struct Evidence {
 enum class HeldOut : std::uint8_t { FromFirst, FromSecond, FromThird, LastThirds };
 
 // Every third run is held out, the second first, if the data set does not say which; of a single run its last
-// third. `window` [s] splits the runs into windows that start from the measured motion. Throws ConfigError where a run is too short. Coarse rows
-// are for searching, fine ones for the final fits and comparisons. Of recordings that would take too long to
-// simulate again and again, only the beginning of each run is kept, of coarse rows less than of fine ones;
-// the noise is that of all readings.
+// third. `window` [s] splits the runs into windows that start from the measured motion. Throws ConfigError
+// where a run is too short. Coarse rows are for searching, fine ones for the final fits and comparisons. Of
+// recordings that would take too long to simulate again and again, only the beginning of each run is kept, of
+// coarse rows less than of fine ones; the noise is that of all readings.
 enum class Sampling : std::uint8_t { Coarse, Fine };
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
                  Sampling sampling);

@@ -50,7 +50,8 @@ HeldOut choose_held_out(const Hypothesis& start, const Evidence& evidence) {
   // are calibrated together to see where it is.
   const PlantModel together = calibrated(start, all_training(evidence));
   double most = 0.0;
-  for (const HeldOut one : {HeldOut::FromSecond, HeldOut::FromFirst, HeldOut::FromThird, HeldOut::LastThirds}) {
+  for (const HeldOut one :
+       {HeldOut::FromSecond, HeldOut::FromFirst, HeldOut::FromThird, HeldOut::LastThirds}) {
     Evidence split = evidence;
     hold_out(split, one);
     if (split.training_seconds == 0.0 || split.held_out_seconds == 0.0) continue;

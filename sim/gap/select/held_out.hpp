@@ -1,5 +1,5 @@
-// What is held out: both parts must show the gap. What only one part shows is fitted without a test, or tested
-// without having been fitted.
+// What is held out: both parts must show the gap. What only one part shows is fitted without a test, or
+// tested without having been fitted.
 #pragma once
 
 #include "sim/gap/fit/unknowns.hpp"

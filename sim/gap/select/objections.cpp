@@ -16,15 +16,15 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kHalf = 0.5;          // of the RMSE above the noise that no calibration explains
-constexpr double kWhole = 0.95;        // of it
-constexpr double kNearNoise = 1.0;     // noises that are left
-constexpr double kFlexibleWins = 0.8;  // of the excess square that a name leaves
-constexpr double kAddsToCurve = 0.7;   // of the excess square that the curve leaves
-constexpr double kStillCloses = 0.5;   // with the runs exchanged
-constexpr double kContradicts = 2.0;   // standard deviations
-constexpr double kSameStds = 4.0;      // between the two fits of a strength,
-constexpr double kSameShare = 0.5;     // and of it
+constexpr double kHalf = 0.5;              // of the RMSE above the noise that no calibration explains
+constexpr double kWhole = 0.95;            // of it
+constexpr double kNearNoise = 1.0;         // noises that are left
+constexpr double kFlexibleWins = 0.8;      // of the excess square that a name leaves
+constexpr double kAddsToCurve = 0.7;       // of the excess square that the curve leaves
+constexpr double kStillCloses = 0.5;       // with the runs exchanged
+constexpr double kContradicts = 2.0;       // standard deviations
+constexpr double kSameStds = 4.0;          // between the two fits of a strength,
+constexpr double kSameShare = 0.5;         // and of it
 constexpr double kSameShareOfLeft = 0.25;  // of the lesser excess square
 constexpr int kExchangedIterations = 8;
 constexpr std::string_view kDryFriction = "coulomb_N_per_mm";  // of a shaft
@@ -79,8 +79,8 @@ double strength_std(const Hypothesis& hypothesis, int effect) {
 }
 
 // A fit may use an effect for something else than its name says: a drag that grows with the root of the speed
-// is friction that grows from breakaway to sliding; a stop is tissue that does not relax; thick grease at one end is a shaft that tissue holds
-// without rubbing on it.
+// is friction that grows from breakaway to sliding; a stop is tissue that does not relax; thick grease at one
+// end is a shaft that tissue holds without rubbing on it.
 void add_contradictions(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   const Hypothesis& best = selection.best.hypothesis;
   double longest = 0.0;
@@ -143,14 +143,15 @@ bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence&
 }
 
 // What leaves something must at least leave far less than any other candidate, unless that is the same by
-// another name: shaft friction that begins far above the needle is Coulomb friction. Of two that explain most,
-// either may be the wrong name.
+// another name: shaft friction that begins far above the needle is Coulomb friction. Of two that explain
+// most, either may be the wrong name.
 void add_rival(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   for (const SelectedTerm& term : selection.selected) {
     const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
     if (!term.is_effect() || own == term.comparison.end()) continue;
     for (const CandidateFit& t : term.comparison) {
-      if (t.candidate == term.candidate || !t.fitted || !(t.scored.square < kClearMargin * own->scored.square))
+      if (t.candidate == term.candidate || !t.fitted ||
+          !(t.scored.square < kClearMargin * own->scored.square))
         continue;
       const bool nested = is_dry_friction(t.candidate) && is_dry_friction(term.candidate);
       if (nested || same_prediction(t.scored, own->scored, evidence)) continue;

@@ -23,9 +23,10 @@ constexpr double kWorthKeeping = 0.5;     // but the last one must explain most 
 constexpr double kMuchLeft = 0.05;        // of the first excess square
 constexpr double kOnlyNoise = 0.25;       // an excess below this share of the noise changes no RMSE by 4 %
 constexpr double kBelowNoise = 1.0;       // remainder, in noises, that does not justify a second effect
-constexpr double kImprecision = 0.0025;   // nor a share of the first excess square: an effect's form is its own
-constexpr double kAsGood = 1.05;          // ratio of mean squares within which the evidence decides
-constexpr double kFarBehind = 9.0;        // ratio of mean squares: a third of the winner's precision
+constexpr double kImprecision =
+    0.0025;                         // nor a share of the first excess square: an effect's form is its own
+constexpr double kAsGood = 1.05;    // ratio of mean squares within which the evidence decides
+constexpr double kFarBehind = 9.0;  // ratio of mean squares: a third of the winner's precision
 constexpr std::uint64_t kMostWork = 250'000'000;  // steps: most of a minute of a processor
 constexpr int kRefitIterations = 15;
 constexpr double kShareBefore = 0.1, kShareOfRounds = 0.75, kShareOfContest = 0.88;  // of the work
@@ -70,8 +71,7 @@ bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
 // leaves is taken for a second effect.
 void refit_elsewhere(CandidateFit& first, const Evidence& coarse, const Evidence& fine,
                      const std::function<void()>& say) {
-  if (first.candidate.effect == kBaseline || leaves_noise(first.scored, fine) || is_exhausted(fine))
-    return;
+  if (first.candidate.effect == kBaseline || leaves_noise(first.scored, fine) || is_exhausted(fine)) return;
   say();
   Hypothesis other = restarted(first.scored.hypothesis, first.candidate.effect, coarse);
   fit_closely(other, fine, kRefitIterations);
@@ -83,9 +83,10 @@ bool is_effect(const SelectedTerm& term, std::string_view name) {
   return term.is_effect() && library_effect(term.candidate.effect).info.name == name;
 }
 
-// Coulomb beside Stribeck friction is Stribeck friction: the sum of both has its form. It was found as Coulomb
-// friction first where the fit of the other began at the wrong speed.
-bool merge_friction(std::vector<SelectedTerm>& selected, std::vector<ScoredModel>& models, const Evidence& fine) {
+// Coulomb beside Stribeck friction is Stribeck friction: the sum of both has its form. It was found as
+// Coulomb friction first where the fit of the other began at the wrong speed.
+bool merge_friction(std::vector<SelectedTerm>& selected, std::vector<ScoredModel>& models,
+                    const Evidence& fine) {
   const auto find = [&](std::string_view name) {
     return std::ranges::find_if(selected, [&](const SelectedTerm& term) { return is_effect(term, name); });
   };
@@ -165,7 +166,9 @@ void drop_unneeded(Selection& out, const Evidence& fine) {
     if (effects < 2 || !out.selected[i].is_effect()) continue;
     ScoredModel less = without(out.best, out.selected[i].candidate, fine);
     const double left = excess(out.best.square, fine), more = excess(less.square, fine);
-    if (!leaves_noise(less, fine) && !is_imprecision(less, out.start, fine) && left < (1.0 - kWorthKeeping) * more) continue;
+    if (!leaves_noise(less, fine) && !is_imprecision(less, out.start, fine) &&
+        left < (1.0 - kWorthKeeping) * more)
+      continue;
     out.best = std::move(less);
     out.selected.erase(out.selected.begin() + static_cast<std::ptrdiff_t>(i));
   }

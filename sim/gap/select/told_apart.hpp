@@ -7,8 +7,9 @@
 
 namespace biopsy::sim::gap {
 
-// By how much `a` predicts the held-out runs better than `b`, in log evidence, each reading counted. 0 unless `a`
-// leaves about the noise, and the difference stands out of the noise and is more than integrators differ by.
+// By how much `a` predicts the held-out runs better than `b`, in log evidence, each reading counted. 0 unless
+// `a` leaves about the noise, and the difference stands out of the noise and is more than integrators differ
+// by.
 double paired_evidence(const ScoredModel& a, const ScoredModel& b, const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

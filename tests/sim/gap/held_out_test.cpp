@@ -1,5 +1,5 @@
-// What is held out, and when held-out readings tell two explanations apart: rigs of recordings/, which share no
-// code with sim/, and residuals made here.
+// What is held out, and when held-out readings tell two explanations apart: rigs of recordings/, which share
+// no code with sim/, and residuals made here.
 #include "sim/gap/select/held_out.hpp"
 
 #include <gtest/gtest.h>
@@ -49,8 +49,8 @@ TEST(HeldOut, IsAnotherRunWhereTheUsualOneShowsNothing) {
 TEST(HeldOut, IsTheEndOfEachRunWhereOneAloneShowsTheGap) {
   const sim::Dataset data = gripped_in({1}, 34);
   EXPECT_EQ(held_out_of(data), HeldOut::LastThirds);
-  auto evidence = sim::gap::prepare(data, sim::parse_model(rig_model({}), "rig.toml"), {},
-                                    sim::gap::Sampling::Coarse);
+  auto evidence =
+      sim::gap::prepare(data, sim::parse_model(rig_model({}), "rig.toml"), {}, sim::gap::Sampling::Coarse);
   EXPECT_TRUE(can_exchange(evidence));
   hold_out(evidence, HeldOut::LastThirds);
   EXPECT_FALSE(can_exchange(evidence));
@@ -61,8 +61,8 @@ TEST(HeldOut, StaysWhatTheDataSetSays) {
   sim::Dataset data = gripped_in({1}, 35);
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     data.runs[i].role = i == 3 ? sim::RunRole::Test : sim::RunRole::Train;
-  auto evidence = sim::gap::prepare(data, sim::parse_model(rig_model({}), "rig.toml"), {},
-                                    sim::gap::Sampling::Coarse);
+  auto evidence =
+      sim::gap::prepare(data, sim::parse_model(rig_model({}), "rig.toml"), {}, sim::gap::Sampling::Coarse);
   hold_out(evidence, HeldOut::LastThirds);
   EXPECT_EQ(evidence.runs[3].training_rows, 0U);
   EXPECT_EQ(evidence.runs[1].training_rows, evidence.runs[1].rows.size());
