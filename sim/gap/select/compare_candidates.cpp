@@ -143,6 +143,7 @@ auto by_square = [](const CandidateFit& a, const CandidateFit& b) {
 // The best to convergence, with those that could still overtake it.
 void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, const Evidence& fine) {
   std::size_t count = std::min(kFullFits, promising);
+  if (is_exhausted(fine)) count = std::min(kCloseFits, count);
   while (count > 1 && fits[count - 1].scored.square > kFarWorse * fits[0].scored.square) --count;
   in_parallel(count, [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
@@ -150,7 +151,8 @@ void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, cons
     set_fit(fits[i], std::move(better), fine);
   });
   std::stable_sort(fits.begin(), fits.begin() + static_cast<std::ptrdiff_t>(count), by_square);
-  in_parallel(std::min(kCloseFits, count), [&](std::size_t i) {
+  const std::size_t close = is_exhausted(fine) ? 0 : std::min(kCloseFits, count);
+  in_parallel(close, [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
     fit_closely(better, fine, kFullIterations);
     set_fit(fits[i], std::move(better), fine);
