@@ -13,6 +13,7 @@
 #include "sim/gap/residual/straw_men.hpp"
 #include "sim/gap/select/choose.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
+#include "sim/gap/select/held_out.hpp"
 #include "sim/gap/select/make_finding.hpp"
 #include "sim/gap/select/objections.hpp"
 #include "sim/gap/select/verdict.hpp"
@@ -32,7 +33,7 @@ constexpr double kEquationWins = 0.25;  // of the excess square that a name leav
 Hypothesis fit_free_parameters(const Hypothesis& start, const Evidence& evidence) {
   Hypothesis out = start;
   std::erase_if(out.unknowns, [](const Unknown& u) { return std::isfinite(u.prior_std); });
-  fit(out, evidence, kIterations);
+  fit_closely(out, evidence, kIterations);
   return out;
 }
 
@@ -78,6 +79,9 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
              .selection = {}};
   out.coarse.work = out.evidence.work = std::move(work);
   Hypothesis start = baseline_hypothesis(model, options.free);
+  const HeldOut held_out = choose_held_out(start, out.coarse);
+  hold_out(out.evidence, held_out);
+  hold_out(out.coarse, held_out);
   progress(0.0, "simulating every run with the given model");
   const Hypothesis before = options.free_chosen ? Hypothesis{.model = model, .unknowns = {}}
                                                 : fit_free_parameters(start, out.evidence);
@@ -86,7 +90,7 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   if (is_only_noise(mean_square(residual(before.model, out.evidence, Part::All)), out.evidence)) return out;
   progress(0.05, "fitting the baseline parameters within their calibration errors");
   copy_fitted(start, before);
-  fit(start, out.evidence, kIterations);
+  fit_closely(start, out.evidence, kIterations);
   out.selection = select(std::move(start), out.coarse, out.evidence, progress, most_effects, options.stop);
   out.interrupted = options.stop.stop_requested();
   if (out.interrupted) return out;
@@ -134,7 +138,7 @@ std::optional<Search> confirmed_on_whole_runs(const Search& whole, const Search&
   out.selection.objections.clear();  // were of windows, which a noisy start blurs
   out.selection.start = whole.selection.start;
   Hypothesis& best = out.selection.best.hypothesis;
-  fit(best, whole.evidence, kIterations);
+  fit_closely(best, whole.evidence, kIterations);
   out.selection.best = refined(score_model(best, whole.evidence), whole.as_given.square, whole.evidence);
   if (!well_explained(whole.as_given.square, out.selection.best.square, whole.evidence)) return std::nullopt;
   estimate_uncertainty(out.selection.best.hypothesis, whole.evidence);

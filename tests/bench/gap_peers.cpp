@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "robot/common/in_parallel.hpp"
 #include "robot/common/statistics.hpp"
@@ -33,10 +34,11 @@ std::vector<std::string> baseline_numbers(const sim::PlantModel& model) {
   return names;
 }
 
-// Every reading counts for one, as the textbook has it.
+// Every reading counts for one, as the textbook has it. A simulation that diverged is worse than any other.
 double textbook_bic(const Hypothesis& hypothesis, const Evidence& evidence, double readings) {
-  return readings * std::log(training_square(hypothesis, evidence)) + hypothesis.prior_cost() +
-         static_cast<double>(hypothesis.unknowns.size()) * std::log(readings);
+  const double bic = readings * std::log(training_square(hypothesis, evidence)) + hypothesis.prior_cost() +
+                     static_cast<double>(hypothesis.unknowns.size()) * std::log(readings);
+  return std::isfinite(bic) ? bic : std::numeric_limits<double>::infinity();
 }
 
 double training_readings(const sim::Dataset& data, const Evidence& evidence) {

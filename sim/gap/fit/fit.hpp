@@ -25,6 +25,10 @@ double residual_weight(const Evidence& evidence, double mean_square);
 void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust = 1.0);
 inline constexpr double kTrustReadings = 100.0;
 
+// The same, again while it leaves much less: the weight of the readings is that of what is left at the start
+// of a fit, so that after a good step the priors would hold the numbers back.
+void fit_closely(Hypothesis& hypothesis, const Evidence& evidence, int iterations);
+
 // Fills the unknowns' standard deviations: the largest of the white-noise estimate, the sandwich estimate
 // over blocks of a second (correlated residuals), and the estimate for a model error that repeats every
 // cycle.

@@ -11,8 +11,11 @@ namespace {
 constexpr std::size_t kPeaks = 3;
 constexpr double kLowestFrequency = 0.05, kHighestFrequency = 15.0;  // Hz: breathing to pumps
 constexpr double kSpectrumRate = 60.0;                               // Hz, residual thinned to
-constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85};                  // of the range that was measured
-constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};                  // of the largest voltage
+constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85, 0.96};  // of the range that was measured; a stop ends it
+// Where a surface gives way once, the cost has a minimum for each rise that may be the one.
+constexpr std::array kFinePlaces{0.04, 0.12, 0.2, 0.28, 0.36, 0.44, 0.52, 0.6, 0.7, 0.85};
+constexpr std::array kFineFactors{1.0, 0.5, 2.0};
+constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};  // of the largest voltage
 constexpr std::array kShapeFactors{1.0, 0.2, 5.0};
 
 using Starts = std::vector<std::vector<double>>;
@@ -64,12 +67,13 @@ bool is_mixture(const LibraryParameter& p) {
   return p.low == 0.0 && p.high == 1.0;
 }
 
-std::vector<double> shapes_of(const LibraryParameter& p) {
+std::vector<double> shapes_of(const LibraryParameter& p, bool fine) {
   if (is_mixture(p)) return {p.typical, 0.5 * (p.low + p.high)};
   if (p.low <= 0.0) return {p.typical, p.high};
   std::vector<double> out;
   out.reserve(kShapeFactors.size());
-  for (const double factor : kShapeFactors) out.push_back(std::clamp(p.typical * factor, p.low, p.high));
+  for (const double factor : fine ? kFineFactors : kShapeFactors)
+    out.push_back(std::clamp(p.typical * factor, p.low, p.high));
   return out;
 }
 
@@ -136,11 +140,16 @@ bool acts_on(const LibraryEffect& effect, Drive drive) {
   return !above_plate_a && effect.info.name != "added_mass";  // there it is the number m
 }
 
+bool gives_way(const LibraryEffect& effect) {
+  return effect.info.name == LayerPuncture::info.name;
+}
+
 std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence,
                                               const Spectrum& spectrum) {
   const LibraryEffect& probed = library_effect(effect);
   const bool placed = std::any_of(probed.parameters.begin(), probed.parameters.end(),
                                   [](const LibraryParameter& p) { return p.role == Role::Place; });
+  const bool fine = gives_way(probed);
   Starts starts = strength_sets(probed, !placed);
   bool shaped = false;
   for (std::size_t i = 0; i < probed.parameters.size(); ++i) {
@@ -149,11 +158,14 @@ std::vector<std::vector<double>> probe_starts(int effect, const Evidence& eviden
       case Role::Strength:
         break;
       case Role::Shape:
-        if (!shaped || is_mixture(p)) vary(starts, i, shapes_of(p));
+        if (!shaped || is_mixture(p)) vary(starts, i, shapes_of(p, fine));
         shaped = shaped || !is_mixture(p);
         break;
       case Role::Place:
-        vary(starts, i, scaled(kPlaces, evidence.x_low, evidence.x_high));
+        if (fine)
+          vary(starts, i, scaled(kFinePlaces, evidence.x_low, evidence.x_high));
+        else
+          vary(starts, i, scaled(kPlaces, evidence.x_low, evidence.x_high));
         break;
       case Role::Level:
         vary(starts, i, scaled(kLevels, 0.0, evidence.u_max));

@@ -18,6 +18,9 @@ Spectrum residual_spectrum(const std::vector<double>& training_residual, const E
 // Whether the effect acts with this drive.
 bool acts_on(const LibraryEffect& effect, Drive drive);
 
+// Whether the effect ends for good at some point of a run, so that its cost has many minima.
+bool gives_way(const LibraryEffect& effect);
+
 // Parameter vectors to try. SI
 std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence, const Spectrum& spectrum);
 

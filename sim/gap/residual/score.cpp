@@ -12,9 +12,11 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr int kStrengthTrials = 2;      // until the response is as large as the gap
-constexpr double kMuchTooStrong = 3.0;  // responses within this factor of the gap are used
-constexpr double kLargestScale = 3.0;   // range in which a response is taken as linear
+constexpr int kStrengthTrials = 2;  // until the response is as large as the gap
+constexpr int kSurfaceTrials = 3;
+constexpr double kLeastScale = 0.3, kAsStrong = 0.2;  // of its strength, from trial to trial
+constexpr double kMuchTooStrong = 3.0;                // responses within this factor of the gap are used
+constexpr double kLargestScale = 3.0;                 // range in which a response is taken as linear
 
 // Projects out of every response what small changes of the present unknowns can explain.
 class UnexplainedResidual {
@@ -99,6 +101,30 @@ double explained(const UnexplainedResidual& remainder, const Eigen::VectorXd& ra
   return 1.0 - (remainder.gap() - scale * s).squaredNorm() / remainder.gap().squaredNorm();
 }
 
+// Share of the gap's square that the response takes away as it is.
+double taken(const UnexplainedResidual& remainder, const Eigen::VectorXd& raw) {
+  const Eigen::VectorXd left = remainder.gap() - remainder.of(raw);
+  const double share = 1.0 - left.squaredNorm() / remainder.gap().squaredNorm();
+  return std::isfinite(share) ? share : 0.0;
+}
+
+// A surface gives way or does not: its response is that of the strength, and no multiple of it.
+Probe try_surface(const Hypothesis& current, const Evidence& evidence, const UnexplainedResidual& remainder,
+                  int effect, std::vector<double> start) {
+  Probe best;
+  for (int trial = 0; trial < kSurfaceTrials; ++trial) {
+    const Eigen::VectorXd raw =
+        response(with_effect(current, effect, start), evidence, remainder.residual_now());
+    const double share = taken(remainder, raw);
+    if (share > best.share || best.start.empty()) best = {start, share};
+    double scale = 0.0;
+    explained(remainder, raw, kLeastScale, scale);
+    if (std::abs(scale - 1.0) < kAsStrong) break;
+    scale_strengths(effect, start, std::max(scale, kLeastScale));
+  }
+  return best;
+}
+
 // One probe, its strength first adjusted until the response is about as large as the gap.
 Probe try_probe(const Hypothesis& current, const Evidence& evidence, const UnexplainedResidual& remainder,
                 int effect, std::vector<double> start) {
@@ -120,6 +146,13 @@ Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Unexp
     scale_strengths(effect, start, factor);
   }
   return best;
+}
+
+Probe try_effect(const Hypothesis& current, const Evidence& evidence, const UnexplainedResidual& remainder,
+                 int effect, std::vector<double> start) {
+  return gives_way(library_effect(effect))
+             ? try_surface(current, evidence, remainder, effect, std::move(start))
+             : try_probe(current, evidence, remainder, effect, std::move(start));
 }
 
 Probe try_parameter(const Hypothesis& current, const Evidence& evidence, const UnexplainedResidual& remainder,
@@ -182,7 +215,7 @@ std::vector<Score> score_candidates(const Hypothesis& current, const Evidence& e
     const Candidate& c = candidates[tasks[t].candidate];
     tasks[t].result = c.effect == kBaseline
                           ? try_parameter(current, evidence, remainder, c.baseline_parameter)
-                          : try_probe(current, evidence, remainder, c.effect, tasks[t].start);
+                          : try_effect(current, evidence, remainder, c.effect, tasks[t].start);
   });
   std::vector<Score> scores;
   scores.reserve(candidates.size());

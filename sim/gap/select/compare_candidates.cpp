@@ -4,25 +4,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "robot/common/in_parallel.hpp"
 #include "sim/gap/fit/fit.hpp"
+#include "sim/gap/fit/probes.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/told_apart.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4;
+constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4, kCloseFits = 2;
 constexpr int kQuickIterations = 5, kFullIterations = 15;
-constexpr std::size_t kMostStarts = 3;
+constexpr std::size_t kMostStarts = 3, kMostRoughStarts = 8;  // of a cost with many minima
 constexpr int kAttempts = 3;  // for one start, each with strengths times kWeaker
 constexpr double kWeaker = 0.2;
 constexpr double kAsPromising = 0.5;        // share of the first probe's score that justifies a further start
+constexpr double kWorthAnother = 0.4;       // and of the best candidate's
+constexpr double kLeads = 0.8;              // of the best candidate's, for more starts of a rough cost
 constexpr double kFarWorse = 4.0;           // mean square over the best one's after the quick fits
 constexpr double kWorthFitting = 0.1;       // of the best score
 constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
+constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
                 const Evidence& evidence) {
@@ -35,7 +42,8 @@ Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Pro
 }
 
 // The best probe of each shape: a fit finds the strengths from anywhere, but may converge to a wrong shape.
-std::vector<Probe> different_starts(const Score& score) {
+// `promised`: by the best candidate's best probe.
+std::vector<Probe> different_starts(const Score& score, double promised) {
   std::vector<Probe> out;
   const auto same_shape = [&](const Probe& a, const Probe& b) {
     const auto& parameters = library_effect(score.candidate.effect).parameters;
@@ -43,11 +51,14 @@ std::vector<Probe> different_starts(const Score& score) {
       if (parameters[i].role != Role::Strength && a.start[i] != b.start[i]) return false;
     return true;
   };
+  const bool rough = score.candidate.effect != kBaseline &&
+                     gives_way(library_effect(score.candidate.effect)) && score.share() > kLeads * promised;
+  const std::size_t most = rough ? kMostRoughStarts : kMostStarts;
   for (const Probe& probe : score.probes) {
     const bool known =
         std::any_of(out.begin(), out.end(), [&](const Probe& p) { return same_shape(p, probe); });
-    if (out.empty() || (!known && out.size() < kMostStarts && probe.share > kAsPromising * score.share()))
-      out.push_back(probe);
+    const bool promising = probe.share > std::max(kAsPromising * score.share(), kWorthAnother * promised);
+    if (out.empty() || (!known && out.size() < most && promising)) out.push_back(probe);
     if (score.candidate.effect == kBaseline) break;
   }
   return out;
@@ -100,11 +111,16 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
                  const Hypothesis& current, const Evidence& evidence, const std::stop_token& stop) {
   std::vector<Attempt> attempts;
   const double square_now = mean_square(residual(current.model, evidence, Part::Training));
-  // The best start of each first: the others are left out where simulating has cost too much by then.
-  for (std::size_t nth = 0; nth < kMostStarts && (nth == 0 || !is_exhausted(evidence)); ++nth) {
+  // The best start of each first.
+  const auto enough = [&] {  // one has closed the gap, or simulating has cost too much
+    return is_exhausted(evidence) || std::ranges::any_of(attempts, [&](const Attempt& attempt) {
+             return is_only_noise(attempt.square, evidence);
+           });
+  };
+  for (std::size_t nth = 0; nth < kMostRoughStarts && (nth == 0 || !enough()); ++nth) {
     const std::size_t begun = attempts.size();
     for (std::size_t i = 0; i < count; ++i)
-      if (const auto starts = different_starts(scores[i]); nth < starts.size())
+      if (const auto starts = different_starts(scores[i], scores.front().share()); nth < starts.size())
         attempts.push_back({.candidate = i, .start = starts[nth], .reached = {}});
     in_parallel(attempts.size() - begun, [&](std::size_t i) {
       Attempt& attempt = attempts[begun + i];
@@ -127,10 +143,18 @@ auto by_square = [](const CandidateFit& a, const CandidateFit& b) {
 // The best to convergence, with those that could still overtake it.
 void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, const Evidence& fine) {
   std::size_t count = std::min(kFullFits, promising);
+  if (is_exhausted(fine)) count = std::min(kCloseFits, count);
   while (count > 1 && fits[count - 1].scored.square > kFarWorse * fits[0].scored.square) --count;
   in_parallel(count, [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
     fit(better, fine, kFullIterations);
+    set_fit(fits[i], std::move(better), fine);
+  });
+  std::stable_sort(fits.begin(), fits.begin() + static_cast<std::ptrdiff_t>(count), by_square);
+  const std::size_t close = is_exhausted(fine) ? 0 : std::min(kCloseFits, count);
+  in_parallel(close, [&](std::size_t i) {
+    Hypothesis better = fits[i].scored.hypothesis;
+    fit_closely(better, fine, kFullIterations);
     set_fit(fits[i], std::move(better), fine);
   });
   // The others were fitted on coarse rows: score them on the same rows.
@@ -175,6 +199,45 @@ void mark_indistinguishable(Round& round, const ScoredModel& now) {
   }
 }
 
+void sort_by_evidence(Round& round) {
+  std::stable_sort(round.fits.begin(), round.fits.end(), [](const CandidateFit& a, const CandidateFit& b) {
+    return a.fitted != b.fitted ? a.fitted : a.fitted && a.log_evidence > b.log_evidence;
+  });
+}
+
+// What the evidence leaves open against the first is decided by the differences between their errors.
+void prefer_told_apart(Round& round, const Evidence& evidence) {
+  if (round.fits.empty() || !round.fits.front().fitted) return;
+  const CandidateFit first = round.fits.front();
+  for (CandidateFit& t : round.fits) {
+    const bool open = t.fitted && t.log_evidence > first.log_evidence - kOpen;
+    const double before =
+        std::exchange(t.paired, open ? paired_evidence(t.scored, first.scored, evidence) : 0.0);
+    t.log_evidence += t.paired - before;
+  }
+}
+
+bool slides_at_less(const ScoredModel& scored) {
+  const auto& friction = scored.hypothesis.model.effects.stribeck_friction;
+  return friction && friction->sliding < friction->breakaway;
+}
+
+// Stribeck friction contains Coulomb's, so it never fits worse: where it needs more force to keep sliding
+// than to break away, the opposite of its name, it must be better beyond doubt, or Coulomb friction is the
+// name.
+void keep_simpler(Round& round) {
+  const auto find = [&](std::string_view name) {
+    return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
+      return t.fitted && t.candidate.effect != kBaseline &&
+             library_effect(t.candidate.effect).info.name == name;
+    });
+  };
+  const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
+  if (simple == round.fits.end() || rich == round.fits.end()) return;
+  if (slides_at_less(rich->scored) || rich->log_evidence > simple->log_evidence + kOpen) return;
+  rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
+}
+
 std::string names(const std::vector<Score>& scores, std::size_t count, Drive drive) {
   std::string out;
   for (std::size_t i = 0; i < count; ++i) out += (i ? ", " : "") + scores[i].candidate.name(drive);
@@ -215,17 +278,21 @@ double log_evidence(const ScoredModel& scored, const Evidence& evidence) {
          free * (0.5 * std::log(effective_sample_size) + kComplexityPenalty);
 }
 
-void rank(Round& round, const ScoredModel& now) {
-  std::stable_sort(round.fits.begin(), round.fits.end(), [](const CandidateFit& a, const CandidateFit& b) {
-    return a.fitted != b.fitted ? a.fitted : a.fitted && a.log_evidence > b.log_evidence;
-  });
+void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
+  sort_by_evidence(round);
+  prefer_told_apart(round, evidence);
+  keep_simpler(round);
+  sort_by_evidence(round);
   normalise_probabilities(round);
   mark_indistinguishable(round, now);
 }
 
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
-                     const RoundName& name, const Progress& progress, const std::stop_token& stop) {
-  const std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
+                     const RoundName& name, const Progress& progress, const std::stop_token& stop,
+                     const std::vector<Candidate>& among) {
+  std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
+  if (!among.empty())
+    std::erase_if(open, [&](const Candidate& one) { return std::ranges::find(among, one) == among.end(); });
   progress(name.share, fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};
@@ -244,13 +311,14 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   if (stop.stop_requested()) return {};
   const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.fits.begin(), end, by_square);
+  progress(0.4 * name.share + 0.6 * name.share_after, fmt::format("{}: fitting the best fully", name.title));
   fit_best_fully(round.fits, promising, fine);
   std::stable_sort(round.fits.begin(), end, by_square);
   if (promising == 0) return round;
   round.null_evidence = log_evidence(now, fine);
   for (CandidateFit& t : round.fits)
     if (t.fitted) t.log_evidence = log_evidence(t.scored, fine);
-  rank(round, now);
+  rank(round, now, fine);
   return round;
 }
 

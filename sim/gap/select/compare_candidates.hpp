@@ -13,8 +13,9 @@ struct Round {
   double exchanged_null_square = std::numeric_limits<double>::quiet_NaN();  // m^2, of it: exchange.hpp
 };
 
-// The fits by their log evidence, with probabilities and what cannot be told apart.
-void rank(Round& round, const ScoredModel& now);
+// The fits by their log evidence, with probabilities and what cannot be told apart. `evidence`: what they are
+// scored on.
+void rank(Round& round, const ScoredModel& now, const Evidence& evidence);
 
 double log_evidence(const ScoredModel& scored, const Evidence& evidence);
 
@@ -24,9 +25,10 @@ struct RoundName {
   double share = 0.0, share_after = 0.0;  // of the work, before and after it
 };
 
-// Without fits where `stop` interrupted it.
+// Without fits where `stop` interrupted it. `among`: of these candidates; empty: of all.
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
-                     const RoundName& name, const Progress& progress, const std::stop_token& stop);
+                     const RoundName& name, const Progress& progress, const std::stop_token& stop,
+                     const std::vector<Candidate>& among = {});
 
 // Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);

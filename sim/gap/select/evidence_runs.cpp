@@ -82,16 +82,10 @@ EvidenceRun prepare_run(const RecordedRun& recorded, const PlantModel& model, st
   return run;
 }
 
-// Which rows train: as the data set says; else every third run is held out beginning with the second; one run
-// alone gives its last third.
-void split(std::vector<EvidenceRun>& runs, const std::vector<RecordedRun>& recorded) {
-  if (recorded.front().role != RunRole::Unassigned) {
-    for (std::size_t i = 0; i < runs.size(); ++i)
-      runs[i].training_rows = recorded[i].role == RunRole::Test ? 0 : runs[i].rows.size();
-    return;
-  }
-  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].training_rows = i % 3 == 1 ? 0 : runs[i].rows.size();
-  if (runs.size() == 1) runs[0].training_rows = runs[0].rows.size() * 2 / 3;
+// Which rows train: as the data set says; otherwise hold_out() decides.
+void assign_roles(std::vector<EvidenceRun>& runs, const std::vector<RecordedRun>& recorded) {
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    runs[i].training_rows = recorded[i].role == RunRole::Test ? 0 : runs[i].rows.size();
 }
 
 void measure_range(Evidence& evidence) {
@@ -106,6 +100,7 @@ void measure_range(Evidence& evidence) {
 }
 
 void measure_seconds(Evidence& evidence) {
+  evidence.training_seconds = evidence.held_out_seconds = 0.0;
   for (const EvidenceRun& run : evidence.runs)
     for (std::size_t i = 0; i < run.rows.size(); ++i)
       (i < run.training_rows ? evidence.training_seconds : evidence.held_out_seconds) += run.rows[i].span;
@@ -134,6 +129,19 @@ void shorten_to(Evidence& evidence, const Dataset& dataset, const PlantModel& mo
 }
 
 }  // namespace
+
+void hold_out(Evidence& evidence, HeldOut which) {
+  if (evidence.roles_given) return;
+  if (evidence.runs.size() == 1) which = HeldOut::LastThirds;
+  for (std::size_t i = 0; i < evidence.runs.size(); ++i) {
+    EvidenceRun& run = evidence.runs[i];
+    if (which == HeldOut::LastThirds)
+      run.training_rows = run.rows.size() * 2 / 3;
+    else
+      run.training_rows = i % 3 == static_cast<std::size_t>(which) ? 0 : run.rows.size();
+  }
+  measure_seconds(evidence);
+}
 
 double estimated_noise(const std::vector<RecordedRun>& runs) {
   return estimate_noise(runs).value;
@@ -170,7 +178,9 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
   for (const RecordedRun& run : dataset.runs) evidence.period = std::max(evidence.period, run.period);
   measure_range(evidence);
   shorten_to(evidence, dataset, model, most);
-  split(evidence.runs, dataset.runs);
+  evidence.roles_given = dataset.runs.front().role != RunRole::Unassigned;
+  if (evidence.roles_given) assign_roles(evidence.runs, dataset.runs);
+  hold_out(evidence, HeldOut::FromSecond);
   measure_seconds(evidence);
   return evidence;
 }

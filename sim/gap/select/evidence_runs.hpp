@@ -54,16 +54,24 @@ struct Evidence {
   double shortest_step = 1e-4;       // s, however stiff an effect makes the model
   double period = 0.0;               // s, the longest between two readings
   double searched = 1.0;             // share of each run, from its beginning, that the rows cover
+  bool roles_given = false;          // the data set says which runs are held out
 };
 
-// Every third run is held out, the second first; of a single run its last third. `window` [s] splits the runs
-// into windows that start from the measured motion. Throws ConfigError where a run is too short. Coarse rows
-// are for searching, fine ones for the final fits and comparisons. Of recordings that would take too long to
-// simulate again and again, only the beginning of each run is kept, of coarse rows less than of fine ones;
-// the noise is that of all readings.
+// Which rows are held out: every third run, beginning with the first, second or third; or the last third of
+// each run.
+enum class HeldOut : std::uint8_t { FromFirst, FromSecond, FromThird, LastThirds };
+
+// Every third run is held out, the second first, if the data set does not say which; of a single run its last
+// third. `window` [s] splits the runs into windows that start from the measured motion. Throws ConfigError
+// where a run is too short. Coarse rows are for searching, fine ones for the final fits and comparisons. Of
+// recordings that would take too long to simulate again and again, only the beginning of each run is kept, of
+// coarse rows less than of fine ones; the noise is that of all readings.
 enum class Sampling : std::uint8_t { Coarse, Fine };
 Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<double> window,
                  Sampling sampling);
+
+// Not where the data set says what is held out. A single run always gives its last third.
+void hold_out(Evidence& evidence, HeldOut which);
 
 // Standard deviation of one reading: given or estimated, at least that of its quantisation. m
 double noise_of(const Dataset& dataset);

@@ -22,11 +22,17 @@ double both(double held_out, double training, const Evidence& fine) {
 }
 
 ScoredModel refitted(Hypothesis hypothesis, const Evidence& other) {
-  fit(hypothesis, other, kIterations);
+  fit_closely(hypothesis, other, kIterations);
   return score_model(std::move(hypothesis), other);
 }
 
 }  // namespace
+
+bool can_exchange(const Evidence& evidence) {
+  return std::ranges::none_of(evidence.runs, [](const EvidenceRun& run) {
+    return run.training_rows > 0 && run.training_rows < run.rows.size();
+  });
+}
 
 Evidence exchanged(Evidence evidence) {
   for (EvidenceRun& run : evidence.runs) run.training_rows = run.training_rows > 0 ? 0 : run.rows.size();
@@ -35,7 +41,7 @@ Evidence exchanged(Evidence evidence) {
 }
 
 bool judge_by_both(Round& round, const ScoredModel& now, const Evidence& fine) {
-  if (fine.runs.size() < 2) return false;  // the last third of one run cannot be simulated alone
+  if (!can_exchange(fine)) return false;
   if (round.fits.empty() || !round.fits.front().fitted) return false;
   if (!(round.fits.front().scored.square < kNotWorse * now.square)) return false;
   if (is_only_noise(mean_square(residual(now.hypothesis.model, fine, Part::Training)), fine)) return false;
@@ -56,7 +62,7 @@ bool judge_by_both(Round& round, const ScoredModel& now, const Evidence& fine) {
   }
   round.null_evidence += null_evidence;
   round.exchanged_null_square = null.square;
-  rank(round, now);
+  rank(round, now, fine);
   return true;
 }
 

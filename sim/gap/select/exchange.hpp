@@ -6,6 +6,9 @@
 
 namespace biopsy::sim::gap {
 
+// Whole runs are held out: the last third of one cannot be simulated alone.
+bool can_exchange(const Evidence& evidence);
+
 // Trained on the held-out runs, tested on the others.
 Evidence exchanged(Evidence evidence);
 

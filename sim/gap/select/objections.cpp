@@ -9,21 +9,23 @@
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/residual/flexible.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
 #include "sim/gap/select/verdict.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kHalf = 0.5;          // of the RMSE above the noise that no calibration explains
-constexpr double kWhole = 0.95;        // of it
-constexpr double kNearNoise = 1.0;     // noises that are left
-constexpr double kFlexibleWins = 0.8;  // of the excess square that a name leaves
-constexpr double kAddsToCurve = 0.7;   // of the excess square that the curve leaves
-constexpr double kStillCloses = 0.5;   // with the runs exchanged
-constexpr double kContradicts = 2.0;   // standard deviations
-constexpr double kSameStds = 4.0;      // between the two fits of a strength,
-constexpr double kSameShare = 0.5;     // and of it
+constexpr double kHalf = 0.5;              // of the RMSE above the noise that no calibration explains
+constexpr double kWhole = 0.95;            // of it
+constexpr double kNearNoise = 1.0;         // noises that are left
+constexpr double kFlexibleWins = 0.8;      // of the excess square that a name leaves
+constexpr double kAddsToCurve = 0.7;       // of the excess square that the curve leaves
+constexpr double kStillCloses = 0.5;       // with the runs exchanged
+constexpr double kContradicts = 2.0;       // standard deviations
+constexpr double kSameStds = 4.0;          // between the two fits of a strength,
+constexpr double kSameShare = 0.5;         // and of it
+constexpr double kSameShareOfLeft = 0.25;  // of the lesser excess square
 constexpr int kExchangedIterations = 8;
 constexpr std::string_view kDryFriction = "coulomb_N_per_mm";  // of a shaft
 
@@ -77,10 +79,13 @@ double strength_std(const Hypothesis& hypothesis, int effect) {
 }
 
 // A fit may use an effect for something else than its name says: a drag that grows with the root of the speed
-// is friction that grows from breakaway to sliding; thick grease at one end is a shaft that tissue holds
-// without rubbing on it.
-void add_contradictions(std::vector<std::string>& out, const Selection& selection) {
+// is friction that grows from breakaway to sliding; a stop is tissue that does not relax; thick grease at one
+// end is a shaft that tissue holds without rubbing on it.
+void add_contradictions(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   const Hypothesis& best = selection.best.hypothesis;
+  double longest = 0.0;
+  for (const EvidenceRun& run : evidence.runs)
+    longest = std::max(longest, run.rows.back().time + run.rows.back().span);
   for (const SelectedTerm& term : selection.selected) {
     if (is(term, StribeckFriction::info.name)) {
       const StribeckFriction& friction = *best.model.effects.stribeck_friction;
@@ -90,6 +95,10 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
                         "its name",
                         friction.breakaway, friction.sliding));
     }
+    if (is(term, TissueRelaxation::info.name) && best.model.effects.tissue_relaxation->time > longest)
+      out.push_back(fmt::format(
+          "its force would relax in {:.2g} s, longer than any run: an elastic stop without relaxation",
+          best.model.effects.tissue_relaxation->time));
     if (is(term, ShaftFriction::info.name))
       for (const Unknown& u : best.unknowns)
         if (u.effect == term.candidate.effect &&
@@ -102,7 +111,7 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
 
 // Trained on the held-out runs, tested on the others.
 void add_instability(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
-  if (evidence.runs.size() < 2) return;  // the last third of one run cannot be simulated alone
+  if (!can_exchange(evidence)) return;
   const Evidence other = exchanged(evidence);
   Hypothesis hypothesis = selection.best.hypothesis;
   fit(hypothesis, other, kExchangedIterations);
@@ -126,11 +135,31 @@ void add_instability(std::vector<std::string>& out, const Selection& selection, 
   }
 }
 
-// What leaves something must at least leave far less than any other candidate that predicts something else:
-// of two that explain most, either may be the wrong name.
-void add_rival(std::vector<std::string>& out, const Selection& selection) {
-  if (margin_over_next(selection) < kClearMargin)
-    out.emplace_back("another candidate leaves nearly as little");
+bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence& evidence) {
+  double apart = 0.0;
+  for (std::size_t i = 0; i < a.residual.size(); ++i) apart += std::pow(a.residual[i] - b.residual[i], 2);
+  const double least = std::min(excess(a.square, evidence), excess(b.square, evidence));
+  return apart < kSameShareOfLeft * least * static_cast<double>(a.residual.size());
+}
+
+// What leaves something must at least leave far less than any other candidate, unless that is the same by
+// another name: shaft friction that begins far above the needle is Coulomb friction. Of two that explain
+// most, either may be the wrong name.
+void add_rival(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
+  for (const SelectedTerm& term : selection.selected) {
+    const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
+    if (!term.is_effect() || own == term.comparison.end()) continue;
+    for (const CandidateFit& t : term.comparison) {
+      if (t.candidate == term.candidate || !t.fitted ||
+          !(t.scored.square < kClearMargin * own->scored.square))
+        continue;
+      const bool nested = is_dry_friction(t.candidate) && is_dry_friction(term.candidate);
+      if (nested || same_prediction(t.scored, own->scored, evidence)) continue;
+      out.push_back(fmt::format("{} leaves nearly as little as {}", t.candidate.name(selection.best.drive()),
+                                term.candidate.name(selection.best.drive())));
+      return;
+    }
+  }
 }
 
 // A curve of its own may fit better than a name that leaves something; but then the name must add to it what
@@ -183,10 +212,10 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_unknown_parameters(out, selection, fine);
-  add_contradictions(out, selection);
+  add_contradictions(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || leaves_noise(selection, fine)) return out;
-  add_rival(out, selection);
+  add_rival(out, selection, fine);
   if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);
   return out;

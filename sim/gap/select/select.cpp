@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <string_view>
 
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/fit/restart.hpp"
+#include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
+#include "sim/gap/select/told_apart.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -21,8 +23,10 @@ constexpr double kWorthKeeping = 0.5;     // but the last one must explain most 
 constexpr double kMuchLeft = 0.05;        // of the first excess square
 constexpr double kOnlyNoise = 0.25;       // an excess below this share of the noise changes no RMSE by 4 %
 constexpr double kBelowNoise = 1.0;       // remainder, in noises, that does not justify a second effect
-constexpr double kAsGood = 1.05;          // ratio of mean squares within which the evidence decides
-constexpr double kFarBehind = 9.0;        // ratio of mean squares: a third of the winner's precision
+constexpr double kImprecision =
+    0.0025;                         // nor a share of the first excess square: an effect's form is its own
+constexpr double kAsGood = 1.05;    // ratio of mean squares within which the evidence decides
+constexpr double kFarBehind = 9.0;  // ratio of mean squares: a third of the winner's precision
 constexpr std::uint64_t kMostWork = 250'000'000;  // steps: most of a minute of a processor
 constexpr int kRefitIterations = 15;
 constexpr double kShareBefore = 0.1, kShareOfRounds = 0.75, kShareOfContest = 0.88;  // of the work
@@ -32,7 +36,9 @@ bool is_accepted(const Round& round, const ScoredModel& now, bool much_left, con
   if (round.fits.empty() || !round.fits.front().fitted) return false;
   const CandidateFit& first = round.fits.front();
   const double needed = much_left ? kWorthTrying : kWorthKeeping;
-  return first.log_evidence > round.null_evidence + kNeededEvidence &&
+  const bool paired = excess(now.square, evidence) > std::pow(kBelowNoise * evidence.noise, 2) &&
+                      paired_evidence(first.scored, now, evidence) > kNeededEvidence;
+  return (first.log_evidence > round.null_evidence + kNeededEvidence || paired) &&
          excess(square_of_both(first, evidence), evidence) <
              (1.0 - needed) * excess(square_of_both(now, round, evidence), evidence);
 }
@@ -43,23 +49,66 @@ double reduction(const ScoredModel& from, const Round& round, const Evidence& ev
   return left > 0.0 ? 1.0 - excess(square_of_both(round.fits.front(), evidence), evidence) / left : 0.0;
 }
 
-// The remainder is noise, or too small for a further effect.
+bool leaves_noise(const ScoredModel& now, const Evidence& evidence) {
+  return std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise;
+}
+
+// The remainder is small against what was explained: that the effects are not quite of the library's form
+// would be taken for a further one.
+bool is_imprecision(const ScoredModel& now, const ScoredModel& start, const Evidence& evidence) {
+  return excess(now.square, evidence) < kImprecision * excess(start.square, evidence);
+}
+
+// The remainder is noise. Before anything is named in the training runs
+// too: the held-out ones may not show what is missing.
 bool is_closed(const ScoredModel& now, bool named, const Evidence& evidence) {
-  if (named && std::sqrt(excess(now.square, evidence)) < kBelowNoise * evidence.noise) return true;
-  return is_only_noise(now.square, evidence);
+  if (named) return leaves_noise(now, evidence);
+  return is_only_noise(now.square, evidence) &&
+         is_only_noise(mean_square(residual(now.hypothesis.model, evidence, Part::Training)), evidence);
 }
 
 // The winner of a round that leaves much: fitted again from other shapes and places, before what a poor fit
 // leaves is taken for a second effect.
 void refit_elsewhere(CandidateFit& first, const Evidence& coarse, const Evidence& fine,
                      const std::function<void()>& say) {
-  if (first.candidate.effect == kBaseline || is_closed(first.scored, true, fine) || is_exhausted(fine))
-    return;
+  if (first.candidate.effect == kBaseline || leaves_noise(first.scored, fine) || is_exhausted(fine)) return;
   say();
   Hypothesis other = restarted(first.scored.hypothesis, first.candidate.effect, coarse);
-  fit(other, fine, kRefitIterations);
+  fit_closely(other, fine, kRefitIterations);
   ScoredModel scored = score_model(std::move(other), fine);
   if (scored.square < first.scored.square) first.scored = std::move(scored);
+}
+
+bool is_effect(const SelectedTerm& term, std::string_view name) {
+  return term.is_effect() && library_effect(term.candidate.effect).info.name == name;
+}
+
+// Coulomb beside Stribeck friction is Stribeck friction: the sum of both has its form. It was found as
+// Coulomb friction first where the fit of the other began at the wrong speed.
+bool merge_friction(std::vector<SelectedTerm>& selected, std::vector<ScoredModel>& models,
+                    const Evidence& fine) {
+  const auto find = [&](std::string_view name) {
+    return std::ranges::find_if(selected, [&](const SelectedTerm& term) { return is_effect(term, name); });
+  };
+  const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
+  if (simple == selected.end() || rich == selected.end()) return false;
+  Hypothesis merged = models.back().hypothesis;
+  const double force = merged.model.effects.coulomb_friction->force;
+  for (Unknown& u : merged.unknowns)
+    if (u.effect == rich->candidate.effect &&
+        library_effect(u.effect).parameters[u.parameter].role == Role::Strength)
+      u.theta = std::min(u.theta_of(u.value() + force), u.high);
+  std::erase_if(merged.unknowns, [&](const Unknown& u) { return u.effect == simple->candidate.effect; });
+  merged.model.effects.coulomb_friction.reset();
+  std::vector<double> thetas;
+  for (const Unknown& u : merged.unknowns) thetas.push_back(u.theta);
+  merged.set(thetas);
+  fit_closely(merged, fine, kRefitIterations);
+  rich->reduction = 1.0 - (1.0 - rich->reduction) * (1.0 - simple->reduction);
+  models.erase(models.begin() + (simple - selected.begin()) + 1);
+  selected.erase(simple);
+  models.back() = score_model(std::move(merged), fine);
+  return true;
 }
 
 // The hypothesis without one of its effects, the rest fitted anew.
@@ -67,29 +116,28 @@ ScoredModel without(const ScoredModel& best, const Candidate& candidate, const E
   Hypothesis reduced = best.hypothesis;
   std::erase_if(reduced.unknowns, [&](const Unknown& u) { return u.effect == candidate.effect; });
   library_effect(candidate.effect).remove(reduced.model);
-  fit(reduced, fine, kRefitIterations);
+  fit_closely(reduced, fine, kRefitIterations);
   return score_model(std::move(reduced), fine);
 }
 
-// No other candidate came near it when it was selected.
-bool has_clear_margin(const SelectedTerm& term) {
-  double own = 0.0, next = std::numeric_limits<double>::infinity();
-  for (const CandidateFit& t : term.comparison) {
-    if (t.candidate == term.candidate)
-      own = t.scored.square;
-    else if (t.fitted)
-      next = std::min(next, t.scored.square);
-  }
-  return next > kFarBehind * own;
+// It, and the candidates that came near it when it was selected.
+std::vector<Candidate> near_candidates(const SelectedTerm& term) {
+  const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
+  std::vector<Candidate> out;
+  for (const CandidateFit& t : term.comparison)
+    if (t.candidate == term.candidate || (t.fitted && t.scored.square <= kFarBehind * own->scored.square))
+      out.push_back(t.candidate);
+  return out;
 }
 
 // Each effect but the last was selected before the others were in the model: it is compared again with them
-// present, unless it had a clear margin.
+// present, against those that came near it.
 void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine, const Progress& progress,
                     const std::stop_token& stop) {
   for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
     SelectedTerm& term = out.selected[i];
-    if (!term.is_effect() || has_clear_margin(term)) continue;
+    const std::vector<Candidate> near = near_candidates(term);
+    if (!term.is_effect() || near.size() < 2) continue;
     if (is_exhausted(fine)) {
       out.cut_short = true;
       return;
@@ -100,13 +148,29 @@ void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine
                                   .title = fmt::format("again in place of {}", name),
                                   .share = kShareOfContest,
                                   .share_after = kShareOfContest},
-                                 progress, stop);
+                                 progress, stop, near);
     if (again.fits.empty() || !again.fits.front().fitted) continue;
     if (again.fits.front().scored.square < kAsGood * out.best.square) {
       out.best = again.fits.front().scored;
       term.candidate = again.fits.front().candidate;
     }
     term.comparison = std::move(again.fits);
+  }
+}
+
+// A second effect may only have made up for a poor fit of the first, and is not needed once that is better.
+// The effects come in the order of what they explained: the last is tried first.
+void drop_unneeded(Selection& out, const Evidence& fine) {
+  for (std::size_t i = out.selected.size(); i-- > 0;) {
+    const auto effects = std::ranges::count_if(out.selected, &SelectedTerm::is_effect);
+    if (effects < 2 || !out.selected[i].is_effect()) continue;
+    ScoredModel less = without(out.best, out.selected[i].candidate, fine);
+    const double left = excess(out.best.square, fine), more = excess(less.square, fine);
+    if (!leaves_noise(less, fine) && !is_imprecision(less, out.start, fine) &&
+        left < (1.0 - kWorthKeeping) * more)
+      continue;
+    out.best = std::move(less);
+    out.selected.erase(out.selected.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
 
@@ -130,7 +194,8 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   std::vector<ScoredModel> models{out.start};
   std::size_t effects = 0;
   while (out.selected.size() < kMostRounds && effects < most_effects &&
-         !is_closed(models.back(), effects > 0, fine) && !stop.stop_requested()) {
+         !is_closed(models.back(), effects > 0, fine) &&
+         !(effects > 0 && is_imprecision(models.back(), out.start, fine)) && !stop.stop_requested()) {
     if (is_exhausted(fine)) {
       out.cut_short = true;
       break;
@@ -158,6 +223,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
           {round.fits.front().candidate, reduction(models.back(), round, fine), round.fits});
       models.push_back(round.fits.front().scored);
       if (out.selected.back().is_effect()) ++effects;
+      if (merge_friction(out.selected, models, fine)) --effects;
     }
     out.fits.insert(out.fits.end(), round.fits.begin(), round.fits.end());
     if (!found) break;
@@ -166,9 +232,12 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
     out.selected.pop_back();
     models.pop_back();
   }
-  for (CandidateFit& fit : out.fits)
-    if (static_cast<std::size_t>(fit.round) > out.selected.size()) fit.chosen = false;
   out.best = models.back();
+  if (!stop.stop_requested() && !is_exhausted(fine)) drop_unneeded(out, fine);
+  for (CandidateFit& fit : out.fits)
+    fit.chosen = fit.chosen && std::ranges::any_of(out.selected, [&](const SelectedTerm& term) {
+                   return term.candidate == fit.candidate;
+                 });
   if (!stop.stop_requested()) reselect_terms(out, coarse, fine, progress, stop);
   return out;
 }

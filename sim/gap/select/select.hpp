@@ -34,6 +34,7 @@ struct CandidateFit {
   bool fitted = false;
   ScoredModel scored;
   double log_evidence = 0.0;
+  double paired = 0.0;       // of it: told_apart.hpp
   double probability = 0.0;  // in its round, among all candidates and the unchanged model
   bool chosen = false;
   bool indistinguishable = false;  // predicts the same as the winner or a model nested with it
