@@ -34,15 +34,24 @@ std::vector<Shift> shifts_of(const Stack& stack, double nearest_mm) {
   return all;
 }
 
-// The corridor's voxel that lies `shift` from this one of the same stack; -1 where there is none.
-std::int32_t voxel_at(const Stack& stack, std::uint32_t cell, const Shift& shift) {
+// The corridor's voxel that lies `shift` from this one of the same stack; none: nullptr.
+const CorridorVoxel* voxel_at(const Corridor& corridor, const Stack& stack, std::uint32_t cell,
+                              const Shift& shift) {
   const auto n = static_cast<int>(cell);
   const Eigen::Vector3i at =
       shift + Eigen::Vector3i(n % stack.size.x(), (n / stack.size.x()) % stack.size.y(),
                               n / (stack.size.x() * stack.size.y()));
-  if ((at.array() < 0).any() || (at.array() >= stack.size.array()).any()) return -1;
-  return stack
-      .voxel_at[static_cast<std::size_t>(at.x() + stack.size.x() * (at.y() + stack.size.y() * at.z()))];
+  if ((at.array() < 0).any() || (at.array() >= stack.size.array()).any()) return nullptr;
+  const auto row = static_cast<std::size_t>(at.y() + stack.size.y() * at.z());
+  const auto sought = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(stack.size.x()) +
+                      static_cast<std::uint32_t>(at.x());
+  const CorridorVoxel* const first = corridor.voxels.data() + stack.rows[row];
+  const CorridorVoxel* const end = corridor.voxels.data() + stack.rows[row + 1];
+  if (first == end || sought < first->cell) return nullptr;
+  // Few rows have a gap: it lies as far from the first voxel as its number tells, or a little nearer.
+  const CorridorVoxel* voxel = first + std::min<std::ptrdiff_t>(sought - first->cell, end - first - 1);
+  while (voxel->cell > sought) --voxel;
+  return voxel->cell == sought ? voxel : nullptr;
 }
 
 }  // namespace
@@ -51,19 +60,19 @@ ControlPlaces at_control_places(const Corridor& corridor, const std::vector<Temp
                                 const VoidMatrix& step_for, const VoidFit& fit, double clip,
                                 double clear_mm) {
   ControlPlaces result;
-  // What is left over, in standard deviations; NaN in the void.
-  std::vector<float> left(corridor.voxels.size());
-  for (std::size_t n = 0; n < left.size(); ++n) {
-    const CorridorVoxel& voxel = corridor.voxels[n];
+  const auto in_void = [&](const CorridorVoxel& voxel) {
     const double t = static_cast<double>(voxel.t);
-    const double beside = std::hypot(static_cast<double>(voxel.u) - fit.line.u - fit.line.u_slope * t,
-                                     static_cast<double>(voxel.v) - fit.line.v - fit.line.v_slope * t);
-    const bool clear = beside > clear_mm || t > fit.depth_mm + clear_mm + 0.5 * corridor.along_mm;
+    if (t > fit.depth_mm + clear_mm + 0.5 * corridor.along_mm) return false;
+    const double du = static_cast<double>(voxel.u) - fit.line.u - fit.line.u_slope * t,
+                 dv = static_cast<double>(voxel.v) - fit.line.v - fit.line.v_slope * t;
+    return du * du + dv * dv <= clear_mm * clear_mm;
+  };
+  // What is left over, in standard deviations.
+  const auto left = [&](const CorridorVoxel& voxel) {
     const double z = static_cast<double>(voxel.measured - voxel.predicted) /
                      std::sqrt(static_cast<double>(voxel.variance));
-    left[n] =
-        clear ? static_cast<float>(std::clamp(z, -clip, clip)) : std::numeric_limits<float>::quiet_NaN();
-  }
+    return std::clamp(z, -clip, clip);
+  };
   double squares = 0.0, told_by_all = 0.0;
   std::size_t voxels = 0;
   // What the fit is told, each parameter counted by how well it is known.
@@ -89,10 +98,9 @@ ControlPlaces at_control_places(const Corridor& corridor, const std::vector<Temp
       for (const TemplateVoxel& one : fitted) {
         const CorridorVoxel& voxel = corridor.voxels[one.voxel];
         if (voxel.stack != s) continue;
-        const std::int32_t there = voxel_at(stack, voxel.cell, shifts[n]);
-        if (there < 0) continue;
-        const auto z = static_cast<double>(left[static_cast<std::size_t>(there)]);
-        if (std::isnan(z)) continue;
+        const CorridorVoxel* const there = voxel_at(corridor, stack, voxel.cell, shifts[n]);
+        if (there == nullptr || in_void(*there)) continue;
+        const double z = left(*there);
         told_there += told(one);
         answer += z * one.slope;
         squares += z * z, ++voxels;

@@ -101,23 +101,19 @@ DepthReading read_depth(const Volume& before, std::span<const Volume> after, con
   Box box{frame.p_SE, frame.p_SE};
   box.include(frame.point(-kBehind_mm, 0, 0), kBeside_mm);
   box.include(frame.point(std::min(end, 60.0), 0, 0), kBeside_mm);
-  Box wide = box;
-  wide.include(frame.point(end, 0, 0), 25.0);
-  std::vector<Volume> after_part;
-  for (const Volume& stack : after) {
-    Volume part = cropped(stack, wide);
-    if (!part.voxels.empty()) after_part.push_back(std::move(part));
-  }
-  wide.include(box.low, 12.0);
-  wide.include(box.high, 12.0);
-  const Volume before_part = cropped(before, wide);
-
   RegistrationSettings registration{box, frame.p_SE, NeedleMask{frame, -1e3, depth_max.value, 7.0}};
-  const RegistrationResult motion = register_rigid(before_part, after_part, registration);
+  const RegistrationResult motion = register_rigid(before, after, registration);
   CorridorSettings path;
   path.from_mm = -kBehind_mm;
   path.to_mm = end;
-  const Corridor corridor = needle_corridor(before_part, after_part, motion, frame, path);
+  // All that is computed by voxel of the after image is then as large as the path's surroundings.
+  box.include(frame.point(end, 0, 0), kBeside_mm);
+  std::vector<Volume> about_path;
+  for (const Volume& stack : after) {
+    Volume part = cropped(stack, box);
+    if (!part.voxels.empty()) about_path.push_back(std::move(part));
+  }
+  const Corridor corridor = needle_corridor(before, about_path, motion, frame, path);
   SearchReach search;
   search.depth_max_mm = depth_max.value;
   DepthReading reading{motion, {}};

@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<double, 5> kRadii{0.7, 1.2, 2.0, 3.3, 5.5};
 constexpr double kCell_mm = 0.75, kSlab_mm = 2.0;
 constexpr double kTiltStep_deg = 1.5;
-constexpr int kStarts = 4;  // a shaft may come into view behind the entry at one of these
+constexpr std::size_t kStarts = 4;  // a shaft may come into view behind the entry at one of these
 
 // Per slab: sums of template * change / variance and template^2 / variance, for a disc about each cell.
 struct SlabMaps {
@@ -110,25 +110,63 @@ double inflation_of(const SlabMaps& maps, double from_mm, double to_mm) {
   return squares.size() < 20 ? 1.0 : std::max(median(std::move(squares)) / kMedianOfSquare, 1.0);
 }
 
-LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& reach, double loss_least) {
-  LineFit best;
-  const double behind = std::max(-maps.t_min, 0.0);
-  std::array<double, kStarts> match{}, energy{};
+// The cells that a line passes, slab by slab, in one direction beside the axis; -1 outside.
+std::vector<int> cells_along(const SlabMaps& maps, double at_entry, double slope) {
+  std::vector<int> cells;
   for (std::size_t slab = 0; slab < maps.match.size(); ++slab) {
-    const double t = maps.t(slab), end = t + 0.5 * kSlab_mm;
-    const int row = maps.cell_of(line.v + line.v_slope * t), column = maps.cell_of(line.u + line.u_slope * t);
-    const bool inside = row >= 0 && column >= 0 && row < maps.cells && column < maps.cells;
-    const double m = inside ? static_cast<double>(maps.match[slab].at<float>(row, column)) : 0.0;
-    const double e = inside ? static_cast<double>(maps.energy[slab].at<float>(row, column)) : 0.0;
-    for (int n = 0; n < kStarts; ++n) {
-      const double start = -behind * n / (kStarts - 1);
-      if (t < start - 0.5 * kSlab_mm) continue;
-      const auto s = static_cast<std::size_t>(n);
-      match[s] += m, energy[s] += e;
-      if (end < reach.depth_min_mm || end > reach.depth_max_mm || energy[s] <= 0.0) continue;
-      const double loss = std::clamp(match[s] / energy[s], loss_least, 1.1);
-      const double gain = loss * (2.0 * match[s] - loss * energy[s]);
-      if (gain > best.gain) best = {gain, loss, start, end};
+    const int cell = maps.cell_of(at_entry + slope * maps.t(slab));
+    cells.push_back(cell < maps.cells ? std::max(cell, -1) : -1);
+  }
+  return cells;
+}
+
+// Match and energy in the rows that a line passes; nullptr outside.
+using Rows = std::vector<const cv::Vec2f*>;
+
+// Where a shaft may come into view and where it may end, in slabs.
+struct Ends {
+  std::array<std::size_t, kStarts> starts{};
+  std::array<double, kStarts> starts_mm{};
+  std::size_t first = 0, last = 0;  // of the ends; `last` is one too far
+};
+
+Ends ends_of(const SlabMaps& maps, const SearchReach& reach) {
+  Ends ends;
+  const std::size_t slabs = maps.match.size();
+  const auto slab_from = [&](double t) {  // the first whose middle lies there or further on
+    std::size_t slab = 0;
+    while (slab < slabs && maps.t(slab) < t) ++slab;
+    return slab;
+  };
+  for (std::size_t n = 0; n < kStarts; ++n) {
+    ends.starts_mm[n] = -std::max(-maps.t_min, 0.0) * static_cast<double>(n) / (kStarts - 1);
+    ends.starts[n] = slab_from(ends.starts_mm[n] - 0.5 * kSlab_mm);
+  }
+  ends.first = slab_from(reach.depth_min_mm - 0.5 * kSlab_mm);
+  while (ends.last < slabs && maps.t(ends.last) + 0.5 * kSlab_mm <= reach.depth_max_mm) ++ends.last;
+  return ends;
+}
+
+LineFit best_tip(const SlabMaps& maps, const Rows& rows, const std::vector<int>& columns, const Ends& ends,
+                 double loss_least) {
+  LineFit best;
+  double match = 0.0, energy = 0.0;
+  std::array<double, kStarts> match_before{}, energy_before{};
+  for (std::size_t slab = 0; slab < ends.last; ++slab) {
+    for (std::size_t n = 0; n < kStarts; ++n)
+      if (ends.starts[n] == slab) match_before[n] = match, energy_before[n] = energy;
+    if (rows[slab] == nullptr || columns[slab] < 0) continue;
+    const cv::Vec2f& sums = rows[slab][columns[slab]];
+    match += static_cast<double>(sums[0]), energy += static_cast<double>(sums[1]);
+    // An end behind what tells against a void is no better than one before it.
+    if (slab < ends.first || (sums[0] <= 0.0f && slab > ends.first)) continue;
+    for (std::size_t n = 0; n < kStarts; ++n) {
+      if (ends.starts[n] > slab) continue;
+      const double m = match - match_before[n], e = energy - energy_before[n];
+      // No loss gains more than match^2 / energy.
+      if (m <= 0.0 || e <= 0.0 || m * m <= best.gain * e) continue;
+      const double loss = std::clamp(m / e, loss_least, kLossMost), gain = loss * (2.0 * m - loss * e);
+      if (gain > best.gain) best = {gain, loss, ends.starts_mm[n], maps.t(slab) + 0.5 * kSlab_mm};
     }
   }
   return best;
@@ -137,6 +175,7 @@ LineFit best_tip(const SlabMaps& maps, const VoidLine& line, const SearchReach& 
 std::vector<LineCandidate> candidates_losing(const Corridor& corridor, const SearchReach& reach,
                                              double loss_least) {
   const SlabMaps points = point_maps(corridor);
+  const Ends ends = ends_of(points, reach);
   std::vector<LineCandidate> best;
   for (double radius : kRadii) {
     const SlabMaps maps = disc_maps(points, disc_kernel(corridor, radius));
@@ -147,15 +186,26 @@ std::vector<LineCandidate> candidates_losing(const Corridor& corridor, const Sea
     const int n = static_cast<int>(std::ceil(reach.beside_mm / step));
     const int tilts = static_cast<int>(std::floor(reach.tilt_deg / kTiltStep_deg));
     const double slope = std::tan(kTiltStep_deg * std::numbers::pi / 180.0);
+    std::vector<cv::Mat> sums(maps.match.size());
+    for (std::size_t slab = 0; slab < sums.size(); ++slab)
+      cv::merge(std::vector<cv::Mat>{maps.match[slab], maps.energy[slab]}, sums[slab]);
+    std::vector<std::vector<int>> cells;
     for (int i = -n; i <= n; ++i)
-      for (int j = -n; j <= n; ++j) {
-        if (std::hypot(i, j) > n) continue;
-        for (int a = -tilts; a <= tilts; ++a)
-          for (int b = -tilts; b <= tilts; ++b) {
-            if (std::hypot(a, b) > tilts) continue;
-            const VoidLine line{i * step, j * step, a * slope, b * slope, radius};
-            const LineFit fit = best_tip(maps, line, reach, loss_least);
-            if (fit.gain > top.fit.gain) top.line = line, top.fit = fit;
+      for (int a = -tilts; a <= tilts; ++a) cells.push_back(cells_along(maps, i * step, a * slope));
+    const auto along = [&](int i, int a) -> const std::vector<int>& {
+      return cells[static_cast<std::size_t>((i + n) * (2 * tilts + 1) + a + tilts)];
+    };
+    for (int j = -n; j <= n; ++j)
+      for (int b = -tilts; b <= tilts; ++b) {
+        Rows rows;
+        for (std::size_t slab = 0; slab < sums.size(); ++slab)
+          rows.push_back(along(j, b)[slab] < 0 ? nullptr : sums[slab].ptr<cv::Vec2f>(along(j, b)[slab]));
+        for (int i = -n; i <= n; ++i)
+          for (int a = -tilts; a <= tilts; ++a) {
+            if (i * i + j * j > n * n || a * a + b * b > tilts * tilts) continue;
+            const LineFit fit = best_tip(maps, rows, along(i, a), ends, loss_least);
+            if (fit.gain > top.fit.gain)
+              top.line = {i * step, j * step, a * slope, b * slope, radius}, top.fit = fit;
           }
       }
     best.push_back(top);

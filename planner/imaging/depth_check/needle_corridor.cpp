@@ -13,60 +13,85 @@ namespace {
 constexpr double kThin_mm = 0.6;      // finer voxels are thinned for the search: a void is wider
 constexpr double kModelError = 0.05;  // of a voxel's signal: contrast never matches better
 
+Eigen::Vector3i thin_stride(const Grid& grid) {
+  return (kThin_mm / grid.spacing_mm().array()).round().max(1.0).cast<int>();
+}
+
+// Square of its distance from the expected axis.
+double beside_needle(const CorridorVoxel& voxel) {
+  return static_cast<double>(voxel.u * voxel.u + voxel.v * voxel.v);
+}
+
 // Of one stack's voxels, from `first` on. Noise from the flatter half of the tissue beside the needle, the
-// registration error from the steep quarter; the error of interpolation is known of each voxel.
+// registration error from the steep quarter; the error of interpolation is known of each voxel. The thinned
+// voxels are enough to learn from.
 void learn_noise(const std::vector<float>& steepness, const std::vector<float>& interpolation,
                  double needle_mm, std::size_t first, Corridor& corridor) {
-  if (steepness.empty()) return;
-  std::vector<double> slopes(steepness.begin(), steepness.end()), flat, steep, squared, values;
-  std::vector<double> sorted = slopes;
-  std::sort(sorted.begin(), sorted.end());
-  const double half = sorted[sorted.size() / 2], quarter = sorted[sorted.size() * 3 / 4];
-  for (std::size_t n = 0; n < slopes.size(); ++n) {
-    const CorridorVoxel& voxel = corridor.voxels[first + n];
-    values.push_back(static_cast<double>(voxel.predicted));
-    if (std::hypot(voxel.u, voxel.v) < static_cast<float>(needle_mm)) continue;
-    const double change = std::abs(static_cast<double>(voxel.measured - voxel.predicted));
-    if (slopes[n] <= half) flat.push_back(change);
-    if (slopes[n] >= quarter) steep.push_back(change), squared.push_back(slopes[n] * slopes[n]);
+  std::vector<float> slopes, flat, steep, steep_slopes, values;
+  const auto begin = std::lower_bound(corridor.thinned.begin(), corridor.thinned.end(), first);
+  for (auto n = begin; n != corridor.thinned.end(); ++n) slopes.push_back(steepness[*n - first]);
+  if (slopes.empty()) return;
+  const float half = order_statistic(slopes, slopes.size() / 2),
+              quarter = order_statistic(slopes, slopes.size() * 3 / 4);
+  for (auto n = begin; n != corridor.thinned.end(); ++n) {
+    const CorridorVoxel& voxel = corridor.voxels[*n];
+    const float slope = steepness[*n - first], change = std::abs(voxel.measured - voxel.predicted);
+    values.push_back(voxel.predicted);
+    if (beside_needle(voxel) < needle_mm * needle_mm) continue;
+    if (slope <= half) flat.push_back(change);
+    if (slope >= quarter) steep.push_back(change), steep_slopes.push_back(slope);
   }
-  const auto middle_of = [](const std::vector<double>& of) { return of.empty() ? 0.0 : median(of); };
+  const auto middle_of = [](std::vector<float>& of) {
+    return of.empty() ? 0.0 : static_cast<double>(median(std::move(of)));
+  };
   const double noise = std::max(kMadToSigma * middle_of(flat), 1e-3 * std::abs(middle_of(values)) + 1e-9);
   const double rest = std::pow(kMadToSigma * middle_of(steep), 2) - noise * noise;
-  const double slope2 = middle_of(squared);
+  const double slope2 = std::pow(middle_of(steep_slopes), 2);
   // The registration error that explains what is left where the image is steep.
   const double misfit_mm = slope2 > 0.0 ? std::sqrt(std::max(rest, 0.0) / slope2) : 0.0;
-  for (std::size_t n = 0; n < slopes.size(); ++n) {
+  for (std::size_t n = 0; n < steepness.size(); ++n) {
     CorridorVoxel& voxel = corridor.voxels[first + n];
-    const double model = kModelError * static_cast<double>(voxel.predicted);
-    voxel.variance = static_cast<float>(noise * noise + std::pow(misfit_mm * slopes[n], 2) + model * model) +
+    const double model = kModelError * static_cast<double>(voxel.predicted),
+                 misfit = misfit_mm * static_cast<double>(steepness[n]);
+    voxel.variance = static_cast<float>(noise * noise + misfit * misfit + model * model) +
                      interpolation[n] * interpolation[n];
   }
 }
 
 // Where the before image tells less (another contrast, motion of its own) its errors are larger all around: a
-// variance of the whole corridor would let such places outweigh a needle. From the tissue beside it.
-void vary_noise(const Grid& grid, double needle_mm, std::size_t first, Corridor& corridor) {
+// variance of the whole corridor would let such places outweigh a needle. From the tissue beside it, by cell:
+// it varies slowly.
+void vary_noise(const Grid& grid, double needle_mm, const Stack& stack, Corridor& corridor) {
   constexpr double kReach_mm = 12.0;  // wider than the needle's surroundings, which are not asked
   constexpr float kSquareMost = 16.0f, kLeast = 0.25f;
+  const Eigen::Vector3i side = thin_stride(grid);
   Volume squares;
-  squares.grid = grid;
-  squares.voxels.assign(grid.voxel_count(), 0.0f);
+  squares.grid = grid_of_cells(grid, side);
+  squares.voxels.assign(squares.grid.voxel_count(), 0.0f);
   Volume one = squares;
-  for (std::size_t n = first; n < corridor.voxels.size(); ++n) {
-    const CorridorVoxel& voxel = corridor.voxels[n];
-    if (std::hypot(voxel.u, voxel.v) < static_cast<float>(needle_mm)) continue;
+  const auto each = [&](const auto& use) {
+    for (int k = 0, row = 0; k < grid.size.z(); ++k)
+      for (int j = 0; j < grid.size.y(); ++j, ++row) {
+        const std::size_t cells = squares.grid.index(0, j / side.y(), k / side.z());
+        const auto begin = static_cast<std::uint32_t>(grid.index(0, j, k)),
+                   wide = static_cast<std::uint32_t>(side.x());
+        for (std::uint32_t n = stack.rows[row]; n < stack.rows[row + 1]; ++n)
+          use(corridor.voxels[n], cells + (corridor.voxels[n].cell - begin) / wide);
+      }
+  };
+  const float share = 1.0f / static_cast<float>(side.prod());
+  each([&](const CorridorVoxel& voxel, std::size_t cell) {
+    if (beside_needle(voxel) < needle_mm * needle_mm) return;
     const float change = voxel.measured - voxel.predicted;
-    one.voxels[voxel.cell] = 1.0f;
-    squares.voxels[voxel.cell] = std::min(change * change / voxel.variance, kSquareMost);
-  }
+    one.voxels[cell] += share;
+    squares.voxels[cell] += share * std::min(change * change / voxel.variance, kSquareMost);
+  });
   one = box_averaged(std::move(one), kReach_mm);
   squares = box_averaged(std::move(squares), kReach_mm);
-  for (std::size_t n = first; n < corridor.voxels.size(); ++n) {
-    CorridorVoxel& voxel = corridor.voxels[n];
-    const float asked = one.voxels[voxel.cell];
-    if (asked > 0.02f) voxel.variance *= std::max(squares.voxels[voxel.cell] / asked, kLeast);
-  }
+  each([&](CorridorVoxel& voxel, std::size_t cell) {
+    const float asked = one.voxels[cell];
+    if (asked > 0.02f) voxel.variance *= std::max(squares.voxels[cell] / asked, kLeast);
+  });
 }
 
 Stack stack_of(const Grid& grid, Corridor& corridor) {
@@ -74,7 +99,6 @@ Stack stack_of(const Grid& grid, Corridor& corridor) {
   const Eigen::Vector3d spacing = grid.spacing_mm();
   Stack stack;
   stack.size = grid.size;
-  stack.voxel_at.assign(grid.voxel_count(), -1);
   Eigen::Matrix3d& sides = stack.steps;
   Eigen::Vector3i count, beside;
   for (int a = 0; a < 3; ++a) {
@@ -94,6 +118,7 @@ Stack stack_of(const Grid& grid, Corridor& corridor) {
   };
   each(count, [&](const Eigen::Vector3d& place) { stack.places.push_back(place); });
   each(beside, [&](const Eigen::Vector3d& place) { stack.lateral.push_back(place.tail<2>()); });
+  for (const Eigen::Vector3d& place : stack.places) stack.reach_mm = std::max(stack.reach_mm, place.norm());
   return stack;
 }
 
@@ -102,12 +127,8 @@ struct Predicted {
   const Volume* after;
   Prediction before;
 
-  bool knows(const Point& p_S) const {
-    const Grid& grid = after->grid;
-    const Eigen::Vector3i index =
-        (grid.X_SI.inverse() * p_S).array().round().cast<int>();  // the voxel it lies in
-    return grid.contains(index.x(), index.y(), index.z()) &&
-           std::isfinite(before.value.at(index.x(), index.y(), index.z()));
+  bool knows(const Point& p_S) const {  // of the voxel it lies in
+    return before.knows((after->grid.X_SI.inverse() * p_S).array().round().cast<int>());
   }
 };
 
@@ -127,31 +148,34 @@ void find_coverage(const std::vector<Predicted>& stacks, const CorridorSettings&
 
 void add_stack(const Predicted& predicted, const CorridorSettings& settings, Corridor& corridor) {
   const Volume& after = *predicted.after;
-  const std::size_t first = corridor.voxels.size();
+  const Grid& grid = after.grid;
+  const Prediction& before = predicted.before;
+  const std::size_t first = corridor.voxels.size(), most = before.value.size();
   const auto number = static_cast<std::uint32_t>(corridor.stacks.size());
-  corridor.stacks.push_back(stack_of(after.grid, corridor));
+  Stack stack = stack_of(grid, corridor);
   std::vector<float> steepness, interpolation;
-  const Eigen::Array3i stride = (kThin_mm / after.grid.spacing_mm().array()).round().max(1.0).cast<int>();
-  std::size_t n = 0;
-  for (int k = 0; k < after.grid.size.z(); ++k)
-    for (int j = 0; j < after.grid.size.y(); ++j)
-      for (int i = 0; i < after.grid.size.x(); ++i, ++n) {
-        const Eigen::Vector3d c = corridor.frame.coordinates(after.grid.X_SI * Eigen::Vector3d(i, j, k));
-        const bool inside = c.x() >= corridor.t_min && c.x() <= corridor.t_max &&
-                            std::hypot(c.y(), c.z()) <= settings.radius_mm;
-        const float before = predicted.before.value.voxels[n];
-        if (!inside || !std::isfinite(before)) continue;
-        const bool kept = i % stride.x() == 0 && j % stride.y() == 0 && k % stride.z() == 0;
-        corridor.stacks.back().voxel_at[n] = static_cast<std::int32_t>(corridor.voxels.size());
-        if (kept) corridor.thinned.push_back(static_cast<std::uint32_t>(corridor.voxels.size()));
-        corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()),
-                                   static_cast<float>(c.z()), after.voxels[n], before, 1.0f, number,
-                                   static_cast<std::uint32_t>(n)});
-        steepness.push_back(predicted.before.steepness.voxels[n]);
-        interpolation.push_back(predicted.before.interpolation.voxels[n]);
-      }
+  corridor.voxels.reserve(first + most), steepness.reserve(most), interpolation.reserve(most);
+  const Eigen::Vector3i stride = thin_stride(grid);
+  const NeedleMask path{corridor.frame, corridor.t_min, corridor.t_max, settings.radius_mm};
+  for_each_voxel(before.rows, grid, [&](const GridVoxel& voxel) {
+    const Eigen::Vector3d c = corridor.frame.coordinates(voxel.p_S);
+    const float value = before.value[voxel.m];
+    if (!path.covers_coordinates(c) || !std::isfinite(value)) return;
+    const auto place = static_cast<std::uint32_t>(corridor.voxels.size());
+    stack.rows.resize(static_cast<std::size_t>(voxel.j + grid.size.y() * voxel.k) + 1, place);
+    if (voxel.i % stride.x() == 0 && voxel.j % stride.y() == 0 && voxel.k % stride.z() == 0)
+      corridor.thinned.push_back(place);
+    corridor.voxels.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()),
+                               static_cast<float>(c.z()), after.voxels[voxel.n], value, 1.0f, number,
+                               static_cast<std::uint32_t>(voxel.n)});
+    steepness.push_back(before.steepness[voxel.m]);
+    interpolation.push_back(before.interpolation[voxel.m]);
+  });
+  stack.rows.resize(static_cast<std::size_t>(grid.size.y() * grid.size.z()) + 1,
+                    static_cast<std::uint32_t>(corridor.voxels.size()));
   learn_noise(steepness, interpolation, settings.needle_mm, first, corridor);
-  vary_noise(after.grid, settings.needle_mm, first, corridor);
+  vary_noise(grid, settings.needle_mm, stack, corridor);
+  corridor.stacks.push_back(std::move(stack));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "planner/imaging/registration/brightness.hpp"
@@ -17,7 +18,7 @@ bool well_inside(const Grid& grid, const Eigen::Vector3d& index) {
          (index.array() <= grid.size.cast<double>().array() - 1.0 + kBeyond).all();
 }
 
-// Places in an after voxel, in voxels from its centre: as many as it is larger than the before image's
+// Places in an after voxel, in mm from its centre: as many as it is larger than the before image's
 // voxels. One place alone would carry the noise of few before voxels.
 std::vector<Eigen::Vector3d> places_in_voxel(const Grid& before, const Grid& after) {
   Eigen::Vector3i count;
@@ -30,7 +31,9 @@ std::vector<Eigen::Vector3d> places_in_voxel(const Grid& before, const Grid& aft
   for (int k = 0; k < count.z(); ++k)
     for (int j = 0; j < count.y(); ++j)
       for (int i = 0; i < count.x(); ++i)
-        places.push_back((Eigen::Vector3d(i, j, k).array() + 0.5) / count.cast<double>().array() - 0.5);
+        places.push_back(
+            after.X_SI.linear() *
+            ((Eigen::Vector3d(i, j, k).array() + 0.5) / count.cast<double>().array() - 0.5).matrix());
   return places;
 }
 
@@ -38,68 +41,74 @@ std::vector<Eigen::Vector3d> places_in_voxel(const Grid& before, const Grid& aft
 // smooth image (Taylor), all of it where something as thin as a voxel lies between two.
 float interpolation_error(const Volume& before, const Eigen::Vector3d& index) {
   constexpr float kOfSecondDifference = 1.0f / 6.0f;
-  const Eigen::Vector3i last = before.grid.size.array() - 1, at = index.array().round().cast<int>();
-  const auto voxel = [&](const Eigen::Vector3i& near) {
-    const Eigen::Vector3i inside = near.cwiseMax(0).cwiseMin(last);
-    return before.at(inside.x(), inside.y(), inside.z());
-  };
+  const Eigen::Vector3i& size = before.grid.size;
+  const Eigen::Vector3i at = index.array().round().cast<int>().max(0).min(size.array() - 1);
+  const float* const voxel = before.voxels.data() + before.grid.index(at.x(), at.y(), at.z());
   float sum = 0.0f;
+  std::ptrdiff_t stride = 1;
   for (int a = 0; a < 3; ++a) {
-    const Eigen::Vector3i step = Eigen::Vector3i::Unit(a);
-    const float bend = voxel(at - step) - 2.0f * voxel(at) + voxel(at + step);
+    const float bend =
+        voxel[at[a] > 0 ? -stride : 0] - 2.0f * *voxel + voxel[at[a] + 1 < size[a] ? stride : 0];
     sum += bend * bend;
+    stride *= size[a];
   }
   return kOfSecondDifference * std::sqrt(sum);
 }
 
 }  // namespace
 
+bool Prediction::knows(const Eigen::Vector3i& voxel) const {
+  const auto ends_before = [](const VoxelRow& row, const Eigen::Vector3i& v) {
+    return std::pair(row.k, row.j) < std::pair(v.z(), v.y());
+  };
+  const auto row = std::lower_bound(rows.begin(), rows.end(), voxel, ends_before);
+  if (row == rows.end() || row->j != voxel.y() || row->k != voxel.z()) return false;
+  const int at = voxel.x() - row->i;
+  return at >= 0 && at < row->count && std::isfinite(value[row->first + static_cast<std::size_t>(at)]);
+}
+
 Prediction predicted(const Volume& before, const Volume& after, const TissueMotion& motion,
                      const NeedleMask& needle, const NeedleMask& reach) {
-  Prediction result{after, after, after};
+  const Grid& grid = after.grid;
+  Prediction result;
+  result.rows = rows_under(reach, grid);
+  for (std::vector<float>* of : {&result.value, &result.steepness, &result.interpolation})
+    of->reserve(voxel_count(result.rows));
   const Sampler sampler(before);
   const AffineTransform X_IS = before.grid.X_SI.inverse();
-  const Grid& grid = after.grid;
   const std::vector<Eigen::Vector3d> places = places_in_voxel(before.grid, grid);
-  std::size_t n = 0;
-  for (int k = 0; k < grid.size.z(); ++k)
-    for (int j = 0; j < grid.size.y(); ++j)
-      for (int i = 0; i < grid.size.x(); ++i, ++n) {
-        double value = std::numeric_limits<double>::quiet_NaN();
-        Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-        const Eigen::Vector3d centre(i, j, k);
-        result.value.voxels[n] = std::numeric_limits<float>::quiet_NaN();
-        if (!reach.covers(grid.X_SI * centre)) continue;
-        const Point p_before = motion.before(grid.X_SI * centre);
-        const Eigen::Vector3d index = X_IS * p_before;
-        if (well_inside(before.grid, index)) sampler.at(p_before, value, gradient);
-        if (places.size() > 1 && std::isfinite(value)) {
-          double sum = 0.0;
-          int count = 0;
-          for (const Eigen::Vector3d& place : places) {
-            const double one = sampler.at(motion.before(grid.X_SI * (centre + place)));
-            if (std::isfinite(one)) sum += one, ++count;
-          }
-          if (count > 0) value = sum / count;
-        }
-        result.value.voxels[n] = static_cast<float>(value);
-        result.steepness.voxels[n] = static_cast<float>(gradient.norm());
-        result.interpolation.voxels[n] = interpolation_error(before, index);
+  for_each_voxel(result.rows, grid, [&](const GridVoxel& voxel) {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    const Point p_before = motion.before(voxel.p_S);
+    const Eigen::Vector3d index = X_IS * p_before;
+    if (well_inside(before.grid, index)) sampler.at(p_before, value, gradient);
+    if (places.size() > 1 && std::isfinite(value)) {
+      double sum = 0.0;
+      int count = 0;
+      for (const Eigen::Vector3d& place : places) {
+        const double one = sampler.at(motion.before(voxel.p_S + place));
+        if (std::isfinite(one)) sum += one, ++count;
       }
-  const BrightnessMap map = learn_brightness(after, result.value, needle);
-  const Sampler slope(map.slope), offset(map.offset);
-  n = 0;
-  for (int k = 0; k < grid.size.z(); ++k)
-    for (int j = 0; j < grid.size.y(); ++j)
-      for (int i = 0; i < grid.size.x(); ++i, ++n) {
-        float& value = result.value.voxels[n];
-        if (!std::isfinite(value)) continue;
-        const Point p_S = grid.X_SI * Eigen::Vector3d(i, j, k);
-        const auto gain = static_cast<float>(slope.at(p_S));
-        value = std::max(static_cast<float>(offset.at(p_S)) + gain * value, 0.0f);
-        result.steepness.voxels[n] *= gain;
-        result.interpolation.voxels[n] *= gain;
-      }
+      if (count > 0) value = sum / count;
+    }
+    result.value.push_back(static_cast<float>(value));
+    result.steepness.push_back(static_cast<float>(gradient.norm()));
+    result.interpolation.push_back(interpolation_error(before, index));
+  });
+  const BrightnessMap map = learn_brightness(after, result.rows, result.value, needle);
+  BrightnessRow brightness(map, grid);
+  for (const VoxelRow& row : result.rows) {
+    brightness.go_to(row.j, row.k);
+    std::size_t m = row.first;
+    for (int i = row.i; i < row.i + row.count; ++i, ++m) {
+      const float gain = brightness.slope(i);
+      if (std::isfinite(result.value[m]))
+        result.value[m] = std::max(brightness.offset(i) + gain * result.value[m], 0.0f);
+      result.steepness[m] *= gain;
+      result.interpolation[m] *= gain;
+    }
+  }
   return result;
 }
 

@@ -15,8 +15,7 @@ namespace {
 constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
 constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
 constexpr std::size_t kVoxelsMax = 3000, kVoxelsFirst = 800;  // about the tip; half of that along the shaft
-constexpr double kLossMost = 1.1;  // no void loses more than everything; a little for errors of brightness
-constexpr double kClip = 4.0;      // standard deviations; larger residuals pull no harder (Huber)
+constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
 
 // What is known of a needle's void before any image. Wide: they only keep what an image does not tell in
 // bounds. Zero: nothing is known.
@@ -39,6 +38,13 @@ double huber(double z) {
   return size <= kClip ? size * size : kClip * (2.0 * size - kClip);
 }
 
+bool is_near(const CorridorVoxel& voxel, const VoidLine& line, double reach_mm) {
+  const double t = static_cast<double>(voxel.t),
+               du = static_cast<double>(voxel.u) - line.u - line.u_slope * t,
+               dv = static_cast<double>(voxel.v) - line.v - line.v_slope * t;
+  return du * du + dv * dv <= reach_mm * reach_mm;
+}
+
 class Fitting {
  public:
   Fitting(const Corridor& corridor, const VoidLine& line, double depth_mm, std::size_t voxels_max)
@@ -51,9 +57,7 @@ class Fitting {
     for (std::size_t n = 0; n < corridor.voxels.size(); ++n) {
       const CorridorVoxel& one = corridor.voxels[n];
       const double t = static_cast<double>(one.t);
-      const bool beside = std::hypot(static_cast<double>(one.u) - line.u - line.u_slope * t,
-                                     static_cast<double>(one.v) - line.v - line.v_slope * t) > reach;
-      if (beside || t > depth_mm + kBeyond_mm + corridor.along_mm) continue;
+      if (!is_near(one, line, reach) || t > depth_mm + kBeyond_mm + corridor.along_mm) continue;
       (t > depth_mm - kNear_mm ? tip : shaft).push_back(static_cast<std::uint32_t>(n));
     }
     keep(tip, voxels_max), keep(shaft, voxels_max / 2);
@@ -92,18 +96,7 @@ class Fitting {
     return sum;
   }
   // (measured - model) / standard deviation
-  std::vector<double> residuals(const VoidVector& x) const {
-    const VoidShape s = shape(x);
-    const double loss = std::clamp(x[kLoss], 0.0, kLossMost);
-    std::vector<double> z(used_.size());
-    for (std::size_t n = 0; n < used_.size(); ++n) {
-      const CorridorVoxel& voxel = corridor_.voxels[used_[n]];
-      const double model =
-          static_cast<double>(voxel.predicted) * (1.0 - loss * coverage(corridor_, voxel, s));
-      z[n] = (static_cast<double>(voxel.measured) - model) / std::sqrt(static_cast<double>(voxel.variance));
-    }
-    return z;
-  }
+  std::vector<double> residuals(const VoidVector& x) const { return residuals(coverages(x), x[kLoss]); }
   // Levenberg and Marquardt's least squares with numeric slopes.
   VoidVector minimised(VoidVector x) const {
     double best = cost(x), damping = 1e-2;
@@ -132,7 +125,7 @@ class Fitting {
   }
   void normal_equations(const VoidVector& x, VoidMatrix& normal, VoidVector& right,
                         std::vector<TemplateVoxel>* slopes) const {
-    const std::vector<double> z = residuals(x);
+    const std::vector<double> covered = coverages(x), z = residuals(covered, x[kLoss]);
     std::array<std::vector<double>, kVoidParameters> moved;
     VoidVector by;
     by << 0.05, 0.05, 0.05, 0.002, 0.002, 0.03, 0.05, 0.1, 0.02;
@@ -141,7 +134,7 @@ class Fitting {
     for (int p = 0; p < kVoidParameters; ++p) {
       VoidVector there = x;
       there[p] += by[p];
-      moved[static_cast<std::size_t>(p)] = residuals(there);
+      moved[static_cast<std::size_t>(p)] = p == kLoss ? residuals(covered, there[p]) : residuals(there);
     }
     normal.setZero(), right.setZero();
     for (std::size_t n = 0; n < z.size(); ++n) {
@@ -161,6 +154,25 @@ class Fitting {
   }
 
  private:
+  std::vector<double> coverages(const VoidVector& x) const {
+    const VoidShape s = shape(x);
+    std::vector<double> covered;
+    covered.reserve(used_.size());
+    for (std::uint32_t n : used_) covered.push_back(coverage(corridor_, corridor_.voxels[n], s));
+    return covered;
+  }
+  std::vector<double> residuals(const std::vector<double>& covered, double loss) const {
+    loss = std::clamp(loss, 0.0, kLossMost);
+    std::vector<double> z;
+    z.reserve(used_.size());
+    for (std::size_t n = 0; n < used_.size(); ++n) {
+      const CorridorVoxel& voxel = corridor_.voxels[used_[n]];
+      const double model = static_cast<double>(voxel.predicted) * (1.0 - loss * covered[n]);
+      z.push_back((static_cast<double>(voxel.measured) - model) /
+                  std::sqrt(static_cast<double>(voxel.variance)));
+    }
+    return z;
+  }
   void keep(const std::vector<std::uint32_t>& some, std::size_t most) {
     const std::size_t every = some.size() / most + 1;
     for (std::size_t n = 0; n < some.size(); n += every) used_.push_back(some[n]);
@@ -262,12 +274,8 @@ std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
     for (const Eigen::Vector2d& place : stack.lateral) voxel_mm = std::max(voxel_mm, place.norm());
   const double reach = 0.5 * fit.line.radius_mm + 0.35 + voxel_mm;
   std::vector<const CorridorVoxel*> core;
-  for (const CorridorVoxel& one : corridor.voxels) {
-    const double t = static_cast<double>(one.t);
-    if (std::hypot(static_cast<double>(one.u) - fit.line.u - fit.line.u_slope * t,
-                   static_cast<double>(one.v) - fit.line.v - fit.line.v_slope * t) <= reach)
-      core.push_back(&one);
-  }
+  for (const CorridorVoxel& one : corridor.voxels)
+    if (is_near(one, fit.line, reach)) core.push_back(&one);
   const double loss = loss_of_core(corridor, fit, core);
   std::vector<double> chi2(depths.size(), 0.0);
   for (const CorridorVoxel* one : core) {

@@ -9,10 +9,9 @@ namespace {
 
 constexpr double kColumn_mm = 2.0;
 constexpr double kBin_mm = 0.5;
-constexpr double kLossMax = 1.1;  // a void cannot lose more than everything; a little for brightness errors
 
 double gain_of(double match, double energy, double& loss) {
-  loss = energy > 0.0 ? std::clamp(match / energy, 0.0, kLossMax) : 0.0;
+  loss = energy > 0.0 ? std::clamp(match / energy, 0.0, kLossMost) : 0.0;
   return loss * (2.0 * match - loss * energy);
 }
 

@@ -7,6 +7,9 @@
 
 namespace biopsy::imaging {
 
+// No void loses more than everything; a little for errors of brightness.
+inline constexpr double kLossMost = 1.1;
+
 // A straight line beside the expected axis, and how wide the void on it is.
 struct VoidLine {
   double u = 0.0, v = 0.0;              // at the entry, mm

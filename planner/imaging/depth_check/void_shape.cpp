@@ -17,17 +17,26 @@ double VoidShape::covers(double t, double u, double v) const {
   const double du = u - line.u - line.u_slope * t, dv = v - line.v - line.v_slope * t;
   const double from_axis = std::sqrt(du * du + dv * dv);
   if (from_axis > line.radius_mm + soft) return 0.0;
+  const double side = ramp(line.radius_mm - from_axis, soft);
+  if (t < depth - rounding * line.radius_mm - soft) return side;  // the end is far
   const double rim = std::min(from_axis / line.radius_mm, 1.0);
   const double end = depth - rounding * line.radius_mm * (1.0 - std::sqrt(1.0 - rim * rim));
-  return ramp(line.radius_mm - from_axis, soft) * ramp(end - t, soft);
+  return side * ramp(end - t, soft);
 }
 
 double coverage(const Corridor& corridor, const CorridorVoxel& voxel, const VoidShape& shape) {
-  const std::vector<Eigen::Vector3d>& places = corridor.stacks[voxel.stack].places;
+  const Stack& stack = corridor.stacks[voxel.stack];
+  const std::vector<Eigen::Vector3d>& places = stack.places;
+  const auto t = static_cast<double>(voxel.t), u = static_cast<double>(voxel.u),
+             v = static_cast<double>(voxel.v);
+  const VoidLine& line = shape.line;
+  const double du = u - line.u - line.u_slope * t, dv = v - line.v - line.v_slope * t;
+  const double touched =
+      line.radius_mm + shape.soft + stack.reach_mm * (1.0 + std::abs(line.u_slope) + std::abs(line.v_slope));
+  if (t - stack.reach_mm > shape.depth + shape.soft || du * du + dv * dv > touched * touched) return 0.0;
   double sum = 0.0;
   for (const Eigen::Vector3d& place : places)
-    sum += shape.covers(static_cast<double>(voxel.t) + place.x(), static_cast<double>(voxel.u) + place.y(),
-                        static_cast<double>(voxel.v) + place.z());
+    sum += shape.covers(t + place.x(), u + place.y(), v + place.z());
   return sum / static_cast<double>(places.size());
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "planner/imaging/registration/region.hpp"
+
 namespace biopsy::imaging {
 namespace {
 
@@ -17,20 +19,18 @@ Volume local_contrast(const Volume& volume, const std::optional<NeedleMask>& mas
   if (volume.voxels.empty()) return result;
   Volume one = volume, sum = volume, squares = volume;
   double total = 0.0;
-  std::size_t n = 0;
-  for (int k = 0; k < volume.grid.size.z(); ++k)
-    for (int j = 0; j < volume.grid.size.y(); ++j)
-      for (int i = 0; i < volume.grid.size.x(); ++i, ++n) {
-        const bool asked = !mask || !mask->covers(volume.grid.X_SI * Eigen::Vector3d(i, j, k));
-        const float value = volume.voxels[n];
-        total += static_cast<double>(value);
-        one.voxels[n] = asked ? 1.0f : 0.0f;
-        sum.voxels[n] = asked ? value : 0.0f;
-        squares.voxels[n] = asked ? value * value : 0.0f;
-      }
+  for (std::size_t n = 0; n < volume.voxels.size(); ++n) {
+    total += static_cast<double>(volume.voxels[n]);
+    one.voxels[n] = 1.0f;
+    squares.voxels[n] = volume.voxels[n] * volume.voxels[n];
+  }
+  if (mask)
+    for_each_voxel(rows_under(*mask, volume.grid), volume.grid, [&](const GridVoxel& voxel) {
+      one.voxels[voxel.n] = sum.voxels[voxel.n] = squares.voxels[voxel.n] = 0.0f;
+    });
   for (Volume* each : {&one, &sum, &squares}) *each = box_averaged(std::move(*each), kHalf_mm);
   const double least = kLeast * total / static_cast<double>(volume.voxels.size());
-  for (n = 0; n < result.voxels.size(); ++n) {
+  for (std::size_t n = 0; n < result.voxels.size(); ++n) {
     const double asked = std::max(static_cast<double>(one.voxels[n]), 1e-3);
     const double mean = static_cast<double>(sum.voxels[n]) / asked;
     const double variance = std::max(static_cast<double>(squares.voxels[n]) / asked - mean * mean, 0.0);

@@ -2,7 +2,9 @@
 // edges are no tissue's, and a registration would follow them.
 #pragma once
 
-#include "planner/imaging/registration/register_rigid.hpp"
+#include <optional>
+
+#include "planner/imaging/registration/needle_mask.hpp"
 
 namespace biopsy::imaging {
 

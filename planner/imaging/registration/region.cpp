@@ -3,12 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 namespace biopsy::imaging {
 namespace {
 
-// Range of voxel indices that the box's corners reach.
-void index_range(const Grid& grid, const Box& box, Eigen::Vector3i& low, Eigen::Vector3i& high) {
+// Smallest block of voxels that covers the box: its first voxel, and its grid, of size 0 where they do not
+// meet.
+struct Block {
+  Eigen::Vector3i first;
+  Grid grid;
+};
+
+Block block_of(const Grid& grid, const Box& box) {
   const AffineTransform X_IS = grid.X_SI.inverse();
   Eigen::Vector3d least = Eigen::Vector3d::Constant(1e9), most = -least;
   for (int n = 0; n < 8; ++n) {
@@ -19,8 +26,14 @@ void index_range(const Grid& grid, const Box& box, Eigen::Vector3i& low, Eigen::
     most = most.cwiseMax(index);
   }
   const Eigen::Vector3d last = grid.size.cast<double>().array() - 1.0;
-  low = least.array().floor().max(0.0).min(last.array() + 1.0).cast<int>();
-  high = most.array().ceil().min(last.array()).max(-1.0).cast<int>();
+  const Eigen::Vector3i low = least.array().floor().max(0.0).min(last.array() + 1.0).cast<int>(),
+                        high = most.array().ceil().min(last.array()).max(-1.0).cast<int>();
+  Block block{low, grid};
+  block.grid.size.setZero();
+  if ((high.array() < low.array()).any()) return block;
+  block.grid.size = high - low + Eigen::Vector3i::Ones();
+  block.grid.X_SI.translation() = grid.X_SI * low.cast<double>();
+  return block;
 }
 
 int kernel_size(double sigma) {
@@ -30,19 +43,16 @@ int kernel_size(double sigma) {
 }  // namespace
 
 Volume cropped(const Volume& volume, const Box& box) {
-  Eigen::Vector3i low, high;
-  index_range(volume.grid, box, low, high);
+  const Block block = block_of(volume.grid, box);
   Volume part;
   part.identity = volume.identity;
   part.format = volume.format;
-  part.grid.X_SI = volume.grid.X_SI;
-  if ((high.array() < low.array()).any()) return part;
-  part.grid.size = high - low + Eigen::Vector3i::Ones();
-  part.grid.X_SI.translation() = volume.grid.X_SI * low.cast<double>();
+  part.grid = block.grid;
   part.voxels.reserve(part.grid.voxel_count());
-  for (int k = low.z(); k <= high.z(); ++k)
-    for (int j = low.y(); j <= high.y(); ++j) {
-      const auto row = volume.voxels.begin() + static_cast<std::ptrdiff_t>(volume.grid.index(low.x(), j, k));
+  for (int k = 0; k < part.grid.size.z(); ++k)
+    for (int j = 0; j < part.grid.size.y(); ++j) {
+      const std::size_t at = volume.grid.index(block.first.x(), block.first.y() + j, block.first.z() + k);
+      const auto row = volume.voxels.begin() + static_cast<std::ptrdiff_t>(at);
       part.voxels.insert(part.voxels.end(), row, row + part.grid.size.x());
     }
   return part;
@@ -72,46 +82,51 @@ Volume thinned(const Volume& volume, double step_mm) {
   return thin;
 }
 
-Volume smoothed(const Volume& volume, double sigma_mm) {
-  Volume result = volume;
+Volume smoothed(Volume volume, double sigma_mm) {
   const Eigen::Vector3d sigma = sigma_mm * volume.grid.spacing_mm().cwiseInverse();
   const Eigen::Vector3i& size = volume.grid.size;
   const auto worth = [](double s) { return s > 0.2; };  // below, the kernel is one voxel
-  if (volume.voxels.empty()) return result;
+  if (volume.voxels.empty()) return volume;
   if (worth(sigma.x()) || worth(sigma.y()))
     for (int k = 0; k < size.z(); ++k) {
-      cv::Mat slice(size.y(), size.x(), CV_32F, result.voxels.data() + result.grid.index(0, 0, k));
+      cv::Mat slice(size.y(), size.x(), CV_32F, volume.voxels.data() + volume.grid.index(0, 0, k));
       cv::GaussianBlur(slice, slice, cv::Size(kernel_size(sigma.x()), kernel_size(sigma.y())),
                        std::max(sigma.x(), 1e-3), std::max(sigma.y(), 1e-3), cv::BORDER_REPLICATE);
     }
   if (worth(sigma.z())) {
-    cv::Mat stack(size.z(), size.x() * size.y(), CV_32F, result.voxels.data());
+    cv::Mat stack(size.z(), size.x() * size.y(), CV_32F, volume.voxels.data());
     cv::GaussianBlur(stack, stack, cv::Size(1, kernel_size(sigma.z())), 1e-3, sigma.z(),
                      cv::BORDER_REPLICATE);
   }
-  return result;
+  return volume;
 }
 
-Volume smoothed_coarse(const Volume& volume, double sigma_mm) {
-  const Grid& grid = volume.grid;
-  Eigen::Vector3i side = (sigma_mm / grid.spacing_mm().array()).floor().max(1.0).cast<int>();
+Volume smoothed_coarse(const Volume& volume, const Box& box, double sigma_mm) {
+  const Block block = block_of(volume.grid, box);
+  const Eigen::Vector3i& size = block.grid.size;
+  Eigen::Vector3i side = (sigma_mm / volume.grid.spacing_mm().array()).floor().max(1.0).cast<int>();
   side.z() = 1;  // a stack of few slices stays one
-  side = side.cwiseMin(grid.size).cwiseMax(1);
-  if (side == Eigen::Vector3i::Ones()) return smoothed(volume, sigma_mm);
+  side = side.cwiseMin(size).cwiseMax(1);
+  if (side == Eigen::Vector3i::Ones()) return smoothed(cropped(volume, box), sigma_mm);
   Volume coarse;
   coarse.identity = volume.identity;
   coarse.format = volume.format;
-  coarse.grid = grid_of_cells(grid, side);
-  coarse.grid.size = grid.size.cwiseQuotient(side);  // whole cells only
-  coarse.voxels.assign(coarse.grid.voxel_count(), 0.0f);
-  const Eigen::Vector3i used = coarse.grid.size.cwiseProduct(side);
+  coarse.grid = grid_of_cells(block.grid, side);
+  coarse.grid.size = size.cwiseQuotient(side);  // whole cells only
+  coarse.voxels.reserve(coarse.grid.voxel_count());
   const float share = 1.0f / static_cast<float>(side.prod());
-  for (int k = 0; k < used.z(); ++k)
-    for (int j = 0; j < used.y(); ++j)
-      for (int i = 0; i < used.x(); ++i)
-        coarse.voxels[coarse.grid.index(i / side.x(), j / side.y(), k / side.z())] +=
-            share * volume.at(i, j, k);
-  return smoothed(coarse, sigma_mm);
+  Eigen::ArrayXf column(coarse.grid.size.x() * side.x());  // sums over the rows of a cell
+  for (int k = 0; k < coarse.grid.size.z(); ++k)
+    for (int j = 0; j < coarse.grid.size.y(); ++j) {
+      const Eigen::Vector3i at = block.first + Eigen::Vector3i(0, j * side.y(), k);
+      const float* row = volume.voxels.data() + volume.grid.index(at.x(), at.y(), at.z());
+      column.setZero();
+      for (int n = 0; n < side.y(); ++n, row += volume.grid.size.x())
+        column += Eigen::Map<const Eigen::ArrayXf>(row, column.size());
+      for (int i = 0; i < coarse.grid.size.x(); ++i)
+        coarse.voxels.push_back(share * column.segment(i * side.x(), side.x()).sum());
+    }
+  return smoothed(std::move(coarse), sigma_mm);
 }
 
 Volume box_averaged(Volume volume, double half_mm) {

@@ -31,10 +31,11 @@ Grid grid_of_cells(const Grid& grid, const Eigen::Vector3i& side);
 Volume thinned(const Volume& volume, double step_mm);
 
 // Gaussian of the given standard deviation in mm along each voxel axis; borders repeat their last voxel.
-Volume smoothed(const Volume& volume, double sigma_mm);
+Volume smoothed(Volume volume, double sigma_mm);
 
-// Smoothed likewise, with pixels as large as the smoothing leaves detail: of fine images a small part.
-Volume smoothed_coarse(const Volume& volume, double sigma_mm);
+// What lies in the box, smoothed likewise, with pixels as large as the smoothing leaves detail: of fine
+// images a small part. Empty where the box and the volume do not meet.
+Volume smoothed_coarse(const Volume& volume, const Box& box, double sigma_mm);
 
 // Means over a box of `half_mm` to all sides, by running sums: a wide one costs no more than a narrow one.
 // Borders repeat their last voxel.

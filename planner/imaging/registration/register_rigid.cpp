@@ -293,9 +293,12 @@ RegistrationSettings within_images(std::span<const Volume> after, RegistrationSe
   return settings;
 }
 
-std::vector<Volume> all_smoothed(std::span<const Volume> after, double sigma_mm) {
+std::vector<Volume> all_smoothed(std::span<const Volume> stacks, const Box& box, double sigma_mm) {
   std::vector<Volume> result;
-  for (const Volume& stack : after) result.push_back(smoothed_coarse(stack, sigma_mm));
+  for (const Volume& stack : stacks) {
+    Volume part = smoothed_coarse(stack, box, sigma_mm);
+    if (!part.voxels.empty()) result.push_back(std::move(part));
+  }
   return result;
 }
 
@@ -309,12 +312,18 @@ RegistrationResult register_rigid(const Volume& before, std::span<const Volume> 
   // Places enough to average noise out, few enough for a tenth of a second.
   constexpr double kCoarse = 4000.0, kFine = 30000.0;
   const double coarse_step = std::cbrt(sides.prod() / kCoarse), fine_step = std::cbrt(sides.prod() / kFine);
-  Volume before_coarse = smoothed_coarse(before, 0.7 * coarse_step),
-         before_fine = smoothed_coarse(before, 0.5 * fine_step);
-  std::vector<Volume> after_coarse = all_smoothed(after, 0.7 * coarse_step),
-                      after_fine = all_smoothed(after, 0.5 * fine_step);
+  Box moved = asked.box;  // with what surrounds the places that are compared
+  moved.include(asked.box.low, asked.shift_max_mm);
+  moved.include(asked.box.high, asked.shift_max_mm);
+  const double fine_mm = 0.5 * fine_step, coarse_mm = 0.7 * coarse_step;
+  const double further_mm = std::sqrt(coarse_mm * coarse_mm - fine_mm * fine_mm);  // Gaussians add up
+  Volume before_fine = smoothed_coarse(before, moved, fine_mm);
+  std::vector<Volume> after_fine = all_smoothed(after, moved, fine_mm);
+  if (before_fine.voxels.empty() || after_fine.empty()) return {};
+  Volume before_coarse = smoothed_coarse(before_fine, moved, further_mm);
+  std::vector<Volume> after_coarse = all_smoothed(after_fine, moved, further_mm);
   // A slab has no neighbourhood across its slices to be compared with a volume's.
-  const bool thin = std::any_of(after.begin(), after.end(), is_thin);
+  const bool thin = std::any_of(after_coarse.begin(), after_coarse.end(), is_thin);
   Volume before_plain;  // which `plain` reads
   std::optional<Level> plain;
   if (!thin) {

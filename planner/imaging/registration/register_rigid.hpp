@@ -4,28 +4,17 @@
 #include <optional>
 #include <span>
 
+#include "planner/imaging/registration/needle_mask.hpp"
 #include "planner/imaging/registration/region.hpp"
 #include "planner/imaging/registration/reslice.hpp"
 
 namespace biopsy::imaging {
 
-// Voxels within `radius` of the line through the needle, as far as the tip may be, are not asked: a void is
-// no motion.
-struct NeedleMask {
-  NeedleFrame frame;
-  double from_mm = 0.0, to_mm = 0.0, radius_mm = 0.0;
-
-  bool covers(const Point& p_S) const {
-    const Eigen::Vector3d c = frame.coordinates(p_S);
-    return c.x() >= from_mm && c.x() <= to_mm && std::hypot(c.y(), c.z()) <= radius_mm;
-  }
-};
-
 struct RegistrationSettings {
-  Box box;                      // where to compare, scanner mm
-  Point about = Point::Zero();  // centre of rotation: the entry
-  std::optional<NeedleMask> mask;
-  double shift_max_mm = 12.0;  // a patient who moved further must be planned anew
+  Box box;                         // where to compare, scanner mm
+  Point about = Point::Zero();     // centre of rotation: the entry
+  std::optional<NeedleMask> mask;  // not asked: a void is no motion
+  double shift_max_mm = 12.0;      // a patient who moved further must be planned anew
   double rotation_max_deg = 12.0;
   double start_reach_mm =
       8.0;  // starts on a lattice this far out: the coarse cost is convex over about half of it

@@ -19,6 +19,10 @@ class Sampler {
   bool at(const Point& p_S, double& value, Eigen::Vector3d& gradient) const;
 
  private:
+  Eigen::Vector3d index_of(const Point& p) const {
+    return p.x() * to_index_.col(0) + p.y() * to_index_.col(1) + p.z() * to_index_.col(2) + offset_;
+  }
+
   const Volume& volume_;
   Eigen::Matrix3d to_index_;
   Eigen::Vector3d offset_;

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "planner/imaging/depth_check/find_tip.hpp"
@@ -21,6 +23,14 @@ Eigen::Vector3d pushed(const Point& p) {
   const Point centre(4.0, 10.0, 6.0);
   return 2.0 * std::exp(-0.5 * (p - centre).squaredNorm() / (14.0 * 14.0)) *
          Direction(0.6, -0.7, 0.4).normalized();
+}
+
+// What is predicted, in place of the image; NaN where nothing is.
+Volume on_grid(Volume after, const Prediction& prediction) {
+  std::fill(after.voxels.begin(), after.voxels.end(), std::numeric_limits<float>::quiet_NaN());
+  for_each_voxel(prediction.rows, after.grid,
+                 [&](const GridVoxel& voxel) { after.voxels[voxel.n] = prediction.value[voxel.m]; });
+  return after;
 }
 
 struct LocalMotion : testing::Test {
@@ -87,11 +97,11 @@ TEST_F(LocalMotion, BrightnessFollowsASaturationBandAndAnotherContrast) {
     return band * (80.0 + 0.7 * scene::tissue(p));
   };
   const Volume after = scene::imaged(grid, seen);
-  const Prediction prediction = predicted(before, after, {}, mask, everywhere);
+  const Volume prediction = on_grid(after, predicted(before, after, {}, mask, everywhere));
   double left = 0.0, total = 0.0;
   for (std::size_t n = 0; n < after.voxels.size(); ++n) {
-    if (!std::isfinite(prediction.value.voxels[n])) continue;
-    left += std::pow(static_cast<double>(prediction.value.voxels[n] - after.voxels[n]), 2);
+    if (!std::isfinite(prediction.voxels[n])) continue;
+    left += std::pow(static_cast<double>(prediction.voxels[n] - after.voxels[n]), 2);
     total += std::pow(static_cast<double>(after.voxels[n]), 2);
   }
   EXPECT_LT(std::sqrt(left / total), 0.06);
@@ -101,8 +111,8 @@ TEST_F(LocalMotion, BrightnessOfAVoidIsNotLearned) {
   const Volume after = scene::imaged(grid, [](const Point& p) {
     return scene::tissue(p) * scene::left_by_needle(p, scene::kEntry, scene::kAxis, 20.0, 2.5);
   });
-  const Prediction prediction = predicted(before, after, {}, mask, everywhere);
-  const Sampler sampler(prediction.value);
+  const Volume prediction = on_grid(after, predicted(before, after, {}, mask, everywhere));
+  const Sampler sampler(prediction);
   for (double t : {2.0, 8.0, 14.0}) {
     const Point p = frame.point(t, 0.0, 0.0);
     EXPECT_NEAR(sampler.at(p) / scene::tissue(p), 1.0, 0.12) << t;
