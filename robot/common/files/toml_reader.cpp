@@ -50,8 +50,9 @@ double ranged(const toml::node& node, std::string_view name, double low, double 
   if (!value || !node.is_number() || !std::isfinite(*value))
     table.refuse(name, "is not a finite number", fmt::format("write a finite number{}{}", space, unit));
   if (*value < low || *value > high)
-    table.refuse(name, fmt::format("= {}{}{} is outside [{}, {}]", *value, space, unit, low, high),
-                 unit.empty() ? "give a number within it" : fmt::format("give a number within it, in {}", unit));
+    table.refuse(
+        name, fmt::format("= {}{}{} is outside [{}, {}]", *value, space, unit, low, high),
+        unit.empty() ? "give a number within it" : fmt::format("give a number within it, in {}", unit));
   return *value;
 }
 
