@@ -37,7 +37,16 @@ HazardSet check_current(VoltageMonitor& monitor, const Measurement& m) {
   return when(monitor.arc_score >= kComes_goes * kArc_ticks, Hazard::Arc);
 }
 
-HazardSet check_obedience(VoltageMonitor& monitor, const Measurement& m, const Permit& permit) {
+// The permit that the driver says it had: what arrives late was measured under an earlier one, and is no
+// disobedience. Whether the answer is right and new enough is R-10's matter; without one it is the newest.
+const Permitted& answered_permit(const VoltageMonitor& monitor, const Measurement& m, const Permit& newest) {
+  const std::uint32_t age = newest.seq - m.answered_seq;  // wraps to huge for an answer from the future
+  const bool known = m.answered_seq != 0 && age <= kAnswerWindow;
+  return monitor.permitted[(known ? m.answered_seq : newest.seq) % 8];
+}
+
+HazardSet check_obedience(VoltageMonitor& monitor, const Measurement& m, const Permit& newest) {
+  const Permitted& permit = answered_permit(monitor, m, newest);
   const bool beyond = magnitude(m.command_mV) > std::int64_t{permit.v_max_mV} + kDisobey_mV;
   monitor.disobey_ticks =
       debounced(monitor.disobey_ticks,
@@ -152,6 +161,8 @@ bool is_switching(std::int32_t before_mV, std::int32_t after_mV) {
 DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const SupervisorInputs& seen, bool fresh,
                      bool stale) {
   const Measurement& m = seen.measurement;
+  const Permit& newest = seen.permit;
+  monitor.permitted[newest.seq % 8] = {newest.v_max_mV, newest.hv_enable, newest.brake};
   DriveFindings findings;
   findings.image_disturbed = seen.acquiring && (!fresh || is_switching(monitor.command_mV, m.command_mV));
   if (fresh) {

@@ -12,7 +12,14 @@
 
 namespace biopsy::safety {
 
+// Of a permit, what the driver's voltage, enable and brake are compared with.
+struct Permitted {
+  std::int32_t v_max_mV = 0;
+  bool hv_enable = false, brake = false;
+};
+
 struct VoltageMonitor {
+  std::array<Permitted, 8> permitted{};     // by the permits' numbers
   HazardSet found = 0;                      // stands until the next new measurement
   std::int32_t command_mV = 0;              // of the last measurement
   std::array<std::int64_t, 2> change_mV{};  // |change of command| one and two measurements ago

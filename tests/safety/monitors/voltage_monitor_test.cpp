@@ -198,5 +198,28 @@ TEST(VoltageMonitor, ImagesAreDisturbedByAChangeOfMoreThanAHundredVoltsOrByAStag
   EXPECT_TRUE(update(bench.plan, bench.monitor, bench.seen, false, false).image_disturbed);
 }
 
+// A machine that stands still delivers in a burst what was measured before the permit changed.
+TEST(VoltageMonitor, DriverIsComparedWithThePermitThatItAnsweredAsLongAsPermitsLive) {
+  verifies("R-09");
+  for (const auto& [age, named] : {std::pair{0U, true}, {1U, false}, {5U, false}, {6U, true}}) {
+    VoltageBench bench;
+    SupervisorInputs& seen = bench.seen;
+    seen.permit.brake = seen.measurement.brake_on = true;
+    for (seen.permit.seq = 1; seen.permit.seq <= 20; ++seen.permit.seq) {
+      seen.measurement.answered_seq = seen.permit.seq;
+      bench.sample(4'000'000, 4'000'000);
+    }
+    seen.permit.brake = false;
+    for (int i = 0; i < 3; ++i) {  // the same delivery, since the permit with this number
+      seen.measurement.answered_seq = seen.permit.seq - age;
+      bench.sample(4'000'000, 4'000'000);
+    }
+    EXPECT_EQ(bench.names(Hazard::DriverDisobeys), named) << age;
+    seen.measurement.answered_seq = 0;
+    for (int i = 0; i < 3; ++i) bench.sample(4'000'000, 4'000'000);
+    EXPECT_TRUE(bench.names(Hazard::DriverDisobeys)) << "an answer to none";
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::safety
