@@ -20,11 +20,12 @@ constexpr int kUnseenStalls = 1;
 
 constexpr std::string_view kNotInTime = "not in time";
 
-// What a machine that stands still can make of a healthy robot: something came late, or not at all.
+// What a machine that stands still can make of a healthy robot: something came late, or not at all. A panel
+// that was not read for 20 ms counts as an emergency stop.
 constexpr std::array kDelays{safety::Hazard::ClockJump,        safety::Hazard::WrongAnswer,
                              safety::Hazard::ControllerSilent, safety::Hazard::SensorStale,
                              safety::Hazard::LoopOverrun,      safety::Hazard::MessageOrder,
-                             safety::Hazard::LogBacklog};
+                             safety::Hazard::LogBacklog,       safety::Hazard::EStop};
 
 inline bool names_a_delay(const std::string& kept_by) {
   return kept_by.starts_with(kNotInTime) || std::ranges::any_of(kDelays, [&](safety::Hazard hazard) {
