@@ -88,7 +88,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "R-08", Monitor::Voltage,
      "off by more than 3 % (at least 100 V), 3 samples, or more than a third of them"},
     {Hazard::DriverDisobeys, StopCategory::C0Off, 4, "H-04 driver does not follow the permit", "R-09",
-     Monitor::Voltage, "more than 200 V above the permit, 3 ticks"},
+     Monitor::Voltage, "more than 200 V above the permit that it answered, 3 ticks"},
     {Hazard::WrongAnswer, StopCategory::C0Off, 7, "H-17 driver answers the challenge wrongly or not at all",
      "R-10", Monitor::Link, "score: wrong +2, right -1, above 2; or a permit expired at the driver"},
     {Hazard::SecondWriter, StopCategory::C0Off, 1, "H-18 not exactly one writer of requests and permits",
