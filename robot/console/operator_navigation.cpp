@@ -84,6 +84,9 @@ void OperatorSession::take_stop(const NavigationRequest& request) {
 
 void OperatorSession::take_proposal(const NavigationRequest& request) {
   if (request.proposal == proposal_) return;
+  // The last run ends by itself within seconds: the answer waits for it, as the navigation program does.
+  const bool is_ending = !hv_permitted() && run_ && !run_->ended && !run_->is_undecided();
+  if (request.proposal != 0 && is_ending) return;
   if (request.proposal == 0 && shows_proposal() && !hv_permitted()) unconfirm();  // taken back
   proposal_ = request.proposal;
   proposal_refused_ = proposal_ == 0 ? "" : plan_proposal(request);

@@ -141,7 +141,7 @@ Body status_of(Bytes content) {
 }
 
 bool is_scalar(std::uint64_t code) {
-  return (code >= 2 && code <= 6) || code == 10;
+  return (code >= 2 && code <= 7) || code == 10 || code == 11;
 }
 
 Body image_of(Bytes content) {
@@ -152,7 +152,8 @@ Body image_of(Bytes content) {
                       frame = reader.integer(1);
   if (components != 1) return unusable("IMAGE", "more than one component: send a grey-value image");
   if (!is_scalar(scalar))
-    return unusable("IMAGE", "a scalar type other than 8, 16, 32 bit integers and float");
+    return unusable("IMAGE",
+                    "a scalar type that is neither an integer of 8, 16 or 32 bits nor a real number");
   if (endian != 1 && endian != 2) return unusable("IMAGE", "an endianness that is not known");
   if (frame != 1 && frame != 2) return unusable("IMAGE", "a frame that is neither RAS nor LPS");
   Image image;

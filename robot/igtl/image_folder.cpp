@@ -26,8 +26,12 @@ const char* nrrd_type(Image::Scalar scalar) {
       return "uint16";
     case Image::Scalar::Int32:
       return "int32";
+    case Image::Scalar::UInt32:
+      return "uint32";
     case Image::Scalar::Float32:
       return "float";
+    case Image::Scalar::Float64:
+      return "double";
   }
   return "";
 }

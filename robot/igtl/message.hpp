@@ -50,7 +50,16 @@ enum class Query : std::uint8_t { Transform, Status };
 
 // IMAGE: voxels with x fastest, little-endian, one component.
 struct Image {
-  enum class Scalar : std::uint8_t { Int8 = 2, UInt8 = 3, Int16 = 4, UInt16 = 5, Int32 = 6, Float32 = 10 };
+  enum class Scalar : std::uint8_t {
+    Int8 = 2,
+    UInt8 = 3,
+    Int16 = 4,
+    UInt16 = 5,
+    Int32 = 6,
+    UInt32 = 7,
+    Float32 = 10,
+    Float64 = 11
+  };
   Scalar scalar = Scalar::Int16;
   bool ras = true;  // otherwise LPS
   std::array<std::uint16_t, 3> size{};
@@ -68,8 +77,11 @@ constexpr std::size_t bytes_of(Image::Scalar scalar) {
     case Image::Scalar::UInt16:
       return 2;
     case Image::Scalar::Int32:
+    case Image::Scalar::UInt32:
     case Image::Scalar::Float32:
       return 4;
+    case Image::Scalar::Float64:
+      return 8;
   }
   return 0;
 }

@@ -34,7 +34,9 @@ std::vector<Message> one_of_each() {
           {"CURRENT_POSITION", Query::Transform},
           {"x", Query::Status},
           {"scan", small_image(Image::Scalar::Int16)},
-          {"scan", small_image(Image::Scalar::Float32)}};
+          {"scan", small_image(Image::Scalar::UInt32)},
+          {"scan", small_image(Image::Scalar::Float32)},
+          {"scan", small_image(Image::Scalar::Float64)}};
 }
 
 std::vector<Message> all_in(Decoder& decoder) {
@@ -153,7 +155,8 @@ TEST(IgtlCodec, RefusesAnImageThatIsNotAWholeGreyVolume) {
   };
   EXPECT_EQ(refused(0, 0), "usable");
   EXPECT_NE(refused(2, 3).find("component"), std::string::npos);
-  EXPECT_NE(refused(3, 7).find("scalar"), std::string::npos);
+  for (const int scalar : {0, 1, 8, 9, 12, 13, 255})  // 13: complex
+    EXPECT_NE(refused(3, static_cast<std::uint8_t>(scalar)).find("scalar"), std::string::npos) << scalar;
   EXPECT_NE(refused(4, 3).find("endian"), std::string::npos);
   EXPECT_NE(refused(5, 0).find("frame"), std::string::npos);
   EXPECT_NE(refused(7, 200).find("part of a volume"), std::string::npos);  // size without the sub-volume's

@@ -69,12 +69,54 @@ std::string lose_the_connection_then_stop() {
   return {};
 }
 
+// In the dialect of 2021, where the status comes when the motion is begun.
+std::string arm_again_after_an_emergency() {
+  constexpr auto kDialect = igtl::Dialect::Of2021;
+  Site site(kDomain + 6, read_case("gap"), {"--dialect", "2021"});
+  if (site.port == 0)
+    return "biopsy-igtl does not listen: " + read_file_if_present(site.folder / "navigation.txt");
+  if (!site.in(Mode::Safe)) return site.kept("it was not safe");
+  Navigator navigator(site, kDialect);
+  EXPECT_EQ(Navigator::missing(navigator.command("PLANNING", "STATUS PLANNING 1")), "");
+  if (const std::string wrong = navigator.target(site); !wrong.empty()) return site.kept(wrong);
+  if (!site.in(Mode::Armed, 60s)) return site.kept("it was not armed");
+  EXPECT_EQ(Navigator::missing(navigator.command("MOVE_TO_TARGET", "STATUS MOVE_TO_TARGET 1")), "");
+  const auto moves = [&] { return site.person->mode == Mode::Active && site.person->drive_mV != 0; };
+  if (!site.wait(10s, moves)) return site.kept("it did not move");
+  site.person->arms = false;
+  if (const std::string wrong = Navigator::missing(navigator.command("EMERGENCY", "STATUS EMERGENCY 1"));
+      !wrong.empty())
+    return site.kept(wrong);
+  EXPECT_EQ(site.person->mode, Mode::Trip);
+  EXPECT_EQ(Navigator::missing(navigator.command("MOVE_TO_TARGET", "STATUS MOVE_TO_TARGET 13")), "");
+
+  site.person->resets = true;  // a person looked at the needle
+  if (!site.wait(20s, [&] { return site.person->mode != Mode::Trip; })) return site.kept("it stayed tripped");
+  if (const std::string wrong = navigator.aim(site); !wrong.empty()) return site.kept(wrong);
+  if (!site.in(Mode::Ready)) return site.kept("it was not ready again");
+  EXPECT_EQ(Navigator::missing(navigator.command("MOVE_TO_TARGET", "STATUS MOVE_TO_TARGET 13")), "")
+      << "nobody armed it again";
+  site.person->arms = true;
+  if (!site.in(Mode::Armed, 60s)) return site.kept("it was not armed again");
+  EXPECT_EQ(Navigator::missing(navigator.command("MOVE_TO_TARGET", "STATUS MOVE_TO_TARGET 1")), "");
+  if (!site.wait(10s, moves)) return site.kept("it did not move again");
+  site.person->arms = false;
+  if (!site.in(Mode::Hold, 60s)) return site.kept("it was not held");
+  EXPECT_EQ(Navigator::missing(navigator.command("CURRENT_POSITION", "TRANSFORM CURRENT_POSITION")), "");
+  EXPECT_EQ(Navigator::missing(navigator.command("STOP", "STATUS STOP 1")), "");
+  return {};
+}
+
 TEST(LiveNavigation, ATargetIsReachedWithAPersonAtTheConsoleAndOnlySo) {
   live_tests::on_a_steady_host(reach_a_target);
 }
 
 TEST(LiveNavigation, EmergencyTakesTheVoltageOffAndALostConnectionRetracts) {
   live_tests::on_a_steady_host(lose_the_connection_then_stop);
+}
+
+TEST(LiveNavigation, AfterAnEmergencyAPersonResetsAndArmsAgainBeforeItMoves) {
+  live_tests::on_a_steady_host(arm_again_after_an_emergency);
 }
 
 constexpr int kKinds = 10, kOfEach = 60;

@@ -49,7 +49,7 @@ class PersonAtConsole {
     });
   }
 
-  std::atomic<bool> arms = true, inserts = true;
+  std::atomic<bool> arms = true, inserts = true, resets = false;
   std::atomic<Mode> mode = Mode::Boot;
   std::atomic<std::int64_t> drive_mV = 0;
   std::atomic<safety::Hazard> hazard = safety::Hazard::None;  // of the last trip, ramp or hold for one
@@ -96,6 +96,7 @@ class PersonAtConsole {
     for (const console::Tick tick : {console::Tick::Patient, console::Tick::Place, console::Tick::Risks})
       if (planned.confirmed && !state.ticks[static_cast<std::size_t>(tick)])
         ask(commands::SetTick{1, tick, true, planned.seal});
+    if (resets && looks % 50 == 0 && state.disabled.reset.empty()) ask(commands::Reset{1});
     const bool asked = std::ranges::any_of(state.alarms, [](const auto& one) { return one.code == "E-126"; });
     if (state.disabled.arm.empty() && arms) return hold(console::Button::Arm, true, now_us);
     if (mode == Mode::Armed && held_ && state.held.empty()) held_.reset();  // of arming
@@ -175,7 +176,9 @@ struct Site {
 
 struct Navigator {
   igtl::TestClient client;
-  explicit Navigator(const Site& site) : client(site.port) {}
+  igtl::Dialect dialect;
+  explicit Navigator(const Site& site, igtl::Dialect its = igtl::Dialect::Of2013)
+      : client(site.port), dialect(its) {}
 
   // What came until `wanted` did; what did not is told at the end.
   igtl::Script until(const std::string& wanted, std::chrono::milliseconds patience = 20s) {
@@ -194,13 +197,17 @@ struct Navigator {
   // Up to an accepted target; what came instead of an expected answer, or nothing.
   std::string target(const Site& site) {
     std::string wrong = missing(command("START_UP", "STATUS START_UP 1"));
-    command("CALIBRATION", "STATUS CURRENT_STATUS 1 CALIBRATION");
+    const bool is_2021 = dialect == igtl::Dialect::Of2021;
+    command("CALIBRATION", is_2021 ? "STATUS CALIBRATION 1" : "STATUS CURRENT_STATUS 1 CALIBRATION");
     client.send({"CLB_8", site.calibration()});
     if (wrong.empty()) wrong = missing(until("STATUS CALIBRATION 1"));
+    return wrong.empty() ? aim(site) : wrong;
+  }
+  std::string aim(const Site& site) {
     command("TARGETING", "STATUS TARGETING 1");
     client.send({"TGT_9", site.target()});
-    if (wrong.empty()) wrong = missing(until("TRANSFORM TARGET"));
-    return wrong;
+    return missing(
+        until(dialect == igtl::Dialect::Of2021 ? "TRANSFORM REACHABLE_TARGET" : "TRANSFORM TARGET"));
   }
   static std::string missing(const igtl::Script& came) {
     return came.back().starts_with("no ") ? came.back() : std::string();

@@ -10,8 +10,12 @@
 #include <cstring>
 #include <random>
 
+#include "planner/imaging/io/read_volume.hpp"
+#include "robot/common/files/file.hpp"
 #include "robot/igtl/codec.hpp"
 #include "robot/igtl/crc64.hpp"
+#include "robot/igtl/image_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace library = igtl;  // before ours of the same name
 
@@ -109,26 +113,50 @@ TEST(IgtlReference, QueriesAreRead) {
   EXPECT_EQ(read_from(*status), (Message{"CURRENT_STATUS", Query::Status}));
 }
 
-TEST(IgtlReference, ImagesAreRead) {
+// The library's image of 4 x 3 x 3 voxels of a type, each with a value of its own.
+template <class Value>
+void read_an_image_of(int type, Value first, Value step) {
   auto message = library::ImageMessage::New();
   message->SetDeviceName("scan");
-  message->SetDimensions(4, 3, 2);
+  message->SetDimensions(4, 3, 3);
   message->SetSpacing(0.5F, 0.75F, 2.0F);
-  message->SetScalarType(library::ImageMessage::TYPE_UINT16);
+  message->SetScalarType(type);
   message->SetEndian(
       library::ImageMessage::ENDIAN_LITTLE);  // of the scalars; the library does not turn them round
   message->SetOrigin(10.0F, -20.0F, 30.0F);
   message->AllocateScalars();
-  std::vector<std::uint16_t> voxels(24);
-  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<std::uint16_t>(1000 + 37 * i);
-  std::memcpy(message->GetScalarPointer(), voxels.data(), 48);
+  std::vector<Value> voxels(36);
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    voxels[i] = static_cast<Value>(first + static_cast<Value>(i) * step);
+  const std::size_t bytes = voxels.size() * sizeof(Value);
+  std::memcpy(message->GetScalarPointer(), voxels.data(), bytes);
   const Message found = read_from(*message);
   ASSERT_TRUE(std::holds_alternative<Image>(found.body)) << std::get<Unusable>(found.body).why;
   const Image& image = std::get<Image>(found.body);
-  EXPECT_EQ(image.size, (std::array<std::uint16_t, 3>{4, 3, 2}));
+  EXPECT_EQ(image.size, (std::array<std::uint16_t, 3>{4, 3, 3}));
   EXPECT_EQ(image.axes, (std::array<float, 9>{0.5F, 0, 0, 0, 0.75F, 0, 0, 0, 2.0F}));
   EXPECT_EQ(image.centre, (std::array<float, 3>{10, -20, 30}));
-  EXPECT_EQ(std::memcmp(image.voxels.data(), voxels.data(), 48), 0);
+  ASSERT_EQ(image.voxels.size(), bytes);
+  EXPECT_EQ(std::memcmp(image.voxels.data(), voxels.data(), bytes), 0);
+  // As the file that the planner reads.
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "scan.nrrd";
+  atomic_write(file, nrrd_of(image));
+  const Volume volume = imaging::read_volume(file);
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    EXPECT_EQ(volume.voxels[i], static_cast<float>(voxels[i])) << i;
+}
+
+TEST(IgtlReference, ImagesOfEveryRealTypeAreRead) {
+  using Library = library::ImageMessage;
+  read_an_image_of<std::int8_t>(Library::TYPE_INT8, -100, 6);
+  read_an_image_of<std::uint8_t>(Library::TYPE_UINT8, 3, 7);
+  read_an_image_of<std::int16_t>(Library::TYPE_INT16, -3000, 251);
+  read_an_image_of<std::uint16_t>(Library::TYPE_UINT16, 1000, 37);
+  read_an_image_of<std::int32_t>(Library::TYPE_INT32, -90'000, 7001);
+  read_an_image_of<std::uint32_t>(Library::TYPE_UINT32, 70'000, 9001);
+  read_an_image_of<float>(Library::TYPE_FLOAT32, -0.5F, 12.25F);
+  read_an_image_of<double>(Library::TYPE_FLOAT64, -0.125, 1003.5);
 }
 
 }  // namespace

@@ -167,6 +167,22 @@ TEST_F(OperatorNavigation, ItsEmergencyStandsUntilAPersonResets) {
   EXPECT_EQ(stop(), StopCategory::None);
 }
 
+TEST_F(OperatorNavigation, ATargetThatComesWhileTheLastRunEndsIsAnsweredWhenItHasEnded) {
+  wish_.proposal = 1;
+  navigation();
+  confirm();
+  for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active, Mode::Trip}) says(mode);
+  wish_.proposal = 2;
+  EXPECT_EQ(navigation().proposal, 1U);  // not refused
+  for (int i = 0; i < 1'000; ++i) says(Mode::Safe);
+  EXPECT_EQ(navigation().proposal, 1U);
+  for (int i = 0; i < 1'000; ++i) says(Mode::Safe);
+  const NavigationReply reply = navigation();
+  EXPECT_EQ(reply.proposal, 2U);
+  EXPECT_TRUE(reply.planned) << reply.why;
+  EXPECT_FALSE(reply.confirmed);
+}
+
 TEST_F(OperatorNavigation, WhereItGoesDuringItsMotionTheNeedleIsRetracted) {
   wish_.proposal = 1;
   navigation();
