@@ -213,8 +213,7 @@ void OperatorSession::note_end_of_hold(Mode before) {
   const bool tripped = mode != before && (mode == Mode::Trip || mode == Mode::Lock);
   const bool left = before == Mode::Hold && mode != Mode::Hold && mode != Mode::Active && run_->imaged;
   if (!tripped && !left) return;
-  const bool hazard = now.reason != safety::Hazard::None;
-  const std::string why(hazard ? safety::name_of(now.reason) : safety::name_of(now.event));
+  const std::string why(cause_of(now));
   if (left) run_->left_hold = why;
   if (run_->completed && !tripped) return;  // its depth was accepted in time
   run_->completed = false;

@@ -122,6 +122,13 @@ Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, Fau
   return out;
 }
 
+std::string_view cause_of(const safety::SupervisorOutput& output) {
+  if (output.reason != safety::Hazard::None) return safety::name_of(output.reason);
+  // Without a hazard it is a person's, or a navigation program's.
+  return output.event == safety::Event::Fault ? "an immediate stop was asked for"
+                                              : safety::name_of(output.event);
+}
+
 Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns) {
   Decision decision;
   decision.seq = output.permit.seq;

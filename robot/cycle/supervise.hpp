@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "drivers/digital_io/io_layout.hpp"
 #include "robot/cycle/fault_hooks.hpp"
@@ -73,6 +74,9 @@ struct Supervision {
 void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory);
 
 Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks* faults = nullptr);
+
+// What ended or prevents motion, for people: the hazard, or where there is none the event.
+std::string_view cause_of(const safety::SupervisorOutput& output);
 
 // The message of a decision, and back.
 Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns);

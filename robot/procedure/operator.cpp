@@ -32,9 +32,7 @@ void Operator::observe(const CycleRecord& seen) {
   moved_ = moved_ || mode == Mode::Active;
   const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
   if (!ended || !ended_because_.empty()) return;
-  const bool hazard = last.reason != safety::Hazard::None;
-  ended_because_ = fmt::format("{}: {}", safety::name_of(mode),
-                               hazard ? safety::name_of(last.reason) : safety::name_of(last.event));
+  ended_because_ = fmt::format("{}: {}", safety::name_of(mode), cause_of(last));
 }
 
 void Operator::give_up(const std::string& reason) {

@@ -57,6 +57,21 @@ TEST_F(NotedRun, HoldsAsLongAsTheClockSaysThoughTicksWereLost) {
       << verdict;
 }
 
+// A report said "Trip, C0 off: none" after a navigation program's EMERGENCY.
+TEST_F(NotedRun, AStopThatSomebodyAskedForIsSaidAsOne) {
+  tick(1, 1'000, Mode::Active);
+  CycleSample stopped;
+  stopped.record.measurement.seq = 2;
+  stopped.record.measurement.time_us = 2'000;
+  stopped.record.supervisor.permit.mode = Mode::Trip;
+  stopped.record.supervisor.permit.stop = StopCategory::C0Off;
+  stopped.record.supervisor.reason = safety::Hazard::None;
+  stopped.record.supervisor.event = safety::Event::Fault;
+  notes.add(stopped, OperatorInputs::idle());
+  ASSERT_EQ(notes.record().trips.size(), 1U);
+  EXPECT_EQ(notes.record().trips[0].reason, "an immediate stop was asked for");
+}
+
 TEST_F(NotedRun, InLockstepNothingIsLostAndTheSentenceIsAsBefore) {
   for (std::uint32_t seq = 1; seq <= 500; ++seq) tick(seq, seq * 1'000, Mode::Active, false, true);
   EXPECT_EQ(notes.record().lost_ticks, 0U);
