@@ -13,7 +13,7 @@ namespace biopsy::imaging {
 namespace {
 
 constexpr double kBeyond_mm = 8.0;  // of the tissue ahead of the tip that is fitted with it
-constexpr double kNear_mm = 10.0;   // about the tip, every voxel is used; further up the shaft some will do
+constexpr double kNear_mm = 10.0;   // about the tip; what lies further up the shaft is thinned more
 constexpr std::size_t kVoxelsMax = 3000, kVoxelsFirst = 800;  // about the tip; half of that along the shaft
 constexpr double kClip = 4.0;  // standard deviations; larger residuals pull no harder (Huber)
 
