@@ -8,6 +8,7 @@
 
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/common/logging/logger.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/server/nifti_bytes.hpp"
 
@@ -18,6 +19,8 @@ namespace events = console::events;
 namespace {
 
 constexpr std::size_t kListMax = 64, kTextMax = 300;
+constexpr std::int64_t kFolderEvery_us = 500'000;
+constexpr logging::Logger kLog{logging::Component::Console};
 
 events::Series listed(const imaging::SeriesSummary& found) {
   events::Series series;
@@ -51,8 +54,12 @@ bool is_bound(const Case& given) {
 ConsoleSeries::ConsoleSeries(const PreparedCase& opened)
     : folder_(opened.given.image),
       of_case_(is_bound(opened.given) ? opened.image.identity : SeriesIdentity()),
+      patient_id_(opened.image.identity.patient_id),
+      confirmed_by_(opened.given.images.confirmed_by),
       file_(file_of(opened.image)),
       labels_(opened.labels ? file_of(*opened.labels) : nullptr) {
+  const auto& images = opened.given.images;
+  if (!images.folder.empty()) watched_.emplace(images.folder, images.quiet);
   all_.push_back(series_of(opened.image));
   if (opened.given.phantom) return;
   for (const imaging::SeriesSummary& found : imaging::list_series(folder_)) {
@@ -82,14 +89,73 @@ std::optional<std::string> ConsoleSeries::begin(const std::string& series_uid) {
   if (!series->problem.empty()) return series->problem;
   if (!reading_.empty()) return "another series is being read";
   reading_ = series_uid;
-  outcome_ = std::async(std::launch::async, read, folder_, series_uid, of_case_);
+  std::function<Volume()> load = [folder = folder_, series_uid] {
+    return imaging::read_volume(folder, series_uid);
+  };
+  if (const auto came = received_.find(series_uid); came != received_.end())
+    load = [files = came->second] { return imaging::read_incoming(files); };
+  outcome_ = std::async(std::launch::async, read, load, series_uid, of_case_);
   return std::nullopt;
 }
 
-ConsoleSeries::Outcome ConsoleSeries::read(const std::filesystem::path& folder, const std::string& series_uid,
+void ConsoleSeries::look(std::int64_t now_us) {
+  if (!watched_) return;
+  if (coming_.valid()) {
+    if (coming_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    if (std::optional<Received> received = coming_.get()) add(std::move(*received));
+  }
+  if (now_us - looked_us_ < kFolderEvery_us) return;
+  looked_us_ = now_us;
+  coming_ = std::async(std::launch::async, [this] { return poll(); });
+}
+
+std::optional<ConsoleSeries::Received> ConsoleSeries::poll() {
+  try {
+    auto came = watched_->poll(std::chrono::steady_clock::now());
+    if (!came) return std::nullopt;
+    Received received{std::move(*came), {}};
+    const imaging::IncomingSeries& files = received.files;
+    events::Series& series = received.series;
+    try {
+      if (files.problem.empty()) series = series_of(imaging::read_incoming(files));
+      series.problem = files.problem;
+    } catch (const ConfigError& error) {
+      series.problem = error.what_is_wrong;
+    }
+    const std::string file = files.files.front().filename().string();
+    series.series_uid = files.identity.series_uid.empty() ? file : files.identity.series_uid;
+    if (series.description.empty()) series.description = file;
+    series.description += ", received";
+    if (differ(files.identity.patient_id, patient_id_))
+      series.problem = "it is of another patient than the case";
+    else if (files.identity.patient_id.empty() && confirmed_by_.empty())
+      series.problem = "it does not name its patient: start with --images-confirmed-by NAME";
+    series.problem.resize(std::min(series.problem.size(), kTextMax));
+    return received;
+  } catch (const ConfigError& error) {
+    kLog.warning("{}", error.what());  // a folder that cannot be read now may be readable later
+    return std::nullopt;
+  }
+}
+
+void ConsoleSeries::add(Received received) {
+  const std::string& uid = received.series.series_uid;
+  events::Series* known = find(uid);
+  if (known != nullptr && !received_.contains(uid)) return;  // the case has it
+  if (known == nullptr && all_.size() >= kListMax)
+    return kLog.warning("{} series are listed: {} is left out", all_.size(), uid);
+  ++version_;
+  received_[uid] = std::move(received.files);
+  if (known != nullptr)
+    *known = received.series;
+  else
+    all_.push_back(received.series);
+}
+
+ConsoleSeries::Outcome ConsoleSeries::read(const std::function<Volume()>& load, const std::string& series_uid,
                                            const SeriesIdentity& of_case) {
   try {
-    Read done{imaging::read_volume(folder, series_uid), nullptr};
+    Read done{load(), nullptr};
     SeriesIdentity& identity = done.image.identity;
     if (differ(identity.patient_id, of_case.patient_id)) return "it is of another patient than the case";
     if (differ(identity.frame_of_reference_uid, of_case.frame_of_reference_uid))
@@ -113,7 +179,9 @@ std::optional<Volume> ConsoleSeries::take() {
     return std::nullopt;
   }
   auto& done = std::get<Read>(outcome);
+  std::string listed_as = std::move(series.description);
   series = series_of(done.image);
+  series.description = std::move(listed_as);
   file_ = std::move(done.file);
   ++files_;
   return std::move(done.image);

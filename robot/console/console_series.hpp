@@ -1,14 +1,17 @@
-// The image series that can be opened at the console: that of the case, and all others of its folder. Reading
-// one takes seconds, so it is done in another thread.
+// The image series that can be opened at the console: that of the case, all others of its folder, and those
+// that came into the watched folder since. Reading one takes seconds, so it is done in another thread.
 #pragma once
 
+#include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "planner/imaging/io/watched_folder.hpp"
 #include "robot/msg/console_messages.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
 
@@ -16,8 +19,13 @@ namespace biopsy::robot {
 
 class ConsoleSeries {
  public:
-  // Reads the headers of all files in the folder of `opened`.
+  // Reads the headers of all files in the folder of `opened`. Throws ConfigError where its watched folder
+  // does not exist.
   explicit ConsoleSeries(const PreparedCase& opened);
+
+  // Call often: lists what came into the watched folder, once it is whole. One that names another patient,
+  // or none while no person answers for such images, cannot be opened.
+  void look(std::int64_t now_us);
 
   // The case's own first. One that cannot be opened has the reason.
   const std::vector<console::events::Series>& all() const { return all_; }
@@ -44,12 +52,24 @@ class ConsoleSeries {
   };
   using Outcome = std::variant<Read, std::string>;  // or the reason for refusing it
 
-  static Outcome read(const std::filesystem::path& folder, const std::string& series_uid,
+  struct Received {
+    imaging::IncomingSeries files;
+    console::events::Series series;
+  };
+
+  static Outcome read(const std::function<Volume()>& load, const std::string& series_uid,
                       const SeriesIdentity& of_case);
+  std::optional<Received> poll();  // in another thread
+  void add(Received received);
   console::events::Series* find(const std::string& series_uid);
 
   std::filesystem::path folder_;
   SeriesIdentity of_case_;
+  std::string patient_id_, confirmed_by_;  // of the case; who answers for images without a patient
+  std::optional<imaging::WatchedFolder> watched_;
+  std::future<std::optional<Received>> coming_;
+  std::map<std::string, imaging::IncomingSeries> received_;  // by their series_uid in all_
+  std::int64_t looked_us_ = 0;
   std::vector<console::events::Series> all_;
   std::string reading_;
   std::future<Outcome> outcome_;

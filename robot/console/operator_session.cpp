@@ -164,7 +164,7 @@ void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   }
   update_run(sample, before);
   send_confirmations();
-  if (!hv_permitted()) show_series();
+  if (!hv_permitted()) series_.look(now_us), show_series();
 }
 
 // Points and plan belong to the previous series.
