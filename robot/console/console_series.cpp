@@ -19,7 +19,7 @@ namespace events = console::events;
 namespace {
 
 constexpr std::size_t kListMax = 64, kTextMax = 300;
-constexpr std::int64_t kFolderEvery_us = 500'000;
+constexpr std::int64_t kFolderEvery_us = 2'000'000;  // ten thousand files take up to 0.1 s
 constexpr logging::Logger kLog{logging::Component::Console};
 
 events::Series listed(const imaging::SeriesSummary& found) {

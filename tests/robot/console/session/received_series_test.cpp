@@ -35,13 +35,14 @@ struct ReceivedSeries : testing::Test {
     return from;
   }
   // The series of that name once it is listed; nothing where it does not come.
-  static std::optional<events::Series> listed(Console& console, const std::string& uid, Mode mode = Mode::Safe,
+  static std::optional<events::Series> listed(Console& console, const std::string& uid,
+                                              Mode mode = Mode::Safe,
                                               std::chrono::milliseconds patience = 20s) {
     const auto until = std::chrono::steady_clock::now() + patience;
     while (std::chrono::steady_clock::now() < until) {
       for (const events::Series& one : console.session.series().all())
         if (one.series_uid == uid) return one;
-      for (int i = 0; i < 600; ++i) console.receive(mode, safety::Hazard::PlanUnconfirmed);
+      for (int i = 0; i < 2'100; ++i) console.receive(mode, safety::Hazard::PlanUnconfirmed);
       std::this_thread::yield();
     }
     return std::nullopt;
@@ -103,7 +104,7 @@ TEST_F(ReceivedSeries, ThatIsDamagedIsListedWithItsProblem) {
   write_nrrd("broken.nrrd");  // sent again
   const auto until = std::chrono::steady_clock::now() + 20s;
   while (!console.open("broken.nrrd") && std::chrono::steady_clock::now() < until)
-    for (int i = 0; i < 600; ++i) console.receive(Mode::Safe, safety::Hazard::PlanUnconfirmed);
+    for (int i = 0; i < 2'100; ++i) console.receive(Mode::Safe, safety::Hazard::PlanUnconfirmed);
   EXPECT_EQ(console.session.prepared().image.grid.size, Eigen::Vector3i(4, 3, 3));
 }
 
