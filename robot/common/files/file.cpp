@@ -4,7 +4,7 @@
 
 #include <cerrno>
 #include <fstream>
-#include <sstream>
+#include <string>
 #include <system_error>
 
 #include "robot/common/config_error.hpp"
@@ -13,16 +13,30 @@ namespace biopsy {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// A device such as /dev/zero never ends; nothing that is read at once is as large.
+constexpr std::size_t kFileMax_bytes = std::size_t{1} << 30U, kChunk_bytes = 1U << 20U;
+
+}  // namespace
+
 std::string read_file(const fs::path& file, const std::string& remedy) {
   std::error_code trouble;
   std::ifstream stream(file, std::ios::binary);
   if (!stream) trouble = {errno, std::generic_category()};
-  std::ostringstream bytes;
   if (fs::is_directory(file)) trouble = std::make_error_code(std::errc::is_a_directory);
-  if (!trouble && stream.peek() != std::ifstream::traits_type::eof()) bytes << stream.rdbuf();
-  if (!trouble && (stream.bad() || !bytes)) trouble = std::make_error_code(std::errc::io_error);
+  std::string bytes;
+  for (std::size_t read = kChunk_bytes; !trouble && read == kChunk_bytes;) {
+    if (bytes.size() >= kFileMax_bytes) throw ConfigError("is larger than 1 GB", file.string(), remedy);
+    const std::size_t before = bytes.size();
+    bytes.resize(before + kChunk_bytes);
+    stream.read(bytes.data() + before, kChunk_bytes);
+    read = static_cast<std::size_t>(stream.gcount());
+    bytes.resize(before + read);
+    if (stream.bad()) trouble = std::make_error_code(std::errc::io_error);
+  }
   if (trouble) throw ConfigError("cannot be read: " + trouble.message(), file.string(), remedy);
-  return std::move(bytes).str();
+  return bytes;
 }
 
 std::string read_file_if_present(const fs::path& file) {

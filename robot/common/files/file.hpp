@@ -7,7 +7,8 @@
 
 namespace biopsy {
 
-// All bytes. Throws ConfigError, with `remedy` as what to do, where the file is missing or cannot be read.
+// All bytes. Throws ConfigError, with `remedy` as what to do, where the file is missing, cannot be read or
+// has more than 1 GB.
 std::string read_file(const std::filesystem::path& file,
                       const std::string& remedy = "check the path and the permissions");
 

@@ -23,8 +23,8 @@ std::string refusal(const fs::path& file) {
 
 TEST(File, ComesBackAsItWasWritten) {
   const ScratchFolder folder;
-  for (const std::string& content :
-       {std::string(), std::string("a\0\r\n\xFF", 5), std::string(1 << 20, 'x')}) {
+  for (const std::string& content : {std::string(), std::string("a\0\r\n\xFF", 5), std::string(1 << 20, 'x'),
+                                     std::string((3 << 20) + 7, 'y')}) {
     atomic_write(folder / "deep/er/file", content);
     EXPECT_EQ(read_file(folder / "deep/er/file"), content);
   }
@@ -34,6 +34,7 @@ TEST(File, RefusesWhatIsMissingOrAFolder) {
   const ScratchFolder folder;
   EXPECT_EQ(refusal(folder / "none"), "cannot be read: No such file or directory");
   EXPECT_EQ(refusal(folder.path()), "cannot be read: Is a directory");
+  EXPECT_EQ(refusal("/dev/zero"), "is larger than 1 GB");  // never ends
   EXPECT_EQ(read_file_if_present(folder / "none"), "");
 }
 
