@@ -138,9 +138,9 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um, boo
         alarms.push_back(alarm(Severity::Notice, code_of(supervisor.worst), sentence(supervisor.worst),
                                "Not ready.", what_to_do(supervisor.worst)));
       else if (std::abs(shown_um) > limits::kBack_um && tick.measurement.laser_valid)
-        alarms.push_back(alarm(Severity::Notice, "E-123",
-                               fmt::format("The needle is {:.1f} mm from where it waits.", shown_um * 1e-3),
-                               "Not ready.", "Draw the stage back along its guide by hand."));
+        alarms.push_back(alarm(Severity::Notice, "E-123", "The needle is not where it waits.",
+                               fmt::format("Not ready: it is at {:.1f} mm.", shown_um * 1e-3),
+                               "Draw the stage back along its guide by hand."));
       break;
     case Mode::Ready:
     case Mode::Armed:

@@ -10,7 +10,6 @@
 #include "robot/console/server/command_from_json.hpp"
 #include "robot/console/server/origin_policy.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
-#include "safety/types/transitions.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -19,7 +18,7 @@ using console::Client;
 using console::Reliability;
 namespace events = console::events;
 
-constexpr std::int64_t kSendChanges_us = 20'000, kSendStates_us = 100'000, kSendIdleStates_us = 200'000;
+constexpr std::int64_t kSendChanges_us = 20'000;
 
 std::int64_t now_in_us() {
   return realtime::monotonic_ns() / 1000;
@@ -35,13 +34,6 @@ console::SendQueue::Text text_of(const Message& message) {
   nlohmann::json json = message;
   json["type"] = Message::kType;
   return std::make_shared<const std::string>(json.dump());
-}
-
-// A State without the values that change in every tick: a change of the rest is sent reliably.
-std::string lasting(events::State state) {
-  state.seq = 0;
-  state.depth = state.drive = state.hold_left = state.armed_left = state.ticks_left = state.arm_held = 0.0;
-  return nlohmann::json(state).dump();
 }
 
 }  // namespace
@@ -72,7 +64,7 @@ void ConsoleLoop::on_connect(Client client) {
   const std::lock_guard lock(mutex_);
   session_.connect(client);
   new_clients_.insert(client);
-  sent_[client].clear();
+  sent_[client] = {};
 }
 
 void ConsoleLoop::on_disconnect(Client client) {
@@ -130,18 +122,13 @@ void ConsoleLoop::log_command(Client client, const std::string& text, const std:
 }
 
 void ConsoleLoop::send_states(std::int64_t now_us) {
-  const std::int64_t since_us = now_us - states_us_;
-  if (since_us >= kSendIdleStates_us) states_us_ = now_us;
   for (auto& [client, sent] : sent_) {
     const events::State state = session_.state(client, now_us);
-    const bool idle = state.held.empty() && !safety::hv_permitted(state.mode);
-    const bool due = since_us >= (idle ? kSendIdleStates_us : kSendStates_us);
-    if (due) states_us_ = now_us;
-    std::string now = lasting(state);
-    const bool changed = now != sent;
-    if (changed || due)
-      server_->send(client, text_of(state), changed ? Reliability::Reliable : Reliability::BestEffort);
-    if (changed) sent = std::move(now);
+    const ShownState::Due due = sent.due(state, now_us);
+    if (due == ShownState::Due::No) continue;
+    server_->send(client, text_of(state),
+                  due == ShownState::Due::Reliable ? Reliability::Reliable : Reliability::BestEffort);
+    sent.note(state, now_us);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "robot/console/server/alarm_history.hpp"
 #include "robot/console/server/http_server.hpp"
 #include "robot/console/server/telemetry_batch.hpp"
+#include "robot/console/shown_state.hpp"
 #include "robot/live/session/live_robot.hpp"
 
 namespace biopsy::robot {
@@ -51,11 +52,11 @@ class ConsoleLoop {
   OperatorSession session_;
   console::AlarmHistory alarms_;
   KeptPoints points_;
-  std::map<console::Client, std::string> sent_;  // last State of each page, without what always changes
+  std::map<console::Client, ShownState> sent_;  // to each page
   std::set<console::Client> new_clients_;
   std::uint32_t sent_version_ = 0, sent_series_ = 0, sent_alarms_ = 0;
   console::TelemetryBatch batch_;
-  std::int64_t ticks_ = 0, states_us_ = 0;
+  std::int64_t ticks_ = 0;
   std::unique_ptr<console::HttpServer> server_;  // last: it calls into all the others
 };
 

@@ -156,7 +156,8 @@ void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   if (hv_permitted() && stop_until_us_ > now_us) stop_until_us_ = now_us + kStopLasts_us;
   if (hv_permitted() && retract_until_us_ > now_us) retract_until_us_ = now_us + kStopLasts_us;
   if (!hv_permitted()) finish_ = false;
-  if ((mode == Mode::Ready || mode == Mode::Armed) && !standing_stop_) stopped_ = false;
+  const bool startable = mode == Mode::Ready || mode == Mode::Armed;
+  if (startable && !standing_stop_ && now_us >= stop_until_us_) stopped_ = false;
   const bool waiting = all_ticked() && !hv_permitted();
   if (waiting && now_us - ticked_us_ > kTicksLive_us) {
     ticks_ = {};

@@ -54,6 +54,9 @@ review::FinishedRun add_run(const fs::path& given, const std::string& base,
   if (trouble || !fs::is_directory(folder))
     throw ConfigError("there is no such folder", given.string(), kNoRun);
   const fs::path report_file = folder / "report.json", table_file = folder / "run.csv";
+  for (const fs::path& file : {report_file, table_file})  // a device may never end
+    if (fs::exists(file) && !fs::is_regular_file(file))
+      throw ConfigError("is not a file", file.string(), kNoRun);
   RunReport report = parse_run_report(read_file(report_file, kNoRun), report_file.string());
   RunTable table = parse_run_table(read_file(table_file, kNoRun), table_file.string());
   const double end_s = table.values.front().back();

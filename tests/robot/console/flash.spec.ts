@@ -14,8 +14,8 @@ import { freezePage } from './support/tap'
 const launchOptions = config.use!.launchOptions!
 test.use({ launchOptions: { ...launchOptions, args: [...launchOptions.args!, '--disable-gpu-compositing'] } })
 
-const kSettle_ms = 1500
-const kMeasured_ms = 5000
+const kSettle_ms = 700
+const kMeasured_ms = 4000
 const kPairs = 5 // flashing and acknowledged in turn, so that other work on the machine meets both; the median of the differences
 const kMax_percent = 4 // of one core, more than the same page with the alarm acknowledged
 

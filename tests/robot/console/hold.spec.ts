@@ -94,6 +94,20 @@ test('a lost pointer holds the needle', async ({ page }) => {
   }
 })
 
+// A mouse reports pointerup only once its last button is up.
+test('the button is released although another one of the mouse is down', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.armed()
+  for (const other of ['right', 'middle'] as const) {
+    await operator.moving()
+    await page.mouse.down({ button: other })
+    await page.mouse.up({ button: 'left' })
+    await operator.isHeld()
+    await expect(operator.insertButton()).toHaveAttribute('aria-pressed', 'false')
+    await page.mouse.up({ button: other })
+  }
+})
+
 async function middle(button: Locator): Promise<[number, number]> {
   const box = (await button.boundingBox())!
   return [box.x + box.width / 2 + 3, box.y + box.height / 2]

@@ -5,8 +5,8 @@ import { expect, type Page, test } from '@playwright/test'
 import { expectAccessible } from './support/accessibility'
 import { PageOperator } from './support/page_operator'
 import { Robot } from './support/robot'
-import { checkedOf, kScenes, showScene } from './support/scenes'
-import { lastEvent, type Message } from './support/tap'
+import { checkedOf, kAlarm, kScenes, kWarning, showScene } from './support/scenes'
+import { freezePage, lastEvent, type Message } from './support/tap'
 
 // The last: a screen of 1920 x 1080 at 200 %.
 const kSizes = [[1920, 1080], [1366, 768], [1280, 720], [1024, 768], [960, 540]] as const
@@ -42,7 +42,7 @@ for (const [width, height] of kSizes)
     await page.setViewportSize({ width, height })
     const operator = new PageOperator(page, robot.url)
     await operator.planned()
-    const decisions = '.acts .act button, .stopping button, .decide button, .alarm, .alarm > button, .top [data-name=mode], [data-name=Depth]'
+    const decisions = '.acts .act button, .stopping button, .decide button, .alarm, .alarm > button, .top [data-name=mode], .top .who, [data-name=Depth], .image:not(:has(.confirm, .loss)) .readings'
     for (const scene of kScenes) {
       await showScene(operator, scene, checked)
       await page.waitForTimeout(100)
@@ -51,6 +51,23 @@ for (const [width, height] of kSizes)
       expect(scrolls, scene.name).toEqual([false, false])
       if (['confirm', 'trip', 'check'].includes(scene.name)) await expectAccessible(page)
     }
+  })
+
+// Numbers cut off, or to be found by scrolling sideways, are not read.
+for (const [width, height] of kSizes)
+  test(`the list of alarms is not cut at ${width} x ${height}`, async ({ page }) => {
+    await page.setViewportSize({ width, height })
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    const at = Date.now()
+    const rows = [kAlarm, kWarning].map((alarm, n) => ({ number: n + 1, alarm, from_ms: at - 9000, to_ms: at - 2000, acknowledged_ms: at - 5000 }))
+    await freezePage(page, { mode: 'Safe', step: 'Plan' }, [{ type: 'AlarmHistory', rows }])
+    await operator.button(/^Alarms: /).click()
+    const list = page.locator('.alarm-list')
+    await expect(list.locator('tbody tr')).toHaveCount(2)
+    expect(await list.evaluate((one) => one.scrollWidth - one.clientWidth)).toBe(0)
+    await expect(list).toContainText(kAlarm.robot_did)
+    await expectAccessible(page)
   })
 
 test('forty series leave the alarms uncovered and can all be reached', async ({ page }) => {

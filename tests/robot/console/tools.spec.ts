@@ -88,6 +88,41 @@ test('undo and redo of a point, by button and key; the server has the same', asy
   await expect.poll(async () => distance(await entry(), first)).toBeLessThan(0.001)
 })
 
+test('a key that is kept down sets and undoes once; two undos at once are two', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const target = async () => (await lastEvent(page, 'Planned')).target[0].ras as Vec3
+  await operator.clickAt('target')
+  const canvas = page.locator('canvas[tabindex]')
+  const places = [await target()]
+  for (let n = 0; n < 2; ++n) {
+    await canvas.focus()
+    await page.keyboard.press('Shift+ArrowUp')
+    for (let repeats = 0; repeats < 20; ++repeats) await page.keyboard.down('t')
+    await page.keyboard.up('t')
+    await expect.poll(async () => distance(await target(), places.at(-1)!)).toBeGreaterThan(0.05)
+    places.push(await target())
+  }
+  const is = (n: number) => expect.poll(async () => distance(await target(), places[n]!), `target ${n}`).toBeLessThan(0.001)
+  await page.keyboard.down('Control')
+  for (let repeats = 0; repeats < 20; ++repeats) await page.keyboard.down('z')
+  await page.keyboard.up('z')
+  await page.keyboard.up('Control')
+  await is(1)
+  await page.keyboard.press('Control+y')
+  await is(2)
+  await page.evaluate(() => {
+    const undo = document.querySelector<HTMLButtonElement>('[aria-label=Undo]')!
+    undo.click()
+    undo.click()
+  })
+  await is(0)
+  await page.keyboard.press('Control+y')
+  await is(1)
+  await page.keyboard.press('Control+y')
+  await is(2)
+})
+
 test('? lists every input, and leaves STOP and the alarms in view', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
   await operator.planned()

@@ -117,3 +117,18 @@ test('a wheel step moves the slice and keeps a nudge', async ({ page }) => {
   await page.mouse.wheel(0, -100)
   await expect.poll(async () => distance(await operator.mm('crosshair'), nudged)).toBeLessThan(0.001)
 })
+
+test('a touchpad moves by as much as a wheel, not a slice for each of its small steps', async ({ page }) => {
+  const operator = await atTheTarget(page)
+  const slice = async () => Number(await page.locator('[data-name=slice]').textContent())
+  const from = await slice()
+  const { x, y, width, height } = await large(page)
+  await page.mouse.move(x + width / 2, y + height / 2)
+  for (let n = 0; n < 30; ++n) await page.mouse.wheel(0, 4)
+  await expect.poll(slice).toBe(from - 3)
+  await page.mouse.wheel(0, -4)
+  for (const notch of [-53, -120]) await page.mouse.wheel(0, notch)
+  await expect.poll(slice).toBe(from - 1)
+  await settled(operator.page)
+  expect(await slice()).toBe(from - 1)
+})

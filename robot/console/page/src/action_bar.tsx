@@ -21,6 +21,7 @@ function HoldButton(props: { button: Button; name: string; why: string }) {
           event.currentTarget.setPointerCapture(event.pointerId)
           start()
         }}
+        onPointerMove={(event) => event.buttons !== 1 && stop()} // a mouse that has another button down reports no pointerup
         onPointerUp={stop}
         onPointerCancel={stop}
         onLostPointerCapture={stop}
@@ -55,14 +56,22 @@ function Click(props: { name: string; why: string; lit?: boolean; act: () => voi
   )
 }
 
-const stop = () => void send({ type: 'Stop' })
+function stop(): void {
+  release()
+  void send({ type: 'Stop' })
+}
 
 window.addEventListener('keydown', (event) => {
   if (event.key !== 'Escape' || event.repeat) return
   event.preventDefault()
-  release()
   stop()
 })
+
+// While another button of the mouse is down, a press is a pointermove; and the mouse may be captured elsewhere.
+window.addEventListener('pointermove', (event) => {
+  const isPress = event.button === 0 && (event.buttons & 1) === 1
+  if (isPress && document.elementFromPoint(event.clientX, event.clientY)?.closest('.stopping button')) stop()
+}, true)
 
 function armName(): string {
   const now = state.value
@@ -93,11 +102,9 @@ export function ActionBar() {
       <div class="stopping">
         <button
           data-dead={!linked.value}
-          onPointerDown={() => {
-            release()
-            stop()
-          }}
+          onPointerDown={stop}
           onKeyDown={(event) => (event.key === ' ' || event.key === 'Enter') && !event.repeat && stop()}
+          onClick={(event) => event.detail === 0 && stop()} // by voice or a screen reader, which press nothing
         >
           {linked.value ? 'STOP' : 'STOP: NO LINK'}
         </button>

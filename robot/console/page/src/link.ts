@@ -22,13 +22,17 @@ export const onConnectionLost = (handler: () => void) => void lostHandlers.push(
 
 export function connect(): void {
   open()
-  let before = performance.now()
-  setInterval(() => {
-    const now = performance.now()
-    const froze = now - before > kFrozen_ms // what arrived meanwhile comes next: then the age is known again
-    before = now
-    if (!froze) robot.linkAge.value = kTick_ms * Math.floor((now - robot.lastMessageAt) / kTick_ms)
-  }, kTick_ms)
+  ageLink(performance.now())
+}
+
+// Looked at when the newest message will be old, and then again and again: each look costs time.
+function ageLink(due: number): void {
+  const now = performance.now()
+  const froze = Math.abs(now - due) > kFrozen_ms // what arrived meanwhile comes next: then the age is known again
+  const age = now - robot.lastMessageAt
+  if (!froze) robot.linkAge.value = kTick_ms * Math.floor(age / kTick_ms)
+  const wait = age >= 0 ? Math.max(robot.kOld_ms + kTick_ms - age, kTick_ms) : kTick_ms
+  setTimeout(() => ageLink(now + wait), wait)
 }
 
 function open(): void {

@@ -2,6 +2,7 @@ import { render } from 'preact'
 
 import { ActionBar } from './action_bar'
 import { AlarmLine, AlarmList } from './alarms/alarm_line'
+import { preventGestures } from './browser_gestures'
 import { ConfirmView } from './confirm_view'
 import { connect } from './link'
 import { LossScreen } from './loss_screen'
@@ -28,4 +29,5 @@ render(
   </div>,
   document.getElementById('page')!,
 )
+preventGestures()
 connect()

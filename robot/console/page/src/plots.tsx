@@ -9,7 +9,7 @@ import type { Telemetry } from './generated/messages'
 import { kPlot_ms, telemetry } from './robot'
 
 const kDraw_ms = 250
-const kDrawIdle_ms = 10_000 // where there is nothing to see but that time goes on
+const kDrawIdle_ms = 30_000 // where there is nothing to see but that time goes on: each sample is drawn once
 type Columns = (number | null)[][]
 
 const kInk = '#15191d'
@@ -73,20 +73,25 @@ function isStill(): boolean {
   return newest.time - changedAt > kPlot_ms
 }
 
+const plots = new Map<uPlot, 'depth' | 'drive'>()
+let drawn: Telemetry | undefined
+
+// Both at once: a picture costs the browser as much with one of them changed as with both.
+function draw(): void {
+  const newest = telemetry.at(-1)
+  if (document.hidden || newest === drawn) return
+  if (drawn && newest && newest.time - drawn.time < kDrawIdle_ms && newest.time >= drawn.time && isStill()) return
+  drawn = newest
+  for (const [plot, of] of plots) plot.setData(columns(of) as uPlot.AlignedData)
+}
+
 function Plot(props: { of: 'depth' | 'drive'; label: string; options: uPlot.Options }) {
   const place = useRef<HTMLDivElement>(null)
   useEffect(() => {
     const plot = new uPlot(props.options, columns(props.of) as uPlot.AlignedData, place.current!)
-    let drawn: Telemetry | undefined
-    const timer = setInterval(() => {
-      const newest = telemetry.at(-1)
-      if (document.hidden || newest === drawn) return
-      if (drawn && newest && newest.time - drawn.time < kDrawIdle_ms && newest.time >= drawn.time && isStill()) return
-      drawn = newest
-      plot.setData(columns(props.of) as uPlot.AlignedData)
-    }, kDraw_ms)
+    plots.set(plot, props.of)
     return () => {
-      clearInterval(timer)
+      plots.delete(plot)
       plot.destroy()
     }
   }, [])
@@ -97,6 +102,10 @@ const kDepth = options('Depth (dark) and plan (pale)', 'mm', -0.2, [line('depth'
 const kDrive = options('Drive voltage (dark) in its limit (pale)', 'kV', -1, [line('drive', kInk), line('limit', kPale), line('limit', kPale)])
 
 export function Plots() {
+  useEffect(() => {
+    const timer = setInterval(draw, kDraw_ms)
+    return () => clearInterval(timer)
+  }, [])
   return (
     <>
       <Plot of="depth" label="depth against plan, last 30 s" options={kDepth} />

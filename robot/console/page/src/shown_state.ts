@@ -4,10 +4,12 @@ import type { State } from './generated/messages'
 
 const kDepth_mm = 0.01 // the second decimal, which noise must not change
 const kDrive_kV = 0.02
+const kPerShown = 100 // both are shown with two decimals
 const kMinute_s = 60
 
+// What is shown, until the value differs from that.
 const steady = (value: number, before: number | undefined, least: number) =>
-  before !== undefined && Math.abs(value - before) < least ? before : value
+  before !== undefined && Math.abs(value - before) < least ? before : Math.round(kPerShown * value) / kPerShown
 
 export function shownState(now: State, before: State | null): State {
   const shown: State = {

@@ -6,7 +6,7 @@ import { isKnown, linkAge, linked, opened, state, welcome } from './robot'
 import { dark } from './theme'
 import { mm } from './viewer/geometry'
 
-const kAge_ms = 100 // finer steps would paint the page again and again
+const kAge_ms = 200 // finer steps would paint the page again and again
 const shownAge = computed(() => kAge_ms * Math.floor(linkAge.value / kAge_ms))
 
 // A label, a shape and, for the two stopped modes, the only saturated colour.

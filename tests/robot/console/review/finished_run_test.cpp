@@ -144,6 +144,24 @@ TEST(FinishedRun, LeavesTheFolderAsItWas) {
   EXPECT_EQ(state(), before);
 }
 
+// A device in its place may never end.
+TEST(FinishedRun, ReadsFilesOnly) {
+  const ScratchFolder folder;
+  report::save_report(example(), folder.path());
+  for (const char* name : {"report.json", "run.csv"}) {
+    const fs::path file = folder / name;
+    fs::rename(file, folder / "kept");
+    fs::create_symlink("/dev/null", file);
+    try {
+      review_documents({folder.path()});
+      ADD_FAILURE() << name;
+    } catch (const ConfigError& refusal) {
+      EXPECT_EQ(refusal.what_is_wrong, "is not a file");
+    }
+    fs::rename(folder / "kept", file);
+  }
+}
+
 TEST(FinishedRun, OfABadFolderSaysWhatIsWrong) {
   const ScratchFolder folder;
   EXPECT_THROW(review_documents({folder / "nothing"}), ConfigError);

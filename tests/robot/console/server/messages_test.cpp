@@ -169,5 +169,21 @@ TEST(TelemetryBatch, KeepsASpikeOfOneTick) {
   EXPECT_EQ(message->drive_high, 2.0);
 }
 
+TEST(TelemetryBatch, OfARobotAtRestIsTwiceAsLongAndOfAMovingOneNot) {
+  TelemetryBatch batch;
+  const auto ticks_until_sent = [&](auto depth_mm) {
+    for (int n = 1;; ++n)
+      if (batch.add({0.0, depth_mm(n), 1.0, 2.0, 6.0})) return n;
+  };
+  const auto rests = [](int n) { return 1.0 + 0.02 * (n % 3); };
+  ticks_until_sent(rests);
+  EXPECT_EQ(ticks_until_sent(rests), kStillBatch_ticks);
+  EXPECT_EQ(ticks_until_sent([](int n) { return 1.0 + 0.005 * n; }), kBatch_ticks);  // 5 mm/s
+  EXPECT_EQ(ticks_until_sent(rests), kBatch_ticks);                                  // other than before
+  EXPECT_EQ(ticks_until_sent([](int n) { return n == 3 ? 4.0 : 1.0; }), kBatch_ticks);
+  EXPECT_EQ(ticks_until_sent(rests), kBatch_ticks);
+  EXPECT_EQ(ticks_until_sent(rests), kStillBatch_ticks);
+}
+
 }  // namespace
 }  // namespace biopsy::console

@@ -104,6 +104,16 @@ TEST(OperatorSession, AStopWithoutVoltageStandsUntilItIsReset) {
   }
 }
 
+// The robot is still armed in the tick after, and trips in the next.
+TEST(OperatorSession, AStopOfAnArmedRobotSaysThatStopWasPressed) {
+  Console console_(read_case("gap"));
+  console_.receive(Mode::Armed, safety::Hazard::None);
+  ASSERT_TRUE(console_.send(commands::Stop{1}));
+  console_.receive(Mode::Armed, safety::Hazard::None);
+  console_.receive(Mode::Trip, safety::Hazard::None);
+  EXPECT_EQ(console_.session.state(kPage, console_.now_us).alarms.at(0).what, "STOP was pressed.");
+}
+
 TEST(OperatorSession, SaysThatTheNeedleIsLockedAsLongAsTheBrakeIsOn) {
   Console console_(read_case("gap"));
   for (const bool on : {false, true, true, false}) {

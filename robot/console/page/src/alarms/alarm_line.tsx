@@ -1,9 +1,11 @@
 // Always there, below the top bar: the alarm of the highest priority, how many there are, and what can be done about
 // their sound. The border flashes, the text never does.
-import { signal } from '@preact/signals'
+import { signal, useSignalEffect } from '@preact/signals'
+import { useRef } from 'preact/hooks'
 
 import type { PastAlarm } from '../generated/messages'
 import { acknowledge, active, isAcknowledged, kPriority, loudest } from './alarms'
+import { flash } from './flash'
 import { history } from './history'
 import { muted, pausedLeft_s, pauseOrResume } from './sound'
 
@@ -13,9 +15,11 @@ export const listed = signal(false)
 export function AlarmLine() {
   const all = active.value
   const worst = all.find((one) => !isAcknowledged(one)) ?? all[0]
+  const line = useRef<HTMLElement>(null)
+  useSignalEffect(() => flash(line.current!, loudest.value))
   const shown = worst ? `${worst.severity} ${isAcknowledged(worst) ? 'acknowledged' : ''}` : ''
   return (
-    <section class={`alarm ${shown}`} aria-label="alarms" data-priority={worst ? kPriority[worst.severity] : 'none'}>
+    <section ref={line} class={`alarm ${shown}`} aria-label="alarms" data-priority={worst ? kPriority[worst.severity] : 'none'}>
       <div class="says" role="alert">
         {worst ? (
           <>

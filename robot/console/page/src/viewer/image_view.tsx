@@ -58,10 +58,10 @@ function Shown() {
         <Tools />
         <Tissues />
         <Slice />
-        <div class="readings">
-          <Pointed />
-          <Caption />
-        </div>
+      </div>
+      <div class="readings">
+        <Pointed />
+        <Caption />
       </div>
     </>
   )

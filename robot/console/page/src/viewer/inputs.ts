@@ -10,6 +10,7 @@ const kWindow_px = 200 // of a drag doubles the window
 const kWindowStep = 0.15
 const kTurn_deg_px = 0.5 // of a drag in the 3-D view
 const kTurn_deg = 5
+const kNotch_px = 40 // of the wheel; browsers report 53 to 120
 
 export const kList: [string, string][] = [
   ['click or left drag', 'move the crosshair (with Ruler: measure)'],
@@ -32,6 +33,9 @@ export const kList: [string, string][] = [
   ['?', 'this list'],
 ]
 
+// A key that is kept down moves and zooms on and on; it sets, switches, undoes once.
+const kRepeated = /^(Arrow|Page)|^[-+=[\];',.]$/
+
 export interface Acts {
   set(mark: Mark, p: Vec3): void
   undo(): void
@@ -47,7 +51,10 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
   const over = new AbortController()
   const on = <Name extends keyof HTMLElementEventMap>(name: Name, act: (event: HTMLElementEventMap[Name]) => void) =>
     canvas.addEventListener(name, act, { signal: over.signal, passive: false })
-  let dragged: { tile: Tile; button: number; last: [number, number]; from: Vec3 } | null = null
+  let dragged: { pointer: number; buttons: number; tile: Tile; button: number; last: [number, number]; from: Vec3 } | null = null
+  let rolled = 0 // px of the wheel, since its last step
+
+  const drop = () => void (dragged = null)
 
   on('pointerdown', (event) => {
     if (dragged) return
@@ -57,7 +64,7 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
     event.preventDefault()
     canvas.focus()
     canvas.setPointerCapture(event.pointerId)
-    dragged = { tile, button: event.button, last: [x, y], from: pointAt(tile, x, y) }
+    dragged = { pointer: event.pointerId, buttons: event.buttons, tile, button: event.button, last: [x, y], from: pointAt(tile, x, y) }
     if (event.button !== 0) return
     if (tile.plane === '3-D') return
     if (view.ruling.value) view.ruler.value = { from: dragged.from, to: dragged.from }
@@ -67,7 +74,8 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
     const [x, y] = [event.offsetX, event.offsetY]
     const over = tileAt(x, y)
     view.pointed.value = over && over.plane !== '3-D' ? pointAt(over, x, y) : null
-    if (!dragged) return
+    if (!dragged || dragged.pointer !== event.pointerId) return
+    if (event.buttons !== dragged.buttons) return drop() // another button: nothing says which is meant
     const { tile, last } = dragged
     if (dragged.button === 1) view.pan(tile, last, [x, y])
     else if (dragged.button === 2) view.changeWindow((x - last[0]) / kWindow_px, (y - last[1]) / kWindow_px)
@@ -79,11 +87,10 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
     }
     dragged.last = [x, y]
   })
-  const drop = () => void (dragged = null)
-  on('pointerup', drop)
-  on('pointercancel', drop)
+  on('pointerup', (event) => event.pointerId === dragged?.pointer && drop())
+  on('pointercancel', (event) => event.pointerId === dragged?.pointer && drop())
   on('pointerleave', () => void (view.pointed.value = null))
-  on('lostpointercapture', drop)
+  on('lostpointercapture', (event) => event.pointerId === dragged?.pointer && drop())
   on('contextmenu', (event) => event.preventDefault())
   on('dragover', (event) => event.preventDefault())
   on('drop', (event) => event.preventDefault())
@@ -92,6 +99,10 @@ export function listen(canvas: HTMLCanvasElement, acts: Acts): () => void {
     event.preventDefault()
     const tile = tileAt(event.offsetX, event.offsetY)
     if (!tile || dragged || event.deltaY === 0) return
+    // A wheel turns by notches, each at least a step; a touchpad by a few pixels.
+    rolled = (Math.sign(rolled) === Math.sign(event.deltaY) ? rolled : 0) + (event.deltaMode === 0 ? event.deltaY : Math.sign(event.deltaY) * kNotch_px)
+    if (Math.abs(rolled) < kNotch_px) return
+    rolled = 0
     if (event.ctrlKey) view.zoomBy(event.deltaY < 0 ? view.kZoomStep : 1 / view.kZoomStep)
     else view.moveSlice(tile, event.deltaY < 0 ? 1 : -1)
   })
@@ -112,6 +123,7 @@ function actOn(event: KeyboardEvent, acts: Acts): boolean {
   if (event.ctrlKey) {
     const again = event.key === 'y' || (event.key === 'Z' && event.shiftKey)
     if (!again && event.key !== 'z') return false
+    if (event.repeat) return true
     if (again) acts.redo()
     else acts.undo()
     return true
@@ -152,6 +164,6 @@ function actOn(event: KeyboardEvent, acts: Acts): boolean {
     '?': acts.list,
   }
   const act = Object.hasOwn(keys, event.key) ? keys[event.key] : undefined
-  act?.()
+  if (!event.repeat || kRepeated.test(event.key)) act?.()
   return act !== undefined
 }

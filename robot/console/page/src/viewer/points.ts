@@ -4,13 +4,15 @@ import { computed, signal } from '@preact/signals'
 import type { Mark } from '../generated/messages'
 import { send } from '../link'
 import { opened, planned, type Vec3 } from '../robot'
-import { voxelOf } from './geometry'
+import { length, minus, voxelOf } from './geometry'
 
 interface Change {
   mark: Mark
   before: Vec3 | null // nothing was set
   after: Vec3
 }
+const kSame_mm = 1e-6
+
 const past = signal<Change[]>([])
 const future = signal<Change[]>([])
 
@@ -31,15 +33,24 @@ async function put(mark: Mark, p: Vec3): Promise<boolean> {
   return (await send({ type: 'SetPoint', mark, series_uid: series.series_uid, voxel, ras_mm: p })).done
 }
 
-export async function setPoint(mark: Mark, p: Vec3): Promise<void> {
+// One after the other, each with the answer to the one before: two at once would undo the same change twice.
+let acts: Promise<void> = Promise.resolve()
+const inTurn = (act: () => Promise<void>) => (acts = acts.then(act))
+
+export const setPoint = (mark: Mark, p: Vec3) => inTurn(() => change(mark, p))
+export const undo = () => inTurn(takeBack)
+export const redo = () => inTurn(repeat)
+
+async function change(mark: Mark, p: Vec3): Promise<void> {
   recall()
   const before = pointOf(mark)
   if (!(await put(mark, p))) return
+  if (before && length(minus(before, p)) < kSame_mm) return // nothing to undo
   past.value = [...past.value, { mark, before, after: p }]
   future.value = []
 }
 
-export async function undo(): Promise<void> {
+async function takeBack(): Promise<void> {
   recall()
   const last = past.value.at(-1)
   if (!last?.before || !(await put(last.mark, last.before))) return
@@ -47,7 +58,7 @@ export async function undo(): Promise<void> {
   future.value = [...future.value, last]
 }
 
-export async function redo(): Promise<void> {
+async function repeat(): Promise<void> {
   recall()
   const next = future.value.at(-1)
   if (!next || !(await put(next.mark, next.after))) return
