@@ -159,12 +159,14 @@ Found quantised(const Channels& c) {
 Found outliers(const Channels& c) {
   const std::vector<double>& x = c.run.displacement;
   std::vector<double> off(x.size(), 0.0);
-  // A peak of a fast motion stands out of the median too, but not of a curve through its neighbours.
+  // A peak of a fast motion stands out of the median too, but not of a curve through its neighbours; the last
+  // reading before plate A bounces off a stop not of the motion before it.
   for (std::size_t i = 2; i + 2 < x.size(); ++i) {
     const double curve = (4.0 * (x[i - 1] + x[i + 1]) - (x[i - 2] + x[i + 2])) / 6.0;
-    off[i] =
-        std::min(std::abs(x[i] - median(std::vector<double>{x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]})),
-                 std::abs(x[i] - curve));
+    const double middle = median(std::vector<double>{x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]});
+    off[i] = std::abs(x[i] - middle);
+    for (const double expected : {curve, 2.0 * x[i - 1] - x[i - 2], 2.0 * x[i + 1] - x[i + 2]})
+      off[i] = std::min(off[i], std::abs(x[i] - expected));
   }
   const double scatter = std::max({c.noise, kMadToSigma * median(off), quantile(off, 0.99) / 5.0,
                                    kOutlierRange * range_of(x) / kOutlier});

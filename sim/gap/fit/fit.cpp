@@ -19,7 +19,6 @@ constexpr double kSampleSeconds = 2.0;  // a model's errors repeat with every cy
 constexpr double kFewestSamples = 30.0;
 constexpr double kBlockSeconds = 1.0;
 constexpr double kToleranceOfNoise = 0.1;
-constexpr double kConverged = 1e-4;   // of the cost: a tenth of a unit of log evidence
 constexpr double kWidestRange = 1e6;  // of theta
 constexpr int kLineSearchSteps = 4;   // then the trust region shrinks instead
 constexpr int kMostFits = 3;
@@ -72,11 +71,18 @@ bool are_finite(const double* values, std::size_t count) {
 // The training residuals, then one row for each unknown with a prior.
 class Misfit : public ceres::CostFunction {
  public:
-  Misfit(const Hypothesis& hypothesis, const Evidence& evidence, double weight, std::size_t rows)
-      : hypothesis_(hypothesis), evidence_(evidence), root_(std::sqrt(weight)), rows_(rows) {
+  // `now`: the training residuals of the hypothesis.
+  Misfit(const Hypothesis& hypothesis, const Evidence& evidence, double weight, std::vector<double> now)
+      : hypothesis_(hypothesis),
+        evidence_(evidence),
+        last_at_(thetas_of(hypothesis)),
+        last_(std::move(now)),
+        root_(std::sqrt(weight)),
+        rows_(last_.size()) {
+    seen_.emplace_back(last_at_, mean_square(last_));
     for (std::size_t i = 0; i < hypothesis.unknowns.size(); ++i)
       if (std::isfinite(hypothesis.unknowns[i].prior_std)) known_.push_back(i);
-    set_num_residuals(static_cast<int>(rows + known_.size()));
+    set_num_residuals(static_cast<int>(rows_ + known_.size()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(hypothesis.unknowns.size()));
   }
 
@@ -84,7 +90,10 @@ class Misfit : public ceres::CostFunction {
     Hypothesis here = hypothesis_;
     const std::vector<double> at(parameters[0], parameters[0] + here.unknowns.size());
     here.set(at);
-    if (at != last_at_) last_at_ = at, last_ = residual(here.model, evidence_, Part::Training);
+    if (at != last_at_) {
+      last_at_ = at, last_ = residual(here.model, evidence_, Part::Training);
+      seen_.emplace_back(at, mean_square(last_));
+    }
     const std::vector<double>& now = last_;
     for (std::size_t i = 0; i < rows_; ++i) residuals[i] = root_ * now[i];
     for (std::size_t k = 0; k < known_.size(); ++k) {
@@ -96,6 +105,13 @@ class Misfit : public ceres::CostFunction {
     return are_finite(residuals, rows_) &&
            (jacobians == nullptr || jacobians[0] == nullptr ||
             are_finite(jacobians[0], static_cast<std::size_t>(num_residuals()) * here.unknowns.size()));
+  }
+
+  // Mean square of the residuals where Ceres ended, m^2: of a place that it tried.
+  double square_at(const std::vector<double>& thetas) const {
+    for (const auto& [at, square] : seen_)
+      if (at == thetas) return square;
+    return mean_square(residual(hypothesis_.at(thetas), evidence_, Part::Training));
   }
 
  private:
@@ -126,6 +142,7 @@ class Misfit : public ceres::CostFunction {
   mutable Eigen::MatrixXd columns_;
   mutable int age_ = 0;
   mutable std::vector<double> last_at_, last_;  // Ceres evaluates the derivative where it had the value
+  mutable std::vector<std::pair<std::vector<double>, double>> seen_;  // thetas and mean squares, m^2
   double root_;
   std::size_t rows_;
   std::vector<std::size_t> known_;
@@ -171,14 +188,14 @@ Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evid
   return J;
 }
 
-void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust) {
-  if (hypothesis.unknowns.empty()) return;
-  const std::vector<double> before = residual(hypothesis.model, evidence, Part::Training);
-  if (!are_finite(before.data(), before.size())) return;
+double fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust, double converged) {
+  std::vector<double> before = residual(hypothesis.model, evidence, Part::Training);
+  const double square = mean_square(before);
+  if (hypothesis.unknowns.empty() || !std::isfinite(square)) return square;
   std::vector<double> thetas = thetas_of(hypothesis);
   ceres::Problem::Options owned;
   owned.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  Misfit misfit(hypothesis, evidence, trust * residual_weight(evidence, mean_square(before)), before.size());
+  Misfit misfit(hypothesis, evidence, trust * residual_weight(evidence, square), std::move(before));
   ceres::Problem problem(owned);
   problem.AddResidualBlock(&misfit, nullptr, thetas.data());
   for (std::size_t i = 0; i < thetas.size(); ++i) {
@@ -189,7 +206,7 @@ void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, doubl
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
-  options.function_tolerance = kConverged;
+  options.function_tolerance = converged;
   // Where a step leaves the bounds Ceres searches along it; by values alone, since a derivative costs as many
   // simulations as there are unknowns.
   options.line_search_interpolation_type = ceres::QUADRATIC;
@@ -199,17 +216,17 @@ void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, doubl
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   hypothesis.set(thetas);
+  return misfit.square_at(thetas);
 }
 
-void fit_closely(Hypothesis& hypothesis, const Evidence& evidence, int iterations) {
-  const auto left = [&] { return mean_square(residual(hypothesis.model, evidence, Part::Training)); };
-  double before = left();
+double fit_closely(Hypothesis& hypothesis, const Evidence& evidence, int iterations) {
+  double before = mean_square(residual(hypothesis.model, evidence, Part::Training));
   for (int i = 0; i < kMostFits; ++i) {
-    fit(hypothesis, evidence, iterations);
-    const double now = left();
-    if (!(now < kMuchLess * before)) return;
+    const double now = fit(hypothesis, evidence, iterations);
+    if (i + 1 == kMostFits || !(now < kMuchLess * before)) return now;
     before = now;
   }
+  return before;
 }
 
 void estimate_uncertainty(Hypothesis& hypothesis, const Evidence& evidence) {

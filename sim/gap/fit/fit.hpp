@@ -20,14 +20,19 @@ Eigen::MatrixXd sensitivities(const Hypothesis& hypothesis, const Evidence& evid
 // mean square. 1/m^2
 double residual_weight(const Evidence& evidence, double mean_square);
 
+// Of the cost, the step at which a fit ends: a tenth of a unit of log evidence.
+inline constexpr double kConverged = 1e-4;
+
 // Moves the unknowns to the optimum, in at most `iterations`. `trust` multiplies the weight of the readings
-// against the priors: 1 while the model may still lack something, kTrustReadings for a complete model.
-void fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust = 1.0);
+// against the priors: 1 while the model may still lack something, kTrustReadings for a complete model. The
+// mean square of the training residuals that is left, m^2.
+double fit(Hypothesis& hypothesis, const Evidence& evidence, int iterations, double trust = 1.0,
+           double converged = kConverged);
 inline constexpr double kTrustReadings = 100.0;
 
 // The same, again while it leaves much less: the weight of the readings is that of what is left at the start
 // of a fit, so that after a good step the priors would hold the numbers back.
-void fit_closely(Hypothesis& hypothesis, const Evidence& evidence, int iterations);
+double fit_closely(Hypothesis& hypothesis, const Evidence& evidence, int iterations);
 
 // Fills the unknowns' standard deviations: the largest of the white-noise estimate, the sandwich estimate
 // over blocks of a second (correlated residuals), and the estimate for a model error that repeats every

@@ -12,10 +12,11 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr int kRestartIterations = 8;
-constexpr int kRounds = 2;           // of moves from the best so far
-constexpr double kFactor = 1.4;      // ln: four times as much or little
-constexpr double kElsewhere = 0.07;  // of the range of motion, or of the largest voltage
-constexpr double kBetter = 0.98;     // of the mean square
+constexpr double kRestartConverged = 1e-2;  // of the cost: the best is fitted on
+constexpr int kRounds = 2;                  // of moves from the best so far
+constexpr double kFactor = 1.4;             // ln: four times as much or little
+constexpr double kElsewhere = 0.07;         // of the range of motion, or of the largest voltage
+constexpr double kBetter = 0.98;            // of the mean square
 
 Role role_of(const Unknown& u) {
   return library_effect(u.effect).parameters[u.parameter].role;
@@ -74,8 +75,8 @@ Hypothesis restarted(const Hypothesis& fitted, int effect, const Evidence& evide
     std::vector<Hypothesis> moved = elsewhere(best);
     std::vector<double> squares(moved.size());
     in_parallel(moved.size(), [&](std::size_t i) {
-      fit(moved[i], evidence, kRestartIterations);
-      squares[i] = training_square(moved[i].model, evidence);
+      const double square = fit(moved[i], evidence, kRestartIterations, 1.0, kRestartConverged);
+      squares[i] = std::isfinite(square) ? square : std::numeric_limits<double>::infinity();
     });
     const auto first = std::ranges::min_element(squares);
     if (first == squares.end() || !(*first < kBetter * least)) break;

@@ -6,11 +6,13 @@
 #include <numbers>
 #include <utility>
 
+#include "robot/common/in_parallel.hpp"
+#include "sim/plant/stepper.hpp"
+
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kLongestStep = 5e-3;    // s
-constexpr double kStepTolerance = 1.25;  // a model this much faster than the given one still takes rows whole
+constexpr double kLongestStep = 5e-3;  // s
 
 constexpr double kStackStep = 2.0;     // times the work of a mechanism's
 constexpr double kStable = 1.0;        // step times rate, of a decay that no reading shows
@@ -21,7 +23,7 @@ constexpr double kDampingLeads = 0.8;  // of the fastest rate
 double step_share(const PlantModel& model, const Evidence& evidence, double rate) {
   const double decay = model.baseline.c_s / model.mass_A();
   const bool unseen = decay * evidence.period > kStable && decay > kDampingLeads * rate;
-  return model.baseline.drive == Drive::Force && unseen ? kStable : kStepTolerance * evidence.step_share;
+  return model.baseline.drive == Drive::Force && unseen ? kStable : evidence.stiff_step_share;
 }
 
 constexpr int kPhases = 36, kHalvings = 20;  // of 10 degrees: down to 1e-5 degrees
@@ -94,6 +96,7 @@ void visit_rows(PlantModel model, const Evidence& evidence, const EvidenceRun& r
   for (std::size_t i = 0; i < rows; ++i) steps += std::ceil(run.rows[i].span / model.internal_step);
   evidence.work->steps += static_cast<std::uint64_t>((stack ? kStackStep : 1.0) * steps);
   PlantState state = at_rest(model);
+  Stepper stepper(model);
   auto window = run.windows.begin();
   for (std::size_t i = 0; i < rows; ++i) {
     const Row& row = run.rows[i];
@@ -102,23 +105,34 @@ void visit_rows(PlantModel model, const Evidence& evidence, const EvidenceRun& r
       ++window;
     }
     visit(model, state);
-    state = step(model, state,
-                 {.voltage = stack ? row.input : 0.0,
-                  .force = stack ? 0.0 : row.input,
-                  .external_force = row.external_force},
-                 Seconds(row.span));
+    stepper.advance(model, state,
+                    {.voltage = stack ? row.input : 0.0,
+                     .force = stack ? 0.0 : row.input,
+                     .external_force = row.external_force},
+                    Seconds(row.span));
   }
 }
 
 std::vector<double> residual(const PlantModel& model, const Evidence& evidence, Part part) {
-  std::vector<double> out;
+  struct Piece {
+    const EvidenceRun& run;
+    std::size_t from, to, at;
+  };
+  std::vector<Piece> pieces;
+  std::size_t rows = 0;
   for (const EvidenceRun& run : evidence.runs) {
     const std::size_t from = part == Part::HeldOut ? run.training_rows : 0;
     const std::size_t to = part == Part::Training ? run.training_rows : run.rows.size();
     if (from >= to) continue;
-    const std::vector<double> predicted = predict(in_step(model, evidence, run, to), evidence, run, to);
-    for (std::size_t i = from; i < to; ++i) out.push_back(run.rows[i].measured - predicted[i]);
+    pieces.push_back({run, from, to, rows});
+    rows += to - from;
   }
+  std::vector<double> out(rows);
+  in_parallel(pieces.size(), [&](std::size_t k) {
+    const auto& [run, from, to, at] = pieces[k];
+    const std::vector<double> predicted = predict(in_step(model, evidence, run, to), evidence, run, to);
+    for (std::size_t i = from; i < to; ++i) out[at + i - from] = run.rows[i].measured - predicted[i];
+  });
   return out;
 }
 

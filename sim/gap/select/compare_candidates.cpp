@@ -18,18 +18,21 @@ namespace {
 
 constexpr std::size_t kQuickFits = 9, kLaterQuickFits = 6, kFullFits = 4, kCloseFits = 2;
 constexpr int kQuickIterations = 5, kFullIterations = 15;
-constexpr std::size_t kMostStarts = 3, kMostRoughStarts = 8;  // of a cost with many minima
+constexpr double kQuickConverged = 1e-2, kFullConverged = 1e-3;  // of the cost: an order needs no more
+constexpr std::size_t kMostStarts = 3, kMostRoughStarts = 8;     // of a cost with many minima
 constexpr int kAttempts = 3;  // for one start, each with strengths times kWeaker
 constexpr double kWeaker = 0.2;
 constexpr double kAsPromising = 0.5;        // share of the first probe's score that justifies a further start
 constexpr double kWorthAnother = 0.4;       // and of the best candidate's
 constexpr double kLeads = 0.8;              // of the best candidate's, for more starts of a rough cost
+constexpr double kClosed = 0.0025;          // of the excess square: other starts gain nothing that matters
 constexpr double kFarWorse = 4.0;           // mean square over the best one's after the quick fits
 constexpr double kWorthFitting = 0.1;       // of the best score
 constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
 constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
+constexpr double kUndecided = 3.0;          // and within which held-out runs do not decide: odds of 20 to 1
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
                 const Evidence& evidence) {
@@ -99,8 +102,7 @@ void try_start(Attempt& attempt, const Hypothesis& current, const Candidate& can
                const Evidence& evidence) {
   for (int weaker = 0; weaker < kAttempts; ++weaker) {
     Hypothesis fitted = with(current, candidate, attempt.start, evidence);
-    fit(fitted, evidence, kQuickIterations);
-    const double square = finite(mean_square(residual(fitted.model, evidence, Part::Training)));
+    const double square = finite(fit(fitted, evidence, kQuickIterations, 1.0, kQuickConverged));
     if (weaker == 0 || square < attempt.square) attempt.square = square, attempt.reached = std::move(fitted);
     if (square <= square_now || !weaken(candidate, attempt.start)) return;
   }
@@ -114,7 +116,8 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
   // The best start of each first.
   const auto enough = [&] {  // one has closed the gap, or simulating has cost too much
     return is_exhausted(evidence) || std::ranges::any_of(attempts, [&](const Attempt& attempt) {
-             return is_only_noise(attempt.square, evidence);
+             return is_only_noise(attempt.square, evidence) ||
+                    excess(attempt.square, evidence) < kClosed * excess(square_now, evidence);
            });
   };
   for (std::size_t nth = 0; nth < kMostRoughStarts && (nth == 0 || !enough()); ++nth) {
@@ -140,26 +143,32 @@ auto by_square = [](const CandidateFit& a, const CandidateFit& b) {
   return a.scored.square < b.scored.square;
 };
 
-// The best to convergence, with those that could still overtake it.
-void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, const Evidence& fine) {
-  std::size_t count = std::min(kFullFits, promising);
-  if (is_exhausted(fine)) count = std::min(kCloseFits, count);
-  while (count > 1 && fits[count - 1].scored.square > kFarWorse * fits[0].scored.square) --count;
-  in_parallel(count, [&](std::size_t i) {
+// How many of the first `count`, in order, are not far worse than the best or than `known` [m^2].
+std::size_t near_the_best(const std::vector<CandidateFit>& fits, std::size_t count, double known) {
+  const auto far = [&](const CandidateFit& t) {
+    return t.scored.square > kFarWorse * std::min(known, fits[0].scored.square);
+  };
+  while (count > 0 && far(fits[count - 1])) --count;
+  return count;
+}
+
+// Those that could still overtake the best: nearly to convergence on coarse rows, the first of them then on
+// fine ones, on which all are compared.
+void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, double known,
+                    const Evidence& coarse, const Evidence& fine) {
+  const std::size_t most = is_exhausted(fine) ? kCloseFits : kFullFits;
+  const std::size_t open = near_the_best(fits, std::min(most, promising), known);
+  in_parallel(promising, [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
-    fit(better, fine, kFullIterations);
+    if (i < open) fit(better, coarse, kFullIterations, 1.0, kFullConverged);
     set_fit(fits[i], std::move(better), fine);
   });
-  std::stable_sort(fits.begin(), fits.begin() + static_cast<std::ptrdiff_t>(count), by_square);
-  const std::size_t close = is_exhausted(fine) ? 0 : std::min(kCloseFits, count);
-  in_parallel(close, [&](std::size_t i) {
+  std::stable_sort(fits.begin(), fits.begin() + static_cast<std::ptrdiff_t>(open), by_square);
+  in_parallel(near_the_best(fits, std::min(kCloseFits, open), known), [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
     fit_closely(better, fine, kFullIterations);
     set_fit(fits[i], std::move(better), fine);
   });
-  // The others were fitted on coarse rows: score them on the same rows.
-  in_parallel(promising - count,
-              [&](std::size_t i) { set_fit(fits[count + i], fits[count + i].scored.hypothesis, fine); });
 }
 
 void normalise_probabilities(Round& round) {
@@ -217,6 +226,38 @@ void prefer_told_apart(Round& round, const Evidence& evidence) {
   }
 }
 
+double cost_of_unknowns(const Hypothesis& hypothesis, double samples, std::size_t runs) {
+  const bool waves = hypothesis.model.effects.periodic_disturbance.has_value();
+  double free = waves ? static_cast<double>(runs) : 0.0;  // each run has its phase
+  for (const Unknown& u : hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
+  return free * (0.5 * std::log(samples) + kComplexityPenalty);
+}
+
+// Where the held-out runs do not decide, the training runs do: of those that come near the first, all but the
+// one that explains the training runs best fall behind by what they lack there.
+void let_training_decide(Round& round, const Evidence& evidence) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const CandidateFit& t : round.fits)
+    if (t.fitted) most = std::max(most, t.log_evidence);
+  const auto open = [&](const CandidateFit& t) { return t.fitted && t.log_evidence > most - kUndecided; };
+  if (std::ranges::count_if(round.fits, open) < 2) return;
+  const double samples = independent_samples(evidence.training_seconds),
+               tolerated = kTolerance * evidence.noise;
+  std::vector<double> lacks(round.fits.size(), 0.0);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < round.fits.size(); ++i) {
+    if (!open(round.fits[i])) continue;
+    const Hypothesis& one = round.fits[i].scored.hypothesis;
+    const double left = mean_square(residual(one.model, evidence, Part::Training));
+    lacks[i] = 0.5 * samples * std::log(left + tolerated * tolerated) +
+               cost_of_unknowns(one, samples, evidence.runs.size());
+    least = std::min(least, lacks[i]);
+  }
+  for (std::size_t i = 0; i < round.fits.size(); ++i)
+    if (open(round.fits[i])) lacks[i] -= least;
+  for (std::size_t i = 0; i < round.fits.size(); ++i) round.fits[i].log_evidence -= std::max(0.0, lacks[i]);
+}
+
 bool slides_at_less(const ScoredModel& scored) {
   const auto& friction = scored.hypothesis.model.effects.stribeck_friction;
   return friction && friction->sliding < friction->breakaway;
@@ -269,13 +310,10 @@ double held_out_effective_sample_size(const Evidence& evidence) {
 double log_evidence(const ScoredModel& scored, const Evidence& evidence) {
   const double effective_sample_size = held_out_effective_sample_size(evidence);
   const double tolerated = kTolerance * evidence.noise;
-  const bool waves = scored.hypothesis.model.effects.periodic_disturbance.has_value();
-  double free = waves ? static_cast<double>(evidence.runs.size()) : 0.0;  // each run has its phase
-  for (const Unknown& u : scored.hypothesis.unknowns) free += std::isfinite(u.prior_std) ? 0.0 : 1.0;
   if (!std::isfinite(scored.square)) return -std::numeric_limits<double>::infinity();
   return -0.5 * effective_sample_size * std::log(scored.square + tolerated * tolerated) -
          0.5 * scored.hypothesis.prior_cost() -
-         free * (0.5 * std::log(effective_sample_size) + kComplexityPenalty);
+         cost_of_unknowns(scored.hypothesis, effective_sample_size, evidence.runs.size());
 }
 
 void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
@@ -289,10 +327,12 @@ void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
 
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
                      const RoundName& name, const Progress& progress, const std::stop_token& stop,
-                     const std::vector<Candidate>& among) {
+                     const Rivals& rivals) {
   std::vector<Candidate> open = open_candidates(now.hypothesis, coarse.tissue);
-  if (!among.empty())
-    std::erase_if(open, [&](const Candidate& one) { return std::ranges::find(among, one) == among.end(); });
+  if (!rivals.among.empty())
+    std::erase_if(open, [&](const Candidate& one) {
+      return std::ranges::find(rivals.among, one) == rivals.among.end();
+    });
   progress(name.share, fmt::format("{}: score test of {} candidates", name.title, open.size()));
   const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};
@@ -312,12 +352,13 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.fits.begin(), end, by_square);
   progress(0.4 * name.share + 0.6 * name.share_after, fmt::format("{}: fitting the best fully", name.title));
-  fit_best_fully(round.fits, promising, fine);
+  fit_best_fully(round.fits, promising, rivals.known, coarse, fine);
   std::stable_sort(round.fits.begin(), end, by_square);
   if (promising == 0) return round;
   round.null_evidence = log_evidence(now, fine);
   for (CandidateFit& t : round.fits)
     if (t.fitted) t.log_evidence = log_evidence(t.scored, fine);
+  let_training_decide(round, fine);
   rank(round, now, fine);
   return round;
 }

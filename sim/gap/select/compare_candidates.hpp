@@ -3,6 +3,8 @@
 // runs.
 #pragma once
 
+#include <limits>
+
 #include "sim/gap/select/select.hpp"
 
 namespace biopsy::sim::gap {
@@ -25,10 +27,16 @@ struct RoundName {
   double share = 0.0, share_after = 0.0;  // of the work, before and after it
 };
 
-// Without fits where `stop` interrupted it. `among`: of these candidates; empty: of all.
+// Candidates of a step: these, all if there are none. What leaves far more than `known` is not fitted fully.
+struct Rivals {
+  std::vector<Candidate> among;
+  double known = std::numeric_limits<double>::infinity();  // m^2
+};
+
+// Without fits where `stop` interrupted it.
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
                      const RoundName& name, const Progress& progress, const std::stop_token& stop,
-                     const std::vector<Candidate>& among = {});
+                     const Rivals& rivals = {});
 
 // Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);

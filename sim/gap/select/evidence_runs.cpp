@@ -21,6 +21,9 @@ namespace {
 // Step times the fastest rate. Third order: 0.25 loses 2e-3 of a free oscillation's amplitude over its decay,
 // 0.125 loses 1e-4.
 constexpr double kCoarse = 0.25, kFine = 0.125;
+// Of a model that an effect makes faster: it rings only for a moment, at a surface that gives way for
+// example, and a search needs to know only about when.
+constexpr double kCoarseStiff = 0.5, kFineStiff = 0.16;
 constexpr double kStiffest = 8.0;      // times the given model's rate, beyond which steps become no shorter
 constexpr double kLongestSpan = 5e-3;  // s
 constexpr double kInputTolerance = 0.01;  // of the largest input: rows that differ more stay apart
@@ -166,6 +169,7 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
                         run.file, fmt::format("record at least {} rows", kFewestRows));
   const double most = sampling == Sampling::Coarse ? kMostCoarseSteps : kMostFineSteps;
   evidence.step_share = sampling == Sampling::Coarse ? kCoarse : kFine;
+  evidence.stiff_step_share = sampling == Sampling::Coarse ? kCoarseStiff : kFineStiff;
   evidence.shortest_step =
       std::max(std::min(kLongestSpan, evidence.step_share / fastest_rate(model)) / kStiffest,
                recorded_seconds(dataset) / kMostStiffSteps);

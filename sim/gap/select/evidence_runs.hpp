@@ -50,7 +50,8 @@ struct Evidence {
   double training_seconds = 0.0, held_out_seconds = 0.0;
   double x_low = 0.0, x_high = 0.0;  // m, range of what was measured
   double u_max = 0.0;                // largest |input|
-  double step_share = 0.1;           // longest step, times the fastest rate
+  double step_share = 0.1;           // longest step, times the fastest rate of the given model,
+  double stiff_step_share = 0.1;     // and of a faster one
   double shortest_step = 1e-4;       // s, however stiff an effect makes the model
   double period = 0.0;               // s, the longest between two readings
   double searched = 1.0;             // share of each run, from its beginning, that the rows cover

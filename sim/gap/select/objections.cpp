@@ -21,6 +21,7 @@ constexpr double kWhole = 0.95;            // of it
 constexpr double kNearNoise = 1.0;         // noises that are left
 constexpr double kFlexibleWins = 0.8;      // of the excess square that a name leaves
 constexpr double kAddsToCurve = 0.7;       // of the excess square that the curve leaves
+constexpr double kNumberCloses = 0.75;     // of it, by a number of the baseline: what lacks resembles that
 constexpr double kStillCloses = 0.5;       // with the runs exchanged
 constexpr double kContradicts = 2.0;       // standard deviations
 constexpr double kSameStds = 4.0;          // between the two fits of a strength,
@@ -150,9 +151,16 @@ void add_rival(std::vector<std::string>& out, const Selection& selection, const 
     const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
     if (!term.is_effect() || own == term.comparison.end()) continue;
     for (const CandidateFit& t : term.comparison) {
-      if (t.candidate == term.candidate || !t.fitted ||
-          !(t.scored.square < kClearMargin * own->scored.square))
-        continue;
+      if (t.candidate == term.candidate || !t.fitted) continue;
+      const double closed = gap_closed(selection.start.square, t.scored.square, evidence.noise);
+      if (selection.selected.size() == 1 && t.candidate.effect == kBaseline && closed > kNumberCloses) {
+        out.push_back(
+            fmt::format("another value of {} alone closes {:.0f} % of the gap: what is missing may "
+                        "make that vary by a law of its own",
+                        t.candidate.name(selection.best.drive()), 100.0 * closed));
+        return;
+      }
+      if (!(t.scored.square < kClearMargin * own->scored.square)) continue;
       const bool nested = is_dry_friction(t.candidate) && is_dry_friction(term.candidate);
       if (nested || same_prediction(t.scored, own->scored, evidence)) continue;
       out.push_back(fmt::format("{} leaves nearly as little as {}", t.candidate.name(selection.best.drive()),

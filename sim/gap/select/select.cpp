@@ -27,8 +27,12 @@ constexpr double kImprecision =
     0.0025;                         // nor a share of the first excess square: an effect's form is its own
 constexpr double kAsGood = 1.05;    // ratio of mean squares within which the evidence decides
 constexpr double kFarBehind = 9.0;  // ratio of mean squares: a third of the winner's precision
-constexpr std::uint64_t kMostWork = 250'000'000;  // steps: most of a minute of a processor
-constexpr int kRefitIterations = 15;
+constexpr std::uint64_t kMostWork = 300'000'000;      // steps: most of a minute of a processor
+constexpr std::uint64_t kWorkForThird = 200'000'000;  // with two effects found; the rest is for their test
+constexpr std::uint64_t kWorkForTests = 400'000'000;
+constexpr std::size_t kMostRivals = 4;  // with which an effect is compared again
+constexpr int kRefitIterations = 15, kReducedIterations = 8;
+constexpr double kReducedConverged = 1e-2;                                           // of the cost
 constexpr double kShareBefore = 0.1, kShareOfRounds = 0.75, kShareOfContest = 0.88;  // of the work
 
 // `much_left`: most of the gap is still open, so that the second of two equal effects may follow.
@@ -111,22 +115,26 @@ bool merge_friction(std::vector<SelectedTerm>& selected, std::vector<ScoredModel
   return true;
 }
 
-// The hypothesis without one of its effects, the rest fitted anew.
-ScoredModel without(const ScoredModel& best, const Candidate& candidate, const Evidence& fine) {
+// The hypothesis without one of its effects, the rest fitted anew but for the last few per cent.
+Hypothesis without(const ScoredModel& best, const Candidate& candidate, const Evidence& coarse) {
   Hypothesis reduced = best.hypothesis;
   std::erase_if(reduced.unknowns, [&](const Unknown& u) { return u.effect == candidate.effect; });
   library_effect(candidate.effect).remove(reduced.model);
-  fit_closely(reduced, fine, kRefitIterations);
-  return score_model(std::move(reduced), fine);
+  fit(reduced, coarse, kReducedIterations, 1.0, kReducedConverged);
+  return reduced;
 }
 
-// It, and the candidates that came near it when it was selected.
+// The candidates that came nearest to it when it was selected.
 std::vector<Candidate> near_candidates(const SelectedTerm& term) {
   const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
-  std::vector<Candidate> out;
+  std::vector<const CandidateFit*> rivals;
   for (const CandidateFit& t : term.comparison)
-    if (t.candidate == term.candidate || (t.fitted && t.scored.square <= kFarBehind * own->scored.square))
-      out.push_back(t.candidate);
+    if (t.fitted && !(t.candidate == term.candidate) && t.scored.square <= kFarBehind * own->scored.square)
+      rivals.push_back(&t);
+  std::ranges::stable_sort(rivals, {}, [](const CandidateFit* t) { return t->scored.square; });
+  if (rivals.size() > kMostRivals) rivals.resize(kMostRivals);
+  std::vector<Candidate> out;
+  for (const CandidateFit* t : rivals) out.push_back(t->candidate);
   return out;
 }
 
@@ -137,20 +145,28 @@ void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine
   for (std::size_t i = 0; i + 1 < out.selected.size(); ++i) {
     SelectedTerm& term = out.selected[i];
     const std::vector<Candidate> near = near_candidates(term);
-    if (!term.is_effect() || near.size() < 2) continue;
-    if (is_exhausted(fine)) {
+    if (!term.is_effect() || near.empty()) continue;
+    if (fine.work->steps > kWorkForTests) {
       out.cut_short = true;
       return;
     }
     const std::string name = term.candidate.name(out.best.drive());
-    Round again = selection_step(without(out.best, term.candidate, fine), coarse, fine,
+    const ScoredModel now = score_model(without(out.best, term.candidate, coarse), fine);
+    Round again = selection_step(now, coarse, fine,
                                  {.number = static_cast<int>(i) + 1,
                                   .title = fmt::format("again in place of {}", name),
                                   .share = kShareOfContest,
                                   .share_after = kShareOfContest},
-                                 progress, stop, near);
+                                 progress, stop, {.among = near, .known = out.best.square});
     if (again.fits.empty() || !again.fits.front().fitted) continue;
-    if (again.fits.front().scored.square < kAsGood * out.best.square) {
+    CandidateFit own = *std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
+    own.scored = out.best;
+    own.log_evidence = log_evidence(out.best, fine);
+    own.paired = 0.0;
+    again.fits.push_back(std::move(own));
+    rank(again, now, fine);
+    if (!(again.fits.front().candidate == term.candidate) &&
+        again.fits.front().scored.square < kAsGood * out.best.square) {
       out.best = again.fits.front().scored;
       term.candidate = again.fits.front().candidate;
     }
@@ -160,12 +176,18 @@ void reselect_terms(Selection& out, const Evidence& coarse, const Evidence& fine
 
 // A second effect may only have made up for a poor fit of the first, and is not needed once that is better.
 // The effects come in the order of what they explained: the last is tried first.
-void drop_unneeded(Selection& out, const Evidence& fine) {
+void drop_unneeded(Selection& out, const Evidence& coarse, const Evidence& fine) {
   for (std::size_t i = out.selected.size(); i-- > 0;) {
     const auto effects = std::ranges::count_if(out.selected, &SelectedTerm::is_effect);
     if (effects < 2 || !out.selected[i].is_effect()) continue;
-    ScoredModel less = without(out.best, out.selected[i].candidate, fine);
-    const double left = excess(out.best.square, fine), more = excess(less.square, fine);
+    const double left = excess(out.best.square, fine);
+    Hypothesis reduced = without(out.best, out.selected[i].candidate, coarse);
+    const double bearable = std::max(
+        {left, std::pow(kBelowNoise * fine.noise, 2), kImprecision * excess(out.start.square, fine)});
+    if (excess(score_model(reduced, fine).square, fine) > kFarBehind * bearable) continue;
+    fit_closely(reduced, fine, kRefitIterations);
+    ScoredModel less = score_model(std::move(reduced), fine);
+    const double more = excess(less.square, fine);
     if (!leaves_noise(less, fine) && !is_imprecision(less, out.start, fine) &&
         left < (1.0 - kWorthKeeping) * more)
       continue;
@@ -196,7 +218,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
   while (out.selected.size() < kMostRounds && effects < most_effects &&
          !is_closed(models.back(), effects > 0, fine) &&
          !(effects > 0 && is_imprecision(models.back(), out.start, fine)) && !stop.stop_requested()) {
-    if (is_exhausted(fine)) {
+    if (is_exhausted(fine) || (effects > 1 && fine.work->steps > kWorkForThird)) {
       out.cut_short = true;
       break;
     }
@@ -233,7 +255,7 @@ Selection select(Hypothesis start, const Evidence& coarse, const Evidence& fine,
     models.pop_back();
   }
   out.best = models.back();
-  if (!stop.stop_requested() && !is_exhausted(fine)) drop_unneeded(out, fine);
+  if (!stop.stop_requested() && !is_exhausted(fine)) drop_unneeded(out, coarse, fine);
   for (CandidateFit& fit : out.fits)
     fit.chosen = fit.chosen && std::ranges::any_of(out.selected, [&](const SelectedTerm& term) {
                    return term.candidate == fit.candidate;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/gap/examine/examine.hpp"
@@ -97,6 +98,26 @@ TEST(Outliers, ArePeaksOfNoFastMotion) {
   for (const DataRemark& remark :
        sim::gap::examine(data, sim::parse_model(rig_model(fast), "rig.toml"), kReading))
     EXPECT_NE(remark.cause, "outliers") << remark.sentence;
+}
+
+bool has_outliers(const sim::Dataset& data, const Rig& rig) {
+  const auto remarks = sim::gap::examine(data, sim::parse_model(rig_model(rig), "rig.toml"), kReading);
+  return std::ranges::any_of(remarks, [](const DataRemark& remark) { return remark.cause == "outliers"; });
+}
+
+// By the law of impact: five rows to the stop, twenty back at a fifth of the speed.
+TEST(Outliers, AreNoReadingBeforeABounce) {
+  sim::Dataset data = rig_recording({}, kReading, 42);
+  constexpr std::size_t kBegin = 200, kHit = kBegin + 4, kEnd = kHit + 20;
+  for (sim::RecordedRun& run : data.runs)
+    for (std::size_t i = 0; i < run.displacement.size(); ++i) {
+      double& x = run.displacement[i] = 0.0;
+      if (i >= kBegin && i <= kHit) x = 0.5e-3 * static_cast<double>(i - kBegin);
+      if (i > kHit && i < kEnd) x = 0.1e-3 * static_cast<double>(kEnd - i);
+    }
+  EXPECT_FALSE(has_outliers(data, {}));
+  data.runs[0].displacement[kHit + 8] += 0.5e-3;
+  EXPECT_TRUE(has_outliers(data, {}));
 }
 
 }  // namespace
