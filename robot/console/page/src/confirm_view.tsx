@@ -29,12 +29,6 @@ function Buttons(props: { of: Checked }) {
   )
 }
 
-// The browser's own print makes the PDF; the report brings its style for paper.
-function printReport(path: string): void {
-  const report = window.open(withToken(path), '_blank')
-  report?.addEventListener('load', () => report.print())
-}
-
 // Once a run is over: its result, or the image, on which a further target is set. An accepted one makes way by itself.
 const shown = signal<'result' | 'image' | null>(null)
 effect(() => {
@@ -49,10 +43,10 @@ function Report(props: { path: string; completed: boolean }) {
       <button onClick={() => void (shown.value = image ? 'result' : 'image')}>
         {image ? 'Show the result' : 'Back to the image'}
       </button>
+      {/* No print from here: a print dialog that this page opens may stop it, and STOP with it, until it is closed. */}
       <a class="button" href={withToken(props.path)} target="_blank" rel="noreferrer">
-        {props.completed ? 'Accepted.' : 'Not accepted.'} Open the report
+        {props.completed ? 'Accepted.' : 'Not accepted.'} Open the report, to read, print or save as PDF
       </a>
-      <button onClick={() => printReport(props.path)}>Print the report or save it as PDF</button>
     </div>
   )
 }
