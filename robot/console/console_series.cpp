@@ -93,7 +93,12 @@ std::optional<std::string> ConsoleSeries::begin(const std::string& series_uid) {
     return imaging::read_volume(folder, series_uid);
   };
   if (const auto came = received_.find(series_uid); came != received_.end())
-    load = [files = came->second] { return imaging::read_incoming(files); };
+    load = [files = came->second, patient_id = patient_id_] {
+      Volume image = imaging::read_incoming(files);
+      // A person answers that it is of this patient: later images are compared with that.
+      if (image.identity.patient_id.empty()) image.identity.patient_id = patient_id;
+      return image;
+    };
   outcome_ = std::async(std::launch::async, read, load, series_uid, of_case_);
   return std::nullopt;
 }

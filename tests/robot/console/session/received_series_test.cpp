@@ -92,6 +92,7 @@ TEST_F(ReceivedSeries, ThatNamesNobodyNeedsAPersonWhoAnswersForIt) {
     ASSERT_TRUE(found);
     EXPECT_EQ(found->problem.empty(), *person != 0) << found->problem;
     EXPECT_EQ(console.open(name), *person != 0);
+    EXPECT_EQ(console.session.prepared().target.patient_id, "A");  // confirmations are compared with it
   }
 }
 
