@@ -11,6 +11,7 @@
 #include "robot/console/operator_session.hpp"
 #include "robot/console/server/picked_point.hpp"
 #include "safety/types/hazards.hpp"
+#include "safety/types/limits.hpp"
 
 namespace biopsy::robot {
 
@@ -170,8 +171,8 @@ OperatorSession::Answer OperatorSession::on(const commands::Reset& command) {
     return done(command.id);
   }
   if (!simulated_) return refusal(command.id, Refused::OnlyOnDevice);
-  if (seen_.supervisor.permit.mode != Mode::Trip)
-    return refusal(command.id, Refused::NotNow, disabled().reset);
+  if (const std::string why = why_no_reset(); !why.empty())
+    return refusal(command.id, Refused::NotNow, why);
   stop_until_us_ = 0;
   reset_until_us_ = now_us_ + kKeyTurned_us;
   return done(command.id);
@@ -285,6 +286,22 @@ std::string OperatorSession::why_no_acceptance() const {
                                                : "The image does not tell surely enough where the tip is.";
 }
 
+// In the words of a person what the supervisor would refuse; its own refusal lasts one tick.
+std::string OperatorSession::why_no_reset() const {
+  const Mode mode = seen_.supervisor.permit.mode;
+  if (standing_stop_) return {};
+  if (mode == Mode::Lock) return "Locked: service only.";
+  if (mode != Mode::Trip) return "Nothing to reset.";
+  if (!simulated_) return "Turn the reset key on the device.";
+  if (navigation_ && navigation_->stop != StopCategory::None) return "The navigation program's stop stands.";
+  if (waits_for_plan(seen_.supervisor.worst)) return "Confirm the plan and tick the three checks first.";
+  if (seen_.measurement.depth_um >= limits::kReturned_um) return "The needle has not returned.";
+  const safety::Hazard worst = seen_.supervisor.worst;
+  const bool ends_with_it = worst == safety::Hazard::EStop || worst == safety::Hazard::PanelUntested;
+  return worst == safety::Hazard::None || ends_with_it ? ""
+                                                       : fmt::format("Still there: {}.", safety::name_of(worst));
+}
+
 events::Disabled OperatorSession::disabled() const {
   const Mode mode = seen_.supervisor.permit.mode;
   events::Disabled why;
@@ -294,14 +311,7 @@ events::Disabled OperatorSession::disabled() const {
   why.accept = why_no_acceptance();
   if (!hv_permitted() || mode == Mode::Retract)
     why.retract = mode == Mode::Retract ? "The needle is being retracted." : "High voltage is off.";
-  if (standing_stop_)
-    why.reset = "";
-  else if (mode != Mode::Trip)
-    why.reset = mode == Mode::Lock ? "Locked: service only." : "Nothing to reset.";
-  else if (!simulated_)
-    why.reset = "Turn the reset key on the device.";
-  else if (waits_for_plan(seen_.supervisor.worst))
-    why.reset = "Confirm the plan and tick the three checks first.";
+  why.reset = why_no_reset();
   if (plan() == nullptr)
     why.plan = p_SE_ && p_ST_ ? "There is no plan to confirm." : "Set entry and target first.";
   else if (confirmed_)

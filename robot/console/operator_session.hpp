@@ -117,6 +117,7 @@ class OperatorSession {
   std::string why_no_insert() const;
   std::string why_no_judgement() const;
   std::string why_no_acceptance() const;
+  std::string why_no_reset() const;
   bool hv_permitted() const;
 
   bool simulated_;

@@ -46,7 +46,7 @@ function steps(): Step[] {
   if (lit.value !== 'reset' && opened.value) {
     if (!plan.value) all.push({ text: 'Set entry and target.' })
     if (!plan.value?.confirmed) all.push({ text: 'Confirm the plan.', control: 'plan' })
-    all.push({ text: 'Tick the three checks.', control: 'checks' })
+    if (!state.value!.ticks.every(Boolean)) all.push({ text: 'Tick the three checks.', control: 'checks' })
   }
   const onPage = welcome.value?.simulated || stopped.value!.code === kStandingStop
   all.push(onPage ? { text: 'Press Reset.', control: 'reset' } : { text: 'Turn the reset key on the device.' })

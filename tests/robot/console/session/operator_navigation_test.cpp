@@ -167,6 +167,17 @@ TEST_F(OperatorNavigation, ItsEmergencyStandsUntilAPersonResets) {
   EXPECT_EQ(stop(), StopCategory::None);
 }
 
+TEST_F(OperatorNavigation, NobodyResetsATripWhileItsEmergencyStands) {
+  for (const Mode mode : {Mode::Ready, Mode::Armed}) says(mode);
+  wish_.stop = StopCategory::C0Off;
+  navigation();
+  says(Mode::Trip);
+  EXPECT_FALSE(page(commands::Reset{1}));
+  wish_.stop = StopCategory::None;
+  navigation();
+  EXPECT_TRUE(page(commands::Reset{1}));
+}
+
 TEST_F(OperatorNavigation, ATargetThatComesWhileTheLastRunEndsIsAnsweredWhenItHasEnded) {
   wish_.proposal = 1;
   navigation();

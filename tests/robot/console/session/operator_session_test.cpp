@@ -114,6 +114,25 @@ TEST(OperatorSession, AStopOfAnArmedRobotSaysThatStopWasPressed) {
   EXPECT_EQ(console_.session.state(kPage, console_.now_us).alarms.at(0).what, "STOP was pressed.");
 }
 
+// What the supervisor refuses in Trip (docs/reference/supervisor.md) is no control that seems to do nothing.
+TEST(OperatorSession, ResetAfterATripSaysWhatIsInItsWay) {
+  Console console_(read_case("gap"));
+  const auto why = [&](std::int32_t depth_um, safety::Hazard worst) {
+    CycleSample cycle{};
+    cycle.record.supervisor.permit.mode = Mode::Trip;
+    cycle.record.supervisor.worst = worst;
+    cycle.record.measurement.depth_um = depth_um;
+    console_.session.update(cycle, console_.now_us += kTick_us);
+    std::string reason = console_.session.state(kPage, console_.now_us).disabled.reset;
+    EXPECT_EQ(console_.send(commands::Reset{1}), reason.empty()) << reason;
+    return reason;
+  };
+  EXPECT_EQ(why(2'400, safety::Hazard::None), "The needle has not returned.");
+  EXPECT_NE(why(300, safety::Hazard::LaserDropout).find("Still there: H-"), std::string::npos);
+  EXPECT_EQ(why(300, safety::Hazard::EStop), "");  // the key itself releases it
+  EXPECT_EQ(why(300, safety::Hazard::None), "");
+}
+
 TEST(OperatorSession, SaysThatTheNeedleIsLockedAsLongAsTheBrakeIsOn) {
   Console console_(read_case("gap"));
   for (const bool on : {false, true, true, false}) {
