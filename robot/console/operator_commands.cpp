@@ -171,8 +171,7 @@ OperatorSession::Answer OperatorSession::on(const commands::Reset& command) {
     return done(command.id);
   }
   if (!simulated_) return refusal(command.id, Refused::OnlyOnDevice);
-  if (const std::string why = why_no_reset(); !why.empty())
-    return refusal(command.id, Refused::NotNow, why);
+  if (const std::string why = why_no_reset(); !why.empty()) return refusal(command.id, Refused::NotNow, why);
   stop_until_us_ = 0;
   reset_until_us_ = now_us_ + kKeyTurned_us;
   return done(command.id);
@@ -298,8 +297,9 @@ std::string OperatorSession::why_no_reset() const {
   if (seen_.measurement.depth_um >= limits::kReturned_um) return "The needle has not returned.";
   const safety::Hazard worst = seen_.supervisor.worst;
   const bool ends_with_it = worst == safety::Hazard::EStop || worst == safety::Hazard::PanelUntested;
-  return worst == safety::Hazard::None || ends_with_it ? ""
-                                                       : fmt::format("Still there: {}.", safety::name_of(worst));
+  return worst == safety::Hazard::None || ends_with_it
+             ? ""
+             : fmt::format("Still there: {}.", safety::name_of(worst));
 }
 
 events::Disabled OperatorSession::disabled() const {
