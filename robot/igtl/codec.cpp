@@ -98,7 +98,8 @@ Unusable unusable(const std::string& type, std::string why) {
   return {type, std::move(why)};
 }
 
-// What of a body belongs to its type: header version 2 has an extended header before and metadata behind it.
+// What of a body belongs to its type: from header version 2 on there is an extended header before it and
+// metadata behind it.
 std::optional<Bytes> content_of(const Header& header, Bytes body) {
   if (header.version == 1 || body.empty()) return body;
   if (body.size() < kExtendedHeader_bytes) return std::nullopt;
@@ -258,11 +259,11 @@ void Decoder::feed(std::span<const std::uint8_t> bytes) {
 std::optional<Message> Decoder::next() {
   if (waiting_.size() < kHeader_bytes) return std::nullopt;
   const Header header = header_of(Bytes(waiting_).first(kHeader_bytes));
-  if (header.version != 1 && header.version != 2)
+  if (header.version < 1 || header.version > 3)
     throw FramingLost{fmt::format("header version {}: this is not OpenIGTLink", header.version)};
   const std::size_t most = header.type == "IMAGE" ? limits_.image_bytes : limits_.body_bytes;
   if (header.body_bytes > most)
-    throw FramingLost{fmt::format("a {} of {} bytes; {} are allowed", header.type, header.body_bytes, most)};
+    throw FramingLost{fmt::format("{} of {} bytes; {} are allowed", header.type, header.body_bytes, most)};
   const Bytes come = Bytes(waiting_).subspan(
       kHeader_bytes, std::min<std::size_t>(waiting_.size() - kHeader_bytes, header.body_bytes));
   crc_ = crc64(come.subspan(crc_bytes_), crc_);

@@ -14,17 +14,27 @@ std::int64_t now_in_us() {
   return realtime::monotonic_ns() / 1000;
 }
 
-// What changes anything: commands and poses.
-bool commands_robot(const Message& message) {
-  return std::holds_alternative<Transform>(message.body) ||
-         (std::holds_alternative<Text>(message.body) && message.device.starts_with("CMD_"));
+// The answer that a command, calibration or target ends with; empty: the message is none of them, or one that
+// is not known, and changes nothing.
+std::string_view last_answer_to(const Message& message) {
+  if (std::holds_alternative<Transform>(message.body)) {
+    if (message.device.starts_with("TGT_")) return kTarget;
+    return message.device.starts_with("CLB_") ? name_of(Phase::Calibration) : std::string_view();
+  }
+  const auto* text = std::get_if<Text>(&message.body);
+  const std::optional<Phase> phase = text ? phase_of(*text) : std::nullopt;
+  return phase && message.device.starts_with("CMD_") ? name_of(*phase) : std::string_view();
 }
 
-bool stops_robot(const Message& message) {
-  const auto* text = std::get_if<Text>(&message.body);
-  if (text == nullptr) return false;
-  const std::optional<Phase> phase = phase_of(*text);
-  return phase == Phase::Stop || phase == Phase::Emergency;
+bool is_stop(std::string_view answer) {
+  return answer == name_of(Phase::Stop) || answer == name_of(Phase::Emergency);
+}
+
+// Why `due` does not come any more, now that the same program wants `next`; empty: the answers to `next` say
+// it.
+std::string why_overtaken(std::string_view due, std::string_view next) {
+  if (due == next) return due == kTarget ? "overtaken by the next target" : "";
+  return due == name_of(Phase::MoveToTarget) ? "" : fmt::format("overtaken by {}", next);
 }
 
 bool is_position(const Message& message) {
@@ -55,19 +65,24 @@ void NavigationServer::handle(Client client, Message& message, std::int64_t now_
       tell_stored(client, message.device, *refused);
     return;
   }
-  const bool commands = commands_robot(message);
-  if (commands && !controller_) {
+  const std::string_view wanted = last_answer_to(message);
+  const bool commands = !wanted.empty();
+  if (commands && !controller_ && !is_stop(wanted)) {  // whoever stops does not lock others out
     controller_ = client;
+    server_.keep(client);
     kLog.info("client {} controls", client);
   }
-  if (commands && controller_ != client && !stops_robot(message))
+  if (commands && controller_ != client && !is_stop(wanted))
     return server_.send(client, {"CURRENT_STATUS", Status{StatusCode::AccessDenied, message.device,
                                                           "another navigation program controls"}});
-  const std::string due = protocol_.due();
   const std::vector<Message> answers = protocol_.receive(message, robot_.view(now_us), now_us);
-  robot_.tell(protocol_.wish(), now_us);             // a stop before its acknowledgement
-  if (commands && asked_ != client && !due.empty())  // who waits for it learns why it does not come
-    server_.send(asked_, {due, Status{StatusCode::NotReady, "", "stopped by another navigation program"}});
+  robot_.tell(protocol_.wish(), now_us);  // a stop before its acknowledgement
+  if (const std::string due = protocol_.overtaken(); !due.empty()) {
+    const std::string why =
+        asked_ == client ? why_overtaken(due, wanted) : "stopped by another navigation program";
+    if (!why.empty())  // who waits for it learns that it does not come
+      server_.send(asked_, {due, Status{StatusCode::NotReady, "", why}});
+  }
   if (commands) asked_ = client;
   if (const auto* text = std::get_if<Text>(&message.body))
     kLog.info("client {}: STRING({}, {})", client, message.device, text->text.substr(0, 64));
@@ -84,6 +99,7 @@ void NavigationServer::turn(std::chrono::milliseconds timeout) {
       kLog.info("client {} has gone: {}", event.client, event.why);
       if (controller_ != event.client) continue;
       controller_.reset();
+      server_.keep(std::nullopt);
       protocol_.link_lost(robot_.view(now_us), now_us);
       robot_.tell(protocol_.wish(), now_us);
     }

@@ -14,8 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kPhases{"START_UP",       "PLANNING", "CALIBRATION", "TARGETING",
                                                   "MOVE_TO_TARGET", "MANUAL",   "STOP",        "EMERGENCY"};
-constexpr std::string_view kCurrentStatus = "CURRENT_STATUS", kCurrentPosition = "CURRENT_POSITION",
-                           kTarget = "TARGET";
+constexpr std::string_view kCurrentStatus = "CURRENT_STATUS", kCurrentPosition = "CURRENT_POSITION";
 // A client waits for 10 s.
 constexpr std::int64_t kBootMax_us = 9'000'000, kStopMax_us = 1'000'000, kPlanMax_us = 9'000'000;
 constexpr std::int64_t kStopAtLeast_us = 200'000;  // longer than any view of the robot is old
@@ -34,6 +33,14 @@ bool is_driven(const RobotView& robot) {
 
 bool may_insert(Mode mode) {
   return mode == Mode::Armed || mode == Mode::Active || mode == Mode::Hold;
+}
+
+// What a client sent comes back to it in a STATUS, which is US-ASCII and ends at a NUL.
+std::string printable(std::string_view text) {
+  std::string kept(text);
+  std::ranges::replace_if(
+      kept, [](char letter) { return letter < 0x20 || letter > 0x7E; }, '?');
+  return kept;
 }
 
 std::string with_reason(std::string text, const std::string& reason) {
@@ -56,7 +63,8 @@ std::optional<Phase> phase_of(const Text& text) {
 
 void RobotProtocol::status(std::string_view device, StatusCode code, const std::string& text,
                            std::string_view name) {
-  out_.push_back({std::string(device), Status{code, std::string(name.substr(0, kName_bytes)), text}});
+  out_.push_back(
+      {std::string(device), Status{code, printable(name.substr(0, kName_bytes)), printable(text)}});
 }
 
 RobotProtocol::Messages RobotProtocol::receive(const Message& message, const RobotView& robot,
@@ -64,12 +72,15 @@ RobotProtocol::Messages RobotProtocol::receive(const Message& message, const Rob
   const auto illegal = [&](const std::string& why) {
     status(kCurrentStatus, StatusCode::IllegalInstruction, why, message.device);
   };
+  overtaken_.clear();
   if (const auto* text = std::get_if<Text>(&message.body)) {
     on_text(message, *text, robot, now_us);
   } else if (const auto* transform = std::get_if<Transform>(&message.body)) {
     on_transform(message.device, *transform, robot, now_us);
   } else if (const auto* query = std::get_if<Query>(&message.body)) {
-    if (*query == Query::Transform)
+    if (*query == Query::Transform && message.device == target_name())
+      target_pose();
+    else if (*query == Query::Transform)
       position(robot);
     else
       status(kCurrentStatus, manual_ ? StatusCode::ManualMode : StatusCode::Ok, place_text(robot),
@@ -118,12 +129,17 @@ void RobotProtocol::on_transform(const std::string& device, const Transform& tra
     aim(transform, robot, now_us);
 }
 
+void RobotProtocol::overtake() {
+  if (pending_) overtaken_ = pending_->what;
+  pending_.reset();
+}
+
 // The wish to stop is set first of all; see receive().
 void RobotProtocol::enter(Phase phase, const RobotView& robot, std::int64_t now_us) {
   if (phase == Phase::Emergency) stop(StopCategory::C0Off, now_us);
   if (phase == Phase::Stop || phase == Phase::Manual) stop(StopCategory::C1Ramp, now_us);
   if (wish_.motion && phase != Phase::MoveToTarget) stop(StopCategory::C1Ramp, now_us);
-  pending_.reset();
+  overtake();
   phase_ = phase;
   status(kCurrentStatus, StatusCode::Ok, place_text(robot), name_of(phase));
   const auto wait = [&] { pending_ = Pending{std::string(name_of(phase)), now_us}; };
@@ -195,8 +211,8 @@ void RobotProtocol::calibrate(const Transform& transform, const RobotView& robot
 
 void RobotProtocol::aim(const Transform& transform, const RobotView& robot, std::int64_t now_us) {
   const auto refuse = [&](StatusCode code, const std::string& why) { status(kTarget, code, why); };
-  pending_.reset();
   if (phase_ != Phase::Targeting) return refuse(StatusCode::NotReady, "send STRING(CMD_n, TARGETING) first");
+  overtake();
   if (!calibration_) return refuse(StatusCode::NotReady, "not calibrated");
   if (is_driven(robot)) return refuse(StatusCode::NotReady, "the needle is in use");
   target_.reset();
@@ -226,9 +242,18 @@ void RobotProtocol::resolve_target(const RobotView& robot, std::int64_t now_us) 
   status(kTarget, StatusCode::Ok,
          fmt::format("{:.2f} mm deep, {:.2f} mm off the axis; {}", target_->depth.value,
                      target_->axis_offset.value, left));
-  const bool of_2013 = dialect_ == Dialect::Of2013;
-  out_.push_back(
-      {of_2013 ? std::string(kTarget) : "REACHABLE_TARGET", tip_at(*calibration_, target_->depth)});
+  target_pose();
+}
+
+std::string_view RobotProtocol::target_name() const {
+  return dialect_ == Dialect::Of2013 ? kTarget : "REACHABLE_TARGET";
+}
+
+void RobotProtocol::target_pose() {
+  if (!calibration_ || !target_)
+    return status(target_name(), StatusCode::NotReady,
+                  !calibration_ ? "not calibrated" : "no target was accepted");
+  out_.push_back({std::string(target_name()), tip_at(*calibration_, target_->depth)});
 }
 
 bool RobotProtocol::is_at_target(const RobotView& robot) const {

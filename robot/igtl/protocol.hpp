@@ -32,6 +32,7 @@ enum class Phase : std::uint8_t {
 };
 // As it is sent: "MOVE_TO_TARGET".
 std::string_view name_of(Phase phase);
+constexpr std::string_view kTarget = "TARGET";  // the status that a TRANSFORM(TGT_n) ends with
 // The phase that a command asks for; what some programs send behind it, a NUL or the end of a line, is not
 // part of it.
 std::optional<Phase> phase_of(const Text& text);
@@ -79,8 +80,9 @@ class RobotProtocol {
   void link_lost(const RobotView& robot, std::int64_t now_us);
 
   const Wish& wish() const { return wish_; }
-  // Name of the status that is still due for the last command or target; empty: none.
-  std::string due() const { return pending_ ? pending_->what : std::string(); }
+  // Name of the status that was due for an earlier command or target and that the last message received put
+  // an end to; empty: none.
+  const std::string& overtaken() const { return overtaken_; }
 
  private:
   struct Pending {
@@ -93,10 +95,13 @@ class RobotProtocol {
                     std::int64_t now_us);
   void enter(Phase phase, const RobotView& robot, std::int64_t now_us);
   void start_up(const RobotView& robot, std::int64_t now_us);
+  void overtake();
   void calibrate(const Transform& transform, const RobotView& robot);
   void aim(const Transform& transform, const RobotView& robot, std::int64_t now_us);
   void begin_motion(const RobotView& robot, std::int64_t now_us);
   std::string why_no_motion(const RobotView& robot) const;
+  std::string_view target_name() const;
+  void target_pose();
   bool is_at_target(const RobotView& robot) const;
   void stop(StopCategory category, std::int64_t now_us);
   void update_stop(const RobotView& robot, std::int64_t now_us);
@@ -115,6 +120,7 @@ class RobotProtocol {
   std::optional<Reachable> target_;
   std::uint32_t proposals_ = 0;
   std::optional<Pending> pending_;
+  std::string overtaken_;
   Wish wish_;
   StopCategory stop_ = StopCategory::None;  // until high voltage is seen off
   std::int64_t stopped_us_ = 0, position_us_ = 0;

@@ -86,6 +86,7 @@ struct Server::Connection {
   Decoder decoder;
   std::vector<std::uint8_t> unsent;
   std::optional<Clock::time_point> inside_since;  // a message that is not whole yet
+  Clock::time_point heard;                        // its last message; before that: connected
   Clock::time_point second;                       // in which messages are counted
   std::size_t messages = 0;
   bool has_spoken = false;
@@ -96,8 +97,8 @@ struct Server::Connection {
 struct Server::State {
   explicit State(const ServerSettings& given) : settings(given), listener(listen_on(given)) {}
 
-  void accept_new();
-  void make_room();
+  void accept_new(std::vector<ServerEvent>& events);
+  void make_room(std::vector<ServerEvent>& events);
   void make_space(Connection& reading, std::size_t more);
   void read(Client client, Connection& connection, std::vector<ServerEvent>& events);
   void take_messages(Client client, Connection& connection, std::vector<ServerEvent>& events);
@@ -111,6 +112,7 @@ struct Server::State {
   Descriptor listener;
   std::map<Client, Connection> connections;
   Client last_client = 0;
+  std::optional<Client> kept;
   Clock::time_point now;
 };
 
@@ -124,25 +126,36 @@ void Server::State::end(Connection& connection, const std::string& why) {
   connection.ended = why;
 }
 
-// A connection that never said anything gives way to one that may.
-void Server::State::make_room() {
+// A connection that never said anything gives way to one that may; else the one that has been silent longest.
+void Server::State::make_room(std::vector<ServerEvent>& events) {
   if (connections.size() < settings.connections) return;
-  for (auto& [client, connection] : connections)
-    if (!connection.has_spoken && connection.ended.empty()) {
-      connections.erase(client);
-      return;
-    }
+  const auto may_give_way = [&](const auto& one) {
+    const auto& [client, connection] = one;
+    return client != kept && connection.ended.empty() &&
+           (!connection.has_spoken || now - connection.heard > settings.idle_gives_way);
+  };
+  const auto before = [](const auto& one, const auto& other) {
+    return std::pair(one.second.has_spoken, one.second.heard) <
+           std::pair(other.second.has_spoken, other.second.heard);
+  };
+  auto found = connections.end();
+  for (auto one = connections.begin(); one != connections.end(); ++one)
+    if (may_give_way(*one) && (found == connections.end() || before(*one, *found))) found = one;
+  if (found == connections.end()) return;
+  end(found->second, "silent, where others wait to connect");
+  tell_end(found->first, found->second, events);
+  connections.erase(found);
 }
 
-void Server::State::accept_new() {
+void Server::State::accept_new(std::vector<ServerEvent>& events) {
   for (int count = 0; count < kAcceptAtOnce; ++count) {
     Descriptor socket(accept4(listener.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.number() < 0) return;
-    make_room();
+    make_room(events);
     find_half_open(socket.number(), settings.half_open);
     Connection connection(-1, settings.limits);
     connection.socket = std::move(socket);
-    connection.second = now;
+    connection.second = connection.heard = now;
     if (connections.size() >= settings.connections) {
       end(connection, fmt::format("{} are connected, and no more can be", settings.connections));
       continue;  // closed by going out of scope
@@ -156,6 +169,7 @@ void Server::State::take_messages(Client client, Connection& connection, std::ve
     while (auto message = connection.decoder.next()) {
       connection.inside_since.reset();
       connection.has_spoken = true;
+      connection.heard = now;
       if (now - connection.second >= std::chrono::seconds(1))
         connection.second = now, connection.messages = 0;
       if (++connection.messages > settings.messages_per_s) {
@@ -263,7 +277,7 @@ std::vector<ServerEvent> Server::poll(std::chrono::milliseconds timeout) {
     state_->tell_end(clients[i], connection, events);
   }
   state_->bury(events);
-  if (wanted[0].revents != 0) state_->accept_new();
+  if (wanted[0].revents != 0) state_->accept_new(events);
   return events;
 }
 
@@ -276,6 +290,10 @@ void Server::send(Client client, const Message& message, bool droppable) {
   connection.unsent.insert(connection.unsent.end(), bytes.begin(), bytes.end());
   if (connection.unsent.size() > state_->settings.unsent_bytes)
     connection.ended = "it does not read what it is sent";
+}
+
+void Server::keep(std::optional<Client> client) {
+  state_->kept = client;
 }
 
 void Server::flush() {

@@ -21,6 +21,7 @@ struct ServerSettings {
   std::uint16_t port = 18944;         // 0: any that is free
   Limits limits;
   std::size_t connections = 16;
+  std::chrono::milliseconds idle_gives_way{2'000};  // silent for so long, where there are as many
   std::size_t messages_per_s = 500;
   std::size_t received_bytes = 268'435'456;     // of all messages that are not whole yet
   std::size_t unsent_bytes = 262'144;           // of a connection that does not read
@@ -48,6 +49,8 @@ class Server {
   std::vector<ServerEvent> poll(std::chrono::milliseconds timeout);
   // Nothing happens for a client that is gone. A droppable message is left out where the client reads slowly.
   void send(Client client, const Message& message, bool droppable = false);
+  // The one connection that never gives way to another; nothing: none.
+  void keep(std::optional<Client> client);
   // Writes what can be written at once.
   void flush();
   std::size_t connections() const;

@@ -119,9 +119,11 @@ TEST(IgtlCodec, SkipsExtendedHeaderAndMetadata) {
   Bytes body{0, 12, 0, 2, 0, 0, 0, 3, 9, 9, 9, 9};
   body.insert(body.end(), content.begin(), content.end());
   body.insert(body.end(), {0, 0, 'a', 'b', 'c'});
-  Decoder decoder;
-  decoder.feed(framed(2, "STRING", body, crc64(body)));
-  EXPECT_EQ(decoder.next(), (Message{"device", Text{"MANUAL"}}));
+  for (const std::uint16_t version : {2, 3}) {  // 3: of programs that write the protocol's version into it
+    Decoder decoder;
+    decoder.feed(framed(version, "STRING", body, crc64(body)));
+    EXPECT_EQ(decoder.next(), (Message{"device", Text{"MANUAL"}}));
+  }
   for (const auto& [place, value] :
        {std::pair<std::size_t, std::uint8_t>{1, 11}, {0, 1}, {2, 1}, {4, 255}, {7, 200}}) {
     const Bytes wrong = with(body, place, value);
@@ -177,7 +179,7 @@ TEST(IgtlCodec, TurnsBigEndianVoxelsRound) {
 
 TEST(IgtlCodec, GivesUpWhereTheNextMessageCannotBeFound) {
   for (const auto& [place, value] :
-       {std::pair<std::size_t, std::uint8_t>{0, 'G'}, {1, 3}, {1, 0}, {42, 255}, {46, 1}}) {
+       {std::pair<std::size_t, std::uint8_t>{0, 'G'}, {1, 4}, {1, 0}, {42, 255}, {46, 1}}) {
     Decoder decoder;
     decoder.feed(with(encode({"CMD_1", Text{"STOP"}}, kTime), place, value));
     EXPECT_THROW(decoder.next(), FramingLost) << place;

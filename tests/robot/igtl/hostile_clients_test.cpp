@@ -95,6 +95,28 @@ TEST(IgtlServer, WhoFindsNoRoomLearnsWhy) {
   EXPECT_EQ(bench.server->connections(), 2U);
 }
 
+// Connections that spoke once and then keep their place: the longest silent one learns why it ends, and the
+// program that controls is never the one.
+TEST(IgtlServer, WhoIsSilentGivesWayButNotWhoControls) {
+  ServerSettings settings;
+  settings.connections = 3;
+  settings.idle_gives_way = 20ms;
+  Bench bench(settings);
+  TestClient navigation(bench.port());
+  bench.command(navigation, "START_UP", 3);
+  TestClient second(bench.port()), third(bench.port());
+  for (TestClient* client : {&third, &second}) {
+    client->send({"x", Query::Status});
+    bench.answers(*client, 1);
+    std::this_thread::sleep_for(40ms);
+  }
+  TestClient fourth(bench.port());
+  EXPECT_EQ(bench.answers(third, 2), (Script{"STATUS CURRENT_STATUS 12 CLOSED", "closed"}));
+  EXPECT_EQ(bench.command(fourth, "STOP", 3).back(), "STATUS STOP 1");
+  EXPECT_EQ(bench.command(navigation, "PLANNING", 2)[0], "STRING ACK_1 PLANNING");
+  EXPECT_EQ(bench.server->connections(), 3U);
+}
+
 TEST_F(IgtlHostile, AMessageThatDoesNotEndIsClosedInTime) {
   TestClient client(bench.port());
   std::vector<std::uint8_t> bytes = encode({"CMD_1", Text{"EMERGENCY"}}, {});

@@ -244,6 +244,37 @@ TEST_P(IgtlProtocol, TellsWhereTheTipIs) {
   EXPECT_EQ(client.send({"CURRENT_POSITION", Query::Transform}), (Script{"STATUS CURRENT_POSITION 13"}));
 }
 
+TEST_P(IgtlProtocol, TellsWhereTheTargetIs) {
+  const std::string name = of_2021() ? "REACHABLE_TARGET" : "TARGET";
+  EXPECT_EQ(client.send({name, Query::Transform}), (Script{"STATUS " + name + " 13"}));
+  client.targeted();
+  client.robot.depth = Millimetres(0.75);
+  EXPECT_EQ(client.send({name, Query::Transform}), (Script{"TRANSFORM " + name}));
+  EXPECT_FLOAT_EQ(std::get<Transform>(client.last[0].body).columns[11], 3.5F);
+}
+
+// What is refused while the needle moves takes neither the positions nor the end from who asked for it.
+TEST_P(IgtlProtocol, WhatIsRefusedInMotionLeavesItsAnswers) {
+  client.moving();
+  EXPECT_EQ(client.aim(5.0F), (Script{"TRANSFORM ACK_1", "STATUS TARGET 13"}));
+  EXPECT_EQ(client.calibrate(), (Script{"TRANSFORM ACK_1", "STATUS CALIBRATION 13"}));
+  EXPECT_EQ(client.command("FASTER").back(), "STATUS CURRENT_STATUS 12 FASTER");
+  EXPECT_EQ(client.wait_ms(200), Script(2, "TRANSFORM CURRENT_POSITION"));
+  client.robot.mode = Mode::Trip;
+  EXPECT_EQ(client.wait_ms(1)[0], "STATUS MOVE_TO_TARGET 3");
+}
+
+// US-ASCII that no NUL ends before its end: Latin-1, UTF-8, a terminal's escape, a text cut at a NUL.
+TEST_P(IgtlProtocol, WhatCannotBePrintedIsNotSentBackInAStatus) {
+  for (const std::string& text : {std::string("M\xC4NUAL"), std::string("\xE2\x82\xAC"),
+                                  std::string("\x1b[2J"), std::string("ST\0OP", 5)}) {
+    client.send({"CMD_4", Text{text, 106}});
+    const auto& told = std::get<Status>(client.last.back().body);
+    for (const char letter : told.error_name + told.message) EXPECT_TRUE(letter >= ' ' && letter <= '~');
+    EXPECT_NE(told.message.find("known are"), std::string::npos);
+  }
+}
+
 TEST_P(IgtlProtocol, AnswersWhatItDoesNotKnowWithAReason) {
   const auto told = [&](Message message, const std::string& why) {
     const Script answer = client.send(std::move(message));

@@ -115,6 +115,45 @@ TEST(IgtlServer, WhoWaitsForAnAnswerLearnsThatAnotherStopped) {
   }
 }
 
+// Every command and target has its answer where the same program is quicker than the robot, in the order in
+// which they were sent. A stop's own answers end an insertion; a command that is repeated is answered once.
+TEST(IgtlServer, WhatTheNextOvertakesIsAnsweredBeforeIt) {
+  Bench bench;
+  TestClient client(bench.port());
+  bench.command(client, "START_UP", 3);
+  bench.command(client, "CALIBRATION", 2);
+  client.send({"CLB_1", Transform{}});
+  bench.answers(client, 2);
+  bench.command(client, "TARGETING", 3);
+  Transform target;
+  for (const float depth : {4.5F, 6.0F}) {
+    target.columns[11] = depth;
+    client.send({"TGT_2", target});
+  }
+  EXPECT_EQ(bench.answers(client, 3), (Script{"TRANSFORM ACK_2", "STATUS TARGET 13", "TRANSFORM ACK_2"}));
+  EXPECT_EQ(bench.command(client, "PLANNING", 3),
+            (Script{"STATUS TARGET 13", "STRING ACK_1 PLANNING", "STATUS CURRENT_STATUS 1 PLANNING"}));
+  bench.robot.now.mode = Mode::Active;  // does not follow a stop
+  bench.command(client, "STOP", 2);
+  EXPECT_EQ(bench.command(client, "EMERGENCY", 3),
+            (Script{"STATUS STOP 13", "STRING ACK_1 EMERGENCY", "STATUS CURRENT_STATUS 1 EMERGENCY"}));
+  EXPECT_EQ(bench.command(client, "EMERGENCY", 2),
+            (Script{"STRING ACK_1 EMERGENCY", "STATUS CURRENT_STATUS 1 EMERGENCY"}));
+}
+
+// A tracker, a program that watches and one that only stops do not keep the navigation program out.
+TEST(IgtlServer, OnlyWhoCommandsControls) {
+  Bench bench({}, {}, Dialect::Of2021);
+  TestClient watcher(bench.port()), navigation(bench.port());
+  watcher.send({"Probe", Transform{}});
+  EXPECT_EQ(bench.answers(watcher, 1), (Script{"STATUS CURRENT_STATUS 12 Probe"}));
+  bench.command(watcher, "HELLO", 2);
+  EXPECT_EQ(bench.command(watcher, "EMERGENCY", 3).back(), "STATUS EMERGENCY 1");
+  EXPECT_EQ(bench.command(navigation, "START_UP", 3).back(), "STATUS START_UP 1");
+  EXPECT_EQ(bench.command(watcher, "CURRENT_POSITION", 1), (Script{"STATUS CURRENT_POSITION 13"}));
+  EXPECT_EQ(bench.command(watcher, "PLANNING", 1), (Script{"STATUS CURRENT_STATUS 5 CMD_1"}));
+}
+
 TEST(IgtlServer, AnotherMayControlOnceTheFirstHasGone) {
   Bench bench;
   TestClient second(bench.port());
