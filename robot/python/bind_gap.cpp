@@ -6,6 +6,7 @@
 #include "robot/report/gap/gap_labels.hpp"
 #include "robot/report/gap/gap_report.hpp"
 #include "sim/gap/find_gap.hpp"
+#include "sim/gap/select/evidence_runs.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::python {
@@ -25,6 +26,7 @@ Finding find(const sim::NotedModel& model, const std::vector<sim::RecordedRun>& 
   if (sensor_noise_mm)
     dataset.sensor_noise = in_range(*sensor_noise_mm, 0.0, 100.0, "sensor_noise_mm", "mm") * 1e-3;
   if (runs.empty()) throw ConfigError("there is no run", "runs", "give one at least");
+  if (window_s) sim::gap::check_window(dataset, in_range(*window_s, 1e-3, 1e6, "window_s", "s"));
   std::stop_source stop;
   std::exception_ptr raised;  // by `progress`, or Ctrl-C: the search ends, then it goes on to the caller
   const auto tell = [&](double share, const std::string& doing) {
@@ -60,7 +62,9 @@ void bind_gap(py::module_& module) {
       .def_property_readonly(
           "verdict", [](const Finding& f) { return std::string(report::label(f.found.verdict)); },
           "\"no_gap\", \"parameter\", \"effect\" or \"unexplained\".")
-      .def_property_readonly("sentence", [](const Finding& f) { return report::verdict_sentence(f.found); })
+      .def_property_readonly(
+          "sentence", [](const Finding& f) { return report::verdict_sentence(f.found); },
+          "The finding in words, as the report has it.")
       .def_property_readonly(
           "effects",
           [](const Finding& f) {
@@ -72,9 +76,14 @@ void bind_gap(py::module_& module) {
       .def_property_readonly(
           "gap_closed", [](const Finding& f) { return known(f.found.gap_closed); },
           "Share of the excess error of runs that were not fitted, 0 to 1.")
-      .def_property_readonly("rmse_before_mm", [](const Finding& f) { return known(f.found.rmse_before); })
-      .def_property_readonly("rmse_after_mm", [](const Finding& f) { return known(f.found.rmse_after); })
-      .def_property_readonly("noise_mm", [](const Finding& f) { return known(f.found.noise_floor); })
+      .def_property_readonly(
+          "rmse_before_mm", [](const Finding& f) { return known(f.found.rmse_before); },
+          "RMS of simulated minus measured with the model given, mm; None: not known.")
+      .def_property_readonly(
+          "rmse_after_mm", [](const Finding& f) { return known(f.found.rmse_after); },
+          "The same with the better model, mm.")
+      .def_property_readonly(
+          "noise_mm", [](const Finding& f) { return known(f.found.noise_floor); }, "Of the sensor, mm RMS.")
       .def_property_readonly(
           "changed",
           [](const Finding& f) {

@@ -19,7 +19,9 @@ const Eigen::Vector3d kFlip(-1.0, -1.0, 1.0);
 using Voxels = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
 // numpy's [k, j, i] in C order is the product's "i fastest".
-Volume make_image(const Voxels& voxels, const Eigen::Matrix4d& affine_ras) {
+Volume make_image(const py::object& given, const py::object& affine) {
+  const auto voxels = real_array<Voxels>(given, "voxels");
+  const Eigen::Matrix4d affine_ras = fixed_numbers<4, 4>(affine, "affine");
   if (voxels.ndim() != 3)
     throw ConfigError(fmt::format("has {} dimensions", voxels.ndim()), "voxels", "give an array [k, j, i]");
   for (int axis = 0; axis < 3; ++axis)
@@ -58,9 +60,11 @@ Voxels voxels_of(const Volume& image) {
   return voxels;
 }
 
-DepthCheck check(const Volume& before, const std::vector<Volume>& after, const Eigen::Vector3d& entry_ras_mm,
-                 const Eigen::Vector3d& axis_ras, std::optional<double> expected_mm,
+DepthCheck check(const Volume& before, const std::vector<Volume>& after, const py::object& entry,
+                 const py::object& axis, std::optional<double> expected_mm,
                  std::optional<double> tip_offset_mm, double tip_offset_sigma_mm) {
+  const Eigen::Vector3d entry_ras_mm = fixed_numbers<3, 1>(entry, "entry_ras_mm");
+  const Eigen::Vector3d axis_ras = fixed_numbers<3, 1>(axis, "axis_ras");
   if (!entry_ras_mm.allFinite() || !axis_ras.allFinite() || !(axis_ras.norm() > 1e-6))
     throw ConfigError("are not finite, or the axis has no length", "entry_ras_mm, axis_ras",
                       "give three numbers each");
@@ -86,9 +90,11 @@ void bind_images(py::module_& module) {
            "[i, j, k]: give their transpose).")
       .def_property_readonly("voxels", &voxels_of, "Array [k, j, i], float32.")
       .def_property_readonly("affine", &affine_of, "4 x 4, from voxel (i, j, k) to RAS mm.")
-      .def_property_readonly("patient_id", [](const Volume& v) { return v.identity.patient_id; })
-      .def_readonly("format", &Volume::format)
-      .def_readonly("warnings", &Volume::warnings)
+      .def_property_readonly(
+          "patient_id", [](const Volume& v) { return v.identity.patient_id; },
+          "As the file says it; empty: it does not.")
+      .def_readonly("format", &Volume::format, "\"DICOM\", \"NIfTI\", \"numpy\" and others.")
+      .def_readonly("warnings", &Volume::warnings, "What should be known about the file, in sentences.")
       .def("__repr__", [](const Volume& v) {
         return fmt::format("<biopsy.Image {} x {} x {}, {}>", v.grid.size.x(), v.grid.size.y(),
                            v.grid.size.z(), v.format);
@@ -98,17 +104,20 @@ void bind_images(py::module_& module) {
       .def_property_readonly(
           "verdict", [](const DepthCheck& c) { return std::string(report::label(c.verdict)); },
           "\"accept\", \"reject\" or \"unsure\".")
-      .def_readonly("reason", &DepthCheck::reason)
-      .def_readonly("tip_found", &DepthCheck::tip_found)
+      .def_readonly("reason", &DepthCheck::reason, "Of the verdict, as a sentence.")
+      .def_readonly("tip_found", &DepthCheck::tip_found, "Without it the numbers below say nothing.")
       .def_property_readonly(
           "depth_mm", [](const DepthCheck& c) { return c.depth.value; },
-          "Of the tip from the entry; without a tip offset of the void's end.")
-      .def_property_readonly("depth_sigma_mm", [](const DepthCheck& c) { return c.sigma.value; })
-      .def_readonly("lateral_mm", &DepthCheck::lateral_mm)
-      .def_readonly("lateral_sigma_mm", &DepthCheck::lateral_sigma_mm)
-      .def_readonly("angle_deg", &DepthCheck::angle_deg)
-      .def_readonly("angle_sigma_deg", &DepthCheck::angle_sigma_deg)
-      .def_readonly("registration_score", &DepthCheck::registration_score)
+          "mm, of the tip from the entry; without a tip offset of the void's end.")
+      .def_property_readonly(
+          "depth_sigma_mm", [](const DepthCheck& c) { return c.sigma.value; },
+          "Standard deviation of it, mm.")
+      .def_readonly("lateral_mm", &DepthCheck::lateral_mm, "Distance of the tip from the planned axis, mm.")
+      .def_readonly("lateral_sigma_mm", &DepthCheck::lateral_sigma_mm, "Standard deviation of it, mm.")
+      .def_readonly("angle_deg", &DepthCheck::angle_deg, "Between needle and planned axis, degrees.")
+      .def_readonly("angle_sigma_deg", &DepthCheck::angle_sigma_deg, "Standard deviation of it, degrees.")
+      .def_readonly("registration_score", &DepthCheck::registration_score,
+                    "How well the images lie on each other: a correlation, at most 1.")
       .def("__repr__", [](const DepthCheck& c) {
         return fmt::format("<biopsy.DepthCheck {}: {}>", std::string(report::label(c.verdict)), c.reason);
       });

@@ -28,10 +28,9 @@ RunRole role_named(const std::string& role) {
   throw ConfigError(fmt::format("\"{}\" is no role", role), "role", "give \"train\", \"test\" or \"\"");
 }
 
-RecordedRun make_run(const Array& input, const std::optional<Array>& displacement_mm, double period_s,
-                     double weight_g, const std::optional<Array>& plate_b_mm,
-                     const std::optional<Array>& current_uA, const std::optional<Array>& external_force_N,
-                     const std::string& name, const std::string& role) {
+RecordedRun make_run(const py::object& input, const py::object& displacement_mm, double period_s,
+                     double weight_g, const py::object& plate_b_mm, const py::object& current_uA,
+                     const py::object& external_force_N, const std::string& name, const std::string& role) {
   RecordedRun run;
   run.name = name;
   run.file = name + ".csv";
@@ -41,12 +40,12 @@ RecordedRun make_run(const Array& input, const std::optional<Array>& displacemen
   run.period = in_range(period_s, kShortest_s, kLongest_s, "period_s", "s");
   run.weight = in_range(weight_g, 0.0, 1e5, "weight_g", "g") * 1e-3;
   for (std::size_t row = 0; row < rows; ++row) run.time.push_back(static_cast<double>(row) * run.period);
-  run.displacement = displacement_mm ? numbers(*displacement_mm, "displacement_mm", 1e-3, rows)
-                                     : std::vector<double>(rows, 0.0);
-  if (plate_b_mm) run.plate_b = numbers(*plate_b_mm, "plate_b_mm", 1e-3, rows);
-  if (current_uA) run.current = numbers(*current_uA, "current_uA", 1e-6, rows);
-  run.external_force = external_force_N ? numbers(*external_force_N, "external_force_N", 1.0, rows)
-                                        : std::vector<double>(rows, 0.0);
+  run.displacement = !displacement_mm.is_none() ? numbers(displacement_mm, "displacement_mm", 1e-3, rows)
+                                                : std::vector<double>(rows, 0.0);
+  if (!plate_b_mm.is_none()) run.plate_b = numbers(plate_b_mm, "plate_b_mm", 1e-3, rows);
+  if (!current_uA.is_none()) run.current = numbers(current_uA, "current_uA", 1e-6, rows);
+  run.external_force = !external_force_N.is_none() ? numbers(external_force_N, "external_force_N", 1.0, rows)
+                                                   : std::vector<double>(rows, 0.0);
   return run;
 }
 
@@ -65,7 +64,8 @@ void bind_plant(py::module_& module) {
       .def(
           "text", [](const sim::NotedModel& m) { return sim::model_toml(m.model, m.notes); },
           "The model as text of a model file, which parse() reads back exactly.")
-      .def_property_readonly("title", [](const sim::NotedModel& m) { return m.notes.title; })
+      .def_property_readonly(
+          "title", [](const sim::NotedModel& m) { return m.notes.title; }, "Of the model file.")
       .def_property_readonly(
           "drive",
           [](const sim::NotedModel& m) {
@@ -87,19 +87,24 @@ void bind_plant(py::module_& module) {
           "input: V for a stack, N for a force. displacement_mm: of the needle's plate; left out for a run "
           "that "
           "is only to be simulated. weight_g: on the plate. role: \"train\", \"test\", or \"\" for all runs.")
-      .def_readonly("name", &RecordedRun::name)
-      .def_readonly("period_s", &RecordedRun::period)
-      .def_property_readonly("weight_g", [](const RecordedRun& r) { return r.weight * 1e3; })
-      .def_property_readonly("time_s", [](const RecordedRun& r) { return array(r.time); })
-      .def_property_readonly("input", [](const RecordedRun& r) { return array(r.input); })
-      .def_property_readonly("displacement_mm",
-                             [](const RecordedRun& r) { return array(r.displacement, 1e3); })
+      .def_readonly("name", &RecordedRun::name, "That findings and signals name it by.")
+      .def_readonly("period_s", &RecordedRun::period, "From row to row, s.")
+      .def_property_readonly(
+          "weight_g", [](const RecordedRun& r) { return r.weight * 1e3; }, "On the plate, g.")
+      .def_property_readonly(
+          "time_s", [](const RecordedRun& r) { return array(r.time); }, "Array [rows], s, from 0.")
+      .def_property_readonly(
+          "input", [](const RecordedRun& r) { return array(r.input); },
+          "Array [rows], V for a stack, N for a force.")
+      .def_property_readonly(
+          "displacement_mm", [](const RecordedRun& r) { return array(r.displacement, 1e3); },
+          "Array [rows], mm: of the needle's plate.")
       .def_property_readonly(
           "plate_b_mm", [](const RecordedRun& r) { return measured(r.plate_b, 1e3); },
-          "The other plate; None where it is not known.")
+          "Array [rows], mm: the other plate; None where it is not known.")
       .def_property_readonly(
           "current_uA", [](const RecordedRun& r) { return measured(r.current, 1e6); },
-          "Of the amplifier; None where it is not known.")
+          "Array [rows], uA: of the amplifier; None where it is not known.")
       .def("__len__", [](const RecordedRun& r) { return r.time.size(); })
       .def("__repr__", [](const RecordedRun& r) {
         return fmt::format("<biopsy.Run \"{}\", {} rows every {:g} s>", r.name, r.time.size(), r.period);

@@ -62,11 +62,11 @@ py::dict make_plan(const std::string& name, const std::optional<fs::path>& model
   return of;
 }
 
-report::RunRecord rehearse(const std::string& name, std::optional<std::uint64_t> seed,
+report::RunRecord rehearse(const std::string& name, std::optional<double> seed,
                            const std::optional<fs::path>& model, const std::optional<std::string>& faults) {
   const TemporaryFolder folder;
   const py::gil_scoped_release released;
-  const robot::PreparedCase prepared = robot::prepare(case_from(name, seed, model), folder.path());
+  const robot::PreparedCase prepared = robot::prepare(case_from(name, seed_of(seed), model), folder.path());
   planned(prepared);
   std::stop_source stop;
   std::exception_ptr raised;
@@ -93,8 +93,8 @@ Array column(const report::RunRecord& record, Value report::Sample::*field) {
 // Lockstep, a tick at a time: a laboratory's own controller under the product's supervisor and gate.
 class Robot {
  public:
-  Robot(const std::string& name, std::uint64_t seed, const std::optional<fs::path>& model)
-      : Robot(robot::prepare(case_from(name, seed, model), TemporaryFolder().path())) {}
+  Robot(const std::string& name, double seed, const std::optional<fs::path>& model)
+      : Robot(robot::prepare(case_from(name, seed_of(seed), model), TemporaryFolder().path())) {}
 
   py::dict tick(bool held, bool arm, bool reset, const std::string& stop, std::optional<double> voltage_V,
                 bool finish, bool depth_accepted) {
@@ -182,12 +182,15 @@ void bind_robot(py::module_& module) {
           "outcome", [](const report::RunRecord& r) { return std::string(report::label(r.outcome)); },
           "\"completed\", \"stopped\" or \"refused\".")
       .def_readonly("reason", &report::RunRecord::refusal, "Why it stopped; empty where it completed.")
-      .def_property_readonly("final_depth_mm",
-                             [](const report::RunRecord& r) { return known(r.final_depth_mm); })
-      .def_property_readonly("true_depth_max_mm",
-                             [](const report::RunRecord& r) { return known(r.true_depth_max_mm); })
-      .def_property_readonly("rmse_settled_mm",
-                             [](const report::RunRecord& r) { return known(r.rmse_settled_mm); })
+      .def_property_readonly(
+          "final_depth_mm", [](const report::RunRecord& r) { return known(r.final_depth_mm); },
+          "Last depth by laser, mm; None: not measured.")
+      .def_property_readonly(
+          "true_depth_max_mm", [](const report::RunRecord& r) { return known(r.true_depth_max_mm); },
+          "Deepest true place of the tip, mm.")
+      .def_property_readonly(
+          "rmse_settled_mm", [](const report::RunRecord& r) { return known(r.rmse_settled_mm); },
+          "Of the depth against the target of its step while it is settled, mm; None: it never was.")
       .def_property_readonly(
           "trips",
           [](const report::RunRecord& r) {
@@ -218,18 +221,22 @@ void bind_robot(py::module_& module) {
             for (py::ssize_t i = 0; i < time.size(); ++i) time.mutable_data()[i] *= 1e-3;
             return time;
           },
-          "One value for each tick; so are those below.")
+          "Array [ticks], s; so long are all arrays below.")
       .def_property_readonly(
-          "setpoint_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::setpoint_mm); })
+          "setpoint_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::setpoint_mm); },
+          "Array [ticks], mm: the depth that was wanted.")
       .def_property_readonly(
           "depth_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::depth_mm); },
-          "By laser.")
+          "Array [ticks], mm: by laser.")
       .def_property_readonly(
-          "tip_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::tip_mm); }, "True.")
-      .def_property_readonly("drive_kV",
-                             [](const report::RunRecord& r) { return column(r, &report::Sample::drive_kV); })
+          "tip_mm", [](const report::RunRecord& r) { return column(r, &report::Sample::tip_mm); },
+          "Array [ticks], mm: true.")
       .def_property_readonly(
-          "current_uA", [](const report::RunRecord& r) { return column(r, &report::Sample::current_uA); })
+          "drive_kV", [](const report::RunRecord& r) { return column(r, &report::Sample::drive_kV); },
+          "Array [ticks], kV: as put out.")
+      .def_property_readonly(
+          "current_uA", [](const report::RunRecord& r) { return column(r, &report::Sample::current_uA); },
+          "Array [ticks], uA.")
       .def_property_readonly(
           "mode",
           [](const report::RunRecord& r) {
@@ -252,8 +259,8 @@ void bind_robot(py::module_& module) {
   py::class_<Robot>(
       module, "Robot",
       "The control cycle with its supervisor and gate on a simulated stage, one tick of 1 ms at a time.")
-      .def(py::init<const std::string&, std::uint64_t, const std::optional<fs::path>&>(),
-           py::arg("case") = "liver", py::kw_only(), py::arg("seed") = 1, py::arg("model") = py::none())
+      .def(py::init<const std::string&, double, const std::optional<fs::path>&>(), py::arg("case") = "liver",
+           py::kw_only(), py::arg("seed") = 1, py::arg("model") = py::none())
       .def(
           "tick", &Robot::tick, py::kw_only(), py::arg("held") = false, py::arg("arm") = false,
           py::arg("reset") = false, py::arg("stop") = "none", py::arg("voltage_V") = py::none(),
@@ -265,7 +272,9 @@ void bind_robot(py::module_& module) {
           "it. "
           "Returns time_s, mode, hazard, depth_mm (laser), tip_mm (true), setpoint_mm, drive_V (as put out), "
           "v_max_V (permitted), current_uA, step and step_done.")
-      .def_property_readonly("steps", [](const Robot& robot) { return steps_of(robot.plan()); });
+      .def_property_readonly(
+          "steps", [](const Robot& robot) { return steps_of(robot.plan()); },
+          "Of the plan, as plan() has them.");
 }
 
 }  // namespace biopsy::python

@@ -73,20 +73,7 @@ void declare(CLI::App& app, Options& options) {
 // Before anything is cleared or written: whatever the search would refuse.
 void refuse_unusable(const sim::Dataset& dataset, const sim::PlantModel& model, const Options& options) {
   sim::gap::baseline_hypothesis(model, options.free);
-  for (const sim::RecordedRun& run : dataset.runs) {
-    const double length = run.period * static_cast<double>(run.time.size());
-    if (options.window && *options.window > length)
-      throw ConfigError(fmt::format("a window of {} s is longer than run \"{}\", which has {:.3g} s",
-                                    *options.window, run.name, length),
-                        "--window",
-                        "give a shorter window, or leave --window out to simulate each run in one piece");
-    if (options.window && *options.window < 2.0 * run.period)
-      throw ConfigError(
-          fmt::format("a window of {} s holds less than two rows of run \"{}\", which come every "
-                      "{} s",
-                      *options.window, run.name, run.period),
-          "--window", "give a longer window");
-  }
+  if (options.window) sim::gap::check_window(dataset, *options.window);
   sim::gap::prepare(dataset, model, options.window, sim::gap::Sampling::Coarse);
 }
 

@@ -55,11 +55,17 @@ std::vector<Layer> layers_of(const Case& given, const Volume* labels, const plan
   return {{"unknown", Millimetres(0), length}};
 }
 
-void check_frames(const Volume& image, const Volume& labels) {
-  if (!image.identity.frame_of_reference_uid.empty() && !labels.identity.frame_of_reference_uid.empty() &&
-      image.identity.frame_of_reference_uid != labels.identity.frame_of_reference_uid)
-    throw ConfigError("the label map lies in another frame of reference than the image", "labels",
-                      "give the label map that was drawn on this image");
+// What both files say of patient and frame of reference must agree.
+void check_labels_belong(const SeriesIdentity& image, const SeriesIdentity& labels) {
+  const auto differ = [](const std::string& one, const std::string& other) {
+    return !one.empty() && !other.empty() && one != other;
+  };
+  const auto refuse = [](const std::string& what) {
+    throw ConfigError("the label map " + what, "labels", "give the label map that was drawn on this image");
+  };
+  if (differ(image.patient_id, labels.patient_id)) refuse("is of another patient than the image");
+  if (differ(image.frame_of_reference_uid, labels.frame_of_reference_uid))
+    refuse("lies in another frame of reference than the image");
 }
 
 // Where nothing names a series, a person at the console begins with the first that can be read.
@@ -90,7 +96,7 @@ PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
     out.target.p_ST = given.p_ST.value_or(Point::Zero());
     if (!given.labels.empty()) {
       imaging::LabelMap map = imaging::read_labels(given.labels);
-      check_frames(out.image, map.volume);
+      check_labels_belong(out.image.identity, map.volume.identity);
       imaging::cover_image(out.image.grid, map);
       out.labels = std::move(map.volume);
       out.label_names.merge(map.names);  // the case's come first

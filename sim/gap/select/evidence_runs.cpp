@@ -150,6 +150,22 @@ double estimated_noise(const std::vector<RecordedRun>& runs) {
   return estimate_noise(runs).value;
 }
 
+void check_window(const Dataset& dataset, double window) {
+  for (const RecordedRun& run : dataset.runs) {
+    const double length = run.period * static_cast<double>(run.time.size());
+    if (window > length)
+      throw ConfigError(fmt::format("a window of {} s is longer than run \"{}\", which has {:.3g} s", window,
+                                    run.name, length),
+                        "--window",
+                        "give a shorter window, or leave --window out to simulate each run in one piece");
+    if (window < 2.0 * run.period)
+      throw ConfigError(
+          fmt::format("a window of {} s holds less than two rows of run \"{}\", which come every {} s",
+                      window, run.name, run.period),
+          "--window", "give a longer window");
+  }
+}
+
 double noise_of(const Dataset& dataset) {
   if (!dataset.sensor_noise || *dataset.sensor_noise <= 0.0) return estimated_noise(dataset.runs);
   double noise = *dataset.sensor_noise;

@@ -62,6 +62,9 @@ struct Evidence {
 // each run.
 enum class HeldOut : std::uint8_t { FromFirst, FromSecond, FromThird, LastThirds };
 
+// Throws ConfigError for a window, s, that is longer than a run or holds less than two of its rows.
+void check_window(const Dataset& dataset, double window);
+
 // Every third run is held out, the second first, if the data set does not say which; of a single run its last
 // third. `window` [s] splits the runs into windows that start from the measured motion. Throws ConfigError
 // where a run is too short. Coarse rows are for searching, fine ones for the final fits and comparisons. Of

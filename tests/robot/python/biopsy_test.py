@@ -103,10 +103,33 @@ class Plant(unittest.TestCase):
                 biopsy.Run(*arguments, **options)
             self.assertIn(words, str(raised.exception))
             self.assertTrue(raised.exception.where and raised.exception.remedy)
+        for given, words in [(np.ma.masked_greater(np.arange(5.0), 3), "masked"), (good + 2j, "real numbers"), (["1", "2"], "real numbers"),
+                             ([object()] * 3, "real numbers"), ([[1, 2], [3]], "real numbers"), (None, "real numbers")]:
+            with self.assertRaisesRegex(biopsy.InputError, words):
+                biopsy.Run(given)
         with self.assertRaises(biopsy.InputError):
             biopsy.Model.parse("K = 'high'")
         with self.assertRaises(biopsy.InputError):
             biopsy.gap(biopsy.read_model(), [])
+
+
+    def test_takes_every_kind_of_real_array_as_it_is(self):
+        given = np.arange(0, 96, 4)
+        strided, reversed_, big = np.repeat(given, 3)[::3], given[::-1].copy()[::-1], given.astype(">f4")
+        for array in (given, given.astype(np.float32), given.astype(np.uint8), strided, reversed_, big, given.tolist(),
+                      np.ma.array(given)):
+            np.testing.assert_array_equal(biopsy.Run(array).input, given)
+
+    def test_windows_and_seeds_are_those_of_the_command_line(self):
+        run = biopsy.Run(np.zeros(200), np.zeros(200), period_s=0.01)  # 2 s
+        for window_s, words in [(0.0, "window_s"), (float("nan"), "window_s"), (2.5, "longer than run"), (0.015, "less than two rows")]:
+            with self.assertRaisesRegex(biopsy.InputError, words):
+                biopsy.gap(biopsy.read_model(), [run], window_s=window_s)
+        for seed in (-3, 1e16, 2.5, float("inf")):
+            with self.assertRaisesRegex(biopsy.InputError, "seed"):
+                biopsy.Robot("gap", seed=seed)
+            with self.assertRaisesRegex(biopsy.InputError, "seed"):
+                biopsy.rehearse("gap", seed=seed)
 
 
 class Images(unittest.TestCase):
@@ -149,6 +172,14 @@ class Images(unittest.TestCase):
                 biopsy.Image(voxels, affine)
         with self.assertRaises(biopsy.InputError):
             biopsy.read_image("/nowhere/image.nii")
+        for voxels, affine, words in [(np.zeros((4, 4, 4)), np.eye(3), "4 x 4"), (np.zeros((4, 4, 4), complex), np.eye(4), "real"),
+                                      (np.ma.masked_less(np.zeros((4, 4, 4)), 1), np.eye(4), "masked")]:
+            with self.assertRaisesRegex(biopsy.InputError, words):
+                biopsy.Image(voxels, affine)
+        image = biopsy.Image(np.zeros((4, 4, 4)), np.eye(4))
+        for entry, axis in [([1, 2], [0, 0, 1]), ([[1, 2, 3]], [0, 0, 1]), ([1, 2, 3], "up"), (np.zeros(4), [0, 0, 1])]:
+            with self.assertRaises(biopsy.InputError):
+                biopsy.check_depth(image, [image], entry, axis)
 
 
 class Procedures(unittest.TestCase):
@@ -222,6 +253,8 @@ class Package(unittest.TestCase):
             self.assertTrue(inspect.getdoc(thing), f"{name} has no docstring")
             if members is None or name == "InputError":
                 continue
+            for member in members - {"__init__", "__len__"}:
+                self.assertTrue(inspect.getdoc(vars(thing)[member]), f"{name}.{member} has no docstring")
             there = {m for m in vars(thing) if not m.startswith("_") or m in ("__init__", "__len__") and m in members}
             self.assertEqual(members, there, name)
 

@@ -279,9 +279,10 @@ class Segmentation(SampleCase):
                 ({"SegmentSequence": segments[:1]}, "segment 2, which is not described"),
                 ({"NumberOfFrames": 100000}, "NumberOfFrames"),
                 ({"PixelData": b"\1\0"}, "truncated"),
-                ({"FrameOfReferenceUID": "1.2.3"}, "another frame of reference"))):
+                ({"FrameOfReferenceUID": "1.2.3"}, "another frame of reference"),
+                ({"PatientID": "somebody-else"}, "of another patient"))):
             write_seg(self.image, self.folder / f"bad{n}.dcm", **changes)
-            self.expect_refused(f"bad{n}.dcm", why, where="labels" if "another frame" in why else None)
+            self.expect_refused(f"bad{n}.dcm", why, where="labels" if "another" in why else None)
 
     def test_damaged_files_are_read_or_refused(self):
         frames = write_seg(self.image, self.folder / "whole.dcm")
