@@ -4,8 +4,11 @@
 
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstring>
 #include <exception>
 
+#include "planner/imaging/io/grid_rules.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 
@@ -46,19 +49,42 @@ int number_in(const std::string& name) {
   return number;
 }
 
-}  // namespace
-
-std::string nrrd_of(const Image& image) {
+Grid grid_of(const Image& image) {
   const double sign = image.ras ? -1.0 : 1.0;
   const Eigen::Vector3d to_lps(sign, sign, 1.0);
-  Eigen::Matrix3d axes;
+  Grid grid;
   Point first(image.centre[0], image.centre[1], image.centre[2]);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d step(image.axes[3 * axis], image.axes[3 * axis + 1], image.axes[3 * axis + 2]);
-    axes.col(static_cast<Eigen::Index>(axis)) = to_lps.cwiseProduct(step);
+    grid.size[static_cast<Eigen::Index>(axis)] = image.size[axis];
+    grid.X_SI.linear().col(static_cast<Eigen::Index>(axis)) = to_lps.cwiseProduct(step);
     first -= 0.5 * (image.size[axis] - 1) * step;
   }
-  first = to_lps.cwiseProduct(first);
+  grid.X_SI.translation() = to_lps.cwiseProduct(first);
+  return grid;
+}
+
+// What nobody could plan on or confirm with is refused while its sender still listens.
+void refuse_unusable(const Image& image, const std::string& device) {
+  imaging::refuse_bad_grid(grid_of(image), device);
+  const auto all_finite = [&]<class Real>(Real) {
+    for (std::size_t at = 0; at + sizeof(Real) <= image.voxels.size(); at += sizeof(Real)) {
+      Real voxel = 0;
+      std::memcpy(&voxel, image.voxels.data() + at, sizeof voxel);
+      if (!std::isfinite(static_cast<float>(voxel))) return false;
+    }
+    return true;
+  };
+  const bool finite = image.scalar == Image::Scalar::Float32   ? all_finite(0.0F)
+                      : image.scalar == Image::Scalar::Float64 ? all_finite(0.0)
+                                                               : true;
+  if (!finite) throw ConfigError("a voxel is not a finite number", device, "say what these voxels are");
+}
+
+}  // namespace
+
+std::string nrrd_of(const Image& image) {
+  const Grid grid = grid_of(image);
   const auto vector = [](const Eigen::Vector3d& of) {
     return fmt::format("({:.9g},{:.9g},{:.9g})", of.x(), of.y(), of.z());
   };
@@ -66,8 +92,8 @@ std::string nrrd_of(const Image& image) {
       "NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
       "space directions: {} {} {}\nkinds: domain domain domain\nendian: little\nencoding: raw\n"
       "space origin: {}\n\n",
-      nrrd_type(image.scalar), image.size[0], image.size[1], image.size[2], vector(axes.col(0)),
-      vector(axes.col(1)), vector(axes.col(2)), vector(first));
+      nrrd_type(image.scalar), image.size[0], image.size[1], image.size[2], vector(grid.X_SI.linear().col(0)),
+      vector(grid.X_SI.linear().col(1)), vector(grid.X_SI.linear().col(2)), vector(grid.X_SI.translation()));
   text.append(image.voxels.begin(), image.voxels.end());
   return text;
 }
@@ -91,7 +117,10 @@ std::variant<std::string, Refused> ImageFolder::store(const std::string& device,
   const std::string name =
       fmt::format("{}{:03}{}{}.nrrd", kPrefix, last_ + 1, letters.empty() ? "" : "-", letters);
   try {
+    refuse_unusable(image, device);
     atomic_write(folder_ / name, nrrd_of(image));
+  } catch (const ConfigError& error) {
+    return Refused{error.what_is_wrong};
   } catch (const std::exception& error) {
     return Refused{error.what()};
   }

@@ -180,10 +180,11 @@ TEST(IgtlServer, WritesImagesIntoItsFolderOrRefusesThem) {
   ScratchFolder folder;
   Image image;
   image.scalar = Image::Scalar::UInt8;
-  image.size = {2, 1, 1};
+  image.size = {3, 3, 3};
   image.axes = {0.5F, 0, 0, 0, 0.5F, 0, 0, 0, 2};
   image.centre = {10, 20, 30};
-  image.voxels = {7, 9};
+  image.voxels.resize(27);
+  image.voxels[0] = 7, image.voxels[26] = 9;
   Bench bench({}, folder.path());
   TestClient client(bench.port());
   client.send({"../scan 1", image});
@@ -191,8 +192,8 @@ TEST(IgtlServer, WritesImagesIntoItsFolderOrRefusesThem) {
   const std::string nrrd = file_content(folder / "igtl-001-scan1.nrrd");
   EXPECT_NE(nrrd.find("space: left-posterior-superior\n"), std::string::npos);
   EXPECT_NE(nrrd.find("space directions: (-0.5,-0,0) (-0,-0.5,0) (-0,-0,2)\n"), std::string::npos) << nrrd;
-  EXPECT_NE(nrrd.find("space origin: (-9.75,-20,30)\n"), std::string::npos) << nrrd;
-  EXPECT_TRUE(nrrd.ends_with(std::string("\n\n\7\11")));
+  EXPECT_NE(nrrd.find("space origin: (-9.5,-19.5,28)\n"), std::string::npos) << nrrd;
+  EXPECT_TRUE(nrrd.ends_with("\n\n\7" + std::string(25, '\0') + "\11"));
   Bench again({}, folder.path());  // started again: what came before stays
   TestClient later(again.port());
   later.send({"scan", image});
@@ -207,6 +208,33 @@ TEST(IgtlServer, WritesImagesIntoItsFolderOrRefusesThem) {
 }
 
 // A disk that does not take the image: a pipe that nobody reads lies where it would be written.
+// What could not be read again as a file of the watched folder is refused to its sender, and leaves no file.
+TEST(IgtlServer, RefusesImagesThatNobodyCouldPlanOn) {
+  ScratchFolder folder;
+  Bench bench({}, folder.path());
+  TestClient client(bench.port());
+  Image good;
+  good.scalar = Image::Scalar::Float32;
+  good.size = {4, 3, 5};
+  good.axes = {0, 0.8F, 0, 0, 0, 1.2F, 2.5F, 0, 0};
+  good.voxels.resize(4 * 60);
+  Image sheared = good, flat = good, far = good, gap = good, infinite = good;
+  sheared.axes[4] = 0.1F;
+  flat.axes[6] = 0.0F;
+  far.centre[1] = 2e4F;
+  gap.voxels[4 * 17 + 2] = 0xC0, gap.voxels[4 * 17 + 3] = 0x7F;  // NaN
+  infinite.scalar = Image::Scalar::Float64;
+  infinite.voxels.resize(8 * 60);
+  infinite.voxels[8 * 59 + 6] = 0xF0, infinite.voxels[8 * 59 + 7] = 0xFF;  // minus infinity
+  for (const Image& image : {sheared, flat, far, gap, infinite}) {
+    client.send({"scan", image});
+    EXPECT_EQ(bench.answers(client, 1), (Script{"STATUS scan 10"}));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  client.send({"scan", good});
+  EXPECT_EQ(bench.answers(client, 1), (Script{"STATUS scan 1"}));
+}
+
 TEST(IgtlServer, NoStopWaitsForAnImageThatIsBeingWritten) {
   ScratchFolder folder;
   Bench bench({}, folder.path());
@@ -214,9 +242,9 @@ TEST(IgtlServer, NoStopWaitsForAnImageThatIsBeingWritten) {
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   Image image;
   image.scalar = Image::Scalar::UInt8;
-  image.size = {2, 1, 1};
+  image.size = {3, 3, 3};
   image.axes = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  image.voxels = {7, 9};
+  image.voxels.resize(27);
   TestClient client(bench.port());
   client.send({"scan", image});
   EXPECT_EQ(bench.command(client, "STOP", 3),
