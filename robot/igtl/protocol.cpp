@@ -35,6 +35,13 @@ bool may_insert(Mode mode) {
   return mode == Mode::Armed || mode == Mode::Active || mode == Mode::Hold;
 }
 
+// Without what some programs send behind it.
+std::string_view word_of(const Text& text) {
+  constexpr std::string_view kBehind{"\0 \t\r\n", 5};
+  const std::string_view all = text.text;
+  return all.substr(0, all.find_last_not_of(kBehind) + 1);
+}
+
 // What a client sent comes back to it in a STATUS, which is US-ASCII and ends at a NUL.
 std::string printable(std::string_view text) {
   std::string kept(text);
@@ -54,9 +61,7 @@ std::string_view name_of(Phase phase) {
 }
 
 std::optional<Phase> phase_of(const Text& text) {
-  constexpr std::string_view kBehind{"\0 \t\r\n", 5};
-  const std::string_view name = text.text;
-  const auto found = std::ranges::find(kPhases, name.substr(0, name.find_last_not_of(kBehind) + 1));
+  const auto found = std::ranges::find(kPhases, word_of(text));
   if (found == kPhases.end()) return std::nullopt;
   return static_cast<Phase>(found - kPhases.begin());
 }
@@ -97,7 +102,7 @@ RobotProtocol::Messages RobotProtocol::receive(const Message& message, const Rob
 
 void RobotProtocol::on_text(const Message& message, const Text& text, const RobotView& robot,
                             std::int64_t now_us) {
-  const bool asks_position = text.text == kCurrentPosition || message.device == kCurrentPosition;
+  const bool asks_position = word_of(text) == kCurrentPosition || message.device == kCurrentPosition;
   if (dialect_ == Dialect::Of2021 && asks_position) return position(robot);
   const auto illegal = [&](const std::string& why) {
     status(kCurrentStatus, StatusCode::IllegalInstruction, why, text.text);

@@ -238,6 +238,10 @@ TEST_P(IgtlProtocol, TellsWhereTheTipIs) {
   EXPECT_EQ(asked, of_2021() ? (Script{"TRANSFORM CURRENT_POSITION"})
                              : (Script{"STRING ACK_9 CURRENT_POSITION",
                                        "STATUS CURRENT_STATUS 12 CURRENT_POSITION"}));
+  for (const std::string& behind : {std::string("\r\n"), std::string(1, '\0'), std::string("  ")}) {
+    const Script word = client.send({"CMD_3", Text{"CURRENT_POSITION" + behind}});
+    EXPECT_EQ(word[0] == "TRANSFORM CURRENT_POSITION", of_2021());
+  }
   EXPECT_EQ(client.send({"CURRENT_POSITION", Text{"x"}}),
             of_2021() ? (Script{"TRANSFORM CURRENT_POSITION"}) : (Script{"STATUS CURRENT_STATUS 12 x"}));
   client.robot.measured = false;
