@@ -99,6 +99,8 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
   if (out.verdict() == GapVerdict::Effect)
     out.selection.objections = objections(out.selection, out.coarse, out.evidence);
+  else if (out.verdict() == GapVerdict::Parameter)
+    out.selection.objections = objections_to_numbers(out.selection, out.coarse);
   return out;
 }
 

@@ -284,10 +284,16 @@ std::vector<DataRemark> examine_with_model(const Dataset& dataset, const PlantMo
   for (std::size_t i = 0; i < looked.size(); ++i) {
     if (looked[i].reading != nullptr)
       by_reading[looked[i].reading].push_back(i);
-    else if (looked[i].offset != 0.0)
-      out.push_back(shifted_time(dataset.runs[i].name, looked[i].offset));
-    else if (looked[i].before > kMisses)
+    else if (looked[i].offset == 0.0 && looked[i].before > kMisses)
       missed.push_back(i);
+  }
+  const auto late = static_cast<std::size_t>(std::ranges::count_if(
+      looked, [](const Looked& one) { return one.reading == nullptr && one.offset > 0.0; }));
+  for (std::size_t i = 0; i < looked.size(); ++i) {
+    // Friction makes a slow triangle late; but it disturbs the other runs as well.
+    const bool of_the_clock = looked[i].offset < 0.0 || late > missed.size();
+    if (looked[i].reading == nullptr && looked[i].offset != 0.0 && of_the_clock)
+      out.push_back(shifted_time(dataset.runs[i].name, looked[i].offset));
   }
   for (const auto& [reading, which] : by_reading) {
     // A clock's unit is that of all runs; one run alone resembles another rate by chance.

@@ -233,31 +233,6 @@ double cost_of_unknowns(const Hypothesis& hypothesis, double samples, std::size_
   return free * (0.5 * std::log(samples) + kComplexityPenalty);
 }
 
-// Where the held-out runs do not decide, the training runs do: of those that come near the first, all but the
-// one that explains the training runs best fall behind by what they lack there.
-void let_training_decide(Round& round, const Evidence& evidence) {
-  double most = -std::numeric_limits<double>::infinity();
-  for (const CandidateFit& t : round.fits)
-    if (t.fitted) most = std::max(most, t.log_evidence);
-  const auto open = [&](const CandidateFit& t) { return t.fitted && t.log_evidence > most - kUndecided; };
-  if (std::ranges::count_if(round.fits, open) < 2) return;
-  const double samples = independent_samples(evidence.training_seconds),
-               tolerated = kTolerance * evidence.noise;
-  std::vector<double> lacks(round.fits.size(), 0.0);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < round.fits.size(); ++i) {
-    if (!open(round.fits[i])) continue;
-    const Hypothesis& one = round.fits[i].scored.hypothesis;
-    const double left = mean_square(residual(one.model, evidence, Part::Training));
-    lacks[i] = 0.5 * samples * std::log(left + tolerated * tolerated) +
-               cost_of_unknowns(one, samples, evidence.runs.size());
-    least = std::min(least, lacks[i]);
-  }
-  for (std::size_t i = 0; i < round.fits.size(); ++i)
-    if (open(round.fits[i])) lacks[i] -= least;
-  for (std::size_t i = 0; i < round.fits.size(); ++i) round.fits[i].log_evidence -= std::max(0.0, lacks[i]);
-}
-
 bool slides_at_less(const ScoredModel& scored) {
   const auto& friction = scored.hypothesis.model.effects.stribeck_friction;
   return friction && friction->sliding < friction->breakaway;
@@ -314,6 +289,29 @@ double log_evidence(const ScoredModel& scored, const Evidence& evidence) {
   return -0.5 * effective_sample_size * std::log(scored.square + tolerated * tolerated) -
          0.5 * scored.hypothesis.prior_cost() -
          cost_of_unknowns(scored.hypothesis, effective_sample_size, evidence.runs.size());
+}
+
+void let_training_decide(Round& round, const Evidence& evidence) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const CandidateFit& t : round.fits)
+    if (t.fitted) most = std::max(most, t.log_evidence);
+  const auto open = [&](const CandidateFit& t) { return t.fitted && t.log_evidence > most - kUndecided; };
+  if (std::ranges::count_if(round.fits, open) < 2) return;
+  const double samples = independent_samples(evidence.training_seconds),
+               tolerated = kTolerance * evidence.noise;
+  std::vector<double> lacks(round.fits.size(), 0.0);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < round.fits.size(); ++i) {
+    if (!open(round.fits[i])) continue;
+    const Hypothesis& one = round.fits[i].scored.hypothesis;
+    const double left = mean_square(residual(one.model, evidence, Part::Training));
+    lacks[i] = 0.5 * samples * std::log(left + tolerated * tolerated) +
+               cost_of_unknowns(one, samples, evidence.runs.size());
+    least = std::min(least, lacks[i]);
+  }
+  for (std::size_t i = 0; i < round.fits.size(); ++i)
+    if (open(round.fits[i])) lacks[i] -= least;
+  for (std::size_t i = 0; i < round.fits.size(); ++i) round.fits[i].log_evidence -= std::max(0.0, lacks[i]);
 }
 
 void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {

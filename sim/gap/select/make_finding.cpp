@@ -26,6 +26,7 @@ constexpr double kMovedStds = 3.0;      // a calibration error is reported where
 constexpr double kMovedShare = 0.005;   // and relevant
 constexpr double kRounding = 0.1;       // of a standard deviation: the last digit written
 constexpr double kWorthNaming = 0.005;  // probability
+constexpr double kMostlyClosed = 0.5;   // share of the gap, by small errors of calibration
 
 std::string parameter_name(const Unknown& u, Drive drive) {
   if (u.effect == kBaseline) return std::string(uncertain_baseline(drive)[u.parameter].name);
@@ -172,8 +173,12 @@ RejectedName rejected_name(const ScoredModel& before, const Selection& selection
   RejectedName out;
   for (const SelectedTerm& term : selection.selected)
     if (term.is_effect()) out.effects.push_back(term.candidate.name(before.drive()));
-  if (out.effects.empty()) return out;
   out.gap_closed = gap_closed(before.square, selection.best.square, evidence.noise);
+  if (out.effects.empty())
+    for (const SelectedTerm& term : selection.selected)
+      out.effects.push_back(fmt::format("another value of {}", term.candidate.name(before.drive())));
+  if (out.effects.empty() && out.gap_closed > kMostlyClosed) out.effects.emplace_back("another calibration");
+  if (out.effects.empty()) return {};
   out.rmse_after = std::sqrt(selection.best.square) * kMm;
   out.objections = selection.objections;
   if (out.objections.empty())

@@ -24,6 +24,8 @@ constexpr double kAddsToCurve = 0.7;       // of the excess square that the curv
 constexpr double kNumberCloses = 0.75;     // of it, by a number of the baseline: what lacks resembles that
 constexpr double kStillCloses = 0.5;       // with the runs exchanged
 constexpr double kContradicts = 2.0;       // standard deviations
+constexpr double kStructured = 0.5;        // of the excess square that better numbers leave
+constexpr double kShows = 0.25;            // noises, of it: less has no structure that could be seen
 constexpr double kSameStds = 4.0;          // between the two fits of a strength,
 constexpr double kSameShare = 0.5;         // and of it
 constexpr double kSameShareOfLeft = 0.25;  // of the lesser excess square
@@ -81,7 +83,8 @@ double strength_std(const Hypothesis& hypothesis, int effect) {
 
 // A fit may use an effect for something else than its name says: a drag that grows with the root of the speed
 // is friction that grows from breakaway to sliding; a stop is tissue that does not relax; thick grease at one
-// end is a shaft that tissue holds without rubbing on it.
+// end is a shaft that tissue holds without rubbing on it; a gain that falls with the voltage is a bend
+// without the limit that it leads to.
 void add_contradictions(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   const Hypothesis& best = selection.best.hypothesis;
   double longest = 0.0;
@@ -100,6 +103,13 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
       out.push_back(fmt::format(
           "its force would relax in {:.2g} s, longer than any run: an elastic stop without relaxation",
           best.model.effects.tissue_relaxation->time));
+    if (is(term, VoltageSaturation::info.name) &&
+        best.model.effects.voltage_saturation->level > evidence.u_max)
+      out.push_back(
+          fmt::format("its limit of {:.2g} kV is above every recorded voltage: a gain that falls with the "
+                      "voltage, not an "
+                      "amplifier at its limit",
+                      1e-3 * best.model.effects.voltage_saturation->level));
     if (is(term, ShaftFriction::info.name))
       for (const Unknown& u : best.unknowns)
         if (u.effect == term.candidate.effect &&
@@ -227,6 +237,17 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);
   return out;
+}
+
+std::vector<std::string> objections_to_numbers(const Selection& selection, const Evidence& coarse) {
+  const double left =
+      excess(mean_square(residual(selection.best.hypothesis.model, coarse, Part::HeldOut)), coarse);
+  if (std::sqrt(left) < kShows * coarse.noise) return {};
+  const std::vector<FlexibleFit> curves = fit_flexible(selection.best, coarse);
+  if (curves.empty() || excess(curves.front().square, coarse) > kStructured * left) return {};
+  return {fmt::format("what it leaves ({:.3g} mm where the noise is {:.3g} mm) is a {} as an additional {}",
+                      1e3 * std::sqrt(selection.best.square), 1e3 * coarse.noise, curves.front().name(),
+                      curves.front().acts)};
 }
 
 }  // namespace biopsy::sim::gap

@@ -12,6 +12,7 @@ namespace {
 constexpr double kWellClosed = 0.9;       // of the RMSE above the noise
 constexpr double kWellBelowNoise = 0.5;   // remainder, in noises
 constexpr double kFollows = 0.005;        // of the range of motion
+constexpr double kOneNoise = 1.0;         // remainder, in noises
 constexpr double kSlightExcess = 0.25;    // excess square, in squares of the noise
 constexpr double kNoticed = 0.05;         // change of the mean square, in squares of the noise
 constexpr double kLeastClosed = 0.6;      // of the RMSE, enough where one candidate has a clear margin
@@ -37,6 +38,11 @@ bool relies_on_calibration_error(const Hypothesis& hypothesis) {
 bool follows(double after, const Evidence& evidence) {
   const double left = std::sqrt(excess(after, evidence));
   return left < kWellBelowNoise * evidence.noise || left < kFollows * (evidence.x_high - evidence.x_low);
+}
+
+// Near the noise as well: of a fine sensor half a per cent of the motion is much.
+bool follows_closely(double after, const Evidence& evidence) {
+  return follows(after, evidence) && std::sqrt(excess(after, evidence)) < kOneNoise * evidence.noise;
 }
 
 // Held-out runs may not reach where the model fails.
@@ -78,8 +84,9 @@ GapVerdict verdict(const ScoredModel& before, const Selection& selection, const 
     if (!follows_training(selection.best, evidence)) return GapVerdict::Unexplained;
     if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence))
       return GapVerdict::NoGap;
-    return closed && follows(selection.best.square, evidence) ? GapVerdict::Parameter
-                                                              : GapVerdict::Unexplained;
+    return closed && follows_closely(selection.best.square, evidence) && selection.objections.empty()
+               ? GapVerdict::Parameter
+               : GapVerdict::Unexplained;
   }
   const bool stands_out = gap_closed(before.square, selection.best.square, evidence.noise) >= kLeastClosed &&
                           margin_over_next(selection) >= kClearMargin &&

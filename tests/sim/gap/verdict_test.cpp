@@ -38,11 +38,12 @@ GapVerdict verdict_of_effect(double left) {
   return verdict(leaving(kBefore), selection, evidence_of_five_millimetres());
 }
 
-GapVerdict verdict_of_numbers(double left) {
+GapVerdict verdict_of_numbers(double left, const std::vector<std::string>& objections = {}) {
   Candidate number;
   number.effect = kBaseline;
   Selection selection{.start = leaving(kBefore), .best = leaving(left), .fits = {}, .selected = {}};
   selection.selected.push_back({number, 0.9, {}});
+  selection.objections = objections;
   return verdict(leaving(kBefore), selection, evidence_of_five_millimetres());
 }
 
@@ -53,9 +54,17 @@ TEST(Verdict, ANameThatLeavesHalfOfTheGapIsNoneHoweverFarAhead) {
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.70)), GapVerdict::Effect);
 }
 
-TEST(Verdict, BetterNumbersMustFollowTheMotionToHalfAPercent) {
-  EXPECT_EQ(verdict_of_numbers(15e-6), GapVerdict::Parameter);
+// Half a per cent of the motion is 25 um, the noise 10.
+TEST(Verdict, BetterNumbersMustFollowTheMotionToHalfAPercentAndNearlyToTheNoise) {
+  EXPECT_EQ(verdict_of_numbers(14e-6), GapVerdict::Parameter);
+  EXPECT_EQ(verdict_of_numbers(20e-6), GapVerdict::Unexplained);  // closes 98 %
   EXPECT_EQ(verdict_of_numbers(40e-6), GapVerdict::Unexplained);  // closes 94 %
+}
+
+TEST(Verdict, BetterNumbersAgainstWhichThereIsAnObjectionAreNotWhatIsMissing) {
+  EXPECT_EQ(verdict_of_numbers(12e-6), GapVerdict::Parameter);
+  EXPECT_EQ(verdict_of_numbers(12e-6, {"what it leaves is a smooth function of time"}),
+            GapVerdict::Unexplained);
 }
 
 // The model rests at 0, and so may the held-out run.
