@@ -51,6 +51,15 @@ TEST(Naming, ALopsidedSpringHasNoName) {
   EXPECT_TRUE(f.data.empty()) << f.data.front().sentence;
 }
 
+// Its mean over a run is another stiffness, which closes most of the gap.
+TEST(Naming, ASpringThatSoftensWithTimeIsNoSpringOfAnotherStiffness) {
+  for (const double share : {0.02, 0.06, 0.2}) {
+    const GapFinding f = found({.softens = share}, {}, 19);
+    EXPECT_EQ(f.verdict, GapVerdict::Unexplained) << share;
+    EXPECT_TRUE(f.effects.empty() && f.parameters_changed.empty()) << share;
+  }
+}
+
 // Sampled six times in an oscillation: differences see the motion, a linear equation of motion does not.
 TEST(Noise, IsNotTakenFromFastMotion) {
   for (const Rig& rig : {Rig{.hertz = 42.0, .damping_ratio = 0.01}, Rig{.hertz = 2.5}}) {

@@ -110,5 +110,22 @@ TEST(WrongNames, DragThatGrowsWithDepthIsNoFrictionOfTheShaft) {
   }
 }
 
+// u/(1 + |u|/L): no voltage is reached at which a higher command changes nothing.
+TEST(WrongNames, AGainThatFallsWithTheVoltageIsNoSaturation) {
+  Dice dice(20260122);
+  for (std::uint64_t seed = 9501; seed < 9503; ++seed) {
+    HiddenCase one = drawn("voltage_saturation", 0.0, seed);
+    one.terms.clear();
+    HiddenPhysics bent;
+    bent.saturation = dice.between(2e4, 4e4);
+    bent.saturation_power = 1.0;
+    const GapFinding finding =
+        sim::gap::find_gap(make_hidden(one, bent), sim::parse_model(baseline_model(one), "model.toml"), {})
+            .finding;
+    EXPECT_EQ(finding.verdict, GapVerdict::Unexplained) << seed;
+    EXPECT_FALSE(names(finding, "voltage_saturation")) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::hidden

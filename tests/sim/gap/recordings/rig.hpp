@@ -12,6 +12,7 @@ struct Rig {
   double mass = 0.4, hertz = 2.5, damping_ratio = 0.15;  // kg, Hz, -
   double grip = 0.0;                                     // N at which the contact slides
   double stiffening = 0.0;                               // 1/m^2, of the spring's stiffness with x^2
+  double softens = 0.0, softens_in = 3.0;                // of its stiffness, lost in a run; s
   double lopsided = 0.0;                                 // 1/m, of the spring's stiffness with x
   double rough = 0.0, rough_at = 0.0;                    // N s/m of damping around a place, m
 };
