@@ -11,6 +11,9 @@ namespace {
 constexpr std::size_t kPeaks = 3;
 constexpr double kLowestFrequency = 0.05, kHighestFrequency = 15.0;  // Hz: breathing to pumps
 constexpr double kSpectrumRate = 60.0;                               // Hz, residual thinned to
+constexpr double kFewestPeriods = 3.0, kHarmonics = 4.0;             // of a motion that repeats itself
+constexpr double kRepeats = 0.5;                                     // of its variance in one line,
+constexpr double kPartOfLine = 0.5;                                  // the line's width being 1/length
 constexpr std::array kPlaces{0.1, 0.35, 0.6, 0.85, 0.96};  // of the range that was measured; a stop ends it
 // Where a surface gives way once, the cost has a minimum for each rise that may be the one.
 constexpr std::array kFinePlaces{0.04, 0.12, 0.2, 0.28, 0.36, 0.44, 0.52, 0.6, 0.7, 0.85};
@@ -24,7 +27,8 @@ struct ThinRun {
   std::vector<double> time, value;
 };
 
-std::vector<ThinRun> thinned(const std::vector<double>& residual, const Evidence& evidence) {
+// One value for each training row.
+std::vector<ThinRun> thinned(const std::vector<double>& values, const Evidence& evidence) {
   std::vector<ThinRun> out;
   std::size_t at = 0;
   for (const EvidenceRun& run : evidence.runs) {
@@ -33,8 +37,8 @@ std::vector<ThinRun> thinned(const std::vector<double>& residual, const Evidence
     for (std::size_t i = 0; i < run.training_rows; ++i, ++at) {
       if (run.rows[i].time < next) continue;
       thin.time.push_back(run.rows[i].time);
-      thin.value.push_back(residual[at]);
-      mean += residual[at];
+      thin.value.push_back(values[at]);
+      mean += values[at];
       next += 1.0 / kSpectrumRate;
     }
     for (double& value : thin.value) value -= mean / static_cast<double>(thin.value.size());
@@ -48,6 +52,37 @@ double power(const ThinRun& run, double frequency) {
   for (std::size_t i = 0; i < run.time.size(); ++i)
     sum += run.value[i] * std::polar(1.0, -2.0 * std::numbers::pi * frequency * run.time[i]);
   return std::norm(sum) / static_cast<double>(run.time.size());
+}
+
+// Frequency with which a run's motion repeats itself, Hz; 0 where it does not, or only a few times.
+double repetition(const ThinRun& run) {
+  const double length = run.time.back() - run.time.front();
+  double square = 0.0, most = 0.0, at = 0.0;
+  for (const double value : run.value) square += value * value;
+  for (double f = kFewestPeriods / length; f < kHighestFrequency; f += kPartOfLine / length)
+    if (const double here = power(run, f); here > most) most = here, at = f;
+  return 2.0 * most > kRepeats * square ? at : 0.0;
+}
+
+// Whether every run's motion repeats itself at a fraction of that frequency: so do all errors of a model.
+bool goes_with_motion(double frequency, const std::vector<ThinRun>& motion,
+                      const std::vector<double>& repetitions) {
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const double n = std::round(frequency / repetitions[i]);
+    const double line = kPartOfLine * n / (motion[i].time.back() - motion[i].time.front());
+    if (repetitions[i] == 0.0 || n < 1.0 || n > kHarmonics || std::abs(frequency - n * repetitions[i]) > line)
+      return false;
+  }
+  return true;
+}
+
+// What the model says of the training rows.
+std::vector<double> predicted(const std::vector<double>& training_residual, const Evidence& evidence) {
+  std::vector<double> out;
+  for (const EvidenceRun& run : evidence.runs)
+    for (std::size_t i = 0; i < run.training_rows; ++i)
+      out.push_back(run.rows[i].measured - training_residual[out.size()]);
+  return out;
 }
 
 // Replaces every vector by one for each value of parameter i.
@@ -128,6 +163,10 @@ Spectrum residual_spectrum(const std::vector<double>& training_residual, const E
     if (lines[i].first >= lines[i - 1].first && lines[i].first > lines[i + 1].first)
       peaks.push_back(lines[i]);
   std::sort(peaks.rbegin(), peaks.rend());
+  const std::vector<ThinRun> motion = thinned(predicted(training_residual, evidence), evidence);
+  std::vector<double> repetitions;
+  for (const ThinRun& run : motion) repetitions.push_back(repetition(run));
+  std::erase_if(peaks, [&](const auto& peak) { return goes_with_motion(peak.second, motion, repetitions); });
   Spectrum out;
   for (std::size_t i = 0; i < std::min(kPeaks, peaks.size()); ++i) out.peaks.push_back(peaks[i].second);
   return out;

@@ -91,7 +91,7 @@ double held_out_square(const Eigen::MatrixXd& J, const Eigen::VectorXd& r, const
 
 }  // namespace
 
-std::vector<FlexibleFit> fit_flexible(const ScoredModel& start, const Evidence& evidence) {
+std::vector<FlexibleFit> fit_flexible(const ScoredModel& start, const Evidence& evidence, bool numbers) {
   const Responses responses(start.hypothesis, evidence);
   const Eigen::VectorXd now = responses.now();
   const std::vector<Variable> variables = variables_of(evidence);
@@ -115,27 +115,38 @@ std::vector<FlexibleFit> fit_flexible(const ScoredModel& start, const Evidence& 
   });
   const double weight = residual_weight(evidence, now.squaredNorm() / static_cast<double>(now.size()));
   std::vector<FlexibleFit> out;
-  for (std::size_t v = 0; v < variables.size(); ++v)
-    for (const char* acts : {"force", "reading"}) {
-      std::vector<Eigen::VectorXd> columns;
-      for (std::size_t t = 0; t < tasks.size(); ++t) {
-        if (t < unknowns)
-          columns.push_back(tasks[t].response);
-        else if (tasks[t].variable == v)
-          columns.push_back(acts == std::string("force") ? tasks[t].response : column_of(tasks[t].shape));
-      }
-      if (columns.size() <= unknowns) continue;
-      Eigen::MatrixXd J(now.size(), static_cast<Eigen::Index>(columns.size()));
-      Eigen::VectorXd prior = Eigen::VectorXd::Zero(J.cols());
-      for (std::size_t c = 0; c < columns.size(); ++c) {
-        J.col(static_cast<Eigen::Index>(c)) = columns[c];
-        if (c < unknowns && std::isfinite(start.hypothesis.unknowns[c].prior_std))
-          prior[static_cast<Eigen::Index>(c)] =
-              1.0 / (weight * std::pow(start.hypothesis.unknowns[c].prior_std, 2));
-      }
-      if (!J.allFinite()) continue;
-      out.push_back({acts, variables[v].name, held_out_square(J, now, training, prior)});
+  const auto add = [&](const std::string& acts, std::size_t variable, const auto& column_of_task) {
+    std::vector<Eigen::VectorXd> columns;
+    for (std::size_t t = 0; t < tasks.size(); ++t) {
+      if (t < unknowns)
+        columns.push_back(tasks[t].response);
+      else if (tasks[t].variable == variable)
+        columns.push_back(column_of_task(tasks[t]));
     }
+    if (columns.size() <= unknowns) return;
+    Eigen::MatrixXd J(now.size(), static_cast<Eigen::Index>(columns.size()));
+    Eigen::VectorXd prior = Eigen::VectorXd::Zero(J.cols());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      J.col(static_cast<Eigen::Index>(c)) = columns[c];
+      if (c < unknowns && std::isfinite(start.hypothesis.unknowns[c].prior_std))
+        prior[static_cast<Eigen::Index>(c)] =
+            1.0 / (weight * std::pow(start.hypothesis.unknowns[c].prior_std, 2));
+    }
+    if (J.allFinite())
+      out.push_back({acts, variables[variable].name, held_out_square(J, now, training, prior)});
+  };
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    add("force", v, [](const Task& task) { return task.response; });
+    add("reading", v, [](const Task& task) { return column_of(task.shape); });
+    for (std::size_t t = 0; numbers && t < unknowns; ++t) {
+      const Unknown& number = start.hypothesis.unknowns[t];
+      if (number.effect != kBaseline) continue;
+      const auto name = uncertain_baseline(start.drive())[number.parameter].name;
+      add(std::string(name), v, [&](const Task& task) -> Eigen::VectorXd {
+        return tasks[t].response.cwiseProduct(column_of(task.shape));
+      });
+    }
+  }
   std::ranges::stable_sort(out, {}, &FlexibleFit::square);
   return out;
 }

@@ -146,6 +146,15 @@ void add_instability(std::vector<std::string>& out, const Selection& selection, 
   }
 }
 
+// A number of the baseline and an effect that were both needed and leave something: either may make up for
+// what is missing.
+void add_other_numbers(std::vector<std::string>& out, const Selection& selection) {
+  for (const SelectedTerm& term : selection.selected)
+    if (!term.is_effect())
+      out.push_back(fmt::format("it needs another value of {} beside it and still leaves more than noise",
+                                term.candidate.name(selection.best.drive())));
+}
+
 bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence& evidence) {
   double apart = 0.0;
   for (std::size_t i = 0; i < a.residual.size(); ++i) apart += std::pow(a.residual[i] - b.residual[i], 2);
@@ -233,6 +242,7 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   add_contradictions(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || leaves_noise(selection, fine)) return out;
+  add_other_numbers(out, selection);
   add_rival(out, selection, fine);
   if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);
@@ -243,11 +253,11 @@ std::vector<std::string> objections_to_numbers(const Selection& selection, const
   const double left =
       excess(mean_square(residual(selection.best.hypothesis.model, coarse, Part::HeldOut)), coarse);
   if (std::sqrt(left) < kShows * coarse.noise) return {};
-  const std::vector<FlexibleFit> curves = fit_flexible(selection.best, coarse);
+  const std::vector<FlexibleFit> curves = fit_flexible(selection.best, coarse, true);
   if (curves.empty() || excess(curves.front().square, coarse) > kStructured * left) return {};
-  return {fmt::format("what it leaves ({:.3g} mm where the noise is {:.3g} mm) is a {} as an additional {}",
-                      1e3 * std::sqrt(selection.best.square), 1e3 * coarse.noise, curves.front().name(),
-                      curves.front().acts)};
+  const FlexibleFit& curve = curves.front();
+  return {fmt::format("what it leaves ({:.3g} mm where the noise is {:.3g} mm) follows a {} that acts on {}",
+                      1e3 * std::sqrt(selection.best.square), 1e3 * coarse.noise, curve.name(), curve.acts)};
 }
 
 }  // namespace biopsy::sim::gap
