@@ -16,6 +16,7 @@ constexpr double kRestartConverged = 1e-2;  // of the cost: the best is fitted o
 constexpr int kRounds = 2;                  // of moves from the best so far
 constexpr double kFactor = 1.4;             // ln: four times as much or little
 constexpr double kElsewhere = 0.07;         // of the range of motion, or of the largest voltage
+constexpr double kStronger = 2.5;           // times, and as much weaker
 constexpr double kBetter = 0.98;            // of the mean square
 
 Role role_of(const Unknown& u) {
@@ -35,6 +36,12 @@ std::vector<double> elsewhere(const Unknown& u) {
   return out;
 }
 
+// A spring that stiffens shifts the resonance: between two strengths the model is in step with a part of the
+// measured ringing.
+std::vector<double> other_strengths(const Unknown& u) {
+  return {std::clamp(u.theta / kStronger, u.low, u.high), std::clamp(u.theta * kStronger, u.low, u.high)};
+}
+
 // One number elsewhere; or a place and a shape, one up and the other down: what begins earlier and lasts
 // longer may end where it did.
 std::vector<Hypothesis> elsewhere(const Hypothesis& best) {
@@ -48,7 +55,7 @@ std::vector<Hypothesis> elsewhere(const Hypothesis& best) {
   };
   const auto& all = best.unknowns;
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (const double theta : elsewhere(all[i])) {
+    for (const double theta : all.size() == 1 ? other_strengths(all[i]) : elsewhere(all[i])) {
       move(i, theta, i, theta);
       if (role_of(all[i]) != Role::Place) continue;
       for (std::size_t j = 0; j < all.size(); ++j)

@@ -1,5 +1,6 @@
-// Fits of one effect from other shapes and places than the one that was reached: the cost of an effect that
-// acts at a place, or that remembers, has several minima.
+// Fits of one effect from other shapes and places than the one that was reached, or from other strengths
+// where that is all it has: the cost of an effect that acts at a place, that remembers, or that shifts a
+// resonance has several minima.
 #pragma once
 
 #include "sim/gap/fit/unknowns.hpp"
@@ -7,7 +8,6 @@
 namespace biopsy::sim::gap {
 
 // The best of `fitted` and of such fits, by the training runs; everything but the effect is held meanwhile.
-// Effects of which only the strength is unknown have one minimum and stay as they are.
 Hypothesis restarted(const Hypothesis& fitted, int effect, const Evidence& evidence);
 
 }  // namespace biopsy::sim::gap

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -22,9 +23,10 @@ constexpr double kQuickConverged = 1e-2, kFullConverged = 1e-3;  // of the cost:
 constexpr std::size_t kMostStarts = 3, kMostRoughStarts = 8;     // of a cost with many minima
 constexpr int kAttempts = 3;  // for one start, each with strengths times kWeaker
 constexpr double kWeaker = 0.2;
-constexpr double kAsPromising = 0.5;        // share of the first probe's score that justifies a further start
-constexpr double kWorthAnother = 0.4;       // and of the best candidate's
-constexpr double kLeads = 0.8;              // of the best candidate's, for more starts of a rough cost
+constexpr double kAsPromising = 0.5;   // share of the first probe's score that justifies a further start
+constexpr double kWorthAnother = 0.4;  // and of the best candidate's
+constexpr double kLeads = 0.8;         // of the best candidate's, for more starts of a rough cost
+constexpr std::array kOtherStrengths{0.4, 2.5, 0.16, 6.25};  // of what shifts a resonance
 constexpr double kClosed = 0.0025;          // of the excess square: other starts gain nothing that matters
 constexpr double kFarWorse = 4.0;           // mean square over the best one's after the quick fits
 constexpr double kWorthFitting = 0.1;       // of the best score
@@ -64,6 +66,12 @@ std::vector<Probe> different_starts(const Score& score, double promised) {
     if (out.empty() || (!known && out.size() < most && promising)) out.push_back(probe);
     if (score.candidate.effect == kBaseline) break;
   }
+  const bool leads = score.candidate.effect != kBaseline && score.share() > kLeads * promised;
+  if (leads && library_effect(score.candidate.effect).info.name == SpringHardening::info.name)
+    for (const double factor : kOtherStrengths) {
+      out.push_back(out.front());
+      for (double& strength : out.back().start) strength *= factor;
+    }
   return out;
 }
 
@@ -254,6 +262,25 @@ void keep_simpler(Round& round) {
   rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
 }
 
+// A number that seems to be another may be the mean of one that varies with the motion; out of step with it,
+// that effect scores nothing. It follows the `count` promising ones, of which there is one more.
+void bring_what_varies(std::vector<Score>& scores, std::size_t& count, Drive drive) {
+  constexpr std::array kVaries{std::pair{"k", SpringHardening::info.name},
+                               std::pair{"c_s", QuadraticDamping::info.name}};
+  for (const auto& [number, effect] : kVaries) {
+    const auto is = [&](std::string_view name) {
+      return [=](const Score& score) { return score.candidate.name(drive) == name; };
+    };
+    const auto end = scores.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto varying = std::find_if(end, scores.end(), is(effect));
+    if (std::find_if(scores.begin(), end, is(number)) == end || varying == scores.end() ||
+        varying->probes.empty() || varying->probes.front().start.empty())
+      continue;
+    std::rotate(end, varying, varying + 1);
+    ++count;
+  }
+}
+
 std::string names(const std::vector<Score>& scores, std::size_t count, Drive drive) {
   std::string out;
   for (std::size_t i = 0; i < count; ++i) out += (i ? ", " : "") + scores[i].candidate.name(drive);
@@ -332,13 +359,14 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
       return std::ranges::find(rivals.among, one) == rivals.among.end();
     });
   progress(name.share, fmt::format("{}: score test of {} candidates", name.title, open.size()));
-  const std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
+  std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};
   const std::size_t most = std::min(name.number > 1 ? kLaterQuickFits : kQuickFits, scores.size());
   std::size_t promising = 0;
   while (promising < most && scores[promising].share() > kWorthFitting * scores.front().share() &&
          scores[promising].share() > 0.0)
     ++promising;
+  bring_what_varies(scores, promising, now.drive());
   Round round;
   for (const Score& score : scores)
     round.fits.push_back(

@@ -162,9 +162,16 @@ bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence&
   return apart < kSameShareOfLeft * least * static_cast<double>(a.residual.size());
 }
 
+// Its limit of no yield is dry friction.
+bool is_hysteretic(const Candidate& candidate) {
+  return candidate.effect != kBaseline &&
+         library_effect(candidate.effect).info.name == HystereticSpring::info.name;
+}
+
 // What leaves something must at least leave far less than any other candidate, unless that is the same by
 // another name: shaft friction that begins far above the needle is Coulomb friction. Of two that explain
-// most, either may be the wrong name.
+// most, either may be the wrong name; a hysteretic spring does not compete with the friction that it
+// contains.
 void add_rival(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   for (const SelectedTerm& term : selection.selected) {
     const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
@@ -180,7 +187,9 @@ void add_rival(std::vector<std::string>& out, const Selection& selection, const 
         return;
       }
       if (!(t.scored.square < kClearMargin * own->scored.square)) continue;
-      const bool nested = is_dry_friction(t.candidate) && is_dry_friction(term.candidate);
+      const bool nested = is_dry_friction(term.candidate) &&
+                          (is_dry_friction(t.candidate) ||
+                           (is_hysteretic(t.candidate) && t.scored.square > own->scored.square));
       if (nested || same_prediction(t.scored, own->scored, evidence)) continue;
       out.push_back(fmt::format("{} leaves nearly as little as {}", t.candidate.name(selection.best.drive()),
                                 term.candidate.name(selection.best.drive())));
@@ -236,6 +245,10 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
                                     const Evidence& fine) {
   std::vector<std::string> out;
   const double closed = closed_by_names(selection, fine);
+  for (const SelectedTerm& term : selection.selected)
+    if (is_hysteretic(term.candidate) && !well_explained(selection.start.square, selection.best.square, fine))
+      out.push_back(
+          fmt::format("with so many numbers it bends to much, and closes {:.0f} % only", 100.0 * closed));
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_unknown_parameters(out, selection, fine);

@@ -38,6 +38,17 @@ TEST(Naming, AStiffeningSpringIsNoTissueAndNoEndStop) {
   EXPECT_FALSE(f.comparison.tissue);
 }
 
+// From a tenth of the stiffness at the largest motion to several times it: the ringing is far out of step.
+TEST(Naming, AStiffeningSpringIsNamedHoweverFarItShiftsTheResonance) {
+  for (const double stiffening : {2e2, 1e3, 1e4, 6e4}) {
+    const GapFinding f =
+        found({.damping_ratio = 0.05, .stiffening = stiffening}, {.damping_ratio = 0.05}, 23);
+    ASSERT_EQ(f.verdict, GapVerdict::Effect) << stiffening;
+    EXPECT_EQ(f.effects.front().name, "spring_hardening") << stiffening;
+    EXPECT_FALSE(f.partial) << stiffening;
+  }
+}
+
 TEST(Naming, DampingAroundAPlaceHasNoName) {
   const GapFinding f = found({.rough = 6.0, .rough_at = 4e-3}, {}, 7);
   EXPECT_EQ(f.verdict, GapVerdict::Unexplained);
