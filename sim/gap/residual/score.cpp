@@ -140,8 +140,11 @@ Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Unexp
       if (has_strength(effect) && scale != 0.0) scale_strengths(effect, best.start, scale);
     }
     const double size = root_mean_square(remainder.of(raw));
-    if (!has_strength(effect) || !std::isfinite(size)) break;
-    const double factor = size > 0.0 ? std::clamp(wanted / size, 1e-4, 1e4) : 1e4;
+    if (!has_strength(effect)) break;
+    // Far too strong for a motion so large, the model diverges.
+    const double factor = !std::isfinite(size) ? 1e-4
+                          : size > 0.0         ? std::clamp(wanted / size, 1e-4, 1e4)
+                                               : 1e4;
     if (factor < kMuchTooStrong && factor > 1.0 / kMuchTooStrong) break;
     scale_strengths(effect, start, factor);
   }
