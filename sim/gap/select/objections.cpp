@@ -16,14 +16,16 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kHalf = 0.5;              // of the RMSE above the noise that no calibration explains
-constexpr double kWhole = 0.95;            // of it
-constexpr double kNearNoise = 1.0;         // noises that are left
-constexpr double kFlexibleWins = 0.8;      // of the excess square that a name leaves
-constexpr double kAddsToCurve = 0.7;       // of the excess square that the curve leaves
-constexpr double kNumberCloses = 0.75;     // of it, by a number of the baseline: what lacks resembles that
-constexpr double kStillCloses = 0.5;       // with the runs exchanged
-constexpr double kContradicts = 2.0;       // standard deviations
+constexpr double kHalf = 0.5;           // of the RMSE above the noise that no calibration explains
+constexpr double kWhole = 0.95;         // of it
+constexpr double kNearNoise = 1.0;      // noises that are left
+constexpr double kFlexibleWins = 0.8;   // of the excess square that a name leaves
+constexpr double kAddsToCurve = 0.7;    // of the excess square that the curve leaves
+constexpr double kNumberCloses = 0.75;  // of it, by a number of the baseline: what lacks resembles that
+constexpr double kStillCloses = 0.5;    // with the runs exchanged
+constexpr double kContradicts = 2.0;    // standard deviations
+constexpr std::size_t kFewRows = 5;
+constexpr double kJumps = 2.5;             // RMS of what is left, of which a fast ringing reaches two
 constexpr double kStructured = 0.5;        // of the excess square that better numbers leave
 constexpr double kShows = 0.25;            // noises, of it: less has no structure that could be seen
 constexpr double kSameStds = 4.0;          // between the two fits of a strength,
@@ -118,6 +120,33 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
           out.emplace_back(
               "it would be a drag that grows with depth, without the friction that it is named for");
   }
+}
+
+// The largest change of the mean of a few residuals to that of the next few, m.
+double largest_jump(const std::vector<double>& r, const Evidence& evidence) {
+  double most = 0.0;
+  std::size_t first = 0;
+  for (const EvidenceRun& run : evidence.runs) {
+    for (std::size_t i = first; i + 2 * kFewRows <= first + run.rows.size(); ++i) {
+      double apart = 0.0;
+      for (std::size_t j = i; j < i + kFewRows; ++j) apart += (r[j + kFewRows] - r[j]) / kFewRows;
+      most = std::max(most, std::abs(apart));
+    }
+    first += run.rows.size();
+  }
+  return most;
+}
+
+// A reading that jumps, because a clamp slipped, is fitted as a drift that settles.
+void add_jump(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
+  if (std::ranges::none_of(selection.selected,
+                           [](const SelectedTerm& term) { return is(term, SensorDrift::info.name); }))
+    return;
+  const std::vector<double> left = residual(selection.best.hypothesis.model, evidence, Part::All);
+  const double jump = largest_jump(left, evidence);
+  if (jump > kJumps * std::sqrt(mean_square(left)))
+    out.push_back(
+        fmt::format("what it leaves jumps by {:.2g} mm within a few readings: no drift", 1e3 * jump));
 }
 
 // Trained on the held-out runs, tested on the others.
@@ -256,6 +285,7 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || leaves_noise(selection, fine)) return out;
   add_other_numbers(out, selection);
+  add_jump(out, selection, fine);
   add_rival(out, selection, fine);
   if (out.empty()) add_instability(out, selection, coarse);
   if (out.empty()) add_flexible(out, selection, coarse);

@@ -71,6 +71,18 @@ TEST(Naming, ASpringThatSoftensWithTimeIsNoSpringOfAnotherStiffness) {
   }
 }
 
+// The plate slips in the clamp that the laser looks at.
+TEST(Naming, AReadingThatJumpsIsNoDrift) {
+  for (const std::size_t row : {500U, 900U}) {
+    sim::Dataset data = rig_recording({}, kRigNoise, 27);
+    for (sim::RecordedRun& run : data.runs)
+      for (std::size_t i = row; i < run.displacement.size(); ++i) run.displacement[i] += 0.3e-3;
+    const GapFinding f = sim::gap::find_gap(data, model_of({}), {}).finding;
+    EXPECT_EQ(f.verdict, GapVerdict::Unexplained) << row;
+    EXPECT_TRUE(f.effects.empty()) << row;
+  }
+}
+
 // Sampled six times in an oscillation: differences see the motion, a linear equation of motion does not.
 TEST(Noise, IsNotTakenFromFastMotion) {
   for (const Rig& rig : {Rig{.hertz = 42.0, .damping_ratio = 0.01}, Rig{.hertz = 2.5}}) {

@@ -48,9 +48,10 @@ GapVerdict verdict_of_numbers(double left, const std::vector<std::string>& objec
 }
 
 // What more it needs is for objections() and for the best equation to say.
-TEST(Verdict, ANameThatLeavesHalfOfTheGapIsNoneHoweverFarAhead) {
+TEST(Verdict, ANameThatLeavesAThirdOfTheGapIsNoneHoweverFarAhead) {
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.50)), GapVerdict::Unexplained);
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.58)), GapVerdict::Unexplained);
+  EXPECT_EQ(verdict_of_effect(left_when_closed(0.68)), GapVerdict::Unexplained);
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.70)), GapVerdict::Effect);
 }
 
