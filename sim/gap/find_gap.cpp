@@ -220,7 +220,9 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
           "and the instant of breakaway decides all that follows.",
           kWindow);
     }
-  } else if (whole && found.verdict() == GapVerdict::Unexplained && model.baseline.drive == Drive::Force) {
+  }
+  if (whole && warning.empty() && found.verdict() == GapVerdict::Unexplained &&
+      model.baseline.drive == Drive::Force && !is_exhausted(found.evidence)) {
     const double window = short_window(dataset, found.as_given.hypothesis.model);
     std::optional<Search> named = confirmed_on_whole_runs(
         found, search_in_windows(dataset, model, options, window, progress, found.evidence.work));

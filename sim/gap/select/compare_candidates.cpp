@@ -26,7 +26,7 @@ constexpr double kWeaker = 0.2;
 constexpr double kAsPromising = 0.5;   // share of the first probe's score that justifies a further start
 constexpr double kWorthAnother = 0.4;  // and of the best candidate's
 constexpr double kLeads = 0.8;         // of the best candidate's, for more starts of a rough cost
-constexpr std::array kOtherStrengths{0.4, 2.5, 0.16, 6.25};  // of what shifts a resonance
+constexpr std::array kOtherStrengths{0.4, 2.5, -1.0, 0.16, 6.25};  // of what shifts a resonance
 constexpr double kClosed = 0.0025;          // of the excess square: other starts gain nothing that matters
 constexpr double kFarWorse = 4.0;           // mean square over the best one's after the quick fits
 constexpr double kWorthFitting = 0.1;       // of the best score
@@ -48,7 +48,7 @@ Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Pro
 
 // The best probe of each shape: a fit finds the strengths from anywhere, but may converge to a wrong shape.
 // `promised`: by the best candidate's best probe.
-std::vector<Probe> different_starts(const Score& score, double promised) {
+std::vector<Probe> different_starts(const Score& score, double promised, Drive drive) {
   std::vector<Probe> out;
   const auto same_shape = [&](const Probe& a, const Probe& b) {
     const auto& parameters = library_effect(score.candidate.effect).parameters;
@@ -66,8 +66,10 @@ std::vector<Probe> different_starts(const Score& score, double promised) {
     if (out.empty() || (!known && out.size() < most && promising)) out.push_back(probe);
     if (score.candidate.effect == kBaseline) break;
   }
-  const bool leads = score.candidate.effect != kBaseline && score.share() > kLeads * promised;
-  if (leads && library_effect(score.candidate.effect).info.name == SpringHardening::info.name)
+  // A lightly damped mechanism is soon far out of step: then no score says which strength is near.
+  const bool open = drive == Drive::Force || score.share() > kLeads * promised;
+  if (open && score.candidate.effect != kBaseline &&
+      library_effect(score.candidate.effect).info.name == SpringHardening::info.name)
     for (const double factor : kOtherStrengths) {
       out.push_back(out.front());
       for (double& strength : out.back().start) strength *= factor;
@@ -131,7 +133,9 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
   for (std::size_t nth = 0; nth < kMostRoughStarts && (nth == 0 || !enough()); ++nth) {
     const std::size_t begun = attempts.size();
     for (std::size_t i = 0; i < count; ++i)
-      if (const auto starts = different_starts(scores[i], scores.front().share()); nth < starts.size())
+      if (const auto starts =
+              different_starts(scores[i], scores.front().share(), current.model.baseline.drive);
+          nth < starts.size())
         attempts.push_back({.candidate = i, .start = starts[nth], .reached = {}});
     in_parallel(attempts.size() - begun, [&](std::size_t i) {
       Attempt& attempt = attempts[begun + i];
