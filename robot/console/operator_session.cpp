@@ -285,9 +285,11 @@ void OperatorSession::end_run() {
   record.simulated = simulated_;
   record.real_time = true;
   record.outcome = run_->completed ? report::Outcome::Completed : report::Outcome::Stopped;
+  const bool accepted = run_->accepted && run_->is_last(*run_->accepted);
   if (!run_->completed)
     record.refusal = !run_->stopped_because.empty() ? run_->stopped_because
-                     : !run_->ended_by.empty()      ? run_->ended_by + "; the depth was not accepted before"
+                     : !run_->ended_by.empty()      ? fmt::format("{}; the depth was {}accepted before",
+                                                                  run_->ended_by, accepted ? "" : "not ")
                                                     : "the needle retracted before its depth was accepted";
   if (!record.samples.empty()) record.simulated_s = (record.samples.back().time_ms + 1.0) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {

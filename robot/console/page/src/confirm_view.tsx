@@ -45,7 +45,7 @@ function Report(props: { path: string; completed: boolean }) {
       </button>
       {/* No print from here: a print dialog that this page opens may stop it, and STOP with it, until it is closed. */}
       <a class="button" href={withToken(props.path)} target="_blank" rel="noreferrer">
-        {props.completed ? 'Accepted.' : 'Not accepted.'} Open the report, to read, print or save as PDF
+        {props.completed ? 'Accepted.' : 'Not completed.'} Open the report, to read, print or save as PDF
       </a>
     </div>
   )

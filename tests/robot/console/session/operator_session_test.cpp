@@ -188,6 +188,24 @@ TEST(OperatorSession, ATripUndoesAnAcceptedDepth) {
   EXPECT_FALSE(run.accept());
 }
 
+// What a person accepted stays said, though the run does not count as completed.
+TEST(OperatorSession, TheReportOfATripSaysWhetherTheDepthWasAcceptedBefore) {
+  for (const bool accepted : {false, true}) {
+    HeldRun run;
+    if (accepted) {
+      ASSERT_TRUE(run.accept());
+    }
+    ASSERT_TRUE(run.console.send(commands::Stop{1}));
+    run.says(Mode::Trip, safety::Hazard::None, safety::Event::Fault);
+    for (int i = 0; i < 130'000 && run.state().report.empty(); ++i) run.says(Mode::Trip);
+    while (run.state().report.empty()) std::this_thread::yield();
+    const std::string report = file_content(run.console.folder / "run-1/report.json");
+    EXPECT_NE(report.find("\"stopped\""), std::string::npos);
+    const std::string says = accepted ? "; the depth was accepted before" : "STOP was pressed";
+    EXPECT_NE(report.find(says), std::string::npos) << report.substr(0, 600);
+  }
+}
+
 TEST(OperatorSession, TheReportSaysWhatEndedTheHold) {
   HeldRun run;
   run.says(Mode::Retract, safety::Hazard::None, safety::Event::HoldTooLong);
