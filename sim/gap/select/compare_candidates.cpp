@@ -34,6 +34,7 @@ constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
 constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
+constexpr double kLittle = 0.5;             // noises that are left, and need no name of their own
 constexpr double kUndecided = 3.0;          // and within which held-out runs do not decide: odds of 20 to 1
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
@@ -251,9 +252,9 @@ bool slides_at_less(const ScoredModel& scored) {
 }
 
 // Stribeck friction contains Coulomb's, so it never fits worse: where it needs more force to keep sliding
-// than to break away, the opposite of its name, it must be better beyond doubt, or Coulomb friction is the
-// name.
-void keep_simpler(Round& round) {
+// than to break away, the opposite of its name, it must be better beyond doubt where Coulomb friction leaves
+// much, or Coulomb friction is the name.
+void keep_simpler(Round& round, const Evidence& evidence) {
   const auto find = [&](std::string_view name) {
     return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
       return t.fitted && t.candidate.effect != kBaseline &&
@@ -262,7 +263,9 @@ void keep_simpler(Round& round) {
   };
   const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
   if (simple == round.fits.end() || rich == round.fits.end()) return;
-  if (slides_at_less(rich->scored) || rich->log_evidence > simple->log_evidence + kOpen) return;
+  const bool leaves_much = std::sqrt(excess(simple->scored.square, evidence)) > kLittle * evidence.noise;
+  const bool is_better = leaves_much && rich->log_evidence > simple->log_evidence + kOpen;
+  if (slides_at_less(rich->scored) || is_better) return;
   rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
 }
 
@@ -348,7 +351,7 @@ void let_training_decide(Round& round, const Evidence& evidence) {
 void rank(Round& round, const ScoredModel& now, const Evidence& evidence) {
   sort_by_evidence(round);
   prefer_told_apart(round, evidence);
-  keep_simpler(round);
+  keep_simpler(round, evidence);
   sort_by_evidence(round);
   normalise_probabilities(round);
   mark_indistinguishable(round, now);

@@ -9,13 +9,14 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kWellClosed = 0.9;       // of the RMSE above the noise
-constexpr double kWellBelowNoise = 0.5;   // remainder, in noises
-constexpr double kFollows = 0.005;        // of the range of motion
-constexpr double kOneNoise = 1.0;         // remainder, in noises
-constexpr double kSlightExcess = 0.25;    // excess square, in squares of the noise
-constexpr double kNoticed = 0.05;         // change of the mean square, in squares of the noise
-constexpr double kLeastClosed = 0.695;    // of the RMSE, enough where one candidate has a clear margin
+constexpr double kWellClosed = 0.9;      // of the RMSE above the noise
+constexpr double kWellBelowNoise = 0.5;  // remainder, in noises
+constexpr double kFollows = 0.005;       // of the range of motion
+constexpr double kOneNoise = 1.0;        // remainder, in noises
+constexpr double kSlightExcess = 0.25;   // excess square, in squares of the noise
+constexpr double kNoticed = 0.05;        // change of the mean square, in squares of the noise
+constexpr double kLeastClosed =
+    0.695;  // of the RMSE, shown as 70 %: enough where one candidate has a clear margin
 constexpr double kCalibrationStds = 3.0;  // a baseline parameter is not that far off by calibration alone
 
 // Noise, or slightly more that no baseline parameter reduces: the noise is not known more precisely.

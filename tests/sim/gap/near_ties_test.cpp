@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/objections.hpp"
@@ -72,6 +73,25 @@ TEST(NearTies, AreDecidedByTheTrainingRunsThatOneExplainsBetter) {
             -5.0);
   EXPECT_GT(behind_after_training(2.0, mass_with_zero_at(0.95 * kShown), mass_with_zero_at(0.8 * kShown)),
             7.0);
+}
+
+// Stribeck friction that needs more force to slide than to break away is no Stribeck friction: Coulomb
+// friction is the name, unless it leaves much that the other does not.
+TEST(NearTies, CoulombFrictionThatLeavesLittleIsTheNameBeforeAReversedStribeck) {
+  const int coulomb = effect_named("coulomb_friction"), stribeck = effect_named("stribeck_friction");
+  for (const auto& [left, breakaway, sliding, first] :
+       {std::tuple{1.1 * kReadingNoise, 0.010, 0.015, coulomb},
+        {3.0 * kReadingNoise, 0.010, 0.015, stribeck},
+        {1.1 * kReadingNoise, 0.015, 0.010, stribeck}}) {
+    Hypothesis reversed = mass_with_zero_at(kShown);
+    reversed.model.effects.stribeck_friction = StribeckFriction{.sliding = sliding, .breakaway = breakaway};
+    Round round;
+    round.fits.push_back(candidate(stribeck, reversed, kReadingNoise, 100.0));
+    round.fits.push_back(candidate(coulomb, mass_with_zero_at(kShown), left, 60.0));
+    const ScoredModel now{mass_with_zero_at(0.0), std::vector<double>(kRows, kGap), kGap * kGap};
+    rank(round, now, readings_of_a_mass_at_rest());
+    EXPECT_EQ(round.fits.front().candidate.effect, first) << left << " " << breakaway;
+  }
 }
 
 // 100 s count as 50 observations: half as much left is worth 50 ln 2, a number ln(50)/2 + 1.
