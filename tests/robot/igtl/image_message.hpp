@@ -4,12 +4,17 @@
 
 #include <Eigen/Core>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "robot/igtl/navigation_server.hpp"
 #include "robot/msg/volume.hpp"
+#include "tests/robot/igtl/test_client.hpp"
 
 namespace biopsy::robot {
 
@@ -84,6 +89,28 @@ inline Bytes image_message(const std::string& device, const Volume& volume, cons
   append(message, body.size(), 8), append(message, crc_of(body), 8);
   message.insert(message.end(), body.begin(), body.end());
   return message;
+}
+
+// By a server without a robot, which keeps images in `folder`: what the sender is told.
+inline igtl::Script told_by_server(const Bytes& message, const std::filesystem::path& folder,
+                                   igtl::Dialect dialect) {
+  using namespace std::chrono_literals;
+  struct : igtl::RobotLink {
+    igtl::RobotView view(std::int64_t) override { return {}; }
+    void tell(const igtl::Wish&, std::int64_t) override {}
+  } nobody;
+  igtl::ServerSettings settings;
+  settings.port = 0;
+  igtl::NavigationServer server(settings, dialect, folder, nobody);
+  igtl::TestClient client(server.port());
+  std::jthread sends([&] { client.send_bytes(message); });
+  igtl::Script told;
+  for (const auto until = std::chrono::steady_clock::now() + 20s;
+       told.empty() && std::chrono::steady_clock::now() < until;) {
+    server.turn(1ms);
+    told = client.came();
+  }
+  return told;
 }
 
 }  // namespace biopsy::robot

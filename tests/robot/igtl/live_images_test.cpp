@@ -2,7 +2,6 @@
 // that are put together by the protocol's description (image_message.hpp), and the live robot plans on the
 // one and judges its depth by the other. Images: the built-in phantom, and what the simulated scanner makes
 // of it with a needle.
-#include "robot/igtl/navigation_server.hpp"
 #include "sim/scanner/scanner.hpp"
 #include "tests/robot/igtl/image_message.hpp"
 #include "tests/robot/igtl/live_site.hpp"
@@ -13,22 +12,7 @@ namespace {
 
 // By a server without a robot, before there is one: the file that it wrote.
 std::filesystem::path received(const Bytes& message, const std::filesystem::path& folder) {
-  struct : igtl::RobotLink {
-    igtl::RobotView view(std::int64_t) override { return {}; }
-    void tell(const igtl::Wish&, std::int64_t) override {}
-  } nobody;
-  igtl::ServerSettings settings;
-  settings.port = 0;
-  igtl::NavigationServer server(settings, igtl::Dialect::Of2021, folder, nobody);
-  igtl::TestClient client(server.port());
-  std::jthread sends([&] { client.send_bytes(message); });
-  igtl::Script told;
-  Site::wait(20s, [&] {
-    server.turn(1ms);
-    for (std::string& one : client.came()) told.push_back(std::move(one));
-    return !told.empty();
-  });
-  EXPECT_EQ(told, (igtl::Script{"STATUS T1 planning 1"}));
+  EXPECT_EQ(told_by_server(message, folder, igtl::Dialect::Of2021), (igtl::Script{"STATUS T1 planning 1"}));
   return folder / "igtl-001-T1planning.nrrd";
 }
 

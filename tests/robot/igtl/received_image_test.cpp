@@ -1,9 +1,7 @@
 // An IMAGE message that comes while the console is open: as bytes by the protocol's description
 // (image_message.hpp), through the navigation server's folder, to a plan on it. Image: the built-in phantom.
-#include "robot/igtl/navigation_server.hpp"
 #include "tests/robot/console/session/held_run.hpp"
 #include "tests/robot/igtl/image_message.hpp"
-#include "tests/robot/igtl/test_client.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -16,24 +14,8 @@ struct ReceivedImage : testing::Test {
 
   ReceivedImage() { given.images = {incoming.path(), 0ms, 60s, "R. Nurse"}; }
 
-  // What the navigation program is told.
   igtl::Script send(const Bytes& message) const {
-    struct : igtl::RobotLink {
-      igtl::RobotView view(std::int64_t) override { return {}; }
-      void tell(const igtl::Wish&, std::int64_t) override {}
-    } nobody;
-    igtl::ServerSettings settings;
-    settings.port = 0;
-    igtl::NavigationServer server(settings, igtl::Dialect::Of2013, incoming.path(), nobody);
-    igtl::TestClient client(server.port());
-    std::jthread sends([&] { client.send_bytes(message); });
-    igtl::Script told;
-    for (const auto until = std::chrono::steady_clock::now() + 20s;
-         told.empty() && std::chrono::steady_clock::now() < until;) {
-      server.turn(1ms);
-      told = client.came();
-    }
-    return told;
+    return told_by_server(message, incoming.path(), igtl::Dialect::Of2013);
   }
   // The first series that the console lists beside its own.
   static std::optional<events::Series> offered(Console& console) {
