@@ -119,7 +119,8 @@ TEST(IgtlCodec, SkipsExtendedHeaderAndMetadata) {
   Bytes body{0, 12, 0, 2, 0, 0, 0, 3, 9, 9, 9, 9};
   body.insert(body.end(), content.begin(), content.end());
   body.insert(body.end(), {0, 0, 'a', 'b', 'c'});
-  for (const std::uint16_t version : {2, 3}) {  // 3: of programs that write the protocol's version into it
+  for (const std::uint16_t version :
+       {std::uint16_t{2}, std::uint16_t{3}}) {  // 3: of programs that write the protocol's version into it
     Decoder decoder;
     decoder.feed(framed(version, "STRING", body, crc64(body)));
     EXPECT_EQ(decoder.next(), (Message{"device", Text{"MANUAL"}}));
