@@ -68,10 +68,10 @@ double repetition(const ThinRun& run) {
 bool goes_with_motion(double frequency, const std::vector<ThinRun>& motion,
                       const std::vector<double>& repetitions) {
   for (std::size_t i = 0; i < motion.size(); ++i) {
+    if (repetitions[i] == 0.0) return false;
     const double n = std::round(frequency / repetitions[i]);
     const double line = kPartOfLine * n / (motion[i].time.back() - motion[i].time.front());
-    if (repetitions[i] == 0.0 || n < 1.0 || n > kHarmonics || std::abs(frequency - n * repetitions[i]) > line)
-      return false;
+    if (n < 1.0 || n > kHarmonics || std::abs(frequency - n * repetitions[i]) > line) return false;
   }
   return true;
 }

@@ -109,8 +109,7 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
         best.model.effects.voltage_saturation->level > evidence.u_max)
       out.push_back(
           fmt::format("its limit of {:.2g} kV is above every recorded voltage: a gain that falls with the "
-                      "voltage, not an "
-                      "amplifier at its limit",
+                      "voltage, not an amplifier at its limit",
                       1e-3 * best.model.effects.voltage_saturation->level));
     if (is(term, ShaftFriction::info.name))
       for (const Unknown& u : best.unknowns)
@@ -276,8 +275,8 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   const double closed = closed_by_names(selection, fine);
   for (const SelectedTerm& term : selection.selected)
     if (is_hysteretic(term.candidate) && !well_explained(selection.start.square, selection.best.square, fine))
-      out.push_back(
-          fmt::format("with so many numbers it bends to much, and closes {:.0f} % only", 100.0 * closed));
+      out.push_back(fmt::format(
+          "its many numbers fit much that is no such spring, and it closes {:.0f} % only", 100.0 * closed));
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_unknown_parameters(out, selection, fine);
