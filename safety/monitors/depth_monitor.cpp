@@ -114,16 +114,21 @@ HazardSet check_work(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, st
   return when(monitor.idle_ticks >= kIdle_ticks, Hazard::SensorFrozen);
 }
 
-// A needle goes back when the drive was lowered. One that seems to go back without is the laser's zero
-// walking off, which the loop would follow into the tissue. (On the bench DC decays, and is measured.) One
-// that the brake has just let go of settles where the stack carries it now.
+// A needle goes back when the drive was lowered, and goes on for seconds where the films creep, as long as
+// nothing lifts it again. One that seems to go back without is the laser's zero walking off, which the loop
+// would follow into the tissue. (On the bench DC decays, and is measured.) One that the brake has just let go
+// of settles where the stack carries it now.
 HazardSet check_return(const PlanFacts& plan, DepthMonitor& monitor, Mode mode, std::int32_t drive_mV,
                        bool locked) {
   const bool lifted = mode == Mode::Active || mode == Mode::Hold;
   const bool lowered = drive_mV < monitor.window.highest_mV() - kLowered_mV;
+  monitor.creeping_ticks = std::max(monitor.creeping_ticks - 1, 0);
+  if (drive_mV > monitor.lowered_mV + kLowered_mV) monitor.creeping_ticks = 0;
+  if (lowered) monitor.lowered_mV = drive_mV, monitor.creeping_ticks = kCreeping_ticks;
   const bool settling = !locked && monitor.settling_ticks > 0;
+  const bool may_sink = !lifted || monitor.creeping_ticks > 0 || settling;
   const std::int32_t surely_um = monitor.history.surely_um();
-  monitor.deepest_um = !lifted || lowered || settling ? surely_um : std::max(monitor.deepest_um, surely_um);
+  monitor.deepest_um = may_sink ? surely_um : std::max(monitor.deepest_um, surely_um);
   const bool sunk = is_for_patient(plan) && monitor.deepest_um - monitor.history.latest_um() > kSunk_um;
   monitor.sunk_ticks = debounced(monitor.sunk_ticks, sunk, kSunk_ticks);
   return when(monitor.sunk_ticks >= kSunk_ticks, Hazard::OffsetOrScale);

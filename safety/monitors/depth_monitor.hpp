@@ -55,10 +55,11 @@ struct DepthMonitor {
   std::int32_t dropout_score = kDropoutTrip;  // nothing seen yet
   std::int32_t over_ticks = 0, hard_ticks = 0, step_ticks = 0, pop_ticks = 0, implausible_ticks = 0;
   std::int32_t not_back_ticks = 0;
-  std::int32_t deepest_um = 0, sunk_ticks = 0;   // since the drive was last lowered
-  std::int32_t advanced_um = 0, idle_ticks = 0;  // deepest depth seen, to kAdvanced_um
-  std::int64_t pull_V2 = 0, rest_pull_V2 = 0;    // |V|^2 there; without any motion
-  std::int32_t locked_um = 0, locked_ticks = 0;  // where and for how long the brake has held the needle
+  std::int32_t deepest_um = 0, sunk_ticks = 0;      // since the needle was last free to sink
+  std::int32_t lowered_mV = 0, creeping_ticks = 0;  // the drive after it was lowered; left of its creep
+  std::int32_t advanced_um = 0, idle_ticks = 0;     // deepest depth seen, to kAdvanced_um
+  std::int64_t pull_V2 = 0, rest_pull_V2 = 0;       // |V|^2 there; without any motion
+  std::int32_t locked_um = 0, locked_ticks = 0;     // where and for how long the brake has held the needle
   std::int32_t slip_ticks = 0;
   std::int32_t settling_ticks = 0;  // left since the brake let go of the needle
   std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;

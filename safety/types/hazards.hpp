@@ -124,7 +124,8 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "with a patient, the two lasers more than 0.3 mm apart for 10 ms, or in more than a fifth of the "
      "samples; "
      "more than 1 mm outside the plausible band for 50 ms; with a patient, back by more than 0.6 mm for 20 "
-     "ms without the drive being lowered or the brake having let go 250 ms before"},
+     "ms without the drive having been lowered in the last 4 s and not raised since, or the brake having let "
+     "go 250 ms before"},
     {Hazard::PolarityStuck, StopCategory::C1Ramp, 1500, "H-12 polarity is unbalanced: charge builds up",
      "R-22", Monitor::Voltage, "charge of the square wave unbalanced over about four periods"},
     {Hazard::WrongFrequency, StopCategory::C1Ramp, 1300, "H-13 polarity changes at the wrong rate", "R-23",

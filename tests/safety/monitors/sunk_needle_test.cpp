@@ -1,6 +1,8 @@
 // A needle that sinks back while the drive stays is a fault of the laser.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/safety/monitor_bench.hpp"
 #include "tests/safety/verifies.hpp"
 
@@ -58,6 +60,44 @@ TEST(DepthMonitor, SunkNeedleMayGoBackWhereTheDriveWasLoweredOrIsMeantToWithdraw
     for (int i = 0; i < 30; ++i) sinks(bench, 2'300);
     EXPECT_EQ(ticks_until_named(bench, 1'600), 0) << name_of(mode);
   }
+}
+
+// Lowered as a loop does it after an overshoot, then held: films with a slow part let the needle down for
+// seconds. The numbers are of a solid with three relaxation times, not of the plant.
+TEST(DepthMonitor, SunkNeedleMayGoOnSinkingForFourSecondsWhileNothingLiftsItAgain) {
+  verifies("R-21");
+  const auto creeping_um = [](int ms) {
+    return 1'200 + static_cast<std::int32_t>(100 * std::exp(-ms / 150.0) + 500 * std::exp(-ms / 1'000.0) +
+                                             500 * std::exp(-ms / 2'500.0));
+  };
+  for (const auto& [lifted_mV, named] : {std::pair{0, false}, {200'000, false}, {201'000, true}}) {
+    DepthBench bench(Mode::Hold);
+    for (int i = 0; i < 600; ++i) sinks(bench, 2'400, 4'000'000);
+    bool found = false;
+    for (int ms = 0; ms < 7'000; ++ms)
+      found |= sinks(bench, creeping_um(ms), 3'600'000 + (ms < 600 ? 0 : lifted_mV));
+    EXPECT_EQ(found, named) << lifted_mV;
+  }
+}
+
+TEST(DepthMonitor, SunkNeedleIsNotBelievedFourSecondsAfterTheDriveWasLowered) {
+  verifies("R-21");
+  // The window of half a second forgets the higher drive in blocks of 50 ms; from then the creep is counted.
+  for (const auto& [wait_ms, named] : {std::pair{4'400, false}, {4'600, true}}) {
+    DepthBench bench(Mode::Hold);
+    for (int i = 0; i < 600; ++i) sinks(bench, 2'300, 4'000'000);
+    for (int ms = 0; ms < wait_ms; ++ms) EXPECT_FALSE(sinks(bench, 2'300, 3'600'000));
+    EXPECT_EQ(ticks_until_named(bench, 1'690, 3'600'000) != 0, named) << wait_ms;
+  }
+}
+
+TEST(DepthMonitor, SunkNeedleThatWasLiftedOnceMayNotSinkFurtherWhenItIsLetDownByLess) {
+  verifies("R-21");
+  DepthBench bench(Mode::Active);
+  for (int i = 0; i < 600; ++i) sinks(bench, 2'300, 4'000'000);
+  for (int i = 0; i < 600; ++i) sinks(bench, 2'300, 3'500'000);
+  sinks(bench, 2'300, 3'701'000);
+  EXPECT_EQ(ticks_until_named(bench, 1'690, 3'600'000), 20);
 }
 
 TEST(DepthMonitor, SunkNeedleIsMeasuredFromADepthThatTwoSamplesShowed) {

@@ -121,10 +121,10 @@ TEST(Defaults, OfTheDepthMonitorHaveSeenNoTargetAndNoNeedleAtHome) {
   EXPECT_TRUE(are_zero(monitor.found, monitor.needle_home, monitor.history.next, monitor.history.newest,
                        monitor.history.before, monitor.window.block, monitor.window.ticks,
                        monitor.window.past_low_mV, monitor.window.past_high_mV, monitor.range_tag,
-                       monitor.deepest_um, monitor.sunk_ticks, monitor.over_ticks, monitor.hard_ticks,
-                       monitor.step_ticks, monitor.pop_ticks, monitor.implausible_ticks,
-                       monitor.not_back_ticks, monitor.same_code_ticks, monitor.code, monitor.frozen_low_mV,
-                       monitor.frozen_high_mV));
+                       monitor.deepest_um, monitor.sunk_ticks, monitor.lowered_mV, monitor.creeping_ticks,
+                       monitor.over_ticks, monitor.hard_ticks, monitor.step_ticks, monitor.pop_ticks,
+                       monitor.implausible_ticks, monitor.not_back_ticks, monitor.same_code_ticks,
+                       monitor.code, monitor.frozen_low_mV, monitor.frozen_high_mV));
   EXPECT_EQ(monitor.range_low_mV, -1) << "no drive: the range is looked up at the first";
   EXPECT_EQ(monitor.range_high_mV, -1);
   EXPECT_EQ(monitor.dropout_score, kDropoutTrip);
