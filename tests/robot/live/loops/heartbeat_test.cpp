@@ -1,6 +1,8 @@
 // The health of a process, as it is sent and as it is read.
 #include "robot/live/heartbeat.hpp"
 
+#include <fmt/format.h>
+
 #include "tests/robot/live/loops/bench.hpp"
 
 namespace biopsy::loops_tests {
