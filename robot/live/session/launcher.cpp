@@ -126,7 +126,7 @@ pid_t Launcher::spawn(const std::string& program, std::vector<std::string> words
   const fs::path path = programs_ / program;
   if (!fs::exists(path))
     throw ConfigError(fmt::format("{} is missing", program), programs_.string(),
-                      "install biopsy-live, or build all programs into one folder");
+                      "install biopsy-live; of a source tree: cmake --build build/dev --target programs");
   words.insert(words.begin(), path.string());
   std::vector<char*> pointers;
   pointers.reserve(words.size() + 1);
