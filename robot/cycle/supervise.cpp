@@ -11,6 +11,8 @@ namespace biopsy::robot {
 namespace {
 
 constexpr std::int64_t kActMax_us = 500'000;  // an older operator act counts as unknown
+// Ten are sent in a second.
+constexpr std::int64_t kPatientSensorMax_us = 300'000;
 
 bool is_known(const SupervisorSources& in) {
   return in.act.at_us != 0 && in.now_us - in.act.at_us <= kActMax_us;
@@ -48,6 +50,21 @@ void add_panel(const digital_io::PanelReading& panel, safety::PanelFilter& filte
   inputs.bench_confirmed = safety::is_closed(filter.bench, levels.bench_key);
 }
 
+// By a sensor of the navigation program. One that was there is needed until the supervisor is started anew:
+// whoever relied on it must learn that it is gone.
+std::int32_t measured_motion_um(const SupervisorSources& in, SupervisorMemory& memory) {
+  const NavigationRequest& navigation = in.navigation.message;
+  memory.patient_measured = memory.patient_measured || navigation.measures_patient;
+  if (!memory.patient_measured) return 0;
+  const bool fresh = in.navigation.at_us != 0 && in.now_us - in.navigation.at_us <= kPatientSensorMax_us;
+  return fresh && navigation.measures_patient ? navigation.patient_motion_um : safety::kUnknown;
+}
+
+// The larger of what the images and a sensor show; a number below zero means nothing.
+std::int32_t larger_motion_um(std::int32_t a, std::int32_t b) {
+  return a < 0 || b < 0 ? safety::kUnknown : std::max(a, b);
+}
+
 // Without an operator nothing may rise; the needle holds (C2). A press and a remote request count once, when
 // they arrive: nothing that is remembered keeps a button pressed.
 void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
@@ -58,6 +75,7 @@ void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety:
     inputs.acquiring = act.acquiring;
     inputs.patient_motion_um = act.patient_motion_um;
   }
+  inputs.patient_motion_um = larger_motion_um(inputs.patient_motion_um, measured_motion_um(in, memory));
   if (in.act.at_us != memory.act_us) {
     inputs.motion = {act.token, act.held};
     inputs.remote_arm = act.arm;

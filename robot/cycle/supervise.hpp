@@ -33,6 +33,7 @@ struct SupervisorSources {
   Received<OperatorAct> act;
   Received<LogHealth> log;
   DepthVerdictNote verdict;
+  Received<NavigationRequest> navigation;
 };
 
 // How many writers each topic has that must have one. Plans, verdicts and the log's health may have none:
@@ -57,8 +58,9 @@ struct SupervisorMemory {
   safety::TissueMonitor tissue{};
   safety::PanelFilter panel{};
   safety::SupervisorState state{};
-  Permit permit{};          // issued in the last tick
-  std::int64_t act_us = 0;  // arrival of the last operator act that was used
+  Permit permit{};                // issued in the last tick
+  std::int64_t act_us = 0;        // arrival of the last operator act that was used
+  bool patient_measured = false;  // by a sensor, at any time since the start
 };
 
 // For rehearsals, which begin after a person tested the panel.

@@ -1,5 +1,6 @@
 #include "robot/igtl/bus_robot.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -36,6 +37,10 @@ NavigationRequest request_of(const Wish& wish) {
   NavigationRequest request;
   request.stop = wish.stop;
   request.wants_motion = wish.motion;
+  request.measures_patient = wish.patient_motion.has_value();
+  if (wish.patient_motion)  // unknown, or beyond what the field holds: the most that it holds
+    request.patient_motion_um =
+        static_cast<std::int32_t>(std::lround(std::min(wish.patient_motion->value * 1e3, 2147483647.0)));
   request.proposal = wish.proposal;
   for (int column = 0; column < 3; ++column) {
     const Point axis = ras_from_lps(wish.X_SR.linear().col(column)) * 1e9;

@@ -41,6 +41,10 @@ bool is_position(const Message& message) {
   return std::holds_alternative<Transform>(message.body) && message.device == "CURRENT_POSITION";
 }
 
+bool is_patient_motion(const Message& message) {
+  return std::holds_alternative<Transform>(message.body) && message.device == kPatientMotion;
+}
+
 }  // namespace
 
 NavigationServer::NavigationServer(const ServerSettings& settings, Dialect dialect,
@@ -65,6 +69,10 @@ void NavigationServer::handle(Client client, Message& message, std::int64_t now_
       tell_stored(client, message.device, *refused);
     return;
   }
+  if (is_patient_motion(message) && patient_sensor_.value_or(client) != client)
+    return server_.send(client, {"CURRENT_STATUS", Status{StatusCode::AccessDenied, message.device,
+                                                          "another program measures the patient"}});
+  if (is_patient_motion(message)) patient_sensor_ = client;
   const std::string_view wanted = last_answer_to(message);
   const bool commands = !wanted.empty();
   if (commands && !controller_ && !is_stop(wanted)) {  // whoever stops does not lock others out
@@ -97,6 +105,7 @@ void NavigationServer::turn(std::chrono::milliseconds timeout) {
       handle(event.client, *event.message, now_us);
     } else {
       kLog.info("client {} has gone: {}", event.client, event.why);
+      if (patient_sensor_ == event.client) patient_sensor_.reset();  // what it said grows old
       if (controller_ != event.client) continue;
       controller_.reset();
       server_.keep(std::nullopt);

@@ -43,7 +43,8 @@ class NavigationServer {
   ImageWriter images_;
   RobotLink& robot_;
   std::optional<Client> controller_;
-  Client asked_ = 0;  // the client of the last command: answers that had to wait are its
+  std::optional<Client> patient_sensor_;  // who measures the patient's motion
+  Client asked_ = 0;                      // the client of the last command: answers that had to wait are its
 };
 
 }  // namespace biopsy::igtl

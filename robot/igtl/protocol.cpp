@@ -19,6 +19,7 @@ constexpr std::string_view kCurrentStatus = "CURRENT_STATUS", kCurrentPosition =
 constexpr std::int64_t kBootMax_us = 9'000'000, kStopMax_us = 1'000'000, kPlanMax_us = 9'000'000;
 constexpr std::int64_t kStopAtLeast_us = 200'000;  // longer than any view of the robot is old
 constexpr std::int64_t kPositionEvery_us = 100'000;
+constexpr std::int64_t kPatientMax_us = 500'000;
 constexpr std::size_t kEchoMax = 256;
 constexpr std::uint16_t kAscii = 3, kUtf8 = 106;  // MIBenum; a command is the same bytes in both
 
@@ -123,6 +124,7 @@ void RobotProtocol::on_text(const Message& message, const Text& text, const Robo
 
 void RobotProtocol::on_transform(const std::string& device, const Transform& transform,
                                  const RobotView& robot, std::int64_t now_us) {
+  if (device == kPatientMotion) return note_patient(transform, now_us);
   const bool calibrates = device.starts_with("CLB_"), aims = device.starts_with("TGT_");
   if (!calibrates && !aims)
     return status(kCurrentStatus, StatusCode::IllegalInstruction,
@@ -132,6 +134,13 @@ void RobotProtocol::on_transform(const std::string& device, const Transform& tra
     calibrate(transform, robot);
   else
     aim(transform, robot, now_us);
+}
+
+void RobotProtocol::note_patient(const Transform& transform, std::int64_t now_us) {
+  const auto& c = transform.columns;
+  const double moved_mm = std::hypot(c[9], c[10], c[11]);
+  wish_.patient_motion = std::isfinite(moved_mm) ? Millimetres(moved_mm) : kUnknownMotion;
+  patient_us_ = now_us;
 }
 
 void RobotProtocol::overtake() {
@@ -359,6 +368,7 @@ void RobotProtocol::resolve(const RobotView& robot, std::int64_t now_us) {
 }
 
 RobotProtocol::Messages RobotProtocol::tick(const RobotView& robot, std::int64_t now_us) {
+  if (wish_.patient_motion && now_us - patient_us_ > kPatientMax_us) wish_.patient_motion = kUnknownMotion;
   update_stop(robot, now_us);
   resolve(robot, now_us);
   return std::exchange(out_, {});

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,6 +34,9 @@ enum class Phase : std::uint8_t {
 // As it is sent: "MOVE_TO_TARGET".
 std::string_view name_of(Phase phase);
 constexpr std::string_view kTarget = "TARGET";  // the status that a TRANSFORM(TGT_n) ends with
+// The device of a TRANSFORM whose translation is how far the tissue at the needle is from where the planning
+// image shows it, mm. It streams and is not answered.
+constexpr std::string_view kPatientMotion = "PATIENT_MOTION";
 // The phase that a command asks for; what some programs send behind it, a NUL or the end of a line, is not
 // part of it.
 std::optional<Phase> phase_of(const Text& text);
@@ -56,12 +60,15 @@ struct RobotView {
 };
 
 // What the navigation program wishes of the robot, at any time.
+constexpr Millimetres kUnknownMotion{std::numeric_limits<double>::infinity()};
 struct Wish {
   StopCategory stop = StopCategory::None;
   bool motion = false;
   std::uint32_t proposal = 0;  // rises with each; 0: none
   RigidTransform X_SR = RigidTransform::Identity();
   Point p_ST = Point::Zero();
+  // By TRANSFORM(PATIENT_MOTION): none came yet, or how far the patient moved; infinite: it comes no more.
+  std::optional<Millimetres> patient_motion = {};
 };
 
 class RobotProtocol {
@@ -95,6 +102,7 @@ class RobotProtocol {
                     std::int64_t now_us);
   void enter(Phase phase, const RobotView& robot, std::int64_t now_us);
   void start_up(const RobotView& robot, std::int64_t now_us);
+  void note_patient(const Transform& transform, std::int64_t now_us);
   void overtake();
   void calibrate(const Transform& transform, const RobotView& robot);
   void aim(const Transform& transform, const RobotView& robot, std::int64_t now_us);
@@ -123,7 +131,7 @@ class RobotProtocol {
   std::string overtaken_;
   Wish wish_;
   StopCategory stop_ = StopCategory::None;  // until high voltage is seen off
-  std::int64_t stopped_us_ = 0, position_us_ = 0;
+  std::int64_t stopped_us_ = 0, position_us_ = 0, patient_us_ = 0;
   bool moved_ = false;  // under the present high voltage
   bool needs_arming_ = false, seen_off_ = false;
   Messages out_;

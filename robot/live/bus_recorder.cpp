@@ -11,6 +11,7 @@
 #include "robot/common/text/encoding.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/hazards.hpp"
+#include "safety/types/thresholds.hpp"
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::robot {
@@ -75,6 +76,7 @@ BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& 
       acts_(bus),
       plans_(bus),
       verdicts_(bus),
+      sensors_(bus),
       measurements_(bus),
       requests_(bus),
       log_health_(bus),
@@ -135,7 +137,8 @@ void BusRecorder::follow_acts(std::int64_t now_us) {
                        {"acquiring", next.acquiring},
                        {"hold_still", next.hold_still},
                        {"asks_arm", next.arm},
-                       {"asks_reset", next.reset}}),
+                       {"asks_reset", next.reset},
+                       {"patient_motion_mm", next.patient_motion_um * 1e-3}}),
             Urgency::Grouped, now_us);
     act_ = next;
   }
@@ -165,6 +168,22 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
                      {"accepted", verdict.accepted},
                      {"since_seq", verdict.since_seq}}),
           Urgency::Urgent, now_us);
+}
+
+// A sensor of the patient's motion: that it begins and ends, and each time that it passes the threshold.
+void BusRecorder::follow_patient(std::int64_t now_us) {
+  const auto moved = [](const NavigationRequest& sensor) {
+    return sensor.patient_motion_um < 0 || sensor.patient_motion_um > safety::kPatientMotion_um;
+  };
+  NavigationRequest next;
+  while (sensors_.take(next)) {
+    if (next.measures_patient != sensor_.measures_patient || moved(next) != moved(sensor_))
+      write(RecordKind::Alarm, "navigation",
+            json_text({{"patient_measured", next.measures_patient},
+                       {"patient_motion_mm", next.patient_motion_um * 1e-3}}),
+            Urgency::Grouped, now_us);
+    sensor_ = next;
+  }
 }
 
 void BusRecorder::follow_stage(std::int64_t now_us) {
@@ -275,6 +294,7 @@ void BusRecorder::turn(std::int64_t now_us) {
   follow_decisions(now_us);
   follow_acts(now_us);
   follow_plan_and_checks(now_us);
+  follow_patient(now_us);
   follow_stage(now_us);
   follow_participants(now_us);
   follow_liveliness(now_us);

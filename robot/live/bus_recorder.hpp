@@ -33,6 +33,7 @@ class BusRecorder {
   void follow_decisions(std::int64_t now_us);
   void follow_acts(std::int64_t now_us);
   void follow_plan_and_checks(std::int64_t now_us);
+  void follow_patient(std::int64_t now_us);
   void follow_stage(std::int64_t now_us);
   void follow_health(std::int64_t now_us);
   void follow_participants(std::int64_t now_us);
@@ -46,6 +47,7 @@ class BusRecorder {
   transport::Reader<OperatorAct> acts_;
   transport::Reader<SealedPlan> plans_;
   transport::Reader<DepthVerdictNote> verdicts_;
+  transport::Reader<NavigationRequest> sensors_;
   transport::Reader<Measurement> measurements_;
   transport::Reader<DriveRequest> requests_;
   transport::Writer<LogHealth> log_health_;
@@ -60,6 +62,7 @@ class BusRecorder {
   std::int64_t lively_us_ = 0;
   Decision decision_;
   OperatorAct act_;
+  NavigationRequest sensor_;
   Measurement measured_;
   DriveRequest request_;
   std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // of the newest

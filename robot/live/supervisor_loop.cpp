@@ -35,6 +35,7 @@ SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::Pulse
       plans_(bus),
       verdicts_(bus),
       log_(bus),
+      navigation_(bus),
       permits_(bus),
       decisions_(bus),
       wait_set_(bus),
@@ -81,6 +82,9 @@ void SupervisorLoop::take_messages(std::int64_t now_us) {
   if (acts_.take_newest(sources_.act.message) > 0) sources_.act.at_us = now_us;
   if (log_.take_newest(sources_.log.message) > 0) sources_.log.at_us = now_us;
   verdicts_.take_newest(sources_.verdict);
+  // Optional, as its process is: with a second writer nobody knows whose sensor it is, and it grows old.
+  if (NavigationRequest asked; navigation_.take_newest(asked) > 0 && navigation_.writers() == 1)
+    sources_.navigation = {asked, now_us};
   if (SealedPlan sealed; plans_.take_newest(sealed) > 0) {
     robot::accept_plan(sealed, supervisor_);
     heartbeat_.health().plan_tag = supervisor_.plan.plan_tag;

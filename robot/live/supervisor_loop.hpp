@@ -51,6 +51,7 @@ class SupervisorLoop {
   transport::Reader<SealedPlan> plans_;
   transport::Reader<DepthVerdictNote> verdicts_;
   transport::Reader<LogHealth> log_;
+  transport::Reader<NavigationRequest> navigation_;
   transport::Writer<Permit> permits_;
   transport::Writer<Decision> decisions_;
   transport::WaitSet wait_set_;

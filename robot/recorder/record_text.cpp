@@ -91,6 +91,13 @@ std::string permit_text(const Json& body) {
                      body.at("depth_mm").get<double>());
 }
 
+// Whoever measured could not tell where it is millions of millimetres.
+std::string motion_text(double moved_mm) {
+  const bool known = moved_mm >= 0 && moved_mm < 1e6;
+  return known ? fmt::format("the patient is {:.1f} mm from where the planning image shows them", moved_mm)
+               : "nobody knows how far the patient moved";
+}
+
 std::string alarm_text(const Json& body) {
   if (body.contains("worst")) {
     const auto worst = body.at("worst").get<std::string>(), before = body.at("before").get<std::string>();
@@ -104,6 +111,9 @@ std::string alarm_text(const Json& body) {
     return fmt::format("{}: {} writers alive, {} deadlines missed so far",
                        body.at("topic").get<std::string>(), body.at("writers_alive").get<int>(),
                        body.at("deadlines_missed").get<std::uint64_t>());
+  if (body.contains("patient_measured"))
+    return body.at("patient_measured").get<bool>() ? motion_text(body.at("patient_motion_mm").get<double>())
+                                                   : "no sensor measures the patient's motion any more";
   if (body.contains("strangers_refused"))
     return fmt::format("{} messages of unauthenticated participants refused so far",
                        body.at("strangers_refused").get<std::uint64_t>());

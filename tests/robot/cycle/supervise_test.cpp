@@ -135,6 +135,50 @@ TEST_F(Supervise, HoldsWithoutAnOperator) {
   EXPECT_EQ(inputs().stop, StopCategory::C2Hold) << "never heard";
 }
 
+// Time in us after the sensor's message, what it says, what the images said; what the supervisor is given.
+TEST_F(Supervise, TakesTheLargerOfWhatImagesAndASensorShowOfThePatient) {
+  verifies("R-33");
+  in.act.message.stop = StopCategory::None;
+  const auto given = [this](std::int32_t image_um) {
+    in.act.at_us = in.now_us;
+    in.act.message.patient_motion_um = image_um;
+    return inputs().patient_motion_um;
+  };
+  EXPECT_EQ(given(300), 300) << "no sensor was ever there";
+  in.navigation.message.patient_motion_um = 900;
+  in.navigation.at_us = in.now_us;
+  EXPECT_EQ(given(300), 300) << "it says that it does not measure";
+  in.navigation.message.measures_patient = true;
+  EXPECT_EQ(given(300), 900);
+  EXPECT_EQ(given(1'700), 1'700);
+  EXPECT_EQ(given(-1), safety::kUnknown);
+  in.navigation.message.patient_motion_um = -1;
+  EXPECT_EQ(given(300), safety::kUnknown);
+}
+
+// Three hundred milliseconds, three of its messages; and for ever, if it is another one that measures
+// nothing.
+TEST_F(Supervise, NeedsASensorOfThePatientFromTheFirstOnThatItHad) {
+  verifies("R-33");
+  in.act.message.stop = StopCategory::None;
+  const auto given = [this] {
+    in.act.at_us = in.now_us;
+    in.act.message.patient_motion_um = 0;
+    return inputs().patient_motion_um;
+  };
+  in.navigation = {{.seq = 1, .measures_patient = true, .patient_motion_um = 50}, in.now_us};
+  const std::int64_t came_us = in.now_us;
+  EXPECT_EQ(given(), 50);
+  in.now_us = came_us + 300'000;
+  EXPECT_EQ(given(), 50);
+  in.now_us += 1;
+  EXPECT_EQ(given(), safety::kUnknown);
+  in.navigation = {{.seq = 2, .measures_patient = false, .patient_motion_um = 0}, in.now_us};
+  EXPECT_EQ(given(), safety::kUnknown) << "its program was started anew";
+  in.navigation = {{.seq = 3, .measures_patient = true, .patient_motion_um = 20}, in.now_us};
+  EXPECT_EQ(given(), 20);
+}
+
 TEST_F(Supervise, AgesTheLogsBacklog) {
   verifies("R-28");
   in.log.message.backlog_ms = 40;

@@ -2,7 +2,9 @@
 #include <random>
 
 #include "tests/robot/igtl/live_site.hpp"
+#include "tests/robot/live/log_mentions.hpp"
 #include "tests/robot/live/steady_host.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -105,6 +107,67 @@ std::string arm_again_after_an_emergency() {
   EXPECT_EQ(Navigator::missing(navigator.command("CURRENT_POSITION", "TRANSFORM CURRENT_POSITION")), "");
   EXPECT_EQ(Navigator::missing(navigator.command("STOP", "STATUS STOP 1")), "");
   return {};
+}
+
+// A tracker on the patient, fifty times a second: its own connection, as its program is often another.
+struct Tracker {
+  igtl::TestClient client;
+  std::atomic<float> moved_mm{0.0F};
+  std::atomic<bool> sends{true};
+  std::jthread thread;
+  explicit Tracker(const Site& site) : client(site.port) {
+    thread = std::jthread([this](const std::stop_token& stop) {
+      for (; !stop.stop_requested(); std::this_thread::sleep_for(20ms)) {
+        igtl::Transform transform;
+        transform.columns[10] = moved_mm;
+        if (sends) client.send({std::string(igtl::kPatientMotion), transform});
+      }
+    });
+  }
+};
+
+std::string hold_where_the_patient_moves() {
+  Site site(kDomain + 7);
+  if (site.port == 0)
+    return "biopsy-igtl does not listen: " + read_file_if_present(site.folder / "navigation.txt");
+  if (!site.in(Mode::Safe)) return site.kept("it was not safe");
+  Tracker tracker(site);
+  tracker.moved_mm = 1.5F;  // less than the threshold
+  Navigator navigator(site);
+  if (const std::string wrong = navigator.target(site); !wrong.empty()) return site.kept(wrong);
+  const auto moves = [&] { return site.person->mode == Mode::Active && site.person->drive_mV != 0; };
+  const auto insert = [&] {
+    if (!site.in(Mode::Armed, 60s)) return false;
+    navigator.command("MOVE_TO_TARGET", "TRANSFORM CURRENT_POSITION");
+    return site.wait(10s, moves);
+  };
+  if (!insert()) return site.kept("it did not move");
+  site.person->arms = false;
+  tracker.moved_mm = 2.5F;
+  EXPECT_TRUE(site.wait(1s, [&] { return site.person->mode != Mode::Active; }));
+  if (site.person->hazard != safety::Hazard::PatientMotion) return site.kept("another hazard came first");
+  EXPECT_TRUE(site.person->mode == Mode::Hold || site.person->mode == Mode::Retract);
+  EXPECT_TRUE(site.wait(20s, [&] { return !safety::hv_permitted(site.person->mode); })) << "held too long";
+
+  tracker.moved_mm = 0.0F;
+  site.person->hazard = safety::Hazard::None;
+  site.person->arms = true;
+  if (!insert()) return site.kept("it did not move again");
+  site.person->arms = false;
+  tracker.sends = false;
+  EXPECT_TRUE(site.wait(2s, [&] { return site.person->mode != Mode::Active; })) << "without its sensor";
+  if (site.person->hazard != safety::Hazard::PatientMotion) return site.kept("another hazard came first");
+  EXPECT_TRUE(site.wait(20s, [&] { return !safety::hv_permitted(site.person->mode); }));
+  site.live->stop();
+  EXPECT_TRUE(live_tests::tells_of(site.folder.path(), "\"patient_motion_mm\":2.5"));
+  EXPECT_TRUE(
+      live_tests::tells_of(site.folder.path(), std::string(safety::name_of(safety::Hazard::PatientMotion))));
+  return {};
+}
+
+TEST(LiveNavigation, APatientWhoMovesOrIsMeasuredNoMoreHoldsTheNeedle) {
+  verifies("R-33");
+  live_tests::on_a_steady_host(hold_where_the_patient_moves);
 }
 
 TEST(LiveNavigation, ATargetIsReachedWithAPersonAtTheConsoleAndOnlySo) {

@@ -1,6 +1,9 @@
 // What stops the needle: commands, a lost connection, a robot that is silent; and what it takes to go on.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "robot/igtl/bus_robot.hpp"
 #include "tests/robot/igtl/scripted_robot.hpp"
 
 namespace biopsy::igtl {
@@ -15,6 +18,34 @@ INSTANTIATE_TEST_SUITE_P(Dialects, IgtlStop, testing::Values(Dialect::Of2013, Di
                          [](const auto& dialect) {
                            return dialect.param == Dialect::Of2013 ? "Of2013" : "Of2021";
                          });
+
+// By a tracker: the translation counts, the turn does not. It streams, so that it is not answered.
+TEST_P(IgtlStop, APatientWhoIsMeasuredIsTold) {
+  const auto tell = [this](float x, float y, float z) {
+    igtl::Transform moved;
+    moved.columns = {0, 1, 0, -1, 0, 0, 0, 0, 1, x, y, z};
+    EXPECT_EQ(client.send({"PATIENT_MOTION", moved}), Script{});
+    return request_of(client.protocol.wish()).patient_motion_um;
+  };
+  EXPECT_FALSE(request_of(client.protocol.wish()).measures_patient);
+  EXPECT_EQ(tell(2, -3, 6), 7'000);
+  EXPECT_TRUE(request_of(client.protocol.wish()).measures_patient);
+  EXPECT_EQ(tell(0, 0, 0), 0);
+  EXPECT_EQ(tell(1e30F, 0, 0), INT32_MAX);
+  EXPECT_EQ(tell(NAN, 0, 0), INT32_MAX);
+  EXPECT_EQ(tell(0, -INFINITY, 0), INT32_MAX);
+}
+
+TEST_P(IgtlStop, APatientWhoIsMeasuredNoMoreIsUnknown) {
+  client.send({"PATIENT_MOTION", Transform{}});
+  client.wait_ms(500);
+  EXPECT_EQ(request_of(client.protocol.wish()).patient_motion_um, 0);
+  client.wait_ms(2);
+  EXPECT_EQ(request_of(client.protocol.wish()).patient_motion_um, INT32_MAX);
+  EXPECT_TRUE(request_of(client.protocol.wish()).measures_patient);
+  client.command("START_UP");
+  EXPECT_TRUE(request_of(client.protocol.wish()).measures_patient) << "a new start forgets points only";
+}
 
 TEST_P(IgtlStop, IsWishedBeforeItIsAcknowledgedAndConfirmedOnceItHappened) {
   client.moving();

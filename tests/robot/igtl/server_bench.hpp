@@ -27,7 +27,7 @@ struct TableRobot : RobotLink {
   RobotView view(std::int64_t) override { return now; }
   void tell(const Wish& wish, std::int64_t) override {
     if (told.empty() || told.back().stop != wish.stop || told.back().motion != wish.motion ||
-        told.back().proposal != wish.proposal)
+        told.back().proposal != wish.proposal || told.back().patient_motion != wish.patient_motion)
       told.push_back(wish);
   }
 };

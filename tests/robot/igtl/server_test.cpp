@@ -269,5 +269,32 @@ TEST(IgtlServer, SaysWhyItCannotListen) {
   EXPECT_THROW(NavigationServer(settings, Dialect::Of2013, {}, robot), ConfigError);
 }
 
+// Who measures the patient need not be who controls; a second one would contradict it.
+TEST(IgtlServer, TakesThePatientsMotionFromOneClientUntilItGoes) {
+  Bench bench;
+  auto first = std::make_unique<TestClient>(bench.port());
+  TestClient second(bench.port());
+  const auto moved = [](float mm) {
+    Transform transform;
+    transform.columns[11] = mm;
+    return Message{"PATIENT_MOTION", transform};
+  };
+  const auto is_told = [&](double mm) {
+    return bench.turn_until([&] {
+      return !bench.robot.told.empty() && bench.robot.told.back().patient_motion &&
+             bench.robot.told.back().patient_motion->value == mm;
+    });
+  };
+  first->send(moved(3.0F));
+  EXPECT_TRUE(is_told(3.0));
+  second.send(moved(0.0F));
+  EXPECT_EQ(bench.answers(second, 1), (Script{"STATUS CURRENT_STATUS 5 PATIENT_MOTION"}));
+  EXPECT_TRUE(is_told(3.0) || is_told(std::numeric_limits<double>::infinity()));
+  first.reset();
+  EXPECT_TRUE(bench.turn_until([&] { return bench.server->connections() == 1; }));
+  second.send(moved(1.0F));
+  EXPECT_TRUE(is_told(1.0));
+}
+
 }  // namespace
 }  // namespace biopsy::igtl

@@ -5,6 +5,30 @@
 namespace biopsy::loops_tests {
 namespace {
 
+TEST_F(RecorderLoopBench, WritesThatASensorMeasuresThePatientAndEachTimeTheyPassTheThreshold) {
+  const auto body_after = [this](bool measures, std::int32_t um) {
+    const std::vector<Record> records =
+        after(NavigationRequest{.measures_patient = measures, .patient_motion_um = um});
+    return records.empty() ? json() : json::parse(records.at(0).body);
+  };
+  const auto body = [](bool measured, double mm) {
+    return json{{"patient_measured", measured}, {"patient_motion_mm", mm}};
+  };
+  EXPECT_EQ(body_after(false, INT32_MAX), json()) << "a navigation program without a sensor";
+  EXPECT_EQ(body_after(true, 300), body(true, 0.3));
+  EXPECT_EQ(body_after(true, 2'000), json());
+  EXPECT_EQ(body_after(true, 2'001), body(true, 2.001));
+  EXPECT_EQ(body_after(true, 9'000), json());
+  EXPECT_EQ(body_after(true, 100), body(true, 0.1));
+  EXPECT_EQ(body_after(true, -1), body(true, -0.001));
+  EXPECT_EQ(body_after(true, 0), body(true, 0.0));
+  const std::vector<Record> gone =
+      after(NavigationRequest{.measures_patient = false, .patient_motion_um = 0});
+  ASSERT_EQ(kinds(gone), "alarm");
+  EXPECT_EQ(gone[0].source, "navigation");
+  EXPECT_EQ(json::parse(gone[0].body), body(false, 0.0));
+}
+
 TEST_F(RecorderLoopBench, WritesWhatIsUrgentAtOnceAndTheRestWithinAHundredMilliseconds) {
   const auto on_disk = [&] {
     return recorder::records_of(folder_of_log.log, folder_of_log.public_key()).size();

@@ -37,7 +37,7 @@ struct SupervisorLoopBench : LoopBench {
 
 // A new member of the sources makes this fail to compile, until a test claims where it comes from.
 void expect_same(const robot::SupervisorSources& a, const robot::SupervisorSources& b) {
-  const auto& [now_us, measurement, request, writers, panel, files_tag, act, log, verdict] = a;
+  const auto& [now_us, measurement, request, writers, panel, files_tag, act, log, verdict, navigation] = a;
   EXPECT_EQ(measurement, b.measurement);
   EXPECT_EQ(request, b.request);
   EXPECT_EQ(writers, b.writers);
@@ -49,6 +49,8 @@ void expect_same(const robot::SupervisorSources& a, const robot::SupervisorSourc
   EXPECT_EQ(verdict, b.verdict);
   EXPECT_EQ(act.at_us, b.act.at_us);
   EXPECT_EQ(log.at_us, b.log.at_us);
+  EXPECT_EQ(navigation.message, b.navigation.message);
+  EXPECT_EQ(navigation.at_us, b.navigation.at_us);
   EXPECT_NE(now_us, b.now_us) << "each tick has a time of its own";
 }
 
@@ -86,6 +88,30 @@ TEST_F(SupervisorLoopBench, CarriesEveryFieldOfEveryMessageToItsPlaceWithTheTime
   });
   expect_carried<DepthVerdictNote>(
       *this, [](Sources& in, const DepthVerdictNote& m, std::int64_t) { in.verdict = m; });
+  expect_carried<NavigationRequest>(*this, [](Sources& in, const NavigationRequest& m, std::int64_t us) {
+    in.navigation = {m, us};
+  });
+}
+
+// Whose sensor measures the patient is not known then: what the one said grows old.
+TEST_F(SupervisorLoopBench, TakesNothingOfNavigationProgramsWhileThereAreTwo) {
+  NavigationRequest request;
+  request.measures_patient = true;
+  request.patient_motion_um = 700;
+  fake_bus::put(request);
+  turn(1'000);
+  for (const int writers : {2, 0}) {
+    fake_bus::channel<NavigationRequest>().writers = writers;
+    request.patient_motion_um = 0;
+    fake_bus::put(request);
+    turn(writers == 2 ? 2'000 : 3'000);
+    EXPECT_EQ(last().navigation.message.patient_motion_um, 700);
+    EXPECT_EQ(last().navigation.at_us, kStart_us + 1'000);
+  }
+  fake_bus::channel<NavigationRequest>().writers = 1;
+  fake_bus::put(request);
+  turn(4'000);
+  EXPECT_EQ(last().navigation.message.patient_motion_um, 0);
 }
 
 TEST_F(SupervisorLoopBench, ReadsEachContactOfThePanelInTheTickItself) {
