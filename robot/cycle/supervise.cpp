@@ -56,7 +56,7 @@ std::int32_t measured_motion_um(const SupervisorSources& in, SupervisorMemory& m
   const NavigationRequest& navigation = in.navigation.message;
   memory.patient_measured = memory.patient_measured || navigation.measures_patient;
   if (!memory.patient_measured) return 0;
-  const bool fresh = in.navigation.at_us != 0 && in.now_us - in.navigation.at_us <= kPatientSensorMax_us;
+  const bool fresh = in.now_us - in.navigation.at_us <= kPatientSensorMax_us;
   return fresh && navigation.measures_patient ? navigation.patient_motion_um : safety::kUnknown;
 }
 

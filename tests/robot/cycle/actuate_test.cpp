@@ -63,6 +63,51 @@ TEST_F(Actuate, PutsOutWhatIsRequestedAndPermitted) {
   EXPECT_EQ(measured.answered_seq, 2U);
 }
 
+// Numbers all different, each flag alone: a field that is read from its neighbour shows.
+TEST_F(Actuate, CarriesEachFieldOfAReadingIntoTheMeasurement) {
+  struct Reads final : drivers::NeedleStage {
+    drivers::SensorReading reading;
+    drivers::SensorReading read() override { return reading; }
+    std::int32_t write(const safety::GatedVoltage& voltage) override { return voltage.mV(); }
+  } reads;
+  drivers::GatedStage other(reads, 9);
+  for (int flag = 0; flag < 3; ++flag) {
+    reads.reading = {.time_us = 11,
+                     .depth_um = 12,
+                     .laser_code = 13,
+                     .laser_valid = flag == 0,
+                     .depth_b_um = 14,
+                     .laser_b_valid = flag == 1,
+                     .monitor_mV = 15,
+                     .current_nA = 16,
+                     .brake_fitted = flag == 2};
+    Measurement expected;
+    expected.seq = static_cast<std::uint32_t>(flag + 1);
+    expected.time_us = 11, expected.depth_um = 12, expected.laser_code = 13;
+    expected.depth_b_um = 14, expected.monitor_mV = 15, expected.current_nA = 16;
+    expected.laser_valid = flag == 0, expected.laser_b_valid = flag == 1, expected.brake_fitted = flag == 2;
+    expected.config_tag = 9;
+    EXPECT_EQ(other.measure(), expected);
+  }
+}
+
+TEST_F(Actuate, SaysWhatTheGateDidAndFeedsTheInterlockOnceItHasAPermit) {
+  EXPECT_FALSE(drivers::GatedStage(stage, 9).feeds_interlock()) << "nothing was driven yet";
+  actuate(raising(2), gated);
+  EXPECT_EQ(gated.measure().verdict, GateVerdict::Granted);
+  EXPECT_TRUE(gated.measure().hv_enabled);
+  EXPECT_FALSE(gated.measure().brake_on);
+  EXPECT_TRUE(gated.feeds_interlock());
+  GateInputs replayed = raising(3);
+  replayed.permit.session = 2;
+  actuate(replayed, gated);
+  EXPECT_EQ(gated.measure().verdict, GateVerdict::WrongSession);
+  GateInputs late = raising(2);
+  late.now_us = 2'000 + 5'000;
+  actuate(late, gated);
+  EXPECT_EQ(gated.measure().verdict, GateVerdict::Expired);
+}
+
 // A driver that limits by itself, or cannot write, or writes something else: the supervisor checks the answer
 // over the voltage that the measurement states.
 TEST_F(Actuate, AVoltageThatTheDriverDidNotWriteAsItWasAskedMakesTheAnswerWrong) {

@@ -72,11 +72,39 @@ TEST(Control, RequestsNothingWithoutAPlanThatHasTheStep) {
   EXPECT_EQ(without.wanted_mV, 0);
   EXPECT_EQ(without.seq, 1U) << "alive";
   EXPECT_EQ(without.plan_tag, 0U);
+  EXPECT_EQ(without.measured_seq, 41U) << "it answers all the same";
   load_plan(sealed_for_control(plan_to(2.0)), memory);
   const DriveRequest beyond = control(driven(2), memory);
   EXPECT_EQ(beyond.wanted_mV, 0);
   EXPECT_FALSE(beyond.step_reached);
   EXPECT_EQ(beyond.seq, 2U) << "numbers go on with a new plan";
+  EXPECT_EQ(control(driven(3), memory).wanted_mV, 0);
+}
+
+TEST(Control, BeginsANewPlanAfresh) {
+  ControllerMemory memory;
+  load_plan(sealed_for_control(plan_to(2.0)), memory);
+  for (int tick = 0; tick < 20; ++tick) control(driven(1), memory);
+  EXPECT_GT(memory.runner.setpoint.value, 0.0);
+  load_plan(sealed_for_control(plan_to(3.0)), memory);
+  EXPECT_EQ(memory.runner.setpoint.value, 0.0);
+  EXPECT_EQ(memory.runner.step, 0U);
+  EXPECT_EQ(memory.runner.drive_ticks, 0U);
+}
+
+TEST(Control, LocksTheNeedleWhereItShallHoldStillAndNotWhereItShallComeOut) {
+  for (const bool still : {false, true}) {
+    ControllerMemory memory;
+    load_plan(sealed_for_control(plan_to(2.0)), memory);
+    ControllerInputs in = driven(0);
+    in.permit.slew_up_mV_per_tick = 0;
+    in.permit.brake = in.measurement.brake_fitted = true;
+    in.hold_still = still;
+    in.finish = !still;
+    const DriveRequest request = control(in, memory);
+    EXPECT_EQ(request.brake, still);
+    EXPECT_EQ(request.finished, !still);
+  }
 }
 
 TEST(Control, RunsNoPlanWhoseSealIsBrokenOrThatHasNoStep) {

@@ -94,6 +94,7 @@ TEST_F(Supervise, GivesEachFieldOfAnOperatorActToItsOwnInput) {
   in.act.message.held = true;
   in.act.message.stop = StopCategory::C1Ramp;
   in.act.message.acquiring = false;
+  in.act.message.hold_still = true;
   in.act.message.patient_motion_um = 321;
   const safety::SupervisorInputs given = inputs();
   EXPECT_EQ(given.motion.token, 4U);
@@ -145,6 +146,7 @@ TEST_F(Supervise, TakesTheLargerOfWhatImagesAndASensorShowOfThePatient) {
     return inputs().patient_motion_um;
   };
   EXPECT_EQ(given(300), 300) << "no sensor was ever there";
+  EXPECT_EQ(given(0), 0);
   in.navigation.message.patient_motion_um = 900;
   in.navigation.at_us = in.now_us;
   EXPECT_EQ(given(300), 300) << "it says that it does not measure";
@@ -187,6 +189,11 @@ TEST_F(Supervise, AgesTheLogsBacklog) {
   EXPECT_EQ(inputs().log_backlog_ms, 1'000);
   in.log.message.backlog_ms = safety::kUnknown;
   EXPECT_EQ(inputs().log_backlog_ms, safety::kUnknown) << "no overflow";
+  in.log = {{.backlog_ms = 0}, kNow_us - 2'000'000};
+  in.now_us = kNow_us;
+  EXPECT_EQ(inputs().log_backlog_ms, 2'000);
+  in.log.at_us = 1;
+  EXPECT_EQ(inputs().log_backlog_ms, 9'999) << "heard in the first microsecond";
   in.log.at_us = 0;
   EXPECT_EQ(inputs().log_backlog_ms, safety::kUnknown) << "never heard";
 }
@@ -203,8 +210,12 @@ TEST_F(Supervise, NeedsOneConfigurationInAllThreeProcesses) {
   EXPECT_EQ(inputs().config_tag, kConfig);
   in.measurement.config_tag = kConfig + 1;
   EXPECT_EQ(inputs().config_tag, 0U);
-  in.measurement.config_tag = kConfig, in.request.config_tag = 0;
-  EXPECT_EQ(inputs().config_tag, 0U);
+  for (const std::uint64_t other : {std::uint64_t{0}, kConfig - 1, kConfig + 1}) {
+    in.measurement.config_tag = kConfig, in.request.config_tag = other;
+    EXPECT_EQ(inputs().config_tag, 0U);
+    in.measurement.config_tag = other, in.request.config_tag = kConfig;
+    EXPECT_EQ(inputs().config_tag, 0U);
+  }
 }
 
 TEST_F(Supervise, FilesThatChangedSinceTheStartKeepItFromBeingArmedAndDoNotStopWhatMoves) {
@@ -223,11 +234,19 @@ TEST_F(Supervise, FilesThatChangedSinceTheStartKeepItFromBeingArmedAndDoNotStopW
 }
 
 TEST_F(Supervise, TakesADepthVerdictOfThisPlanOnly) {
-  in.verdict = {.seq = 1, .plan_tag = planner::plan_tag(plan), .step = 1, .accepted = true};
+  const std::uint64_t tag = planner::plan_tag(plan);
+  in.verdict = {.seq = 9, .plan_tag = tag, .step = 1, .accepted = true, .session = 6, .since_seq = 4'321};
   EXPECT_TRUE(inputs().depth_accepted);
   EXPECT_EQ(seen.inputs.accepted_step, 1U);
-  in.verdict.plan_tag ^= 1;
+  EXPECT_EQ(seen.inputs.accepted_session, 6U);
+  EXPECT_EQ(seen.inputs.accepted_since_seq, 4'321U);
+  in.verdict.accepted = false;
   EXPECT_FALSE(inputs().depth_accepted);
+  in.verdict.accepted = true;
+  for (const std::uint64_t other : {tag - 1, tag + 1}) {
+    in.verdict.plan_tag = other;
+    EXPECT_FALSE(inputs().depth_accepted);
+  }
   in.verdict = {.seq = 2, .plan_tag = 0, .step = 0, .accepted = true};
   memory.plan = {};
   EXPECT_FALSE(inputs().depth_accepted) << "without a plan";
@@ -244,8 +263,9 @@ TEST_F(Supervise, PassesOnWhatItIssuedMeasuredAndWasRequested) {
   EXPECT_EQ(seen.inputs.writers, 2);
   EXPECT_EQ(seen.inputs.now_us, kNow_us);
   EXPECT_EQ(seen.inputs.self_test, safety::SelfTest::Passed);
-  const std::uint32_t issued = memory.permit.seq;
-  EXPECT_EQ(inputs().permit.seq, issued) << "that of the last tick";
+  const Permit issued = supervise(in, memory, &seen).output.permit;
+  EXPECT_NE(issued.seq, 99U);
+  EXPECT_EQ(inputs().permit, issued) << "that of the last tick";
 }
 
 TEST_F(Supervise, AcceptsAPlanAtRestAndNoticesOneInMotion) {
@@ -271,10 +291,46 @@ TEST_F(Supervise, HasNoPlanWhereTheSealIsBrokenOrStepsDoNotFit) {
   EXPECT_EQ(memory.plan.plan_tag, 0U);
   EXPECT_EQ(memory.sealed_tag, 0U);
   Plan many = plan;
-  many.steps.resize(safety::kMaxSteps + 1, plan.steps.front());
-  planner::seal(many);
-  accept_plan(sealed(many), memory);
+  const auto is_taken = [&] {
+    planner::seal(many);
+    accept_plan(sealed(many), memory);
+    return memory.plan.plan_tag == planner::plan_tag(many);
+  };
+  many.steps.resize(safety::kMaxSteps, plan.steps.front());
+  many.limits.plausible.resize(safety::kMaxBands, plan.limits.plausible.back());
+  EXPECT_TRUE(is_taken()) << "as many as there is room for";
+  many.limits.plausible.push_back(plan.limits.plausible.back());
+  EXPECT_FALSE(is_taken());
   EXPECT_EQ(memory.plan.plan_tag, 0U);
+  many.limits.plausible.pop_back();
+  many.steps.push_back(plan.steps.front());
+  EXPECT_FALSE(is_taken());
+  EXPECT_EQ(memory.plan.plan_tag, 0U);
+}
+
+// Fault injection relies on it: once with what the monitors get, once with what they found.
+TEST_F(Supervise, ShowsAFaultWhatTheDecisionIsMadeFrom) {
+  struct Stops final : FaultHooks {
+    void before_decision(safety::SupervisorInputs&, safety::Evidence& evidence) override {
+      evidence.clear &= ~safety::bit(safety::Hazard::Arc);
+    }
+  } stops;
+  EXPECT_EQ(supervise(in, memory, &stops).evidence.clear & safety::bit(safety::Hazard::Arc), 0U);
+}
+
+TEST(CauseOf, IsTheHazardAndWithoutOneTheEvent) {
+  safety::SupervisorOutput output;
+  output.reason = safety::Hazard::PopThrough, output.worst = safety::Hazard::Arc;
+  output.event = safety::Event::Fault;
+  EXPECT_EQ(cause_of(output), safety::name_of(safety::Hazard::PopThrough));
+  output.reason = safety::Hazard::ResidualCharge;
+  EXPECT_EQ(cause_of(output), safety::name_of(safety::Hazard::ResidualCharge));
+  output.reason = safety::Hazard::None;
+  EXPECT_EQ(cause_of(output), "an immediate stop was asked for");
+  for (const safety::Event event : {safety::Event::Stop, safety::Event::VoltagePresent}) {
+    output.event = event;
+    EXPECT_EQ(cause_of(output), safety::name_of(event));
+  }
 }
 
 TEST(WriterCount, IsOneOnlyWhereEveryTopicIsRight) {
@@ -296,6 +352,8 @@ TEST(WriterCount, IsOneOnlyWhereEveryTopicIsRight) {
       WriterCounts counts = right;
       counts.*field = wrong;
       EXPECT_NE(writer_count(counts), 1) << wrong;
+      const bool alive = field == &WriterCounts::measurements_alive || field == &WriterCounts::requests_alive;
+      EXPECT_EQ(writer_count(counts), alive ? 0 : wrong) << "which shows in the supervisor's inputs";
     }
   std::int32_t WriterCounts::*const optional[] = {&WriterCounts::plans, &WriterCounts::verdicts,
                                                   &WriterCounts::log};
@@ -306,30 +364,48 @@ TEST(WriterCount, IsOneOnlyWhereEveryTopicIsRight) {
     counts.*field = 2;
     EXPECT_EQ(writer_count(counts), 2);
   }
+  WriterCounts at_rest = right;
+  at_rest.plans = at_rest.verdicts = at_rest.log = 0;
+  EXPECT_EQ(writer_count(at_rest), 1);
 }
 
-TEST(DecisionMessage, CarriesTheSupervisorsOutput) {
-  safety::SupervisorOutput output;
-  output.permit.seq = 3, output.permit.session = 4, output.permit.epoch = 5;
-  output.permit.mode = Mode::Hold, output.permit.stop = StopCategory::C2Hold;
-  output.event = safety::Event::StepReached;
-  output.worst = safety::Hazard::PatientMotion, output.reason = safety::Hazard::StepDepth;
-  output.refusal = safety::Refusal::TokenSpent;
-  output.step = 6, output.step_done = true, output.image_allowed = true, output.image_disturbed = false;
-  const Decision message = decision_message(output, 7, 8);
-  EXPECT_EQ(message.time_us, 7);
-  EXPECT_EQ(message.at_ns, 8);
-  EXPECT_EQ(message.session, 4U);
-  EXPECT_EQ(message.epoch, 5U);
-  const safety::SupervisorOutput back = supervisor_output(message, output.permit);
-  EXPECT_EQ(back.permit.mode, Mode::Hold);
-  EXPECT_EQ(back.permit.stop, StopCategory::C2Hold);
-  EXPECT_EQ(back.event, output.event);
-  EXPECT_EQ(back.worst, output.worst);
-  EXPECT_EQ(back.reason, output.reason);
-  EXPECT_EQ(back.refusal, output.refusal);
-  EXPECT_EQ(back.step, 6U);
-  EXPECT_TRUE(back.step_done && back.image_allowed && !back.image_disturbed);
+// Numbers all different, each flag alone: a field that is read from its neighbour shows.
+TEST(DecisionMessage, CarriesEachFieldOfTheSupervisorsOutputThereAndBack) {
+  for (int flag = 0; flag < 3; ++flag) {
+    safety::SupervisorOutput output;
+    output.permit.seq = 3, output.permit.session = 4, output.permit.epoch = 5, output.permit.challenge = 9;
+    output.permit.mode = Mode::Hold, output.permit.stop = StopCategory::C2Hold;
+    output.event = safety::Event::StepReached;
+    output.worst = safety::Hazard::PatientMotion, output.reason = safety::Hazard::StepDepth;
+    output.refusal = safety::Refusal::PlanDone;
+    output.step = 6;
+    output.step_done = flag == 0, output.image_allowed = flag == 1, output.image_disturbed = flag == 2;
+    output.interlock_pulse = flag != 2;
+    const Decision expected{.seq = 3,
+                            .time_us = 7,
+                            .at_ns = 8,
+                            .session = 4,
+                            .epoch = 5,
+                            .mode = Mode::Hold,
+                            .stop = StopCategory::C2Hold,
+                            .event = static_cast<std::uint8_t>(safety::Event::StepReached),
+                            .worst = static_cast<std::uint8_t>(safety::Hazard::PatientMotion),
+                            .reason = static_cast<std::uint8_t>(safety::Hazard::StepDepth),
+                            .refusal = static_cast<std::uint8_t>(safety::Refusal::PlanDone),
+                            .step = 6,
+                            .step_done = flag == 0,
+                            .image_allowed = flag == 1,
+                            .image_disturbed = flag == 2};
+    const Decision message = decision_message(output, 7, 8);
+    EXPECT_EQ(message, expected);
+    Permit permit;  // of an earlier tick, but for what the message says
+    permit.v_max_mV = 1'234, permit.challenge = 10;
+    const safety::SupervisorOutput back = supervisor_output(message, permit);
+    permit.seq = 3, permit.session = 4, permit.epoch = 5;
+    permit.mode = Mode::Hold, permit.stop = StopCategory::C2Hold;
+    EXPECT_EQ(back.permit, permit);
+    EXPECT_EQ(decision_message(back, 7, 8), expected);
+  }
 }
 
 }  // namespace

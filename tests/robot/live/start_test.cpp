@@ -6,7 +6,6 @@
 
 #include "drivers/digital_io/shared_io.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/cycle/self_test.hpp"
 #include "robot/live/monotonic_session_id.hpp"
 #include "robot/live/supervisor_loop.hpp"
 #include "tests/scratch_folder.hpp"
@@ -15,52 +14,6 @@ namespace biopsy::live {
 namespace {
 
 using namespace safety;
-using robot::self_test;
-
-TEST(SelfTest, IsPassedByWhatShips) {
-  EXPECT_EQ(self_test(), SelfTest::Passed);
-}
-
-TEST(SelfTest, IsFailedByEvidenceThatTrusts) {
-  EXPECT_EQ(self_test({.assess = [](const PlanFacts&, EvidenceMemory&,
-                                    const SupervisorInputs&) { return Evidence{.clear = kAllHazards}; }}),
-            SelfTest::Failed);
-}
-
-TEST(SelfTest, IsFailedByEvidenceThatMissesTooMuchVoltage) {
-  EXPECT_EQ(self_test({.assess =
-                           [](const PlanFacts& plan, EvidenceMemory& memory, const SupervisorInputs& seen) {
-                             Evidence found = assess(plan, memory, seen);
-                             found.clear |= bit(Hazard::OverVoltage);
-                             return found;
-                           }}),
-            SelfTest::Failed);
-}
-
-TEST(SelfTest, IsFailedByASupervisorThatGoesOnOrNeverStarts) {
-  using Result = std::pair<SupervisorState, SupervisorOutput>;
-  EXPECT_EQ(self_test({.step = [](const PlanFacts&, const SupervisorState& state, const SupervisorInputs&,
-                                  const Evidence&) -> Result {
-              return {state, {}};
-            }}),
-            SelfTest::Failed);
-  EXPECT_EQ(self_test({.step = [](const PlanFacts& plan, const SupervisorState& state,
-                                  const SupervisorInputs& inputs, const Evidence& evidence) -> Result {
-              Result result = step(plan, state, inputs, evidence);
-              result.second.permit.hv_enable = true;
-              return result;
-            }}),
-            SelfTest::Failed);
-}
-
-TEST(SelfTest, IsFailedByAWrongAnswerAndByASealThatHoldsOnAnything) {
-  EXPECT_EQ(self_test({.answer_to = [](std::uint32_t, std::int32_t, Mode, std::uint32_t) -> std::uint32_t {
-              return 7;
-            }}),
-            SelfTest::Failed);
-  EXPECT_EQ(self_test({.seal_holds = [](const Plan&) { return true; }}), SelfTest::Failed);
-  EXPECT_EQ(self_test({.seal_holds = [](const Plan&) { return false; }}), SelfTest::Failed);
-}
 
 // A supervisor alone on a bus of its own, for some ticks.
 Mode mode_after_start(SelfTest self) {
