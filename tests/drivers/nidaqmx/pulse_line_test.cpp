@@ -37,8 +37,36 @@ TEST(PulseLine, ThatFailedOnceStaysAsItIsSoThatTheTimerRunsOut) {
   fake_fail("DAQmxWriteDigitalScalarU32", kDeviceGone, 1);
   line.pulse();
   EXPECT_TRUE(line.failed());
+  for (int n = 0; n < 3; ++n) {
+    line.pulse();
+    EXPECT_FALSE(board.supervisor_high);
+    EXPECT_TRUE(line.failed());
+  }
+}
+
+TEST(PulseLine, GoesOnAfterAWarning) {
+  fake::Board& board = *fake_reset();
+  PulseLine line(laboratory());
+  fake_fail("DAQmxWriteDigitalScalarU32", 200015, 1);
   line.pulse();
+  EXPECT_FALSE(line.failed());
+  line.pulse();
+  line.pulse();
+  EXPECT_TRUE(board.supervisor_high);
+}
+
+// On any board, port and line; the level that an earlier process left is taken away.
+TEST(PulseLine, IsTheLineThatIsWired) {
+  fake::Board& board = *fake_reset();
+  board.supervisor_wire = "Dev2/port1/line3";
+  board.supervisor_line = 3;
+  board.supervisor_high = true;
+  Config config = laboratory();
+  config.supervisor_pulse->port = 1, config.supervisor_pulse->line = 3;
+  PulseLine line(config);
   EXPECT_FALSE(board.supervisor_high);
+  line.pulse();
+  EXPECT_TRUE(board.supervisor_high);
 }
 
 TEST(PulseLine, IsRefusedWhereNoneIsWiredOrTheBoardRefuses) {

@@ -35,8 +35,9 @@ struct Input {
 
 struct BoardTask {
   std::vector<Input> inputs;
-  std::uint32_t lines = 0;  // that it may write
+  std::uint32_t lines = 0;  // that it may write, or reads
   bool of_supervisor = false;
+  enum class Kind { None, AnalogInput, AnalogOutput, DigitalInput, DigitalOutput } kind = Kind::None;
   bool started = false;
 };
 
@@ -284,22 +285,28 @@ Status DAQmxCreateAIVoltageChan(void* handle, const char* channel, const char*, 
 Status DAQmxCreateAOVoltageChan(void* handle, const char* channel, const char*, double low, double high,
                                 std::int32_t units, const char*) {
   ENTER("DAQmxCreateAOVoltageChan", task, handle);
+  task->kind = BoardTask::Kind::AnalogOutput;
   if (std::strcmp(channel, "Dev1/ao0") != 0)
     return answer(kNoSuchChannel, "Physical channel does not exist.");
   return units == 10348 && low == -10.0 && high == 10.0 ? 0 : answer(-200077, "Value not supported.");
 }
 
-Status DAQmxCreateDIChan(void* handle, const char*, const char*, std::int32_t) {
+Status DAQmxCreateDIChan(void* handle, const char* lines, const char*, std::int32_t) {
   ENTER("DAQmxCreateDIChan", task, handle);
-  return static_cast<void>(task), 0;
+  task->kind = BoardTask::Kind::DigitalInput;
+  for (std::uint32_t line = 0; line < 8; ++line)
+    if (std::strstr(lines, ("Dev1/port0/line" + std::to_string(line)).c_str()) != nullptr)
+      task->lines |= 1U << line;
+  return task->lines != 0 ? 0 : answer(kNoSuchChannel, "Physical channel does not exist.");
 }
 
 Status DAQmxCreateDOChan(void* handle, const char* lines, const char*, std::int32_t) {
   ENTER("DAQmxCreateDOChan", task, handle);
+  task->kind = BoardTask::Kind::DigitalOutput;
   for (std::uint32_t line = 0; line < 4; ++line)
     if (std::strstr(lines, ("Dev1/port1/line" + std::to_string(line)).c_str()) != nullptr)
       task->lines |= 1U << line;
-  task->of_supervisor = std::strcmp(lines, "Dev2/port0/line0") == 0;
+  task->of_supervisor = std::strcmp(lines, board->supervisor_wire) == 0;
   return task->lines != 0 || task->of_supervisor ? 0
                                                  : answer(kNoSuchChannel, "Physical channel does not exist.");
 }
@@ -317,12 +324,16 @@ Status DAQmxReadAnalogF64(void* handle, std::int32_t samples, double, std::uint3
 
 Status DAQmxReadDigitalScalarU32(void* handle, double, std::uint32_t* lines, std::uint32_t*) {
   ENTER("DAQmxReadDigitalScalarU32", task, handle);
-  *lines = contacts_with_hand();
-  return static_cast<void>(task), 0;
+  if (!task->started || task->kind != BoardTask::Kind::DigitalInput)
+    return answer(-200983, "You only can read from a task of this kind that was started.");
+  *lines = contacts_with_hand() & task->lines;
+  return 0;
 }
 
 Status DAQmxWriteAnalogScalarF64(void* handle, std::uint32_t, double, double volts, std::uint32_t*) {
   ENTER("DAQmxWriteAnalogScalarF64", task, handle);
+  if (!task->started || task->kind != BoardTask::Kind::AnalogOutput)
+    return answer(-200846, "Write cannot be performed: another kind of task, or one not started.");
   if (!(std::abs(volts) <= 10.0)) return answer(-200077, "Requested value is not supported.");
   board->output_V = volts;
   board->highest_V = std::max(board->highest_V, std::abs(volts));
@@ -332,12 +343,15 @@ Status DAQmxWriteAnalogScalarF64(void* handle, std::uint32_t, double, double vol
 
 Status DAQmxWriteDigitalScalarU32(void* handle, std::uint32_t, double, std::uint32_t lines, std::uint32_t*) {
   ENTER("DAQmxWriteDigitalScalarU32", task, handle);
+  if (!task->started || task->kind != BoardTask::Kind::DigitalOutput)
+    return answer(-200846, "Write cannot be performed: another kind of task, or one not started.");
   if (task->of_supervisor) {
-    if (board->supervisor_high != ((lines & 1U) != 0)) {
+    const bool high = (lines >> board->supervisor_line & 1U) != 0;
+    if (board->supervisor_high != high) {
       board->supervisor_us = board->now_us;
       if (shared_relay() != nullptr) *shared_relay() = monotonic_ns();
     }
-    board->supervisor_high = (lines & 1U) != 0;
+    board->supervisor_high = high;
     return 0;
   }
   const std::uint32_t next = (board->lines & ~task->lines) | (lines & task->lines);

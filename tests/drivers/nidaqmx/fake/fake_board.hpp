@@ -24,7 +24,9 @@ struct Board {
   bool has_interlock = true;                     // fitted: the amplifier is on only while it is closed
   std::int64_t interlock_us = 20'000;
   std::int64_t pulse_us = -1'000'000;  // when the driver's pulse last changed
-  // The supervisor's half, on Dev2/port0/line0; closed until its first pulse.
+  // The supervisor's half, on a line of another board; closed until its first pulse.
+  const char* supervisor_wire = "Dev2/port0/line0";
+  std::uint32_t supervisor_line = 0;
   bool has_supervisors_half = true;
   std::int64_t supervisor_us = -1;
   bool supervisor_high = false;
