@@ -77,7 +77,8 @@ TEST_F(CheckKeys, AMissingFileIsNamed) {
 TEST_F(CheckKeys, AFileThatOthersMayReadIsRefused) {
   verifies("R-64");
   for (const fs::path& file : all_files(files_)) {
-    for (const fs::perms bit : {fs::perms::group_read, fs::perms::others_read, fs::perms::group_write}) {
+    for (const fs::perms bit : {fs::perms::group_read, fs::perms::group_write, fs::perms::group_exec,
+                                fs::perms::others_read, fs::perms::others_write, fs::perms::others_exec}) {
       fs::permissions(file, bit, fs::perm_options::add);
       EXPECT_TRUE(stage_problem().starts_with(file.filename().string() + ": is open to other users"));
       fs::permissions(file, bit, fs::perm_options::remove);

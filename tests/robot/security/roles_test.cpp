@@ -21,6 +21,16 @@ std::vector<Role> writers_of(const Topic& topic) {
   return writers;
 }
 
+TEST(Roles, PermissionsAreValidAsLongAsTheIdentity) {
+  const Validity times{std::chrono::sys_seconds(std::chrono::seconds(1'000'000'000)),
+                       std::chrono::sys_seconds(std::chrono::seconds(2'000'000'000))};
+  for (const Role role : kRoles) {
+    const std::string text = permissions_xml(role, times);
+    EXPECT_NE(text.find("<not_before>2001-09-09T01:46:40Z</not_before>"), std::string::npos);
+    EXPECT_NE(text.find("<not_after>2033-05-18T03:33:20Z</not_after>"), std::string::npos);
+  }
+}
+
 TEST(Roles, EveryCommandHasExactlyOneWriter) {
   EXPECT_EQ(writers_of(kTopic<DriveRequest>), std::vector{Role::Controller});
   EXPECT_EQ(writers_of(kTopic<Permit>), std::vector{Role::Supervisor});

@@ -176,6 +176,8 @@ class Finder:
             have.append(("arithmetic", changed))
 
     def note_return(self, node, source, value, function):
+        if function is None:
+            return  # of a template: its type is not known
         is_lambda = function.kind == K.LAMBDA_EXPR
         result = operators.bare(value).type if is_lambda else function.result_type
         for name, changed in operators.of_return(value, source.of(value), result):
@@ -188,7 +190,10 @@ class Finder:
         """Statements that can be left out, and conditions."""
         if node.kind in (K.IF_STMT, K.WHILE_STMT):
             children = [child for child in children if child.kind != K.DECL_STMT]  # if (Type name; condition)
-            source.change(children[0], operators.of_condition(children[0], source.of(children[0])))
+            if children[0].kind == K.VAR_DECL:  # if (Type name = value): what is tested has no text of its own
+                children = children[1:]
+            else:
+                source.change(children[0], operators.of_condition(children[0], source.of(children[0])))
             children = children[1:]
         elif node.kind in (K.FOR_STMT, K.CXX_FOR_RANGE_STMT):
             children = children[-1:]

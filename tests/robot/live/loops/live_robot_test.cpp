@@ -2,6 +2,7 @@
 // that stands still; what it makes of the ticks that it receives.
 #include "drivers/digital_io/shared_io.hpp"
 #include "planner/plan/seal.hpp"
+#include "robot/common/operator_name.hpp"
 #include "tests/robot/live/loops/live_robot_bench.hpp"
 
 namespace biopsy::loops_tests {
@@ -210,6 +211,7 @@ TEST_F(LiveRobotBench, SaysThatItIsReadyWithItsConfiguration) {
   EXPECT_EQ(sent.back().process, Process::Person);
   EXPECT_EQ(sent.back().config_tag, kConfig);
   EXPECT_TRUE(sent.back().ready);
+  EXPECT_EQ(sent.back().note, operator_name()) << "who operates, for the log";
 }
 
 TEST_F(LiveRobotBench, RetractsWithARampUntilHighVoltageIsNoLongerPermitted) {

@@ -111,7 +111,8 @@ TEST_F(RecorderLoopBench, SaysWhatWasDecidedWithTheSupervisorsOwnTimes) {
 }
 
 TEST_F(RecorderLoopBench, WritesEveryChangeOfAnActButNotItsRepetition) {
-  const OperatorAct base = fields::distinct<OperatorAct>(80);
+  OperatorAct base = fields::distinct<OperatorAct>(80);
+  base.token = 500;  // no number is the next of its neighbour
   std::size_t field = 0;
   fields::for_each_field(base, [&](auto member, const OperatorAct& act) {
     (void)after(base);
@@ -121,7 +122,7 @@ TEST_F(RecorderLoopBench, WritesEveryChangeOfAnActButNotItsRepetition) {
   });
   OperatorAct act;
   act.token = 5, act.held = true, act.stop = StopCategory::C2Hold, act.finish = true, act.acquiring = false,
-  act.arm = true;
+  act.arm = true, act.patient_motion_um = 1'250;
   const std::vector<Record> records = after(act);
   ASSERT_EQ(records.size(), 1U);
   const json body = json::parse(records[0].body);
@@ -132,6 +133,33 @@ TEST_F(RecorderLoopBench, WritesEveryChangeOfAnActButNotItsRepetition) {
   EXPECT_EQ(body["acquiring"], false);
   EXPECT_EQ(body["asks_arm"], true);
   EXPECT_EQ(body["asks_reset"], false);
+  EXPECT_EQ(body["hold_still"], false);
+  EXPECT_EQ(body["patient_motion_mm"], 1.25);
+  act.arm = false, act.hold_still = true;
+  EXPECT_EQ(json::parse(after(act).at(0).body)["hold_still"], true);
+}
+
+// Who operates is what the person's process says of itself, and it stands in every act.
+TEST_F(RecorderLoopBench, NamesTheOperatorInEveryRecordOfAPerson) {
+  Health person;
+  person.process = Process::Person;
+  person.seq = 1, person.ready = true, person.note = "Dr. Who";
+  const std::vector<Record> start = after(person);
+  ASSERT_EQ(kinds(start), "process start");
+  EXPECT_EQ(json::parse(start[0].body)["operator"], "Dr. Who");
+  Health stage;
+  stage.process = Process::Stage;
+  stage.seq = 1, stage.note = "a fault";
+  const std::vector<Record> other = after(stage);
+  ASSERT_FALSE(other.empty());
+  EXPECT_FALSE(json::parse(other[0].body).contains("operator")) << "a process is no operator";
+  OperatorAct act;
+  act.token = 5;
+  EXPECT_EQ(json::parse(after(act).at(0).body)["operator"], "Dr. Who");
+  DepthVerdictNote verdict;
+  verdict.seq = 5;
+  EXPECT_EQ(json::parse(after(verdict).at(0).body)["operator"], "Dr. Who");
+  EXPECT_EQ(json::parse(after(SealedPlan{1, {1, 2, 3}, {0xAB}, {}}).at(0).body)["operator"], "Dr. Who");
 }
 
 TEST_F(RecorderLoopBench, WritesWhatTheGateRefusesWhenHighVoltageSwitchesAndWhatIsRequestedAnew) {
