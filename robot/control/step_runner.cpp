@@ -61,7 +61,6 @@ RunnerState held(const PiGains& gains, RunnerState state, Millimetres error, Vol
 RunnerState lifted(RunnerState state, Millimetres depth, Volts envelope) {
   state.lock = lift(state.lock, state.loop.amplitude, envelope);
   state.setpoint = std::min(state.setpoint, depth);
-  state.raising = false;
   return state;
 }
 

@@ -162,5 +162,79 @@ TEST(NeedleLock, NothingIsLockedWithoutPermissionOrWithoutHighVoltage) {
   EXPECT_FALSE(runner.tick().brake);
 }
 
+// Ticks after the drive may rise until the brake lets go.
+int ticks_until_let_go(HeldRunner& runner, std::int32_t v_max_mV) {
+  runner.go_on(v_max_mV);
+  int ticks = 1;
+  while (runner.tick(1).brake) ++ticks;
+  return ticks;
+}
+
+TEST(NeedleLock, LetsGoInTheTickThatItsTimesSay) {
+  constexpr int kLiftMax = kLiftMax_ticks;
+  // Below what carried it: the last kCarry ticks are for the retained charge, the first of them counts.
+  // Above it but not past it: there is no time left for all of the way down and kCarry ticks.
+  for (const auto& [v_max_mV, ticks] : {std::pair{3'000'000, kLiftMax - 1}, {5'000'000, kLiftMax}}) {
+    HeldRunner runner;
+    runner.hold_still = true;
+    runner.run(1'000);
+    EXPECT_EQ(ticks_until_let_go(runner, v_max_mV), ticks) << v_max_mV;
+  }
+  // What was waited before a release of the button is waited again.
+  HeldRunner runner;
+  runner.hold_still = true;
+  runner.run(1'000);
+  runner.go_on(3'000'000);
+  runner.run(static_cast<int>(kLiftMax_ticks - 100), 1);
+  runner.hold();
+  runner.run(10, 1);
+  EXPECT_EQ(ticks_until_let_go(runner, 3'000'000), kLiftMax - 1);
+}
+
+TEST(NeedleLock, IsLiftedPastWhatCarriedItEachTimeAndNoFasterThanItWasUnloaded) {
+  HeldRunner runner;
+  runner.hold_still = true;
+  for (int round = 0; round < 2; ++round) {
+    runner.hold();
+    runner.run(1'000);
+    runner.go_on(8'000'000);
+    std::int32_t highest_mV = 0;
+    for (int i = 0; i < 400; ++i) {
+      const std::int32_t now_mV = std::abs(runner.tick(1).wanted_mV);
+      ASSERT_LE(now_mV - highest_mV, 4'000'000 / static_cast<std::int32_t>(kUnload_ticks) + 1) << i;
+      highest_mV = std::max(highest_mV, now_mV);
+    }
+    EXPECT_EQ(highest_mV, to_mV(Volts(4'000.0) + kPast)) << round;
+  }
+}
+
+TEST(NeedleLock, RemembersWhatTheEnvelopeLetCarryTheNeedle) {
+  HeldRunner runner;
+  runner.hold_still = true;
+  runner.permit.v_max_mV = 3'000'000;
+  runner.tick();
+  EXPECT_EQ(runner.state.lock.carried, Volts(3'000.0));
+}
+
+TEST(NeedleLock, WhileItGripsTheDriveIsNotRegulated) {
+  HeldRunner runner;
+  runner.hold_still = true;
+  runner.tick();
+  runner.depth_mm = 2.4;  // beyond the step, as in a hold it would be let back
+  for (std::uint32_t i = 1; i < kGrip_ticks; ++i)
+    ASSERT_EQ(std::abs(runner.tick().wanted_mV), 4'000'000) << i;
+}
+
+TEST(NeedleLock, APermitWithoutTheBrakeOpensItAndDrives) {
+  HeldRunner runner;
+  runner.hold_still = true;
+  runner.run(1'000);
+  runner.go_on(8'000'000);
+  runner.permit.brake = false;
+  EXPECT_FALSE(runner.tick(1).brake);
+  EXPECT_FALSE(runner.state.lock.on);
+  EXPECT_GT(runner.state.setpoint, Millimetres(2.0));
+}
+
 }  // namespace
 }  // namespace biopsy::control

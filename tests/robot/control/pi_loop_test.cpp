@@ -91,5 +91,19 @@ TEST(SquareWave, IsTwoHertzAndBalanced) {
   EXPECT_EQ(polarity(500), 1);
 }
 
+TEST(PiLoop, IntegratesEverythingButWhatPushesFurtherOut) {
+  const PiGains gains{.proportional_V_per_mm = 0.0, .integral_V_per_mm_per_tick = 1.0};
+  struct Case {
+    double integral_V, error_mm, then_V;
+  };
+  for (const auto& [integral_V, error_mm, then_V] :
+       {Case{100.0, 0.5, 100.0}, Case{101.0, -0.5, 100.5}, Case{0.0, -0.5, 0.0}, Case{-1.0, 0.5, -0.5},
+        Case{1.0, -0.5, 0.5}}) {
+    const PiState next =
+        pi_step(gains, {.integral = Volts(integral_V), .amplitude = {}}, Millimetres(error_mm), Volts(100.0));
+    EXPECT_EQ(next.integral, Volts(then_V)) << integral_V << " " << error_mm;
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::control

@@ -231,5 +231,100 @@ TEST(StepRunner, SameInputsSameRequests) {
   EXPECT_EQ(requests(), requests());
 }
 
+// Two steps to one depth: the needle stands, only the step changes.
+Bench standing_at_step_one() {
+  Bench bench;
+  bench.plan = plan_of({step(2.0, 2.0, 0.1), step(2.0, 2.0, 0.1)});
+  for (int k = 0; k < 1'000; ++k) bench.tick(0.002 * k, raising());
+  for (int k = 0; k < 600; ++k) bench.tick(2.0, raising());
+  return bench;
+}
+
+int ticks_until_reached(Bench& bench, double depth_mm, std::uint32_t step_index) {
+  int ticks = 1;
+  while (!bench.tick(depth_mm, raising(), step_index).step_reached && ticks < 5'000) ++ticks;
+  return ticks;
+}
+
+TEST(StepRunner, EachStepHasItsWholeDwellWhicheverStepWasBefore) {
+  Bench bench = standing_at_step_one();
+  const std::uint32_t before = bench.state.seq;
+  EXPECT_EQ(ticks_until_reached(bench, 2.0, 1), 100);
+  EXPECT_EQ(bench.state.seq, before + 100);
+  EXPECT_EQ(ticks_until_reached(bench, 2.0, 0), 100) << "back to an earlier step";
+}
+
+TEST(StepRunner, AReadingFarOffBeginsTheDwellAnew) {
+  Bench bench = standing_at_step_one();
+  for (int k = 0; k < 90; ++k) ASSERT_FALSE(bench.tick(2.0, raising(), 1).step_reached);
+  bench.tick(2.5, raising(), 1);  // moves the mean by 8 um only
+  EXPECT_EQ(ticks_until_reached(bench, 2.0, 1), 100);
+}
+
+TEST(StepRunner, IsNotReachedByANeedleThatCreepsOutOfTheBand) {
+  Bench bench;
+  bench.plan = plan_of({step(2.0, 2.0, 0.1), step(2.0, 2.0, 2.0)});
+  for (int k = 0; k < 1'600; ++k) bench.tick(std::min(0.002 * k, 1.957), raising());
+  for (int k = 0; k < 1'500; ++k) ASSERT_FALSE(bench.tick(1.957, raising(), 1).step_reached);
+  for (int k = 0; k < 1'500; ++k) ASSERT_FALSE(bench.tick(1.945, raising(), 1).step_reached) << k;
+}
+
+TEST(StepRunner, HoldLetsANeedleBackThatStandsALittleBeyondItsStepForLong) {
+  Bench bench;
+  for (int k = 0; k < 1'200; ++k) bench.tick(2.0, raising());
+  bench.state.loop.amplitude = Volts(4'000.0);
+  bench.tick(2.1, holding());
+  EXPECT_EQ(bench.amplitude_mV(), 4'000'000) << "one reading may be noise";
+  for (int k = 0; k < 300; ++k) bench.tick(2.1, holding());
+  EXPECT_LT(bench.amplitude_mV(), 4'000'000);
+}
+
+TEST(StepRunner, ReachedStaysReachedWhenTheVoltageIsOff) {
+  Bench bench = standing_at_step_one();
+  Permit off;
+  off.hv_enable = false;
+  EXPECT_TRUE(bench.tick(2.0, off).step_reached);
+}
+
+TEST(StepRunner, BeginsWithoutABumpAfterTheVoltageWasOff) {
+  Bench bench;
+  for (int k = 0; k < 800; ++k) bench.tick(0.0, raising());
+  Permit off;
+  off.hv_enable = false;
+  bench.tick(0.3, off);
+  EXPECT_FALSE(bench.state.raising);
+  bench.tick(0.1, raising());  // settled by 0.2 mm before the first tick of the drive
+  EXPECT_LT(bench.amplitude_mV(), 10'000) << "the stride and a tick of the integral";
+}
+
+TEST(StepRunner, AnswersANeedleThatFallsBackInProportionWhileItRaises) {
+  Bench bench;
+  for (int k = 0; k < 500; ++k) bench.tick(0.0, raising());
+  const std::int32_t before = bench.amplitude_mV();
+  bench.tick(-0.1, raising());
+  EXPECT_NEAR(bench.amplitude_mV() - before, 0.1e3 * bench.gains.proportional_V_per_mm, 10'000);
+}
+
+TEST(StepRunner, RaisesWithAnySlewAndWithNoneItHolds) {
+  for (const auto& [slew_mV, raises] : {std::pair{1, true}, {0, false}, {-1, false}}) {
+    Bench bench;
+    bench.state.loop.amplitude = Volts(1'000.0);
+    Permit permit = raising();
+    permit.slew_up_mV_per_tick = slew_mV;
+    for (int k = 0; k < 100; ++k) bench.tick(0.0, permit);
+    EXPECT_EQ(bench.state.setpoint > Millimetres(0), raises) << slew_mV;
+  }
+}
+
+TEST(StepRunner, SaysWhatItMeasuredLastAndWhereItsSetpointIs) {
+  Bench bench;
+  Measurement measurement;
+  measurement.seq = 77, measurement.answer = 78;
+  bench.state.setpoint = Millimetres(1.2);
+  const RunnerStep result = run_steps(bench.plan, bench.state, measurement, holding(), {});
+  EXPECT_EQ(result.request.measured_seq, 77U);
+  EXPECT_EQ(result.request.setpoint_um, 1'200);
+}
+
 }  // namespace
 }  // namespace biopsy::control

@@ -119,5 +119,47 @@ TEST(VoltageProgram, BeginsAnewAfterTheDriveWasOff) {
   EXPECT_EQ(player.tick(permit_in(Mode::Active)).wanted_mV, 0);
 }
 
+TEST(VoltageProgram, BetweenTwoSegmentsTheLaterOneBegins) {
+  const VoltageProgram jump{.segments = {{100, Volts(0), Volts(1000)}, {50, Volts(400), Volts(400)}}};
+  EXPECT_EQ(amplitude_at(jump, 100), Volts(400));
+  EXPECT_EQ(highest({.segments = {{10, Volts(500), Volts(0)}}}), Volts(500));
+  EXPECT_EQ(highest({.segments = {{10, Volts(0), Volts(700)}}}), Volts(700));
+}
+
+TEST(VoltageProgram, TurnsEachTickWhereItsHalfPeriodIsOneTick) {
+  Player player;
+  player.program.half_period_ticks = 1;
+  for (int i = 0; i < 200; ++i) player.tick(permit_in(Mode::Active));
+  EXPECT_GT(player.tick(permit_in(Mode::Active)).wanted_mV, 0);
+  EXPECT_LT(player.tick(permit_in(Mode::Active)).wanted_mV, 0);
+}
+
+TEST(VoltageProgram, GoesOnAfterAHoldItDidNotAskForWhereItStopped) {
+  Player player;
+  player.program.hold_from_tick = 100;
+  for (int i = 0; i < 60; ++i) player.tick(permit_in(Mode::Active));
+  for (int i = 0; i < 600; ++i) ASSERT_FALSE(player.tick(permit_in(Mode::Hold)).step_reached) << i;
+  EXPECT_EQ(player.state.ticks, 60U);
+  EXPECT_FALSE(is_played(player.program, player.state));
+  EXPECT_EQ(std::abs(player.tick(permit_in(Mode::Active)).wanted_mV), 600'000);
+  EXPECT_EQ(player.state.ticks, 61U);
+  for (int i = 61; i < 200; ++i)
+    ASSERT_EQ(player.tick(permit_in(Mode::Active)).step_reached, i + 1 >= 100) << i;
+}
+
+TEST(VoltageProgram, IsPlayedAtItsEndAndBeyond) {
+  for (const auto& [ticks, played] : {std::pair{499U, false}, {500U, true}, {501U, true}}) {
+    ProgramState state;
+    state.ticks = ticks;
+    EXPECT_EQ(is_played(up_stand_down(), state), played) << ticks;
+  }
+}
+
+TEST(VoltageProgram, AsksForNothingUnderALimitBelowZero) {
+  Player player;
+  for (int i = 0; i < 200; ++i) player.tick(permit_in(Mode::Active));
+  EXPECT_EQ(player.tick(permit_in(Mode::Active, -5'000'000)).wanted_mV, 0);
+}
+
 }  // namespace
 }  // namespace biopsy::control
