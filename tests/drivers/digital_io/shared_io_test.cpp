@@ -1,9 +1,13 @@
 // The shared I/O files: initial state, owners, and which files are refused.
 #include "drivers/digital_io/shared_io.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstddef>
 #include <functional>
 #include <iterator>
@@ -301,6 +305,69 @@ TEST(SharedIoRefusals, AnOwnerKeepsItsFileOpenAndClosesItAtItsEnd) {
   }
   EXPECT_EQ(open_files(), files);
   EXPECT_EQ(refusal_of([&] { IoFile(folder.path(), Owner::Stage, IoFile::Access::Own); }), "accepted");
+}
+
+// A limit of this process, lowered for a test.
+class LowerLimit {
+ public:
+  LowerLimit(__rlimit_resource resource, rlim_t limit) : resource_(resource) {
+    ::getrlimit(resource_, &before_);
+    const rlimit lower{limit, before_.rlim_max};
+    ::setrlimit(resource_, &lower);
+  }
+  ~LowerLimit() { ::setrlimit(resource_, &before_); }
+  LowerLimit(const LowerLimit&) = delete;
+  LowerLimit& operator=(const LowerLimit&) = delete;
+
+ private:
+  __rlimit_resource resource_;
+  rlimit before_{};
+};
+
+// As on a disk that has space for the title of the file only.
+TEST(SharedIoRefusals, AreMadeWholeOrNotAtAll) {
+  const ScratchFolder folder;
+  const auto signal_before = ::signal(SIGXFSZ, SIG_IGN);
+  const std::string refused = [&] {
+    const LowerLimit size(RLIMIT_FSIZE, kFileSize / 2);
+    return refusal_of([&] { create_shared_io(folder.path()); });
+  }();
+  ::signal(SIGXFSZ, signal_before);
+  EXPECT_NE(refused.find("cannot be made: File too large"), std::string::npos) << refused;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+#ifndef __SANITIZE_ADDRESS__  // which needs address space itself
+TEST(SharedIoRefusals, WithoutMemoryToMapIntoAreAnError) {
+  const ScratchFolder folder;
+  create_shared_io(folder.path());
+  const std::ptrdiff_t files = open_files();
+  const std::string refused = [&] {
+    const LowerLimit memory(RLIMIT_AS, 1);
+    return refusal_of([&] { IoFile(folder.path(), Owner::Stage, IoFile::Access::Own); });
+  }();
+  EXPECT_NE(refused.find("cannot be mapped"), std::string::npos) << refused;
+  EXPECT_EQ(open_files(), files);
+}
+#endif
+
+// A service that was started without standard input gets descriptor 0 for its first file.
+TEST(SharedIoRefusals, DescriptorZeroIsAFileLikeAnyOther) {
+  const ScratchFolder folder;
+  create_shared_io(folder.path());
+  const int input = ::dup(0);
+  ::close(0);
+  {
+    const IoFile owner(folder.path(), Owner::Stage, IoFile::Access::Own);
+    EXPECT_NE(::fcntl(0, F_GETFD), -1);
+    EXPECT_EQ(refusal_of([&] { IoFile(folder.path(), Owner::Panel, IoFile::Access::Own); }), "accepted");
+  }
+  EXPECT_EQ(::fcntl(0, F_GETFD), -1) << "closed at the end";
+  write_content(folder.path() / "stage", "short");
+  EXPECT_NE(refusal_of([&] { IoFile(folder.path(), Owner::Stage, IoFile::Access::Own); }), "accepted");
+  EXPECT_EQ(::fcntl(0, F_GETFD), -1) << "closed when it is refused";
+  ::dup2(input, 0);
+  ::close(input);
 }
 
 }  // namespace
