@@ -20,10 +20,11 @@ test.beforeAll(async () => {
 test.afterAll(() => robot.stop())
 
 // What lies at the middle and near the corners of each of these is it or part of it.
-async function covered(page: Page, selector: string): Promise<string[]> {
-  return page.evaluate((wanted) => {
+async function covered(page: Page, selector: string, all = true): Promise<string[]> {
+  return page.evaluate(([wanted, hidden]) => {
     const out: string[] = []
     for (const one of document.querySelectorAll<HTMLElement>(wanted)) {
+      if (!hidden && !one.checkVisibility()) continue
       const { left, top, right, bottom } = one.getBoundingClientRect()
       const name = one.textContent!.slice(0, 30)
       if (right - left < 40 || left < 0 || top < 0 || right > innerWidth || bottom > innerHeight) out.push(`${name}: out of view`)
@@ -33,7 +34,7 @@ async function covered(page: Page, selector: string): Promise<string[]> {
       }
     }
     return out
-  }, selector)
+  }, [selector, all] as const)
 }
 
 for (const [width, height] of kSizes)
@@ -50,6 +51,132 @@ for (const [width, height] of kSizes)
       const scrolls = await page.evaluate(() => [document.documentElement.scrollHeight > innerHeight, document.documentElement.scrollWidth > innerWidth])
       expect(scrolls, scene.name).toEqual([false, false])
       if (['confirm', 'trip', 'check'].includes(scene.name)) await expectAccessible(page)
+    }
+  })
+
+// Whoever accepts a depth sees the picture, the error and how long the needle is held, without scrolling.
+for (const [width, height] of kSizes)
+  test(`a depth is not accepted unseen at ${width} x ${height}`, async ({ page }) => {
+    await page.setViewportSize({ width, height })
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    await showScene(operator, kScenes.find(({ name }) => name === 'confirm')!, checked)
+    await expect(page.locator('[data-name=error]')).toHaveText('0.03 mm')
+    expect(await covered(page, '.decide button, .confirm svg, [data-name=error], [data-name=hold-left]')).toEqual([])
+  })
+
+const kTools = ['Set entry', 'Set target', 'Undo', 'Redo', 'Other series', 'axial', 'coronal', 'sagittal', 'along the needle', '3-D', 'Zoom out', 'Zoom in', 'Fit view', 'Ruler', 'List of keys']
+
+// The last: a window of a browser on the smaller laptop.
+for (const [width, height] of [...kSizes, [1280, 600]] as const)
+  test(`every tool of the viewer is reached without scrolling at ${width} x ${height}`, async ({ page }) => {
+    await page.setViewportSize({ width, height })
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    const welcome = await lastEvent(page, 'Welcome')
+    await freezePage(page, { mode: 'Safe', step: 'Plan', alarms: [kWarning] }, [{ ...welcome, series: [welcome.series[0], { ...welcome.series[0], series_uid: '1.2' }] } as Message])
+    await expect(operator.button('Other series')).toBeAttached()
+    const sections = page.locator('.sections button')
+    const reached = new Set<string>()
+    const look = async () => {
+      const scrolls = await page.locator('.picking').evaluate((bar) => [bar.scrollWidth - bar.clientWidth, bar.scrollHeight - bar.clientHeight])
+      expect(scrolls).toEqual([0, 0])
+      expect(await covered(page, '.picking button, .picking input', false)).toEqual([])
+      for (const tool of kTools) if (await page.getByRole('button', { name: tool, exact: true }).isVisible()) reached.add(tool)
+      for (const slider of [/slice/, /tissues/]) if (await page.getByRole('slider', { name: slider }).isVisible()) reached.add(String(slider))
+      expect((await page.locator('.slices').boundingBox())!.height).toBeGreaterThan(140)
+    }
+    if (!(await sections.first().isVisible())) await look()
+    else
+      for (const section of await sections.all()) {
+        await section.click()
+        await look()
+        await expectAccessible(page)
+      }
+    expect([...reached].sort()).toEqual([...kTools, '/slice/', '/tissues/'].sort())
+  })
+
+// Letters tell the sides of the patient: nothing is written over them.
+for (const [width, height] of kSizes)
+  test(`names, letters, scale bars and legend keep apart at ${width} x ${height}`, async ({ page }) => {
+    test.setTimeout(200_000)
+    await page.setViewportSize({ width, height })
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    const canvas = page.locator('canvas[tabindex]')
+    const press = async (...keys: string[]) => {
+      await canvas.focus()
+      for (const key of keys) await page.keyboard.press(key)
+      await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))))
+    }
+    const meet = () =>
+      page.evaluate(() => {
+        const out: string[] = []
+        const legend = document.querySelector('.tissues')
+        for (const tile of document.querySelectorAll<SVGGElement>('[data-tile]')) {
+          const all = [...tile.querySelectorAll('.letter, .plane, .scale path, .scale text, .ruler text'), ...(legend ? [legend] : [])]
+          const boxes = all.map((one) => ({ one, box: one.getBoundingClientRect() })).filter(({ box }) => box.width > 0)
+          boxes.forEach(({ one: a, box: p }, n) =>
+            boxes.slice(n + 1).forEach(({ one: b, box: q }) => {
+              const part = a.parentElement === b.parentElement && a.closest('.scale')
+              const across = Math.min(p.right, q.right) - Math.max(p.left, q.left)
+              const down = Math.min(p.bottom - 4, q.bottom - 4) - Math.max(p.top + 4, q.top + 4) // of a line, the air
+              if (!part && across > 0 && down > 0) out.push(`${tile.dataset.tile}: ${a.textContent || 'bar'} on ${b.textContent || 'bar'}`)
+            }))
+        }
+        return out
+      })
+    await press('m')
+    const large = (await page.locator('[data-tile^=large] rect').first().boundingBox())!
+    await page.mouse.move(large.x + 20, large.y + 20)
+    await page.mouse.down()
+    await page.mouse.move(large.x + large.width - 14, large.y + large.height / 2 + 10, { steps: 3 }) // to the letter on the right
+    await page.mouse.up()
+    await press('m')
+    for (const view of ['1', '2', '3', '4', '5']) {
+      await press(view)
+      expect(await meet(), `view ${view}`).toEqual([])
+      await press(...Array(13).fill('+'))
+      expect(await meet(), `view ${view}, zoomed`).toEqual([])
+      await press('0')
+    }
+    await press('1', 'p')
+    if (await operator.button('slices').isVisible()) await operator.button('slices').click()
+    await expect(page.locator('.tissues')).toBeVisible()
+    expect(await meet(), 'with the tissues').toEqual([])
+    await press('p')
+  })
+
+test('whatever lies under the pointer, the image stays where it is', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  for (const [width, height] of kSizes) {
+    await page.setViewportSize({ width, height })
+    await page.mouse.move(5, 5)
+    const image = page.locator('.slices')
+    const at = await image.boundingBox()
+    const large = (await page.locator('[data-tile^=large] rect').first().boundingBox())!
+    await page.mouse.move(large.x + large.width - 3, large.y + large.height - 3)
+    await expect(page.locator('[data-name=from-entry]')).toContainText('beyond the stroke')
+    expect(await image.boundingBox(), `${width} x ${height}`).toEqual(at)
+  }
+})
+
+// Smaller laptops at 200 %: the page scrolls, between alarms and buttons that stay; nothing has to be scrolled sideways.
+for (const [width, height] of [[683, 384], [640, 360]] as const)
+  test(`a page that scrolls keeps alarms and STOP in view at ${width} x ${height}`, async ({ page }) => {
+    await page.setViewportSize({ width, height })
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    for (const name of ['hold', 'confirm', 'trip']) {
+      await showScene(operator, kScenes.find((scene) => scene.name === name)!, checked)
+      for (const part of ['.plan h2', name === 'confirm' ? '.decide button >> nth=0' : '.picking button >> nth=0']) {
+        const control = page.locator(part).first()
+        await control.evaluate((one) => one.scrollIntoView({ block: 'center' }))
+        expect(await covered(page, '.alarm, .stopping button, .act button'), `${name}, ${part}`).toEqual([])
+        await control.click({ trial: true })
+      }
+      expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0)
     }
   })
 

@@ -6,7 +6,7 @@ import { join } from 'node:path'
 
 import { expect, test } from '@playwright/test'
 
-import { PageOperator } from './support/page_operator'
+import { kActsMax, kFurtherActsMax, PageOperator } from './support/page_operator'
 import { expectAccessible } from './support/accessibility'
 import { kProgram, Robot } from './support/robot'
 import { lastEvent } from './support/tap'
@@ -14,7 +14,7 @@ import { lastEvent } from './support/tap'
 const folder = mkdtempSync(join(tmpdir(), 'biopsy-series-'))
 let robot: Robot
 
-// Beside the planning image: a second series of the same patient, the same of another patient, and a file that is no
+// Beside the planning image: seven further series of the same patient, one of another patient, and a file that is no
 // image. Each name is as long as the one that it replaces.
 test.beforeAll(async () => {
   const run = join(folder, 'run')
@@ -32,6 +32,7 @@ test.beforeAll(async () => {
     }
   }
   copy('second', '001', 'second acquisition', 'PHANTOM')
+  for (const n of [3, 4, 5, 6, 7, 8]) copy(`further-${n}`, `00${n}`, `further series   ${n}`.slice(0, 18), 'PHANTOM')
   copy('other-patient', '002', 'another one here!!', 'MRJONES')
   writeFileSync(join(images, 'lost.nii'), Buffer.alloc(400))
   robot = new Robot(['--image', images, '--series', planning, '--entry=-4.396,33.092,51.854', '--target=-6.6,33.1,50.7'])
@@ -46,7 +47,7 @@ test('a series of the folder can be chosen; one that cannot be opened shows the 
   const operator = new PageOperator(page, robot.url)
   await operator.open()
   const list = page.locator('.empty li')
-  await expect(list).toHaveCount(4)
+  await expect(list).toHaveCount(10)
   await expect(page.getByText('sample')).toHaveCount(0)
   await expect(list.filter({ hasText: 'lost.nii' }).getByRole('button')).toHaveAttribute('aria-disabled', 'true')
   await expect(list.filter({ hasText: 'lost.nii' }).locator('.why')).not.toBeEmpty()
@@ -81,6 +82,48 @@ test('opening another series clears points and plan', async ({ page }) => {
   await expect(otherPatient.getByRole('button')).toHaveAttribute('aria-disabled', 'true')
   await operator.button(/second acquisition/).click() // back to the one that is open
   await operator.imageShown()
+})
+
+// Without tissues to name, what is said of the pointer is short beside other words.
+test('whatever lies under the pointer, the image stays where it is', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  await operator.imageShown()
+  const image = page.locator('.slices')
+  for (const width of [1920, 1820, 1740, 1600]) {
+    await page.setViewportSize({ width, height: 1080 })
+    await page.mouse.move(5, 5)
+    const at = await image.boundingBox()
+    const large = (await page.locator('[data-tile^=large] rect').first().boundingBox())!
+    for (const share of [0.02, 0.5, 0.98]) {
+      await page.mouse.move(large.x + share * large.width, large.y + share * large.height)
+      await expect(page.locator('[data-name=pointed]')).toContainText('pointer')
+      expect(await image.boundingBox(), `${width}`).toEqual(at)
+    }
+  }
+})
+
+test('three targets on images of a patient: deliberate acts of each', async ({ page }) => {
+  test.setTimeout(400_000)
+  const operator = new PageOperator(page, robot.url)
+  await operator.open()
+  if ((await lastEvent(page, 'State')).step !== 'Image') {
+    await operator.imageShown()
+    await operator.button('Other series').click() // another test opened one: from the list, as at first
+  }
+  await operator.click(/Open muscle, gap, liver/)
+  await expect(page.locator('.caption')).toContainText('muscle, gap, liver', { timeout: 30_000 })
+  await operator.imageShown()
+  await operator.setPoints()
+  await operator.confirmPlan()
+  await operator.recover()
+  await operator.arm()
+  await operator.insert()
+  await operator.click('Accept this depth')
+  await expect(page.locator('[aria-current=step]')).toContainText(/Accepted|The run is over/)
+  expect(operator.acts).toBeLessThanOrEqual(kActsMax)
+  for (const share of [0.9, 0.9]) expect(await operator.furtherTarget(share)).toBeLessThanOrEqual(kFurtherActsMax)
+  await operator.retractAccepted()
 })
 
 // A browser has sixteen drawing contexts, and takes the oldest away from whoever opens one more.

@@ -10,7 +10,7 @@ import { listen } from './inputs'
 import { Overlay } from './overlay'
 import { NeedleCanvas } from './needle_canvas'
 import { redo, setPoint, undo } from './points'
-import { Caption, choosing, InputList, Legend, listed, Picking, Pointed, Slice, Tissues, Tools, Views } from './toolbar'
+import { Caption, choosing, InputList, listed, Pointed, Toolbar } from './toolbar'
 import { hideVolume, ruling, showVolume } from './view'
 
 const kPlanning: Step[] = ['Plan', 'Check', 'Arm'] // steps in which points may be changed
@@ -49,16 +49,9 @@ function Shown() {
         <canvas ref={canvas} tabIndex={0} aria-label="image: click or arrow keys move the crosshair, wheel the slice; ? lists all keys" />
         <NeedleCanvas />
         <Overlay />
-        <Legend />
         <InputList />
       </div>
-      <div class="picking">
-        {mayPlan() && <Picking />}
-        <Views />
-        <Tools />
-        <Tissues />
-        <Slice />
-      </div>
+      <Toolbar planning={mayPlan()} />
       <div class="readings">
         <Pointed />
         <Caption />

@@ -1,15 +1,23 @@
 // Drawn over the image, in each of its frames: crosshair, entry, target, path, live tip, points proposed by the case, the
 // stage's reach, ruler, scale bars. SVG, so that a test can read every position in mm from the page. Dashed: in front of
 // or behind the displayed slice.
-import { add, kNames, length, lettersOf, minus, mm, project, type Tile } from './geometry'
+import { add, kNames, length, lettersOf, minus, mm, project, type Tile, type View } from './geometry'
 import * as path from './path'
 import { crossed, crosshair, ruler, rulerLength, tiles } from './view'
 import { isOld, opened, plan, state, type Vec3 } from '../robot'
 
 const kOff_mm = 0.5
-const kBars_mm = [100, 50, 20, 10, 5, 2, 1]
+const kBars_mm = [100, 50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1]
 const kGap_px = 16
+// Where the name of a plane would reach the letter in the middle.
+const kShort: Record<View, string> = { axial: 'ax', coronal: 'cor', sagittal: 'sag', needle: 'ndl', '3-D': '3-D' }
 const kTextMin_px = 110 // below this height words would cover the picture
+const kLetter_px = 10
+const kFrame_px = 36 // along the edges of a tile: letters, names and scale bars
+const kBarText_px = 92 // what the scale bar's words and margins take beside it
+const kBarMin_px = 20
+const kRulerText_px = 76
+const kRulerRoom_px = 2 * kFrame_px + kRulerText_px
 const kTipSigma_mm = 0.1 // the laser's loop settles within this; paper IV.F
 
 const mmText = (p: Vec3) => p.map((v) => v.toFixed(3)).join(',')
@@ -77,16 +85,23 @@ function Reach(props: { tile: Tile; entry: Vec3; reach: number }) {
   return across > 0 ? <circle class="reach" data-name="reach" data-mm={props.reach} cx={x} cy={y} r={across} /> : null
 }
 
+// The nearest place within the frame of a tile, for what is so long.
+const inside = (at: number, from: number, size: number, long: number) =>
+  Math.max(Math.min(at, from + size - kFrame_px - long), from + kFrame_px)
+
 function Ruler(props: { tile: Tile }) {
   if (!ruler.value) return null
+  const { left, top, width, height } = props.tile
   const [a, b] = [project(props.tile, ruler.value.from), project(props.tile, ruler.value.to)]
   const off = Math.max(Math.abs(a.off), Math.abs(b.off)) > kOff_mm
   return (
     <g class="ruler" data-name="ruler" data-mm={rulerLength.value.toFixed(3)}>
       <line x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-dasharray={off ? '6 4' : 'none'} />
-      <text x={b.x + 10} y={b.y - 10}>
-        {mm(rulerLength.value)} mm
-      </text>
+      {width > kRulerRoom_px && (
+        <text x={inside(b.x + 10, left, width, kRulerText_px)} y={inside(b.y - 10, top + 16, height - 40, 0)}>
+          {mm(rulerLength.value)} mm
+        </text>
+      )}
     </g>
   )
 }
@@ -112,12 +127,17 @@ function Letters(props: { tile: Tile }) {
   )
 }
 
+const nameOf = ({ plane, width }: Tile) => (kLetter_px * kNames[plane].length + kFrame_px > width / 2 ? kShort[plane] : kNames[plane])
+
+// The longest that leaves room for the letter in the middle; where none does, above it.
 function Scale(props: { tile: Tile }) {
   const { tile } = props
-  // The longest that leaves room for the letter in the middle.
-  const bar = kBars_mm.find((one) => one / length(tile.right) + 82 < tile.width / 2) ?? kBars_mm.at(-1)!
+  const within = (room: number) => kBars_mm.find((one) => one / length(tile.right) < room)
+  const room = tile.width / 2 - kBarText_px
+  const beside = room < kBarMin_px ? undefined : within(room)
+  const bar = beside ?? within(tile.width - kBarText_px) ?? kBars_mm.at(-1)!
   const wide = bar / length(tile.right)
-  const [x, y] = [tile.left + tile.width - wide - 68, tile.top + tile.height - 12]
+  const [x, y] = [tile.left + tile.width - wide - 68, tile.top + tile.height - (beside ? 12 : kFrame_px)]
   return (
     <g class="scale" data-mm={bar}>
       <path d={`M${x},${y - 5}V${y}H${x + wide}V${y - 5}`} />
@@ -154,7 +174,7 @@ export function Overlay() {
             {tile.height > kTextMin_px && (
               <>
                 <text class="plane" x={tile.left + 14} y={tile.top + 26}>
-                  {kNames[tile.plane]}
+                  {nameOf(tile)}
                 </text>
                 <Letters tile={tile} />
                 <Scale tile={tile} />

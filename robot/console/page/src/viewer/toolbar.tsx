@@ -14,11 +14,15 @@ import { nearestAt } from './voxels'
 export const listed = signal(false) // the list of inputs is shown
 export const choosing = signal(false) // the list of series is shown, to open another one
 
-function Act(props: { name: string; text?: string; why?: string; pressed?: boolean; act: () => void }) {
+// Where there is no room for all tools (small.css) one section of them is unfolded.
+const kSections = ['points', 'views', 'tools', 'slices'] as const
+const section = signal<(typeof kSections)[number]>('points')
+
+function Act(props: { name: string; text?: string; wide?: boolean; why?: string; pressed?: boolean; act: () => void }) {
   const why = props.why ?? ''
   return (
     <button
-      class={props.text ? 'tool' : ''}
+      class={props.text ? 'tool' : props.wide ? 'wide' : ''}
       aria-label={props.text ? props.name : undefined}
       aria-disabled={why !== ''}
       aria-pressed={props.pressed}
@@ -30,11 +34,11 @@ function Act(props: { name: string; text?: string; why?: string; pressed?: boole
   )
 }
 
-export function Picking() {
+function Points() {
   const why = disabledReason.value
   const at = view.crosshair.value
   return (
-    <div class="group">
+    <div class="group" data-section="points">
       <Act name="Set entry" why={why} act={() => at && void setPoint('Entry', at)} />
       <Act name="Set target" why={why} act={() => at && void setPoint('Target', at)} />
       <Act name="Undo" text="↶" why={why || whyNoUndo.value} act={() => void undo()} />
@@ -46,13 +50,14 @@ export function Picking() {
   )
 }
 
-export function Views() {
+function Views() {
   return (
-    <div class="group">
+    <div class="group" data-section="views">
       {(Object.keys(kNames) as View[]).map((one) => (
         <Act
           key={one}
           name={kNames[one]}
+          wide={one === 'needle'}
           why={one === 'needle' ? view.whyNoNeedlePlane.value : ''}
           pressed={view.large.value === one}
           act={() => view.arrange(one)}
@@ -62,9 +67,9 @@ export function Views() {
   )
 }
 
-export function Tools() {
+function Tools() {
   return (
-    <div class="group">
+    <div class="group" data-section="tools">
       <Act name="Zoom out" text="−" act={() => view.zoomBy(1 / view.kZoomStep)} />
       <Act name="Zoom in" text="+" act={() => view.zoomBy(view.kZoomStep)} />
       <Act name="Fit view" act={view.resetView} />
@@ -75,10 +80,10 @@ export function Tools() {
 }
 
 // How strongly the tissues are painted over.
-export function Tissues() {
+function Tissues() {
   if (!labels.value || !coloured().length) return null
   return (
-    <label class="slice">
+    <label class="slice" data-section="slices">
       <span>
         tissues <b data-name="opacity">{mm(100 * opacity.value, 0)}</b> %
       </span>
@@ -94,11 +99,11 @@ export function Tissues() {
   )
 }
 
-// Over the image.
-export function Legend() {
+// Over the image, where there is room.
+function Legend() {
   if (!labels.value || opacity.value === 0) return null
   return (
-    <ul class="tissues" aria-label="colours of the tissues">
+    <ul class="tissues" data-section="slices" aria-label="colours of the tissues">
       {coloured().map(({ value, name }) => (
         <li key={value}>
           <svg width="16" height="16" aria-hidden="true">
@@ -139,7 +144,7 @@ export function Pointed() {
 
 function Turned() {
   return (
-    <label class="slice">
+    <label class="slice" data-section="slices">
       <span>
         turned <b data-name="turned">{turned.value}</b> deg
       </span>
@@ -155,7 +160,7 @@ function Turned() {
   )
 }
 
-export function Slice() {
+function Slice() {
   const tile = view.largeTile.value
   const at = view.crosshair.value
   if (tile?.plane === 'needle') return <Turned />
@@ -163,7 +168,7 @@ export function Slice() {
   const stack = view.stackOf(tile)
   const slice = Math.min(Math.max(Math.round(stack.at(at)), 0), stack.count - 1)
   return (
-    <label class="slice">
+    <label class="slice" data-section="slices">
       <span>
         {tile.plane} slice <b data-name="slice">{slice + 1}</b> of {stack.count}
       </span>
@@ -178,15 +183,33 @@ export function Slice() {
   )
 }
 
+export function Toolbar(props: { planning: boolean }) {
+  return (
+    <div class="picking" data-shown={section.value}>
+      <div class="sections" role="group" aria-label="tools shown">
+        {kSections.map((one) => (
+          <Act key={one} name={one} pressed={section.value === one} act={() => void (section.value = one)} />
+        ))}
+      </div>
+      {props.planning && <Points />}
+      <Views />
+      <Tools />
+      <Tissues />
+      <Legend />
+      <Slice />
+    </div>
+  )
+}
+
 export function Caption() {
   const series = opened.value!.series
   const { low, high } = view.windowed.value
   return (
     <p class="caption">
       {welcome.value?.simulated && <b>SIMULATED · </b>}
-      {series.description}
-      {series.oblique > 0.5 && ` · OBLIQUE ${series.oblique.toFixed(0)} deg`}
-      <span data-name="zoom"> · zoom {mm(view.zoom.value)}</span>
+      <span data-name="description">{series.description} · </span>
+      {series.oblique > 0.5 && `OBLIQUE ${series.oblique.toFixed(0)} deg · `}
+      <span data-name="zoom">zoom {mm(view.zoom.value)}</span>
       <span data-name="window">
         {' '}
         · window {mm(high - low, 0)} level {mm((low + high) / 2, 0)}
