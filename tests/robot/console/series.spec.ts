@@ -60,10 +60,21 @@ test('a series of the folder can be chosen; one that cannot be opened shows the 
   await expect(page.getByRole('checkbox')).toHaveCount(3)
 })
 
+// From the list, whatever an earlier test opened.
+async function openFirst(operator: PageOperator): Promise<void> {
+  await operator.open()
+  if ((await lastEvent(operator.page, 'State')).step !== 'Image') {
+    await operator.imageShown()
+    await operator.button('Other series').click()
+  }
+  await operator.click(/Open muscle, gap, liver/)
+  await expect(operator.page.locator('.caption')).toContainText('muscle, gap, liver', { timeout: 30_000 })
+  await operator.imageShown()
+}
+
 test('opening another series clears points and plan', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
-  await operator.open()
-  await operator.imageShown()
+  await openFirst(operator)
   const before = (await lastEvent(page, 'Opened')).series.series_uid
   await operator.click('Other series')
   await operator.button(/second acquisition/).click()
@@ -87,8 +98,7 @@ test('opening another series clears points and plan', async ({ page }) => {
 // Without tissues to name, what is said of the pointer is short beside other words.
 test('whatever lies under the pointer, the image stays where it is', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
-  await operator.open()
-  await operator.imageShown()
+  await openFirst(operator)
   const image = page.locator('.slices')
   for (const width of [1920, 1820, 1740, 1600]) {
     await page.setViewportSize({ width, height: 1080 })
@@ -106,14 +116,7 @@ test('whatever lies under the pointer, the image stays where it is', async ({ pa
 test('three targets on images of a patient: deliberate acts of each', async ({ page }) => {
   test.setTimeout(400_000)
   const operator = new PageOperator(page, robot.url)
-  await operator.open()
-  if ((await lastEvent(page, 'State')).step !== 'Image') {
-    await operator.imageShown()
-    await operator.button('Other series').click() // another test opened one: from the list, as at first
-  }
-  await operator.click(/Open muscle, gap, liver/)
-  await expect(page.locator('.caption')).toContainText('muscle, gap, liver', { timeout: 30_000 })
-  await operator.imageShown()
+  await openFirst(operator)
   await operator.setPoints()
   await operator.confirmPlan()
   await operator.recover()
@@ -133,8 +136,7 @@ test(`the image opened ${kReopenings} times keeps its drawing context`, async ({
   const complaints: string[] = []
   page.on('console', (message) => /context/i.test(message.text()) && complaints.push(message.text()))
   const operator = new PageOperator(page, robot.url)
-  await operator.open()
-  await operator.imageShown()
+  await openFirst(operator)
   for (let n = 0; n < kReopenings; ++n) {
     await operator.click('Other series')
     await expect(page.locator('body[data-image=shown]')).toHaveCount(0)
