@@ -40,10 +40,11 @@ fs::path ca_folder(const fs::path& folder) {
 fs::path default_folder() {
   if (const fs::path config = from_environment("XDG_CONFIG_HOME"); !config.empty())
     return config / "biopsy" / "keys";
-  if (const fs::path home = from_environment("HOME"); !home.empty())
-    return home / ".config" / "biopsy" / "keys";
-  throw ConfigError("neither XDG_CONFIG_HOME nor HOME names a folder", "keys",
-                    "name the folder of the keys on the command line");
+  const fs::path home = from_environment("HOME");
+  if (home.empty())
+    throw ConfigError("neither XDG_CONFIG_HOME nor HOME names a folder", "keys",
+                      "name the folder of the keys on the command line");
+  return home / ".config" / "biopsy" / "keys";
 }
 
 }  // namespace biopsy::security

@@ -1,12 +1,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <map>
-#include <random>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/atomic_directory.hpp"
@@ -78,26 +75,6 @@ TEST(MakeKeys, ReplacingKeepsTheOldSetAside) {
   EXPECT_NO_THROW(check_keys(set.folder(), Role::Stage, later));
   EXPECT_THROW(make_keys(set.folder(), 60, later, true), ConfigError) << "the same second";
   EXPECT_EQ(entries(set.folder().parent_path()), 2U);
-}
-
-// A real process, ended at a random moment of replacing.
-TEST(MakeKeys, AnInterruptedReplacementLeavesACompleteSetOrNone) {
-  std::mt19937 random(3);
-  int whole = 0;
-  for (int round = 0; round < 12; ++round) {
-    const TestKeySet set;
-    const pid_t child = fork();
-    if (child == 0) {
-      for (int i = 1;; ++i) make_keys(set.folder(), 30, now() + std::chrono::seconds(i), true);
-    }
-    usleep(static_cast<useconds_t>(random() % 100'000));
-    kill(child, SIGKILL);
-    waitpid(child, nullptr, 0);
-    if (!fs::exists(set.folder())) continue;
-    EXPECT_NO_THROW(check_set(set.folder(), kRoles, now() + std::chrono::minutes(1)));
-    ++whole;
-  }
-  EXPECT_GT(whole, 0);
 }
 
 TEST(MakeKeys, AFolderWithOtherFilesIsNeverMovedAside) {

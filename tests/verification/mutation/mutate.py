@@ -10,8 +10,10 @@ import json
 import os
 import random
 import resource
+import shutil
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import tomllib
@@ -21,6 +23,7 @@ from pathlib import Path
 
 QUICK_ONE_IN, QUICK_SEED = 12, 6
 WALKS = ("reachable steps", "reachable gates")  # a minute each: one walk for all that are compared with it
+MEMORY = "/dev/shm"  # where tests that wait for the disk do not wait
 NEAR_LINES = 2  # mutants so near to each other often die of the same test,
 NEAR_WEIGHT = 25  # which is tried before others that would take more than a 25th of its time
 
@@ -29,8 +32,11 @@ class Killers:
     """A running program `killers`: one mutant after the other in it, each in a process of its own."""
 
     def __init__(self, program, mutant=0):
+        self.scratch = Path(tempfile.mkdtemp())
+        self.scratch.chmod(0o755)  # a test may go on as another user
+        environment = {**os.environ, "MUTANT": str(mutant), "TMPDIR": str(self.scratch)}
         self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-                                        stderr=subprocess.DEVNULL, env={**os.environ, "MUTANT": str(mutant)})
+                                        stderr=subprocess.DEVNULL, env=environment)
 
     def first_to_fail(self, mutant, tests):
         """Name of the test that kills, "-" if all pass, "start" if it dies before the first one."""
@@ -40,6 +46,9 @@ class Killers:
             return self.process.stdout.readline().strip() or "start"
         except BrokenPipeError:
             return "start"
+        finally:
+            for left in self.scratch.iterdir():  # by a test that did not come to its end
+                shutil.rmtree(left, ignore_errors=True)
 
     def end(self):
         try:
@@ -206,6 +215,9 @@ def main():
         parser.error("build the target `mutants` first")
     start = time.monotonic()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    scratch = tempfile.TemporaryDirectory(prefix="mutation_", dir=MEMORY if os.path.isdir(MEMORY) else None)
+    os.chmod(scratch.name, 0o755)
+    os.environ["TMPDIR"] = tempfile.tempdir = scratch.name
     mill = Mill(options.build)
     equivalents = read_equivalents(options.equivalents)
     stale = set(equivalents) - {key_of(mutant) for mutant in mill.mutants}
@@ -222,6 +234,7 @@ def main():
                "tests_failing_unmutated": len(mill.failing),
                "seconds": round(time.monotonic() - start, 1)}
     passed = not (count["survivor"] or stale or mill.failing) and figures["canary_killed"] == 1
+    scratch.cleanup()
     tables = tables_of(mutants, verdicts, stale, mill.slow)
     report(figures, tables, mill.failing)
     if options.json:
