@@ -59,6 +59,7 @@ TEST_F(HeartbeatBench, OfAnotherCountsForHalfASecondToTheMicrosecond) {
   Health health;
   health.process = Process::Controller, health.seq = 3;
   EXPECT_EQ(board.of(Process::Controller, 1).seq, 0U) << "never heard";
+  EXPECT_EQ(board.of(Process::Controller, 1).process, Process::Controller);
   fake_bus::put(health);
   board.update(kStart_us);
   EXPECT_EQ(board.of(Process::Controller, kStart_us + 500'000), health);

@@ -88,7 +88,8 @@ TEST_F(IoStages, ASimulatedStageLivesThroughTheTimeThatWentByUpToFiftyMillisecon
                                          {7'200, 7U},
                                          {200, 0U},
                                          {500'000, 50U},
-                                         {1'000, 1U}}) {
+                                         {1'000, 1U},
+                                         {600, 1U}}) {  // rounded
     stage.written_mV.clear();
     at_us(us += passed_us);
     simulated.write(safety::GatedVoltage::off());

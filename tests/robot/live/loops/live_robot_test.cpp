@@ -1,5 +1,8 @@
 // The operator's side of the live robot: what its thread sends while the operator's program asks, and once
 // that stands still; what it makes of the ticks that it receives.
+#include <chrono>
+#include <future>
+
 #include "drivers/digital_io/shared_io.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/operator_name.hpp"
@@ -189,7 +192,7 @@ TEST_F(LiveRobotBench, ReturnsEveryTickInOrderWithWhatWasPutOutThen) {
 
 TEST_F(LiveRobotBench, KnowsTheHealthOfEachProcessForHalfASecond) {
   for (const Process process :
-       {Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
+       {Process::Interlock, Process::Recorder, Process::Supervisor, Process::Stage, Process::Controller}) {
     Health health;
     health.process = process;
     health.seq = 100 + static_cast<std::uint32_t>(process);
@@ -273,6 +276,33 @@ TEST_F(LiveRobotBench, RetractsForSixHundredTicksAtMost) {
 
 TEST_F(LiveRobotBench, ReturnsNothingWhereNoTickCame) {
   EXPECT_FALSE(robot->tick(asked()));
+}
+
+// On the machine's clock, as the operator's program waits: the fastest of a few, so that a busy machine does
+// not matter.
+TEST_F(LiveRobotBench, WakesTheProgramThatWaitsOnceItsTickCame) {
+  using Clock = std::chrono::steady_clock;
+  Clock::duration fastest = std::chrono::hours(1);
+  put_measurement();
+  turn(1'000);
+  for (std::uint32_t n = 0; n < 3; ++n) {
+    robot::OperatorInputs inputs = asked();
+    inputs.press.token = 50 + n;
+    auto waits = std::async(std::launch::async, [&] { return robot->tick(inputs).has_value(); });
+    std::int64_t us = 1'000'000 * (n + 1);
+    const auto is_sent = [&] {
+      const std::vector<OperatorAct> acts = fake_bus::written<OperatorAct>();
+      return !acts.empty() && acts.back().token == inputs.press.token;
+    };
+    do turn(us += 20'000);  // it holds the lock from its inputs to its wait
+    while (!is_sent());
+    const Clock::time_point came = Clock::now();
+    put_measurement();
+    turn(us += 1'000);
+    EXPECT_TRUE(waits.get());
+    fastest = std::min<Clock::duration>(fastest, Clock::now() - came);
+  }
+  EXPECT_LT(fastest, std::chrono::milliseconds(700)) << "it would wait for a second by itself";
 }
 
 TEST_F(LiveRobotBench, CountsTicksThatItMissedAndNoneThatCameTwiceOrFromAnotherStart) {

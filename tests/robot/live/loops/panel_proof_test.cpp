@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <utility>
 
 namespace biopsy::loops_tests {
@@ -33,6 +34,71 @@ TEST(PanelProof, IsRepeatedWhereItDidNotCountAndBegunAnewInASession) {
   presses(told, 4'000'000);
   told.session = 4;
   EXPECT_EQ(presses(told, 5'000'000), std::pair(20, 20));
+}
+
+using digital_io::PanelLevels;
+
+Decision told_by(std::uint32_t session, safety::Hazard worst = safety::Hazard::None) {
+  Decision told;
+  told.session = session;
+  told.epoch = 70;
+  told.worst = static_cast<std::uint8_t>(worst);
+  told.reason = static_cast<std::uint8_t>(safety::Hazard::None);
+  return told;
+}
+
+// What the operator's program asks for; nobody turns the arm key meanwhile.
+const PanelLevels kAsked{.arm_key = true, .estop_a_closed = true, .estop_b_closed = true};
+const PanelLevels kAtRest{.estop_a_closed = true, .estop_b_closed = true};
+const PanelLevels kTurned{.reset_key = true, .estop_a_closed = true, .estop_b_closed = true};
+
+TEST(PanelProof, PressesReleasesTurnsAndLetsGoATenthOfASecondEach) {
+  for (const std::uint32_t session : {1U, UINT32_MAX}) {
+    robot::PanelProof person;
+    const auto at = [&](std::int64_t us) { return person.levels(kAsked, told_by(session), 5'000'000 + us); };
+    EXPECT_EQ(person.levels(kAsked, told_by(0), 4'000'000), kAsked) << "no supervisor yet";
+    EXPECT_EQ(at(0), kAtRest);
+    EXPECT_EQ(at(99'999), kAtRest);
+    EXPECT_EQ(at(100'000), PanelLevels{});
+    EXPECT_EQ(at(150'000), PanelLevels{});
+    EXPECT_EQ(at(199'999), PanelLevels{});
+    EXPECT_EQ(at(200'000), kAtRest);
+    EXPECT_EQ(at(299'999), kAtRest);
+    EXPECT_EQ(at(300'000), kTurned);
+    EXPECT_EQ(at(350'000), kTurned);
+    EXPECT_EQ(at(399'999), kTurned);
+    EXPECT_EQ(at(400'000), kAsked);
+    EXPECT_EQ(at(9'000'000), kAsked);
+  }
+}
+
+TEST(PanelProof, BeginsAgainInAnotherSessionOrWhereItDidNotCountButNotBeforeThatIsTold) {
+  using safety::Hazard;
+  robot::PanelProof person;
+  std::int64_t began_us = 5'000'000;
+  const auto at = [&](std::int64_t us, const Decision& told) {
+    return person.levels(kAsked, told, began_us + us);
+  };
+  (void)at(0, told_by(9));
+  EXPECT_EQ(at(599'999, told_by(9, Hazard::PanelUntested)), kAsked);
+  EXPECT_EQ(at(700'000, told_by(9, Hazard::StepDepth)), kAsked) << "another hazard";
+  Decision before = told_by(9);
+  before.reason = static_cast<std::uint8_t>(Hazard::PanelUntested);
+  EXPECT_EQ(at(700'000, before), kAsked) << "it was so once";
+  (void)at(800'000, told_by(9));
+  for (int n = 0; n < 2; ++n) {
+    const std::int64_t again_us = n == 0 ? 900'000 : 600'000;
+    EXPECT_EQ(at(again_us, told_by(9, Hazard::PanelUntested)), kAtRest) << n;
+    EXPECT_EQ(at(again_us + 100'000, told_by(9, Hazard::PanelUntested)), PanelLevels{});
+    EXPECT_EQ(at(again_us + 599'999, told_by(9, Hazard::PanelUntested)), kAsked);
+    began_us += again_us;
+  }
+  for (const std::uint32_t session : {7U, 8U}) {  // with a smaller number, and with a larger one
+    began_us += 2'000'000;
+    EXPECT_EQ(at(0, told_by(session)), kAtRest) << session;
+    EXPECT_EQ(at(100'000, told_by(session)), PanelLevels{});
+    EXPECT_EQ(at(400'000, told_by(session)), kAsked);
+  }
 }
 
 }  // namespace

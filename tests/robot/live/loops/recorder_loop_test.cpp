@@ -300,6 +300,13 @@ TEST_F(RecorderLoopBench, NamesTheOperatorOfNow) {
     ASSERT_EQ(kinds(records), "operator act");
     EXPECT_EQ(json::parse(records[0].body)["operator"], name);
   }
+  now_us += 600'000;  // their program falls silent
+  turn(), turn();
+  (void)news();
+  ++act.token;
+  const std::vector<Record> records = after(act);
+  ASSERT_EQ(kinds(records), "operator act");
+  EXPECT_EQ(json::parse(records[0].body)["operator"], "Grace") << "the last who was there";
 }
 
 TEST_F(RecorderLoopBench, TellsTheAgeOfTheOldestTopicAsTheLogsBacklog) {

@@ -74,15 +74,42 @@ TEST_F(RecorderLoopBench, WritesWhatIsUrgentAtOnceAndTheRestWithinAHundredMillis
   expect(false, "note", health);
   fake_bus::state().endpoints = 1;
   expect(false, "endpoints", health);
+  expect(false, "a sensor of the patient", NavigationRequest{.measures_patient = true});
   const std::size_t had = on_disk();
   loop.note(recorder::RecordKind::ProcessStart, "{}", now_us);
   EXPECT_EQ(on_disk() - had, 1U) << "its own start";
+}
+
+TEST_F(RecorderLoopBench, WritesWhatTheBusTellsWithinAHundredMillisecondsToo) {
+  const auto on_disk = [&](const char* text) {
+    std::ptrdiff_t found = 0;
+    for (const Record& record : recorder::records_of(folder_of_log.log, folder_of_log.public_key()))
+      found += record.body.find(text) != std::string::npos ? 1 : 0;
+    return found;
+  };
+  const auto expect = [&](const char* text, std::int64_t us) {
+    log.flush(now_us);
+    const std::ptrdiff_t had = on_disk(text);
+    loop.turn(now_us += us);
+    EXPECT_EQ(on_disk(text), had) << text;
+    for (int n = 0; n < 10; ++n) turn();
+    EXPECT_EQ(on_disk(text), had + 1) << text << ", without a flush";
+  };
+  fake_bus::channel<Measurement>().missed = 3;
+  expect("deadlines_missed", 200'000);
+  fake_bus::state().participants = 2;
+  turn();
+  expect("participants_not_let_in", 1'500'000);
 }
 
 TEST_F(RecorderLoopBench, WritesChangesInBothDirections) {
   const auto kinds_after = [&](const auto& message) { return kinds(after(message)); };
   Decision decision;
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  for (const std::uint32_t seq : {5U, 6U, 9U}) {  // of session 0 too
+    decision.seq = seq;
+    EXPECT_EQ(kinds_after(decision), seq == 9 ? "reception gap" : "") << seq;
+  }
   decision.session = 9, decision.seq = 70, decision.step = 5;
   (void)after(decision);
   decision.session = 8, decision.seq = 3;  // another supervisor, with a clock that was set back
@@ -238,26 +265,31 @@ TEST_F(RecorderLoopBench, RunsOnABusWithoutSecurity) {
   for (const Record& record : news()) EXPECT_EQ(record.body.find("endpoints"), std::string::npos);
 }
 
-TEST_F(RecorderLoopBench, AsksAgainAboutParticipantsThatLeft) {
-  const auto told = [&](int there) {
-    fake_bus::state().participants = there;
-    std::vector<Record> records;
-    for (int n = 0; n < 200; ++n) {
-      turn();
-      for (const Record& record : news()) records.push_back(record);
-    }
-    return records;
+TEST_F(RecorderLoopBench, TellsParticipantsWithoutKeysOnceTheyStayedForAnAuthentication) {
+  // Alarms about participants in the turn that is `us` after the last.
+  const auto told_after = [&](std::int64_t us) {
+    loop.turn(now_us += us);
+    std::vector<json> bodies;
+    for (const Record& record : news())
+      if (record.kind == "alarm") bodies.push_back(json::parse(record.body));
+    return bodies;
   };
-  EXPECT_EQ(kinds(told(3)), "alarm");
-  const std::vector<Record> fewer = told(1);
-  ASSERT_EQ(kinds(fewer), "alarm");
-  EXPECT_EQ(json::parse(fewer[0].body), (json{{"participants_not_let_in", 1}}));
+  const std::vector<json> nothing;
+  const auto outside = [](int count) { return std::vector{json{{"participants_not_let_in", count}}}; };
+  fake_bus::state().participants = 3;
+  EXPECT_EQ(told_after(10'000), nothing);
+  EXPECT_EQ(told_after(1'499'999), nothing);
+  EXPECT_EQ(told_after(1), outside(3));
+  EXPECT_EQ(told_after(2'000'000), nothing) << "once";
+  fake_bus::state().participants = 1;  // two left
+  EXPECT_EQ(told_after(10'000), nothing);
+  EXPECT_EQ(told_after(1'500'001), outside(1));
   fake_bus::state().participants = 2;
-  turn();
-  loop.turn(now_us += 1'499'999);
-  EXPECT_EQ(kinds(news()).find("alarm"), std::string::npos);
-  loop.turn(now_us += 1);
-  EXPECT_NE(kinds(news()).find("alarm"), std::string::npos);
+  EXPECT_EQ(told_after(10'000), nothing);
+  fake_bus::state().participants = 4;  // another came meanwhile: its time counts
+  EXPECT_EQ(told_after(1'400'000), nothing);
+  EXPECT_EQ(told_after(200'000), nothing);
+  EXPECT_EQ(told_after(1'300'000), outside(4));
 }
 
 TEST_F(RecorderLoopBench, ReportsEveryFiftyMillisecondsInWholeMillisecondsOfItsClock) {
