@@ -171,7 +171,7 @@ TEST(LiveSettings, SurviveAnyBytes) {
 }
 
 // By OpenSSL's own SHA-256.
-TEST(LiveSettings, AreToldApartByTheirTextAndEveryFileThatTheyName) {
+TEST(LiveSettings, TheTagChangesWithEveryFileThatCounts) {
   const ScratchFolder folder;
   LiveSettings settings = example();
   settings.model = folder / "model.toml";
