@@ -360,6 +360,7 @@ TEST(SharedIoRefusals, DescriptorZeroIsAFileLikeAnyOther) {
   {
     const IoFile owner(folder.path(), Owner::Stage, IoFile::Access::Own);
     EXPECT_NE(::fcntl(0, F_GETFD), -1);
+    EXPECT_NE(::fcntl(1, F_GETFD), -1) << "and no other is closed";
     EXPECT_EQ(refusal_of([&] { IoFile(folder.path(), Owner::Panel, IoFile::Access::Own); }), "accepted");
   }
   EXPECT_EQ(::fcntl(0, F_GETFD), -1) << "closed at the end";
