@@ -118,8 +118,9 @@ TEST(LiveSettings, NameWhatIsMissingUnknownOrOfAnotherKind) {
     Json changed = good;
     changed.erase(name);
     EXPECT_EQ(refusal(changed.dump()), name == "faults" ? "" : "\"" + name + "\" is missing");
-    if (value.is_string())
+    if (value.is_string()) {
       EXPECT_EQ(with(Json::json_pointer("/" + name), 5), "\"" + name + "\" is not a text");
+    }
   }
   for (const char* name : {"name", "from_mm", "to_mm"}) {
     Json changed = good;
