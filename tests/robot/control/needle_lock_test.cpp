@@ -220,7 +220,7 @@ TEST(NeedleLock, WhileItGripsTheDriveIsNotRegulated) {
   HeldRunner runner;
   runner.hold_still = true;
   runner.tick();
-  runner.depth_mm = 2.4;  // beyond the step, as in a hold it would be let back
+  runner.depth_mm = 2.4;  // beyond the step, where an ordinary hold would lower the drive
   for (std::uint32_t i = 1; i < kGrip_ticks; ++i)
     ASSERT_EQ(std::abs(runner.tick().wanted_mV), 4'000'000) << i;
 }

@@ -240,11 +240,11 @@ TEST_F(KeyVerdicts, TheFirstProblemIsThrownWithItsPlaceAndRemedy) {
       return error.where + ": " + error.what_is_wrong + "; " + error.remedy;
     }
   };
-  const FileVerdict good{"/a", "A", {}, "", ""}, bad{"/b", "B", {}, "is bad", "mend it"},
+  const FileVerdict good{"/a", "A", {}, "", ""}, bad{"/b", "B", {}, "is bad", "correct it"},
       worse{"/c", "C", {}, "is worse", ""};
   EXPECT_EQ(thrown({}), "");
   EXPECT_EQ(thrown({good, good}), "");
-  EXPECT_EQ(thrown({good, bad, worse}), "/b: is bad; mend it");
+  EXPECT_EQ(thrown({good, bad, worse}), "/b: is bad; correct it");
   EXPECT_EQ(thrown({worse, bad}), "/c: is worse; ");
 }
 
