@@ -18,8 +18,7 @@ constexpr std::string_view kCurrentStatus = "CURRENT_STATUS", kCurrentPosition =
 // A client waits for 10 s.
 constexpr std::int64_t kBootMax_us = 9'000'000, kStopMax_us = 1'000'000, kPlanMax_us = 9'000'000;
 constexpr std::int64_t kStopAtLeast_us = 200'000;  // longer than any view of the robot is old
-constexpr std::int64_t kPositionEvery_us = 100'000;
-constexpr std::int64_t kPatientMax_us = 500'000;
+constexpr std::int64_t kPositionEvery_us = 100'000, kPatientMax_us = 500'000;
 constexpr std::size_t kEchoMax = 256;
 constexpr std::uint16_t kAscii = 3, kUtf8 = 106;  // MIBenum; a command is the same bytes in both
 
@@ -97,7 +96,6 @@ RobotProtocol::Messages RobotProtocol::receive(const Message& message, const Rob
     illegal("images are not taken here");
   }  // a STATUS is not answered: two robots would answer each other for ever
   update_stop(robot, now_us);
-  resolve(robot, now_us);
   return std::exchange(out_, {});
 }
 
@@ -144,8 +142,14 @@ void RobotProtocol::note_patient(const Transform& transform, std::int64_t now_us
 }
 
 void RobotProtocol::overtake() {
-  if (pending_) overtaken_ = pending_->what;
-  pending_.reset();
+  if (const auto due = std::exchange(pending_, std::nullopt)) overtaken_ = due->what;
+}
+
+// At once where it can be. Not with just any message: an answer is to whom it is due.
+void RobotProtocol::await(std::string_view what, const RobotView& robot, std::int64_t now_us) {
+  pending_ = Pending{std::string(what), now_us};
+  update_stop(robot, now_us);
+  resolve(robot, now_us);
 }
 
 // The wish to stop is set first of all; see receive().
@@ -156,11 +160,7 @@ void RobotProtocol::enter(Phase phase, const RobotView& robot, std::int64_t now_
   overtake();
   phase_ = phase;
   status(kCurrentStatus, StatusCode::Ok, place_text(robot), name_of(phase));
-  const auto wait = [&] { pending_ = Pending{std::string(name_of(phase)), now_us}; };
   switch (phase) {
-    case Phase::StartUp:
-      wait();
-      break;
     case Phase::Planning:
     case Phase::Calibration:
       manual_ = false;
@@ -178,11 +178,11 @@ void RobotProtocol::enter(Phase phase, const RobotView& robot, std::int64_t now_
       break;
     case Phase::Manual:
       manual_ = true;
-      wait();
-      break;
+      [[fallthrough]];
+    case Phase::StartUp:
     case Phase::Stop:
     case Phase::Emergency:
-      wait();
+      await(name_of(phase), robot, now_us);
       break;
   }
 }
@@ -238,7 +238,7 @@ void RobotProtocol::aim(const Transform& transform, const RobotView& robot, std:
   wish_.X_SR = *calibration_;
   wish_.p_ST = target_->p_ST;
   if (!target_->is_at_entry()) wish_.proposal = ++proposals_;
-  pending_ = Pending{std::string(kTarget), now_us};
+  await(kTarget, robot, now_us);
 }
 
 void RobotProtocol::resolve_target(const RobotView& robot, std::int64_t now_us) {
@@ -304,9 +304,9 @@ void RobotProtocol::begin_motion(const RobotView& robot, std::int64_t now_us) {
     status(name_of(Phase::MoveToTarget), StatusCode::Ok, "a person holds the button at the console");
   wish_.motion = !is_at_target(robot);
   moved_ = moved_ || wish_.motion;
-  pending_ = Pending{std::string(name_of(Phase::MoveToTarget)), now_us};
   position(robot);
   position_us_ = now_us;
+  await(name_of(Phase::MoveToTarget), robot, now_us);
 }
 
 void RobotProtocol::end_motion(StatusCode code, const std::string& text, const RobotView& robot) {

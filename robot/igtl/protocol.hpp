@@ -80,7 +80,8 @@ class RobotProtocol {
   // Answers in their order. The wish is up to date when it returns and goes to the robot before the answers
   // do: it stops before it acknowledges.
   Messages receive(const Message& message, const RobotView& robot, std::int64_t now_us);
-  // Call often: what is sent by itself, and answers that had to wait for the robot.
+  // Call often: what is sent by itself, and answers that had to wait for the robot, to whoever commanded
+  // last.
   Messages tick(const RobotView& robot, std::int64_t now_us);
   // The connection ended, in whatever way: a STOP where it had asked for motion. Calibration and target stay,
   // for a navigation program that comes back.
@@ -104,6 +105,7 @@ class RobotProtocol {
   void start_up(const RobotView& robot, std::int64_t now_us);
   void note_patient(const Transform& transform, std::int64_t now_us);
   void overtake();
+  void await(std::string_view what, const RobotView& robot, std::int64_t now_us);
   void calibrate(const Transform& transform, const RobotView& robot);
   void aim(const Transform& transform, const RobotView& robot, std::int64_t now_us);
   void begin_motion(const RobotView& robot, std::int64_t now_us);

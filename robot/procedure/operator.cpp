@@ -104,7 +104,13 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
       go(Phase::Withdraw, tick);
       break;
     case Phase::Arm:
-      if (mode == Mode::Armed && waited > kThink_ticks) go(Phase::Press, tick);
+      if (waited <= kThink_ticks) break;
+      // A moment's hazard refuses an arming, and the key must be turned again.
+      if (mode == Mode::Armed || ++repeated_presses_ <= kPressesMax)
+        return go(mode == Mode::Armed ? Phase::Press : Phase::WaitReady, tick);
+      give_up(fmt::format("arming was refused {} times; now: {}", kPressesMax + 1,
+                          safety::name_of(seen.supervisor.worst)));
+      go(Phase::Withdraw, tick);
       break;
     case Phase::Press:
       ++token_;

@@ -96,6 +96,27 @@ TEST(IgtlServer, OnlyOneControlsAndAnyoneMayStop) {
   EXPECT_EQ(bench.answers(second, 1), (Script{"STATUS STOP 1"}));
 }
 
+// What another client sends at the moment an answer is ready does not take it: a tracker sends fifty times a
+// second.
+TEST(IgtlServer, AnAnswerThatHadToWaitGoesToWhoAsked) {
+  for (const std::string other : {"PATIENT_MOTION", "Probe", "a query"}) {
+    Bench bench;
+    bench.robot.now.mode = Mode::Boot;
+    TestClient navigation(bench.port()), another(bench.port());
+    bench.command(navigation, "START_UP", 2);
+    if (other == "a query")
+      another.send({"", Query::Status});
+    else
+      another.send({other, Transform{}});
+    bench.robot.now.mode = Mode::Safe;
+    EXPECT_EQ(bench.answers(navigation, 1), (Script{"STATUS START_UP 1"})) << other;
+    Script to_another = another.came();
+    std::erase_if(to_another,
+                  [](const std::string& one) { return one.starts_with("STATUS CURRENT_STATUS"); });
+    EXPECT_EQ(to_another, Script{}) << other;
+  }
+}
+
 // The motion that another stopped ends for the one who asked for it, too.
 TEST(IgtlServer, WhoWaitsForAnAnswerLearnsThatAnotherStopped) {
   for (const std::string stop : {"STOP", "EMERGENCY"}) {

@@ -48,8 +48,11 @@ void on_a_steady_host(const Trial& trial) {
     const HostWatch host;
     const std::string kept_by = trial();
     if (kept_by.empty() || ::testing::Test::HasFailure()) return;
-    told += fmt::format("trial {}, this machine {} ({:.1f} ms late at most): {}\n", n + 1,
-                        host.stalls() > 0 ? "stood still" : "was steady", host.worst_ms(), kept_by);
+    const std::string trial_told =
+        fmt::format("trial {}, this machine {} ({:.1f} ms late at most): {}\n", n + 1,
+                    host.stalls() > 0 ? "stood still" : "was steady", host.worst_ms(), kept_by);
+    fmt::print("{}", trial_told);
+    told += trial_told;
     if (!names_a_delay(kept_by, host.worst_ms())) {
       ADD_FAILURE() << "not for a delay: " << told;
       return;

@@ -68,15 +68,16 @@ Moved two_seconds(robot::LiveSession& session) {
 void moves_on_and_logs(bool with_keys, const std::string& words) {
   on_a_steady_host([&]() -> std::string {
     const ScratchFolder folder;
+    // Before the motion: keys take longer to make than a button counts as held unasked.
+    const std::filesystem::path keys = folder.path() / "keys of somebody else";
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    if (with_keys) security::make_keys(keys, 1, now, false);
     const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
     robot::LiveOptions secured;
     secured.domain = kSecuredDomain;
     const MovingRobot moving = moving_robot(secured, prepared, folder.path());
     if (!moving.session) return moving.prevented_by;
     robot::LiveSession& session = *moving.session;
-    const std::filesystem::path keys = folder.path() / "keys of somebody else";
-    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-    if (with_keys) security::make_keys(keys, 1, now, false);
     const Rogue rogue(with_keys ? keys.string() : "");
     const Moved moved = two_seconds(session);
     EXPECT_TRUE(session.stop().empty());

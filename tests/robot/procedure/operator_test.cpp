@@ -19,6 +19,7 @@ class DelayedRobot {
       : steps_(steps), on_the_way_(delay, OperatorInputs::idle()) {}
 
   bool brake_fitted = false;
+  int arms_refused = 0;  // the next ones: a hazard was there in that very tick
 
   CycleRecord tick(const OperatorInputs& inputs) {
     on_the_way_.push_back(inputs);
@@ -27,7 +28,9 @@ class DelayedRobot {
     const bool pressed = now.press.held && now.press.token > token_;
     token_ = std::max(token_, now.press.token);
     if (mode_ == Mode::Boot) mode_ = Mode::Ready;
-    if (mode_ == Mode::Ready && now.arm) mode_ = Mode::Armed;
+    const bool arms = now.arm && !arm_was_down_;
+    arm_was_down_ = now.arm;
+    if (mode_ == Mode::Ready && arms && --arms_refused < 0) mode_ = Mode::Armed;
     if (mode_ == Mode::Armed && pressed) start();
     if (mode_ == Mode::Hold && pressed && done_ && now.depth_accepted && now.accepted_step == step_ &&
         step_ + 1 < steps_)
@@ -57,7 +60,7 @@ class DelayedRobot {
   Mode mode_ = Mode::Boot;
   std::uint32_t step_ = 0, token_ = 0;
   int moving_ = 0, unloading_ = 0;
-  bool done_ = false, locked_ = false;
+  bool done_ = false, locked_ = false, arm_was_down_ = false;
 };
 
 struct Procedure {
@@ -160,6 +163,26 @@ TEST(Operator, RepeatsAnUnsureImageOnce) {
     EXPECT_EQ(never.images.at(0), 2);
     EXPECT_EQ(never.images.size(), 1U);
   }
+}
+
+TEST(Operator, ArmsAgainAfterARefusalAndSaysSoWhereItIsNeverArmed) {
+  const auto ends = [](int refused) {
+    Plan plan;
+    plan.steps.resize(1);
+    Operator script(plan, kFastScan);
+    DelayedRobot robot(1, 7);
+    robot.arms_refused = refused;
+    CycleRecord seen;
+    for (std::int64_t number = 0; number < 20'000 && !script.done(); ++number) {
+      seen = robot.tick(script.act(seen, number));
+      script.observe(seen);
+    }
+    EXPECT_TRUE(script.done());
+    return script.completed() ? "completed" : script.stopped_because();
+  };
+  EXPECT_EQ(ends(1), "completed");
+  EXPECT_EQ(ends(4), "completed");
+  EXPECT_EQ(ends(1'000), "arming was refused 6 times; now: none");
 }
 
 TEST(Operator, WithdrawsAfterARejectedImage) {
