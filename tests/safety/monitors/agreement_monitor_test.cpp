@@ -32,7 +32,7 @@ struct AgreementBench {
   }
 };
 
-constexpr HazardSet kDiffers = bit(Hazard::OffsetOrScale), kBlind = bit(Hazard::LaserDropout);
+const HazardSet kDiffers = bit(Hazard::OffsetOrScale), kBlind = bit(Hazard::LaserDropout);
 
 TEST(AgreementMonitor, NamesLasersThatAreApartForTenSamplesInEitherDirection) {
   for (const std::int32_t sign : {-1, 1}) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "safety/monitors/panel_filter.hpp"
+#include "safety/types/transitions.hpp"
 #include "tests/safety/verifies.hpp"
 
 namespace biopsy::safety {

@@ -24,11 +24,11 @@ struct Stepped {
   std::uint64_t digest() const {
     Hash hash;
     hash.add(next.mode, next.last_event, next.reason, next.step_done, next.arm_was_down, next.reset_was_down,
-             next.session, next.epoch, next.seq, next.token, next.step, next.ms_in_mode, next.ms_since_held,
-             next.held_mV);
+             next.session, next.epoch, next.seq, next.token, next.step, next.arrived_seq, next.ms_in_mode,
+             next.ms_since_held, next.held_mV);
     const Permit& p = output.permit;
     hash.add(p.session, p.epoch, p.seq, p.issued_us, p.ttl_us, p.mode, p.stop, p.hv_enable, p.v_max_mV,
-             p.slew_up_mV_per_tick, p.depth_max_um, p.plan_tag, p.config_tag, p.challenge);
+             p.slew_up_mV_per_tick, p.depth_max_um, p.brake, p.plan_tag, p.config_tag, p.challenge);
     hash.add(output.event, output.worst, output.reason, output.refusal, output.step, output.step_done,
              output.image_allowed, output.image_disturbed, output.interlock_pulse);
     return hash.value();
@@ -38,14 +38,14 @@ struct Stepped {
 struct Gated {
   GateState next;
   std::int32_t mV = 0;
-  bool hv_enabled = false;
+  bool hv_enabled = false, brake_on = false;
   GateVerdict verdict = GateVerdict::NoPermit;
 
   std::uint64_t digest() const {
     Hash hash;
     hash.add(next.permit.session, next.permit.epoch, next.permit.seq, next.permit.ttl_us, next.permit_us,
-             next.now_us, next.request_seq, next.drive_mV, next.enabled, next.started, next.latched, mV,
-             hv_enabled, verdict);
+             next.now_us, next.request_seq, next.drive_mV, next.enabled, next.brake_on, next.started,
+             next.latched, mV, hv_enabled, brake_on, verdict);
     return hash.value();
   }
 };
@@ -79,14 +79,15 @@ void step_and_note(const PlanFacts* plan, const SupervisorState* state, const Si
 
 void gate_and_note(const GateState* state, const DriveRequest* request, const Permit* permit,
                    std::int64_t now_us, std::int32_t writer_count, GateState* next, std::int32_t* mV,
-                   bool* hv_enabled, GateVerdict* verdict) {
+                   bool* hv_enabled, bool* brake_on, GateVerdict* verdict) {
   const Gated done = take([&] {
     Gated gated;
     model_checking::shipped().gate(state, request, permit, now_us, writer_count, &gated.next, &gated.mV,
-                                   &gated.hv_enabled, &gated.verdict);
+                                   &gated.hv_enabled, &gated.brake_on, &gated.verdict);
     return gated;
   });
-  *next = done.next, *mV = done.mV, *hv_enabled = done.hv_enabled, *verdict = done.verdict;
+  *next = done.next, *mV = done.mV, *hv_enabled = done.hv_enabled, *brake_on = done.brake_on,
+  *verdict = done.verdict;
 }
 
 constexpr model_checking::Subject kSubject{step_and_note, gate_and_note};
