@@ -147,9 +147,9 @@ Ends ends_of(const SlabMaps& maps, const SearchReach& reach) {
   return ends;
 }
 
+// The best end of a line; no better than `best` where none gains more.
 LineFit best_tip(const SlabMaps& maps, const Rows& rows, const std::vector<int>& columns, const Ends& ends,
-                 double loss_least) {
-  LineFit best;
+                 double loss_least, LineFit best) {
   double match = 0.0, energy = 0.0;
   std::array<double, kStarts> match_before{}, energy_before{};
   for (std::size_t slab = 0; slab < ends.last; ++slab) {
@@ -203,7 +203,7 @@ std::vector<LineCandidate> candidates_losing(const Corridor& corridor, const Sea
         for (int i = -n; i <= n; ++i)
           for (int a = -tilts; a <= tilts; ++a) {
             if (i * i + j * j > n * n || a * a + b * b > tilts * tilts) continue;
-            const LineFit fit = best_tip(maps, rows, along(i, a), ends, loss_least);
+            const LineFit fit = best_tip(maps, rows, along(i, a), ends, loss_least, top.fit);
             if (fit.gain > top.fit.gain)
               top.line = {i * step, j * step, a * slope, b * slope, radius}, top.fit = fit;
           }

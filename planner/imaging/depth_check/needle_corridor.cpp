@@ -116,9 +116,12 @@ Stack stack_of(const Grid& grid, Corridor& corridor) {
         for (int i = 0; i < n.x(); ++i)
           add(sides * ((Eigen::Vector3d(i, j, k).array() + 0.5) / n.cast<double>().array() - 0.5).matrix());
   };
-  each(count, [&](const Eigen::Vector3d& place) { stack.places.push_back(place); });
+  static_assert(kPlacesMost == 5 * 5 * 5);
+  stack.places.resize(count.prod(), 3);
+  int row = 0;
+  each(count, [&](const Eigen::Vector3d& place) { stack.places.row(row++) = place.array(); });
   each(beside, [&](const Eigen::Vector3d& place) { stack.lateral.push_back(place.tail<2>()); });
-  for (const Eigen::Vector3d& place : stack.places) stack.reach_mm = std::max(stack.reach_mm, place.norm());
+  stack.reach_mm = stack.places.matrix().rowwise().norm().maxCoeff();
   return stack;
 }
 

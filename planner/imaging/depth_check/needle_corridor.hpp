@@ -18,12 +18,14 @@ struct CorridorVoxel {
   std::uint32_t stack, cell;  // which stack of slices it belongs to, and its index there
 };
 
+constexpr int kPlacesMost = 125;  // of a voxel
+
 // Slices of one orientation: a volume, a slab, a single slice.
 struct Stack {
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
   Eigen::Matrix3d steps = Eigen::Matrix3d::Identity();  // columns: from voxel to voxel in needle coordinates
   std::vector<std::uint32_t> rows;       // of `voxels`, where row j + size.y k begins; one more for the end
-  std::vector<Eigen::Vector3d> places;   // (t, u, v) from a voxel's centre; their mean stands for the voxel's
+  Eigen::ArrayX3d places;                // (t, u, v) from a voxel's centre; their mean stands for the voxel's
   std::vector<Eigen::Vector2d> lateral;  // the same for (u, v) alone
   double reach_mm = 0.0;                 // of the farthest place
 };

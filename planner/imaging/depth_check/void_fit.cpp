@@ -208,14 +208,16 @@ void measure_errors(const Corridor& corridor, const Fitting& fitting, const Void
 
 VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
                const std::vector<double>& starts_mm, std::size_t voxels_max) {
-  const Fitting fitting(corridor, line, depth_mm, voxels_max);
-  VoidVector best = fitting.start(line, depth_mm);
+  const Fitting rough(corridor, line, depth_mm, kVoxelsFirst), fitting(corridor, line, depth_mm, voxels_max);
+  VoidVector start = rough.start(line, depth_mm);
   double least = 1e300;
   for (double apart : starts_mm) {
-    const VoidVector x = fitting.minimised(fitting.start(line, depth_mm + apart));
-    const double cost = fitting.cost(x);
-    if (cost < least) least = cost, best = x;
+    const VoidVector x = rough.minimised(rough.start(line, depth_mm + apart));
+    const double cost = rough.cost(x);
+    if (cost < least) least = cost, start = x;
   }
+  const VoidVector best = voxels_max > kVoxelsFirst ? fitting.minimised(start) : start;
+  least = fitting.cost(best);
   VoidFit fit;
   const VoidShape shape = fitting.shape(best);
   fit.line = shape.line;
@@ -263,7 +265,8 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
     if (one.gain > 0.0 && worth(one) > worth(best)) best = one;
   }
   if (best.gain <= 0.0) return best;
-  // Again with the voxels about the line that was found, from ends ahead of it and behind as well.
+  // Again with the voxels about the line that was found, from ends ahead of it and behind as well: which of
+  // the minima is the lowest a part of the voxels tells.
   return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
 }
 
@@ -287,9 +290,7 @@ std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                    std::sqrt(static_cast<double>(one->variance)));
     };
     // Away from its end the void is the same wherever that is.
-    double half_mm = 0.0;
-    for (const Eigen::Vector3d& place : corridor.stacks[one->stack].places)
-      half_mm = std::max(half_mm, std::abs(place.x()));
+    const double half_mm = corridor.stacks[one->stack].places.col(0).abs().maxCoeff();
     const double t = static_cast<double>(one->t), ahead = t - half_mm - fit.soft_mm,
                  behind = t + half_mm + fit.soft_mm + fit.rounding * fit.line.radius_mm;
     const double outside = of_depth(ahead - 1.0), inside = of_depth(behind + 1.0);

@@ -10,8 +10,6 @@ namespace biopsy::imaging {
 struct VoidShape {
   VoidLine line;
   double depth = 0.0, soft = 0.4, rounding = 0.5;
-
-  double covers(double t, double u, double v) const;
 };
 
 // Mean over the voxel's volume, 0 to 1.
