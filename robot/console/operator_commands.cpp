@@ -212,8 +212,9 @@ std::vector<commands::SetPoint> OperatorSession::chosen_points() const {
   return points;
 }
 
-// As a page would have sent it; what is refused is left out.
+// As a page would have sent it; what is refused is left out. The robot may still have what the earlier console confirmed.
 void OperatorSession::restore(const std::vector<commands::Any>& chosen) {
+  announced_ = !chosen.empty();
   for (const commands::Any& command : chosen) {
     if (const auto* series = std::get_if<commands::OpenSeries>(&command)) on(*series);
     if (const auto* point = std::get_if<commands::SetPoint>(&command)) {

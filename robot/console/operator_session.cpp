@@ -286,11 +286,13 @@ void OperatorSession::end_run() {
   record.real_time = true;
   record.outcome = run_->completed ? report::Outcome::Completed : report::Outcome::Stopped;
   const bool accepted = run_->accepted && run_->is_last(*run_->accepted);
+  // What the robot did first, then what a person said of it.
+  std::string why;
+  if (!run_->ended_by.empty())
+    why = fmt::format("{}; the depth was {}accepted before", run_->ended_by, accepted ? "" : "not ");
+  if (!run_->stopped_because.empty()) why += (why.empty() ? "" : "; ") + run_->stopped_because;
   if (!run_->completed)
-    record.refusal = !run_->stopped_because.empty() ? run_->stopped_because
-                     : !run_->ended_by.empty()      ? fmt::format("{}; the depth was {}accepted before",
-                                                                  run_->ended_by, accepted ? "" : "not ")
-                                                    : "the needle retracted before its depth was accepted";
+    record.refusal = why.empty() ? "the needle retracted before its depth was accepted" : why;
   if (!record.samples.empty()) record.simulated_s = (record.samples.back().time_ms + 1.0) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
     measure_run(run->notes.record());

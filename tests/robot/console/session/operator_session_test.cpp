@@ -59,7 +59,7 @@ TEST(OperatorSession, PointsAreKeptOverARestartAndNeverTheirConfirmation) {
   EXPECT_FALSE(planned.confirmed);
   EXPECT_EQ(after.session.state(kPage, 0).step, console::Step::Plan);
   after.receive(Mode::Safe, safety::Hazard::PlanUnconfirmed);
-  EXPECT_TRUE(after.sent.empty());
+  for (const auto& confirmed : after.sent) EXPECT_EQ(confirmed, (std::array<std::uint64_t, 2>{0, 0}));
 }
 
 TEST(OperatorSession, KeptPointsThatAreTornOrOfAnotherSeriesAreAsNone) {
@@ -206,15 +206,42 @@ TEST(OperatorSession, TheReportOfATripSaysWhetherTheDepthWasAcceptedBefore) {
   }
 }
 
+// Also where a person judges the image afterwards: what came first is not lost.
 TEST(OperatorSession, TheReportSaysWhatEndedTheHold) {
-  HeldRun run;
-  run.says(Mode::Retract, safety::Hazard::None, safety::Event::HoldTooLong);
-  for (int i = 0; i < 130'000 && run.state().report.empty(); ++i) run.says(Mode::Safe);
-  while (run.state().report.empty()) std::this_thread::yield();
-  const std::string report = file_content(run.console.folder / "run-1/report.json");
-  EXPECT_NE(report.find("\"stopped\""), std::string::npos);
-  EXPECT_NE(report.find(safety::name_of(safety::Event::HoldTooLong)), std::string::npos)
-      << report.substr(0, 600);
+  for (const bool rejected : {false, true}) {
+    HeldRun run;
+    run.says(Mode::Retract, safety::Hazard::None, safety::Event::HoldTooLong);
+    if (rejected) {
+      ASSERT_TRUE(run.reject());
+    }
+    for (int i = 0; i < 130'000 && run.state().report.empty(); ++i) run.says(Mode::Safe);
+    while (run.state().report.empty()) std::this_thread::yield();
+    const std::string report = file_content(run.console.folder / "run-1/report.json");
+    EXPECT_NE(report.find("\"stopped\""), std::string::npos);
+    EXPECT_NE(report.find(safety::name_of(safety::Event::HoldTooLong)), std::string::npos)
+        << report.substr(0, 600);
+    EXPECT_EQ(report.find("rejected by the operator") != std::string::npos, rejected);
+  }
+}
+
+// The robot outlives its console, and with it a plan that was confirmed there, and that nobody stands for any more.
+TEST(OperatorSession, RestoredPointsWithdrawWhatAnEarlierConsoleConfirmed) {
+  Console earlier(read_case("gap"));
+  const Target target = earlier.session.prepared().target;
+  ASSERT_TRUE(earlier.open(earlier.session.prepared().image.identity.series_uid));
+  earlier.plan(target.p_SE, target.p_ST);
+  earlier.tick_all(true);
+  earlier.receive(Mode::Ready, safety::Hazard::None);
+  ASSERT_FALSE(earlier.sent.empty());
+  ASSERT_NE(earlier.sent.back()[1], 0u);
+
+  Console console_(read_case("gap"));
+  std::vector<commands::Any> kept{*earlier.session.chosen_series()};
+  for (const commands::SetPoint& point : earlier.session.chosen_points()) kept.emplace_back(point);
+  console_.session.restore(kept);
+  for (int i = 0; i < 3; ++i) console_.receive(Mode::Ready, safety::Hazard::None);
+  ASSERT_EQ(console_.sent.size(), 1u);
+  EXPECT_EQ(console_.sent.back(), (std::array<std::uint64_t, 2>{0, 0}));
 }
 
 // Two patients in one folder; neither series nor points are given.
