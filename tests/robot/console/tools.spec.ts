@@ -30,6 +30,58 @@ test('the ruler measures what the scale bar says', async ({ page }) => {
   await operator.button('Ruler').click()
 })
 
+// DICOM PS3.3 C.7.6.1.1.1 names the sides; radiologists look from the feet and from the front, and in a sagittal plane the
+// nose points to the left. That the picture is on these sides: overlay.spec.ts, by the voxels.
+const kSides = {
+  axial: { left: 'R', right: 'L', top: 'A', bottom: 'P' },
+  coronal: { left: 'R', right: 'L', top: 'S', bottom: 'I' },
+  sagittal: { left: 'A', right: 'P', top: 'S', bottom: 'I' },
+}
+test('the planes are in the convention of radiology, large and small', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const sidesOf = (tile: string) => page.locator(`[data-tile="${tile}"] .letter`).evaluateAll((all) =>
+    Object.fromEntries(all.map((one) => [(one as SVGElement).dataset.edge, one.textContent![0]])))
+  for (const [plane, sides] of Object.entries(kSides)) {
+    await operator.button(plane).click()
+    await expect(page.locator(`[data-tile="large ${plane}"]`)).toBeAttached()
+    expect(await sidesOf(`large ${plane}`), plane).toEqual(sides)
+    for (const [small, its] of Object.entries(kSides)) expect(await sidesOf(small), `small ${small}`).toEqual(its)
+  }
+  await operator.button('axial').click()
+})
+
+test('zoom, pan and window are read out, and fit takes them back', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const caption = page.locator('.caption')
+  const read = async () => {
+    const [, zoom, width, level] = /zoom ([\d.]+).*window (-?\d+) level (-?\d+)/.exec((await caption.textContent())!)!.map(Number)
+    return { zoom: zoom!, width: width!, level: level! }
+  }
+  const [first, scale] = [await read(), await pixelsPerMm(page)]
+  await expect(caption).not.toContainText('moved')
+  for (let n = 0; n < 3; ++n) await operator.button('Zoom in').click()
+  await expect.poll(async () => (await read()).zoom).toBeGreaterThan(first.zoom)
+  await expect.poll(async () => Math.abs((await pixelsPerMm(page)) / scale - (await read()).zoom / first.zoom)).toBeLessThan(0.06)
+  await expect(caption).toContainText('moved')
+  const box = (await page.locator('[data-tile^=large] rect').first().boundingBox())!
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2]
+  const drag = async (dx: number, dy: number) => {
+    await page.mouse.move(x, y)
+    await page.mouse.down({ button: 'right' })
+    await page.mouse.move(x + dx, y + dy, { steps: 4 })
+    await page.mouse.up({ button: 'right' })
+  }
+  await drag(100, 0) // as the list says: wider,
+  await expect.poll(async () => (await read()).width).toBeGreaterThan(1.3 * first.width)
+  await drag(0, -50) // and brighter, which is a lower level
+  await expect.poll(async () => (await read()).level).toBeLessThan(first.level)
+  await operator.button('Fit view').click()
+  await expect(caption).not.toContainText('moved')
+  expect(await read()).toEqual(first)
+})
+
 test('slice number, slider and keys agree', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
   await operator.planned()

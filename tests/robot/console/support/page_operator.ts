@@ -209,16 +209,30 @@ export class PageOperator {
     await expect(async () => {
       const reset = this.button('Reset')
       if ((await reset.getAttribute('aria-disabled')) === 'false') await this.reset()
+      // A stop that came with the image: nothing begins before somebody has judged it.
+      const reject = this.button(/^Reject/)
+      if ((await reject.count()) > 0 && (await reject.getAttribute('aria-disabled')) === 'false') await this.activate(reject)
       if ((await this.page.getByRole('checkbox').count()) > 0) await this.tickAll()
-      expect(await this.button(/^Arm/).getAttribute('aria-disabled')).toBe('false')
+      const arm = this.page.locator('.act').first()
+      expect(await arm.getByRole('button').getAttribute('aria-disabled'), await arm.innerText()).toBe('false')
     }).toPass({ timeout: 60_000 })
   }
 
+  // A hold that the previous test left may run out while this one goes for the button, which is off then.
+  async atRest(): Promise<void> {
+    const retract = this.button('Retract')
+    await expect(async () => {
+      const { mode } = await lastEvent(this.page, 'State')
+      if (!['Armed', 'Active', 'Hold', 'Retract'].includes(mode)) return
+      if ((await retract.getAttribute('aria-disabled')) === 'false') await retract.click({ timeout: 1000 })
+      throw new Error(`it is in ${mode}`)
+    }).toPass(kSlow)
+  }
   // From the state that the previous test left to a displayed plan,
   async planned(): Promise<void> {
     await this.open()
-    const { mode, step } = await lastEvent(this.page, 'State')
-    if (['Armed', 'Active', 'Hold'].includes(mode)) await this.button('Retract').click()
+    await this.atRest()
+    const { step } = await lastEvent(this.page, 'State')
     await (step === 'Image' ? this.openSeries() : this.imageShown())
     if ((await lastEvent(this.page, 'Planned')).entry.length === 0) await this.setPoints()
   }
