@@ -225,6 +225,29 @@ test('at 1280 x 720 all of it is in view, grey and dark, without a finding of ax
   await expectAccessible(page)
 })
 
+// 1920 x 1080 at 200 %, a small laptop, and a narrow window: it scrolls, and nothing is squeezed, covered or off to the side.
+test('in small windows all of it is reached by scrolling down', async ({ page }) => {
+  await page.goto(await serve(kRuns.gap, kRuns.stopped))
+  await page.keyboard.press('End')
+  for (const [width, height] of [[960, 540], [1024, 768], [683, 384]] as const) {
+    await page.setViewportSize({ width, height })
+    const poor = await page.evaluate(() => {
+      const out: string[] = []
+      for (const [part, high] of [['.controls button', 38], ['.plotted', 70], ['.list', 150], ['.kinds button', 28], ['.values tr', 15], ['.pictures .frame', 200], ['.said', 20]] as const)
+        for (const one of document.querySelectorAll(part)) {
+          one.scrollIntoView({ block: 'center' })
+          const { left, right, top, bottom } = one.getBoundingClientRect()
+          const there = document.elementFromPoint((left + right) / 2, (top + bottom) / 2)
+          if (bottom - top < high || left < 0 || right > innerWidth || !one.contains(there)) out.push(`${part}: ${left} to ${right}, ${top} to ${bottom}, ${there?.className}`)
+        }
+      return out
+    })
+    expect(poor, `${width} x ${height}`).toEqual([])
+    expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0)
+    await expectAccessible(page)
+  }
+})
+
 test('a folder that is none is refused with what to do and exit code 2', () => {
   for (const wrong of [[folder], [join(folder, 'nothing')], [kRuns.gap, folder]]) {
     const { status, stderr } = spawnSync(kConsole, ['--review', ...wrong], { timeout: 20_000, encoding: 'utf8' })
