@@ -12,6 +12,7 @@ const kDraw_ms = 250
 const kDrawIdle_ms = 30_000 // where there is nothing to see but that time goes on: each sample is drawn once
 type Columns = (number | null)[][]
 
+const kSize = { width: 530, height: 128 } // CSS px at most; two of them fit below the three checks
 const kInk = '#15191d'
 const kPale = '#69737c'
 const line = (label: string, stroke: string): uPlot.Series => ({ label, stroke, width: 1.5, points: { show: false } })
@@ -19,8 +20,7 @@ const line = (label: string, stroke: string): uPlot.Series => ({ label, stroke, 
 function options(title: string, unit: string, low: number, series: uPlot.Series[]): uPlot.Options {
   const axis = { stroke: kInk, font: '16px DejaVu Sans, sans-serif', grid: { stroke: '#b4babf' } }
   return {
-    width: 530,
-    height: 128, // two of them fit below the three checks
+    ...kSize,
     title,
     legend: { show: false },
     cursor: { show: false },
@@ -90,7 +90,14 @@ function Plot(props: { of: 'depth' | 'drive'; label: string; options: uPlot.Opti
   useEffect(() => {
     const plot = new uPlot(props.options, columns(props.of) as uPlot.AlignedData, place.current!)
     plots.set(plot, props.of)
+    // As wide as there is room: at the right end is now.
+    const fit = new ResizeObserver(([room]) => {
+      const width = Math.min(Math.floor(room!.contentRect.width), kSize.width)
+      if (width > 0 && width !== plot.width) plot.setSize({ ...kSize, width })
+    })
+    fit.observe(place.current!)
     return () => {
+      fit.disconnect()
       plots.delete(plot)
       plot.destroy()
     }
