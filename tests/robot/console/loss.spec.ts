@@ -4,7 +4,7 @@ import { expect, type Page, test } from '@playwright/test'
 
 import { PageOperator } from './support/page_operator'
 import { Robot } from './support/robot'
-import { freezePage, lastEvent } from './support/tap'
+import { freezePage, lastEvent, nextModes } from './support/tap'
 import { TcpProxy } from './support/tcp_proxy'
 
 let robot: Robot
@@ -79,20 +79,31 @@ test('a robot that is silent while the console answers', async ({ page }) => {
 test('a controller that is killed ends all: the page says so and does not promise more', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
   await operator.planned()
+  await page.keyboard.press('Escape')
+  const card = page.locator('[data-name=stop-card]')
+  await expect(card).toContainText('Press Reset.')
   process.kill(robot.pid('biopsy-controller'), 'SIGKILL')
   await expectScreen(page, 'ended', 'The console has ended, or cannot be reached')
   await expectDead(page)
   await expect(page.locator('[data-screen]')).toContainText('open the address that it prints')
+  // One list of steps, and none of it is a control that is dead.
+  await expect(card).toHaveCount(0)
+  await expect(page.locator('[aria-current=step]')).toContainText('follow the steps')
+  await expect(page.locator('[data-lit=true]')).toHaveCount(0)
 })
 
 test('a killed console comes back at the same address with its points, and says what is gone', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
-  await operator.planned()
+  await operator.ready()
   process.kill(robot.pid('biopsy-console'), 'SIGKILL')
   await expectScreen(page, 'ended', 'The console has ended, or cannot be reached')
+  await expect(page.locator('[data-screen]')).toContainText('with series and points; plan and checks are to be confirmed anew')
   await expect(page.locator('[data-screen]')).toHaveCount(0, { timeout: 40_000 })
   await expect(operator.alarm()).toContainText('E-124')
   await operator.imageShown()
+  // What was confirmed before counts no more, for the robot either.
+  await operator.is('Safe')
+  expect(await nextModes(page, 8)).not.toContain('Ready')
   await expect(page.locator('dd[data-name=entry]')).not.toHaveText('not set')
   await expect(page.getByRole('checkbox')).toHaveCount(0)
   await operator.click('Confirm this plan')

@@ -31,7 +31,7 @@ const kScreens: Record<Exclude<Loss, 'starting'> | 'robot', Screen> = {
     text: 'Nothing answers at its address. A robot without its console holds the needle at once, and takes the voltage off within 10 s. Where all of the robot has ended, the voltage is off.',
     steps: [
       kLookFirst,
-      'Wait a few seconds: where only the console ended, `biopsy up` starts it again at this address, without points and plan.',
+      'Wait a few seconds: where only the console ended, `biopsy up` starts it again at this address, with series and points; plan and checks are to be confirmed anew.',
       'Otherwise read in the window of `biopsy up` what ended, start it again, and open the address that it prints.',
     ],
   },

@@ -176,7 +176,7 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
       <Points />
       {current?.refusal && (
         <p role="status" data-name="refusal">
-          <b>No plan:</b> {current.refusal}. {current.remedy}
+          <b>No plan:</b> {current.refusal}. To do: {current.remedy}.
         </p>
       )}
       {!opened.value && <p>Open a series, then set entry and target.</p>}

@@ -1,6 +1,6 @@
 // The current step, decided by the server, and what to do in it.
 import type { Step } from './generated/messages'
-import { planned, runOver, state } from './robot'
+import { linked, planned, robotSilent, runOver, state } from './robot'
 import { stopped } from './stop_card'
 
 const kSteps: [Step, string][] = [
@@ -13,6 +13,7 @@ const kSteps: [Step, string][] = [
 ]
 
 function hintOf(step: Step, hint: string): string {
+  if (!linked.value || robotSilent.value) return 'No link to the robot: follow the steps over the image.'
   if (stopped.value) return 'Stopped: follow the steps beside the image.'
   if (step === 'Plan' && planned.value?.entry.length === 0) return 'Click where the tip waits, then Set entry.'
   if (step === 'Plan' && planned.value?.target.length === 0) return 'Click where it shall go, then Set target.'

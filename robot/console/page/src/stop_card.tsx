@@ -2,7 +2,7 @@
 // lit. What is said of the needle is measured.
 import { computed } from '@preact/signals'
 
-import { disabledReason, isKnown, kBack_mm, opened, plan, state, welcome } from './robot'
+import { disabledReason, isKnown, kBack_mm, linked, opened, plan, state, welcome } from './robot'
 import { mm } from './viewer/geometry'
 
 const kStandingStop = 'E-122'
@@ -14,9 +14,10 @@ export const tipText = computed(() => {
   return `The needle is at ${mm(depth, 2)} mm: not back.`
 })
 
+// Without a link nothing is known of it: the steps are those of loss_screen.tsx.
 export const stopped = computed(() => {
   const now = state.value
-  if (!now) return null
+  if (!now || !linked.value) return null
   const alarm = now.alarms.find((one) => now.mode === 'Trip' || one.code === kStandingStop)
   return alarm && now.mode !== 'Lock' ? alarm : null
 })
