@@ -162,6 +162,59 @@ test('whatever lies under the pointer, the image stays where it is', async ({ pa
   }
 })
 
+// The newest of the 30 s is at their right end.
+test('the plots show now at every size', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  for (const [width, height] of [...kSizes, [1440, 900], [1600, 900]] as const) {
+    await page.setViewportSize({ width, height })
+    for (const plot of await page.locator('.plot').all()) {
+      const ends = () => plot.evaluate((one) => {
+        const [whole, drawn] = [one.getBoundingClientRect(), one.querySelector('.u-over')!.getBoundingClientRect()]
+        return { beyond: drawn.right - whole.right, below: one.scrollHeight - one.clientHeight, wide: drawn.width }
+      })
+      await expect.poll(async () => (await ends()).beyond, `${width} x ${height}`).toBeLessThanOrEqual(0)
+      expect((await ends()).below, `${width} x ${height}`).toBeLessThanOrEqual(0)
+      expect((await ends()).wide).toBeGreaterThan(200)
+    }
+  }
+})
+
+// Numbers and signs change with each click: a line more of them would move the image from under the pointer.
+test('whatever is read out, the image stays where it was clicked', async ({ page }) => {
+  test.setTimeout(240_000)
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  const image = page.locator('.slices')
+  const canvas = page.locator('canvas[tabindex]')
+  const sizes = [[1401, 900], [1569, 900], [1640, 1080], [1850, 1080], [1920, 1080]] as const
+  for (const [width, height] of sizes) {
+    await page.setViewportSize({ width, height })
+    await page.mouse.move(5, 5)
+    await expect(page.locator('[data-name=pointed]')).toContainText('crosshair')
+    const at = (await image.boundingBox())!
+    const read = async () => Promise.all((await page.locator('[data-tile] rect').all()).map(async (tile) => (await tile.boundingBox())!))
+    let tiles = await read()
+    await expect.poll(async () => { // drawn anew for this size
+      const before = JSON.stringify(tiles)
+      tiles = await read()
+      return JSON.stringify(tiles) === before && tiles.every((tile) => tile.x >= at.x - 1 && tile.x + tile.width <= at.x + at.width + 1)
+    }).toBe(true)
+    for (const [n, tile] of tiles.entries())
+      for (const [across, down] of [[0.05, 0.05], [0.95, 0.95]] as const) {
+        const [x, y] = [tile.x + across * tile.width, tile.y + down * tile.height]
+        await page.mouse.click(x, y)
+        if (n === 0) await expect.poll(async () => Math.hypot((await operator.crossAt()).x - x, (await operator.crossAt()).y - y), `${width} x ${height}`).toBeLessThan(2)
+        expect(await image.boundingBox(), `${width} x ${height}`).toEqual(at)
+      }
+    await canvas.focus()
+    for (const key of ['+', ']', ']', "'", 'p']) await page.keyboard.press(key)
+    expect(await image.boundingBox(), `${width} x ${height}, zoomed and windowed`).toEqual(at)
+    await canvas.focus()
+    for (const key of ['p', '0']) await page.keyboard.press(key)
+  }
+})
+
 // Smaller laptops at 200 %: the page scrolls, between alarms and buttons that stay; nothing has to be scrolled sideways.
 for (const [width, height] of [[683, 384], [640, 360]] as const)
   test(`a page that scrolls keeps alarms and STOP in view at ${width} x ${height}`, async ({ page }) => {

@@ -201,13 +201,15 @@ export function Toolbar(props: { planning: boolean }) {
   )
 }
 
+const kDescription = 40 // letters of it; the top bar has all
+
 export function Caption() {
   const series = opened.value!.series
   const { low, high } = view.windowed.value
   return (
     <p class="caption">
       {welcome.value?.simulated && <b>SIMULATED · </b>}
-      <span data-name="description">{series.description} · </span>
+      <span data-name="description">{series.description.slice(0, kDescription)} · </span>
       {series.oblique > 0.5 && `OBLIQUE ${series.oblique.toFixed(0)} deg · `}
       <span data-name="zoom">zoom {mm(view.zoom.value)}</span>
       <span data-name="window">
