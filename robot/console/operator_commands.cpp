@@ -212,7 +212,8 @@ std::vector<commands::SetPoint> OperatorSession::chosen_points() const {
   return points;
 }
 
-// As a page would have sent it; what is refused is left out. The robot may still have what the earlier console confirmed.
+// As a page would have sent it; what is refused is left out. The robot may still have what the earlier
+// console confirmed.
 void OperatorSession::restore(const std::vector<commands::Any>& chosen) {
   announced_ = !chosen.empty();
   for (const commands::Any& command : chosen) {

@@ -224,7 +224,8 @@ TEST(OperatorSession, TheReportSaysWhatEndedTheHold) {
   }
 }
 
-// The robot outlives its console, and with it a plan that was confirmed there, and that nobody stands for any more.
+// The robot outlives its console, and with it a plan that was confirmed there, and that nobody stands for any
+// more.
 TEST(OperatorSession, RestoredPointsWithdrawWhatAnEarlierConsoleConfirmed) {
   Console earlier(read_case("gap"));
   const Target target = earlier.session.prepared().target;
