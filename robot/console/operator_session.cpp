@@ -28,6 +28,7 @@ constexpr std::int64_t kTicksLive_us = 60'000'000;  // checks expire after a min
 // patient or who stands at the table may have changed.
 constexpr std::int64_t kCarried_us = 900'000'000;
 constexpr std::int64_t kArmHold_us = 2'000'000;
+constexpr std::int64_t kHoldUncertain_us = 500'000;  // seen here later than it began
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
 constexpr std::size_t kTissuesMax = 256;
@@ -144,6 +145,8 @@ OperatorInputs OperatorSession::inputs(std::int64_t now_us) {
 
 void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   const Mode before = seen_.supervisor.permit.mode;
+  held_too_long_ =
+      before == Mode::Hold && now_us - mode_since_us_ >= hold_limit_us(seen_) - kHoldUncertain_us;
   seen_ = sample.record;
   shown_depth_.add(seen_.measurement.depth_um);
   measured_ = true;
@@ -214,7 +217,10 @@ void OperatorSession::note_end_of_hold(Mode before) {
   const bool tripped = mode != before && (mode == Mode::Trip || mode == Mode::Lock);
   const bool left = before == Mode::Hold && mode != Mode::Hold && mode != Mode::Active && run_->imaged;
   if (!tripped && !left) return;
-  const std::string why(cause_of(now));
+  // An event is of one tick, which the bus need not bring.
+  const bool unsaid = now.reason == safety::Hazard::None && now.event == safety::Event::None;
+  const std::string why(unsaid && held_too_long_ ? safety::name_of(safety::Event::HoldTooLong)
+                                                 : cause_of(now));
   if (left) run_->left_hold = why;
   if (run_->completed && !tripped) return;  // its depth was accepted in time
   run_->completed = false;

@@ -154,6 +154,7 @@ class OperatorSession {
   CycleRecord seen_;
   ShownDepth shown_depth_;
   bool measured_ = false, silent_ = false;
+  bool held_too_long_ = false;  // in the tick before, by this clock
   std::int64_t now_us_ = 0, mode_since_us_ = 0;
   std::int64_t arm_until_us_ = 0, reset_until_us_ = 0, stop_until_us_ = 0, retract_until_us_ = 0;
   std::int32_t patient_motion_um_ = 0;  // since the plan's image; until a plan is confirmed anew

@@ -43,7 +43,7 @@ function acceptPastThePage(page: Page): Promise<{ done: boolean; what: string }>
 for (const [how, leave, why] of [
   ['the hold has run out', async (operator: PageOperator) => {
     await expect(operator.mode()).not.toHaveAttribute('data-mode', 'Hold', { timeout: 2 * kHold_ms })
-  }, 'hold time exceeded'],
+  }, 'held too long'],
   ['STOP', async (operator: PageOperator) => {
     await operator.page.keyboard.press('Escape')
     await operator.is('Trip')

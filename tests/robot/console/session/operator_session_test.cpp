@@ -245,6 +245,15 @@ TEST(OperatorSession, RestoredPointsWithdrawWhatAnEarlierConsoleConfirmed) {
   EXPECT_EQ(console_.sent.back(), (std::array<std::uint64_t, 2>{0, 0}));
 }
 
+// An event is of one tick, and the bus may bring the next one.
+TEST(OperatorSession, TheReportSaysThatTheHoldWasTooLongWithoutBeingTold) {
+  HeldRun run;
+  run.console.now_us += 10'000'000;
+  run.says(Mode::Retract);
+  EXPECT_NE(run.state().disabled.accept.find(safety::name_of(safety::Event::HoldTooLong)), std::string::npos)
+      << run.state().disabled.accept;
+}
+
 // Two patients in one folder; neither series nor points are given.
 class OperatorSessionWithImages : public ::testing::Test {
  protected:
