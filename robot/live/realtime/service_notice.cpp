@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <system_error>
 
@@ -17,8 +18,9 @@
 namespace biopsy::realtime {
 namespace {
 
-constexpr std::size_t kLongestStatus = 200;
+constexpr std::size_t kLongestStatus = 200, kRoom = 256;
 constexpr std::string_view kStatus = "STATUS=";
+static_assert(kStatus.size() + kLongestStatus <= kRoom);
 
 std::string_view environment(const char* name) {
   const char* value = std::getenv(name);
@@ -66,9 +68,9 @@ ServiceNotice::~ServiceNotice() {
 
 bool ServiceNotice::status(std::string_view text) const {
   const std::size_t size = std::min({text.size(), text.find('\n'), kLongestStatus});
-  std::array<char, kStatus.size() + kLongestStatus> message{};
+  std::array<char, kRoom> message{};
   const auto end = std::copy_n(text.data(), size, std::copy(kStatus.begin(), kStatus.end(), message.begin()));
-  return send({message.data(), static_cast<std::size_t>(end - message.begin())});
+  return send({message.data(), static_cast<std::size_t>(std::distance(message.begin(), end))});
 }
 
 bool ServiceNotice::send(std::string_view message) const {

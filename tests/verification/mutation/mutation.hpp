@@ -3,9 +3,9 @@
 // well.
 #pragma once
 
+#include <sys/mman.h>
 #include <sys/time.h>
 
-#include <bitset>
 #include <cstddef>
 #include <cstdlib>
 
@@ -28,10 +28,12 @@ inline int active = [] {
   const char* name = std::getenv("MUTANT");
   return name == nullptr ? 0 : std::atoi(name);
 }();
-inline std::bitset<kMostMutants> reached;
+// Shared with the processes that a test starts by fork.
+inline bool* const reached =
+    static_cast<bool*>(mmap(nullptr, kMostMutants, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
 
 inline bool on(int mutant) {
-  if (active == kRecording) reached[static_cast<std::size_t>(mutant)] = true;
+  if (active == kRecording) reached[mutant] = true;
   return active == mutant;
 }
 

@@ -53,6 +53,13 @@ TEST(LatencyHistogram, CountsWhatLiesOutsideItsBuckets) {
   EXPECT_EQ(histogram.count(), 4U);
 }
 
+TEST(LatencyHistogram, IsExactUpToItsLastBucketButOne) {
+  LatencyHistogram histogram;
+  histogram.record((LatencyHistogram::kBuckets - 2) * 1'000);
+  histogram.record(3'000'000'000);
+  EXPECT_EQ(histogram.p50_us(), LatencyHistogram::kBuckets - 2);
+}
+
 TEST(LatencyHistogram, CanBeReadWhileItIsWritten) {
   LatencyHistogram histogram;
   constexpr std::uint64_t kRecords = 200'000;

@@ -42,6 +42,15 @@ TEST(StopSignals, AreHeldUntilTheLoopAsks) {
   }
 }
 
+TEST(StopSignals, TheFirstThatArrivedIsTheOneThatCounts) {
+  StopSignals stop;
+  for (const int signal : {SIGTERM, SIGINT}) {
+    ::raise(signal);
+    EXPECT_TRUE(stop.came());
+  }
+  EXPECT_EQ(stop.which(), SIGTERM);
+}
+
 TEST(StopSignals, ReachTheLoopFromAnyThreadAndProcess) {
   StopSignals stop;
   std::thread([] { ::kill(::getpid(), SIGTERM); }).join();

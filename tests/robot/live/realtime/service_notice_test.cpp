@@ -1,7 +1,9 @@
 // What systemd hears, on a socket of the test.
 #include "robot/live/realtime/service_notice.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -109,8 +111,51 @@ TEST_F(Service, RefusesAnAddressThatIsNone) {
     set("NOTIFY_SOCKET", name);
     EXPECT_THROW(ServiceNotice(), ConfigError) << name;
   }
-  set("NOTIFY_SOCKET", "/" + std::string(106, 'a'));
-  EXPECT_NO_THROW(ServiceNotice());
+  set("NOTIFY_SOCKET", "/" + std::string(150, 'a'));
+  EXPECT_THROW(ServiceNotice(), ConfigError);
+  for (const std::string& name : {"/" + std::string(106, 'a'), std::string("/n"), std::string("@n")}) {
+    set("NOTIFY_SOCKET", name);
+    EXPECT_NO_THROW(ServiceNotice()) << name;
+  }
+}
+
+TEST_F(Service, RefusesToBeginWithoutADescriptorLeft) {
+  set("NOTIFY_SOCKET", (folder_ / "notify").string());
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{0, before.rlim_max};
+  ::setrlimit(RLIMIT_NOFILE, &none);
+  EXPECT_THROW(ServiceNotice(), ConfigError);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+}
+
+// Each of a program that this one starts is one less for it, and one more to keep open.
+TEST_F(Service, ItsDescriptorIsItsOwnAndGoneAtItsEnd) {
+  set("NOTIFY_SOCKET", (folder_ / "notify").string());
+  const int next = ::dup(1);  // the lowest that is free, and so the socket's
+  ::close(next);
+  {
+    const ServiceNotice notice;
+    EXPECT_EQ(::fcntl(next, F_GETFD), FD_CLOEXEC);
+  }
+  EXPECT_EQ(::fcntl(next, F_GETFD), -1);
+}
+
+TEST_F(Service, WorksOnDescriptor0Too) {
+  const std::string name = (folder_ / "notify").string();
+  const Listener systemd(name);
+  set("NOTIFY_SOCKET", name);
+  const int input = ::dup(0);
+  ::close(0);
+  {
+    const ServiceNotice notice;
+    EXPECT_TRUE(notice.anybody_listens());
+    EXPECT_TRUE(notice.ready());
+  }
+  EXPECT_EQ(::fcntl(0, F_GETFD), -1) << "closed";
+  ::dup2(input, 0);
+  ::close(input);
+  EXPECT_EQ(systemd.next(), "READY=1");
 }
 
 TEST_F(Service, KnowsItsWatchdogAndNotThatOfItsParent) {
@@ -118,9 +163,13 @@ TEST_F(Service, KnowsItsWatchdogAndNotThatOfItsParent) {
   EXPECT_EQ(ServiceNotice().watchdog_us(), 3'000'000);
   set("WATCHDOG_PID", std::to_string(::getpid()));
   EXPECT_EQ(ServiceNotice().watchdog_us(), 3'000'000);
-  set("WATCHDOG_PID", std::to_string(::getppid()));
-  EXPECT_FALSE(ServiceNotice().watchdog_us());
+  for (const pid_t other : {::getppid(), ::getpid() - 1, ::getpid() + 1}) {
+    set("WATCHDOG_PID", std::to_string(other));
+    EXPECT_FALSE(ServiceNotice().watchdog_us());
+  }
   ::unsetenv("WATCHDOG_PID");
+  set("WATCHDOG_USEC", "1");
+  EXPECT_EQ(ServiceNotice().watchdog_us(), 1);
   for (const char* wrong : {"0", "-1", "3s", " 3", "1e6", "99999999999999999999"}) {
     set("WATCHDOG_USEC", wrong);
     EXPECT_THROW(ServiceNotice(), ConfigError) << wrong;
