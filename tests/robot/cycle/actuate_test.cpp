@@ -139,6 +139,27 @@ TEST_F(Actuate, RaisesNothingWithoutAPermitARequestOrTheOneWriter) {
   }
 }
 
+TEST_F(Actuate, ARequestWithoutANumberIsNone) {
+  drivers::GatedStage fresh(stage, 9);
+  GateInputs off = raising(1), first = raising(2);
+  off.permit.mode = Mode::Safe, off.permit.stop = StopCategory::C0Off, off.permit.hv_enable = false;
+  off.request.seq = 0, first.request.seq = 1;
+  actuate(off, fresh);
+  actuate(first, fresh);
+  EXPECT_EQ(stage.mV, 50'000) << "the first has number 1";
+  stage.mV = -1;
+  GateInputs in = raising(2);
+  in.request.seq = 0;
+  actuate(in, gated);
+  EXPECT_EQ(stage.mV, 0);
+  EXPECT_EQ(gated.measure().verdict, GateVerdict::NoRequest);
+}
+
+TEST_F(Actuate, WhatIsNotGivenIsNothing) {
+  EXPECT_EQ(GateInputs{}.now_us, 0);
+  EXPECT_EQ(GateInputs{}.writers, 0);
+}
+
 TEST_F(Actuate, UsesTheDriversClock) {
   actuate(raising(2), gated);
   GateInputs late = raising(3);

@@ -29,8 +29,8 @@ inline int active = [] {
   return name == nullptr ? 0 : std::atoi(name);
 }();
 // Shared with the processes that a test starts by fork.
-inline bool* const reached =
-    static_cast<bool*>(mmap(nullptr, kMostMutants, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+inline bool* const reached = static_cast<bool*>(
+    mmap(nullptr, kMostMutants, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
 
 inline bool on(int mutant) {
   if (active == kRecording) reached[mutant] = true;

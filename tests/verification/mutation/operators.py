@@ -104,6 +104,8 @@ def of_boolean(source):
 
 def can_be_nothing(result):
     """Whether `return {};` compiles."""
+    if result.kind == TypeKind.LVALUEREFERENCE and not result.get_pointee().is_const_qualified():
+        return False
     declared = result.get_canonical().get_declaration()
     parts = list(declared.get_children())
     return not any(part.kind == K.CONSTRUCTOR or

@@ -24,8 +24,8 @@ struct FakeKernel {
   uid_t user = 1'000;
 
   // What it was asked for.
-  std::vector<int> locked;                // flags
-  std::vector<std::int64_t> sleeps_ns;    // until which absolute time
+  std::vector<int> locked;              // flags
+  std::vector<std::int64_t> sleeps_ns;  // until which absolute time
   std::vector<unsigned long> slacks_ns;
   std::optional<int> policy, priority;
   std::optional<pid_t> scheduled, bound_thread;

@@ -1,4 +1,6 @@
 // What is asked of the kernel, exactly, and what is made of each answer: on a kernel that the test holds.
+#include "tests/robot/live/realtime/fake_kernel.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -10,7 +12,6 @@
 
 #include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
-#include "tests/robot/live/realtime/fake_kernel.hpp"
 
 namespace biopsy::realtime {
 namespace {
@@ -100,8 +101,7 @@ TEST(OwnProcessor, ThatNoMachineHasIsNotAskedFor) {
     FakeKernel kernel;
     RealtimeSettings settings = kNothing;
     settings.cpu = cpu;
-    EXPECT_EQ(become_realtime(settings).why_not,
-              "processor " + std::to_string(cpu) + ": Invalid argument");
+    EXPECT_EQ(become_realtime(settings).why_not, "processor " + std::to_string(cpu) + ": Invalid argument");
     EXPECT_TRUE(kernel.bound.empty());
   }
   FakeKernel kernel;
