@@ -5,85 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
-#include "planner/plan/seal.hpp"
-#include "robot/cycle/plan_facts.hpp"
-#include "robot/cycle/simulated_robot.hpp"
+#include "tests/robot/cycle/ideal_cycle.hpp"
 
 namespace biopsy::robot {
 namespace {
-
-constexpr std::uint64_t kConfigOfCycle = 77;
-
-Plan plan_of_two_steps(double first_mm = 2.0) {
-  Plan plan;
-  plan.target_depth = Millimetres(3.0);
-  plan.limits = {.depth_max = Millimetres(4.0),
-                 .v_max = Volts(5000),
-                 .plausible = {{Volts(0), Millimetres(-0.5), Millimetres(3.5)},
-                               {Volts(8000), Millimetres(-0.5), Millimetres(6.0)}}};
-  for (const double depth : {first_mm, 3.0})
-    plan.steps.push_back({.depth = Millimetres(depth),
-                          .speed = MillimetresPerSecond(1.0),
-                          .v_max = Volts(5000),
-                          .dwell = Seconds(0.5),
-                          .image_confirms = true,
-                          .why = ""});
-  planner::seal(plan);
-  return plan;
-}
-
-using Order = std::vector<std::string>;
-
-struct IdealStage final : drivers::NeedleStage {
-  Order* order = nullptr;
-  std::int32_t written_mV = 0, most_mV = 8'000'000;  // of its converter
-  std::int64_t time_us = 0;
-  std::int32_t code = 0, depth_um = 0;
-
-  drivers::SensorReading read() override {
-    if (order != nullptr) order->emplace_back("read");
-    time_us += 1'000;
-    return {.time_us = time_us,
-            .depth_um = depth_um,
-            .laser_code = ++code,
-            .laser_valid = true,
-            .depth_b_um = depth_um,
-            .laser_b_valid = true,
-            .monitor_mV = written_mV,
-            .brake_fitted = true};
-  }
-  std::int32_t write(const safety::GatedVoltage& voltage) override {
-    if (order != nullptr) order->emplace_back("write");
-    return written_mV = std::clamp(voltage.mV(), -most_mV, most_mV);
-  }
-};
-
-// Keeps what each function is given, and changes it where a test wants that.
-struct Watch final : FaultHooks {
-  Order* order = nullptr;
-  safety::SupervisorInputs supervised;
-  safety::Evidence decided;
-  GateInputs gated;
-  bool take_permit = false, trip = false;
-
-  void before_monitors(safety::SupervisorInputs& inputs) override {
-    if (order != nullptr) order->emplace_back("supervise");
-    supervised = inputs;
-  }
-  void before_decision(safety::SupervisorInputs&, safety::Evidence& evidence) override {
-    decided = evidence;
-    if (trip) evidence.clear &= ~safety::bit(safety::Hazard::Arc);
-  }
-  void before_gate(GateInputs& inputs) override {
-    if (order != nullptr) order->emplace_back("gate");
-    gated = inputs;
-    if (take_permit) inputs.permit = {};
-  }
-};
 
 struct RunCycle : testing::Test {
   RunCycle() { cycle.wrap(watch); }
@@ -341,79 +266,6 @@ TEST_F(RunCycle, WithoutHooksItDoesTheSame) {
     EXPECT_EQ(one.supervisor.permit, two.supervisor.permit);
     EXPECT_EQ(one.request, two.request);
   }
-}
-
-// The controller that runs the plan gets what the cycle and the operator give it.
-struct SimulatedRobotTest : testing::Test {
-  const Plan plan = plan_of_two_steps(0.1);  // no way of a needle without a drive that would be noticed
-  IdealStage stage;
-  SimulatedRobot robot{
-      plan, plan_facts(plan, kConfigOfCycle), stage, {planner::plan_tag(plan), planner::plan_tag(plan)}};
-
-  void run_until(Mode mode, const OperatorInputs& inputs) {
-    for (int tick = 0; tick < 3'000 && robot.mode() != mode; ++tick) robot.run_cycle(inputs);
-    ASSERT_EQ(robot.mode(), mode);
-  }
-  OperatorInputs go() {
-    OperatorInputs inputs = OperatorInputs::idle();
-    run_until(Mode::Ready, inputs);
-    inputs.arm = true;
-    run_until(Mode::Armed, inputs);
-    inputs.arm = false;
-    inputs.press = {1, true};
-    run_until(Mode::Active, inputs);
-    return inputs;
-  }
-};
-
-TEST_F(SimulatedRobotTest, DrivesTheStepThatTheSupervisorWantsWithinItsPermit) {
-  const OperatorInputs inputs = go();
-  CycleRecord record;
-  for (int tick = 0; tick < 20; ++tick) record = robot.run_cycle(inputs);
-  EXPECT_EQ(record.request.measured_seq, record.measurement.seq);
-  EXPECT_EQ(record.request.step, record.supervisor.step);
-  EXPECT_GT(record.request.setpoint_um, 0) << "the plan's first step, from where the needle is";
-  EXPECT_NE(record.request.wanted_mV, 0);
-  EXPECT_NE(record.drive_mV, 0);
-  EXPECT_EQ(robot.controller().seq, record.request.seq);
-  EXPECT_EQ(static_cast<std::int64_t>(record.request.seq), robot.ticks());
-}
-
-TEST_F(SimulatedRobotTest, WithdrawsWhenTheOperatorIsDone) {
-  OperatorInputs inputs = go();
-  EXPECT_FALSE(robot.run_cycle(inputs).request.finished);
-  inputs.finish = true;
-  EXPECT_TRUE(robot.run_cycle(inputs).request.finished);
-}
-
-// The needle is where the controller wants it, to the end of the first step.
-TEST_F(SimulatedRobotTest, LocksTheNeedleOfAStepThatIsDoneWhenTheOperatorWantsAnImage) {
-  OperatorInputs inputs = go();
-  CycleRecord record;
-  for (int tick = 0; tick < 4'000 && !record.supervisor.permit.brake; ++tick) {
-    record = robot.run_cycle(inputs);
-    stage.depth_um = record.request.setpoint_um;
-  }
-  ASSERT_TRUE(record.supervisor.permit.brake) << "it has arrived: " << cause_of(record.supervisor);
-  record = robot.run_cycle(inputs);
-  EXPECT_FALSE(record.request.brake);
-  inputs.hold_still = true;
-  EXPECT_TRUE(robot.run_cycle(inputs).request.brake);
-}
-
-TEST_F(SimulatedRobotTest, RaisesNothingOnABusWithASecondWriter) {
-  const OperatorInputs inputs = go();
-  CycleRecord record;
-  for (int tick = 0; tick < 50; ++tick) record = robot.run_cycle(inputs, {.log_backlog_ms = 0, .writers = 2});
-  EXPECT_EQ(record.drive_mV, 0);
-  EXPECT_NE(robot.mode(), Mode::Active);
-}
-
-TEST_F(SimulatedRobotTest, ShowsItsHooksWhatTheGateGets) {
-  Watch watch;
-  robot.wrap(watch);
-  const CycleRecord record = robot.run_cycle(OperatorInputs::idle());
-  EXPECT_EQ(watch.gated.request, record.request);
 }
 
 }  // namespace
