@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kPatience{2000}, kPoll{5};
+constexpr int kLost = 127;  // exit code of a process that could not become its program, as of a shell's
 
 std::string program_of(Process process) {
   if (process == Process::Person) return "biopsy-console";
@@ -43,16 +44,15 @@ bool wait_for(pid_t& pid, std::chrono::milliseconds patience, int& status) {
   return false;
 }
 
-// SIGTERM, and SIGKILL two seconds later.
-int end(pid_t& pid) {
+// SIGTERM, and SIGKILL two seconds later. Nothing: it does not even end then, two more seconds later.
+std::optional<int> end(pid_t& pid) {
   int status = 0;
   kill(pid, SIGCONT);  // a stopped process takes no SIGTERM
-  kill(pid, SIGTERM);
-  if (!wait_for(pid, kPatience, status)) {
-    kill(pid, SIGKILL);
-    wait_for(pid, kPatience, status);
+  for (const int signal : {SIGTERM, SIGKILL}) {
+    kill(pid, signal);
+    if (wait_for(pid, kPatience, status)) return status;
   }
-  return status;
+  return std::nullopt;
 }
 
 // Errors that a program printed, or its last line.
@@ -89,8 +89,9 @@ fs::path programs_folder() {
 }
 
 // In the child between fork and exec: async-signal-safe calls only.
-[[noreturn]] void become(char* const* words, const char* output) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);  // ends with its parent
+[[noreturn]] void become(char* const* words, const char* output, pid_t launcher) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);        // ends with its parent,
+  if (getppid() != launcher) _exit(kLost);  // also where that ended just now
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -101,7 +102,7 @@ fs::path programs_folder() {
     dup2(file, STDERR_FILENO);
   }
   execv(words[0], words);
-  _exit(127);
+  _exit(kLost);
 }
 
 }  // namespace
@@ -133,8 +134,9 @@ pid_t Launcher::spawn(const std::string& program, std::vector<std::string> words
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const std::string file = output.string();
+  const pid_t launcher = getpid();
   const pid_t pid = fork();
-  if (pid == 0) become(pointers.data(), file.c_str());
+  if (pid == 0) become(pointers.data(), file.c_str(), launcher);
   if (pid < 0)
     throw ConfigError("no new process can be made", path.string(), "see `ulimit -u` and free memory");
   return pid;
@@ -160,9 +162,11 @@ std::vector<std::string> Launcher::stop() {
   std::vector<std::string> trouble;
   const auto stop_one = [&](const std::string& program, const fs::path& output, pid_t& pid) {
     if (pid < 0) return;
-    const int status = end(pid);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-      trouble.push_back(fmt::format("{} {}{}", program, ending(status), last_message(output)));
+    const std::optional<int> status = end(pid);
+    if (!status)
+      trouble.push_back(fmt::format("{} does not end", program));
+    else if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0)
+      trouble.push_back(fmt::format("{} {}{}", program, ending(*status), last_message(output)));
   };
   for (auto& [program, pid] : observers_) stop_one(program, output_of(run_folder_, program), pid);
   for (const Process process : kStopOrder)

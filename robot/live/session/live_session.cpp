@@ -1,10 +1,12 @@
 #include "robot/live/session/live_session.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
+#include <system_error>
 #include <thread>
 
 #include "drivers/digital_io/shared_io.hpp"
@@ -13,6 +15,7 @@
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/live/live_process.hpp"
+#include "robot/live/realtime/tick_clock.hpp"
 #include "robot/recorder/log_file.hpp"
 #include "robot/security/key_files.hpp"
 #include "robot/security/key_set.hpp"
@@ -28,12 +31,17 @@ constexpr int kRehearsalDays = 365;
 constexpr std::array kStarted{security::Role::Stage, security::Role::Controller, security::Role::Supervisor,
                               security::Role::Recorder, security::Role::Planner};
 
-// In memory, one for each robot of a user.
+// In memory, one for each robot of a user. Anybody may write beside it: a link, or a folder of somebody else
+// who could exchange the files in it, is not taken.
 fs::path make_lines_folder(const LiveOptions& options) {
   fs::path folder = fmt::format("/dev/shm/biopsy-{}-{}-{}", getuid(), options.domain, 1);
   std::error_code error;
-  fs::create_directories(folder, error);
-  fs::permissions(folder, fs::perms::owner_all, error);
+  fs::create_directory(folder, error);
+  struct stat found {};
+  const bool is_own =
+      ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) && found.st_uid == ::getuid();
+  if (!error && !is_own) error = std::make_error_code(std::errc::operation_not_permitted);
+  if (!error) fs::permissions(folder, fs::perms::owner_all, error);
   if (error)
     throw ConfigError(fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
                       "look who owns it; another --domain uses another folder");
@@ -124,7 +132,7 @@ LiveSession::~LiveSession() {
 }
 
 void LiveSession::wait_until_healthy() {
-  const auto until = std::chrono::steady_clock::now() + kHealthy;
+  const std::int64_t until_ns = realtime::monotonic_ns() + std::chrono::nanoseconds(kHealthy).count();
   std::string missing;
   do {
     if (const auto ended = launcher_.ended())
@@ -140,7 +148,7 @@ void LiveSession::wait_until_healthy() {
     }
     if (missing.empty()) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  } while (std::chrono::steady_clock::now() < until);
+  } while (realtime::monotonic_ns() < until_ns);
   throw ConfigError(fmt::format("not heard on the bus:{}", missing), folder_.string(),
                     "see *.txt in this folder; check keys and network interface");
 }

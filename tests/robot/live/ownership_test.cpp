@@ -2,6 +2,7 @@
 // kernel then permits is tested with real users by tests/installation/claims.
 #include "robot/live/session/ownership.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,6 +13,8 @@
 
 #include "drivers/digital_io/shared_io.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/live/session/live_session.hpp"
+#include "robot/procedure/case/case.hpp"
 #include "robot/security/make_keys.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
@@ -122,6 +125,28 @@ TEST_F(OwnershipOfFiles, IsRefusedForUsersThatDoNotExist) {
     EXPECT_NE(error.what_is_wrong.find("biopsy-nobody-here"), std::string::npos);
     EXPECT_NE(error.remedy.find("systemd-sysusers"), std::string::npos);
   }
+}
+
+// Anybody may write into /dev/shm: who could put the folder there first could exchange the files in it.
+TEST(DigitalIoFolder, OfSomebodyElseIsNotTaken) {
+  const ScratchFolder folder, theirs;
+  const PreparedCase prepared = prepare(read_case("gap"), folder.path());
+  LiveOptions options;
+  options.domain = 79;
+  options.without_security = true;
+  const fs::path path = fmt::format("/dev/shm/biopsy-{}-{}-1", getuid(), options.domain);
+  fs::remove_all(path);
+  fs::permissions(theirs.path(), fs::perms::owner_read | fs::perms::owner_exec);
+  fs::create_directory_symlink(theirs.path(), path);
+  EXPECT_THROW(write_run_folder(options, "sim", {}, prepared, folder.path()), ConfigError);
+  EXPECT_EQ(fs::status(theirs.path()).permissions(), fs::perms::owner_read | fs::perms::owner_exec);
+  fs::remove(path);
+  write_content(path, "no folder");
+  EXPECT_THROW(write_run_folder(options, "sim", {}, prepared, folder.path()), ConfigError);
+  fs::remove(path);
+  write_run_folder(options, "sim", {}, prepared, folder.path());
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_all);
+  fs::remove_all(path);
 }
 
 }  // namespace
