@@ -63,7 +63,7 @@ struct Watch final : FaultHooks {
   safety::SupervisorInputs supervised;
   safety::Evidence decided;
   GateInputs gated;
-  bool take_permit = false, trip = false;
+  bool loses_permit = false, trip = false;
 
   void before_monitors(safety::SupervisorInputs& inputs) override {
     if (order != nullptr) order->emplace_back("supervise");
@@ -76,7 +76,7 @@ struct Watch final : FaultHooks {
   void before_gate(GateInputs& inputs) override {
     if (order != nullptr) order->emplace_back("gate");
     gated = inputs;
-    if (take_permit) inputs.permit = {};
+    if (loses_permit) inputs.permit = {};
   }
 };
 

@@ -221,7 +221,7 @@ TEST_F(RunCycle, TheRelayClosesOnceBothSidesFedItAndIsReadBackInTheNextTick) {
 }
 
 TEST_F(RunCycle, TheRelayStaysOpenWhileOneSideFeedsItAlone) {
-  watch.take_permit = true;  // the gate has none, so the driver's half is not fed
+  watch.loses_permit = true;  // the gate has none, so the driver's half is not fed
   for (int tick = 0; tick < 50; ++tick) {
     EXPECT_TRUE(run().supervisor.interlock_pulse);
     EXPECT_FALSE(watch.supervised.relay_closed);
@@ -246,7 +246,7 @@ TEST_F(RunCycle, TheRelayOpensWhenOneSideStopsFeedingIt) {
     for (int tick = 0; tick < 3'000 && one.mode() != Mode::Armed; ++tick) turn(inputs);
     turn(inputs), turn(inputs);
     ASSERT_TRUE(other.supervised.relay_closed);
-    (supervisor_stops ? other.trip : other.take_permit) = true;
+    (supervisor_stops ? other.trip : other.loses_permit) = true;
     int closed = 0;
     for (int tick = 0; tick < 60; ++tick) turn(inputs), closed += other.supervised.relay_closed ? 1 : 0;
     EXPECT_EQ(closed, supervisor_stops ? 19 : 19 + 5) << supervisor_stops;
