@@ -3,7 +3,7 @@
 // costs some 45 ms, however small it is.
 import { expect, test } from '@playwright/test'
 
-import config from './playwright.config'
+import config from './support/playwright.config'
 import { browserLoad } from './support/browser_load'
 import { note, round, spread } from './support/figures'
 import { PageOperator } from './support/page_operator'

@@ -3,7 +3,7 @@
 // --update-snapshots=all`.
 import { expect, type Page, test } from '@playwright/test'
 
-import config from './playwright.config'
+import config from './support/playwright.config'
 import { PageOperator } from './support/page_operator'
 import { expectAccessible } from './support/accessibility'
 import { Robot } from './support/robot'

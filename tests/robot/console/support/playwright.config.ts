@@ -15,7 +15,7 @@ function drawsAsTheBaselines(): boolean {
 const likeness = drawsAsTheBaselines() ? { threshold: 0, maxDiffPixels: 0 } : { threshold: 0.2, maxDiffPixelRatio: 0.02 }
 
 export default defineConfig({
-  testDir: '.',
+  testDir: '..',
   testIgnore: process.env.SOAK_MINUTES ? [] : ['soak.spec.ts'],
   workers: 1, // the robot runs in real time
   retries: 2, // a stalling host may stop a robot, but not repeatedly
