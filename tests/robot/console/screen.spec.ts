@@ -5,11 +5,8 @@ import { expect, type Page, test } from '@playwright/test'
 import { expectAccessible } from './support/accessibility'
 import { PageOperator } from './support/page_operator'
 import { Robot } from './support/robot'
-import { checkedOf, kAlarm, kScenes, kWarning, showScene } from './support/scenes'
+import { checkedOf, kAlarm, kScenes, kSizes, kWarning, showScene } from './support/scenes'
 import { freezePage, lastEvent, type Message } from './support/tap'
-
-// The last: a screen of 1920 x 1080 at 200 %.
-const kSizes = [[1920, 1080], [1366, 768], [1280, 720], [1024, 768], [960, 540]] as const
 
 const robot = new Robot()
 let checked: Message
@@ -147,21 +144,6 @@ for (const [width, height] of kSizes)
     await press('p')
   })
 
-test('whatever lies under the pointer, the image stays where it is', async ({ page }) => {
-  const operator = new PageOperator(page, robot.url)
-  await operator.planned()
-  for (const [width, height] of kSizes) {
-    await page.setViewportSize({ width, height })
-    await page.mouse.move(5, 5)
-    const image = page.locator('.slices')
-    const at = await image.boundingBox()
-    const large = (await page.locator('[data-tile^=large] rect').first().boundingBox())!
-    await page.mouse.move(large.x + large.width - 3, large.y + large.height - 3)
-    await expect(page.locator('[data-name=from-entry]')).toContainText('beyond the stroke')
-    expect(await image.boundingBox(), `${width} x ${height}`).toEqual(at)
-  }
-})
-
 // The newest of the 30 s is at their right end.
 test('the plots show now at every size', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
@@ -177,41 +159,6 @@ test('the plots show now at every size', async ({ page }) => {
       expect((await ends()).below, `${width} x ${height}`).toBeLessThanOrEqual(0)
       expect((await ends()).wide).toBeGreaterThan(200)
     }
-  }
-})
-
-// Numbers and signs change with each click: a line more of them would move the image from under the pointer.
-test('whatever is read out, the image stays where it was clicked', async ({ page }) => {
-  test.setTimeout(240_000)
-  const operator = new PageOperator(page, robot.url)
-  await operator.planned()
-  const image = page.locator('.slices')
-  const canvas = page.locator('canvas[tabindex]')
-  const sizes = [[1401, 900], [1569, 900], [1640, 1080], [1850, 1080], [1920, 1080]] as const
-  for (const [width, height] of sizes) {
-    await page.setViewportSize({ width, height })
-    await page.mouse.move(5, 5)
-    await expect(page.locator('[data-name=pointed]')).toContainText('crosshair')
-    const at = (await image.boundingBox())!
-    const read = async () => Promise.all((await page.locator('[data-tile] rect').all()).map(async (tile) => (await tile.boundingBox())!))
-    let tiles = await read()
-    await expect.poll(async () => { // drawn anew for this size
-      const before = JSON.stringify(tiles)
-      tiles = await read()
-      return JSON.stringify(tiles) === before && tiles.every((tile) => tile.x >= at.x - 1 && tile.x + tile.width <= at.x + at.width + 1)
-    }).toBe(true)
-    for (const [n, tile] of tiles.entries())
-      for (const [across, down] of [[0.05, 0.05], [0.95, 0.95]] as const) {
-        const [x, y] = [tile.x + across * tile.width, tile.y + down * tile.height]
-        await page.mouse.click(x, y)
-        if (n === 0) await expect.poll(async () => Math.hypot((await operator.crossAt()).x - x, (await operator.crossAt()).y - y), `${width} x ${height}`).toBeLessThan(2)
-        expect(await image.boundingBox(), `${width} x ${height}`).toEqual(at)
-      }
-    await canvas.focus()
-    for (const key of ['+', ']', ']', "'", 'p']) await page.keyboard.press(key)
-    expect(await image.boundingBox(), `${width} x ${height}, zoomed and windowed`).toEqual(at)
-    await canvas.focus()
-    for (const key of ['p', '0']) await page.keyboard.press(key)
   }
 })
 

@@ -10,6 +10,9 @@ import { kProgram } from './robot'
 import { freezePage, lastEvent, type Message } from './tap'
 
 const kQuiet = { arm: '', insert: '', retract: '', reset: '', judge: '', accept: '', plan: '' }
+// Screens, CSS px. The last: one of 1920 x 1080 at 200 %.
+export const kSizes = [[1920, 1080], [1366, 768], [1280, 720], [1024, 768], [960, 540]] as const
+
 export const no = (some: Partial<typeof kQuiet>) => ({ ...kQuiet, ...some })
 export const kCold = no({ insert: 'Arm first.', retract: 'High voltage is off.', reset: 'Nothing to reset.', judge: 'No image was taken yet.', accept: 'No image was taken yet.', plan: 'It is confirmed.' })
 const kHot = no({ arm: 'It is armed.', reset: 'Nothing to reset.', judge: 'No image was taken yet.', accept: 'No image was taken yet.', plan: 'It is confirmed.' })
