@@ -90,7 +90,7 @@ fs::path programs_folder() {
 
 // In the child between fork and exec: async-signal-safe calls only.
 [[noreturn]] void become(char* const* words, const char* output, pid_t launcher) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);        // ends with its parent,
+  prctl(PR_SET_PDEATHSIG, SIGTERM);         // ends with its parent,
   if (getppid() != launcher) _exit(kLost);  // also where that ended just now
   sigset_t none;
   sigemptyset(&none);
