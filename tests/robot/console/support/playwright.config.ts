@@ -21,7 +21,7 @@ export default defineConfig({
   retries: 2, // a stalling host may stop a robot, but not repeatedly
   maxFailures: 1,
   timeout: 120_000,
-  globalTimeout: process.env.SOAK_MINUTES ? 0 : 560_000,
+  globalTimeout: process.env.SOAK_MINUTES ? 0 : 480_000,
   expect: { timeout: 20_000, toHaveScreenshot: { ...likeness, animations: 'disabled' } },
   updateSnapshots: 'none',
   snapshotPathTemplate: `${baselines}/{arg}{ext}`,
