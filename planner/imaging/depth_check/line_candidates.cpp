@@ -13,26 +13,34 @@ namespace {
 
 // From the thinnest void seen in half-millimetre pixels to the widest of ten pixels of 1.2 mm.
 constexpr std::array<double, 5> kRadii{0.7, 1.2, 2.0, 3.3, 5.5};
-constexpr double kCell_mm = 0.75, kSlab_mm = 2.0;
+constexpr double kSlab_mm = 2.0;
 constexpr double kTiltStep_deg = 1.5;
 constexpr std::size_t kStarts = 4;  // a shaft may come into view behind the entry at one of these
 
+// As fine as the disc about it asks for.
+double cell_mm(double radius_mm) {
+  constexpr double kCellLeast_mm = 0.75;
+  return std::max(kCellLeast_mm, radius_mm / 3.0);
+}
+
 // Per slab: sums of template * change / variance and template^2 / variance, for a disc about each cell.
 struct SlabMaps {
+  double cell_mm = 0.0;
   int cells = 0;  // per side of a square about the axis
   double t_min = 0.0;
   std::vector<cv::Mat> match, energy;
 
   double t(std::size_t slab) const { return t_min + (static_cast<double>(slab) + 0.5) * kSlab_mm; }
   int cell_of(double beside_mm) const {
-    return static_cast<int>(std::floor(beside_mm / kCell_mm + 0.5)) + cells / 2;
+    return static_cast<int>(std::floor(beside_mm / cell_mm + 0.5)) + cells / 2;
   }
 };
 
 // The voxels' own sums by cell, before any disc.
-SlabMaps point_maps(const Corridor& corridor) {
+SlabMaps point_maps(const Corridor& corridor, double cell_mm) {
   SlabMaps maps;
-  maps.cells = 2 * static_cast<int>(std::ceil(corridor.radius_mm / kCell_mm)) + 1;
+  maps.cell_mm = cell_mm;
+  maps.cells = 2 * static_cast<int>(std::ceil(corridor.radius_mm / cell_mm)) + 1;
   maps.t_min = corridor.t_min;
   const auto slabs =
       static_cast<std::size_t>(std::max((corridor.t_max - corridor.t_min) / kSlab_mm, 0.0)) + 1;
@@ -55,7 +63,7 @@ SlabMaps point_maps(const Corridor& corridor) {
 }
 
 // Share of a voxel's cross-section that a disc covers, by the distance of their centres in cells.
-cv::Mat disc_kernel(const Corridor& corridor, double radius_mm) {
+cv::Mat disc_kernel(const Corridor& corridor, double radius_mm, double cell_mm) {
   std::vector<Eigen::Vector2d> places;
   double wide = 0.0;
   for (const Stack& stack : corridor.stacks)
@@ -64,13 +72,13 @@ cv::Mat disc_kernel(const Corridor& corridor, double radius_mm) {
       wide = std::max(wide, place.norm());
     }
   const double soft = std::max(0.35, 0.25 * radius_mm);
-  const int half = static_cast<int>(std::ceil((radius_mm + soft + wide) / kCell_mm));
+  const int half = static_cast<int>(std::ceil((radius_mm + soft + wide) / cell_mm));
   cv::Mat kernel(2 * half + 1, 2 * half + 1, CV_32F);
   for (int row = -half; row <= half; ++row)
     for (int column = -half; column <= half; ++column) {
       double covered = 0.0;
       for (const Eigen::Vector2d& place : places) {
-        const double from_axis = (place + kCell_mm * Eigen::Vector2d(column, row)).norm();
+        const double from_axis = (place + cell_mm * Eigen::Vector2d(column, row)).norm();
         covered += std::clamp((radius_mm + soft - from_axis) / (2.0 * soft), 0.0, 1.0);
       }
       kernel.at<float>(row + half, column + half) =
@@ -101,7 +109,7 @@ double inflation_of(const SlabMaps& maps, double from_mm, double to_mm) {
     for (std::size_t n = slab + 1; n < slab + kStretch; ++n) match += maps.match[n], energy += maps.energy[n];
     for (int row = 0; row < maps.cells; ++row)
       for (int column = 0; column < maps.cells; ++column) {
-        const double beside = kCell_mm * std::hypot(row - maps.cells / 2, column - maps.cells / 2);
+        const double beside = maps.cell_mm * std::hypot(row - maps.cells / 2, column - maps.cells / 2);
         const auto m = static_cast<double>(match.at<float>(row, column)),
                    e = static_cast<double>(energy.at<float>(row, column));
         if (beside >= from_mm && beside <= to_mm && e > 0.0) squares.push_back(m * m / e);
@@ -172,57 +180,73 @@ LineFit best_tip(const SlabMaps& maps, const Rows& rows, const std::vector<int>&
   return best;
 }
 
-std::vector<LineCandidate> candidates_losing(const Corridor& corridor, const SearchReach& reach,
-                                             double loss_least) {
-  const SlabMaps points = point_maps(corridor);
-  const Ends ends = ends_of(points, reach);
-  std::vector<LineCandidate> best;
-  for (double radius : kRadii) {
-    const SlabMaps maps = disc_maps(points, disc_kernel(corridor, radius));
-    LineCandidate top;
-    // Further out, discs reach beyond the corridor.
-    top.inflation = inflation_of(maps, reach.beside_mm + 4.0, corridor.radius_mm - radius);
-    const double step = std::max(kCell_mm, 0.5 * radius);
-    const int n = static_cast<int>(std::ceil(reach.beside_mm / step));
-    const int tilts = static_cast<int>(std::floor(reach.tilt_deg / kTiltStep_deg));
-    const double slope = std::tan(kTiltStep_deg * std::numbers::pi / 180.0);
-    std::vector<cv::Mat> sums(maps.match.size());
-    for (std::size_t slab = 0; slab < sums.size(); ++slab)
-      cv::merge(std::vector<cv::Mat>{maps.match[slab], maps.energy[slab]}, sums[slab]);
-    std::vector<std::vector<int>> cells;
-    for (int i = -n; i <= n; ++i)
-      for (int a = -tilts; a <= tilts; ++a) cells.push_back(cells_along(maps, i * step, a * slope));
-    const auto along = [&](int i, int a) -> const std::vector<int>& {
-      return cells[static_cast<std::size_t>((i + n) * (2 * tilts + 1) + a + tilts)];
-    };
-    for (int j = -n; j <= n; ++j)
-      for (int b = -tilts; b <= tilts; ++b) {
-        Rows rows;
-        for (std::size_t slab = 0; slab < sums.size(); ++slab)
-          rows.push_back(along(j, b)[slab] < 0 ? nullptr : sums[slab].ptr<cv::Vec2f>(along(j, b)[slab]));
-        for (int i = -n; i <= n; ++i)
-          for (int a = -tilts; a <= tilts; ++a) {
-            if (i * i + j * j > n * n || a * a + b * b > tilts * tilts) continue;
-            const LineFit fit = best_tip(maps, rows, along(i, a), ends, loss_least, top.fit);
-            if (fit.gain > top.fit.gain)
-              top.line = {i * step, j * step, a * slope, b * slope, radius}, top.fit = fit;
-          }
-      }
-    best.push_back(top);
-  }
-  std::stable_sort(best.begin(), best.end(),
-                   [](const LineCandidate& a, const LineCandidate& b) { return a.worth() > b.worth(); });
-  return best;
+// What a disc of one radius sees, about every cell.
+struct DiscSums {
+  double radius_mm = 0.0, inflation = 1.0;
+  SlabMaps maps;
+  std::vector<cv::Mat> match_energy;  // the maps' two values beside each other
+};
+
+DiscSums disc_sums(const Corridor& corridor, const SearchReach& reach, double radius_mm) {
+  const double cell = cell_mm(radius_mm);
+  DiscSums sums{
+      radius_mm, 1.0, disc_maps(point_maps(corridor, cell), disc_kernel(corridor, radius_mm, cell)), {}};
+  // Further out, discs reach beyond the corridor.
+  sums.inflation = inflation_of(sums.maps, reach.beside_mm + 4.0, corridor.radius_mm - radius_mm);
+  sums.match_energy.resize(sums.maps.match.size());
+  for (std::size_t slab = 0; slab < sums.match_energy.size(); ++slab)
+    cv::merge(std::vector<cv::Mat>{sums.maps.match[slab], sums.maps.energy[slab]}, sums.match_energy[slab]);
+  return sums;
+}
+
+LineCandidate best_line(const DiscSums& sums, const SearchReach& reach, const Ends& ends, double loss_least) {
+  const SlabMaps& maps = sums.maps;
+  LineCandidate top;
+  top.inflation = sums.inflation;
+  const double step = std::max(maps.cell_mm, 0.5 * sums.radius_mm);
+  const int n = static_cast<int>(std::ceil(reach.beside_mm / step));
+  const int tilts = static_cast<int>(std::floor(reach.tilt_deg / kTiltStep_deg));
+  const double slope = std::tan(kTiltStep_deg * std::numbers::pi / 180.0);
+  std::vector<std::vector<int>> cells;
+  for (int i = -n; i <= n; ++i)
+    for (int a = -tilts; a <= tilts; ++a) cells.push_back(cells_along(maps, i * step, a * slope));
+  const auto along = [&](int i, int a) -> const std::vector<int>& {
+    return cells[static_cast<std::size_t>((i + n) * (2 * tilts + 1) + a + tilts)];
+  };
+  for (int j = -n; j <= n; ++j)
+    for (int b = -tilts; b <= tilts; ++b) {
+      Rows rows;
+      for (std::size_t slab = 0; slab < maps.match.size(); ++slab)
+        rows.push_back(along(j, b)[slab] < 0 ? nullptr
+                                             : sums.match_energy[slab].ptr<cv::Vec2f>(along(j, b)[slab]));
+      for (int i = -n; i <= n; ++i)
+        for (int a = -tilts; a <= tilts; ++a) {
+          if (i * i + j * j > n * n || a * a + b * b > tilts * tilts) continue;
+          const LineFit fit = best_tip(maps, rows, along(i, a), ends, loss_least, top.fit);
+          if (fit.gain > top.fit.gain)
+            top.line = {i * step, j * step, a * slope, b * slope, sums.radius_mm}, top.fit = fit;
+        }
+    }
+  return top;
 }
 
 }  // namespace
 
 std::vector<LineCandidate> line_candidates(const Corridor& corridor, const SearchReach& reach) {
+  std::vector<DiscSums> discs;
+  for (double radius : kRadii) discs.push_back(disc_sums(corridor, reach, radius));
+  const Ends ends = ends_of(discs.front().maps, reach);
+  const auto losing = [&](double loss_least) {
+    std::vector<LineCandidate> lines;
+    for (const DiscSums& disc : discs) lines.push_back(best_line(disc, reach, ends, loss_least));
+    std::stable_sort(lines.begin(), lines.end(),
+                     [](const LineCandidate& a, const LineCandidate& b) { return a.worth() > b.worth(); });
+    return lines;
+  };
   // A wide place that is a little darker can outweigh a thin void that is black, and is no needle.
   constexpr double kNeedleLoses = 0.5;
-  std::vector<LineCandidate> needles = candidates_losing(corridor, reach, kNeedleLoses);
-  if (needles.front().fit.gain > 0.0) return needles;
-  return candidates_losing(corridor, reach, 0.0);
+  std::vector<LineCandidate> needles = losing(kNeedleLoses);
+  return needles.front().fit.gain > 0.0 ? needles : losing(0.0);
 }
 
 }  // namespace biopsy::imaging

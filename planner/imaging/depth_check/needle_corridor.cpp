@@ -119,9 +119,9 @@ Stack stack_of(const Grid& grid, Corridor& corridor) {
   static_assert(kPlacesMost == 5 * 5 * 5);
   stack.places.resize(count.prod(), 3);
   int row = 0;
-  each(count, [&](const Eigen::Vector3d& place) { stack.places.row(row++) = place.array(); });
+  each(count, [&](const Eigen::Vector3d& place) { stack.places.row(row++) = place.array().cast<float>(); });
   each(beside, [&](const Eigen::Vector3d& place) { stack.lateral.push_back(place.tail<2>()); });
-  stack.reach_mm = stack.places.matrix().rowwise().norm().maxCoeff();
+  stack.reach_mm = static_cast<double>(stack.places.matrix().rowwise().norm().maxCoeff());
   return stack;
 }
 

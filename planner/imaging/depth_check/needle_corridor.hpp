@@ -25,7 +25,7 @@ struct Stack {
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
   Eigen::Matrix3d steps = Eigen::Matrix3d::Identity();  // columns: from voxel to voxel in needle coordinates
   std::vector<std::uint32_t> rows;       // of `voxels`, where row j + size.y k begins; one more for the end
-  Eigen::ArrayX3d places;                // (t, u, v) from a voxel's centre; their mean stands for the voxel's
+  Eigen::ArrayX3f places;                // (t, u, v) from a voxel's centre; their mean stands for the voxel's
   std::vector<Eigen::Vector2d> lateral;  // the same for (u, v) alone
   double reach_mm = 0.0;                 // of the farthest place
 };

@@ -131,7 +131,10 @@ class Fitting {
     by << 0.05, 0.05, 0.05, 0.002, 0.002, 0.03, 0.05, 0.1, 0.02;
     if (x[kRounding] > 0.5) by[kRounding] = -by[kRounding];
     if (x[kLoss] > 1.0) by[kLoss] = -by[kLoss];
+    // A step needs no better slopes than these: a tilt moves a voxel's middle beside the tip's line.
+    const auto tilts = [&](int p) { return !slopes && (p == kUSlope || p == kVSlope); };
     for (int p = 0; p < kVoidParameters; ++p) {
+      if (tilts(p)) continue;
       VoidVector there = x;
       there[p] += by[p];
       moved[static_cast<std::size_t>(p)] = p == kLoss ? residuals(covered, there[p]) : residuals(there);
@@ -140,7 +143,11 @@ class Fitting {
     for (std::size_t n = 0; n < z.size(); ++n) {
       VoidVector slope;
       for (int p = 0; p < kVoidParameters; ++p)
-        slope[p] = (z[n] - moved[static_cast<std::size_t>(p)][n]) / by[p];
+        if (!tilts(p)) slope[p] = (z[n] - moved[static_cast<std::size_t>(p)][n]) / by[p];
+      if (!slopes) {
+        const double from_tip = static_cast<double>(corridor_.voxels[used_[n]].t) - tip_mm_;
+        slope[kUSlope] = from_tip * slope[kU], slope[kVSlope] = from_tip * slope[kV];
+      }
       const double weight = std::abs(z[n]) <= kClip ? 1.0 : kClip / std::abs(z[n]);
       normal += weight * slope * slope.transpose();
       right += weight * z[n] * slope;
@@ -290,7 +297,7 @@ std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
                    std::sqrt(static_cast<double>(one->variance)));
     };
     // Away from its end the void is the same wherever that is.
-    const double half_mm = corridor.stacks[one->stack].places.col(0).abs().maxCoeff();
+    const double half_mm = static_cast<double>(corridor.stacks[one->stack].places.col(0).abs().maxCoeff());
     const double t = static_cast<double>(one->t), ahead = t - half_mm - fit.soft_mm,
                  behind = t + half_mm + fit.soft_mm + fit.rounding * fit.line.radius_mm;
     const double outside = of_depth(ahead - 1.0), inside = of_depth(behind + 1.0);
