@@ -4,7 +4,9 @@
 
 #include <fstream>
 
+#include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/logging/logger.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/server/command_from_json.hpp"
@@ -94,6 +96,7 @@ void ConsoleLoop::on_message(Client client, const std::string& text) {
                  wall_ms());
   log_command(client, text, answer->done ? "done" : answer->code + " " + answer->what);
   server_->send(client, text_of(*answer), Reliability::Reliable);
+  keep_points();
 }
 
 std::optional<console::Document> ConsoleLoop::document(const std::string& path) {
@@ -119,6 +122,16 @@ void ConsoleLoop::log_command(Client client, const std::string& text, const std:
   const nlohmann::json act{{"at_ms", wall_ms()}, {"page", client}, {"asked", text}, {"answer", answer}};
   std::ofstream(settings_.folder / "console-acts.jsonl", std::ios::app)
       << act.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) << '\n';
+}
+
+// A full disk costs what a restart would have found, and nothing else.
+void ConsoleLoop::keep_points() {
+  try {
+    points_.update(session_);
+  } catch (const ConfigError& error) {
+    constexpr logging::Logger log{logging::Component::Console};
+    log.warning("points and STOP are not kept over a restart: {}", error.what());
+  }
 }
 
 void ConsoleLoop::send_states(std::int64_t now_us) {
@@ -166,7 +179,7 @@ void ConsoleLoop::send_changes() {
   }
   new_clients_.clear();
   if (!changed) return;
-  points_.update(session_);
+  keep_points();
   for (const auto& [client, sent] : sent_) send_all(client);
 }
 

@@ -43,6 +43,7 @@ class ConsoleLoop {
   void send_states(std::int64_t now_us);
   void send_changes();
   void send_alarms();
+  void keep_points();
   void log_command(console::Client client, const std::string& text, const std::string& answer);
 
   LiveRobot& robot_;

@@ -20,7 +20,8 @@ std::string line_of(const Command& command) {
 }  // namespace
 
 void KeptPoints::restore(OperatorSession& session) {
-  std::istringstream lines(read_file_if_present(file_));
+  kept_ = read_file_if_present(file_);
+  std::istringstream lines(kept_);
   std::vector<console::commands::Any> commands;
   try {
     for (std::string line; std::getline(lines, line);) commands.push_back(console::command_from_json(line));
@@ -34,7 +35,10 @@ void KeptPoints::update(const OperatorSession& session) {
   std::string lines;
   if (const auto series = session.chosen_series()) lines += line_of(*series);
   for (const console::commands::SetPoint& point : session.chosen_points()) lines += line_of(point);
-  if (std::exchange(kept_, lines) != lines) atomic_write(file_, lines);
+  if (session.stop_stands()) lines += line_of(console::commands::Stop{});
+  if (lines == kept_) return;
+  atomic_write(file_, lines);
+  kept_ = std::move(lines);
 }
 
 }  // namespace biopsy::robot

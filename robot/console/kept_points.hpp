@@ -1,5 +1,5 @@
-// Series and points that were set at the console, kept over a restart of it. What is read back goes the way
-// of any command of a page, and a person confirms the plan anew.
+// Series and points that were set at the console, and a STOP that stands, kept over a restart of it. What is
+// read back goes the way of any command of a page, and a person confirms the plan anew.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ class KeptPoints {
 
  private:
   std::filesystem::path file_;
-  std::string kept_;
+  std::string kept_;  // content of the file
 };
 
 }  // namespace biopsy::robot

@@ -224,6 +224,7 @@ void OperatorSession::restore(const std::vector<commands::Any>& chosen) {
       else
         restored_.push_back(*point);
     }
+    if (std::holds_alternative<commands::Stop>(command)) standing_stop_ = stopped_ = true;
   }
 }
 

@@ -52,6 +52,8 @@ class OperatorSession {
   // case's own registration; what is restored is not confirmed.
   std::optional<console::commands::OpenSeries> chosen_series() const;
   std::vector<console::commands::SetPoint> chosen_points() const;
+  // STOP was pressed without high voltage, and no Reset since.
+  bool stop_stands() const { return standing_stop_; }
   void restore(const std::vector<console::commands::Any>& chosen);
 
   // Events for the pages

@@ -104,6 +104,32 @@ TEST(OperatorSession, AStopWithoutVoltageStandsUntilItIsReset) {
   }
 }
 
+TEST(OperatorSession, AStopThatStandsIsKeptOverARestartAndItsResetAsWell) {
+  const ScratchFolder kept;
+  KeptPoints points(kept / "points.jsonl");
+  Console before(read_case("gap"));
+  before.receive(Mode::Ready, safety::Hazard::None);
+  ASSERT_TRUE(before.send(commands::Stop{1}));
+  points.update(before.session);
+
+  Console after(read_case("gap"));
+  KeptPoints kept_after(kept / "points.jsonl");
+  kept_after.restore(after.session);
+  after.receive(Mode::Ready, safety::Hazard::None);
+  EXPECT_EQ(after.session.inputs(after.now_us).stop, StopCategory::C0Off);
+  const events::State stopped = after.session.state(kPage, after.now_us);
+  ASSERT_FALSE(stopped.alarms.empty());
+  EXPECT_EQ(stopped.alarms[0].what, "STOP was pressed.");
+  EXPECT_NE(stopped.disabled.arm, "");
+  ASSERT_TRUE(after.send(commands::Reset{1}));
+  kept_after.update(after.session);
+
+  Console last(read_case("gap"));
+  KeptPoints(kept / "points.jsonl").restore(last.session);
+  last.receive(Mode::Ready, safety::Hazard::None);
+  EXPECT_EQ(last.session.inputs(last.now_us).stop, StopCategory::None);
+}
+
 // The robot is still armed in the tick after, and trips in the next.
 TEST(OperatorSession, AStopOfAnArmedRobotSaysThatStopWasPressed) {
   Console console_(read_case("gap"));
