@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "robot/common/text/number_text.hpp"
+
 namespace biopsy::recorder {
 namespace {
 
@@ -108,15 +110,15 @@ std::string alarm_text(const Json& body) {
     return note.empty() ? "its trouble is over" : note;
   }
   if (body.contains("topic"))
-    return fmt::format("{}: {} writers alive, {} deadlines missed so far",
-                       body.at("topic").get<std::string>(), body.at("writers_alive").get<int>(),
-                       body.at("deadlines_missed").get<std::uint64_t>());
+    return fmt::format("{}: {} alive, {} missed so far", body.at("topic").get<std::string>(),
+                       counted(body.at("writers_alive").get<std::size_t>(), "writer"),
+                       counted(body.at("deadlines_missed").get<std::size_t>(), "deadline"));
   if (body.contains("patient_measured"))
     return body.at("patient_measured").get<bool>() ? motion_text(body.at("patient_motion_mm").get<double>())
                                                    : "no sensor measures the patient's motion any more";
   if (body.contains("strangers_refused"))
-    return fmt::format("{} messages of unauthenticated participants refused so far",
-                       body.at("strangers_refused").get<std::uint64_t>());
+    return fmt::format("{} of unauthenticated participants refused so far",
+                       counted(body.at("strangers_refused").get<std::size_t>(), "message"));
   return entries(body);
 }
 
