@@ -293,8 +293,10 @@ std::string OperatorSession::why_no_reset() const {
   const Mode mode = seen_.supervisor.permit.mode;
   if (standing_stop_) return {};
   if (mode == Mode::Lock) return "Locked: service only.";
-  if (mode != Mode::Trip) return "Nothing to reset.";
+  const bool latched = seen_.supervisor.worst == safety::Hazard::EStop;  // pressed at rest, or unreadable
+  if (mode != Mode::Trip && !latched) return "Nothing to reset.";
   if (!simulated_) return "Turn the reset key on the device.";
+  if (mode != Mode::Trip) return {};
   if (navigation_ && navigation_->stop != StopCategory::None) return "The navigation program's stop stands.";
   if (waits_for_plan(seen_.supervisor.worst)) return "Confirm the plan and tick the three checks first.";
   if (seen_.measurement.depth_um >= limits::kReturned_um) return "The needle has not returned.";

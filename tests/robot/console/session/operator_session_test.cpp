@@ -104,6 +104,21 @@ TEST(OperatorSession, AStopWithoutVoltageStandsUntilItIsReset) {
   }
 }
 
+// A panel that could not be read for a moment latches it as well as a hand does.
+TEST(OperatorSession, AnEmergencyStopThatIsLatchedAtRestIsReset) {
+  for (const Mode mode : {Mode::Safe, Mode::Ready}) {
+    Console console_(read_case("gap"));
+    console_.receive(mode, safety::Hazard::EStop);
+    ASSERT_EQ(console_.session.state(kPage, console_.now_us).disabled.reset, "");
+    EXPECT_FALSE(console_.session.inputs(console_.now_us).reset);
+    ASSERT_TRUE(console_.send(commands::Reset{1}));
+    EXPECT_TRUE(console_.session.inputs(console_.now_us).reset);
+    for (int i = 0; i < 1'000; ++i) console_.receive(mode, safety::Hazard::None);
+    EXPECT_FALSE(console_.session.inputs(console_.now_us).reset);
+    EXPECT_NE(console_.session.state(kPage, console_.now_us).disabled.reset, "");
+  }
+}
+
 TEST(OperatorSession, AStopThatStandsIsKeptOverARestartAndItsResetAsWell) {
   const ScratchFolder kept;
   KeptPoints points(kept / "points.jsonl");

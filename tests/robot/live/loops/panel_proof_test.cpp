@@ -101,5 +101,31 @@ TEST(PanelProof, BeginsAgainInAnotherSessionOrWhereItDidNotCountButNotBeforeThat
   }
 }
 
+// A turn that fell into a stall of the machine counts for nothing, and the stop that was pressed for the
+// proof stays latched. One that comes later is not the proof's, and nobody's to reset without looking.
+TEST(PanelProof, IsRepeatedWhileItsOwnStopStandsAndNeverForALaterOne) {
+  using safety::Hazard;
+  robot::PanelProof person;
+  const auto at = [&](std::int64_t us, Hazard worst) { return person.levels(kAsked, told_by(5, worst), us); };
+  (void)at(1'000'000, Hazard::EStop);
+  EXPECT_EQ(at(1'500'000, Hazard::EStop), kAsked) << "not told yet what became of it";
+  EXPECT_EQ(at(1'600'000, Hazard::EStop), kAtRest);
+  EXPECT_EQ(at(1'750'000, Hazard::EStop), PanelLevels{});
+  EXPECT_EQ(at(1'950'000, Hazard::EStop), kTurned);
+  EXPECT_EQ(at(2'200'000, Hazard::PlanUnconfirmed), kAsked);
+  for (std::int64_t us = 2'300'000; us < 9'000'000; us += 50'000)
+    EXPECT_EQ(at(us, Hazard::EStop), kAsked) << us;
+}
+
+TEST(PanelProof, NeverHidesAStopThatIsAskedFor) {
+  const PanelLevels stop{.arm_key = true};
+  for (std::int64_t us = 0; us < 1'000'000; us += 10'000) {
+    robot::PanelProof person;
+    (void)person.levels(kAsked, told_by(5), 1'000'000);
+    const PanelLevels now = person.levels(stop, told_by(5), 1'000'000 + us);
+    EXPECT_FALSE(now.estop_a_closed || now.estop_b_closed) << us;
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::loops_tests
