@@ -71,3 +71,18 @@ for (const [how, leave, why] of [
     expect(text).toContain(why)
     expect(text).not.toMatch(/completed: the depth/i)
   })
+
+test('back at the plan after an image that did not convince, the report of that run is there', async ({ page }) => {
+  test.setTimeout(240_000)
+  const operator = new PageOperator(page, robot.url)
+  await operator.ready()
+  await operator.arm()
+  await operator.insert()
+  await expect(page.locator('[data-name=verdict]')).toBeVisible()
+  await operator.click('Adjust: retract, plan again')
+  const report = page.getByRole('link', { name: 'Report of the last run' })
+  await expect(report).toBeVisible({ timeout: 30_000 })
+  await expect(operator.button('Confirm this plan')).toBeVisible()
+  const text = await (await page.request.get(new URL((await report.getAttribute('href'))!, page.url()).href)).text()
+  expect(text).toContain('adjusted by the operator')
+})

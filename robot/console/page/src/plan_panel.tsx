@@ -1,4 +1,5 @@
 // The plan: points, depth, layers, steps, limits; and the three checks before arming.
+import { withToken } from './address'
 import type { Tick } from './generated/messages'
 import { mm, ras } from './viewer/geometry'
 import { send } from './link'
@@ -200,6 +201,11 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
             </button>
           )}
         </>
+      )}
+      {now?.report && now.step !== 'Confirm' && (
+        <a class="button" href={withToken(now.report)} target="_blank" rel="noreferrer">
+          Report of the last run
+        </a>
       )}
       {props.children}
     </section>
