@@ -84,3 +84,27 @@ test('a held button is readable with the pointer on it', async ({ page }) => {
   expect((await contrastOf(page, all.indexOf('Hold to insert'))).contrast).toBeGreaterThanOrEqual(kContrast)
   await page.mouse.up()
 })
+
+// Of the plots' lines and their ground, by the pixels that are drawn.
+test('the plots are as dark as the room, and their lines stand out', async ({ page }) => {
+  await new PageOperator(page, robot.url).planned()
+  for (const theme of ['grey', 'dark']) {
+    if (theme === 'dark') await page.getByRole('button', { name: 'Dark' }).click()
+    await expect(page.locator('.plot canvas')).toHaveCount(2)
+    const plots = await page.locator('.plot').evaluateAll((all) =>
+      all.map((plot) => {
+        const light = (r: number, g: number, b: number) => (0.2126 * r + 0.7152 * g + 0.0722 * b) / 255
+        const [r, g, b] = getComputedStyle(plot).backgroundColor.match(/[\d.]+/g)!.map(Number)
+        const canvas = plot.querySelector('canvas')!
+        const { data } = canvas.getContext('2d')!.getImageData(0, 0, canvas.width, canvas.height)
+        const lines: number[] = []
+        for (let n = 0; n < data.length; n += 4) if (data[n + 3]! > 250) lines.push(light(data[n]!, data[n + 1]!, data[n + 2]!))
+        return { ground: light(r!, g!, b!), darkest: lines.reduce((a, b) => Math.min(a, b)), brightest: lines.reduce((a, b) => Math.max(a, b)) }
+      }),
+    )
+    for (const { ground, darkest, brightest } of plots) {
+      if (theme === 'dark') expect(ground).toBeLessThan(0.15)
+      expect(theme === 'dark' ? brightest - ground : ground - darkest).toBeGreaterThan(0.6)
+    }
+  }
+})

@@ -37,7 +37,16 @@ test('without measurement nothing is said of where the needle is', async ({ page
   await expect(page.locator('[data-name=tip-now]').first()).toHaveText('It is not known where the needle is.')
 })
 
+test('a page that only watches says where Reset is pressed', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await showScene(operator, { name: 'trip', state: { ...kTrip, depth: 0, controller: false } }, kNone)
+  await expect(page.locator('[data-name=stop-card] li').last()).toHaveText('Press Reset on the page that controls the robot.')
+  await expect(page.locator('[data-lit=true]')).toHaveCount(0)
+})
+
 test('where Reset needs the plan and the checks, they are the lit control, one after the other', async ({ page }) => {
+  await page.setViewportSize({ width: 1366, height: 768 }) // where both do not fit below the card
   const operator = new PageOperator(page, robot.url)
   await operator.planned()
   const planned = await lastEvent(page, 'Planned')
@@ -46,9 +55,11 @@ test('where Reset needs the plan and the checks, they are the lit control, one a
   await freezePage(page, { ...kTrip, step: 'Plan', disabled, ticks: [false, false, false] }, [{ ...planned, confirmed: false }])
   await expect(lit).toHaveCount(1)
   await expect(lit).toHaveText('Confirm this plan')
+  await expect(lit).toBeInViewport({ ratio: 1 })
   await freezePage(page, { ...kTrip, step: 'Check', disabled, ticks: [true, false, false] }, [{ ...planned, confirmed: true }])
   await expect(lit).toHaveCount(1)
   await expect(lit.getByRole('checkbox')).toHaveCount(3)
+  await expect(lit).toBeInViewport({ ratio: 1 })
   await expect(page.locator('[data-name=stop-card] li')).toHaveText(['Look at the needle and at the patient.', 'Tick the three checks.', 'Press Reset.'])
 })
 

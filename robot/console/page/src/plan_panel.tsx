@@ -1,4 +1,6 @@
 // The plan: points, depth, layers, steps, limits; and the three checks before arming.
+import { useEffect, useRef } from 'preact/hooks'
+
 import { withToken } from './address'
 import type { Tick } from './generated/messages'
 import { mm, ras } from './viewer/geometry'
@@ -164,14 +166,26 @@ function Residual() {
   return <p data-name="residual">{tipText.value}</p>
 }
 
+const kBelow_px = 8
+
+// The control that leads on stands below what happened, and may be out of view on a small screen.
+function showLit(panel: HTMLElement): void {
+  const control = panel.querySelector('[data-lit=true]')
+  if (!control) return
+  const hidden = control.getBoundingClientRect().bottom + kBelow_px - panel.getBoundingClientRect().bottom
+  if (hidden > 0) panel.scrollTop += hidden
+}
+
 export function PlanPanel(props: { children?: preact.ComponentChildren }) {
+  const panel = useRef<HTMLElement>(null)
+  useEffect(() => showLit(panel.current!), [lit.value])
   const current = planned.value
   const now = state.value
   // Another run of the same plan begins with its checks.
   const checking = plan.value?.confirmed && (now?.step === 'Check' || now?.step === 'Arm' || runOver.value)
   const why = disabledReason.value || now?.disabled.plan || ''
   return (
-    <section class="plan" aria-label="plan" tabIndex={0}>
+    <section class="plan" aria-label="plan" tabIndex={0} ref={panel}>
       <StopCard />
       <h2>Plan</h2>
       <Points />

@@ -7,18 +7,18 @@ import uPlot from 'uplot'
 
 import type { Telemetry } from './generated/messages'
 import { kPlot_ms, telemetry } from './robot'
+import { dark } from './theme'
 
 const kDraw_ms = 250
 const kDrawIdle_ms = 30_000 // where there is nothing to see but that time goes on: each sample is drawn once
 type Columns = (number | null)[][]
 
 const kSize = { width: 530, height: 128 } // CSS px at most; two of them fit below the three checks
-const kInk = '#15191d'
-const kPale = '#69737c'
-const line = (label: string, stroke: string): uPlot.Series => ({ label, stroke, width: 1.5, points: { show: false } })
+const colour = (variable: string) => getComputedStyle(document.documentElement).getPropertyValue(variable).trim()
+const line = (label: string, variable: string): uPlot.Series => ({ label, stroke: colour(variable), width: 1.5, points: { show: false } })
 
 function options(title: string, unit: string, low: number, series: uPlot.Series[]): uPlot.Options {
-  const axis = { stroke: kInk, font: '16px DejaVu Sans, sans-serif', grid: { stroke: '#b4babf' } }
+  const axis = { stroke: colour('--ink'), font: '16px DejaVu Sans, sans-serif', grid: { stroke: colour('--grid') } }
   return {
     ...kSize,
     title,
@@ -85,10 +85,10 @@ function draw(): void {
   for (const [plot, of] of plots) plot.setData(columns(of) as uPlot.AlignedData)
 }
 
-function Plot(props: { of: 'depth' | 'drive'; label: string; options: uPlot.Options }) {
+function Plot(props: { of: 'depth' | 'drive'; label: string; options: () => uPlot.Options }) {
   const place = useRef<HTMLDivElement>(null)
   useEffect(() => {
-    const plot = new uPlot(props.options, columns(props.of) as uPlot.AlignedData, place.current!)
+    const plot = new uPlot(props.options(), columns(props.of) as uPlot.AlignedData, place.current!)
     plots.set(plot, props.of)
     // As wide as there is room: at the right end is now.
     const fit = new ResizeObserver(([room]) => {
@@ -101,12 +101,16 @@ function Plot(props: { of: 'depth' | 'drive'; label: string; options: uPlot.Opti
       plots.delete(plot)
       plot.destroy()
     }
-  }, [])
+  }, [dark.value])
   return <div class="plot" ref={place} role="img" aria-label={props.label} />
 }
 
-const kDepth = options('Depth (dark) and plan (pale)', 'mm', -0.2, [line('depth', kInk), line('plan', kPale)])
-const kDrive = options('Drive voltage (dark) in its limit (pale)', 'kV', -1, [line('drive', kInk), line('limit', kPale), line('limit', kPale)])
+const strong = () => (dark.value ? 'bright' : 'dark')
+const weak = () => (dark.value ? 'dim' : 'pale')
+const depthOptions = () =>
+  options(`Depth (${strong()}) and plan (${weak()})`, 'mm', -0.2, [line('depth', '--ink'), line('plan', '--pale')])
+const driveOptions = () =>
+  options(`Drive voltage (${strong()}) in its limit (${weak()})`, 'kV', -1, [line('drive', '--ink'), line('limit', '--pale'), line('limit', '--pale')])
 
 export function Plots() {
   useEffect(() => {
@@ -115,8 +119,8 @@ export function Plots() {
   }, [])
   return (
     <>
-      <Plot of="depth" label="depth against plan, last 30 s" options={kDepth} />
-      <Plot of="drive" label="drive voltage and limit, last 30 s" options={kDrive} />
+      <Plot of="depth" label="depth against plan, last 30 s" options={depthOptions} />
+      <Plot of="drive" label="drive voltage and limit, last 30 s" options={driveOptions} />
     </>
   )
 }

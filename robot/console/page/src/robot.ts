@@ -61,6 +61,6 @@ export function appendTelemetry(sample: Telemetry): void {
 // Why every button is disabled; empty: they are not.
 export const disabledReason = computed(() => {
   if (!linked.value) return 'No link to the console.'
-  if (!controls.value) return 'Another page controls the robot; this one watches.'
+  if (!controls.value) return 'Another page controls the robot.'
   return ''
 })

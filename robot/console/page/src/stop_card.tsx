@@ -2,7 +2,7 @@
 // lit. What is said of the needle is measured.
 import { computed } from '@preact/signals'
 
-import { disabledReason, isKnown, kBack_mm, linked, opened, plan, state, welcome } from './robot'
+import { controls, disabledReason, isKnown, kBack_mm, linked, opened, plan, state, welcome } from './robot'
 import { mm } from './viewer/geometry'
 
 const kStandingStop = 'E-122'
@@ -50,7 +50,9 @@ function steps(): Step[] {
     if (!state.value!.ticks.every(Boolean)) all.push({ text: 'Tick the three checks.', control: 'checks' })
   }
   const onPage = welcome.value?.simulated || stopped.value!.code === kStandingStop
-  all.push(onPage ? { text: 'Press Reset.', control: 'reset' } : { text: 'Turn the reset key on the device.' })
+  if (!onPage) all.push({ text: 'Turn the reset key on the device.' })
+  else if (controls.value) all.push({ text: 'Press Reset.', control: 'reset' })
+  else all.push({ text: 'Press Reset on the page that controls the robot.' })
   return all
 }
 
