@@ -5,6 +5,7 @@
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/in_parallel.hpp"
 #include "tests/safety/situation.hpp"
 #include "tests/source_dir.hpp"
 #include "tests/verification/model_checking/checks.hpp"
@@ -146,6 +147,11 @@ TEST(SeededBugs, AreEachFoundOnceInTheTextOfTheirFile) {
     EXPECT_THROW(with_bug(bug, ""), ConfigError) << bug.id;
   }
   EXPECT_GE(seeded_bugs().size(), 26U);
+}
+
+TEST(SeededBugs, EachCompile) {
+  const std::span<const SeededBug> bugs = seeded_bugs();
+  in_parallel(bugs.size(), [&](std::size_t i) { check_compiles(kMutantBuild, bugs[i]); });
 }
 
 TEST(SeededBugs, OfTheGateAreCaught) {

@@ -53,8 +53,10 @@ constexpr SeededBug kBugs[] = {
      "  if ((hazards & kC0) != 0) return StopCategory::C0Off;\n"},
     {"c2-forgotten", "C2 hazards stop nothing.", Part::Supervisor, "decide.cpp",
      "  if (hazards != 0) return StopCategory::C2Hold;\n", ""},
-    {"one-hazard-too-mild", "A needle that fell back only ramps down.", Part::Supervisor, "types/hazards.hpp",
-     "{Hazard::FastDrop, StopCategory::C0Off,", "{Hazard::FastDrop, StopCategory::C1Ramp,"},
+    // The last of its category: a static_assert refuses any other, since hazards are in order of severity.
+    {"one-hazard-too-mild", "An interlock that sticks only ramps down.", Part::Supervisor,
+     "types/hazards.hpp", "{Hazard::InterlockStuck, StopCategory::C0Off,",
+     "{Hazard::InterlockStuck, StopCategory::C1Ramp,"},
     {"go-on-under-a-hazard", "A press goes on from Hold while a C2 hazard stands.", Part::Supervisor,
      "decide.cpp",
      "  if (t.stop != StopCategory::None) return Refusal::Unhealthy;\n  if (!t.state.step_done)",

@@ -24,22 +24,31 @@ void copy_with_bug(const fs::path& from, const fs::path& to, const SeededBug* bu
   atomic_write(to / bug->file, text);
 }
 
-}  // namespace
-
-SeededSubject::SeededSubject(const MutantBuild& mutant_build, const SeededBug* bug) {
+// The copy with this bug, or none, by the compiler and `how`.
+void compile(const MutantBuild& mutant_build, const SeededBug* bug, const std::string& how) {
   const std::string name(bug != nullptr ? bug->id : "unchanged");
-  const fs::path bench = mutant_build.bench / name, object = bench / "seeded.so",
-                 errors = bench / "errors.txt";
+  const fs::path bench = mutant_build.bench / name, errors = bench / "errors.txt";
   copy_with_bug(mutant_build.source / "safety", bench / "safety", bug);
   const std::string command = fmt::format(
-      "'{}' -std=c++20 -O2 -w -shared -fPIC -fvisibility=hidden -I'{}' -I'{}' -I'{}' '{}' -o '{}' 2> '{}'",
-      mutant_build.compiler.string(), bench.string(), mutant_build.source.string(),
-      mutant_build.generated.string(),
-      (mutant_build.source / "tests/verification/model_checking/seeded_bugs/shared_object.cpp").string(),
-      object.string(), errors.string());
+      "cd '{}' && '{}' -std=c++20 -w {} -I. -I'{}' -I'{}' '{}' 2> errors.txt", bench.string(),
+      mutant_build.compiler.string(), how, mutant_build.source.string(), mutant_build.generated.string(),
+      (mutant_build.source / "tests/verification/model_checking/seeded_bugs/shared_object.cpp").string());
   if (std::system(command.c_str()) != 0)
     throw ConfigError(fmt::format("the copy with seeded bug {} does not compile", name), errors.string(),
                       "read the compiler's words there");
+}
+
+constexpr const char* kObject = "seeded.so";
+
+}  // namespace
+
+void check_compiles(const MutantBuild& mutant_build, const SeededBug& bug) {
+  compile(mutant_build, &bug, "-fsyntax-only");
+}
+
+SeededSubject::SeededSubject(const MutantBuild& mutant_build, const SeededBug* bug) {
+  compile(mutant_build, bug, fmt::format("-O2 -shared -fPIC -fvisibility=hidden -o {}", kObject));
+  const fs::path object = mutant_build.bench / (bug != nullptr ? bug->id : "unchanged") / kObject;
   library_ = {dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* library) {
                 if (library != nullptr) dlclose(library);
               }};

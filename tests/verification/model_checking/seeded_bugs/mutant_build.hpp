@@ -15,6 +15,10 @@ struct MutantBuild {
   std::filesystem::path source, generated, compiler, bench;
 };
 
+// Checks that the copy with this bug compiles, which a static_assert of safety/ may forbid, without building
+// it. Throws ConfigError where it does not.
+void check_compiles(const MutantBuild& mutant_build, const SeededBug& bug);
+
 class SeededSubject {
  public:
   // `bug` null: an unchanged copy. Throws ConfigError where it cannot be built.
