@@ -33,6 +33,13 @@ double depth_within(const TipFinding& tip, double expected, double band, const D
   return within;
 }
 
+// The likeliest depth of the void's end.
+double likeliest_depth(const TipFinding& tip) {
+  const auto most = std::max_element(tip.weights.begin(), tip.weights.end());
+  return most == tip.weights.end() ? tip.depth_mm
+                                   : tip.depths_mm[static_cast<std::size_t>(most - tip.weights.begin())];
+}
+
 // Probability that a place is within `radius` of the axis; its errors are normal. Summed over a disc.
 double within_disc(const Planar& place, double radius) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance);
@@ -91,15 +98,25 @@ MaybeJudgement absence(const TipFinding& tip, const DepthCheckSettings& s) {
                           100.0 * lost_at_most, 100.0 * s.needle_loss)};
 }
 
+// A quantity that is hardly known is within no narrow tolerance by much of its probability: what is asked is
+// how much less likely it is to be there than it could be at best, were it as little known.
+bool certainly_beyond(double within, double within_at_best, const DepthCheckSettings& s) {
+  return within < (1.0 - s.missed_certainly) * within_at_best;
+}
+
+bool certainly_beyond(const Planar& place, double tolerance, const DepthCheckSettings& s) {
+  const Planar on_axis{Eigen::Vector2d::Zero(), place.covariance};
+  return certainly_beyond(within_disc(place, tolerance), within_disc(on_axis, tolerance), s);
+}
+
 // A quantity of the needle that certainly misses its tolerance.
 MaybeJudgement miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
-  const double chance = 1.0 - s.missed_certainly;
-  if (within_disc(tip.beside_mm, s.lateral_mm.tolerance) < chance)
+  if (certainly_beyond(tip.beside_mm, s.lateral_mm.tolerance, s))
     return DepthJudgement{
         Reject, fmt::format("The needle lies {:.1f} mm (+-{:.1f}) beside the planned axis; {:.1f} mm "
                             "are allowed.",
                             read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.tolerance)};
-  if (within_disc(tip.slope, std::tan(s.angle_deg.tolerance / kDegreesPerRadian)) < chance)
+  if (certainly_beyond(tip.slope, std::tan(s.angle_deg.tolerance / kDegreesPerRadian), s))
     return DepthJudgement{Reject,
                           fmt::format("The needle is tilted by {:.1f} degrees (+-{:.1f}) against the planned "
                                       "axis; {:.1f} are allowed.",
@@ -115,7 +132,10 @@ MaybeJudgement miss(const TipFinding& tip, const NeedlePlacement& read, const De
                               tip.seen_to_mm, expected)};
     return std::nullopt;
   }
-  if (depth_within(tip, expected, s.depth_mm.tolerance, s) >= chance) return std::nullopt;
+  const double best = likeliest_depth(tip) - s.tip_offset->value.value;
+  if (!certainly_beyond(depth_within(tip, expected, s.depth_mm.tolerance, s),
+                        depth_within(tip, best, s.depth_mm.tolerance, s), s))
+    return std::nullopt;
   const double off = read.depth_mm - expected;
   return DepthJudgement{
       Reject, fmt::format("Tip found at {:.2f} mm, {:.2f} mm {} the planned {:.2f} mm.", read.depth_mm,

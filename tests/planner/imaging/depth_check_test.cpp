@@ -215,6 +215,31 @@ TEST(JudgeDepth, NamesTheQuantityThatIsUncertainOrMisses) {
             std::string::npos);
 }
 
+// Of a quantity that is hardly known every narrow band holds little probability: that is no miss.
+TEST(JudgeDepth, DoesNotRejectForWhatIsHardlyKnown) {
+  const DepthCheckSettings settings = expecting(20.0);
+  DepthReading reading = good_reading();
+  spread_depth(reading.tip, 20.1, 0.15);
+  const Eigen::Matrix2d known = reading.tip.beside_mm.covariance;
+  reading.tip.beside_mm.covariance(1, 1) = 1e6;  // one slice: nothing is told across it
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Unsure);
+  reading.tip.beside_mm.value.x() = 5.0;  // and within it the needle misses
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Reject);
+  reading.tip.beside_mm = {Eigen::Vector2d::Zero(), known};
+  reading.tip.slope.covariance = 1e4 * Eigen::Matrix2d::Identity();
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Unsure);
+  reading = good_reading();  // into air: the tip may be anywhere from 15 mm on
+  spread_depth(reading.tip, 20.0, 1e6);
+  reading.tip.depth_mm = 15.0, reading.tip.depths_mm.clear(), reading.tip.weights.clear();
+  for (double d = 0.0; d < 150.0; d += 0.1) {
+    reading.tip.depths_mm.push_back(d);
+    reading.tip.weights.push_back(d < 15.0 ? 0.0 : 1.0 / 1350.0);
+  }
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Unsure);
+  DepthCheckSettings shallow = expecting(10.0);
+  EXPECT_EQ(judge_depth(reading, shallow).verdict, DepthVerdict::Reject);
+}
+
 TEST(JudgeDepth, CountsTheCalibrationsErrorAsItsOwn) {
   DepthReading reading = good_reading();
   spread_depth(reading.tip, 24.2, 0.15);
