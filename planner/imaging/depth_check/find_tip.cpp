@@ -92,7 +92,7 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
   constexpr std::ptrdiff_t kFitted = 3;
   const VoidFit fit = fit_void(corridor, {tops.begin(), tops.begin() + kFitted});
   if (fit.gain <= 0.0) {
-    found.visible = visibility(search, corridor, 1.0);
+    if (!fit.led_away) found.visible = visibility(search, corridor, 1.0);
     return found;
   }
   found.loss = fit.loss;
@@ -102,8 +102,11 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
   found.control_places = fit.control_places;
   found.radius_mm = fit.line.radius_mm;
   weigh_depths(corridor, fit, reach, found);
-  found.beside_mm = {{fit.u_mm, fit.v_mm}, fit.covariance.block<2, 2>(kU, kU)};
-  found.slope = {{fit.line.u_slope, fit.line.v_slope}, fit.covariance.block<2, 2>(kUSlope, kUSlope)};
+  found.beside_mm = {{fit.u_mm, fit.v_mm},
+                     fit.covariance.block<2, 2>(kU, kU) + fit.other_place * fit.other_place.transpose()};
+  found.slope = {
+      {fit.line.u_slope, fit.line.v_slope},
+      fit.covariance.block<2, 2>(kUSlope, kUSlope) + fit.other_slope * fit.other_slope.transpose()};
   found.gap_mm = longest_gap(search.profile(fit.line), fit);
   found.at_end = fit.depth_mm > corridor.t_max - std::max(1.0, 0.5 * corridor.along_mm);
   return found;

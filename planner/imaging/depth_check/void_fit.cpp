@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planner/imaging/depth_check/control_places.hpp"
+#include "planner/imaging/depth_check/reflected_lines.hpp"
 #include "planner/imaging/depth_check/void_shape.hpp"
 
 namespace biopsy::imaging {
@@ -229,8 +230,10 @@ VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
   const VoidShape shape = fitting.shape(best);
   fit.line = shape.line;
   fit.depth_mm = shape.depth;
-  fit.u_mm = fit.line.u + fit.line.u_slope * fit.depth_mm;
-  fit.v_mm = fit.line.v + fit.line.v_slope * fit.depth_mm;
+  // Of a void that goes on to where the images end, where it leaves them.
+  const double seen_mm = std::min(fit.depth_mm, corridor.t_max);
+  fit.u_mm = fit.line.u + fit.line.u_slope * seen_mm;
+  fit.v_mm = fit.line.v + fit.line.v_slope * seen_mm;
   fit.soft_mm = shape.soft, fit.rounding = shape.rounding;
   fit.loss = std::clamp(best[kLoss], 0.0, kLossMost);
   fit.chi2 = least - fitting.prior_cost(best);
@@ -240,6 +243,15 @@ VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
   fit.misfit = fit.chi2 / std::max(static_cast<double>(fitting.size()) - kVoidParameters, 1.0);
   if (fit.gain > 0.0) measure_errors(corridor, fitting, best, fit);
   return fit;
+}
+
+// A fit that left the line it began on was led away by what is no needle: another dark place, an edge.
+bool strayed(const VoidLine& from, double tip_mm, const VoidLine& to) {
+  constexpr double kFarthest_mm = 6.0, kSteepest = 0.105;  // 6 degrees: three times what a search leaves open
+  const double u = to.u - from.u + (to.u_slope - from.u_slope) * tip_mm,
+               v = to.v - from.v + (to.v_slope - from.v_slope) * tip_mm;
+  return !(std::hypot(u, v) <= kFarthest_mm &&
+           std::hypot(to.u_slope - from.u_slope, to.v_slope - from.v_slope) <= kSteepest);
 }
 
 // What the centreline loses. A wide void fades towards its rim in more ways than one edge has: all of it
@@ -261,20 +273,47 @@ double loss_of_core(const Corridor& corridor, const VoidFit& fit,
   return std::clamp(match / energy, 0.0, kLossMost);
 }
 
+// What a void in the reflected place explains as well as the fit, by three standard deviations.
+void look_elsewhere(const Corridor& corridor, VoidFit& fit) {
+  constexpr double kAlike = 9.0;
+  const std::vector<PlacedLine> others = reflected_lines(corridor, {fit.line, fit.depth_mm});
+  if (others.empty()) return;
+  const VoidFit here = fitted(corridor, fit.line, fit.depth_mm, {0.0}, kVoxelsFirst);
+  for (const PlacedLine& other : others) {
+    const VoidFit there = fitted(corridor, other.line, other.depth_mm, {0.0}, kVoxelsFirst);
+    if (there.gain < here.gain - kAlike * fit.inflation) continue;
+    const Eigen::Vector2d place(there.u_mm - fit.u_mm, there.v_mm - fit.v_mm),
+        slope(there.line.u_slope - fit.line.u_slope, there.line.v_slope - fit.line.v_slope);
+    if (place.norm() > fit.other_place.norm()) fit.other_place = place;
+    if (slope.norm() > fit.other_slope.norm()) fit.other_slope = slope;
+  }
+}
+
 }  // namespace
 
 VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
   VoidFit best;
+  bool led_away = false;
   for (const LineCandidate& candidate : candidates) {
     const VoidFit one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
     // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
     const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
-    if (one.gain > 0.0 && worth(one) > worth(best)) best = one;
+    if (one.gain <= 0.0) continue;
+    if (strayed(candidate.line, candidate.fit.tip_mm, one.line))
+      led_away = true;
+    else if (worth(one) > worth(best))
+      best = one;
   }
-  if (best.gain <= 0.0) return best;
+  if (best.gain <= 0.0) {
+    best.led_away = led_away;
+    return best;
+  }
   // Again with the voxels about the line that was found, from ends ahead of it and behind as well: which of
   // the minima is the lowest a part of the voxels tells.
-  return fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
+  VoidFit again = fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
+  if (strayed(best.line, best.depth_mm, again.line)) again = best;
+  if (again.gain > 0.0) look_elsewhere(corridor, again);
+  return again;
 }
 
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,

@@ -15,7 +15,7 @@ using VoidMatrix = Eigen::Matrix<double, kVoidParameters, kVoidParameters>;
 struct VoidFit {
   VoidLine line;
   double depth_mm = 0.0;          // where the centreline has lost half of what it loses
-  double u_mm = 0.0, v_mm = 0.0;  // beside the expected axis, there
+  double u_mm = 0.0, v_mm = 0.0;  // beside the expected axis, there or where the images end
   double soft_mm = 0.4, rounding = 0.5, loss = 0.0;
   double gain = 0.0;                // what the void explains: fall of chi-square against "nothing changed"
   double chi2 = 0.0, misfit = 1.0;  // misfit: reduced chi-square
@@ -25,6 +25,9 @@ struct VoidFit {
   // (interpolation, motion). Evidence counts for that much less. 1 or more.
   double inflation = 1.0;
   std::size_t control_places = 0;  // where it was measured
+  // How far off another void lies that explains the images as well: across a single slice, say. Zero: none.
+  Eigen::Vector2d other_place = Eigen::Vector2d::Zero(), other_slope = Eigen::Vector2d::Zero();
+  bool led_away = false;  // nothing was fitted, for every fit left its candidate for another dark place
 
   // By how many standard deviations signal is lost; 0 where no place beside it tells how large they are.
   double evidence() const { return control_places > 0 ? loss / std::max(loss_sigma, 1e-6) : 0.0; }

@@ -92,6 +92,41 @@ TEST(Planes, ASlabOfThreeSlicesShowsTheDepth) {
   EXPECT_NEAR(check.depth.value, kTip_mm, 0.7);
 }
 
+// Slices of 5 mm; the needle lies `off_mm` from the middle of the outermost one, along its normal.
+Grid thick_slices(int slices, double off_mm) {
+  const Direction across = scene::kAxis.unitOrthogonal(), normal = scene::kAxis.cross(across);
+  Grid g;
+  g.size = {80, 80, slices};
+  g.X_SI.linear() << scene::kAxis, across, 5.0 * normal;
+  const Point centre = scene::kEntry + 12.0 * scene::kAxis - off_mm * normal;
+  g.X_SI.translation() = centre - g.X_SI.linear() * Eigen::Vector3d(39.5, 39.5, 0.0);
+  return g;
+}
+
+// As much of a needle lies in a slice on either side of its middle: a plan on the other side is no better.
+TEST(Planes, ASliceDoesNotTellOnWhichSideOfItsMiddleTheNeedleLies) {
+  const Direction normal = scene::kAxis.cross(scene::kAxis.unitOrthogonal());
+  for (const double off : {2.0, 2.3, -2.2}) {
+    const std::vector<Volume> after{imaged_with_needle(thick_slices(1, off), kTip_mm)};
+    const Point mirrored = scene::kEntry - 2.0 * off * normal;
+    for (const Point& planned : {scene::kEntry, mirrored}) {
+      const DepthCheck check =
+          check_depth(planning_scene(), after, planned, scene::kAxis, planned_at(kTip_mm));
+      EXPECT_NE(check.verdict, DepthVerdict::Accept) << off << ": " << check.reason;
+      if (check.tip_found) EXPECT_GT(check.lateral_sigma_mm, 1.0) << off << ": " << check.reason;
+    }
+  }
+}
+
+TEST(Planes, ANeedleAtASlabsEdgeIsNotPutBesideThePlan) {
+  for (const double off : {-2.2, -1.6, -1.0}) {
+    const std::vector<Volume> after{imaged_with_needle(thick_slices(2, off), kTip_mm)};
+    const DepthCheck check =
+        check_depth(planning_scene(), after, scene::kEntry, scene::kAxis, planned_at(kTip_mm));
+    EXPECT_NE(check.verdict, DepthVerdict::Reject) << off << ": " << check.reason;
+  }
+}
+
 TEST(Planes, NeverAcceptASliceWithoutNeedle) {
   verifies("R-60");
   for (const Grid& grid : three_planes(1)) {
