@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "robot/common/config_error.hpp"
 
@@ -15,6 +16,12 @@ namespace {
 
 constexpr std::uint64_t kBestDeflate = 1032;  // zlib's documentation: the limit of the format is 1032:1
 constexpr const char* kRemedyForDamage = "copy the file again";
+
+// zlib puts its own name for the open file, "<fd:3>", before what is wrong with it.
+std::string_view without_name(std::string_view text) {
+  const std::size_t colon = text.find(">: ");
+  return colon == std::string_view::npos ? text : text.substr(colon + 3);
+}
 
 }  // namespace
 
@@ -74,7 +81,8 @@ std::size_t ByteSource::read_some(std::byte* bytes, std::size_t count) {
   int code = Z_OK;
   const char* text = gzerror(file, &code);
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
-    throw ConfigError(fmt::format("truncated or damaged ({})", text), path_.string(), kRemedyForDamage);
+    throw ConfigError(fmt::format("truncated or damaged ({})", without_name(text)), path_.string(),
+                      kRemedyForDamage);
   return static_cast<std::size_t>(got);
 }
 

@@ -59,6 +59,7 @@ std::vector<Volume> read_series(const std::filesystem::path& path, const std::st
     throw ConfigError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
                       "choose one of them with --series UID");
 
+  const int slices_min = wanted == Wanted::Stacks ? 1 : kSizeMin;
   const auto chosen = [&](const std::string& uid) { return series_uid.empty() || uid == series_uid; };
   const auto name_of = [&](const std::filesystem::path& file) {
     return (file == path ? file.filename() : file.lexically_relative(path)).generic_string();
@@ -69,11 +70,11 @@ std::vector<Volume> read_series(const std::filesystem::path& path, const std::st
       return {read_dicom_series(series)};
     }
   for (const auto& file : files.nifti)
-    if (chosen(name_of(file))) return {read_nifti(file)};
+    if (chosen(name_of(file))) return {read_nifti(file, slices_min)};
   for (const auto& file : files.nrrd)
-    if (chosen(name_of(file))) return {read_nrrd(file)};
+    if (chosen(name_of(file))) return {read_nrrd(file, slices_min)};
   for (const auto& file : files.metaimage)
-    if (chosen(name_of(file))) return {read_metaimage(file)};
+    if (chosen(name_of(file))) return {read_metaimage(file, slices_min)};
   throw ConfigError(fmt::format("no series \"{}\" here, only:{}", series_uid, listed(list_series(path))),
                     path.string(), "choose one of them with --series UID");
 }

@@ -16,8 +16,9 @@ namespace biopsy::imaging {
 // certain, evenly spaced, perpendicular stack of at least three grey slices.
 Volume read_volume(const std::filesystem::path& path, const std::string& series_uid = "");
 
-// A confirmation image: of DICOM one volume for each orientation, from a single slice on (three orthogonal
-// planes, a slab); of other formats the one volume of read_volume. Throws as read_volume does.
+// A confirmation image, from a single slice on: of DICOM one volume for each orientation (three orthogonal
+// planes, a slab); of other formats one volume, with its slices along the third axis. Throws as read_volume
+// does.
 std::vector<Volume> read_stacks(const std::filesystem::path& path, const std::string& series_uid = "");
 
 }  // namespace biopsy::imaging

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/grid_rules.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "planner/imaging/io/volume_files.hpp"
 #include "robot/common/config_error.hpp"
@@ -27,7 +28,8 @@ IncomingSeries incoming_of(const DicomSeries& series) {
   incoming.identity = series.files.front().identity;
   incoming.image_type = series.files.front().image_type;
   try {
-    stack_series(series);
+    const std::vector<SliceStack> stacks = slabs_of(series);
+    incoming.may_go_on = stated == 0 && (stacks.size() > 1 || slices < kSizeMin);
     if (stated > slices) incoming.problem = fmt::format("{} of {} slices have arrived", slices, stated);
   } catch (const ConfigError& refusal) {
     incoming.problem = refusal.what();
@@ -103,7 +105,7 @@ std::optional<IncomingSeries> WatchedFolder::poll(std::chrono::steady_clock::tim
     if (known == past_.end() || known->second != stamp) add_volume_file(file, fresh);
   }
   for (IncomingSeries& series : series_among(fresh)) {
-    if (!series.problem.empty() && still < 4 * quiet_) continue;
+    if ((!series.problem.empty() || series.may_go_on) && still < 4 * quiet_) continue;
     for (const fs::path& file : series.files) {
       past_[file] = seen_[file];
       const auto changed = std::chrono::time_point_cast<std::chrono::system_clock::duration>(
@@ -115,13 +117,26 @@ std::optional<IncomingSeries> WatchedFolder::poll(std::chrono::steady_clock::tim
   return std::nullopt;
 }
 
-Volume read_incoming(const IncomingSeries& series) {
-  if (series.files.size() == 1) return read_volume(series.files.front());
-  const DicomFolder folder = scan_dicom_files(series.files);
+namespace {
+
+DicomSeries series_again(const IncomingSeries& series) {
+  DicomFolder folder = scan_dicom_files(series.files);
   if (!folder.broken.empty()) throw *folder.broken.front().refusal;
   if (folder.series.size() != 1)
     throw ConfigError("changed while it was read", series.files.front().string(), "export the series again");
-  return read_dicom_series(folder.series.front());
+  return std::move(folder.series.front());
+}
+
+}  // namespace
+
+Volume read_incoming(const IncomingSeries& series) {
+  if (series.files.size() == 1) return read_volume(series.files.front());
+  return read_dicom_series(series_again(series));
+}
+
+std::vector<Volume> read_incoming_stacks(const IncomingSeries& series) {
+  if (series.files.size() == 1) return read_stacks(series.files.front());
+  return read_dicom_slabs(series_again(series));
 }
 
 }  // namespace biopsy::imaging

@@ -20,15 +20,18 @@ struct IncomingSeries {
   std::string image_type;                                         // DICOM: "ORIGINAL\PRIMARY\M"
   std::optional<std::chrono::system_clock::time_point> acquired;  // its first slice, by the scanner's clock
   std::chrono::system_clock::time_point written;                  // last change of its newest file
-  std::string problem;                                            // why it is no volume; empty: it is one
+  std::string problem;  // why it is no image: not whole, damaged, uneven; empty: it is one
+  // Neither a volume nor a stated number of slices: only time tells that no more will come.
+  bool may_go_on = false;
 };
 
 class WatchedFolder {
  public:
   // What lies in the folder now is not new. A series counts as complete once nothing in the folder has
-  // changed for `quiet`, its slices are one evenly spaced stack, and their number is the one that they state
-  // (Images in Acquisition), where they state one. Throws ConfigError where the folder does not exist or
-  // cannot be read.
+  // changed for `quiet`, its slices are evenly spaced, and their number is the one that they state (Images in
+  // Acquisition), where they state one. DICOM may be a few slices or several orientations (a slab, three
+  // planes); such a series that states no number must have been quiet for four times as long. Throws
+  // ConfigError where the folder does not exist or cannot be read.
   WatchedFolder(std::filesystem::path folder, std::chrono::milliseconds quiet);
 
   // The first series that came since then and was not returned before, once it is complete; after four times
@@ -48,7 +51,8 @@ class WatchedFolder {
   std::optional<std::chrono::steady_clock::time_point> changed_;
 };
 
-// The voxels. Throws ConfigError as read_volume does.
+// The voxels, as one volume and as read_stacks has them. Throw ConfigError as read_volume does.
 Volume read_incoming(const IncomingSeries& series);
+std::vector<Volume> read_incoming_stacks(const IncomingSeries& series);
 
 }  // namespace biopsy::imaging

@@ -84,7 +84,8 @@ void ConfirmationImages::simulate(std::size_t step, Millimetres tip, report::Ste
   sim::mark_simulated(sent);
   sent.identity.description = fmt::format("confirmation, stage {} (simulated)", step + 1);
   sim::write_dicom_series(sent, folder_ / name);
-  check(step, imaging::read_volume(folder_ / name), result);
+  const Volume seen = imaging::read_volume(folder_ / name);
+  check(step, std::span(&seen, 1), result);
   result.image_path = name;
 }
 
@@ -112,13 +113,14 @@ void ConfirmationImages::receive(std::size_t step, std::chrono::milliseconds hel
   if (!objection.empty()) return unsure(objection);
   if (image->acquired) last_acquired_ = image->acquired;
   try {
-    check(step, imaging::read_incoming(*image), result);
+    check(step, imaging::read_incoming_stacks(*image), result);
   } catch (const ConfigError& refusal) {
     unsure(refusal.what());
   }
 }
 
-void ConfirmationImages::check(std::size_t step, const Volume& after, report::StepResult& result) const {
+void ConfirmationImages::check(std::size_t step, std::span<const Volume> after,
+                               report::StepResult& result) const {
   imaging::DepthCheckSettings settings;
   settings.expected = plan_.steps[step].depth;
   // The void that the simulated scanner paints tells nothing about a real needle's.

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "planner/imaging/io/watched_folder.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
@@ -37,7 +38,7 @@ class ConfirmationImages {
  private:
   void simulate(std::size_t step, Millimetres tip, report::StepResult& result);
   void receive(std::size_t step, std::chrono::milliseconds held, report::StepResult& result);
-  void check(std::size_t step, const Volume& after, report::StepResult& result) const;
+  void check(std::size_t step, std::span<const Volume> after, report::StepResult& result) const;
 
   const PreparedCase& prepared_;
   const Plan& plan_;

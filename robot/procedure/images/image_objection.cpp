@@ -58,6 +58,10 @@ std::string objection_to_identity(const imaging::IncomingSeries& image, const Ex
   const bool named = !here.patient_id.empty() && !here.frame_of_reference_uid.empty();
   if (!named && expected.confirmed_by.empty())
     return "the image does not name its patient and frame of reference, and nobody answers for it";
+  if ((planned.patient_id.empty() || planned.frame_of_reference_uid.empty()) && expected.confirmed_by.empty())
+    return "the planning image does not name its patient and frame of reference, and nobody answers that "
+           "this "
+           "image is of the same";
   return {};
 }
 
@@ -85,7 +89,7 @@ std::string objection_to_time(const imaging::IncomingSeries& image, const Expect
 }  // namespace
 
 std::string image_objection(const imaging::IncomingSeries& image, const ExpectedImage& expected) {
-  if (!image.problem.empty()) return "the image cannot be read as a volume: " + image.problem;
+  if (!image.problem.empty()) return "the image cannot be read: " + image.problem;
   for (const std::string& objection : {objection_to_content(image), objection_to_identity(image, expected),
                                        objection_to_time(image, expected)})
     if (!objection.empty()) return objection;

@@ -72,6 +72,15 @@ TEST(ImageObjection, IsToTimeThatRunsBackwards) {
   EXPECT_EQ(image_objection(arriving(), second), "");
 }
 
+// Nothing can be of the patient of an image that names none.
+TEST(ImageObjection, IsToAPlanningImageWithoutAPatientThatNobodyAnswersFor) {
+  ExpectedImage unnamed = expected();
+  unnamed.planning = {};
+  EXPECT_NE(image_objection(arriving(), unnamed).find("planning image"), std::string::npos);
+  unnamed.confirmed_by = "R. Nurse";
+  EXPECT_EQ(image_objection(arriving(), unnamed), "");
+}
+
 // A person answers for what a file does not say, never for what it says wrongly.
 TEST(ImageObjection, LetsAPersonAnswerForWhatIsNotSaid) {
   ExpectedImage answered = expected();

@@ -4,7 +4,7 @@
 #include <dcmtk/dcmdata/dctk.h>
 #include <gtest/gtest.h>
 
-#include "planner/imaging/io/read_volume.hpp"
+#include "planner/imaging/registration/reslice.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
 #include "robot/procedure/images/confirmation_image.hpp"
 #include "sim/scanner/dicom_series.hpp"
@@ -56,6 +56,50 @@ struct ReceivedImage : testing::Test {
     return result;
   }
 };
+
+// One slice of 2 mm about `centre`, its rows along `right`.
+Volume plane_of(const Volume& image, const Point& centre, const Direction& right, const Direction& down) {
+  constexpr int kSide = 96;
+  constexpr double kPixel_mm = 0.8, kThick_mm = 2.0;
+  Volume plane;
+  plane.identity = image.identity;
+  plane.grid.size = {kSide, kSide, 1};
+  plane.grid.X_SI.linear() << kPixel_mm * right, kPixel_mm * down, kThick_mm * right.cross(down);
+  plane.grid.X_SI.translation() = centre - 0.5 * (kSide - 1) * kPixel_mm * (right + down);
+  const imaging::Sampler sampler(image);
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      double sum = 0.0;
+      for (const double k : {-0.375, -0.125, 0.125, 0.375})
+        sum += sampler.at(plane.grid.X_SI * Eigen::Vector3d(i, j, k)) / 4.0;
+      plane.voxels.push_back(std::isnan(sum) ? 0.0F : static_cast<float>(sum));
+    }
+  return plane;
+}
+
+TEST_F(ReceivedImage, OfThreePlanesIsCheckedAsOneImage) {
+  prepared.given.images.confirmed_by = "R. Nurse";
+  prepared.given.images.patience = std::chrono::milliseconds(5000);
+  ConfirmationImages images(prepared, plan(), run / "out");
+  const Point p_SE = plan().X_SR.translation();
+  const Direction axis = plan().X_SR.linear().col(2), across = axis.unitOrthogonal(), up = axis.cross(across);
+  sim::ScanSettings settings;
+  settings.needle = sim::NeedleArtefact{.p_SE = p_SE, .axis_S = axis, .tip_depth = plan().steps[0].depth};
+  settings.snr = 60.0;
+  Volume image = sim::scan(prepared.image, settings);
+  image.identity.series_uid = "1.2.3.4.6";
+  int number = 0;
+  for (const auto& [right, down] : {std::pair(axis, across), std::pair(axis, up), std::pair(across, up)})
+    for (const auto& file : sim::write_dicom_series(plane_of(image, p_SE, right, down),
+                                                    incoming / ("plane" + std::to_string(++number))))
+      say_original(file);
+  report::StepResult result;
+  images.take(0, plan().steps[0].depth, std::chrono::milliseconds(2000), result);
+  ASSERT_TRUE(result.check);
+  EXPECT_TRUE(result.check->tip_found) << result.check->reason;
+  EXPECT_NEAR(result.check->depth.value, plan().steps[0].depth.value, 0.7) << result.check->reason;
+  EXPECT_FALSE(result.after.rgb.empty());
+}
 
 // The writer states no time of acquisition, as for a file without an identity.
 TEST_F(ReceivedImage, OfThisPatientIsCheckedOnceAPersonAnswersForIt) {

@@ -115,10 +115,24 @@ Volume read_dicom_series(const DicomSeries& series) {
   return decoded(series, stack_series(series));
 }
 
+std::vector<SliceStack> slabs_of(const DicomSeries& series) {
+  return stack_slabs(planes_of(series));
+}
+
 std::vector<Volume> read_dicom_slabs(const DicomSeries& series) {
   std::vector<Volume> volumes;
-  for (const SliceStack& stack : stack_slabs(planes_of(series))) volumes.push_back(decoded(series, stack));
+  for (const SliceStack& stack : slabs_of(series)) volumes.push_back(decoded(series, stack));
   return volumes;
+}
+
+std::optional<std::chrono::system_clock::time_point> acquired(const Volume& volume) {
+  std::optional<std::chrono::system_clock::time_point> first;
+  if (volume.format != "DICOM") return first;
+  for (const std::string& file : volume.files) {
+    const auto one = scan_dicom_file(file).acquired;
+    if (one && (!first || *one < *first)) first = one;
+  }
+  return first;
 }
 
 }  // namespace biopsy::imaging

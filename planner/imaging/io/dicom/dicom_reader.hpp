@@ -1,7 +1,9 @@
 // Series of DICOM images, from files to volumes.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,12 @@ SliceStack stack_series(const DicomSeries& series);
 // DicomPixels do.
 Volume read_dicom_series(const DicomSeries& series);
 
-// One volume for each orientation in the series, of any number of slices; see stack_slabs.
+// One stack for each orientation in the series, of any number of slices; see stack_slabs.
+std::vector<SliceStack> slabs_of(const DicomSeries& series);
 std::vector<Volume> read_dicom_slabs(const DicomSeries& series);
+
+// When the first slice of a volume that was read from DICOM files was acquired, by the scanner's clock; none
+// where its files do not say, or are gone.
+std::optional<std::chrono::system_clock::time_point> acquired(const Volume& volume);
 
 }  // namespace biopsy::imaging

@@ -109,7 +109,7 @@ void refuse_other_images(const MetaHeader& header) {
     refuse_metaimage("a header within the data file is not skipped", header.file);
 }
 
-Grid grid_of(const MetaHeader& header) {
+Grid grid_of(const MetaHeader& header, int slices_min) {
   Grid grid;
   const std::vector<double> size = header.numbers("DimSize", 3);
   const std::vector<double> spacing = header.numbers(header.name_of({"ElementSpacing"}), 3);
@@ -129,7 +129,7 @@ Grid grid_of(const MetaHeader& header) {
     grid.X_SI.linear().col(a) = spacing[at] * axis;
     grid.X_SI.translation()[a] = offset[at];
   }
-  refuse_bad_grid(grid, header.file);
+  refuse_bad_grid(grid, header.file, slices_min);
   return grid;
 }
 
@@ -139,11 +139,11 @@ struct OpenMetaImage {
   ByteSource source;
 };
 
-OpenMetaImage open_metaimage(const fs::path& path) {
+OpenMetaImage open_metaimage(const fs::path& path, int slices_min) {
   const MetaHeader header = read_meta_header(path);
   refuse_other_images(header);
   Volume volume;
-  volume.grid = grid_of(header);
+  volume.grid = grid_of(header, slices_min);
   volume.format = "MetaImage";
   volume.files = {path.string()};
   VoxelCoding coding;
@@ -175,11 +175,11 @@ bool looks_like_metaimage(const fs::path& file) {
 }
 
 Volume read_metaimage_header(const fs::path& file) {
-  return open_metaimage(file).volume;
+  return open_metaimage(file, kSizeMin).volume;
 }
 
-Volume read_metaimage(const fs::path& file) {
-  OpenMetaImage open = open_metaimage(file);
+Volume read_metaimage(const fs::path& file, int slices_min) {
+  OpenMetaImage open = open_metaimage(file, slices_min);
   read_voxels(open.source, open.coding, open.volume.files.back(), open.volume);
   if (open.source.rest() > 0)
     open.volume.warnings.push_back("the file holds more bytes than its header accounts for");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "planner/imaging/io/grid_rules.hpp"
 #include "robot/msg/volume.hpp"
 
 namespace biopsy::imaging {
@@ -16,7 +17,7 @@ bool looks_like_metaimage(const std::filesystem::path& file);
 // several channels, data in several files, text instead of binary data, a field given twice.
 Volume read_metaimage_header(const std::filesystem::path& file);
 
-// The same with the voxels as stored.
-Volume read_metaimage(const std::filesystem::path& file);
+// The same with the voxels as stored. A slab has fewer slices (k) than a volume.
+Volume read_metaimage(const std::filesystem::path& file, int slices_min = kSizeMin);
 
 }  // namespace biopsy::imaging

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kNiftiRemedy =
     "convert the original DICOM series again, or give the DICOM series itself";
 
-Eigen::Vector3i size_of(const NiftiFields& raw, const std::string& file) {
+Eigen::Vector3i size_of(const NiftiFields& raw, const std::string& file, int slices_min) {
   if (raw.dim[0] < 1 || raw.dim[0] > 7)
     throw ConfigError(fmt::format("{} dimensions: the header is damaged", raw.dim[0]), file, kNiftiRemedy);
   for (std::size_t d = 4; d <= static_cast<std::size_t>(raw.dim[0]); ++d)
@@ -31,7 +31,7 @@ Eigen::Vector3i size_of(const NiftiFields& raw, const std::string& file) {
                : 1;
   };
   Eigen::Vector3i size(along(1), along(2), along(3));
-  refuse_bad_size(size, file);
+  refuse_bad_size(size, file, slices_min);
   return size;
 }
 
@@ -108,7 +108,7 @@ double furthest_corner_mm(const AffineTransform& a, const AffineTransform& b, co
   return furthest;
 }
 
-void place(const NiftiFields& raw, const std::string& file, Volume& volume) {
+void place(const NiftiFields& raw, const std::string& file, int slices_min, Volume& volume) {
   const bool sform = raw.sform_code > 0, qform = raw.qform_code > 0;
   if (!sform && !qform) throw ConfigError("no geometry: neither sform nor qform is set", file, kNiftiRemedy);
   const int units = raw.xyzt_units & 0x07;
@@ -117,7 +117,7 @@ void place(const NiftiFields& raw, const std::string& file, Volume& volume) {
         units == NIFTI_UNITS_METER ? "the unit of length is metres, not mm" : "the unit of length is not mm",
         file, kNiftiRemedy);
   volume.grid.X_SI = sform ? sform_of(raw) : qform_of(raw);
-  refuse_bad_grid(volume.grid, file);
+  refuse_bad_grid(volume.grid, file, slices_min);
   if (!sform || !qform) return;
   const double apart = furthest_corner_mm(volume.grid.X_SI, qform_of(raw), volume.grid.size);
   if (!(apart <= 0.1))
@@ -131,16 +131,16 @@ struct OpenNifti {
   Volume volume;
 };
 
-OpenNifti open_nifti(const std::filesystem::path& path) {
+OpenNifti open_nifti(const std::filesystem::path& path, int slices_min) {
   const std::string file = path.string();
   const auto packing = begins_like_gzip(path) ? ByteSource::Packing::Gzip : ByteSource::Packing::Plain;
   OpenNifti open{ByteSource(path, packing), {}, {}};
   const NiftiFields header = read_nifti_fields(open.source, file);
-  open.volume.grid.size = size_of(header, file);
+  open.volume.grid.size = size_of(header, file, slices_min);
   open.volume.format = "NIfTI";
   open.volume.files = {file};
   open.coding = coding_of(header, file);
-  place(header, file, open.volume);
+  place(header, file, slices_min, open.volume);
   const double offset = header.vox_offset, least = static_cast<double>(header.header_bytes) + 4.0;
   if (!(offset >= least && offset < 1e9) || offset != std::floor(offset))
     throw ConfigError(fmt::format("the voxels are said to begin at byte {:g}", offset), file, kNiftiRemedy);
@@ -157,11 +157,11 @@ bool looks_like_nifti(const std::filesystem::path& file) {
 }
 
 Volume read_nifti_header(const std::filesystem::path& file) {
-  return open_nifti(file).volume;
+  return open_nifti(file, kSizeMin).volume;
 }
 
-Volume read_nifti(const std::filesystem::path& file) {
-  OpenNifti open = open_nifti(file);
+Volume read_nifti(const std::filesystem::path& file, int slices_min) {
+  OpenNifti open = open_nifti(file, slices_min);
   read_voxels(open.source, open.coding, file.string(), open.volume);
   if (open.source.rest() > 0)
     open.volume.warnings.push_back("the file holds more bytes than its header accounts for");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "planner/imaging/io/grid_rules.hpp"
 #include "robot/msg/volume.hpp"
 
 namespace biopsy::imaging {
@@ -16,7 +17,8 @@ bool looks_like_nifti(const std::filesystem::path& file);
 // than three dimensions, RGB, complex, units other than mm, truncated.
 Volume read_nifti_header(const std::filesystem::path& file);
 
-// The same with the voxels as value * scl_slope + scl_inter (slope 0: as stored).
-Volume read_nifti(const std::filesystem::path& file);
+// The same with the voxels as value * scl_slope + scl_inter (slope 0: as stored). A slab has fewer slices (k)
+// than a volume.
+Volume read_nifti(const std::filesystem::path& file, int slices_min = kSizeMin);
 
 }  // namespace biopsy::imaging

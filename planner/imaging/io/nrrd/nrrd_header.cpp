@@ -141,7 +141,8 @@ ByteSource::Packing packing_of(const Fields& fields, const std::string& file) {
 }
 
 // Numbers of voxels; before them, where there is a list, that of its layers.
-void read_size(const Fields& fields, NrrdLayers layers, const std::string& file, NrrdHeader& header) {
+void read_size(const Fields& fields, NrrdLayers layers, int slices_min, const std::string& file,
+               NrrdHeader& header) {
   const auto dimension = strict_integer(field(fields, "dimension", file));
   if (!dimension || *dimension < 1 || *dimension > 16)
     refuse("field \"dimension\" is not a number from 1 to 16", file);
@@ -165,7 +166,7 @@ void read_size(const Fields& fields, NrrdLayers layers, const std::string& file,
     sizes->erase(sizes->begin());
   }
   header.grid.size = Eigen::Map<const Eigen::Vector3d>(sizes->data()).cast<int>();
-  refuse_bad_size(header.grid.size, file);
+  refuse_bad_size(header.grid.size, file, slices_min);
   if (header.layers * header.grid.size.cast<double>().prod() > kVoxelsMax)
     refuse(fmt::format("{} layers of that size are more than 2^31 voxels", header.layers), file);
 }
@@ -249,12 +250,12 @@ void find_data(const std::filesystem::path& path, const HeaderText& text, NrrdHe
 
 }  // namespace
 
-NrrdHeader read_nrrd_header_fields(const std::filesystem::path& path, NrrdLayers layers) {
+NrrdHeader read_nrrd_header_fields(const std::filesystem::path& path, NrrdLayers layers, int slices_min) {
   const std::string file = path.string();
   const HeaderText text = read_text(path);
   NrrdHeader header;
   header.keys = text.keys;
-  read_size(text.fields, layers, file, header);
+  read_size(text.fields, layers, slices_min, file, header);
   const bool listed = strict_integer(text.fields.at("dimension")) == 4;
   header.coding.type = type_of(text.fields, file);
   header.packing = packing_of(text.fields, file);
@@ -266,7 +267,7 @@ NrrdHeader read_nrrd_header_fields(const std::filesystem::path& path, NrrdLayers
   for (int axis = 0; axis < 3; ++axis)
     header.grid.X_SI.linear().col(axis) = signs.cwiseProduct(directions[static_cast<std::size_t>(axis)]);
   header.grid.X_SI.translation() = signs.cwiseProduct(vectors(text.fields, "space origin", 1, file).front());
-  refuse_bad_grid(header.grid, file);
+  refuse_bad_grid(header.grid, file, slices_min);
   find_data(path, text, header);
   return header;
 }

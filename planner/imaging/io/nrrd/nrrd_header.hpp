@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planner/imaging/io/byte_source.hpp"
+#include "planner/imaging/io/grid_rules.hpp"
 #include "planner/imaging/io/voxel_type.hpp"
 #include "robot/msg/volume.hpp"
 
@@ -32,7 +33,7 @@ enum class NrrdLayers { Refused, Allowed };
 // allowed, a list before them), no or unknown
 // anatomical space, missing or bad directions or origin, colour, vectors, unsupported encoding, units other
 // than mm.
-NrrdHeader read_nrrd_header_fields(const std::filesystem::path& file,
-                                   NrrdLayers layers = NrrdLayers::Refused);
+NrrdHeader read_nrrd_header_fields(const std::filesystem::path& file, NrrdLayers layers = NrrdLayers::Refused,
+                                   int slices_min = kSizeMin);
 
 }  // namespace biopsy::imaging

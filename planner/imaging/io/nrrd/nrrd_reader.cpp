@@ -34,8 +34,8 @@ Volume read_nrrd_header(const std::filesystem::path& file) {
   return volume_without_voxels(file, header);
 }
 
-Volume read_nrrd(const std::filesystem::path& file) {
-  return read_nrrd_layers(file, read_nrrd_header_fields(file));
+Volume read_nrrd(const std::filesystem::path& file, int slices_min) {
+  return read_nrrd_layers(file, read_nrrd_header_fields(file, NrrdLayers::Refused, slices_min));
 }
 
 Volume read_nrrd_layers(const std::filesystem::path& file, const NrrdHeader& header) {

@@ -15,8 +15,8 @@ bool looks_like_nrrd(const std::filesystem::path& file);
 // reason.
 Volume read_nrrd_header(const std::filesystem::path& file);
 
-// The same with the voxels as stored.
-Volume read_nrrd(const std::filesystem::path& file);
+// The same with the voxels as stored. A slab has fewer slices (k) than a volume.
+Volume read_nrrd(const std::filesystem::path& file, int slices_min = kSizeMin);
 
 // The same of a header that was read; of layers `header.layers` numbers a voxel, together.
 Volume read_nrrd_layers(const std::filesystem::path& file, const NrrdHeader& header);

@@ -90,6 +90,46 @@ TEST_F(WatchedFolderTest, WaitsForAFileThatIsStillWritten) {
   ASSERT_TRUE(wait(watched, 2s));
 }
 
+// What a confirmation scan usually is: one slice in each of three orientations.
+TEST_F(WatchedFolderTest, TakesThreePlanesAsOneImage) {
+  WatchedFolder watched(folder.path(), 1s);
+  SliceRecipe recipe;
+  recipe.series_uid = "1.2.3.11";
+  recipe.change = [](DcmDataset& dataset) { dataset.putAndInsertString(DCM_SliceThickness, "3"); };
+  for (const char* orientation : {"1\\0\\0\\0\\1\\0", "1\\0\\0\\0\\0\\-1", "0\\1\\0\\0\\0\\-1"}) {
+    recipe.orientation = orientation;
+    write_slice(folder / (std::to_string(recipe.position[0]) + ".dcm"), recipe);
+    recipe.position[0] += 1.0;
+    EXPECT_FALSE(wait(watched, 1500ms));
+  }
+  EXPECT_FALSE(wait(watched, 2000ms));  // it does not say that there are no more
+  const auto series = wait(watched, 3s);
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->problem, "");
+  EXPECT_EQ(read_incoming_stacks(*series).size(), 3U);
+  EXPECT_THROW(read_incoming(*series), ConfigError);  // no volume to plan on
+}
+
+TEST_F(WatchedFolderTest, TakesASlabThatSaysHowManySlicesItHas) {
+  WatchedFolder watched(folder.path(), 1s);
+  SliceRecipe recipe;
+  recipe.series_uid = "1.2.3.12";
+  recipe.change = [](DcmDataset& dataset) {
+    dataset.putAndInsertString(DCM_ImagesInAcquisition, "2");
+    dataset.putAndInsertString(DCM_SliceThickness, "3");
+  };
+  write_slice(folder / "one.dcm", recipe);
+  EXPECT_FALSE(wait(watched, 2500ms));
+  recipe.position[2] = 3.0;
+  write_slice(folder / "two.dcm", recipe);
+  const auto series = wait(watched, 2s);
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->problem, "");
+  const std::vector<Volume> slab = read_incoming_stacks(*series);
+  ASSERT_EQ(slab.size(), 1U);
+  EXPECT_EQ(slab.front().grid.size.z(), 2);
+}
+
 TEST_F(WatchedFolderTest, RefusesAFolderThatIsNone) {
   EXPECT_THROW(WatchedFolder(folder / "nowhere", 1s), ConfigError);
 }
