@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
-#include "planner/imaging/io/read_volume.hpp"
 #include "robot/cli/command.hpp"
+#include "robot/cli/depth_images.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/ed25519.hpp"
@@ -24,14 +24,14 @@ namespace fs = std::filesystem;
 constexpr const char* kFile = "tip_calibration.toml";
 
 struct Options {
-  fs::path before, after, add, key, public_key, out;
+  DepthImageOptions images;
+  fs::path add, key, public_key, out;
   std::string entry, axis, needle, sequence;
   double depth_mm = 0.0, depth_sigma_mm = 0.1;
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "--before PATH", options.before, "image without the needle")->required();
-  add(app, "--after PATH", options.after, "image with the needle at the known depth")->required();
+  add_depth_images(app, options.images);
   add(app, "--entry R,A,S", options.entry, "where depth is zero, mm")->required();
   add(app, "--axis R,A,S", options.axis, "direction of insertion, any length")->required();
   add(app, "--depth MM", options.depth_mm,
@@ -50,32 +50,48 @@ void declare(CLI::App& app, Options& options) {
   add_out(app, options.out, "calibration and signature")->required();
 }
 
-TipMeasurement measured(const Options& options) {
+// What a check must say of images by which others are judged: one needle, near the axis, whose void ends
+// within them. The distance and the angle to the axis may be larger than a plan's: depth is along the axis,
+// and 4 degrees shorten it by a quarter of a percent.
+imaging::DepthCheckSettings calibrating(const Options& options) {
+  imaging::DepthCheckSettings settings;
+  settings.tip_offset = TipOffset{options.needle, options.sequence, Millimetres(0.0), Millimetres(0.01)};
+  settings.depth_mm.limit = 2.0;  // known to 1 mm
+  settings.lateral_mm = {4.0, 6.0};
+  settings.angle_deg = {4.0, 8.0};
+  return settings;
+}
+
+TipMeasurement measured(const Options& options, const DepthImages& images) {
   const Point p_SE = parse_ras_point("--entry", options.entry);
   const Point axis_S = parse_ras_point("--axis", options.axis);
   if (axis_S.norm() < 1e-6)
     throw ConfigError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
-  const Volume before = imaging::read_volume(options.before), after = imaging::read_volume(options.after);
-  const DepthCheck check = imaging::check_depth(before, after, p_SE, axis_S.normalized());
-  if (!check.tip_found)
-    throw ConfigError("no void was found: " + check.reason, "--before, --after",
-                      "check entry, axis and images; the void must lie along the axis");
-  constexpr double kReadingMax_mm = 1.0;
-  if (!(check.sigma.value <= kReadingMax_mm))
-    throw ConfigError(fmt::format("the end of the void is only known to {:.2f} mm", check.sigma.value),
-                      "--before, --after", "calibrate in a uniform phantom");
-  return {check.depth.value - options.depth_mm, std::hypot(check.sigma.value, options.depth_sigma_mm),
-          fmt::format("{}, void's end at {:.2f} mm, tip at {:.2f} mm", after.identity.date, check.depth.value,
-                      options.depth_mm)};
+  const DepthCheck check =
+      imaging::check_depth(images.before, images.after, p_SE, axis_S.normalized(), calibrating(options));
+  if (check.verdict != DepthVerdict::Accept)
+    throw ConfigError("the end of the void cannot be read: " + check.reason, "--before, --after",
+                      "check entry, axis and images, or calibrate in a uniform phantom: the void must lie "
+                      "along the axis and end within the phantom");
+  const double offset_mm = check.depth.value - options.depth_mm;
+  if (std::abs(offset_mm) > kOffsetMost_mm)
+    throw ConfigError(
+        fmt::format("the void ends at {:.1f} mm, {:.1f} mm from the tip", check.depth.value, offset_mm),
+        "--depth", "check the depth, and that the entry is where it is zero");
+  const std::string date = images.after.front().identity.date;
+  return {offset_mm, std::hypot(check.sigma.value, options.depth_sigma_mm),
+          fmt::format("{}{}void's end at {:.2f} mm, tip at {:.2f} mm", date, date.empty() ? "" : ", ",
+                      check.depth.value, options.depth_mm)};
 }
 
-nlohmann::ordered_json as_json(const TipCalibration& calibration) {
+nlohmann::ordered_json as_json(const TipCalibration& calibration, const std::vector<std::string>& warnings) {
   const TipOffset& offset = calibration.offset;
   return {{"needle", offset.needle},
           {"sequence", offset.sequence},
           {"tip_offset_mm", rounded(offset.value.value, 4)},
           {"tip_offset_sigma_mm", rounded(offset.sigma.value, 4)},
-          {"measurements", calibration.measurements.size()}};
+          {"measurements", calibration.measurements.size()},
+          {"warnings", warnings}};
 }
 
 Result run(const Options& options, const Context&) {
@@ -92,12 +108,14 @@ Result run(const Options& options, const Context&) {
       options.key.empty()
           ? security::signing_files(security::default_folder(), security::Signer::Commissioning).private_key
           : options.key);
-  calibration.measurements.push_back(measured(options));
+  const DepthImages images = read_depth_images(options.images);
+  calibration.measurements.push_back(measured(options, images));
   calibration.offset = tip_offset_of(options.needle, options.sequence, calibration.measurements);
   const std::string text = tip_calibration_toml(calibration);
   const fs::path file = options.out / kFile;
-  make_output_folder(options.out, {options.before, options.after, options.add, options.key},
-                     {kFile, signature_of(kFile).string()});
+  std::vector<fs::path> inputs = options.images.files();
+  inputs.insert(inputs.end(), {options.add, options.key});
+  make_output_folder(options.out, inputs, {kFile, signature_of(kFile).string()});
   // The old signature first: a signature never lies beside a calibration it does not belong to.
   std::error_code absent;
   fs::remove(signature_of(file), absent);
@@ -109,8 +127,9 @@ Result run(const Options& options, const Context&) {
                           "written     {}\n",
                           fixed(offset.value.value, 2, "mm"), fixed(offset.sigma.value, 2, "mm"),
                           calibration.measurements.size(), calibration.measurements.size() == 1 ? "" : "s",
-                          file.string()),
-      .json = as_json(calibration).dump(2) + "\n"};
+                          file.string()) +
+              warning_lines(images.warnings),
+      .json = as_json(calibration, images.warnings).dump(2) + "\n"};
 }
 
 }  // namespace calibrate_tip_cli
@@ -130,7 +149,9 @@ Command calibrate_tip_command() {
       .exit_codes = "0, 2 for unusable input",
       .outputs = {{"tip_calibration.toml", "offset and measurements"},
                   {"tip_calibration.sig", "its signature"}},
-      .json = "`needle`, `sequence`, `tip_offset_mm`, `tip_offset_sigma_mm`, `measurements` (their number)",
+      .json =
+          "`needle`, `sequence`, `tip_offset_mm`, `tip_offset_sigma_mm`, `measurements` (their number), "
+          "`warnings`",
       .declare = with_options(declare, run)};
 }
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
-#include "planner/imaging/io/read_volume.hpp"
 #include "robot/cli/command.hpp"
+#include "robot/cli/depth_images.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
@@ -22,31 +22,25 @@ namespace biopsy::robot {
 namespace check_cli {
 
 struct Options {
-  std::filesystem::path before;
-  std::vector<std::filesystem::path> after;  // several: planes that were taken together
-  std::string before_series, after_series;
+  DepthImageOptions images;
   std::string entry, axis;              // "R,A,S" in mm; the axis is a direction of any length
   std::optional<double> expected_mm;    // planned depth
   std::optional<double> tip_offset_mm;  // by hand, without a calibration
   double tip_offset_sigma_mm = 0.2;
-  std::filesystem::path tip_calibration;
+  std::filesystem::path tip_calibration, public_key;
   std::filesystem::path out;  // empty: no files
 };
 
 void declare(CLI::App& app, Options& options) {
-  add(app, "--before PATH", options.before, "image without the needle")->required();
-  add(app, "--after PATH...", options.after,
-      "image with the needle: a volume, a slab of 1 to 3 slices, or up to three such planes")
-      ->required()
-      ->expected(1, 3);
-  add(app, "--before-series UID", options.before_series, "series UID, where that folder holds several");
-  add(app, "--after-series UID", options.after_series, "series UID, where that folder holds several");
+  add_depth_images(app, options.images);
   add(app, "--entry R,A,S", options.entry, "where depth is zero, mm")->required();
   add(app, "--axis R,A,S", options.axis, "direction of insertion, any length")->required();
   add(app, "--expected MM", options.expected_mm, "planned depth: accept only where the tip is there")
       ->check(in_range(0.0, 1000.0, "mm"));
   add(app, "--tip-calibration FILE", options.tip_calibration,
       "signed tip offset of this needle in this sequence, by `biopsy calibrate-tip`", "none");
+  add(app, "--public-key PEM", options.public_key, "public key by which `--tip-calibration` is checked",
+      "the one of `biopsy keys init`");
   add(app, "--tip-offset MM", options.tip_offset_mm,
       "how far the void ends beyond the real tip, by hand; without any, nothing is accepted")
       ->check(in_range(-20.0, 20.0, "mm"));
@@ -56,7 +50,7 @@ void declare(CLI::App& app, Options& options) {
   add_out(app, options.out, "the result and two pictures")->default_str("no files");
 }
 
-nlohmann::ordered_json as_json(const DepthCheck& result) {
+nlohmann::ordered_json as_json(const DepthCheck& result, const std::vector<std::string>& warnings) {
   nlohmann::ordered_json json;
   json["verdict"] = std::string(report::label(result.verdict));
   json["reason"] = result.reason;
@@ -83,22 +77,8 @@ nlohmann::ordered_json as_json(const DepthCheck& result) {
   json["rotation_lps_deg"] = result.rotation_deg;
   json["registration_score"] = result.registration_score;
   json["contrast_to_noise"] = result.contrast_to_noise;
+  json["warnings"] = warnings;
   return json;
-}
-
-// An image that the simulated scanner made of patient X is of "SIMULATED-X": it may be compared with those of
-// X.
-std::string patient_of(const Volume& image) {
-  constexpr std::string_view kSimulated = "SIMULATED-";
-  const std::string& id = image.identity.patient_id;
-  return id.starts_with(kSimulated) ? id.substr(kSimulated.size()) : id;
-}
-
-void check_patients(const Volume& before, const Volume& after) {
-  const std::string a = patient_of(before), b = patient_of(after);
-  if (!a.empty() && !b.empty() && a != b)
-    throw ConfigError(fmt::format("the images show two patients, \"{}\" and \"{}\"", a, b),
-                      "--before, --after", "give two images of one patient");
 }
 
 std::string text_of(const DepthCheck& result) {
@@ -126,25 +106,16 @@ std::string text_of(const DepthCheck& result) {
 std::optional<TipOffset> offset_of(const Options& options) {
   if (options.tip_offset_mm && !options.tip_calibration.empty())
     throw ConfigError("a tip offset by hand and a calibration", "--tip-offset", "give one of them");
-  if (!options.tip_calibration.empty()) return read_tip_calibration(options.tip_calibration).offset;
+  if (!options.tip_calibration.empty())
+    return read_tip_calibration(options.tip_calibration, options.public_key).offset;
   if (!options.tip_offset_mm) return std::nullopt;
   return TipOffset{"by hand", "by hand", Millimetres(*options.tip_offset_mm),
                    Millimetres(options.tip_offset_sigma_mm)};
 }
 
 std::vector<std::filesystem::path> inputs_of(const Options& options) {
-  std::vector<std::filesystem::path> all = options.after;
-  all.push_back(options.before);
+  std::vector<std::filesystem::path> all = options.images.files();
   all.push_back(options.tip_calibration);
-  return all;
-}
-
-std::vector<Volume> read_after(const Options& options) {
-  if (options.after.size() > 1 && !options.after_series.empty())
-    throw ConfigError("one series for several images", "--after-series", "give folders of one series each");
-  std::vector<Volume> all;
-  for (const std::filesystem::path& path : options.after)
-    for (Volume& stack : imaging::read_stacks(path, options.after_series)) all.push_back(std::move(stack));
   return all;
 }
 
@@ -153,9 +124,7 @@ Result run(const Options& options, const Context&) {
   const Point axis_S = parse_ras_point("--axis", options.axis);
   const double length = axis_S.norm();
   if (length < 1e-6) throw ConfigError("has no length", "--axis", "give the insertion direction, e.g. 0,1,0");
-  const Volume before = imaging::read_volume(options.before, options.before_series);
-  const std::vector<Volume> after = read_after(options);
-  for (const Volume& stack : after) check_patients(before, stack);
+  const DepthImages images = read_depth_images(options.images);
   if (!options.out.empty())
     make_output_folder(options.out, inputs_of(options), {"check.json", "before.png", "after.png"});
   ProgressLine line;
@@ -164,9 +133,10 @@ Result run(const Options& options, const Context&) {
   if (options.expected_mm) settings.expected = Millimetres(*options.expected_mm);
   settings.tip_offset = offset_of(options);
   imaging::DepthCheckPictures pictures;
-  const DepthCheck result = imaging::check_depth(before, after, p_SE, axis_S / length, settings, &pictures);
-  const std::string json = as_json(result).dump(2) + "\n";
-  std::string text = text_of(result);
+  const DepthCheck result =
+      imaging::check_depth(images.before, images.after, p_SE, axis_S / length, settings, &pictures);
+  const std::string json = as_json(result, images.warnings).dump(2) + "\n";
+  std::string text = text_of(result) + warning_lines(images.warnings);
   if (!options.out.empty()) {
     report::save_png(pictures.before.picture, options.out / "before.png");
     report::save_png(pictures.after.picture, options.out / "after.png");

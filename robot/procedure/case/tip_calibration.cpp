@@ -18,7 +18,6 @@ namespace fs = std::filesystem;
 constexpr const char* kRemedy = "calibrate the needle in this sequence: biopsy calibrate-tip";
 // Between insertions of one needle in one gel: its angle to the field, its place in the slice.
 constexpr double kScatterOfOne_mm = 0.3;
-constexpr double kOffsetMost_mm = 20.0;
 
 TipCalibration calibration_of(TomlTable& root) {
   TipCalibration calibration;

@@ -10,6 +10,8 @@
 
 namespace biopsy::robot {
 
+inline constexpr double kOffsetMost_mm = 20.0;  // either way: no void ends farther from the tip
+
 // One insertion: how far the void ended beyond the known depth of the tip.
 struct TipMeasurement {
   double offset_mm = 0.0, sigma_mm = 0.0;

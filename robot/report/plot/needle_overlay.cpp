@@ -274,7 +274,11 @@ std::string tip_overlay(const Picture& slice, const SliceGeometry& geometry, con
   std::vector<std::string> lines{"planned " + fixed(planned, 2, "mm")};
   if (depths.check && depths.check->tip_found) {
     sheet.add_tip(close, *depths.check);
-    lines.push_back("found " + fixed(depths.check->depth.value, 2, "mm"));
+    const DepthCheck& check = *depths.check;
+    lines.push_back("found " + fixed(check.depth.value, 2, "mm"));
+    if (check.tip_offset_known)
+      lines.push_back("void ends " + fixed(check.depth.value + check.tip_offset_mm, 2, "mm") + ", offset " +
+                      fixed(check.tip_offset_mm, 2, "mm"));
   }
   sheet.add_lines(close, lines);
   sheet.add_scale_bar(close);

@@ -20,7 +20,8 @@ std::string planning_overlay(const Picture& slice, const SliceGeometry& geometry
 
 // The enlarged path alone, from the entry down to `shown`, so that before and after have one scale: the depth
 // as planned (magenta cross) and, where `check` holds a tip, the tip as found (white dot with a bar of +- 2
-// standard deviations). `check` is null for the image before.
+// standard deviations), with the void's end and the offset that was taken off it in words. `check` is null
+// for the image before.
 struct TipDepths {
   Millimetres planned, shown;
   const DepthCheck* check = nullptr;

@@ -139,7 +139,9 @@ std::string images_section(const RunRecord& record) {
   if (!content.empty())
     content += paragraph(
         "Cyan ring: entry; magenta cross: planned depth; white dot: tip as found in the image, with a bar of "
-        "± 2 standard deviations.");
+        "± 2 standard deviations; yellow strokes: end of the void, which goes on beyond the tip by the "
+        "needle's "
+        "offset.");
   return section("Images before and after", content);
 }
 
