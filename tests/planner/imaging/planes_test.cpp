@@ -113,7 +113,9 @@ TEST(Planes, ASliceDoesNotTellOnWhichSideOfItsMiddleTheNeedleLies) {
       const DepthCheck check =
           check_depth(planning_scene(), after, planned, scene::kAxis, planned_at(kTip_mm));
       EXPECT_NE(check.verdict, DepthVerdict::Accept) << off << ": " << check.reason;
-      if (check.tip_found) EXPECT_GT(check.lateral_sigma_mm, 1.0) << off << ": " << check.reason;
+      if (check.tip_found) {
+        EXPECT_GT(check.lateral_sigma_mm, 1.0) << off << ": " << check.reason;
+      }
     }
   }
 }
