@@ -33,9 +33,13 @@ Corruptors split_estop(Draw& draw, Procedure&, const TickRecord&) {
           .shows = [](const ObservedTick& s) { return s.seen.estop_a_closed != s.seen.estop_b_closed; }};
 }
 
-// The relay drops out or its feedback wire breaks.
+// The relay drops out or its feedback wire breaks. Where nobody feeds it, it is open without a fault.
 Corruptors open_relay(Draw&, Procedure&, const TickRecord&) {
-  return {.observation = [](safety::SupervisorInputs& seen) { seen.relay_closed = false; }};
+  return {.observation = [](safety::SupervisorInputs& seen) { seen.relay_closed = false; },
+          .shows =
+              [](const ObservedTick& s) {
+                return s.seen.permit.mode == Mode::Ready || safety::hv_permitted(s.seen.permit.mode);
+              }};
 }
 
 // Somebody leans on the button and lets go: the panel has to be reset before it counts as tested again.
@@ -142,6 +146,7 @@ std::vector<FaultClass> link_faults() {
   split.row = 21;
   FaultClass relay = class_of(Hazard::InterlockStuck, kReadyOrDriven, open_relay);
   relay.row = 31;
+  relay.fits = [](const ProcedureState& s) { return s.left >= 31; };
   FaultClass untested = class_of(Hazard::PanelUntested, kReadyOrDriven, touch_estop);
   untested.instead = bit(Hazard::EStop);
   return {class_of(Hazard::EStop, kReadyOrDriven, press_estop),
