@@ -139,6 +139,10 @@ TEST(RescanCampaign, MeetsTheBarInTheRescanTakenTheOtherWay) {
   expect_the_bar("rescan_back", {60, 12});
 }
 
+TEST(RescanCampaign, MeetsTheBarInAnotherScannersRescan) {
+  expect_the_bar("brain", {60, 12});
+}
+
 // Another sequence, resolution and day's position: fewer decisions, no wrong one.
 TEST(RescanCampaign, NeverAcceptsWronglyBetweenPlanningAndGuidance) {
   expect_the_bar("planning", {40, 15}, 0.45);

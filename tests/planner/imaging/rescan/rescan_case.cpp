@@ -5,9 +5,11 @@
 #include <numbers>
 #include <random>
 
+#include "planner/imaging/io/byte_source.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "planner/imaging/registration/reslice.hpp"
 #include "robot/common/statistics.hpp"
+#include "tests/scratch_folder.hpp"
 #include "tests/source_dir.hpp"
 
 namespace biopsy::imaging::rescan {
@@ -35,6 +37,21 @@ std::optional<Volume> real_volume(const std::string& name) {
   const auto path = source_dir() / "../shared/data/images/mr" / name;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return read_volume(path);
+}
+
+// The two volumes of a file in four dimensions, which no reader here takes: its header with three, and the
+// voxels of one.
+std::optional<Pair> brain_pair() {
+  const std::filesystem::path file = "/usr/lib/python3/dist-packages/nibabel/tests/data/example4d.nii.gz";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  constexpr std::size_t kHeader = 416, kVoxels = 2 * 128 * 96 * 24;  // bytes
+  std::string content(kHeader + 2 * kVoxels, '\0');
+  ByteSource(file, ByteSource::Packing::Gzip).read(std::as_writable_bytes(std::span(content)));
+  content[40] = 3, content[48] = 1;  // dim[0], dim[4]
+  const ScratchFolder folder;
+  folder.write("before.nii", content.substr(0, kHeader + kVoxels));
+  folder.write("after.nii", content.substr(0, kHeader) + content.substr(kHeader + kVoxels));
+  return Pair{"brain", read_volume(folder / "before.nii"), read_volume(folder / "after.nii")};
 }
 
 double tissue_of(const Volume& volume) {
@@ -116,6 +133,7 @@ std::string_view label(Kind kind) {
 }
 
 std::optional<Pair> real_pair(std::string_view name) {
+  if (name == "brain") return brain_pair();
   auto guidance = real_volume("prostate_guidance");
   auto other = real_volume(name == "planning" ? "prostate_planning" : "prostate_guidance_2");
   if (!guidance || !other) return std::nullopt;

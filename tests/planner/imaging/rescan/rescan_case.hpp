@@ -29,7 +29,9 @@ struct Pair {
 };
 
 // A pair of ../shared/data/images/mr: "rescan" (guidance scan and its re-scan), "rescan_back" (the other
-// way), "planning" (planning scan, then guidance); nullopt where the images are absent.
+// way), "planning" (planning scan, then guidance); or "brain", one head imaged twice by echo-planar imaging,
+// 2 x 2 x 2.2 mm, oblique (the example of nibabel; Debian: python3-nibabel). nullopt where the images are
+// absent.
 std::optional<Pair> real_pair(std::string_view name);
 
 struct RescanCase {
