@@ -92,15 +92,12 @@ fs::path programs_folder() {
 [[noreturn]] void become(char* const* words, const char* output, pid_t launcher) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);         // ends with its parent,
   if (getppid() != launcher) _exit(kLost);  // also where that ended just now
-  sigset_t none;
-  sigemptyset(&none);
+  const sigset_t none{};
   sigprocmask(SIG_SETMASK, &none, nullptr);
   setpgid(0, 0);  // Ctrl-C goes to the launcher only, which stops it in order
   const int file = open(output, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-  if (file >= 0) {
-    dup2(file, STDOUT_FILENO);
-    dup2(file, STDERR_FILENO);
-  }
+  dup2(file, STDOUT_FILENO);  // where it could not be opened they stay as they were
+  dup2(file, STDERR_FILENO);
   execv(words[0], words);
   _exit(kLost);
 }

@@ -37,8 +37,8 @@ def of_binary(node, text, left, right):
     """(operator, changed text) of a binary operation; nothing for one that the compiler made up."""
     written = node.spelling
     between = text[left.extent.end.offset:right.extent.start.offset]
-    if written not in between:
-        return
+    if written not in between or written == "-" and type_of(left) == type_of(right) == TypeKind.POINTER:
+        return  # what lies between two pointers is no sum
     if written in RELATIONAL:
         others = RELATIONAL if type_of(left) in SIGNED + UNSIGNED else ["==", "!="]
         if type_of(left) in UNSIGNED and text[right.extent.start.offset:right.extent.end.offset] == "0":
@@ -104,8 +104,11 @@ def of_boolean(source):
 
 def can_be_nothing(result):
     """Whether `return {};` compiles."""
-    if result.kind == TypeKind.LVALUEREFERENCE and not result.get_pointee().is_const_qualified():
-        return False
+    if result.kind == TypeKind.LVALUEREFERENCE:
+        parts = list(result.get_pointee().get_canonical().get_declaration().get_children())
+        made_by = [part for part in parts if part.kind == K.CONSTRUCTOR]
+        is_default = not made_by or any(part.is_default_constructor() for part in made_by)
+        return result.get_pointee().is_const_qualified() and is_default
     declared = result.get_canonical().get_declaration()
     parts = list(declared.get_children())
     return not any(part.kind == K.CONSTRUCTOR or

@@ -38,9 +38,12 @@ void set_clock_us(std::int64_t now_us) {
 void reset(std::int64_t now_us) {
   const std::scoped_lock lock(state().mutex);
   state().on_wait = nullptr;
+  state().on_clock = nullptr;
   state().waited.clear();
   state().unauthenticated = 0;
   state().endpoints = state().participants = 0;
+  state().joined.clear();
+  state().monitored.clear();
   set_clock_us(now_us);
 #define BIOPSY_RESET(Message) reset_channel<Message>();
   BIOPSY_FOR_EACH_MESSAGE(BIOPSY_RESET)
@@ -57,6 +60,7 @@ namespace biopsy::realtime {
 
 std::int64_t monotonic_ns() {
   const std::scoped_lock lock(fake_bus::state().mutex);
+  if (fake_bus::state().on_clock) fake_bus::state().on_clock();
   return fake_bus::state().now_ns += 10;
 }
 
@@ -76,9 +80,13 @@ std::uint32_t unauthenticated_messages() {
   return fake_bus::state().unauthenticated;
 }
 
-Participant::Participant(const BusSettings& settings) : robot_(settings.robot) {}
+Participant::Participant(const BusSettings& settings) : robot_(settings.robot) {
+  fake_bus::state().joined.push_back(settings);
+}
 
-ParticipantMonitor::ParticipantMonitor(const BusSettings&, const Participant&) {}
+ParticipantMonitor::ParticipantMonitor(const BusSettings& plain, const Participant&) {
+  fake_bus::state().monitored.push_back(plain);
+}
 int ParticipantMonitor::unauthenticated_endpoints() const {
   return fake_bus::state().endpoints;
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "robot/msg/messages.hpp"
+#include "robot/transport/bus.hpp"
 
 namespace biopsy::fake_bus {
 
@@ -29,11 +30,13 @@ struct State {
   std::vector<std::function<bool()>> has_message;  // by a reader's handle
   // What a wait without a message does; unless given, it lasts its time.
   std::function<void(std::chrono::nanoseconds)> on_wait;
+  std::function<void()> on_clock;                // before the clock is read
   std::vector<std::chrono::nanoseconds> waited;  // timeouts that were asked for
   std::size_t watched = 0;                       // readers that the last wait waited for
   std::int64_t now_ns = 0;
   std::uint32_t unauthenticated = 0;
-  int endpoints = 0, participants = 0;  // that the monitor of a secured bus finds
+  int endpoints = 0, participants = 0;                    // that the monitor of a secured bus finds
+  std::vector<transport::BusSettings> joined, monitored;  // by participants, and by such monitors
 };
 State& state();
 

@@ -90,6 +90,10 @@ void GatedStage::drive(const DriveRequest* request, const Permit* permit, std::i
   if (request != nullptr) drive.request = *request;
   if (permit != nullptr) drive.permit = *permit;
   fake_cycle::calls().driven.push_back(drive);
+  if (const auto& voltage = fake_cycle::calls().voltage) {
+    stage_.write(*voltage);
+    last_.hv_enabled = voltage->hv_enabled();
+  }
   feeds_interlock_ = fake_cycle::calls().feeds_interlock;
 }
 

@@ -2,10 +2,7 @@
 // kernel then permits is tested with real users by tests/installation/claims.
 #include "robot/live/session/ownership.hpp"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,8 +10,6 @@
 
 #include "drivers/digital_io/shared_io.hpp"
 #include "robot/common/config_error.hpp"
-#include "robot/live/session/live_session.hpp"
-#include "robot/procedure/case/case.hpp"
 #include "robot/security/make_keys.hpp"
 #include "tests/safety/verifies.hpp"
 #include "tests/scratch_folder.hpp"
@@ -51,6 +46,28 @@ class OwnershipOfFiles : public testing::Test {
   ScratchFolder folder_;
   live::LiveSettings settings_;
 };
+
+TEST_F(OwnershipOfFiles, ItsOwnerCanUseEachFileAndPassEachFolder) {
+  const auto modes = owners();
+  for (const auto& [name, mode] : {std::pair{"run", 0750U},
+                                   {"run/live.json", 0640U},
+                                   {"run/planning", 0750U},
+                                   {"run/planning/slice_0001.dcm", 0640U},
+                                   {"run/keys/stage", 0700U},
+                                   {"run/keys/recorder/signing_key.pem", 0600U},
+                                   {"lines", 0711U},
+                                   {"lines/stage", 0640U}})
+    EXPECT_EQ(modes.at(name).mode, mode) << name;
+}
+
+TEST_F(OwnershipOfFiles, ListsThemInTheSameOrderOnEveryDisk) {
+  for (const char* name : {"b", "d", "a", "e", "c"}) write_content(folder_ / "run/planning" / name, name);
+  std::vector<fs::path> listed;
+  for (const Ownership& file : ownership_of(folder_ / "run", settings_))
+    if (file.path.parent_path().filename() == "planning") listed.push_back(file.path);
+  ASSERT_EQ(listed.size(), 6U);
+  EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
+}
 
 TEST_F(OwnershipOfFiles, LeavesNoFileOut) {
   const auto owners_of_all = owners();
@@ -125,28 +142,6 @@ TEST_F(OwnershipOfFiles, IsRefusedForUsersThatDoNotExist) {
     EXPECT_NE(error.what_is_wrong.find("biopsy-nobody-here"), std::string::npos);
     EXPECT_NE(error.remedy.find("systemd-sysusers"), std::string::npos);
   }
-}
-
-// Anybody may write into /dev/shm: who could put the folder there first could exchange the files in it.
-TEST(DigitalIoFolder, OfSomebodyElseIsNotTaken) {
-  const ScratchFolder folder, theirs;
-  const PreparedCase prepared = prepare(read_case("gap"), folder.path());
-  LiveOptions options;
-  options.domain = 79;
-  options.without_security = true;
-  const fs::path path = fmt::format("/dev/shm/biopsy-{}-{}-1", getuid(), options.domain);
-  fs::remove_all(path);
-  fs::permissions(theirs.path(), fs::perms::owner_read | fs::perms::owner_exec);
-  fs::create_directory_symlink(theirs.path(), path);
-  EXPECT_THROW(write_run_folder(options, "sim", {}, prepared, folder.path()), ConfigError);
-  EXPECT_EQ(fs::status(theirs.path()).permissions(), fs::perms::owner_read | fs::perms::owner_exec);
-  fs::remove(path);
-  write_content(path, "no folder");
-  EXPECT_THROW(write_run_folder(options, "sim", {}, prepared, folder.path()), ConfigError);
-  fs::remove(path);
-  write_run_folder(options, "sim", {}, prepared, folder.path());
-  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_all);
-  fs::remove_all(path);
 }
 
 }  // namespace
