@@ -78,8 +78,9 @@ DepthImages read_depth_images(const DepthImageOptions& options) {
     refuse_two_patients(images.before, stack);
     for (const std::string& warning : stack.warnings) warn("image after: " + warning);
     if (other_frame(images.before, stack))
-      warn("the images lie in two frames of reference: the patient may have been moved out and in between "
-           "them");
+      warn(
+          "the images lie in two frames of reference: the patient may have been moved out and in between "
+          "them");
     if (acquired_earlier(stack, images.before))
       warn("the image after was acquired earlier than the image before: were they swapped?");
   }

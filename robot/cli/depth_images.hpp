@@ -23,8 +23,8 @@ void add_depth_images(CLI::App& app, DepthImageOptions& options);
 struct DepthImages {
   Volume before;
   std::vector<Volume> after;
-  // What a person must know of them, once each: the readers' warnings, another frame of reference, a time that
-  // runs backwards.
+  // What a person must know of them, once each: the readers' warnings, another frame of reference, a time
+  // that runs backwards.
   std::vector<std::string> warnings;
 };
 

@@ -57,11 +57,20 @@ double within_disc(const Planar& place, double radius) {
   return within;
 }
 
-double length_sigma(const Planar& place) {
+// Wherever of the two it is.
+double certainly_within(const Planar& place, double radius) {
+  return std::min(within_disc(place, radius), within_disc(place.elsewhere(), radius));
+}
+
+double length_sigma_here(const Planar& place) {
   const double length = place.value.norm();
   if (length < 1e-9) return std::sqrt(0.5 * place.covariance.trace());
   const Eigen::Vector2d towards = place.value / length;
   return std::sqrt(std::max(towards.dot(place.covariance * towards), 0.0));
+}
+
+double length_sigma(const Planar& place) {
+  return std::hypot(length_sigma_here(place), place.other.norm());
 }
 
 // Can these two images be compared at all?
@@ -105,8 +114,9 @@ bool certainly_beyond(double within, double within_at_best, const DepthCheckSett
 }
 
 bool certainly_beyond(const Planar& place, double tolerance, const DepthCheckSettings& s) {
-  const Planar on_axis{Eigen::Vector2d::Zero(), place.covariance};
-  return certainly_beyond(within_disc(place, tolerance), within_disc(on_axis, tolerance), s);
+  const double at_best = within_disc({Eigen::Vector2d::Zero(), place.covariance}, tolerance);
+  return certainly_beyond(within_disc(place, tolerance), at_best, s) &&
+         certainly_beyond(within_disc(place.elsewhere(), tolerance), at_best, s);
 }
 
 // A quantity of the needle that certainly misses its tolerance.
@@ -154,13 +164,13 @@ MaybeJudgement doubt_about(const TipFinding& tip, const NeedlePlacement& read, c
         Unsure, fmt::format("The void along the path is interrupted for {:.1f} mm: it may not be one "
                             "needle.",
                             tip.gap_mm)};
-  const double lateral = within_disc(tip.beside_mm, s.lateral_mm.limit);
+  const double lateral = certainly_within(tip.beside_mm, s.lateral_mm.limit);
   if (!(read.lateral_mm <= s.lateral_mm.tolerance && lateral >= s.confidence))
     return DepthJudgement{
         Unsure, fmt::format("The needle is read {:.1f} mm (+-{:.1f}) beside the planned axis; that it "
                             "is within {:.1f} mm is not certain.",
                             read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.limit)};
-  const double angle = within_disc(tip.slope, std::tan(s.angle_deg.limit / kDegreesPerRadian));
+  const double angle = certainly_within(tip.slope, std::tan(s.angle_deg.limit / kDegreesPerRadian));
   if (!(read.angle_deg <= s.angle_deg.tolerance && angle >= s.confidence))
     return DepthJudgement{Unsure,
                           fmt::format("The needle's angle to the planned axis is read as {:.1f} degrees "

@@ -90,7 +90,7 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
   TipFinding found;
   found.seen_to_mm = corridor.t_max;
   constexpr std::ptrdiff_t kFitted = 3;
-  const VoidFit fit = fit_void(corridor, {tops.begin(), tops.begin() + kFitted});
+  const VoidFit fit = fit_void(corridor, {tops.begin(), tops.begin() + kFitted}, reach);
   if (fit.gain <= 0.0) {
     if (!fit.led_away) found.visible = visibility(search, corridor, 1.0);
     return found;
@@ -102,11 +102,9 @@ TipFinding find_tip(const Corridor& corridor, const SearchReach& reach) {
   found.control_places = fit.control_places;
   found.radius_mm = fit.line.radius_mm;
   weigh_depths(corridor, fit, reach, found);
-  found.beside_mm = {{fit.u_mm, fit.v_mm},
-                     fit.covariance.block<2, 2>(kU, kU) + fit.other_place * fit.other_place.transpose()};
+  found.beside_mm = {{fit.u_mm, fit.v_mm}, fit.covariance.block<2, 2>(kU, kU), fit.other_place};
   found.slope = {
-      {fit.line.u_slope, fit.line.v_slope},
-      fit.covariance.block<2, 2>(kUSlope, kUSlope) + fit.other_slope * fit.other_slope.transpose()};
+      {fit.line.u_slope, fit.line.v_slope}, fit.covariance.block<2, 2>(kUSlope, kUSlope), fit.other_slope};
   found.gap_mm = longest_gap(search.profile(fit.line), fit);
   found.at_end = fit.depth_mm > corridor.t_max - std::max(1.0, 0.5 * corridor.along_mm);
   return found;

@@ -11,6 +11,10 @@ namespace biopsy::imaging {
 struct Planar {
   Eigen::Vector2d value = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  // From `value` to another that explains the images as well, on the other side of a slice. Zero: none.
+  Eigen::Vector2d other = Eigen::Vector2d::Zero();
+
+  Planar elsewhere() const { return {value + other, covariance, -other}; }
 };
 
 struct TipFinding {

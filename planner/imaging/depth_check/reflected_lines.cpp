@@ -36,7 +36,8 @@ std::vector<PlacedLine> reflected_lines(const Corridor& corridor, const PlacedLi
     const auto origin = origin_of(corridor, stack);
     if (!origin || std::abs(normal.dot(along.normalized())) > kAlong) continue;
     const double off_first_mm = normal.dot(end - *origin);
-    const int slice = std::clamp(static_cast<int>(std::lround(off_first_mm / apart_mm)), 0, stack.size.z() - 1);
+    const int slice =
+        std::clamp(static_cast<int>(std::lround(off_first_mm / apart_mm)), 0, stack.size.z() - 1);
     if (slice > 0 && slice < stack.size.z() - 1) continue;  // its neighbours tell the side
     const Eigen::Vector3d there = end - 2.0 * (off_first_mm - slice * apart_mm) * normal;
     const Eigen::Vector3d turned = along - 2.0 * normal.dot(along) * normal;

@@ -245,13 +245,15 @@ VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
   return fit;
 }
 
-// A fit that left the line it began on was led away by what is no needle: another dark place, an edge.
-bool strayed(const VoidLine& from, double tip_mm, const VoidLine& to) {
-  constexpr double kFarthest_mm = 6.0, kSteepest = 0.105;  // 6 degrees: three times what a search leaves open
-  const double u = to.u - from.u + (to.u_slope - from.u_slope) * tip_mm,
-               v = to.v - from.v + (to.v_slope - from.v_slope) * tip_mm;
-  return !(std::hypot(u, v) <= kFarthest_mm &&
-           std::hypot(to.u_slope - from.u_slope, to.v_slope - from.v_slope) <= kSteepest);
+// Beyond all that was searched: such a fit was led away by what is no needle, another dark place or an edge.
+bool strayed(const VoidFit& fit, const SearchReach& reach) {
+  constexpr double kMargin_mm = 3.0, kMargin_deg = 4.0;  // a candidate is known to about 2 mm and 2 degrees
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  const double steepest = std::tan((reach.tilt_deg + kMargin_deg) * kRadiansPerDegree);
+  const double farthest_mm = reach.beside_mm + kMargin_mm;
+  return !(std::hypot(fit.line.u_slope, fit.line.v_slope) <= steepest &&
+           std::hypot(fit.line.u, fit.line.v) <= farthest_mm &&
+           std::hypot(fit.u_mm, fit.v_mm) <= farthest_mm + steepest * std::max(fit.depth_mm, 0.0));
 }
 
 // What the centreline loses. A wide void fades towards its rim in more ways than one edge has: all of it
@@ -291,7 +293,8 @@ void look_elsewhere(const Corridor& corridor, VoidFit& fit) {
 
 }  // namespace
 
-VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates) {
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates,
+                 const SearchReach& reach) {
   VoidFit best;
   bool led_away = false;
   for (const LineCandidate& candidate : candidates) {
@@ -299,7 +302,7 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
     // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
     const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
     if (one.gain <= 0.0) continue;
-    if (strayed(candidate.line, candidate.fit.tip_mm, one.line))
+    if (strayed(one, reach))
       led_away = true;
     else if (worth(one) > worth(best))
       best = one;
@@ -311,7 +314,7 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
   // Again with the voxels about the line that was found, from ends ahead of it and behind as well: which of
   // the minima is the lowest a part of the voxels tells.
   VoidFit again = fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
-  if (strayed(best.line, best.depth_mm, again.line)) again = best;
+  if (strayed(again, reach)) again = best;
   if (again.gain > 0.0) look_elsewhere(corridor, again);
   return again;
 }

@@ -27,7 +27,7 @@ struct VoidFit {
   std::size_t control_places = 0;  // where it was measured
   // How far off another void lies that explains the images as well: across a single slice, say. Zero: none.
   Eigen::Vector2d other_place = Eigen::Vector2d::Zero(), other_slope = Eigen::Vector2d::Zero();
-  bool led_away = false;  // nothing was fitted, for every fit left its candidate for another dark place
+  bool led_away = false;  // nothing was fitted, for every fit ended beyond what was searched
 
   // By how many standard deviations signal is lost; 0 where no place beside it tells how large they are.
   double evidence() const { return control_places > 0 ? loss / std::max(loss_sigma, 1e-6) : 0.0; }
@@ -35,8 +35,9 @@ struct VoidFit {
 };
 
 // The best of the fits that start from `candidates`, lines and tips known to about 2 mm and 2 degrees. At
-// least one.
-VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates);
+// least one. A fit that ends beyond `reach`, in which they were sought, is none.
+VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates,
+                 const SearchReach& reach);
 
 // Chi-square of the void with its tip elsewhere and all else as fitted, but for what its core loses, for each
 // of `depths`; voxels near the centreline only, the form of a wide void's rim has no say in its depth.
