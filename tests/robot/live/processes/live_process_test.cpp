@@ -125,18 +125,6 @@ TEST_F(OfAProcess, NeitherTheRecorderNorOneThatIsNotToldToAsksForPrecedence) {
   EXPECT_TRUE(machine.asked.empty());
 }
 
-TEST_F(OfAProcess, SaysWhenItIsReadyAndWithWhat) {
-  EXPECT_NE(logged(Role::Stage, [](LiveProcess& process) { process.start_ticking(); })
-                .find("started; ordinary scheduling; as granted, 1"),
-            std::string::npos);
-  EXPECT_EQ(systemd.notices(), (Notices{"READY=1", "STOPPING=1"}));
-  settings.fifo_priority = 60;
-  write_settings();
-  EXPECT_NE(logged(Role::Stage, [](LiveProcess& process) { process.start_ticking(); })
-                .find("started; as granted, 2; as granted, 3"),
-            std::string::npos);
-}
-
 TEST_F(OfAProcess, LogsUnderTheNameOfItsRole) {
   for (const auto& [role, name] : {std::pair{Role::Stage, "stage"},
                                    {Role::Controller, "controller"},
@@ -179,12 +167,6 @@ TEST_F(OfAProcess, StrokesTheWatchdogTwiceInItsTimeAndNoOftener) {
     }
   }
   EXPECT_EQ(stroked, (std::vector<std::int64_t>{0, 100, 200, 300, 400, 500, 600, 700, 800, 900}));
-}
-
-TEST_F(OfAProcess, WithoutAWatchdogNothingIsStroked) {
-  LiveProcess process(folder / "run", Role::Stage);
-  for (std::int64_t s = 0; s < 10; ++s) process.after_tick(kStart_us + s * 1'000'000, {});
-  EXPECT_TRUE(systemd.notices().empty());
 }
 
 TEST_F(OfAProcess, StopsWhenItIsAskedTo) {

@@ -234,13 +234,6 @@ TEST_F(SupervisorMain, SaysOnceWhenTheBoardFailedAndKeepsShowingIt) {
   EXPECT_EQ(lines_with(log("supervisor"), failure), 2) << "also one that failed before the first turn";
 }
 
-TEST_F(SupervisorMain, ASimulatedStagesPulseNeverFails) {
-  machine.board.pulse_failed = true;
-  for_turns(5);
-  run(supervisor_main);
-  EXPECT_EQ(log("supervisor").find("failed"), std::string::npos);
-}
-
 TEST_F(SupervisorMain, LogsEveryModeByItsNameWhenItChanges) {
   const std::vector<std::pair<Mode, std::string>> modes{
       {Mode::Safe, "safe"},     {Mode::Ready, "ready"}, {Mode::Armed, "armed"},

@@ -74,16 +74,6 @@ TEST_F(SimulatedStageMain, MovesOnlyWhileTheRelayIsClosed) {
   for (const StageTruth& truth : fake_bus::written<StageTruth>()) EXPECT_LT(std::abs(truth.tip_nm), 20'000);
 }
 
-TEST_F(SimulatedStageMain, MeasuresOnItsOwnBusWithItsConfiguration) {
-  for_ticks(3);
-  run(stage_main);
-  const auto measured = fake_bus::written<Measurement>();
-  EXPECT_EQ(measured.size(), 3U);
-  ASSERT_EQ(fake_bus::state().joined.size(), 1U);
-  EXPECT_EQ(fake_bus::state().joined[0].robot, 3U);
-  EXPECT_EQ(calls.driven.size(), 4U) << "and the last act";
-}
-
 // Of a simulated panel: its levels are the console's, read in every tick.
 TEST_F(SimulatedStageMain, MarksThePanelAsRead) {
   std::vector<bool> read;
