@@ -6,7 +6,7 @@
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "robot/cli/command.hpp"
-#include "robot/cli/depth_images.hpp"
+#include "robot/cli/commands/depth_images.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"

@@ -1,4 +1,4 @@
-#include "robot/cli/depth_images.hpp"
+#include "robot/cli/commands/depth_images.hpp"
 
 #include <fmt/format.h>
 
