@@ -143,6 +143,10 @@ def key_of(mutant):
     return mutant["file"], mutant["text"], mutant["operator"], mutant["change"]
 
 
+def place_of(row):
+    return f"{row['file']}:{row['line']}: {row['operator']}: {row['change']}"
+
+
 def read_equivalents(file):
     """Key of each mutant in the file -> (reason, relations that prove it; none: the reason alone explains a survivor)."""
     entries = {}
@@ -194,7 +198,7 @@ def tables_of(mutants, verdicts, stale, slow):
 
 def report(figures, tables, failing):
     for row in tables["survivors"]:
-        print(f"survivor: {row['file']}:{row['line']}: {row['operator']}: {row['change']} {row['reason']}")
+        print(f"survivor: {place_of(row)} {row['reason']}")
     for row in tables["stale_entries"]:
         print(f"equivalents: no such mutant: {row['file']}: {row['text']}: {row['change']}")
     for name in failing:
@@ -210,6 +214,8 @@ def main():
     parser.add_argument("--equivalents", type=Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--json", type=Path, help="file for the figures")
     parser.add_argument("--quick", action="store_true", help=f"one mutant in {QUICK_ONE_IN}, the same ones each time")
+    parser.add_argument("--only", metavar="TEXT", default="",
+                        help="the mutants whose line of the report has this text, such as a file or file:line; for work on tests")
     options = parser.parse_args()
     if not (options.build / "killers").exists():
         parser.error("build the target `mutants` first")
@@ -225,6 +231,7 @@ def main():
     mutants = [mutant for mutant in mill.mutants if mutant["operator"] != "canary"]
     if options.quick:
         mutants = random.Random(QUICK_SEED).sample(mutants, len(mutants) // QUICK_ONE_IN)
+    mutants = [mutant for mutant in mutants if options.only in place_of(mutant)]
     verdicts = {}
     judge(mill, mutants, equivalents, verdicts)
     count = Counter(verdict for verdict, _ in verdicts.values())
