@@ -143,16 +143,16 @@ Event event_in_trip(const TransitionInputs& t) {
 
 Refusal refusal_to_arm(const TransitionInputs& t) {
   if (t.stop != StopCategory::None) return Refusal::Unhealthy;
-  if (t.state.mode == Mode::Safe && !is_needle_back(t)) return Refusal::NeedleOut;
-  if (t.state.mode != Mode::Ready) return Refusal::NotReady;
-  return Refusal::VoltageLeft;  // in this very tick: else it would be armed
+  const bool ready = t.state.mode == Mode::Ready;  // and not armed: something came in this very tick
+  if (ready && !t.evidence.zero_volts) return Refusal::VoltageLeft;
+  if ((ready || t.state.mode == Mode::Safe) && !is_needle_back(t)) return Refusal::NeedleOut;
+  return Refusal::NotReady;
 }
 
 // Of a press that was not followed.
 Refusal refusal_to_move(const TransitionInputs& t) {
   if (t.state.mode != Mode::Armed && t.state.mode != Mode::Hold) return Refusal::NotArmed;
   if (!t.pressed) return Refusal::TokenSpent;
-  if (t.input.acquiring) return Refusal::ImageRunning;
   const Refusal refusal = refusal_to_go_on(t);
   return refusal == Refusal::None ? Refusal::NotArmed : refusal;  // the mode ends in this very tick
 }

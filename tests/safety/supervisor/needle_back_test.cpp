@@ -26,6 +26,31 @@ TEST(Supervisor, IsReadyWithAPatientOnlyWithTheNeedleBack) {
     }
 }
 
+// What keeps the robot from being armed is what its operator is told.
+TEST(Supervisor, RefusesToArmWithTheReasonThatHolds) {
+  verifies("R-55");
+  struct Case {
+    Mode mode;
+    bool back, zero;
+    Refusal refusal;
+  };
+  for (const Case& c : {Case{Mode::Safe, false, true, Refusal::NeedleOut},
+                        {Mode::Safe, true, true, Refusal::NotReady},
+                        {Mode::Ready, false, true, Refusal::NeedleOut},
+                        {Mode::Ready, true, false, Refusal::VoltageLeft},
+                        {Mode::Ready, false, false, Refusal::VoltageLeft},
+                        {Mode::Ready, true, true, Refusal::None},
+                        {Mode::Boot, false, true, Refusal::NotReady},
+                        {Mode::Armed, false, true, Refusal::NotReady},
+                        {Mode::Active, false, false, Refusal::NotReady},
+                        {Mode::Hold, false, false, Refusal::NotReady}}) {
+    Moment moment(c.mode);
+    moment.input.local_arm = true;
+    moment.input.evidence.needle_back = c.back, moment.input.evidence.zero_volts = c.zero;
+    EXPECT_EQ(moment.refusal(), c.refusal) << name_of(c.mode) << c.back << c.zero;
+  }
+}
+
 TEST(DepthMonitor, NeedleIsBackWithinATenthOfAMillimetreEitherWayAndSeen) {
   verifies("R-55");
   for (const std::int32_t sign : {1, -1}) {
