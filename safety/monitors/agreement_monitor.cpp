@@ -20,11 +20,9 @@ HazardSet update(const PlanFacts& plan, AgreementMonitor& monitor, const Measure
     monitor.differ_score = accumulated(monitor.differ_score, differs(measured), kDifferWeight, kDiffer_ticks);
   monitor.dropout_score =
       accumulated(monitor.dropout_score, !measured.laser_b_valid, kComes_goes, kDropout_ticks);
-  monitor.found = 0;
-  if (!is_for_patient(plan)) return monitor.found;
-  monitor.found = when(monitor.differ_score >= kDifferTrip, Hazard::OffsetOrScale) |
-                  when(monitor.dropout_score >= kDropoutTrip, Hazard::LaserDropout);
-  return monitor.found;
+  const HazardSet found = when(monitor.differ_score >= kDifferTrip, Hazard::OffsetOrScale) |
+                          when(monitor.dropout_score >= kDropoutTrip, Hazard::LaserDropout);
+  return monitor.found = is_for_patient(plan) ? found : 0;
 }
 
 }  // namespace biopsy::safety

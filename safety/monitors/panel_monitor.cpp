@@ -24,8 +24,8 @@ void advance(PanelMonitor& monitor, const SupervisorInputs& seen, bool turned) {
   const bool closed = seen.estop_a_closed && seen.estop_b_closed;
   const bool open = seen.panel_read && !seen.estop_a_closed && !seen.estop_b_closed;
   if (monitor.test == Test::None && closed) monitor.test = Test::Closed;
-  if (monitor.test == Test::Closed && open) monitor.test = Test::Pressed;
-  if (monitor.test == Test::Passed && open) monitor.test = Test::Pressed;  // a press tests as well
+  if (monitor.test != Test::None && open)
+    monitor.test = Test::Pressed;  // after a test as well: a press is one
   if (monitor.test == Test::Pressed && closed && turned)
     monitor.test = Test::Passed, monitor.tested_us = seen.now_us;
 }
