@@ -113,10 +113,11 @@ bool certainly_beyond(double within, double within_at_best, const DepthCheckSett
   return within < (1.0 - s.missed_certainly) * within_at_best;
 }
 
+// Of two places that explain the images alike, all that lies between is possible as well.
 bool certainly_beyond(const Planar& place, double tolerance, const DepthCheckSettings& s) {
-  const double at_best = within_disc({Eigen::Vector2d::Zero(), place.covariance}, tolerance);
-  return certainly_beyond(within_disc(place, tolerance), at_best, s) &&
-         certainly_beyond(within_disc(place.elsewhere(), tolerance), at_best, s);
+  const Planar spread{place.value, place.covariance + place.other * place.other.transpose()};
+  const Planar on_axis{Eigen::Vector2d::Zero(), spread.covariance};
+  return certainly_beyond(within_disc(spread, tolerance), within_disc(on_axis, tolerance), s);
 }
 
 // A quantity of the needle that certainly misses its tolerance.

@@ -228,6 +228,12 @@ TEST(JudgeDepth, DoesNotRejectForWhatIsHardlyKnown) {
   reading.tip.beside_mm = {Eigen::Vector2d::Zero(), known};
   reading.tip.slope.covariance = 1e4 * Eigen::Matrix2d::Identity();
   EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Unsure);
+  // Tilted by 5 degrees to one side of a slice, or to the other, or not at all.
+  reading.tip.slope = {{0.09, 0.0}, 1e-5 * Eigen::Matrix2d::Identity(), {-0.18, 0.0}};
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Unsure);
+  // By a degree to either: an accept holds for both.
+  reading.tip.slope = {{0.018, 0.0}, 1e-5 * Eigen::Matrix2d::Identity(), {-0.036, 0.0}};
+  EXPECT_EQ(judge_depth(reading, settings).verdict, DepthVerdict::Accept);
   reading = good_reading();  // into air: the tip may be anywhere from 15 mm on
   spread_depth(reading.tip, 20.0, 1e6);
   reading.tip.depth_mm = 15.0, reading.tip.depths_mm.clear(), reading.tip.weights.clear();

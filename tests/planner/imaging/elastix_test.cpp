@@ -1,5 +1,5 @@
-// Rigid registration beside another program's: elastix (Debian: elastix), which shares no code with it. Inputs:
-// real scans of one patient (../shared/data/images/mr), written as MetaImage for it.
+// Rigid registration beside another program's: elastix (Debian: elastix), which shares no code with it.
+// Inputs: real scans of one patient (../shared/data/images/mr), written as MetaImage for it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,8 @@ void write_metaimage(const fs::path& file, const Volume& volume) {
   const Eigen::Matrix3d axes = volume.grid.X_SI.linear() * spacing.cwiseInverse().asDiagonal();
   const Point& origin = volume.grid.X_SI.translation();
   std::ofstream out(file, std::ios::binary);
-  out << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nTransformMatrix =";
+  out << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nTransformMatrix "
+         "=";
   for (int axis = 0; axis < 3; ++axis)
     for (int row = 0; row < 3; ++row) out << fmt::format(" {:.9f}", axes(row, axis));
   out << fmt::format(
