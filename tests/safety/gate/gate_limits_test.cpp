@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "safety/challenge.hpp"
 #include "safety/gate.hpp"
@@ -259,6 +260,29 @@ TEST(Interlock, OpensTwentyMillisecondsAfterEitherSideStops) {
   EXPECT_FALSE(is_closed(supervised, 1'025'000)) << "driver stopped";
   EXPECT_FALSE(is_closed(supervised, 999'999)) << "clock went back";
   EXPECT_FALSE(is_closed(feed_from_driver(Interlock{}, 1'000), 1'001)) << "supervisor never fed it";
+}
+
+// Number 0 means that there is no permit, whatever else stands in it.
+TEST(Gate, AnswersNoPermitThatHasNoNumberAndFeedsNoInterlockUnderIt) {
+  verifies("R-10");
+  Permit numberless = off_permit(9, 0);
+  numberless.challenge = 77, numberless.mode = Mode::Safe;
+  for (const Permit* permit : {static_cast<const Permit*>(nullptr), &std::as_const(numberless)}) {
+    const GateResult result = next(GateState{}, permit, 0);
+    EXPECT_EQ(result.answer, 0U);
+    EXPECT_EQ(result.answered_seq, 0U);
+    EXPECT_EQ(result.verdict, GateVerdict::NoPermit);
+    EXPECT_FALSE(result.voltage.feeds_interlock());
+  }
+  Permit first = numberless;
+  first.seq = 1;
+  EXPECT_NE(next(GateState{}, &first, 0).answer, 0U);
+}
+
+TEST(Gate, OffIsWithoutVoltageEnableBrakeAndInterlock) {
+  const GatedVoltage off = GatedVoltage::off();
+  EXPECT_EQ(off.mV(), 0);
+  EXPECT_FALSE(off.hv_enabled() || off.brake_on() || off.feeds_interlock());
 }
 
 }  // namespace

@@ -111,6 +111,20 @@ TEST(AgreementMonitor, AFlickeringLaserHidesNoDifference) {
   EXPECT_NE(found & kDiffers, 0U);
 }
 
+// Nine samples apart, one of the two blind for one more: it neither is the tenth nor is it a sound one.
+TEST(AgreementMonitor, ASampleOfOneLaserAloneCountsNeitherWay) {
+  for (const bool a_is_blind : {true, false}) {
+    AgreementBench bench;
+    bench.samples(5, 2'000, 2'000);
+    bench.samples(9, 2'000, 3'000);
+    (a_is_blind ? bench.m.laser_valid : bench.m.laser_b_valid) = false;
+    EXPECT_EQ(bench.sample(2'000, 3'000), 0U);
+    EXPECT_EQ(bench.sample(2'000, 2'000), 0U);
+    bench.m.laser_valid = bench.m.laser_b_valid = true;
+    EXPECT_EQ(bench.sample(2'000, 3'000), kDiffers);
+  }
+}
+
 TEST(AgreementMonitor, WithoutAPatientOneLaserIsEnough) {
   AgreementBench bench;
   bench.plan.bench_half_period_ticks = 500;
@@ -118,6 +132,7 @@ TEST(AgreementMonitor, WithoutAPatientOneLaserIsEnough) {
   EXPECT_EQ(bench.samples(20, 2'000, 0), 0U);
   bench.m.laser_b_valid = true;
   EXPECT_EQ(bench.samples(20, 2'000, 0), 0U);
+  EXPECT_EQ(update(bench.plan, bench.monitor, bench.m, false), 0U) << "nor is it found when none arrives";
 }
 
 TEST(AgreementMonitor, AnOldSampleIsNotCountedAgain) {

@@ -71,6 +71,37 @@ TEST(PanelMonitor, OneContactThatNeverOpensIsNoTest) {
   }
 }
 
+// A contact that was never seen closed may be a wire that is cut: opening proves nothing of it.
+TEST(PanelMonitor, ContactsThatWereNotBothClosedFirstAreNotTested) {
+  verifies("R-66");
+  for (const auto& [a, b] : {std::pair{false, false}, {true, false}, {false, true}}) {
+    PanelBench bench;
+    bench.contacts(a, b), bench.tick(5);
+    bench.contacts(false, false), bench.tick();
+    bench.contacts(true, true), bench.tick(), bench.turn();
+    EXPECT_EQ(bench.findings.found, bit(Hazard::PanelUntested)) << a << b;
+    bench.test();
+    EXPECT_EQ(bench.findings.found, 0U) << "once they were";
+  }
+}
+
+TEST(PanelMonitor, ATurnOfTheKeyResetsWhereTheButtonWasReleasedAndAReleaseDoesNot) {
+  verifies("R-03");
+  PanelBench bench;
+  bench.test();
+  const auto resets = [&](bool button_down, bool key_down) {
+    bench.contacts(!button_down, !button_down), bench.seen.local_reset = key_down, bench.tick();
+    return bench.findings.reset;
+  };
+  EXPECT_FALSE(resets(false, true)) << "there is nothing to reset";
+  EXPECT_FALSE(resets(false, false));
+  EXPECT_FALSE(resets(true, false)) << "pressed";
+  EXPECT_FALSE(resets(true, true)) << "turned while it is pressed";
+  EXPECT_FALSE(resets(false, true)) << "released while the key is held";
+  EXPECT_FALSE(resets(false, false)) << "released";
+  EXPECT_TRUE(resets(false, true));
+}
+
 TEST(PanelMonitor, APanelThatCannotBeReadCountsAsPressedAndIsNoTest) {
   verifies("R-03", "R-66");
   PanelBench bench;

@@ -82,8 +82,10 @@ TEST(DepthMonitor, SunkNeedleMayGoOnSinkingForFourSecondsWhileNothingLiftsItAgai
 
 TEST(DepthMonitor, SunkNeedleIsNotBelievedFourSecondsAfterTheDriveWasLowered) {
   verifies("R-21");
-  // The window of half a second forgets the higher drive in blocks of 50 ms; from then the creep is counted.
-  for (const auto& [wait_ms, named] : {std::pair{4'400, false}, {4'600, true}}) {
+  // The window of half a second has the higher drive in it for 499 samples; from the last of them 4 s are
+  // counted.
+  for (const auto& [wait_ms, named] :
+       {std::pair{4'400, false}, {4'497, false}, {4'498, true}, {4'600, true}}) {
     DepthBench bench(Mode::Hold);
     for (int i = 0; i < 600; ++i) sinks(bench, 2'300, 4'000'000);
     for (int ms = 0; ms < wait_ms; ++ms) EXPECT_FALSE(sinks(bench, 2'300, 3'600'000));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <tuple>
 
 #include "tests/safety/monitor_bench.hpp"
 #include "tests/safety/verifies.hpp"
@@ -85,6 +86,18 @@ TEST(VoltageMonitor, WhatComesAndGoesInMoreThanAThirdOfTheSamplesAddsUp) {
   for (const auto& [on, off] : {std::pair{1, 2}, {1, 9}}) {
     EXPECT_FALSE(named(Hazard::MonitorDisagrees, on, off, 5'000'000, 0)) << on << " of " << on + off;
     EXPECT_FALSE(named(Hazard::Arc, on, off, 4'000'000, 5'000'000)) << on << " of " << on + off;
+  }
+}
+
+// Two in a row are less than a fault, and a sound sample takes away what half a bad one adds.
+TEST(VoltageMonitor, TwoBadSamplesASoundOneAndAThirdAreNoDisagreementAndAFourthIs) {
+  verifies("R-08");
+  VoltageBench bench;
+  bench.sample(0, 0);
+  for (const auto& [monitor_mV, named] :
+       {std::pair{200'000, false}, {200'000, false}, {0, false}, {200'000, false}, {200'000, true}}) {
+    bench.sample(0, monitor_mV);
+    EXPECT_EQ(bench.names(Hazard::MonitorDisagrees), named);
   }
 }
 
@@ -218,6 +231,23 @@ TEST(VoltageMonitor, DriverIsComparedWithThePermitThatItAnsweredAsLongAsPermitsL
     seen.measurement.answered_seq = 0;
     for (int i = 0; i < 3; ++i) bench.sample(4'000'000, 4'000'000);
     EXPECT_TRUE(bench.names(Hazard::DriverDisobeys)) << "an answer to none";
+  }
+}
+
+// The first permits of a session: number 1 let the drive have 1 kV, those after it 4 kV. There is no number
+// 0.
+TEST(VoltageMonitor, DriverThatAnsweredNoPermitYetIsComparedWithTheNewest) {
+  verifies("R-09");
+  for (const auto& [answered, command_mV, named] :
+       {std::tuple{0U, 4'000'000, false}, {1U, 4'000'000, true}, {2U, 4'000'000, false}}) {
+    VoltageBench bench;
+    for (std::uint32_t seq = 1; seq <= 4; ++seq) {
+      bench.seen.permit.seq = seq;
+      bench.seen.permit.v_max_mV = seq == 1 ? 1'000'000 : 4'000'000;
+      bench.seen.measurement.answered_seq = answered;
+      bench.sample(seq == 1 ? 0 : command_mV, seq == 1 ? 0 : command_mV);
+    }
+    EXPECT_EQ(bench.names(Hazard::DriverDisobeys), named) << answered;
   }
 }
 

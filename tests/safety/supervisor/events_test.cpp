@@ -57,6 +57,17 @@ TEST(Supervisor, EventsOfTimesThatRanOutComeInTheVeryTickAndStillIfItWasMissed) 
   }
 }
 
+TEST(Supervisor, EventsThatChangeTheModeStartItsTimeAtZero) {
+  for (const Mode mode : {Mode::Ready, Mode::Active, Mode::Hold}) {
+    Moment moment(mode);
+    moment.state.ms_in_mode = 700;
+    EXPECT_EQ(moment.next().ms_in_mode, 701) << name_of(mode);
+    moment.input.stop = StopCategory::C0Off;
+    EXPECT_NE(moment.mode(), mode);
+    EXPECT_EQ(moment.next().ms_in_mode, 0) << name_of(mode);
+  }
+}
+
 TEST(Supervisor, HoldToRunEndsAfterAHundredTicksOfSilence) {
   for (const std::int32_t ticks : {99, 100, 101}) {
     Moment moment(Mode::Active);

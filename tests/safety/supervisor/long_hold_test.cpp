@@ -41,6 +41,7 @@ TEST(LongHold, EndsAfterTenSecondsUnlessTheNeedleIsLockedAndStill) {
     state = moment.next();
   }
   EXPECT_EQ(state.mode, Mode::Hold) << "as long as a scan";
+  EXPECT_EQ(state.ms_in_mode, limits::kHoldMax_ms) << "and counted no further than anything asks";
   moment.state = state;
   moment.input.evidence.still = false;
   EXPECT_EQ(moment.event(), Event::HoldTooLong) << "at once where it slips then";

@@ -116,6 +116,9 @@ TEST(DoubleEntry, ClocksAndMessagesHaveTheLimitsOfTheSafetyConcept) {
                        kAnswerWindow, kMiss, kMissTrip, kMissMax, kEStopDisagree_ticks, kLogBacklog_ms,
                        kPatientMotion_um, kSuspect_ticks, kWrongModel_ticks}),
             (Constants{5'000, 3, 20'000, 2, 2, 4, 5, 100, 200, 400, 20, 1'000, 2'000, 100, 1'100}));
+  EXPECT_EQ((Constants{kElapsedMax_ms, kStageLate_us, kContact_ticks, kPanelRead_us, kRelay_ticks,
+                       kPanelTest_us, kComes_goes}),
+            (Constants{6, 1'750, 20, 20'000, 30, 86'400'000'000, 2}));
 }
 
 TEST(DoubleEntry, VoltagesHaveTheLimitsOfTheSafetyConcept) {
@@ -127,6 +130,7 @@ TEST(DoubleEntry, VoltagesHaveTheLimitsOfTheSafetyConcept) {
                  kTwoPeriods_half_periods, kOffOneIn, kForget_ticks, kForgetPerSeen}),
       (Constants{2, 3, 3, 100'000, 3, 200'000, 3, 200, 2, 1'000'000, 2, 1'000'000, 250, 50, 2'500, 4, 5,
                  2'048, 2}));
+  EXPECT_EQ((Constants{kPastLocked_mV, kPull_ticks, kPullLead_V2}), (Constants{1'200'000, 128, 1'200'000}));
 }
 
 TEST(DoubleEntry, DepthsHaveTheLimitsOfTheSafetyConcept) {
@@ -135,6 +139,11 @@ TEST(DoubleEntry, DepthsHaveTheLimitsOfTheSafetyConcept) {
                        kDropout_ticks, kFrozen_ticks, kFrozenMove_mV, kImplausible_um, kImplausible_ticks,
                        kNotBack_ticks, DepthHistory::kSpan_ticks, kMean_ticks}),
             (Constants{2, 5'000, 5'000'000, 50'000, 800, 3, 20, 200'000, 1'000, 50, 500, 10, 512}));
+  EXPECT_EQ(
+      (Constants{kDropoutTrip, kAdvanced_um, kIdlePull_V2, kIdle_ticks, kLifted_um, kLiftPulls, kDiffer_um,
+                 kDiffer_ticks, kDifferWeight, kDifferTrip, kLowered_mV, kSunk_um, kSunk_ticks,
+                 kCreeping_ticks, kSettling_ticks, kStillNoise_um, kSlip_ticks}),
+      (Constants{6, 100, 24'000'000, 20, 1'000, 3, 300, 10, 4, 40, 200'000, 600, 20, 4'000, 250, 50, 20}));
 }
 
 TEST(DoubleEntry, TheSupervisorsTimesAreThoseOfTheSafetyConcept) {
@@ -144,10 +153,11 @@ TEST(DoubleEntry, TheSupervisorsTimesAreThoseOfTheSafetyConcept) {
 TEST(DoubleEntry, TheRobotsHardLimitsAreThoseOfThePaperAndTheSafetyConcept) {
   EXPECT_EQ((Constants{limits::kDriveMax_mV, limits::kMonitorTrip_mV, limits::kZeroVolt_mV,
                        limits::kSlewUpMax_mV_per_tick, limits::kRampTime_ms, limits::kStroke_um,
-                       limits::kDepthMargin_um, limits::kDepthHard_um, limits::kReturned_um,
-                       limits::kPermitTtl_us, limits::kHoldMax_ms, limits::kArmedMax_ms}),
-            (Constants{8'000'000, 8'200'000, 100'000, 400'000, 300, 12'000, 1'000, 2'000, 1'000, 5'000,
-                       10'000, 30'000}));
+                       limits::kDepthMargin_um, limits::kDepthHard_um, limits::kReturned_um, limits::kBack_um,
+                       limits::kStill_um, limits::kPermitTtl_us, limits::kHoldMax_ms, limits::kLockedMax_ms,
+                       limits::kArmedMax_ms}),
+            (Constants{8'000'000, 8'200'000, 100'000, 400'000, 300, 12'000, 1'000, 2'000, 1'000, 100, 100,
+                       5'000, 10'000, 180'000, 30'000}));
 }
 
 }  // namespace

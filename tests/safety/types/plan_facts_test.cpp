@@ -35,6 +35,10 @@ TEST(PlanFacts, RefuseAPlanWithoutStepsOrWithoutBands) {
   verifies("R-29");
   EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.step_count = 0; }));
   EXPECT_FALSE(is_plausible_with([](PlanFacts& plan) { plan.band_count = 0; }));
+  for (const std::int32_t half_period_ticks : {0, 250})  // the bench, too
+    EXPECT_FALSE(is_plausible_with([=](PlanFacts& plan) {
+      plan.bench_half_period_ticks = half_period_ticks, plan.step_count = 0, plan.depth_max_um = 400;
+    }));
 }
 
 TEST(PlanFacts, PlansFillTheRoomForStepsAndBandsAndNoMore) {
@@ -175,6 +179,11 @@ TEST(PlanFacts, DriveThatLiftsIsWhereTheBandsUpperEdgeHasRisenByAMillimetre) {
   verifies("R-19");
   PlanFacts plan = three_step_plan();  // upper edge 100, 2300, 4400 um at 0, 4, 8 kV
   EXPECT_EQ(lifting_drive_mV(plan), 1'818'181);
+  plan.bands[1].high_um = plan.bands[2].high_um = 1'100;
+  EXPECT_EQ(lifting_drive_mV(plan), 4'000'000)
+      << "a point that has risen by just that, and nothing behind it";
+  plan.bands[2].high_um = 4'400;
+  EXPECT_EQ(lifting_drive_mV(plan), 4'000'000);
   plan.bands[1].high_um = 1'099;
   EXPECT_NEAR(lifting_drive_mV(plan), 4'000'000 + 4e6 / 3'301, 2.0);
   plan.bands[2].high_um = 1'099;

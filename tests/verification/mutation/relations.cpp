@@ -25,6 +25,7 @@
 #include "safety/challenge.hpp"
 #include "safety/gate.hpp"
 #include "safety/monitors/evidence.hpp"
+#include "safety/monitors/panel_filter.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/limits.hpp"
@@ -198,7 +199,10 @@ class Course {
     m.answered_seq = seen_.permit.seq;
     m.answer = answer_to(challenge_of(5, m.answered_seq), m.command_mV, seen_.permit.mode, m.answered_seq);
     seen_.writers = 1, seen_.acquiring = dice_.one_in(2);
-    seen_.estop_a_closed = seen_.estop_b_closed = true;
+    seen_.estop_a_closed = seen_.estop_b_closed = seen_.panel_read = true;
+    seen_.local_reset = dice_.one_in(50);
+    const bool fed = seen_.permit.mode == Mode::Ready || hv_permitted(seen_.permit.mode);
+    seen_.relay_closed = fed != (spoil_ == 27);
     seen_.log_backlog_ms = seen_.patient_motion_um = seen_.tissue_residual_um = 0;
     seen_.plan_tag = plan_.plan_tag, seen_.config_tag = plan_.config_tag;
     seen_.confirmed_tag = {plan_.plan_tag, plan_.plan_tag};
@@ -234,6 +238,12 @@ class Course {
         break;
       case 8:
         seen_.estop_a_closed = false;
+        break;
+      case 25:
+        seen_.estop_a_closed = seen_.estop_b_closed = dice_.one_in(30);
+        break;
+      case 26:
+        seen_.panel_read = dice_.one_in(2);
         break;
       case 9:
         seen_.estop_b_closed = dice_.one_in(3);
@@ -301,12 +311,14 @@ void hash_evidence(Hash& hash) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     Course course(seed);
     TissueMonitor tissue;
+    ContactFilter contact;
     for (int i = 0; i < 25'000; ++i) {
       course.tick();
       const Evidence evidence = assess(course.plan(), course.memory(), course.seen());
       hash.add(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.needle_back,
                evidence.image_disturbed, evidence.locked, evidence.still, evidence.drive_mV,
-               evidence.ceiling_mV);
+               evidence.ceiling_mV, evidence.interlock_opens, evidence.estop_reset, evidence.elapsed_ms,
+               is_closed(contact, course.seen().estop_b_closed));
       Measurement sane = course.seen().measurement;
       sane.command_mV %= 10'000'000, sane.depth_um %= 1'000'000;
       hash.add(tissue_residual_um(course.plan(), tissue, sane));
@@ -318,7 +330,7 @@ void hash_plan(Hash& hash) {
   Dice dice(3);
   for (int i = 0; i < 100'000; ++i) {
     const PlanFacts plan = plan_of(dice);
-    hash.add(is_plausible(plan), half_period_ticks(plan));
+    hash.add(is_plausible(plan), half_period_ticks(plan), lifting_drive_mV(plan));
     const DepthRange range = plausible_depth(plan, dice.of(kVolts_mV), dice.of(kVolts_mV));
     hash.add(range.low_um, range.high_um);
   }
