@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "planner/imaging/depth_check/control_places.hpp"
@@ -248,8 +249,7 @@ VoidFit fitted(const Corridor& corridor, const VoidLine& line, double depth_mm,
 // Beyond all that was searched: such a fit was led away by what is no needle, another dark place or an edge.
 bool strayed(const VoidFit& fit, const SearchReach& reach) {
   constexpr double kMargin_mm = 3.0, kMargin_deg = 4.0;  // a candidate is known to about 2 mm and 2 degrees
-  constexpr double kRadiansPerDegree = 0.017453292519943295;
-  const double steepest = std::tan((reach.tilt_deg + kMargin_deg) * kRadiansPerDegree);
+  const double steepest = std::tan((reach.tilt_deg + kMargin_deg) * std::numbers::pi / 180.0);
   const double farthest_mm = reach.beside_mm + kMargin_mm;
   return !(std::hypot(fit.line.u_slope, fit.line.v_slope) <= steepest &&
            std::hypot(fit.line.u, fit.line.v) <= farthest_mm &&
