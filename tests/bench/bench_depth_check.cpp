@@ -72,8 +72,7 @@ struct Cost {
   void measure(const RescanCase& drawn, const std::vector<Volume>& after) {
     imaging::DepthCheckSettings settings;
     settings.expected = Millimetres(drawn.plan_depth_mm);
-    settings.tip_offset =
-        TipOffset{"p", "r", Millimetres(drawn.needle.beyond_mm), Millimetres(0.15)};
+    settings.tip_offset = TipOffset{"p", "r", Millimetres(drawn.needle.beyond_mm), Millimetres(0.15)};
     double best_s = 1e9;
     for (int repetition = 0; repetition < 2; ++repetition) {
       const double begin_s = cpu_s();

@@ -36,7 +36,7 @@ struct Calls {
   std::int32_t writer_count = 1;
   std::uint64_t plan_tag = 0;  // of the plan that is sent; 0: its seal does not hold
   bool feeds_interlock = true;
-  std::int64_t control_ns = 0;  // time that the controller takes for a request
+  std::int64_t control_ns = 0;                  // time that the controller takes for a request
   std::optional<safety::GatedVoltage> voltage;  // that the gate puts out; none: it writes nothing
 };
 Calls& calls();
