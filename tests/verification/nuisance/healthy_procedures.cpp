@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "robot/common/in_parallel.hpp"
@@ -30,6 +31,32 @@ bool is_held(const TickRecord& line) {
   return line.hazards == bit(safety::Hazard::NeedleNotBack) && line.depth_mm > 0.95;
 }
 
+// What the stage truly did of late: an alarm that finds nothing but that has its reason.
+class RecentMotion {
+ public:
+  void add(const TickRecord& line) {
+    squares_kV2_[next_] = line.output_kV * line.output_kV;
+    depths_mm_[next_] = line.depth_mm;
+    next_ = (next_ + 1) % kTicks;
+  }
+
+  // Since the least voltage of these seconds the needle moved by less than a tenth of what the stage lifts for
+  // as much of V^2 outside tissue, 8.1 mm at 8 kV (the paper's Fig. 8b): it is stuck.
+  bool is_stuck() const {
+    constexpr double kFreeStroke_mm_per_kV2 = 8.1 / 64.0, kLeastRise_kV2 = 10.0;
+    const std::size_t last = (next_ + kTicks - 1) % kTicks;
+    const auto least = static_cast<std::size_t>(std::ranges::min_element(squares_kV2_) - squares_kV2_.begin());
+    const double rise_kV2 = squares_kV2_[last] - squares_kV2_[least];
+    return rise_kV2 > kLeastRise_kV2 &&
+           depths_mm_[last] - depths_mm_[least] < 0.1 * kFreeStroke_mm_per_kV2 * rise_kV2;
+  }
+
+ private:
+  static constexpr std::size_t kTicks = 4'000;
+  std::array<double, kTicks> squares_kV2_{}, depths_mm_{};
+  std::size_t next_ = 0;
+};
+
 bool is_unasked(const TickRecord& line, Mode before) {
   return line.mode != before && line.hazards != 0 && before != Mode::Boot;
 }
@@ -45,20 +72,26 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
   inputs.observation = corrupt_inputs;
   procedure.corrupt(std::move(inputs));
   HealthyRun run;
+  RecentMotion motion;
   Mode before = Mode::Boot;
   std::int64_t ticks = 0;
   std::uint32_t step = 0;
   for (; ticks < kTicksMax && !varied.done(); ++ticks) {
     const TickRecord line = procedure.tick();
     step = std::max(step, line.step);
+    motion.add(line);
     const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
-    const bool unasked = is_unasked(line, before) && !fell;
-    const bool stopped = unasked && !has_jumped(line, scenario.plan) && !is_held(line);
-    run.needles_held += unasked && is_held(line);
-    run.punctures_held += unasked && has_jumped(line, scenario.plan);
-    run.trips += fell;
-    run.unexpected_stops += stopped;
-    if ((fell || stopped) && run.alarms.empty())
+    const bool unasked = fell || is_unasked(line, before);
+    const bool held = unasked && is_held(line);
+    const bool stuck = unasked && line.hazards == bit(safety::Hazard::SensorFrozen) && motion.is_stuck();
+    const bool jumped = unasked && !fell && has_jumped(line, scenario.plan);
+    const bool nuisance = unasked && !held && !stuck && !jumped;
+    run.needles_held += held;
+    run.needles_stuck += stuck;
+    run.punctures_held += jumped;
+    run.trips += nuisance && fell;
+    run.unexpected_stops += nuisance && !fell;
+    if (nuisance && run.alarms.empty())
       run.alarms.push_back(
           {1, number, static_cast<double>(ticks) * 1e-3,
            fmt::format("{} to {}: {}; needle at {:.2f} mm of {:.2f}", safety::name_of(before),
@@ -90,6 +123,7 @@ HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.unexpected_stops += b.unexpected_stops;
   a.punctures_held += b.punctures_held;
   a.needles_held += b.needles_held;
+  a.needles_stuck += b.needles_stuck;
   a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
   return a;
 }

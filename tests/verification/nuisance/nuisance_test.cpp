@@ -42,5 +42,26 @@ TEST(Nuisance, CountsATripAsATrip) {
   EXPECT_GT(day.trips + day.unexpected_stops, 0);
 }
 
+// A needle that truly moves, under a reading that does not: not excused as stuck.
+TEST(Nuisance, CountsAFrozenReadingOfAMovingNeedle) {
+  const auto frozen = [](safety::SupervisorInputs& seen) {
+    if (seen.permit.mode == Mode::Active)
+      seen.measurement.depth_um = 300 + static_cast<std::int32_t>(seen.measurement.seq * 7 % 11);
+  };
+  const HealthyRun day = run_healthy_procedures(nominal_models(), 0.05, 3, frozen, [](double) {});
+  EXPECT_GT(day.trips + day.unexpected_stops, 0);
+  EXPECT_EQ(day.needles_stuck, 0);
+}
+
+// A needle that is truly back, under a reading of 1.5 mm at 0 V: not excused as held out.
+TEST(Nuisance, CountsANeedleThatOnlySeemsHeld) {
+  const auto out = [](safety::SupervisorInputs& seen) {
+    if (seen.permit.mode == Mode::Armed) seen.measurement.depth_um += 1'500;
+  };
+  const HealthyRun day = run_healthy_procedures(nominal_models(), 0.05, 4, out, [](double) {});
+  EXPECT_GT(day.trips + day.unexpected_stops, 0);
+  EXPECT_EQ(day.needles_held, 0);
+}
+
 }  // namespace
 }  // namespace biopsy::fault_injection
