@@ -67,8 +67,8 @@ Mode mode_after(Mode from, Event event) {
                             : Mode::Lock;
 }
 
-SupervisorState next_state(const TransitionInputs& t, Event event) {
-  SupervisorState next = t.state;
+// `next` comes in as a copy of the state.
+void advance(SupervisorState& next, const TransitionInputs& t, Event event) {
   next.mode = mode_after(t.state.mode, event);
   next.ms_in_mode = t.ms;
   next.seq = t.state.seq + 1;
@@ -79,7 +79,6 @@ SupervisorState next_state(const TransitionInputs& t, Event event) {
       t.input.motion.held && t.input.motion.token >= t.state.token && t.input.motion.token != 0;
   next.ms_since_held = renewed ? 0 : later_ms(t.state.ms_since_held, t.evidence.elapsed_ms, kHeldTimeout_ms);
   if (next.mode != t.state.mode) enter(next, t, event);
-  return next;
 }
 
 std::int32_t ramp_mV(const SupervisorState& state) {
@@ -87,9 +86,9 @@ std::int32_t ramp_mV(const SupervisorState& state) {
   return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ms);
 }
 
-Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const SupervisorInputs& inputs,
-                 const Evidence& evidence) {
-  Permit permit;  // off: no enable, no voltage, no rise
+// `permit` comes in off: no enable, no voltage, no rise.
+void fill_permit(Permit& permit, const PlanFacts& plan, const SupervisorState& state,
+                 const SupervisorInputs& inputs, const Evidence& evidence) {
   permit.session = state.session;
   permit.epoch = state.epoch;
   permit.seq = state.seq;
@@ -126,7 +125,6 @@ Permit permit_of(const PlanFacts& plan, const SupervisorState& state, const Supe
     default:  // every other mode: nothing is allowed
       break;
   }
-  return permit;
 }
 
 }  // namespace
@@ -135,9 +133,11 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
                                                   const SupervisorInputs& inputs, const Evidence& evidence) {
   const TransitionInputs tick = transition_inputs(plan, state, inputs, evidence);
   const Event event = event_of(tick);
-  const SupervisorState next = next_state(tick, event);
-  SupervisorOutput output;
-  output.permit = permit_of(plan, next, inputs, evidence);
+  // Filled in where the caller gets it: to copy what was just written in parts takes as long as to decide it.
+  std::pair<SupervisorState, SupervisorOutput> result(state, {});
+  auto& [next, output] = result;
+  advance(next, tick, event);
+  fill_permit(output.permit, plan, next, inputs, evidence);
   output.event = event;
   output.worst = worst_of(tick.hazards);
   output.reason = next.reason;
@@ -147,7 +147,7 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   output.image_allowed = next.mode != Mode::Active && next.mode != Mode::Retract;
   output.image_disturbed = evidence.image_disturbed;
   output.interlock_pulse = hv_permitted(next.mode) || next.mode == Mode::Ready || next.mode == Mode::Boot;
-  return {next, output};
+  return result;
 }
 
 }  // namespace biopsy::safety

@@ -30,14 +30,14 @@ const SeededBug& bug_named(std::string_view id) {
 std::string broken_in(const Explorer& explorer, const PlanFacts& plan, const Exploration& exploration) {
   std::string counterexamples;
   for (std::size_t c = 0; c < kClaims; ++c)
-    if (exploration.claims[c].first)
+    if (exploration.tallies.claims[c].first)
       counterexamples += counterexample_text(shipped(), plan, explorer, exploration, c);
   return counterexamples;
 }
 
 TEST(Exploration, FindsNothingWrongInTheShippedSupervisor) {
   for (const NamedPlan& plan : quick_plans()) {
-    Explorer explorer(shipped(), plan.facts, {Grain::Quick, 0, 0});
+    Explorer explorer(shipped(), plan.facts, {Grain::Quick, 0, 0, in_parallel});
     const Exploration exploration = explorer.run();
     EXPECT_EQ(broken_in(explorer, plan.facts, exploration), "") << plan.name;
     EXPECT_GT(exploration.transitions, 1'000'000U) << plan.name;
@@ -45,9 +45,9 @@ TEST(Exploration, FindsNothingWrongInTheShippedSupervisor) {
 }
 
 TEST(Exploration, ChecksEveryClaimAndReachesEveryTimeInEveryMode) {
-  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0});
+  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0, in_parallel});
   const Exploration exploration = explorer.run();
-  for (std::size_t c = 0; c < kClaims; ++c) EXPECT_GT(exploration.claims[c].checked, 0U) << name_of_claim(c);
+  for (std::size_t c = 0; c < kClaims; ++c) EXPECT_GT(exploration.tallies.claims[c].checked, 0U) << name_of_claim(c);
   const auto longest = [&](Mode mode) { return exploration.longest_ticks[static_cast<std::size_t>(mode)]; };
   EXPECT_EQ(longest(Mode::Boot), 10'000);
   EXPECT_EQ(longest(Mode::Armed), 30'000);
@@ -70,7 +70,7 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
     SupervisorState state = state_of(0);
     state.token = kToken, state.step = 1;
     std::uint32_t visited = 0;
-    space.for_each(state, [&](std::uint32_t index, const Situation& input) {
+    space.for_each(0, space.size(), state, [&](std::uint32_t index, const Situation& input) {
       ASSERT_EQ(index, visited++);
       const Situation same = space.at(index, state);
       ASSERT_EQ(input.evidence.clear, same.evidence.clear);
@@ -86,7 +86,7 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
 }
 
 TEST(Exploration, AStateAndItsKeyAreTheSame) {
-  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0});
+  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0, in_parallel});
   const std::uint64_t states = explorer.run().states;
   for (std::uint32_t i = 0; i < states; i += 7) {
     const SupervisorState state = explorer.state(i);

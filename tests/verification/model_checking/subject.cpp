@@ -1,15 +1,14 @@
 #include "tests/verification/model_checking/subject.hpp"
 
-#include <tuple>
-
 #include "tests/safety/situation.hpp"
 
 namespace biopsy::model_checking {
 
 Subject shipped() {
   return {
-      [](const PlanFacts* plan, const SupervisorState* state, const Situation* input, SupervisorState* next,
-         SupervisorOutput* output) { std::tie(*next, *output) = safety::step(*plan, *state, *input); },
+      [](const PlanFacts* plan, const SupervisorState* state, const Situation* input) {
+        return safety::step(*plan, *state, *input);
+      },
       [](const safety::GateState* state, const DriveRequest* request, const Permit* permit,
          std::int64_t now_us, std::int32_t writer_count, safety::GateState* next, std::int32_t* mV,
          bool* hv_enabled, bool* brake_on, GateVerdict* verdict) {

@@ -18,6 +18,7 @@ Hash* taken = nullptr;
 std::vector<int>* alike = nullptr;  // mutants that did the same at every step so far
 
 struct Stepped {
+  explicit Stepped(const model_checking::Stepped& done) : next(done.first), output(done.second) {}
   SupervisorState next;
   SupervisorOutput output;
 
@@ -67,14 +68,10 @@ auto take(const Step& step) {
   return original;
 }
 
-void step_and_note(const PlanFacts* plan, const SupervisorState* state, const Situation* input,
-                   SupervisorState* next, SupervisorOutput* output) {
-  const Stepped done = take([&] {
-    Stepped stepped;
-    model_checking::shipped().step(plan, state, input, &stepped.next, &stepped.output);
-    return stepped;
-  });
-  *next = done.next, *output = done.output;
+model_checking::Stepped step_and_note(const PlanFacts* plan, const SupervisorState* state,
+                                      const Situation* input) {
+  const Stepped done = take([&] { return Stepped{model_checking::shipped().step(plan, state, input)}; });
+  return {done.next, done.output};
 }
 
 void gate_and_note(const GateState* state, const DriveRequest* request, const Permit* permit,

@@ -24,7 +24,7 @@ Violations search_supervisor(const Subject& subject, const PlanFacts& plan,
   const Exploration exploration = explorer.run();
   Violations found;
   for (std::size_t c = 0; c < kClaims; ++c) {
-    if (!exploration.claims[c].first || is_in(known, name_of_claim(c))) continue;
+    if (!exploration.tallies.claims[c].first || is_in(known, name_of_claim(c))) continue;
     found.claims.emplace_back(name_of_claim(c));
     found.counterexamples.push_back(counterexample_text(subject, plan, explorer, exploration, c));
   }

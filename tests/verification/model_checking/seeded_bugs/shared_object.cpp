@@ -1,6 +1,6 @@
 // The supervisor and the gate as one shared object: compiled from a copy of safety/ with one seeded bug, and
 // once from an unchanged copy. Not part of any other program.
-#include <tuple>
+#include <utility>
 
 #include "safety/decide.cpp"
 #include "safety/gate.cpp"
@@ -10,12 +10,10 @@
 
 using namespace biopsy;
 
-extern "C" __attribute__((visibility("default"))) void seeded_step(const safety::PlanFacts* plan,
-                                                                   const safety::SupervisorState* state,
-                                                                   const safety::Situation* input,
-                                                                   safety::SupervisorState* next,
-                                                                   safety::SupervisorOutput* output) {
-  std::tie(*next, *output) = safety::step(*plan, *state, *input);
+extern "C" __attribute__((visibility("default"))) std::pair<safety::SupervisorState, safety::SupervisorOutput>
+seeded_step(const safety::PlanFacts* plan, const safety::SupervisorState* state,
+            const safety::Situation* input) {
+  return safety::step(*plan, *state, *input);
 }
 
 extern "C" __attribute__((visibility("default"))) void seeded_gate(

@@ -27,10 +27,10 @@ std::vector<PlanResult> explore_all(bool quick) {
   std::mutex mutex;
   in_parallel(results.size(), [&](std::size_t i) {
     PlanResult& result = results[i];
-    Explorer explorer(shipped(), result.plan.facts, {result.grain, 0, 0});
+    Explorer explorer(shipped(), result.plan.facts, {result.grain, 0, 0, in_parallel});
     result.exploration = explorer.run();
     for (std::size_t c = 0; c < kClaims; ++c)
-      if (result.exploration.claims[c].first)
+      if (result.exploration.tallies.claims[c].first)
         result.counterexamples[c] =
             counterexample_text(shipped(), result.plan.facts, explorer, result.exploration, c);
     const std::lock_guard lock(mutex);
@@ -45,8 +45,8 @@ void add_claims(EvidenceReport& report, const std::vector<PlanResult>& results) 
   for (std::size_t c = 0; c < kClaims; ++c) {
     std::uint64_t checked = 0, broken = 0;
     for (const PlanResult& result : results) {
-      checked += result.exploration.claims[c].checked;
-      broken += result.exploration.claims[c].broken;
+      checked += result.exploration.tallies.claims[c].checked;
+      broken += result.exploration.tallies.claims[c].broken;
     }
     report.tables["invariants"].push_back({{"name", name_of_claim(c)},
                                            {"sentence", sentence_of_claim(c)},
@@ -70,7 +70,7 @@ void add_figures(EvidenceReport& report, const std::vector<PlanResult>& results)
     equivalent_steps += result.exploration.equivalent_steps;
     pairs += result.exploration.pairs;
     states += result.exploration.states;
-    violations += result.exploration.violations();
+    violations += result.exploration.tallies.broken();
   }
   const auto longest = [&](Mode mode) {
     std::int32_t ticks = 0;
@@ -104,7 +104,7 @@ void check_supervisor(EvidenceReport& report, bool quick) {
                                       {"inputs", result.grain == Grain::Full ? "full" : "quick"},
                                       {"transitions", result.exploration.transitions},
                                       {"states", result.exploration.states},
-                                      {"violations", result.exploration.violations()}});
+                                      {"violations", result.exploration.tallies.broken()}});
   add_figures(report, results);
   add_claims(report, results);
   report.figures["supervisor_seconds"] = time.seconds();

@@ -96,13 +96,13 @@ class TraceWriter {
 
 std::string counterexample_text(const Subject& subject, const PlanFacts& plan, const Explorer& explorer,
                                 const Exploration& exploration, std::size_t claim) {
-  const Counterexample found = exploration.claims[claim].first.value();
+  const Counterexample found = exploration.tallies.claims[claim].first.value();
   std::vector<std::uint32_t> way = explorer.way_to(found.state);
   SupervisorState state = safety::started(kSession), next;
-  SupervisorOutput output;
   TraceWriter trace;
   const auto step = [&](const Situation& input) {
-    subject.step(&plan, &state, &input, &next, &output);
+    const auto [after, output] = subject.step(&plan, &state, &input);
+    next = after;
     return fmt::format("{} | {} -> {}", safety::name_of(state.mode), input_text(state, input),
                        permit_text(next, output));
   };
@@ -110,18 +110,18 @@ std::string counterexample_text(const Subject& subject, const PlanFacts& plan, c
     trace.add(step(explorer.inputs_of(state.mode).at(index, state)));
     state = next;
   }
-  const bool is_of_a_state = claim == kInvariants + static_cast<std::size_t>(GraphClaim::SafeReachable) ||
-                             claim == kInvariants + static_cast<std::size_t>(GraphClaim::EveryModeReached);
+  const bool is_of_a_state = claim == number_of(GraphClaim::SafeReachable) ||
+                             claim == number_of(GraphClaim::EveryModeReached);
   const Situation last = explorer.inputs_of(state.mode).at(found.input, state);
   if (!is_of_a_state) trace.add(step(last));
   std::string text = trace.end();
   if (found.worse)
     text += "  instead:   " + step(explorer.inputs_of(state.mode).at(*found.worse, state)) + "\n";
-  if (claim == kInvariants + static_cast<std::size_t>(GraphClaim::ForgottenDecidesNothing)) {
+  if (claim == number_of(GraphClaim::ForgottenDecidesNothing)) {
     const EquivalentStep equivalent =
         equivalent_step(state, last, (std::uint64_t{found.state} << 32U) + found.input);
     state = equivalent.state;
-    text += "  a equivalent:    " + step(equivalent.input) + "\n";
+    text += "  an equivalent:    " + step(equivalent.input) + "\n";
   }
   return fmt::format("{}  broken:    {}: {}\n", text, name_of_claim(claim), sentence_of_claim(claim));
 }

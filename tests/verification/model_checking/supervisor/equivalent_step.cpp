@@ -79,6 +79,29 @@ std::uint32_t other_by(std::uint64_t choice) {
   return choice % 4 == 1 ? 1U : static_cast<std::uint32_t>(1U + (choice >> 2U) % 0xFFFF'FFFFU);
 }
 
+// The fields of an input that inputs.hpp chooses. One that was forgotten here would break the claim.
+void copy_values(const Situation& from, Situation& to) {
+  const auto field = [&](auto member) { to.*member = from.*member; };
+  field(&Situation::self_test);
+  field(&Situation::stop);
+  field(&Situation::local_arm), field(&Situation::local_reset);
+  field(&Situation::motion);
+  field(&Situation::depth_accepted);
+  field(&Situation::accepted_step), field(&Situation::accepted_session);
+  field(&Situation::accepted_since_seq);
+  field(&Situation::acquiring);
+  to.request.step_reached = from.request.step_reached;
+  to.request.finished = from.request.finished;
+  to.request.step = from.request.step;
+  to.measurement.brake_fitted = from.measurement.brake_fitted;
+  const auto seen = [&](auto member) { to.evidence.*member = from.evidence.*member; };
+  seen(&safety::Evidence::zero_volts);
+  seen(&safety::Evidence::needle_home), seen(&safety::Evidence::needle_back);
+  seen(&safety::Evidence::locked), seen(&safety::Evidence::still);
+  seen(&safety::Evidence::interlock_opens);
+  seen(&safety::Evidence::drive_mV), seen(&safety::Evidence::ceiling_mV);
+}
+
 // Whatever decides nothing in this mode.
 void vary_input(const SupervisorState& state, Situation& input, std::uint64_t choice) {
   const Mode mode = state.mode;
@@ -114,8 +137,16 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
 }  // namespace
 
 EquivalentStep equivalent_step(const SupervisorState& state, const Situation& input, std::uint64_t number) {
-  Choice choice(number);
   EquivalentStep equivalent{state, input};
+  write_equivalent_step(state, input, number, equivalent);
+  return equivalent;
+}
+
+void write_equivalent_step(const SupervisorState& state, const Situation& input, std::uint64_t number,
+                           EquivalentStep& equivalent) {
+  Choice choice(number);
+  equivalent.state = state;
+  copy_values(input, equivalent.input);
   equivalent.input.evidence.clear =
       safety::kAllHazards & ~other_members(input.evidence.hazards(), choice.next());
   vary_memory(equivalent.state, choice.next());
@@ -123,14 +154,14 @@ EquivalentStep equivalent_step(const SupervisorState& state, const Situation& in
   vary_arrival(equivalent.state, equivalent.input, choice.next());
   vary_motion(equivalent.state, equivalent.input, choice.next());
   vary_input(equivalent.state, equivalent.input, choice.next());
-  return equivalent;
 }
 
-bool has_equal_outcome(const SupervisorState& next, const SupervisorOutput& output,
-                       const SupervisorState& other_before, const SupervisorState& other_next,
-                       const SupervisorOutput& other_output) {
+bool has_equal_outcome(std::uint64_t key, const Stepped& step, const SupervisorState& other_before,
+                       const Stepped& other_step) {
+  const auto& [next, output] = step;
+  const auto& [other_next, other_output] = other_step;
   const Permit &permit = output.permit, &equivalent = other_output.permit;
-  return key_of(next) == key_of(other_next) && output.event == other_output.event &&
+  return key == key_of(other_next) && output.event == other_output.event &&
          next.epoch - kEpoch == other_next.epoch - other_before.epoch && permit.mode == equivalent.mode &&
          permit.stop == equivalent.stop && permit.hv_enable == equivalent.hv_enable &&
          permit.v_max_mV == equivalent.v_max_mV &&

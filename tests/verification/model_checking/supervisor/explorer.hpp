@@ -1,6 +1,6 @@
 // Breadth-first, from the start, over every state the supervisor can reach and every input, tick by tick.
 //
-// In each state at an edge of time (states.hpp) every input of the product is tried, each with a equivalent,
+// In each state at an edge of time (states.hpp) every input of the product is tried, each with an equivalent,
 // and each pair of inputs of which one is worse is compared. At the ticks between, one input of each kind
 // that the first tick distinguished is tried and a few others, and each must do what it does in the first
 // tick. The timer is exact: no time is skipped.
@@ -8,46 +8,19 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "tests/safety/situation.hpp"
 #include "tests/verification/model_checking/subject.hpp"
 #include "tests/verification/model_checking/supervisor/inputs.hpp"
-#include "tests/verification/model_checking/supervisor/invariants.hpp"
 #include "tests/verification/model_checking/supervisor/state_index.hpp"
 #include "tests/verification/model_checking/supervisor/states.hpp"
+#include "tests/verification/model_checking/supervisor/step_checker.hpp"
+#include "tests/verification/model_checking/supervisor/sweep.hpp"
+#include "tests/verification/model_checking/supervisor/tallies.hpp"
 
 namespace biopsy::model_checking {
-
-// What the graph as a whole, or two steps together, must fulfil; rows behind those of kInvariantTable.
-enum class GraphClaim : std::uint8_t {
-  WorseNeverPermitsMore,
-  ForgottenDecidesNothing,
-  TimeBetweenIsAlike,
-  EveryModeReached,
-  SafeReachable
-};
-inline constexpr std::size_t kGraphClaims = 5;
-inline constexpr std::size_t kClaims = kInvariants + kGraphClaims;
-std::string_view name_of_claim(std::size_t claim);
-std::string_view sentence_of_claim(std::size_t claim);
-
-// Where a claim was first broken: a reachable state, an input there, and the worse input or the equivalent
-// beside it.
-struct Counterexample {
-  std::uint32_t state = 0;
-  std::uint32_t input = 0;
-  std::optional<std::uint32_t> worse;
-};
-
-struct ClaimTally {
-  std::uint64_t checked = 0, broken = 0;
-  std::optional<Counterexample> first;
-};
 
 struct Exploration {
   std::uint64_t transitions = 0;       // steps taken and checked against every invariant
@@ -57,20 +30,21 @@ struct Exploration {
   std::array<std::uint64_t, safety::kModes> states_of_mode{};
   std::array<std::int32_t, safety::kModes> longest_ticks{};  // in Boot, Armed, Hold, Retract: longest stay
   std::uint32_t longest_to_safe_ticks = 0;
-  std::array<ClaimTally, kClaims> claims;
-
-  std::uint64_t violations() const;
+  Tallies tallies;
 };
 
 struct ExploreOptions {
   Grain grain = Grain::Quick;
   std::uint64_t enough = 0;   // violations after which to stop; 0: never
   std::uint64_t excused = 0;  // bit i: claim i does not count towards that
+  Spread spread = one_by_one;
 };
 
 class Explorer {
  public:
   Explorer(const Subject& subject, const PlanFacts& plan, const ExploreOptions& options);
+  Explorer(const Explorer&) = delete;  // its checker points into it
+  Explorer& operator=(const Explorer&) = delete;
 
   Exploration run();
 
@@ -80,45 +54,25 @@ class Explorer {
   SupervisorState state(std::uint32_t index) const { return state_of(keys_[index]); }
 
  private:
-  struct Kind {
-    std::uint32_t index;
-    Situation input;
-  };
-  void sweep(std::uint32_t from);
+  void sweep_all(std::uint32_t from);
   void walk(std::uint32_t from, const std::vector<Kind>& kinds);
   void walk(std::uint32_t from, const SupervisorState& before, const Kind& kind);
-  void take(std::uint32_t from, const SupervisorState& before, const Situation& input, std::uint32_t index);
-  void try_equivalent(const SupervisorState& before, const Situation& input, std::uint32_t from,
-                      std::uint32_t index);
-  void compare_with_worse(std::uint32_t from, const SupervisorState& before);
-  void go(std::uint32_t from, const Situation& input, std::uint32_t index);
-  void note(Findings findings, std::uint32_t from, std::uint32_t input);
-  void break_claim(std::size_t claim, std::uint32_t from, std::uint32_t input,
-                   std::optional<std::uint32_t> worse);
-  void count_applied();
+  void go(std::uint32_t from, const Kind& kind);
   void check_graph();
   void check_safe_reachable();
-  ClaimTally& tally(GraphClaim claim) {
-    return result_.claims[kInvariants + static_cast<std::size_t>(claim)];
-  }
-  void break_claim(GraphClaim claim, std::uint32_t from, std::uint32_t input,
-                   std::optional<std::uint32_t> worse);
   bool is_enough() const;
 
   Subject subject_;
   PlanFacts plan_;
   ExploreOptions options_;
   std::vector<InputSpace> spaces_;
+  StepChecker checker_{subject_, plan_};
   Exploration result_;
   StateIndex index_;
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> parents_, via_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> healthy_;  // steps that a healthy script may take
   std::unordered_map<std::uint64_t, std::vector<Kind>> kinds_;    // by key without timer
-  std::vector<std::uint64_t> outcomes_;
-  SupervisorState after_;
-  SupervisorOutput output_;
-  std::uint64_t applied_ = 0, applied_times_ = 0, broken_ = 0;
 };
 
 }  // namespace biopsy::model_checking

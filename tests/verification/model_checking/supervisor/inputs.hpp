@@ -58,14 +58,14 @@ class InputSpace {
   // The covering pairs of "worse", which generate the whole order.
   const std::vector<Worsening>& worse(Dimension d) const { return worse_[static_cast<std::size_t>(d)]; }
 
-  // Calls visit(index, input) for every input, in order of index.
+  // Calls visit(index, input) for every input from `first` up to `end`, in order of index.
   template <class Visit>
-  void for_each(const SupervisorState& state, Visit&& visit) const {
-    Digits digit{};
-    Situation input = at(0, state);
-    for (std::uint32_t index = 0;;) {
+  void for_each(std::uint32_t first, std::uint32_t end, const SupervisorState& state, Visit&& visit) const {
+    Digits digit = digits(first);
+    Situation input = at(first, state);
+    for (std::uint32_t index = first;;) {
       visit(index, input);
-      if (++index == size_) return;
+      if (++index == end) return;
       std::size_t d = 0;
       while (++digit[d] == sizes_[d]) {
         digit[d] = 0;

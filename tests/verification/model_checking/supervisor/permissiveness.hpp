@@ -1,8 +1,11 @@
-// How much a step allowed, in one number, and when one outcome allows no more than another.
+// How much a step allowed, in one number, and when one outcome allows no more than another. Few outcomes come
+// up in a state, so that they are numbered and each pair is judged once.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <mutex>
+#include <vector>
 
 #include "tests/verification/model_checking/subject.hpp"
 
@@ -34,5 +37,33 @@ inline bool is_no_more_permissive(std::uint64_t worse, std::uint64_t better, std
          slew(worse) <= slew(better) && depth(worse) <= depth(better) &&
          (mode(worse) == Mode::Retract || enabled(worse) <= enabled(better));  // a ramp keeps its amplifier
 }
+
+// Numbers in the order of asking: they only tell outcomes apart.
+class Outcomes {
+ public:
+  using Number = std::uint16_t;
+
+  Number number_of(std::uint64_t outcome) {
+    const std::lock_guard lock(mutex_);
+    const auto at = std::ranges::find(outcomes_, outcome);
+    const auto number = static_cast<Number>(at - outcomes_.begin());
+    if (at == outcomes_.end()) outcomes_.push_back(outcome);
+    return number;
+  }
+
+  std::size_t size() const { return outcomes_.size(); }
+  // Of each outcome as the worse one, of each as the better one: whether it allows no more.
+  std::vector<bool> no_more_permissive(std::int32_t envelope_mV) const {
+    std::vector<bool> table;
+    for (const std::uint64_t worse : outcomes_)
+      for (const std::uint64_t better : outcomes_)
+        table.push_back(is_no_more_permissive(worse, better, envelope_mV));
+    return table;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::uint64_t> outcomes_;
+};
 
 }  // namespace biopsy::model_checking

@@ -1,0 +1,39 @@
+// Takes steps, each checked against every invariant and with an equivalent beside it.
+#pragma once
+
+#include <cstdint>
+
+#include "tests/verification/model_checking/subject.hpp"
+#include "tests/verification/model_checking/supervisor/equivalent_step.hpp"
+#include "tests/verification/model_checking/supervisor/invariants.hpp"
+#include "tests/verification/model_checking/supervisor/tallies.hpp"
+
+namespace biopsy::model_checking {
+
+class StepChecker {
+ public:
+  StepChecker(const Subject& subject, const PlanFacts& plan) : subject_(subject), plan_(plan) {}
+
+  struct Taken {
+    Stepped step;
+    std::uint64_t key;  // of the state after
+  };
+  // From the state of number `from` by the input of number `index` of its mode's.
+  Taken take(std::uint32_t from, const SupervisorState& before, const Situation& input, std::uint32_t index);
+
+  std::uint64_t steps() const { return steps_; }
+  // Of all steps since the last call.
+  Tallies take_tallies();
+
+ private:
+  void note(Findings findings, std::uint32_t from, std::uint32_t index);
+  void count_applied();
+
+  const Subject& subject_;
+  const PlanFacts& plan_;
+  EquivalentStep equivalent_;
+  Tallies tallies_;
+  std::uint64_t steps_ = 0, applied_ = 0, applied_times_ = 0;
+};
+
+}  // namespace biopsy::model_checking
