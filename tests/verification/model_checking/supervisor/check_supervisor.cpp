@@ -14,7 +14,6 @@ namespace {
 
 struct PlanResult {
   NamedPlan plan;
-  Grain grain;
   Exploration exploration;
   std::array<std::string, kClaims> counterexamples;
 };
@@ -22,12 +21,11 @@ struct PlanResult {
 std::vector<PlanResult> explore_all(bool quick) {
   std::vector<PlanResult> results;
   for (NamedPlan& plan : quick ? quick_plans() : all_plans())
-    results.push_back({std::move(plan), Grain::Quick, {}, {}});
-  if (!quick) results.front().grain = Grain::Full;
+    results.push_back({std::move(plan), {}, {}});
   std::mutex mutex;
   in_parallel(results.size(), [&](std::size_t i) {
     PlanResult& result = results[i];
-    Explorer explorer(shipped(), result.plan.facts, {result.grain, 0, 0, in_parallel});
+    Explorer explorer(shipped(), result.plan.facts, {result.plan.grain, 0, 0, in_parallel});
     result.exploration = explorer.run();
     for (std::size_t c = 0; c < kClaims; ++c)
       if (result.exploration.tallies.claims[c].first)
@@ -101,7 +99,7 @@ void check_supervisor(EvidenceReport& report, bool quick) {
   const std::vector<PlanResult> results = explore_all(quick);
   for (const PlanResult& result : results)
     report.tables["plans"].push_back({{"plan", result.plan.name},
-                                      {"inputs", result.grain == Grain::Full ? "full" : "quick"},
+                                      {"inputs", name_of(result.plan.grain)},
                                       {"transitions", result.exploration.transitions},
                                       {"states", result.exploration.states},
                                       {"violations", result.exploration.tallies.broken()}});

@@ -100,8 +100,9 @@ std::string counterexample_text(const Subject& subject, const PlanFacts& plan, c
   std::vector<std::uint32_t> way = explorer.way_to(found.state);
   SupervisorState state = safety::started(kSession), next;
   TraceWriter trace;
+  const PlanFacts* facts = &plan;
   const auto step = [&](const Situation& input) {
-    const auto [after, output] = subject.step(&plan, &state, &input);
+    const auto [after, output] = subject.step(facts, &state, &input);
     next = after;
     return fmt::format("{} | {} -> {}", safety::name_of(state.mode), input_text(state, input),
                        permit_text(next, output));
@@ -118,8 +119,10 @@ std::string counterexample_text(const Subject& subject, const PlanFacts& plan, c
   if (found.worse)
     text += "  instead:   " + step(explorer.inputs_of(state.mode).at(*found.worse, state)) + "\n";
   if (claim == number_of(GraphClaim::ForgottenDecidesNothing)) {
-    const EquivalentStep equivalent =
-        equivalent_step(state, last, (std::uint64_t{found.state} << 32U) + found.input);
+    const std::uint64_t number = (std::uint64_t{found.state} << 32U) + found.input;
+    const EquivalentStep equivalent = equivalent_step(state, last, number);
+    const EquivalentPlans plans(plan);
+    facts = &plans.of(state, number);
     state = equivalent.state;
     text += "  an equivalent:    " + step(equivalent.input) + "\n";
   }

@@ -1,12 +1,14 @@
 #include "tests/verification/model_checking/supervisor/equivalent_step.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "tests/safety/situation.hpp"
 
 namespace biopsy::model_checking {
 namespace {
 
+using safety::bit;
 using safety::Hazard;
 using safety::HazardSet;
 
@@ -25,7 +27,14 @@ class Choice {
   std::uint64_t state_;
 };
 
-// The hazards with each class filled by some of its members, at least one.
+// One member of a set: the first from a place that `choice` names.
+HazardSet one_of(HazardSet members, std::uint64_t choice) {
+  const HazardSet from_there = members & (~HazardSet{0} << choice % 64);
+  const HazardSet left = from_there != 0 ? from_there : members;
+  return left & -left;
+}
+
+// The hazards with each class filled by others of its members: by one alone or by some.
 HazardSet other_members(HazardSet hazards, std::uint64_t choice) {
   static const auto kClasses = [] {
     std::array<HazardSet, kClassHazard.size()> classes{};
@@ -35,8 +44,8 @@ HazardSet other_members(HazardSet hazards, std::uint64_t choice) {
   HazardSet others = 0;
   for (const HazardSet members : kClasses) {
     if ((hazards & members) == 0) continue;
-    const HazardSet chosen = members & choice;
-    others |= chosen != 0 ? chosen : members;
+    const HazardSet some = members & choice;
+    others |= (choice >> 63U) != 0 || some == 0 ? one_of(members, choice >> 40U) : some;
   }
   return others;
 }
@@ -102,6 +111,18 @@ void copy_values(const Situation& from, Situation& to) {
   seen(&safety::Evidence::drive_mV), seen(&safety::Evidence::ceiling_mV);
 }
 
+// As the invariants of the names say; voltage that nobody measures is the fault of the missing measurement.
+bool names_its_hazard(const EquivalentStep& equivalent, const Stepped& step) {
+  const auto& [next, output] = step;
+  const HazardSet hazards = equivalent.input.evidence.hazards();
+  const bool renamed = equivalent.state.mode != next.mode && output.event != safety::Event::VoltageGone;
+  const bool unseen =
+      output.event == safety::Event::VoltagePresent && (hazards & bit(Hazard::SensorStale)) != 0;
+  const Hazard named = unseen ? Hazard::SensorStale : safety::worst_of(hazards);
+  return output.worst == safety::worst_of(hazards) && output.reason == next.reason &&
+         next.reason == (renamed ? named : equivalent.state.reason);
+}
+
 // Whatever decides nothing in this mode.
 void vary_input(const SupervisorState& state, Situation& input, std::uint64_t choice) {
   const Mode mode = state.mode;
@@ -156,19 +177,31 @@ void write_equivalent_step(const SupervisorState& state, const Situation& input,
   vary_input(equivalent.state, equivalent.input, choice.next());
 }
 
-bool has_equal_outcome(std::uint64_t key, const Stepped& step, const SupervisorState& other_before,
+EquivalentPlans::EquivalentPlans(const PlanFacts& plan) {
+  plans_.fill(plan);
+  for (std::uint32_t unlike = 0; unlike < plans_.size(); ++unlike)
+    for (std::uint32_t step = 0; step < kVaried; ++step)
+      if (((unlike >> step) & 1U) != 0) plans_[unlike].steps[step].image_confirms ^= true;
+}
+
+const PlanFacts& EquivalentPlans::of(const SupervisorState& state, std::uint64_t number) const {
+  const std::uint64_t unlike = Choice(~number).next() % plans_.size();
+  return plans_[unlike & ~(std::uint64_t{state.step < kVaried} << (state.step % kVaried))];
+}
+
+bool has_equal_outcome(std::uint64_t key, const Stepped& step, const EquivalentStep& other,
                        const Stepped& other_step) {
   const auto& [next, output] = step;
   const auto& [other_next, other_output] = other_step;
   const Permit &permit = output.permit, &equivalent = other_output.permit;
   return key == key_of(other_next) && output.event == other_output.event &&
-         next.epoch - kEpoch == other_next.epoch - other_before.epoch && permit.mode == equivalent.mode &&
+         next.epoch - kEpoch == other_next.epoch - other.state.epoch && permit.mode == equivalent.mode &&
          permit.stop == equivalent.stop && permit.hv_enable == equivalent.hv_enable &&
          permit.v_max_mV == equivalent.v_max_mV &&
          permit.slew_up_mV_per_tick == equivalent.slew_up_mV_per_tick &&
          permit.depth_max_um == equivalent.depth_max_um && permit.brake == equivalent.brake &&
          output.interlock_pulse == other_output.interlock_pulse &&
-         output.image_allowed == other_output.image_allowed;
+         output.image_allowed == other_output.image_allowed && names_its_hazard(other, other_step);
 }
 
 }  // namespace biopsy::model_checking

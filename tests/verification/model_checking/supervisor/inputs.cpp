@@ -16,22 +16,19 @@ constexpr std::int32_t kAll_mV = 8'000'000;
 
 std::vector<HazardSet> hazard_values(Grain grain) {
   std::vector<HazardSet> values{0};
+  if (grain == Grain::Thin) values.push_back(bit(kClassHazard[0]));
   if (grain == Grain::Quick) {
     HazardSet all = 0;
     for (const Hazard hazard : kClassHazard) values.push_back(bit(hazard)), all |= bit(hazard);
     values.push_back(bit(kClassHazard[1]) | bit(kClassHazard[2]));
     values.push_back(all);
-    return values;
   }
-  for (unsigned combination = 1; combination < 16; ++combination) {
+  for (unsigned combination = 1; grain == Grain::Full && combination < 16; ++combination) {
     HazardSet set = 0;
     for (unsigned i = 0; i < kClassHazard.size(); ++i)
       if (((combination >> i) & 1U) != 0) set |= bit(kClassHazard[i]);
     values.push_back(set);
   }
-  for (std::size_t h = 0; h < safety::kHazards; ++h)
-    if (std::ranges::find(kClassHazard, static_cast<Hazard>(h)) == kClassHazard.end())
-      values.push_back(bit(static_cast<Hazard>(h)));
   return values;
 }
 
@@ -75,10 +72,15 @@ HazardSet class_of(Hazard hazard) {
   return members;
 }
 
+std::vector<InputSpace::Drive> InputSpace::drive_values(Grain grain) {
+  if (grain == Grain::Thin) return {{0, 0}, {kAll_mV, kAll_mV}};
+  if (grain == Grain::Quick) return {{0, 0}, {kAll_mV, 0}, {kAll_mV, kAll_mV}};
+  return {{0, 0}, {1, 1}, {kAll_mV, 0}, {kAll_mV, kAll_mV}};
+}
+
 InputSpace::InputSpace(Mode mode, Grain grain)
     : hazards_(hazard_values(grain)),
-      drives_(grain == Grain::Quick ? std::vector<Drive>{{0, 0}, {kAll_mV, 0}, {kAll_mV, kAll_mV}}
-                                    : std::vector<Drive>{{0, 0}, {1, 1}, {kAll_mV, 0}, {kAll_mV, kAll_mV}}) {
+      drives_(drive_values(grain)) {
   set_sizes(mode);
   set_worse(mode);
   for (std::size_t d = 0; d < kDimensions; ++d) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,7 +18,7 @@ using safety::SupervisorState;
 // One digit each. A dimension that decides nothing in a mode has one value there; equivalent_steps check that
 // it does not.
 enum class Dimension : std::uint8_t {
-  Hazards,  // none, every combination of the classes (locking, C0, C1, C2), each hazard alone
+  Hazards,  // none, every combination of the classes (locking, C0, C1, C2)
   Stop,     // None .. C0Off
   ZeroVolts,
   ArmKey,
@@ -36,10 +37,16 @@ enum class Dimension : std::uint8_t {
 inline constexpr std::size_t kDimensions = 15;
 using Digits = std::array<std::uint8_t, kDimensions>;
 
+// Which hazard of a class is present decides nothing but its name: equivalents have each of them, alone too.
 enum class Grain : std::uint8_t {
-  Quick,  // hazards: none, one of each class, C0 with C1, all classes; drive: 0 and all
+  Thin,   // hazards: none, a locking one; drive: 0 and all
+  Quick,  // hazards: none, one of each class, C0 with C1, all classes; drive: 0, all, all under no ceiling
   Full,
 };
+constexpr std::string_view name_of(Grain grain) {
+  constexpr std::string_view kNames[] = {"thin", "quick", "full"};
+  return kNames[static_cast<std::size_t>(grain)];
+}
 
 // From value `first` to value `second` of a dimension the input becomes worse in one respect.
 using Worsening = std::pair<std::uint8_t, std::uint8_t>;
@@ -80,10 +87,12 @@ class InputSpace {
   void set_sizes(Mode mode);
   void set_worse(Mode mode);
 
-  std::vector<safety::HazardSet> hazards_;
   struct Drive {
     std::int32_t drive_mV, ceiling_mV;
   };
+  static std::vector<Drive> drive_values(Grain grain);
+
+  std::vector<safety::HazardSet> hazards_;
   std::vector<Drive> drives_;
   std::array<std::uint32_t, kDimensions> sizes_{}, strides_{};
   std::array<std::vector<Worsening>, kDimensions> worse_;

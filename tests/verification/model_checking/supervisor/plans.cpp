@@ -36,9 +36,15 @@ NamedPlan empty() {
 
 std::vector<NamedPlan> all_plans() {
   std::vector<NamedPlan> plans;
-  for (const unsigned confirms : {2U, 0U, 1U, 3U, 4U, 5U, 6U, 7U}) plans.push_back(three_steps(confirms));
+  plans.push_back(three_steps(0b010));
+  plans.back().grain = Grain::Full;
+  plans.push_back(three_steps(0b101));
   plans.push_back(over_limits());
   plans.push_back(empty());
+  for (const unsigned confirms : {0U, 1U, 3U, 4U, 6U, 7U}) {
+    plans.push_back(three_steps(confirms));
+    plans.back().grain = Grain::Thin;
+  }
   return plans;
 }
 

@@ -1,6 +1,7 @@
 // Takes steps, each checked against every invariant and with an equivalent beside it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "tests/verification/model_checking/subject.hpp"
@@ -26,14 +27,20 @@ class StepChecker {
   Tallies take_tallies();
 
  private:
+  struct Applied {
+    std::uint64_t claims = 0, times = 0;
+  };
   void note(Findings findings, std::uint32_t from, std::uint32_t index);
-  void count_applied();
+  void count(Applied& applied);
 
   const Subject& subject_;
   const PlanFacts& plan_;
+  EquivalentPlans equivalent_plans_{plan_};
   EquivalentStep equivalent_;
   Tallies tallies_;
-  std::uint64_t steps_ = 0, applied_ = 0, applied_times_ = 0;
+  std::uint64_t steps_ = 0;
+  static constexpr unsigned kAppliedBits = 8;
+  std::array<Applied, 1U << kAppliedBits> applied_{};
 };
 
 }  // namespace biopsy::model_checking
