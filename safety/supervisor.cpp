@@ -103,17 +103,18 @@ void fill_permit(Permit& permit, const PlanFacts& plan, const SupervisorState& s
   const bool arrived = state.mode == Mode::Hold && state.step_done;
   permit.brake = (arrived && inputs.measurement.brake_fitted) ||
                  (evidence.locked && (state.mode == Mode::Active || state.mode == Mode::Hold));
-  const StepLimits allowed = step_limits(plan, state.step);
   switch (state.mode) {
     case Mode::Armed:
       permit.stop = StopCategory::C2Hold;
       break;
-    case Mode::Active:
+    case Mode::Active: {
+      const StepLimits allowed = step_limits(plan, state.step);
       permit.stop = StopCategory::None;
       permit.v_max_mV = rising_mV(plan, state, evidence);
       permit.slew_up_mV_per_tick = allowed.slew_up_mV_per_tick;
       permit.depth_max_um = allowed.depth_max_um;
       break;
+    }
     case Mode::Hold:
       permit.stop = StopCategory::C2Hold;
       permit.v_max_mV = held_mV(state);
@@ -134,8 +135,9 @@ std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const S
   const TransitionInputs tick = transition_inputs(plan, state, inputs, evidence);
   const Event event = event_of(tick);
   // Filled in where the caller gets it: to copy what was just written in parts takes as long as to decide it.
-  std::pair<SupervisorState, SupervisorOutput> result(state, {});
+  std::pair<SupervisorState, SupervisorOutput> result;
   auto& [next, output] = result;
+  next = state;
   advance(next, tick, event);
   fill_permit(output.permit, plan, next, inputs, evidence);
   output.event = event;

@@ -21,6 +21,13 @@ struct EvidenceReport {
   nlohmann::ordered_json tables = nlohmann::ordered_json::object();
 
   void require(bool holds) { passed = passed && holds; }
+  // Figures and rows of another part of the same program.
+  void add(const EvidenceReport& part) {
+    require(part.passed);
+    figures.update(part.figures);
+    for (const auto& [name, rows] : part.tables.items())
+      for (const auto& row : rows) tables[name].push_back(row);
+  }
 };
 
 class Stopwatch {

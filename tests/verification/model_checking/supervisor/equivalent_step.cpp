@@ -27,6 +27,11 @@ class Choice {
   std::uint64_t state_;
 };
 
+// A number below `end`, by 32 bits of a choice.
+std::uint32_t below(std::uint32_t end, std::uint64_t choice) {
+  return static_cast<std::uint32_t>((choice & 0xFFFF'FFFFU) * end >> 32U);
+}
+
 // One member of a set: the first from a place that `choice` names.
 HazardSet one_of(HazardSet members, std::uint64_t choice) {
   const HazardSet from_there = members & (~HazardSet{0} << choice % 64);
@@ -43,9 +48,10 @@ HazardSet other_members(HazardSet hazards, std::uint64_t choice) {
   }();
   HazardSet others = 0;
   for (const HazardSet members : kClasses) {
-    if ((hazards & members) == 0) continue;
     const HazardSet some = members & choice;
-    others |= (choice >> 63U) != 0 || some == 0 ? one_of(members, choice >> 40U) : some;
+    const std::array<HazardSet, 2> ways{some, one_of(members, choice >> 40U)};  // no branch: choices are random
+    const bool alone = (choice >> 63U) != 0 || some == 0;
+    others |= ways[alone] & -HazardSet{(hazards & members) != 0};
   }
   return others;
 }
@@ -55,24 +61,24 @@ void vary_memory(SupervisorState& state, std::uint64_t choice) {
   state.session += static_cast<std::uint32_t>(1U + (choice & 0xFFU));
   state.epoch += static_cast<std::uint32_t>((choice >> 8U) & 0xFFU);
   state.seq += static_cast<std::uint32_t>((choice >> 16U) & 0xFFFFU);
-  state.last_event = static_cast<safety::Event>((choice >> 32) % safety::kEvents);
-  state.reason = static_cast<Hazard>((choice >> 36) % safety::kHazards);
-  if (timer != Timer::InMode) state.ms_in_mode = static_cast<std::int32_t>((choice >> 40) % 30'002);
-  if (timer != Timer::SinceHeld) state.ms_since_held = static_cast<std::int32_t>((choice >> 20) % 101);
+  state.last_event = static_cast<safety::Event>(below(safety::kEvents, choice >> 32));
+  state.reason = static_cast<Hazard>(below(safety::kHazards, choice >> 30));
+  if (timer != Timer::InMode) state.ms_in_mode = static_cast<std::int32_t>(below(30'002, choice >> 24));
+  if (timer != Timer::SinceHeld) state.ms_since_held = static_cast<std::int32_t>(below(101, choice >> 20));
   if (!remembers_arm_key(state.mode)) state.arm_was_down = ((choice >> 44U) & 1U) != 0;
   if (!remembers_reset_key(state.mode)) state.reset_was_down = ((choice >> 45U) & 1U) != 0;
-  if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>((choice >> 12) % 8'000'001);
+  if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 12));
 }
 
 // An image stays as much younger or older than the arrival.
 void vary_arrival(SupervisorState& state, Situation& input, std::uint64_t choice) {
-  const auto shift = static_cast<std::uint32_t>(choice % 1'000'000);
+  const auto shift = below(1'000'000, choice);
   state.arrived_seq += shift;
   input.accepted_since_seq += shift;
 }
 
 void vary_motion(SupervisorState& state, Situation& input, std::uint64_t choice) {
-  const auto shift = static_cast<std::uint32_t>(choice % 1'000'000);
+  const auto shift = below(1'000'000, choice);
   if (state.token == 0) {
     if (input.motion.token != 0) input.motion.token += shift;
     return;
@@ -85,7 +91,7 @@ void vary_motion(SupervisorState& state, Situation& input, std::uint64_t choice)
 // How far another step's number is off, modulo 2^32: the one before, the one after, or any.
 std::uint32_t other_by(std::uint64_t choice) {
   if (choice % 4 == 0) return 0xFFFF'FFFFU;
-  return choice % 4 == 1 ? 1U : static_cast<std::uint32_t>(1U + (choice >> 2U) % 0xFFFF'FFFFU);
+  return choice % 4 == 1 ? 1U : 1U + below(0xFFFF'FFFFU, choice >> 2U);
 }
 
 // The fields of an input that inputs.hpp chooses. One that was forgotten here would break the claim.
@@ -135,17 +141,17 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
   input.request.seq = input.request.overruns = static_cast<std::uint32_t>(choice >> 3);
   input.request.wanted_mV = input.request.setpoint_um = static_cast<std::int32_t>(choice >> 5);
   const std::uint32_t other = other_by(choice >> 8U);
-  if (mode != Mode::Boot) input.self_test = static_cast<safety::SelfTest>((choice >> 10) % 3);
+  if (mode != Mode::Boot) input.self_test = static_cast<safety::SelfTest>(below(3, choice >> 10));
   if (mode != Mode::Boot) input.evidence.interlock_opens = chosen(21);
   if (mode != Mode::Trip) input.evidence.needle_home = chosen(12);
   input.evidence.estop_reset = chosen(22);
   if (!moving) {
     input.request.step_reached = chosen(13);
     input.request.finished = chosen(14);
-    input.evidence.drive_mV = static_cast<std::int32_t>((choice >> 16) % 8'000'001);
+    input.evidence.drive_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 16));
   }
   if (!moving && mode != Mode::Armed)
-    input.evidence.ceiling_mV = static_cast<std::int32_t>((choice >> 20) % 8'000'001);
+    input.evidence.ceiling_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 20));
   if (mode != Mode::Hold) input.depth_accepted = chosen(15), input.evidence.still = chosen(16);
   if (mode != Mode::Safe && mode != Mode::Ready) input.evidence.needle_back = chosen(19);
   if (!moving) input.measurement.brake_fitted = chosen(20);

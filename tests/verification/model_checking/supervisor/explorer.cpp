@@ -10,7 +10,7 @@ namespace biopsy::model_checking {
 namespace {
 
 // Inputs tried at each tick besides one of each kind, scattered over the product by a large prime.
-constexpr std::uint32_t kOthers = 8;
+constexpr std::uint32_t kOthers = 8, kOthersBeforeEdge = 1U << 16U;
 constexpr std::uint64_t kScatter = 2'654'435'761;
 
 // Its next tick locks, whatever comes: the one state from which there is no way to Safe.
@@ -34,7 +34,7 @@ Exploration Explorer::run() {
   via_.push_back(0);
   for (std::uint32_t from = 0; from < keys_.size() && !is_enough(); ++from) {
     const auto kinds = kinds_.find(without_timer(keys_[from]));
-    if (kinds == kinds_.end() || is_edge_of_time(state(from)))
+    if (kinds == kinds_.end() || moment_of(state(from)) == Moment::Edge)
       sweep_all(from);
     else
       walk(from, kinds->second);
@@ -60,7 +60,9 @@ void Explorer::walk(std::uint32_t from, const std::vector<Kind>& kinds) {
   const SupervisorState before = state(from);
   const InputSpace& space = inputs_of(before.mode);
   for (const Kind& kind : kinds) walk(from, before, kind);
-  for (std::uint32_t i = 0; i < kOthers; ++i) {
+  const std::uint32_t others =
+      moment_of(before) == Moment::BeforeEdge ? std::min(kOthersBeforeEdge, space.size()) : kOthers;
+  for (std::uint32_t i = 0; i < others; ++i) {
     const auto index =
         static_cast<std::uint32_t>((std::uint64_t{from} * kOthers + i) * kScatter % space.size());
     walk(from, before, {index, space.at(index, before), 0});
@@ -69,13 +71,14 @@ void Explorer::walk(std::uint32_t from, const std::vector<Kind>& kinds) {
 }
 
 void Explorer::walk(std::uint32_t from, const SupervisorState& before, const Kind& kind) {
-  const auto [step, key] = checker_.take(from, before, kind.input, kind.index);
+  std::uint64_t key = 0;
+  const auto [next, decided] = checker_.take(from, before, kind.input, kind.index, key);
   ++result_.transitions;
   go(from, {kind.index, kind.input, key});
   const SupervisorState first = state_of(without_timer(keys_[from]));
   const auto [after, output] = subject_.step(&plan_, &first, &kind.input);
   ++result_.tallies.claims[number_of(GraphClaim::TimeBetweenIsAlike)].checked;
-  if (output.event != step.second.event || without_timer(key_of(after)) != without_timer(key))
+  if (output.event != decided.event || without_timer(key_of(after)) != without_timer(key))
     result_.tallies.break_claim(GraphClaim::TimeBetweenIsAlike, {from, kind.index, {}});
 }
 

@@ -2,8 +2,7 @@
 //
 // In each state at an edge of time (states.hpp) every input of the product is tried, each with an equivalent,
 // and each pair of inputs of which one is worse is compared. At the ticks between, one input of each kind
-// that the first tick distinguished is tried and a few others, and each must do what it does in the first
-// tick. The timer is exact: no time is skipped.
+// that the first tick distinguished is tried and others, and each must do what it does in the first tick. The timer is exact: no time is skipped.
 #pragma once
 
 #include <array>

@@ -16,7 +16,6 @@ constexpr std::int32_t kAll_mV = 8'000'000;
 
 std::vector<HazardSet> hazard_values(Grain grain) {
   std::vector<HazardSet> values{0};
-  if (grain == Grain::Thin) values.push_back(bit(kClassHazard[0]));
   if (grain == Grain::Quick) {
     HazardSet all = 0;
     for (const Hazard hazard : kClassHazard) values.push_back(bit(hazard)), all |= bit(hazard);

@@ -39,7 +39,7 @@ using Digits = std::array<std::uint8_t, kDimensions>;
 
 // Which hazard of a class is present decides nothing but its name: equivalents have each of them, alone too.
 enum class Grain : std::uint8_t {
-  Thin,   // hazards: none, a locking one; drive: 0 and all
+  Thin,   // no hazard; drive: 0 and all
   Quick,  // hazards: none, one of each class, C0 with C1, all classes; drive: 0, all, all under no ceiling
   Full,
 };

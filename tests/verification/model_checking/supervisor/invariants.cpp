@@ -387,7 +387,7 @@ template <Mode before, std::size_t... I>
   Findings findings;
   const auto note = [&findings](std::size_t i, Finding finding) __attribute__((always_inline)) {
     findings.applied |= std::uint64_t{finding.applies} << i;
-    findings.broken |= std::uint64_t{finding.applies && !finding.holds} << i;
+    findings.broken |= std::uint64_t{finding.applies & !finding.holds} << i;
   };
   (note(I, kTable[I].check(step)), ...);
   return findings;

@@ -54,28 +54,29 @@ std::uint64_t without_timer(std::uint64_t key) {
   return key & ~(0xFFFFULL << kTimerAt);
 }
 
-bool is_edge_of_time(const SupervisorState& state) {
-  const auto near = [&](std::int32_t limit) {
+Moment moment_of(const SupervisorState& state) {
+  const auto in = [&](std::int32_t limit) {
     const std::int32_t timer = timer_value(state);
-    return timer == 0 || timer >= limit - 2;
+    if (timer == 0 || timer >= limit - 1) return Moment::Edge;
+    return timer == limit - 2 ? Moment::BeforeEdge : Moment::Between;
   };
   switch (state.mode) {
     case Mode::Boot:
     case Mode::Hold:
-      return near(10'000);
+      return in(10'000);
     case Mode::Armed:
-      return near(30'000);
-    case Mode::Retract:
-      return near(300) || (state.ms_in_mode >= 248 && state.ms_in_mode <= 251);
+      return in(30'000);
+    case Mode::Retract:  // the envelope is gone after 250 ms
+      return state.ms_in_mode >= 248 && state.ms_in_mode <= 251 ? Moment::Edge : in(300);
     case Mode::Active:
-      return near(101);
+      return in(101);
     case Mode::Safe:
     case Mode::Ready:
     case Mode::Trip:
     case Mode::Lock:
       break;
   }
-  return true;
+  return Moment::Edge;
 }
 
 }  // namespace biopsy::model_checking

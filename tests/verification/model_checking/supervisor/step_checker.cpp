@@ -7,20 +7,20 @@
 
 namespace biopsy::model_checking {
 
-StepChecker::Taken StepChecker::take(std::uint32_t from, const SupervisorState& before, const Situation& input,
-                                     std::uint32_t index) {
+Stepped StepChecker::take(std::uint32_t from, const SupervisorState& before, const Situation& input,
+                          std::uint32_t index, std::uint64_t& key) {
   // First what the second step reads: it is in memory by then.
   const std::uint64_t number = (std::uint64_t{from} << 32U) + index;
   write_equivalent_step(before, input, number, equivalent_);
-  Taken taken{subject_.step(&plan_, &before, &input), 0};
-  const auto& [after, output] = taken.step;
-  taken.key = key_of(after);
+  Stepped step = subject_.step(&plan_, &before, &input);
+  const auto& [after, output] = step;
+  key = key_of(after);
   ++steps_;
   note(check_all({plan_, before, input, after, output}), from, index);
   const Stepped other = subject_.step(&equivalent_plans_.of(before, number), &equivalent_.state, &equivalent_.input);
-  if (!has_equal_outcome(taken.key, taken.step, equivalent_, other))
+  if (!has_equal_outcome(key, step, equivalent_, other))
     tallies_.break_claim(GraphClaim::ForgottenDecidesNothing, {from, index, {}});
-  return taken;
+  return step;
 }
 
 // Few sets of invariants apply in a state: counted by the set.

@@ -15,12 +15,9 @@ class StepChecker {
  public:
   StepChecker(const Subject& subject, const PlanFacts& plan) : subject_(subject), plan_(plan) {}
 
-  struct Taken {
-    Stepped step;
-    std::uint64_t key;  // of the state after
-  };
-  // From the state of number `from` by the input of number `index` of its mode's.
-  Taken take(std::uint32_t from, const SupervisorState& before, const Situation& input, std::uint32_t index);
+  // From the state of number `from` by the input of number `index` of its mode's. `key`: of the state after.
+  Stepped take(std::uint32_t from, const SupervisorState& before, const Situation& input, std::uint32_t index,
+               std::uint64_t& key);
 
   std::uint64_t steps() const { return steps_; }
   // Of all steps since the last call.

@@ -51,8 +51,9 @@ class Sweeper {
     std::map<Did, Outcomes::Number> known;
     auto last = known.end();
     space_.for_each(first, end, before_, [&](std::uint32_t index, const Situation& input) {
-      const auto [step, key] = checker.take(from_, before_, input, index);
-      const Did did{key, is_healthy(input), outcome_of(step.first, step.second)};
+      std::uint64_t key = 0;
+      const auto [after, output] = checker.take(from_, before_, input, index, key);
+      const Did did{key, is_healthy(input), outcome_of(after, output)};
       if (last == known.end() || last->first != did) {
         last = known.lower_bound(did);
         if (last == known.end() || last->first != did) {
