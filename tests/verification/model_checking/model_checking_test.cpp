@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
@@ -112,6 +113,84 @@ TEST(EquivalentStep, CoverEveryHazardAndEveryRelationTheProductLeavesOut) {
   }
   EXPECT_EQ(seen, safety::kAllHazards);
   EXPECT_TRUE(before && after);
+}
+
+// What lets single hazards be left out of the product: each stands alone for its class in some equivalent.
+TEST(EquivalentStep, HasEachHazardAloneForItsClass) {
+  const InputSpace space(Mode::Hold, Grain::Quick);
+  SupervisorState state = state_of(0);
+  state.mode = Mode::Hold, state.token = kToken, state.step = 1;
+  std::array<int, safety::kHazards> alone{};
+  for (std::uint32_t i = 0; i < space.size() / 8; ++i) {
+    const safety::HazardSet others = equivalent_step(state, space.at(i, state), i).input.evidence.hazards();
+    for (std::size_t h = 0; h < safety::kHazards; ++h)
+      if ((others & class_of(static_cast<safety::Hazard>(h))) == safety::bit(static_cast<safety::Hazard>(h)))
+        ++alone[h];
+  }
+  for (std::size_t h = 0; h < safety::kHazards; ++h)
+    EXPECT_GT(alone[h], 100) << safety::name_of(static_cast<safety::Hazard>(h));
+}
+
+TEST(EquivalentStep, IsTheSameWhereAnotherWasWrittenBefore) {
+  const InputSpace space(Mode::Hold, Grain::Full);
+  SupervisorState state = state_of(0);
+  state.mode = Mode::Hold, state.token = kToken, state.step = 1;
+  EquivalentStep written;
+  for (std::uint32_t i = 0; i < 100'000; ++i) {
+    const Situation input = space.at(i * 167, state);
+    write_equivalent_step(state, input, i, written);
+    const EquivalentStep fresh = equivalent_step(state, input, i);
+    const auto [next, output] = safety::step(three_steps(0b010).facts, fresh.state, fresh.input);
+    const auto [next_written, output_written] =
+        safety::step(three_steps(0b010).facts, written.state, written.input);
+    ASSERT_EQ(output.permit, output_written.permit) << i;
+    ASSERT_EQ(output.refusal, output_written.refusal) << i;
+    ASSERT_EQ(key_of(next), key_of(next_written)) << i;
+  }
+}
+
+// What lets six plans be explored with thin inputs.
+TEST(EquivalentStep, HasEveryPlanThatConfirmsThePresentStepAlike) {
+  const PlanFacts plan = three_steps(0b010).facts;
+  const EquivalentPlans plans(plan);
+  SupervisorState state = state_of(0);
+  for (state.step = 0; state.step < 3; ++state.step) {
+    std::set<unsigned> seen;
+    for (std::uint64_t number = 0; number < 1'000; ++number) {
+      const PlanFacts& other = plans.of(state, number);
+      ASSERT_EQ(other.steps[state.step].image_confirms, plan.steps[state.step].image_confirms);
+      unsigned confirms = 0;
+      for (unsigned i = 0; i < 3; ++i) confirms |= unsigned{other.steps[i].image_confirms} << i;
+      seen.insert(confirms);
+    }
+    EXPECT_EQ(seen.size(), 4U) << state.step;
+  }
+}
+
+// A step that looks at a neighbour's confirmation is found by equivalents, whose plans differ in it.
+TEST(EquivalentStep, FindsAStepThatReadsAnothersConfirmation) {
+  const Subject nosy{[](const PlanFacts* plan, const SupervisorState* state, const Situation* input) {
+                       PlanFacts shifted = *plan;
+                       shifted.steps[1].image_confirms = plan->steps[0].image_confirms;
+                       return safety::step(shifted, *state, *input);
+                     },
+                     shipped().gate};
+  Explorer explorer(nosy, three_steps(0b010).facts, {Grain::Thin, 0, 0, in_parallel});
+  const Exploration exploration = explorer.run();
+  EXPECT_GT(exploration.tallies.claims[number_of(GraphClaim::ForgottenDecidesNothing)].broken, 0U);
+}
+
+// A hazard that is not named, or that stands for another class, is found though the product has it not.
+TEST(EquivalentStep, FindsAHazardThatIsOverlooked) {
+  const Subject blind{[](const PlanFacts* plan, const SupervisorState* state, const Situation* input) {
+                        Situation seen = *input;
+                        seen.evidence.clear |= safety::bit(safety::Hazard::LogBacklog);
+                        return safety::step(*plan, *state, seen);
+                      },
+                      shipped().gate};
+  Explorer explorer(blind, three_steps(0b010).facts, {Grain::Quick, 1, 0, in_parallel});
+  const Exploration exploration = explorer.run();
+  EXPECT_GT(exploration.tallies.claims[number_of(GraphClaim::ForgottenDecidesNothing)].broken, 0U);
 }
 
 TEST(Counterexample, OfASeededBugIsATraceTickByTick) {
