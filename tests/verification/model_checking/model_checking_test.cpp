@@ -236,6 +236,9 @@ TEST(SeededBugs, EachCompile) {
 TEST(SeededBugs, OfTheGateAreCaught) {
   const SeededSubject subject(kMutantBuild, &bug_named("permit-lives-on"));
   EXPECT_EQ(find_violation(subject.get(), Part::Gate, {}).claims, std::vector<std::string>{"gate-life"});
+  const SeededSubject kept(kMutantBuild, &bug_named("brake-kept-on-new-request"));
+  EXPECT_EQ(find_violation(kept.get(), Part::Gate, {}).claims,
+            std::vector<std::string>{"gate-brake-follows-the-request"});
 }
 
 TEST(SeededBugs, AnUnchangedCopyIsAsCleanAsTheShippedCode) {

@@ -97,12 +97,13 @@ const std::array<GateInvariant, kGateInvariants> kGateInvariantTable{{
      [](const GateStep& s) {
        return Finding{s.brake_on, s.is_live() && s.after.permit.hv_enable && s.after.permit.brake};
      }},
-    {"gate-brake-follows-the-request", "The brake changes by a new request, or because it may not stay on.",
+    {"gate-brake-follows-the-request",
+     "Where the brake may be on it is what the newest request asks for, and otherwise off.",
      [](const GateStep& s) {
-       const bool may = s.is_live() && s.after.permit.hv_enable && s.after.permit.brake;
-       const bool wanted = s.is_request_new() && s.input.request->brake;
-       return Finding{s.brake_on != s.before.brake_on,
-                      s.brake_on ? wanted : !may || (s.is_request_new() && !wanted)};
+       const bool may = s.is_live() && s.hv_enabled && s.after.permit.brake;
+       const bool taken = s.is_request_new() && s.after.request_seq == s.input.request->seq;
+       const bool wanted = taken ? s.input.request->brake : s.before.brake_on;
+       return Finding{true, s.brake_on == (may && wanted)};
      }},
     {"gate-life", "A permit's life begins once: the same one again does not lengthen it.",
      [](const GateStep& s) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "robot/common/in_parallel.hpp"
 #include "tests/verification/model_checking/gate/gate_explorer.hpp"
 #include "tests/verification/model_checking/supervisor/counterexample.hpp"
 #include "tests/verification/model_checking/supervisor/explorer.hpp"
@@ -16,11 +17,11 @@ bool is_in(const std::vector<std::string>& names, std::string_view name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-Violations search_supervisor(const Subject& subject, const PlanFacts& plan,
+Violations search_supervisor(const Subject& subject, const PlanFacts& plan, Grain grain,
                              const std::vector<std::string>& known) {
   std::uint64_t excused = 0;
   for (std::size_t c = 0; c < kClaims; ++c) excused |= std::uint64_t{is_in(known, name_of_claim(c))} << c;
-  Explorer explorer(subject, plan, {Grain::Quick, kEnough, excused});
+  Explorer explorer(subject, plan, {grain, kEnough, excused, in_parallel});
   const Exploration exploration = explorer.run();
   Violations found;
   for (std::size_t c = 0; c < kClaims; ++c) {
@@ -46,8 +47,10 @@ Violations search_gate(const Subject& subject, const std::vector<std::string>& k
 
 Violations find_violation(const Subject& subject, Part part, const std::vector<std::string>& known) {
   if (part == Part::Gate) return search_gate(subject, known);
-  Violations found = search_supervisor(subject, three_steps(0b010).facts, known);
-  return found.claims.empty() ? search_supervisor(subject, over_limits().facts, known) : found;
+  const PlanFacts plan = three_steps(0b010).facts;
+  Violations found = search_supervisor(subject, plan, Grain::Thin, known);  // in a tenth of the time
+  if (found.claims.empty()) found = search_supervisor(subject, plan, Grain::Quick, known);
+  return found.claims.empty() ? search_supervisor(subject, over_limits().facts, Grain::Quick, known) : found;
 }
 
 }  // namespace biopsy::model_checking
