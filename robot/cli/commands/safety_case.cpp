@@ -1,6 +1,7 @@
 // biopsy safety-case: gathers the evidence of this build and writes the case.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
 #include <iterator>
 
@@ -12,6 +13,7 @@
 #include "robot/common/files/data_folder.hpp"
 #include "robot/common/files/file.hpp"
 #include "robot/common/files/output_folder.hpp"
+#include "robot/common/in_parallel.hpp"
 #include "robot/common/progress.hpp"
 #include "robot/common/subprocess.hpp"
 #include "robot/report/safety_case/case_page.hpp"
@@ -105,20 +107,31 @@ std::optional<Finding> run_source(const Source& source, const Build& build, cons
   return finding;
 }
 
+// Those that measure real time one by one, then the others side by side; findings in the order of the sources.
 std::vector<Finding> gather(const safety_case::SafetyCase& safety_case, const Build& build,
                             const fs::path& folder) {
-  std::vector<Finding> findings;
+  const std::vector<Source>& sources = safety_case.sources;
+  std::vector<std::optional<Finding>> found(sources.size());
   ProgressLine line;
-  double done = 0.0;
-  for (const Source& source : safety_case.sources) {
-    done += 1.0;
-    if (build.quick && !source.in_quick) continue;
-    const double share = (done - 1.0) / static_cast<double>(safety_case.sources.size());
-    if (std::optional<Finding> finding = run_source(source, build, folder, line, share)) {
-      atomic_write(folder / (source.id + ".json"), to_json(*finding));
-      findings.push_back(std::move(*finding));
-    }
+  std::atomic<int> done = 0;
+  const auto run = [&](std::size_t i) {
+    const double share = static_cast<double>(done) / static_cast<double>(sources.size());
+    found[i] = run_source(sources[i], build, folder, line, share);
+    if (found[i]) atomic_write(folder / (sources[i].id + ".json"), to_json(*found[i]));
+    ++done;
+  };
+  std::vector<std::size_t> beside;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (build.quick && !sources[i].in_quick) continue;
+    if (sources[i].side_by_side)
+      beside.push_back(i);
+    else
+      run(i);
   }
+  in_parallel(beside.size(), [&](std::size_t i) { run(beside[i]); });
+  std::vector<Finding> findings;
+  for (std::optional<Finding>& finding : found)
+    if (finding) findings.push_back(std::move(*finding));
   return findings;
 }
 

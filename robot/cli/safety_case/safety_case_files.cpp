@@ -62,6 +62,7 @@ Source source_from(TomlTable table) {
   if (table.has("quick")) source.quick = table.texts("quick");
   if (table.has("full")) source.full = table.texts("full");
   if (table.has("in_quick")) source.in_quick = table.flag("in_quick");
+  if (table.has("side_by_side")) source.side_by_side = table.flag("side_by_side");
   for (TomlTable& criterion : table.tables("bars")) source.criteria.push_back(criterion_from(criterion));
   return source;
 }
