@@ -107,7 +107,8 @@ std::optional<Finding> run_source(const Source& source, const Build& build, cons
   return finding;
 }
 
-// Those that measure real time one by one, then the others side by side; findings in the order of the sources.
+// Those that measure real time one by one, then the others side by side; findings in the order of the
+// sources.
 std::vector<Finding> gather(const safety_case::SafetyCase& safety_case, const Build& build,
                             const fs::path& folder) {
   const std::vector<Source>& sources = safety_case.sources;

@@ -48,7 +48,8 @@ TEST(Exploration, FindsNothingWrongInTheShippedSupervisor) {
 TEST(Exploration, ChecksEveryClaimAndReachesEveryTimeInEveryMode) {
   Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0, in_parallel});
   const Exploration exploration = explorer.run();
-  for (std::size_t c = 0; c < kClaims; ++c) EXPECT_GT(exploration.tallies.claims[c].checked, 0U) << name_of_claim(c);
+  for (std::size_t c = 0; c < kClaims; ++c)
+    EXPECT_GT(exploration.tallies.claims[c].checked, 0U) << name_of_claim(c);
   const auto longest = [&](Mode mode) { return exploration.longest_ticks[static_cast<std::size_t>(mode)]; };
   EXPECT_EQ(longest(Mode::Boot), 10'000);
   EXPECT_EQ(longest(Mode::Armed), 30'000);

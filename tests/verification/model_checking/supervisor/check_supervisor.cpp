@@ -20,8 +20,7 @@ struct PlanResult {
 
 std::vector<PlanResult> explore_all(bool quick) {
   std::vector<PlanResult> results;
-  for (NamedPlan& plan : quick ? quick_plans() : all_plans())
-    results.push_back({std::move(plan), {}, {}});
+  for (NamedPlan& plan : quick ? quick_plans() : all_plans()) results.push_back({std::move(plan), {}, {}});
   std::mutex mutex;
   in_parallel(results.size(), [&](std::size_t i) {
     PlanResult& result = results[i];

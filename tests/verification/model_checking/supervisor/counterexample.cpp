@@ -111,8 +111,8 @@ std::string counterexample_text(const Subject& subject, const PlanFacts& plan, c
     trace.add(step(explorer.inputs_of(state.mode).at(index, state)));
     state = next;
   }
-  const bool is_of_a_state = claim == number_of(GraphClaim::SafeReachable) ||
-                             claim == number_of(GraphClaim::EveryModeReached);
+  const bool is_of_a_state =
+      claim == number_of(GraphClaim::SafeReachable) || claim == number_of(GraphClaim::EveryModeReached);
   const Situation last = explorer.inputs_of(state.mode).at(found.input, state);
   if (!is_of_a_state) trace.add(step(last));
   std::string text = trace.end();

@@ -49,7 +49,8 @@ HazardSet other_members(HazardSet hazards, std::uint64_t choice) {
   HazardSet others = 0;
   for (const HazardSet members : kClasses) {
     const HazardSet some = members & choice;
-    const std::array<HazardSet, 2> ways{some, one_of(members, choice >> 40U)};  // no branch: choices are random
+    const std::array<HazardSet, 2> ways{some,
+                                        one_of(members, choice >> 40U)};  // no branch: choices are random
     const bool alone = (choice >> 63U) != 0 || some == 0;
     others |= ways[alone] & -HazardSet{(hazards & members) != 0};
   }
@@ -67,7 +68,8 @@ void vary_memory(SupervisorState& state, std::uint64_t choice) {
   if (timer != Timer::SinceHeld) state.ms_since_held = static_cast<std::int32_t>(below(101, choice >> 20));
   if (!remembers_arm_key(state.mode)) state.arm_was_down = ((choice >> 44U) & 1U) != 0;
   if (!remembers_reset_key(state.mode)) state.reset_was_down = ((choice >> 45U) & 1U) != 0;
-  if (!remembers_voltage(state.mode)) state.held_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 12));
+  if (!remembers_voltage(state.mode))
+    state.held_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 12));
 }
 
 // An image stays as much younger or older than the arrival.

@@ -1,7 +1,7 @@
 // An equivalent of a step differs from it in everything the exploration forgets: names of session, epoch and
 // tokens, timers and voltages of other modes, which hazard of a class, which other steps of the plan an image
-// confirms, inputs that decide nothing in this mode, what is asked over the network. It must do the same; that
-// is what makes the abstraction sound.
+// confirms, inputs that decide nothing in this mode, what is asked over the network. It must do the same;
+// that is what makes the abstraction sound.
 #pragma once
 
 #include <array>
@@ -35,12 +35,12 @@ class EquivalentPlans {
   const PlanFacts& of(const SupervisorState& state, std::uint64_t number) const;
 
  private:
-  static constexpr std::uint32_t kVaried = 3;  // steps
+  static constexpr std::uint32_t kVaried = 3;   // steps
   std::array<PlanFacts, 1U << kVaried> plans_;  // bit i of the index: step i is confirmed unlike in `plan`
 };
 
-// Whether a step and its equivalent did the same, each seen from where it started, and the equivalent named its
-// own hazard. `key`: of the state after the first.
+// Whether a step and its equivalent did the same, each seen from where it started, and the equivalent named
+// its own hazard. `key`: of the state after the first.
 bool has_equal_outcome(std::uint64_t key, const Stepped& step, const EquivalentStep& equivalent,
                        const Stepped& other_step);
 

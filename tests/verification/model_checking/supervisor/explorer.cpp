@@ -96,7 +96,9 @@ bool Explorer::is_enough() const {
 }
 
 void Explorer::check_graph() {
-  const auto tally = [this](GraphClaim claim) -> ClaimTally& { return result_.tallies.claims[number_of(claim)]; };
+  const auto tally = [this](GraphClaim claim) -> ClaimTally& {
+    return result_.tallies.claims[number_of(claim)];
+  };
   tally(GraphClaim::ForgottenDecidesNothing).checked = result_.equivalent_steps;
   tally(GraphClaim::WorseNeverPermitsMore).checked = result_.pairs;
   for (std::uint32_t i = 0; i < keys_.size(); ++i) {

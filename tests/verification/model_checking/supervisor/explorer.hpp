@@ -2,7 +2,8 @@
 //
 // In each state at an edge of time (states.hpp) every input of the product is tried, each with an equivalent,
 // and each pair of inputs of which one is worse is compared. At the ticks between, one input of each kind
-// that the first tick distinguished is tried and others, and each must do what it does in the first tick. The timer is exact: no time is skipped.
+// that the first tick distinguished is tried and others, and each must do what it does in the first tick. The
+// timer is exact: no time is skipped.
 #pragma once
 
 #include <array>
@@ -15,9 +16,9 @@
 #include "tests/verification/model_checking/supervisor/inputs.hpp"
 #include "tests/verification/model_checking/supervisor/state_index.hpp"
 #include "tests/verification/model_checking/supervisor/states.hpp"
-#include "tests/verification/model_checking/supervisor/step_checker.hpp"
-#include "tests/verification/model_checking/supervisor/sweep.hpp"
-#include "tests/verification/model_checking/supervisor/tallies.hpp"
+#include "tests/verification/model_checking/sweep/step_checker.hpp"
+#include "tests/verification/model_checking/sweep/sweep.hpp"
+#include "tests/verification/model_checking/sweep/tallies.hpp"
 
 namespace biopsy::model_checking {
 

@@ -78,8 +78,7 @@ std::vector<InputSpace::Drive> InputSpace::drive_values(Grain grain) {
 }
 
 InputSpace::InputSpace(Mode mode, Grain grain)
-    : hazards_(hazard_values(grain)),
-      drives_(drive_values(grain)) {
+    : hazards_(hazard_values(grain)), drives_(drive_values(grain)) {
   set_sizes(mode);
   set_worse(mode);
   for (std::size_t d = 0; d < kDimensions; ++d) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "safety/challenge.hpp"
+#include "tests/verification/model_checking/supervisor/table_row.hpp"
 
 namespace biopsy::model_checking {
 namespace {
@@ -41,18 +42,6 @@ bool is_press(const Step& s) {
 }
 bool is_heartbeat(const Step& s) {
   return s.input.motion.held && s.input.motion.token != 0 && s.input.motion.token >= s.before.token;
-}
-// {from, event} -> to, as in transitions.hpp.
-const auto kTo = [] {
-  std::array<std::array<Mode, safety::kEvents>, safety::kModes> to{};
-  for (std::size_t from = 0; from < safety::kModes; ++from)
-    for (std::size_t event = 0; event < safety::kEvents; ++event)
-      to[from][event] = safety::next_mode(static_cast<Mode>(from), static_cast<Event>(event));
-  return to;
-}();
-bool is_table_row(Mode from, Event event, Mode to) {
-  return from <= Mode::Lock && event <= Event::Reset &&
-         kTo[static_cast<std::size_t>(from)][static_cast<std::size_t>(event)] == to;
 }
 bool was_followed(const Step& s) {
   return s.output.event == Event::Reset || s.output.event == Event::Arm || s.output.event == Event::Move;
@@ -381,43 +370,29 @@ const std::array<Invariant, kInvariants> kInvariantTable = kTable;
 namespace {
 
 // With the mode before as a constant, most checks of another one cost nothing.
-template <Mode before, std::size_t... I>
-[[gnu::flatten]] Findings check_each(const Step& step, std::index_sequence<I...>) {
+template <Mode before>
+[[gnu::flatten]] Findings check_from(const Step& step) {
   if (step.before.mode != before) __builtin_unreachable();
   Findings findings;
   const auto note = [&findings](std::size_t i, Finding finding) __attribute__((always_inline)) {
     findings.applied |= std::uint64_t{finding.applies} << i;
-    findings.broken |= std::uint64_t{finding.applies & !finding.holds} << i;
+    findings.broken |= static_cast<std::uint64_t>(finding.applies & !finding.holds) << i;
   };
-  (note(I, kTable[I].check(step)), ...);
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (note(I, kTable[I].check(step)), ...);
+  }
+  (std::make_index_sequence<kInvariants>());
   return findings;
 }
 
 }  // namespace
 
 Findings check_all(const Step& step) {
-  constexpr std::make_index_sequence<kInvariants> kAll;
-  switch (step.before.mode) {
-    case Mode::Boot:
-      return check_each<Mode::Boot>(step, kAll);
-    case Mode::Safe:
-      return check_each<Mode::Safe>(step, kAll);
-    case Mode::Ready:
-      return check_each<Mode::Ready>(step, kAll);
-    case Mode::Armed:
-      return check_each<Mode::Armed>(step, kAll);
-    case Mode::Active:
-      return check_each<Mode::Active>(step, kAll);
-    case Mode::Hold:
-      return check_each<Mode::Hold>(step, kAll);
-    case Mode::Retract:
-      return check_each<Mode::Retract>(step, kAll);
-    case Mode::Trip:
-      return check_each<Mode::Trip>(step, kAll);
-    case Mode::Lock:
-      break;
+  static constexpr auto kFrom = []<std::size_t... M>(std::index_sequence<M...>) {
+    return std::array{check_from<static_cast<Mode>(M)>...};
   }
-  return check_each<Mode::Lock>(step, kAll);
+  (std::make_index_sequence<safety::kModes>());
+  return kFrom.at(static_cast<std::size_t>(step.before.mode))(step);
 }
 
 }  // namespace biopsy::model_checking

@@ -24,8 +24,8 @@ NamedPlan over_limits();
 NamedPlan empty();
 
 // Every combination of confirmations, and the two odd ones. Two of them have each step with and without its
-// confirmation, and equivalents show at each of their steps that those of the other steps decide nothing: the six
-// others differ in the graph alone, and are explored with thin inputs.
+// confirmation, and equivalents show at each of their steps that those of the other steps decide nothing: the
+// six others differ in the graph alone, and are explored with thin inputs.
 std::vector<NamedPlan> all_plans();
 // One combination, and the two odd ones.
 std::vector<NamedPlan> quick_plans();

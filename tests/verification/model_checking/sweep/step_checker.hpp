@@ -7,7 +7,7 @@
 #include "tests/verification/model_checking/subject.hpp"
 #include "tests/verification/model_checking/supervisor/equivalent_step.hpp"
 #include "tests/verification/model_checking/supervisor/invariants.hpp"
-#include "tests/verification/model_checking/supervisor/tallies.hpp"
+#include "tests/verification/model_checking/sweep/tallies.hpp"
 
 namespace biopsy::model_checking {
 

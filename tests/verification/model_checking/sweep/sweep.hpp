@@ -8,7 +8,7 @@
 
 #include "tests/verification/model_checking/subject.hpp"
 #include "tests/verification/model_checking/supervisor/inputs.hpp"
-#include "tests/verification/model_checking/supervisor/tallies.hpp"
+#include "tests/verification/model_checking/sweep/tallies.hpp"
 
 namespace biopsy::model_checking {
 
@@ -29,9 +29,9 @@ struct Kind {
 bool is_healthy(const Situation& input);
 
 struct Sweep {
-  std::vector<Kind> kinds;   // in order of index
-  std::uint64_t steps = 0;   // as many as there are inputs
-  std::uint64_t pairs = 0;   // inputs compared with a worse one
+  std::vector<Kind> kinds;  // in order of index
+  std::uint64_t steps = 0;  // as many as there are inputs
+  std::uint64_t pairs = 0;  // inputs compared with a worse one
   Tallies tallies;
 };
 

@@ -1,4 +1,4 @@
-#include "tests/verification/model_checking/supervisor/sweep.hpp"
+#include "tests/verification/model_checking/sweep/sweep.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -7,8 +7,8 @@
 #include <set>
 #include <tuple>
 
-#include "tests/verification/model_checking/supervisor/permissiveness.hpp"
-#include "tests/verification/model_checking/supervisor/step_checker.hpp"
+#include "tests/verification/model_checking/sweep/permissiveness.hpp"
+#include "tests/verification/model_checking/sweep/step_checker.hpp"
 
 namespace biopsy::model_checking {
 namespace {
@@ -71,7 +71,8 @@ class Sweeper {
       Tallies tallies;
       std::uint64_t pairs = 0;
     };
-    const std::vector<bool> fine = outcomes_.no_more_permissive(envelope_mV(plan_, before_, {}));  // no ceiling
+    const std::vector<bool> fine =
+        outcomes_.no_more_permissive(envelope_mV(plan_, before_, {}));  // no ceiling
     std::vector<Compared> of_dimension(kDimensions);
     spread(kDimensions, [&](std::size_t d) {
       of_dimension[d].pairs = compare_with_worse(static_cast<Dimension>(d), fine, of_dimension[d].tallies);

@@ -1,4 +1,4 @@
-#include "tests/verification/model_checking/supervisor/tallies.hpp"
+#include "tests/verification/model_checking/sweep/tallies.hpp"
 
 namespace biopsy::model_checking {
 

@@ -1,4 +1,4 @@
-#include "tests/verification/model_checking/supervisor/step_checker.hpp"
+#include "tests/verification/model_checking/sweep/step_checker.hpp"
 
 #include <bit>
 #include <utility>
@@ -17,7 +17,8 @@ Stepped StepChecker::take(std::uint32_t from, const SupervisorState& before, con
   key = key_of(after);
   ++steps_;
   note(check_all({plan_, before, input, after, output}), from, index);
-  const Stepped other = subject_.step(&equivalent_plans_.of(before, number), &equivalent_.state, &equivalent_.input);
+  const Stepped other =
+      subject_.step(&equivalent_plans_.of(before, number), &equivalent_.state, &equivalent_.input);
   if (!has_equal_outcome(key, step, equivalent_, other))
     tallies_.break_claim(GraphClaim::ForgottenDecidesNothing, {from, index, {}});
   return step;
