@@ -67,6 +67,11 @@ void add_image_source(CLI::App& app, ProcedureOptions& options, CLI::Option* whe
       "the person who answers for images that do not name patient, frame of reference or time (NIfTI, NRRD, "
       "MetaImage); without one such images leave the depth unsure")
       ->needs(folder);
+  add(app, "--images-planes N", options.images_planes,
+      "how many planes of an image the scanner exports as a series each; all are waited for",
+      "three, or as many as there are after four times --images-quiet")
+      ->check(in_range(1, 3))
+      ->needs(folder);
   app.add_option("--scan", options.scan_s,
                  "how long a simulated image takes, where the stage can lock its needle meanwhile")
       ->type_name("S")

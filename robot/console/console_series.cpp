@@ -59,7 +59,8 @@ ConsoleSeries::ConsoleSeries(const PreparedCase& opened)
       file_(file_of(opened.image)),
       labels_(opened.labels ? file_of(*opened.labels) : nullptr) {
   const auto& images = opened.given.images;
-  if (!images.folder.empty()) watched_.emplace(images.folder, images.quiet);
+  // To plan on, each series is looked at by itself.
+  if (!images.folder.empty()) watched_.emplace(images.folder, images.quiet, 1);
   all_.push_back(series_of(opened.image));
   if (opened.given.phantom) return;
   for (const imaging::SeriesSummary& found : imaging::list_series(folder_)) {
@@ -116,9 +117,9 @@ void ConsoleSeries::look(std::int64_t now_us) {
 
 std::optional<ConsoleSeries::Received> ConsoleSeries::poll() {
   try {
-    auto came = watched_->poll(std::chrono::steady_clock::now());
-    if (!came) return std::nullopt;
-    Received received{std::move(*came), {}};
+    imaging::IncomingImage came = watched_->poll(std::chrono::steady_clock::now());
+    if (came.empty()) return std::nullopt;
+    Received received{std::move(came.front()), {}};
     const imaging::IncomingSeries& files = received.files;
     events::Series& series = received.series;
     try {

@@ -39,7 +39,7 @@ ImageSource image_source(const ProcedureOptions& options) {
     throw ConfigError("there is no such folder", options.images_from.string(),
                       "give the folder into which the scanner exports its series");
   return {options.images_from, milliseconds(options.images_quiet_s), milliseconds(options.images_patience_s),
-          options.images_confirmed_by};
+          options.images_confirmed_by, options.images_planes};
 }
 
 // Entry and target of an image that is given without a case.

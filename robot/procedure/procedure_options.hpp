@@ -19,7 +19,8 @@ struct ProcedureOptions {
   std::filesystem::path images_from;  // a folder into which a scanner exports; empty: simulated images
   double images_quiet_s = 2.0, images_patience_s = 120.0;
   std::string images_confirmed_by;
-  std::optional<double> scan_s;  // of a simulated image; empty: as the case says, and fast in real time
+  std::size_t images_planes = 0;  // of one confirmation image, as a series each; 0: not known
+  std::optional<double> scan_s;   // of a simulated image; empty: as the case says, and fast in real time
   bool real_time = false;
 };
 

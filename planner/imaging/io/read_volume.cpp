@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/dicom/plane_series.hpp"
 #include "planner/imaging/io/metaimage/metaimage_reader.hpp"
 #include "planner/imaging/io/nifti/nifti_reader.hpp"
 #include "planner/imaging/io/nrrd/nrrd_reader.hpp"
@@ -45,6 +45,15 @@ void warn_of_default_geometry(Volume& volume) {
       "places in it are probably not those of a scanner");
 }
 
+// Planes that were exported as a series each.
+std::vector<Volume> read_planes(const std::vector<DicomSeries>& series, const std::filesystem::path& path) {
+  std::vector<Volume> planes;
+  for (const DicomSeries& one : series)
+    for (Volume& stack : read_dicom_slabs(one)) planes.push_back(std::move(stack));
+  refuse_taken_apart(planes, path.string());
+  return planes;
+}
+
 std::vector<Volume> read_series(const std::filesystem::path& path, const std::string& series_uid,
                                 Wanted wanted) {
   const VolumeFiles files = find_volume_files(path);
@@ -55,6 +64,9 @@ std::vector<Volume> read_series(const std::filesystem::path& path, const std::st
   if (count == 0)
     throw ConfigError("DICOM, but no image (a report, structure set or directory)", path.string(),
                       "give an image series");
+  if (series_uid.empty() && wanted == Wanted::Stacks && count == folder.series.size() &&
+      are_planes(folder.series))
+    return read_planes(folder.series, path);
   if (series_uid.empty() && count > 1)
     throw ConfigError(fmt::format("{} series:{}", count, listed(list_series(path))), path.string(),
                       "choose one of them with --series UID");

@@ -17,8 +17,9 @@ namespace biopsy::imaging {
 Volume read_volume(const std::filesystem::path& path, const std::string& series_uid = "");
 
 // A confirmation image, from a single slice on: of DICOM one volume for each orientation (three orthogonal
-// planes, a slab); of other formats one volume, with its slices along the third axis. Throws as read_volume
-// does.
+// planes, a slab); of other formats one volume, with its slices along the third axis. Planes that a scanner
+// exported as two or three series of few slices are one image. Throws as read_volume does, and where those
+// are of two patients, studies or frames of reference.
 std::vector<Volume> read_stacks(const std::filesystem::path& path, const std::string& series_uid = "");
 
 }  // namespace biopsy::imaging

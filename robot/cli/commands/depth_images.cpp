@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "planner/imaging/io/dicom/dicom_reader.hpp"
+#include "planner/imaging/io/dicom/plane_series.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/cli/shared_options.hpp"
 #include "robot/common/config_error.hpp"
@@ -54,21 +54,29 @@ std::vector<std::filesystem::path> DepthImageOptions::files() const {
 void add_depth_images(CLI::App& app, DepthImageOptions& options) {
   add(app, "--before PATH", options.before, "image without the needle")->required();
   add(app, "--after PATH...", options.after,
-      "image with the needle: a volume, a slab of 1 to 3 slices, or up to three such planes")
+      "image with the needle: a volume, a slab of 1 to 3 slices, or up to three such planes; a folder of "
+      "three planes as a series each is one image")
       ->required()
       ->expected(1, 3);
   add(app, "--before-series UID", options.before_series, "series UID, where that folder holds several");
-  add(app, "--after-series UID", options.after_series, "series UID, where that folder holds several");
+  add(app, "--after-series UID...", options.after_series,
+      "series UID, where that folder holds several; several for planes")
+      ->expected(1, 3);
 }
 
 DepthImages read_depth_images(const DepthImageOptions& options) {
   if (options.after.size() > 1 && !options.after_series.empty())
-    throw ConfigError("one series for several images", "--after-series", "give folders of one series each");
+    throw ConfigError("series for several images", "--after-series",
+                      "give one folder and its series, or folders of one series each");
   DepthImages images;
   images.before = imaging::read_volume(options.before, options.before_series);
-  for (const std::filesystem::path& path : options.after)
-    for (Volume& stack : imaging::read_stacks(path, options.after_series))
-      images.after.push_back(std::move(stack));
+  const auto take = [&](const std::filesystem::path& path, const std::string& series) {
+    for (Volume& stack : imaging::read_stacks(path, series)) images.after.push_back(std::move(stack));
+  };
+  for (const std::string& series : options.after_series) take(options.after.front(), series);
+  if (options.after_series.empty())
+    for (const std::filesystem::path& path : options.after) take(path, "");
+  imaging::refuse_taken_apart(images.after, "--after");
   const auto warn = [&](const std::string& warning) {
     const auto& said = images.warnings;
     if (std::find(said.begin(), said.end(), warning) == said.end()) images.warnings.push_back(warning);

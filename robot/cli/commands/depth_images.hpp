@@ -13,7 +13,8 @@ namespace biopsy::robot {
 struct DepthImageOptions {
   std::filesystem::path before;
   std::vector<std::filesystem::path> after;  // several: planes that were taken together
-  std::string before_series, after_series;
+  std::string before_series;
+  std::vector<std::string> after_series;  // of the one folder in `after`
 
   std::vector<std::filesystem::path> files() const;
 };

@@ -161,6 +161,7 @@ std::vector<std::string> console_arguments(const Options& options) {
     add("--images-quiet", fmt::format("{}", given.images_quiet_s));
     add("--images-patience", fmt::format("{}", given.images_patience_s));
     add("--images-confirmed-by", given.images_confirmed_by);
+    if (given.images_planes > 0) add("--images-planes", std::to_string(given.images_planes));
   }
   if (given.scan_s) add("--scan", fmt::format("{}", *given.scan_s));
   add("--port", std::to_string(options.port));

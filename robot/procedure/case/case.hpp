@@ -22,6 +22,7 @@ struct ImageSource {
   std::chrono::milliseconds quiet{2000};        // without a change before a series counts as complete
   std::chrono::milliseconds patience{120'000};  // how long an image is waited for
   std::string confirmed_by;  // a person who answers for images that do not name their patient
+  std::size_t planes = 0;    // that the scanner exports as a series each; 0: not known
 };
 
 struct Case {

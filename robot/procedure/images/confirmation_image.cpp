@@ -34,13 +34,22 @@ sim::PatientMotion motion_at(const Case& given, const Point& about, std::uint64_
   return motion;
 }
 
+// `incomplete`: what came nevertheless; empty: nothing.
+std::string nothing_within(const ImageSource& source, const std::string& incomplete) {
+  const double seconds = std::chrono::duration<double>(source.patience).count();
+  if (incomplete.empty())
+    return fmt::format("no new image arrived in {} within {:.0f} s", source.folder.string(), seconds);
+  return fmt::format("no image was complete in {} within {:.0f} s, only: {}", source.folder.string(), seconds,
+                     incomplete);
+}
+
 }  // namespace
 
 ConfirmationImages::ConfirmationImages(const PreparedCase& prepared, const Plan& plan,
                                        std::filesystem::path folder)
     : prepared_(prepared), plan_(plan), folder_(std::move(folder)) {
   const ImageSource& source = prepared.given.images;
-  if (!source.folder.empty()) watched_.emplace(source.folder, source.quiet);
+  if (!source.folder.empty()) watched_.emplace(source.folder, source.quiet, source.planes);
 }
 
 void ConfirmationImages::take(std::size_t step, Millimetres tip, std::chrono::milliseconds held,
@@ -100,20 +109,22 @@ void ConfirmationImages::receive(std::size_t step, std::chrono::milliseconds hel
   };
   const auto arrived = system_clock::now() - held;
   const auto until = steady_clock::now() + source.patience;
-  std::optional<imaging::IncomingSeries> image;
-  while (!(image = watched_->poll(steady_clock::now())) && steady_clock::now() < until && !cancelled_)
+  imaging::IncomingImage image;
+  while ((image = watched_->poll(steady_clock::now())).empty() && steady_clock::now() < until && !cancelled_)
     std::this_thread::sleep_for(std::min(source.quiet / 4, std::chrono::milliseconds(100)));
   if (cancelled_) return unsure("the wait for an image was ended");
-  if (!image)
-    return unsure(fmt::format("no new image arrived in {} within {:.0f} s", source.folder.string(),
-                              std::chrono::duration<double>(source.patience).count()));
-  result.image_path = image->files.front().string();
-  const std::string objection = image_objection(
-      *image, {prepared_.image.identity, arrived, system_clock::now(), last_acquired_, source.confirmed_by});
-  if (!objection.empty()) return unsure(objection);
-  if (image->acquired) last_acquired_ = image->acquired;
+  if (image.empty()) return unsure(nothing_within(source, watched_->incomplete()));
+  result.image_path = image.front().files.front().string();
+  const ExpectedImage expected{prepared_.image.identity, arrived, system_clock::now(), last_acquired_,
+                               source.confirmed_by};
+  for (const imaging::IncomingSeries& series : image)
+    if (const std::string objection = image_objection(series, expected); !objection.empty())
+      return unsure(objection);
+  for (const imaging::IncomingSeries& series : image)
+    if (series.acquired)
+      last_acquired_ = std::max(last_acquired_.value_or(*series.acquired), *series.acquired);
   try {
-    check(step, imaging::read_incoming_stacks(*image), result);
+    check(step, imaging::read_incoming_stacks(image), result);
   } catch (const ConfigError& refusal) {
     unsure(refusal.what());
   }

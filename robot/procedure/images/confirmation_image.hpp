@@ -30,9 +30,9 @@ class ConfirmationImages {
 
   // At the end of `step`, with the needle at `tip` (known of a simulated stage only) for at least `held`:
   // fills the check and the pictures of `result`. Each image of a step, a repeated one too, gets a folder and
-  // a noise of its own. A simulated image takes about a second. From a scanner the first series is taken that
-  // arrives whole; one that cannot be the confirmation (image_objection), and none within the time of the
-  // case, are an unsure check with the reason.
+  // a noise of its own. A simulated image takes about a second. From a scanner the first image is taken that
+  // arrives whole; one of which a series cannot be the confirmation (image_objection), and none within the
+  // time of the case, are an unsure check with the reason.
   void take(std::size_t step, Millimetres tip, std::chrono::milliseconds held, report::StepResult& result);
 
  private:

@@ -77,28 +77,62 @@ Volume plane_of(const Volume& image, const Point& centre, const Direction& right
   return plane;
 }
 
-TEST_F(ReceivedImage, OfThreePlanesIsCheckedAsOneImage) {
-  prepared.given.images.confirmed_by = "R. Nurse";
-  prepared.given.images.patience = std::chrono::milliseconds(5000);
-  ConfirmationImages images(prepared, plan(), run / "out");
-  const Point p_SE = plan().X_SR.translation();
-  const Direction axis = plan().X_SR.linear().col(2), across = axis.unitOrthogonal(), up = axis.cross(across);
-  sim::ScanSettings settings;
-  settings.needle = sim::NeedleArtefact{.p_SE = p_SE, .axis_S = axis, .tip_depth = plan().steps[0].depth};
-  settings.snr = 60.0;
-  Volume image = sim::scan(prepared.image, settings);
-  image.identity.series_uid = "1.2.3.4.6";
-  int number = 0;
-  for (const auto& [right, down] : {std::pair(axis, across), std::pair(axis, up), std::pair(across, up)})
-    for (const auto& file : sim::write_dicom_series(plane_of(image, p_SE, right, down),
-                                                    incoming / ("plane" + std::to_string(++number))))
-      say_original(file);
-  report::StepResult result;
-  images.take(0, plan().steps[0].depth, std::chrono::milliseconds(2000), result);
-  ASSERT_TRUE(result.check);
-  EXPECT_TRUE(result.check->tip_found) << result.check->reason;
-  EXPECT_NEAR(result.check->depth.value, plan().steps[0].depth.value, 0.7) << result.check->reason;
-  EXPECT_FALSE(result.after.rgb.empty());
+struct ReceivedPlanes : ReceivedImage {
+  // The first step's check of three planes, in one series or one each. `change`: of the volume that plane
+  // number n is cut from.
+  template <class Change>
+  report::StepResult check_of_planes(Change&& change) {
+    prepared.given.images.confirmed_by = "R. Nurse";
+    prepared.given.images.patience = std::chrono::milliseconds(5000);
+    ConfirmationImages images(prepared, plan(), run / "out");
+    const Point p_SE = plan().X_SR.translation();
+    const Direction axis = plan().X_SR.linear().col(2), across = axis.unitOrthogonal(),
+                    up = axis.cross(across);
+    sim::ScanSettings settings;
+    settings.needle = sim::NeedleArtefact{.p_SE = p_SE, .axis_S = axis, .tip_depth = plan().steps[0].depth};
+    settings.snr = 60.0;
+    const Volume image = sim::scan(prepared.image, settings);
+    int number = 0;
+    for (const auto& [right, down] : {std::pair(axis, across), std::pair(axis, up), std::pair(across, up)}) {
+      Volume plane = plane_of(image, p_SE, right, down);
+      plane.identity.series_uid = "1.2.3.4.6";
+      change(++number, plane.identity);
+      for (const auto& file : sim::write_dicom_series(plane, incoming / ("plane" + std::to_string(number))))
+        say_original(file);
+    }
+    report::StepResult result;
+    images.take(0, plan().steps[0].depth, std::chrono::milliseconds(2000), result);
+    return result;
+  }
+};
+
+TEST_F(ReceivedPlanes, OfOneSeriesOrOneEachAreCheckedAsOneImage) {
+  for (const bool apart : {false, true}) {
+    const report::StepResult result = check_of_planes([&](int number, SeriesIdentity& identity) {
+      if (apart) identity.series_uid += "." + std::to_string(number);
+    });
+    std::filesystem::remove_all(incoming.path()), std::filesystem::create_directory(incoming.path());
+    ASSERT_TRUE(result.check);
+    EXPECT_TRUE(result.check->tip_found) << result.check->reason;
+    EXPECT_NEAR(result.check->depth.value, plan().steps[0].depth.value, 0.7) << result.check->reason;
+    EXPECT_FALSE(result.after.rgb.empty());
+  }
+}
+
+TEST_F(ReceivedPlanes, OfWhichOneIsOfAnotherPatientOrFrameAreNoConfirmation) {
+  verifies("R-62");
+  const auto reason_of = [&](std::string SeriesIdentity::*field) {
+    const report::StepResult result = check_of_planes([&](int number, SeriesIdentity& identity) {
+      identity.series_uid += "." + std::to_string(number);
+      if (number == 2) identity.*field = "1.2.3.4.99";
+    });
+    std::filesystem::remove_all(incoming.path()), std::filesystem::create_directory(incoming.path());
+    EXPECT_EQ(result.check->verdict, DepthVerdict::Unsure);
+    return result.check->reason;
+  };
+  EXPECT_NE(reason_of(&SeriesIdentity::frame_of_reference_uid).find("two frames of reference"),
+            std::string::npos);
+  EXPECT_NE(reason_of(&SeriesIdentity::patient_id).find("two patients"), std::string::npos);
 }
 
 // The writer states no time of acquisition, as for a file without an identity.

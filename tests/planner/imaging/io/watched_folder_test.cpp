@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "planner/imaging/io/dicom/dicom_time.hpp"
 #include "robot/common/config_error.hpp"
 #include "tests/planner/imaging/dicom_fixture.hpp"
@@ -33,10 +35,40 @@ struct WatchedFolderTest : testing::Test {
   void arrive(const std::string& name) { std::filesystem::copy_file(source / name, folder / name); }
   // Polls for `span` in steps of 100 ms; what came.
   std::optional<IncomingSeries> wait(WatchedFolder& watched, std::chrono::milliseconds span) {
-    for (const auto until = now + span; now < until; now += 100ms)
-      if (auto series = watched.poll(now)) return series;
-    return std::nullopt;
+    const IncomingImage image = wait_for_image(watched, span);
+    if (image.empty()) return std::nullopt;
+    EXPECT_EQ(image.size(), 1U);
+    return image.front();
   }
+  IncomingImage wait_for_image(WatchedFolder& watched, std::chrono::milliseconds span) {
+    for (const auto until = now + span; now < until; now += 100ms)
+      if (IncomingImage image = watched.poll(now); !image.empty()) return image;
+    return {};
+  }
+};
+
+// One slice of a series of its own, as most scanners export three planes.
+struct WatchedPlanes : WatchedFolderTest {
+  SliceRecipe recipe;
+  std::string stated, frame = "1.2.3.5", patient = "phantom";
+
+  void SetUp() override {
+    recipe.change = [this](DcmDataset& dataset) {
+      dataset.putAndInsertString(DCM_SliceThickness, "3");
+      if (!stated.empty()) dataset.putAndInsertString(DCM_ImagesInAcquisition, stated.c_str());
+      dataset.putAndInsertString(DCM_FrameOfReferenceUID, frame.c_str());
+      dataset.putAndInsertString(DCM_PatientID, patient.c_str());
+    };
+  }
+  void arrives(const std::string& name, const std::string& orientation, double z_mm = 0.0) {
+    recipe.series_uid = "1.2.3.20." + name;
+    recipe.orientation = orientation;
+    recipe.position[2] = z_mm;
+    write_slice(folder / (name + "-" + std::to_string(static_cast<int>(z_mm)) + ".dcm"), recipe);
+  }
+  void axial(double z_mm = 0.0) { arrives("1", "1\\0\\0\\0\\1\\0", z_mm); }
+  void coronal() { arrives("2", "1\\0\\0\\0\\0\\-1"); }
+  void sagittal() { arrives("3", "0\\1\\0\\0\\0\\-1"); }
 };
 
 TEST_F(WatchedFolderTest, ReturnsASeriesOnceItIsWholeAndQuiet) {
@@ -106,12 +138,12 @@ TEST_F(WatchedFolderTest, TakesThreePlanesAsOneImage) {
   const auto series = wait(watched, 3s);
   ASSERT_TRUE(series);
   EXPECT_EQ(series->problem, "");
-  EXPECT_EQ(read_incoming_stacks(*series).size(), 3U);
+  EXPECT_EQ(read_incoming_stacks({*series}).size(), 3U);
   EXPECT_THROW(read_incoming(*series), ConfigError);  // no volume to plan on
 }
 
 TEST_F(WatchedFolderTest, TakesASlabThatSaysHowManySlicesItHas) {
-  WatchedFolder watched(folder.path(), 1s);
+  WatchedFolder watched(folder.path(), 1s, 1);
   SliceRecipe recipe;
   recipe.series_uid = "1.2.3.12";
   recipe.change = [](DcmDataset& dataset) {
@@ -125,9 +157,93 @@ TEST_F(WatchedFolderTest, TakesASlabThatSaysHowManySlicesItHas) {
   const auto series = wait(watched, 2s);
   ASSERT_TRUE(series);
   EXPECT_EQ(series->problem, "");
-  const std::vector<Volume> slab = read_incoming_stacks(*series);
+  const std::vector<Volume> slab = read_incoming_stacks({*series});
   ASSERT_EQ(slab.size(), 1U);
   EXPECT_EQ(slab.front().grid.size.z(), 2);
+}
+
+TEST_F(WatchedPlanes, OfASeriesEachAreOneImage) {
+  WatchedFolder watched(folder.path(), 1s);
+  stated = "1";
+  for (const auto& arrive : {&WatchedPlanes::sagittal, &WatchedPlanes::coronal}) {
+    (this->*arrive)();
+    EXPECT_TRUE(wait_for_image(watched, 3500ms).empty());
+  }
+  axial();
+  EXPECT_TRUE(wait_for_image(watched, 900ms).empty());
+  const IncomingImage image =
+      wait_for_image(watched, 1s);  // nothing is missing: no longer than one quiet time
+  ASSERT_EQ(image.size(), 3U);
+  for (const IncomingSeries& series : image) EXPECT_EQ(series.problem, "");
+  EXPECT_EQ(read_incoming_stacks(image).size(), 3U);
+  EXPECT_TRUE(wait_for_image(watched, 10s).empty());  // once
+}
+
+TEST_F(WatchedPlanes, AreTwoWhereNoThirdComes) {
+  WatchedFolder watched(folder.path(), 1s);
+  coronal();
+  axial(0.0), axial(3.0), axial(6.0);  // a slab across, of three slices
+  EXPECT_TRUE(wait_for_image(watched, 3500ms).empty());
+  const IncomingImage image = wait_for_image(watched, 2s);
+  ASSERT_EQ(image.size(), 2U);
+  EXPECT_EQ(read_incoming_stacks(image).size(), 2U);
+}
+
+// A scanner may take each plane for longer than any quiet time.
+TEST_F(WatchedPlanes, AreWaitedForWhereTheirNumberIsKnown) {
+  WatchedFolder watched(folder.path(), 1s, 3);
+  axial(), sagittal();
+  EXPECT_TRUE(wait_for_image(watched, 60s).empty());
+  EXPECT_EQ(watched.incomplete(), "2 of 3 planes");
+  coronal();
+  EXPECT_EQ(wait_for_image(watched, 6s).size(), 3U);
+  EXPECT_EQ(watched.incomplete(), "");
+}
+
+// Some state the slices of all planes in each.
+TEST_F(WatchedPlanes, MayCountTheSlicesOfAllTogether) {
+  WatchedFolder watched(folder.path(), 1s);
+  stated = "3";
+  axial(), coronal();
+  EXPECT_TRUE(wait_for_image(watched, 3500ms).empty());
+  sagittal();
+  const IncomingImage image = wait_for_image(watched, 2500ms);
+  ASSERT_EQ(image.size(), 3U);
+  EXPECT_EQ(image.back().problem, "");
+}
+
+TEST_F(WatchedPlanes, ThatWereNotTakenTogetherAreNoImage) {
+  const std::vector<std::pair<std::string WatchedPlanes::*, const char*>> changes{
+      {&WatchedPlanes::frame, "two frames of reference"}, {&WatchedPlanes::patient, "two patients"}};
+  for (const auto& [what, problem] : changes) {
+    WatchedFolder watched(folder.path(), 1s, 3);
+    axial(), coronal();
+    const std::string usual = std::exchange(this->*what, "another");
+    sagittal();
+    this->*what = usual;
+    const IncomingImage image = wait_for_image(watched, 6s);
+    ASSERT_EQ(image.size(), 3U);
+    EXPECT_NE(image.front().problem.find(problem), std::string::npos) << image.front().problem;
+  }
+}
+
+TEST_F(WatchedPlanes, OfOneOrientationAreNotMixed) {
+  WatchedFolder watched(folder.path(), 1s);
+  axial(), coronal();
+  arrives("4", "1\\0\\0\\0\\0.9986295\\0.0523360");  // axial again, turned by 3 degrees
+  const IncomingImage image = wait_for_image(watched, 6s);
+  ASSERT_EQ(image.size(), 3U);
+  EXPECT_NE(image.front().problem.find("two planes of one orientation"), std::string::npos);
+}
+
+TEST_F(WatchedFolderTest, SaysWhatIsIncomplete) {
+  WatchedFolder watched(folder.path(), 1s);
+  EXPECT_EQ(watched.incomplete(), "");
+  for (const char* name : {"a.dcm", "b.dcm", "c.dcm"}) {
+    arrive(name);
+    EXPECT_FALSE(wait(watched, 700ms));
+  }
+  EXPECT_EQ(watched.incomplete(), "3 of 5 slices have arrived");
 }
 
 TEST_F(WatchedFolderTest, RefusesAFolderThatIsNone) {
