@@ -120,19 +120,38 @@ bool certainly_beyond(const Planar& place, double tolerance, const DepthCheckSet
   return certainly_beyond(within_disc(spread, tolerance), within_disc(on_axis, tolerance), s);
 }
 
+// Whether the place beside the axis is known so well that it could be accepted, were it on the axis. Where it
+// is not, as across one thick slice, a void may end where the needle leaves the slice: that is no depth.
+bool place_known(const Planar& place, const DepthCheckSettings& s) {
+  const Planar on_axis{Eigen::Vector2d::Zero(), place.covariance + place.other * place.other.transpose()};
+  return within_disc(on_axis, s.lateral_mm.limit) >= s.confidence;
+}
+
+// The largest distance from the axis that the needle certainly exceeds.
+double certainly_beside_mm(const Planar& place, const DepthCheckSettings& s) {
+  double low = s.lateral_mm.tolerance, high = place.value.norm() + place.other.norm();
+  for (int n = 0; n < 20; ++n) {
+    const double middle = 0.5 * (low + high);
+    (certainly_beyond(place, middle, s) ? low : high) = middle;
+  }
+  return low;
+}
+
 // A quantity of the needle that certainly misses its tolerance.
 MaybeJudgement miss(const TipFinding& tip, const NeedlePlacement& read, const DepthCheckSettings& s) {
   if (certainly_beyond(tip.beside_mm, s.lateral_mm.tolerance, s))
     return DepthJudgement{
-        Reject, fmt::format("The needle lies {:.1f} mm (+-{:.1f}) beside the planned axis; {:.1f} mm "
-                            "are allowed.",
-                            read.lateral_mm, read.lateral_sigma_mm, s.lateral_mm.tolerance)};
+        Reject,
+        fmt::format("The needle lies {:.1f} mm (+-{:.1f}) beside the planned axis, certainly more than "
+                    "{:.1f} mm; {:.1f} mm are allowed.",
+                    read.lateral_mm, read.lateral_sigma_mm, certainly_beside_mm(tip.beside_mm, s),
+                    s.lateral_mm.tolerance)};
   if (certainly_beyond(tip.slope, std::tan(s.angle_deg.tolerance / kDegreesPerRadian), s))
     return DepthJudgement{Reject,
                           fmt::format("The needle is tilted by {:.1f} degrees (+-{:.1f}) against the planned "
                                       "axis; {:.1f} are allowed.",
                                       read.angle_deg, read.angle_sigma_deg, s.angle_deg.tolerance)};
-  if (!s.expected || !s.tip_offset) return std::nullopt;
+  if (!s.expected || !s.tip_offset || !place_known(tip.beside_mm, s)) return std::nullopt;
   const double expected = s.expected->value;
   if (tip.at_end) {
     const double least = tip.seen_to_mm - s.tip_offset->value.value - 2.0 * read.depth_sigma_mm;

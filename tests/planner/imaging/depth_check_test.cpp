@@ -246,6 +246,29 @@ TEST(JudgeDepth, DoesNotRejectForWhatIsHardlyKnown) {
   EXPECT_EQ(judge_depth(reading, shallow).verdict, DepthVerdict::Reject);
 }
 
+// Across a slice thicker than the void the needle's line is not known: it may leave the slice before its tip.
+TEST(JudgeDepth, TakesNoDepthFromAVoidWhoseLineIsNotKnown) {
+  DepthReading reading = good_reading();
+  spread_depth(reading.tip, 12.0, 0.3);  // planned: 20 mm
+  ASSERT_EQ(judge_depth(reading, expecting(20.0)).verdict, DepthVerdict::Reject);
+  for (const bool two_sides : {false, true}) {
+    Planar& place = reading.tip.beside_mm;
+    place = {{0.2, 0.0}, 0.01 * Eigen::Matrix2d::Identity()};
+    if (two_sides)
+      place.other = {0.0, 4.0};
+    else
+      place.covariance(1, 1) = 4.0;
+    const DepthJudgement judgement = judge_depth(reading, expecting(20.0));
+    EXPECT_EQ(judgement.verdict, DepthVerdict::Unsure) << judgement.reason;
+    EXPECT_NE(judgement.reason.find("beside"), std::string::npos) << judgement.reason;
+    place.value.x() = 7.0;  // in the slice it certainly misses, whatever the depth
+    const DepthJudgement missed = judge_depth(reading, expecting(20.0));
+    EXPECT_EQ(missed.verdict, DepthVerdict::Reject) << missed.reason;
+    EXPECT_NE(missed.reason.find("7.0 mm"), std::string::npos) << missed.reason;
+    EXPECT_NE(missed.reason.find("certainly more than"), std::string::npos) << missed.reason;
+  }
+}
+
 TEST(JudgeDepth, CountsTheCalibrationsErrorAsItsOwn) {
   DepthReading reading = good_reading();
   spread_depth(reading.tip, 24.2, 0.15);
