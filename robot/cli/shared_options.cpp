@@ -36,6 +36,8 @@ void add_case_options(CLI::App& app, ProcedureOptions& options) {
   add(app, "--labels PATH", options.labels,
       "label map or segmentation (`.seg.nrrd`, DICOM SEG) of the tissues on the same patient; with "
       "`--image`");
+  app.add_flag("--labels-anyway", options.labels_anyway,
+               "take the labels though they look like a grey image: you have looked at them");
   add(app, "--fiducials FILE", options.fiducials,
       "CSV of fiducial pairs, robot and scanner; replaces the case's");
   add_model(app, options.model, "plant model of the simulated stage (TOML); replaces the case's",

@@ -75,6 +75,10 @@ Case case_of(const ProcedureOptions& options, Points points) {
     take_points(options, points, given);
     given.labels = options.labels;
   }
+  if (options.labels_anyway && given.labels.empty())
+    throw ConfigError("without labels", "--labels-anyway",
+                      "give the label map with --labels, or leave it out");
+  given.labels_anyway = options.labels_anyway;
   if (!options.series.empty() && given.phantom)
     throw ConfigError("--series with a built-in phantom, which has one series only", "command line",
                       "leave it out, or give the folder with --image");

@@ -16,6 +16,7 @@ struct ProcedureOptions {
   std::optional<std::uint64_t> seed;
   std::filesystem::path model, controller;
   std::filesystem::path out;
+  bool labels_anyway = false;         // though they look like a grey image
   std::filesystem::path images_from;  // a folder into which a scanner exports; empty: simulated images
   double images_quiet_s = 2.0, images_patience_s = 120.0;
   std::string images_confirmed_by;

@@ -7,6 +7,7 @@
 
 #include "planner/imaging/io/dicom/dicom_segmentation.hpp"
 #include "planner/imaging/io/grid_rules.hpp"
+#include "planner/imaging/io/label_pattern.hpp"
 #include "planner/imaging/io/nrrd/nrrd_segmentation.hpp"
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/common/config_error.hpp"
@@ -32,11 +33,12 @@ std::pair<Eigen::Vector3i, Eigen::Vector3i> reach_of(const Grid& image, const Gr
 
 }  // namespace
 
-LabelMap read_labels(const std::filesystem::path& path) {
+LabelMap read_labels(const std::filesystem::path& path, bool anyway) {
   if (is_nrrd_segmentation(path)) return read_nrrd_segmentation(path);
   if (const auto file = dicom_segmentation_at(path)) return read_dicom_segmentation(*file);
   LabelMap map{.volume = read_volume(path), .names = {}};
-  refuse_unlike_labels(map.volume, path.string());
+  if (const std::string doubt = refuse_unlike_labels(map.volume, path.string(), anyway); !doubt.empty())
+    map.volume.warnings.push_back(doubt);
   return map;
 }
 
@@ -67,7 +69,7 @@ void cover_image(const Grid& image, LabelMap& map) {
   map.volume.voxels = std::move(voxels);
 }
 
-void refuse_unlike_labels(const Volume& volume, const std::string& where) {
+std::string refuse_unlike_labels(const Volume& volume, const std::string& where, bool anyway) {
   const auto refuse = [&](const std::string& what) {
     throw ConfigError(what, where, "give the label map (segmentation) of the image, not an image");
   };
@@ -83,21 +85,13 @@ void refuse_unlike_labels(const Volume& volume, const std::string& where) {
     if (values.size() > kLabelsMax)
       refuse(fmt::format("no label map: more than {} different values", kLabelsMax));
   }
-  std::size_t labelled = 0, same = 0;
-  for (int axis = 0; axis < 2; ++axis)  // slices may be thicker than what is labelled
-    for (int k = 0; k < volume.grid.size.z(); ++k)
-      for (int j = axis == 1; j < volume.grid.size.y(); ++j)
-        for (int i = axis == 0; i < volume.grid.size.x(); ++i) {
-          const float here = volume.at(i, j, k), before = volume.at(i - (axis == 0), j - (axis == 1), k);
-          labelled += here != 0.0F || before != 0.0F;
-          same += here != 0.0F && here == before;
-        }
-  const double share = labelled > 0 ? static_cast<double>(same) / static_cast<double>(labelled) : 1.0;
-  if (share < kLeastSameNeighbours)
-    refuse(
-        fmt::format("no label map: {} different values, and only {:.0f} % of the neighbours are alike, "
-                    "as in a grey image",
-                    values.size(), 100.0 * share));
+  const LabelPattern pattern = label_pattern(volume);
+  const std::string grey = grey_pattern(pattern);
+  if (grey.empty()) return {};
+  if (anyway) return "it looks like a grey image: " + grey;
+  throw ConfigError(
+      fmt::format("no label map: {} different values, and {}, as in a grey image", pattern.values, grey),
+      where, "give the label map (segmentation) of the image; if it is one, say so with --labels-anyway");
 }
 
 }  // namespace biopsy::imaging

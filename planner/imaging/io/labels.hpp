@@ -15,9 +15,9 @@ struct LabelMap {
   bool ends_unlabelled = false;      // outside of the volume is 0: it was cut to what is drawn
 };
 
-// A segmentation of 3D Slicer (.seg.nrrd) or of DICOM, or any volume that is a label map. Throws ConfigError
-// as its reader does.
-LabelMap read_labels(const std::filesystem::path& path);
+// A segmentation of 3D Slicer (.seg.nrrd) or of DICOM, or any volume that is a label map. `anyway`: a
+// person answers that it is one, though it looks like a grey image. Throws ConfigError as its reader does.
+LabelMap read_labels(const std::filesystem::path& path, bool anyway = false);
 
 // Throws ConfigError for more than 2^28 voxels, of which most would be empty.
 void refuse_large_labels(const Grid& grid, const std::string& where);
@@ -26,10 +26,9 @@ void refuse_large_labels(const Grid& grid, const std::string& where);
 void cover_image(const Grid& image, LabelMap& map);
 
 // Throws ConfigError naming `where` for a volume that is no label map: values that are negative or no whole
-// numbers, more than kLabelsMax of them, or too few neighbours with the same value. A segmentation is made of
-// regions, so of its labelled voxels most have their neighbours' label; in a picture with noise few have.
+// numbers, more than kLabelsMax of them, or a pattern of grey (label_pattern.hpp), which is returned as a
+// warning where a person answers for it.
 inline constexpr std::size_t kLabelsMax = 1000;
-inline constexpr double kLeastSameNeighbours = 0.6;
-void refuse_unlike_labels(const Volume& volume, const std::string& where);
+std::string refuse_unlike_labels(const Volume& volume, const std::string& where, bool anyway = false);
 
 }  // namespace biopsy::imaging

@@ -153,6 +153,7 @@ std::vector<std::string> console_arguments(const Options& options) {
   add("--target", given.target);
   add("--markups", given.markups.string());
   add("--labels", given.labels.string());
+  if (given.labels_anyway) words.emplace_back("--labels-anyway");
   add("--fiducials", given.fiducials.string());
   add("--model", given.model.string());
   add("--seed", given.seed ? std::to_string(*given.seed) : "");

@@ -31,6 +31,7 @@ struct Case {
   std::filesystem::path image;  // file or folder
   std::string series_uid;
   std::filesystem::path labels;  // empty: none
+  bool labels_anyway = false;    // a person answers for labels that look like a grey image
   planner::LabelNames label_names;
   std::vector<Layer> layers;                     // a table instead of labels
   std::optional<Point> p_SE, p_ST;               // LPS mm; of a phantom: its own; neither: set at the console

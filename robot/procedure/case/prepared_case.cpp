@@ -95,7 +95,7 @@ PreparedCase open_case(const Case& given, const std::filesystem::path& folder) {
     out.target.p_SE = given.p_SE.value_or(Point::Zero());
     out.target.p_ST = given.p_ST.value_or(Point::Zero());
     if (!given.labels.empty()) {
-      imaging::LabelMap map = imaging::read_labels(given.labels);
+      imaging::LabelMap map = imaging::read_labels(given.labels, given.labels_anyway);
       check_labels_belong(out.image.identity, map.volume.identity);
       imaging::cover_image(out.image.grid, map);
       out.labels = std::move(map.volume);

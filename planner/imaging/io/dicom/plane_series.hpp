@@ -1,4 +1,5 @@
-// Planes that were taken together and exported as a series each, as most scanners do: three orthogonal slices.
+// Planes that were taken together and exported as a series each, as most scanners do: three orthogonal
+// slices.
 #pragma once
 
 #include <span>

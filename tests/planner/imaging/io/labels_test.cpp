@@ -1,8 +1,12 @@
 // Which volumes count as label maps. Inputs: regions drawn here; the real label map and the real grey image
-// of one liver (../shared/data/images/mr/liver).
+// of one liver (../shared/data/images/mr/liver); atlases and heads of Debian's mricron-data.
 #include "planner/imaging/io/labels.hpp"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "planner/imaging/io/read_volume.hpp"
 #include "robot/common/config_error.hpp"
@@ -55,6 +59,63 @@ TEST(Labels, OfARealLiverAreTakenAndItsGreyImageIsNot) {
   } catch (const ConfigError& refusal) {
     EXPECT_NE(refusal.what_is_wrong.find("no label map"), std::string::npos);
     EXPECT_EQ(refusal.where, "example_mr_sm.nii.gz");
+  }
+}
+
+// Of a voxel's thickness, or checkered: unusual, but regions.
+TEST(Labels, MayBeThinShellsOrAChequeredPhantom) {
+  const std::vector<float (*)(int, int, int)> maps{
+      [](int i, int j, int) { return static_cast<float>(std::lround(std::hypot(i - 12, j - 10)) == 7); },
+      [](int i, int j, int) { return static_cast<float>(std::lround(std::hypot(i - 12, j - 10)) / 2); },
+      [](int i, int j, int) { return static_cast<float>((i + j) % 9 == 0); },
+      [](int i, int j, int k) { return static_cast<float>(1 + (i / 2 + j / 2 + k / 2) % 3); },
+      [](int i, int j, int) { return static_cast<float>(1 + (i / 3 + 2 * (j / 3)) % 7); }};
+  for (std::size_t n = 0; n < maps.size(); ++n)
+    EXPECT_EQ(refuse_unlike_labels(drawn(maps[n]), "labels"), "") << n;
+}
+
+// `levels` values from air to the brightest.
+Volume cut(Volume image, int levels) {
+  std::vector<float> sorted = image.voxels;
+  const auto brightest = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 100 * 99);
+  std::nth_element(sorted.begin(), brightest, sorted.end());
+  for (float& value : image.voxels)
+    value = std::clamp(std::floor(value / *brightest * static_cast<float>(levels)), 0.0F,
+                       static_cast<float>(levels - 1));
+  return image;
+}
+
+void expect_no_labels(const std::filesystem::path& grey) {
+  if (!std::filesystem::exists(grey)) GTEST_SKIP() << "not installed: " << grey;
+  for (const int levels : {5, 6, 9, 14, 25, 60}) {
+    const Volume image = cut(read_volume(grey), levels);
+    try {
+      refuse_unlike_labels(image, "grey");
+      ADD_FAILURE() << grey << " cut to " << levels << " values was taken for labels";
+    } catch (const ConfigError& refusal) {
+      EXPECT_NE(refusal.remedy.find("--labels-anyway"), std::string::npos);
+    }
+    EXPECT_NE(refuse_unlike_labels(image, "grey", true), "");
+  }
+}
+
+TEST(Labels, AreNoGreyImageThatWasCutToAFewValues) {
+  const auto folder = source_dir() / "../shared/data/images/mr";
+  for (const char* name : {"liver/example_mr_sm.nii.gz", "prostate_guidance", "prostate_planning", "zframe"})
+    expect_no_labels(folder / name);
+  for (const char* name : {"ch2.nii.gz", "inia19-t1-brain.nii.gz"})
+    expect_no_labels(std::filesystem::path("/usr/share/mricron/templates") / name);
+}
+
+TEST(Labels, OfAtlasesAreTaken) {
+  const std::filesystem::path folder = "/usr/share/mricron/templates";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "not installed: mricron-data";
+  for (const char* name : {"aal", "brodmann", "JHU-WhiteMatter-labels-2mm", "natbrainlab", "AICHAmc",
+                           "jhu189", "HarvardOxford-cort-maxprob-thr0-1mm", "inia19-NeuroMaps"}) {
+    const auto file = folder / (std::string(name) + ".nii.gz");
+    if (std::filesystem::exists(file)) {
+      EXPECT_EQ(refuse_unlike_labels(read_volume(file), name), "");
+    }
   }
 }
 
