@@ -246,14 +246,15 @@ double cost_of_unknowns(const Hypothesis& hypothesis, double samples, std::size_
   return free * (0.5 * std::log(samples) + kComplexityPenalty);
 }
 
-bool slides_at_less(const ScoredModel& scored) {
+bool slides_at_more(const ScoredModel& scored) {
   const auto& friction = scored.hypothesis.model.effects.stribeck_friction;
-  return friction && friction->sliding < friction->breakaway;
+  return friction && friction->sliding >= friction->breakaway;
 }
 
-// Stribeck friction contains Coulomb's, so it never fits worse: where it needs more force to keep sliding
-// than to break away, the opposite of its name, it must be better beyond doubt where Coulomb friction leaves
-// much, or Coulomb friction is the name.
+// Stribeck friction and a hysteretic spring that yields at once contain Coulomb friction, so that they never
+// fit worse: where that leaves little, they must be better beyond doubt, or Coulomb friction is the name.
+// Stribeck friction that needs more force to keep sliding than to break away is the opposite of its name: it
+// must be better beyond doubt where Coulomb friction leaves much.
 void keep_simpler(Round& round, const Evidence& evidence) {
   const auto find = [&](std::string_view name) {
     return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
@@ -261,12 +262,17 @@ void keep_simpler(Round& round, const Evidence& evidence) {
              library_effect(t.candidate.effect).info.name == name;
     });
   };
-  const auto simple = find(CoulombFriction::info.name), rich = find(StribeckFriction::info.name);
-  if (simple == round.fits.end() || rich == round.fits.end()) return;
+  const auto simple = find(CoulombFriction::info.name);
+  if (simple == round.fits.end()) return;
   const bool leaves_much = std::sqrt(excess(simple->scored.square, evidence)) > kLittle * evidence.noise;
-  const bool is_better = leaves_much && rich->log_evidence > simple->log_evidence + kOpen;
-  if (slides_at_less(rich->scored) || is_better) return;
-  rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
+  for (const std::string_view name : {StribeckFriction::info.name, HystereticSpring::info.name}) {
+    const auto rich = find(name);
+    if (rich == round.fits.end()) continue;
+    const bool ahead = rich->log_evidence > simple->log_evidence + kOpen ||
+                       paired_evidence(rich->scored, simple->scored, evidence) > kOpen;
+    if (slides_at_more(rich->scored) ? leaves_much && ahead : leaves_much || ahead) continue;
+    rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
+  }
 }
 
 // A number that seems to be another may be the mean of one that varies with the motion; out of step with it,

@@ -115,6 +115,18 @@ double recorded_seconds(const Dataset& dataset) {
   return out;
 }
 
+// Of the readings, those that differ from the one before where a sensor has steps; all where it has none.
+double independent_share(const Dataset& dataset) {
+  double own = 0.0, all = 0.0;
+  for (const RecordedRun& run : dataset.runs) {
+    const std::vector<double>& x = run.displacement;
+    const bool steps = quantisation_step(x) > 0.0;
+    for (std::size_t i = 1; i < x.size(); ++i) own += !steps || x[i] != x[i - 1] ? 1.0 : 0.0;
+    all += static_cast<double>(x.size() - 1);
+  }
+  return own / all;
+}
+
 // The beginning of a run.
 void shorten(EvidenceRun& run, double share) {
   const auto kept = static_cast<std::size_t>(std::ceil(share * static_cast<double>(run.rows.size())));
@@ -191,6 +203,7 @@ Evidence prepare(const Dataset& dataset, const PlantModel& model, std::optional<
                recorded_seconds(dataset) / kMostStiffSteps);
   evidence.noise_given = dataset.sensor_noise.has_value() && *dataset.sensor_noise > 0.0;
   evidence.noise = noise_of(dataset);
+  evidence.independent = independent_share(dataset);
   evidence.noise_std = evidence.noise_given ? 0.0 : estimate_noise(dataset.runs).std;
   evidence.tissue = dataset.tissue.value_or(model.baseline.drive == Drive::Stack);
   for (const RecordedRun& run : dataset.runs)

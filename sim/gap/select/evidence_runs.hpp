@@ -45,7 +45,9 @@ struct Evidence {
   std::shared_ptr<Work> work = std::make_shared<Work>();
   double noise = 0.0;  // m, standard deviation of one reading
   bool noise_given = false;
-  double noise_std = 0.0;  // m, of an estimated noise
+  double noise_std = 0.0;    // m, of an estimated noise
+  double independent = 1.0;  // share of the readings whose error is their own: on one step of a coarse sensor
+                             // it repeats
   bool tissue = true;  // the needle may meet tissue: not where a force drives, unless the data set says so
   double training_seconds = 0.0, held_out_seconds = 0.0;
   double x_low = 0.0, x_high = 0.0;  // m, range of what was measured

@@ -155,7 +155,8 @@ NextExperiment experiment_between(const std::vector<FoundGap::Rival>& rivals, co
 // Without noise the supervisor would take a simulated laser for a frozen one.
 void add_sensor_noise(PlantModel& model, std::vector<FoundGap::Source>& changed, double noise) {
   const auto parameter = SensorNoise::parameters()[0];
-  const double um = std::max(1e-3, std::round(noise * 1e9) * 1e-3);
+  // A coarse reading of a large motion may have more than the parameter's range.
+  const double um = std::clamp(std::round(noise * 1e9) * 1e-3, 1e-3, parameter.high * 1e3);
   model.effects.sensor_noise = SensorNoise{um * 1e-6};
   changed.push_back({fmt::format("{}.{}", SensorNoise::info.name, parameter.name),
                      std::numeric_limits<double>::quiet_NaN()});

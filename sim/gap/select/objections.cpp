@@ -84,9 +84,9 @@ double strength_std(const Hypothesis& hypothesis, int effect) {
 }
 
 // A fit may use an effect for something else than its name says: a drag that grows with the root of the speed
-// is friction that grows from breakaway to sliding; a stop is tissue that does not relax; thick grease at one
-// end is a shaft that tissue holds without rubbing on it; a gain that falls with the voltage is a bend
-// without the limit that it leads to.
+// is friction that grows from breakaway to sliding; a spring that yields at once is dry friction; a stop is
+// tissue that does not relax; thick grease at one end is a shaft that tissue holds without rubbing on it; a
+// gain that falls with the voltage is a bend without the limit that it leads to.
 void add_contradictions(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   const Hypothesis& best = selection.best.hypothesis;
   double longest = 0.0;
@@ -100,7 +100,17 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
             fmt::format("it would break away at {:.2g} N and need {:.2g} N to keep sliding, the opposite of "
                         "its name",
                         friction.breakaway, friction.sliding));
+      else if (friction.breakaway - friction.sliding < strength_std(best, term.candidate.effect))
+        out.push_back(
+            fmt::format("its breakaway, {:.2g} N, is not known to be above its sliding friction, {:.2g} N: "
+                        "dry friction without what it is named for",
+                        friction.breakaway, friction.sliding));
     }
+    if (is(term, HystereticSpring::info.name) && best.model.effects.hysteretic_spring->yield < evidence.noise)
+      out.push_back(fmt::format(
+          "it would yield at {:.2g} mm, less than one reading resolves ({:.2g} mm): dry friction, "
+          "not a spring",
+          1e3 * best.model.effects.hysteretic_spring->yield, 1e3 * evidence.noise));
     if (is(term, TissueRelaxation::info.name) && best.model.effects.tissue_relaxation->time > longest)
       out.push_back(fmt::format(
           "its force would relax in {:.2g} s, longer than any run: an elastic stop without relaxation",

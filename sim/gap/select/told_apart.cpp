@@ -21,6 +21,7 @@ double paired_evidence(const ScoredModel& a, const ScoredModel& b, const Evidenc
     ratio += 0.5 * (b.residual[i] * b.residual[i] - a.residual[i] * a.residual[i]) / noise;
     apart += (b.residual[i] - a.residual[i]) * (b.residual[i] - a.residual[i]) / noise;
   }
+  ratio *= evidence.independent, apart *= evidence.independent;
   return ratio > kStandsOut * std::sqrt(apart) ? ratio : 0.0;
 }
 

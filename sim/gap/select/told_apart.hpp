@@ -1,6 +1,6 @@
 // Whether held-out runs tell two explanations apart that both leave next to nothing but noise. Log evidence
 // counts one reading every two seconds, for errors of a wrong model repeat; where only noise is left, every
-// reading counts.
+// reading counts whose error is its own.
 #pragma once
 
 #include "sim/gap/select/select.hpp"

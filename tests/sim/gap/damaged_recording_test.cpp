@@ -196,6 +196,22 @@ TEST(DamagedRecording, AQuantisedOneIsRemarkedAndItsNoiseRaised) {
   EXPECT_NEAR(sim::gap::noise_of(bench.data), 1e-4 / std::sqrt(12.0), 1e-9);
 }
 
+// On one step of a coarse sensor the error repeats: it tells nothing of how friction begins.
+TEST(DamagedRecording, ACoarseOneOfDryFrictionHasNoFinerName) {
+  for (const double steps : {12.0, 18.0, 26.0}) {
+    Dataset data = rig_recording({.hertz = 0.9, .damping_ratio = 0.15, .grip = 0.3}, kNoise, 23);
+    double range = 0.0;
+    for (const RecordedRun& run : data.runs) range = std::max(range, sim::gap::range_of(run.displacement));
+    for (RecordedRun& run : data.runs)
+      for (double& x : run.displacement) x = std::round(x * steps / range) * range / steps;
+    const GapFinding finding =
+        sim::gap::find_gap(data,
+                           sim::parse_model(rig_model({.hertz = 0.9, .damping_ratio = 0.15}), "rig.toml"), {})
+            .finding;
+    for (const FoundEffect& one : finding.effects) EXPECT_EQ(one.name, "coulomb_friction") << steps;
+  }
+}
+
 TEST(DamagedRecording, ASlowlySampledResonanceIsRemarked) {
   Bench bench = rig();
   bench.model.baseline.k *= 1e4;
