@@ -50,9 +50,11 @@ Whole whole() {
   hazard.tests = {"Suite.Claim"};
   w.safety_case.hazards = {hazard};
   w.safety_case.requirements = {{"R-01", "never", {"proof"}}};
-  Source tests{"tests", "Tests", SourceKind::Tests, {"run"}, {}, {}, true, {}};
-  Source proof{
-      "proof", "Proof", SourceKind::Proof, {"run"}, {}, {}, false, {{"misses", "misses", "", {}, 0.0}}};
+  Source tests, proof;
+  tests.id = "tests", tests.title = "Tests", tests.kind = SourceKind::Tests, tests.command = {"run"};
+  proof.id = "proof", proof.title = "Proof", proof.kind = SourceKind::Proof, proof.command = {"run"};
+  proof.in_quick = false;
+  proof.criteria = {{"misses", "misses", "", {}, 0.0}};
   w.safety_case.sources = {tests, proof};
   w.safety_case.risk.matrix = matrix();
   w.safety_case.risk.risks = {risk()};
