@@ -40,12 +40,13 @@ class RecentMotion {
     next_ = (next_ + 1) % kTicks;
   }
 
-  // Since the least voltage of these seconds the needle moved by less than a tenth of what the stage lifts for
-  // as much of V^2 outside tissue, 8.1 mm at 8 kV (the paper's Fig. 8b): it is stuck.
+  // Since the least voltage of these seconds the needle moved by less than a tenth of what the stage lifts
+  // for as much of V^2 outside tissue, 8.1 mm at 8 kV (the paper's Fig. 8b): it is stuck.
   bool is_stuck() const {
     constexpr double kFreeStroke_mm_per_kV2 = 8.1 / 64.0, kLeastRise_kV2 = 10.0;
     const std::size_t last = (next_ + kTicks - 1) % kTicks;
-    const auto least = static_cast<std::size_t>(std::ranges::min_element(squares_kV2_) - squares_kV2_.begin());
+    const auto least =
+        static_cast<std::size_t>(std::ranges::min_element(squares_kV2_) - squares_kV2_.begin());
     const double rise_kV2 = squares_kV2_[last] - squares_kV2_[least];
     return rise_kV2 > kLeastRise_kV2 &&
            depths_mm_[last] - depths_mm_[least] < 0.1 * kFreeStroke_mm_per_kV2 * rise_kV2;

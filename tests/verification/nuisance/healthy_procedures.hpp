@@ -26,7 +26,7 @@ struct HealthyRun {
   std::int32_t punctures_held = 0;    // held, the needle having truly jumped ahead when a layer gave way
   std::int32_t needles_held = 0;   // tripped or not ready, friction truly holding the needle 1 mm out at 0 V
   std::int32_t needles_stuck = 0;  // withdrawn, the needle truly standing still under a rising voltage
-  std::vector<Alarm> alarms;      // the first of each procedure
+  std::vector<Alarm> alarms;       // the first of each procedure
 };
 
 // Of one run after another.

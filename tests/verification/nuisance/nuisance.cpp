@@ -61,8 +61,9 @@ biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
       "\n{} {}, {:.2f} h, {} procedures ({} completed, {} given up), {} steps, {} releases: {} trips and {} "
       "unrequested stops without a reason; with one: {} holds after a puncture that truly jumped, {} needles "
       "that friction held at 0 V, {} stuck under a rising voltage\n",
-      stages.size(), stages.size() == 1 ? "stage" : "stages", all.hours, all.procedures, all.completed, all.given_up, all.steps, all.releases,
-      all.trips, all.unexpected_stops, all.punctures_held, all.needles_held, all.needles_stuck);
+      stages.size(), stages.size() == 1 ? "stage" : "stages", all.hours, all.procedures, all.completed,
+      all.given_up, all.steps, all.releases, all.trips, all.unexpected_stops, all.punctures_held,
+      all.needles_held, all.needles_stuck);
   for (const Alarm& alarm : all.alarms)
     fmt::print("  stage {}, procedure {} at {:.2f} s: {}\n", alarm.stage, alarm.procedure, alarm.at_s,
                alarm.what);
