@@ -12,6 +12,7 @@
 #include "sim/gap/fit/fit.hpp"
 #include "sim/gap/fit/probes.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/select/keep_simpler.hpp"
 #include "sim/gap/select/told_apart.hpp"
 
 namespace biopsy::sim::gap {
@@ -34,7 +35,6 @@ constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
 constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
-constexpr double kLittle = 0.5;             // noises that are left, and need no name of their own
 constexpr double kUndecided = 3.0;          // and within which held-out runs do not decide: odds of 20 to 1
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
@@ -69,8 +69,7 @@ std::vector<Probe> different_starts(const Score& score, double promised, Drive d
   }
   // A lightly damped mechanism is soon far out of step: then no score says which strength is near.
   const bool open = drive == Drive::Force || score.share() > kLeads * promised;
-  if (open && score.candidate.effect != kBaseline &&
-      library_effect(score.candidate.effect).info.name == SpringHardening::info.name)
+  if (open && is_effect(score.candidate, SpringHardening::info.name))
     for (const double factor : kOtherStrengths) {
       out.push_back(out.front());
       for (double& strength : out.back().start) strength *= factor;
@@ -246,35 +245,6 @@ double cost_of_unknowns(const Hypothesis& hypothesis, double samples, std::size_
   return free * (0.5 * std::log(samples) + kComplexityPenalty);
 }
 
-bool slides_at_more(const ScoredModel& scored) {
-  const auto& friction = scored.hypothesis.model.effects.stribeck_friction;
-  return friction && friction->sliding >= friction->breakaway;
-}
-
-// Stribeck friction and a hysteretic spring that yields at once contain Coulomb friction, so that they never
-// fit worse: where that leaves little, they must be better beyond doubt, or Coulomb friction is the name.
-// Stribeck friction that needs more force to keep sliding than to break away is the opposite of its name: it
-// must be better beyond doubt where Coulomb friction leaves much.
-void keep_simpler(Round& round, const Evidence& evidence) {
-  const auto find = [&](std::string_view name) {
-    return std::ranges::find_if(round.fits, [&](const CandidateFit& t) {
-      return t.fitted && t.candidate.effect != kBaseline &&
-             library_effect(t.candidate.effect).info.name == name;
-    });
-  };
-  const auto simple = find(CoulombFriction::info.name);
-  if (simple == round.fits.end()) return;
-  const bool leaves_much = std::sqrt(excess(simple->scored.square, evidence)) > kLittle * evidence.noise;
-  for (const std::string_view name : {StribeckFriction::info.name, HystereticSpring::info.name}) {
-    const auto rich = find(name);
-    if (rich == round.fits.end()) continue;
-    const bool ahead = rich->log_evidence > simple->log_evidence + kOpen ||
-                       paired_evidence(rich->scored, simple->scored, evidence) > kOpen;
-    if (slides_at_more(rich->scored) ? leaves_much && ahead : leaves_much || ahead) continue;
-    rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kComplexityPenalty);
-  }
-}
-
 // A number that seems to be another may be the mean of one that varies with the motion; out of step with it,
 // that effect scores nothing. It follows the `count` promising ones, of which there is one more.
 void bring_what_varies(std::vector<Score>& scores, std::size_t& count, Drive drive) {
@@ -302,10 +272,13 @@ std::string names(const std::vector<Score>& scores, std::size_t count, Drive dri
 
 }  // namespace
 
+bool is_effect(const Candidate& candidate, std::string_view name) {
+  return candidate.effect != kBaseline && library_effect(candidate.effect).info.name == name;
+}
+
 bool is_dry_friction(const Candidate& candidate) {
-  if (candidate.effect == kBaseline) return false;
-  const std::string_view name = library_effect(candidate.effect).info.name;
-  return name == CoulombFriction::info.name || name == StribeckFriction::info.name;
+  return is_effect(candidate, CoulombFriction::info.name) ||
+         is_effect(candidate, StribeckFriction::info.name);
 }
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <limits>
+#include <string_view>
 
 #include "sim/gap/select/select.hpp"
 
@@ -41,6 +42,9 @@ struct Rivals {
 Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evidence& fine,
                      const RoundName& name, const Progress& progress, const std::stop_token& stop,
                      const Rivals& rivals = {});
+
+// The effect of the library with that name.
+bool is_effect(const Candidate& candidate, std::string_view name);
 
 // Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);

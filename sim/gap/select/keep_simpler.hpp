@@ -1,0 +1,14 @@
+// Of effects of which one contains another, the simpler name stands until the richer one shows itself.
+#pragma once
+
+#include "sim/gap/select/compare_candidates.hpp"
+
+namespace biopsy::sim::gap {
+
+// Stribeck friction and a hysteretic spring that yields at once contain Coulomb friction, so that they never
+// fit worse: where that leaves little, they must be better beyond doubt, or Coulomb friction is the name.
+// Stribeck friction that needs more force to keep sliding than to break away is the opposite of its name: it
+// must be better beyond doubt where Coulomb friction leaves much.
+void keep_simpler(Round& round, const Evidence& evidence);
+
+}  // namespace biopsy::sim::gap
