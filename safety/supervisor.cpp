@@ -86,6 +86,11 @@ std::int32_t ramp_mV(const SupervisorState& state) {
   return static_cast<std::int32_t>(held_mV(state) * left / kRamp_ms);
 }
 
+void allow_step(Permit& permit, const StepLimits& allowed) {
+  permit.slew_up_mV_per_tick = allowed.slew_up_mV_per_tick;
+  permit.depth_max_um = allowed.depth_max_um;
+}
+
 // `permit` comes in off: no enable, no voltage, no rise.
 void fill_permit(Permit& permit, const PlanFacts& plan, const SupervisorState& state,
                  const SupervisorInputs& inputs, const Evidence& evidence) {
@@ -107,14 +112,11 @@ void fill_permit(Permit& permit, const PlanFacts& plan, const SupervisorState& s
     case Mode::Armed:
       permit.stop = StopCategory::C2Hold;
       break;
-    case Mode::Active: {
-      const StepLimits allowed = step_limits(plan, state.step);
+    case Mode::Active:
       permit.stop = StopCategory::None;
       permit.v_max_mV = rising_mV(plan, state, evidence);
-      permit.slew_up_mV_per_tick = allowed.slew_up_mV_per_tick;
-      permit.depth_max_um = allowed.depth_max_um;
+      allow_step(permit, step_limits(plan, state.step));
       break;
-    }
     case Mode::Hold:
       permit.stop = StopCategory::C2Hold;
       permit.v_max_mV = held_mV(state);

@@ -45,8 +45,8 @@ struct Source {
   std::vector<std::string> command;
   std::vector<std::string> quick, full;  // added for the short subset, and for the whole
   bool in_quick = true;
-  bool side_by_side = false;  // measures no real time: runs beside the others that say so
   std::vector<Criterion> criteria;
+  bool side_by_side = false;  // measures no real time: runs beside the others that say so
 };
 
 struct SafetyCase {
