@@ -256,6 +256,12 @@ bool strayed(const VoidFit& fit, const SearchReach& reach) {
            std::hypot(fit.u_mm, fit.v_mm) <= farthest_mm + steepest * std::max(fit.depth_mm, 0.0));
 }
 
+// Whether the images say where the void ends, to within what was searched.
+bool is_told(const VoidFit& fit, const SearchReach& reach) {
+  const double searched_mm = reach.depth_max_mm - reach.depth_min_mm;
+  return fit.gain > 0.0 && fit.covariance(kDepth, kDepth) < searched_mm * searched_mm;
+}
+
 // What the centreline loses. A wide void fades towards its rim in more ways than one edge has: all of it
 // loses less than its core, and where the core has lost half of that lies beyond the end.
 double loss_of_core(const Corridor& corridor, const VoidFit& fit,
@@ -295,28 +301,37 @@ void look_elsewhere(const Corridor& corridor, VoidFit& fit) {
 
 VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& candidates,
                  const SearchReach& reach) {
-  VoidFit best;
+  std::vector<VoidFit> fits;
   bool led_away = false;
   for (const LineCandidate& candidate : candidates) {
     const VoidFit one = fitted(corridor, candidate.line, candidate.fit.tip_mm, {0.0}, kVoxelsFirst);
-    // What is certainly dark, not what explains most: a wide place that is a little darker explains much.
-    const auto worth = [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); };
     if (one.gain <= 0.0) continue;
     if (strayed(one, reach))
       led_away = true;
-    else if (worth(one) > worth(best))
-      best = one;
+    else
+      fits.push_back(one);
   }
-  if (best.gain <= 0.0) {
-    best.led_away = led_away;
-    return best;
+  if (fits.empty()) {
+    VoidFit nothing;
+    nothing.led_away = led_away;
+    return nothing;
   }
+  // What is certainly dark first, not what explains most: a wide place that is a little darker explains much.
+  std::ranges::stable_sort(fits, std::ranges::greater{},
+                           [](const VoidFit& fit) { return std::pair(fit.evidence(), fit.gain); });
   // Again with the voxels about the line that was found, from ends ahead of it and behind as well: which of
-  // the minima is the lowest a part of the voxels tells.
-  VoidFit again = fitted(corridor, best.line, best.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
-  if (strayed(again, reach)) again = best;
-  if (again.gain > 0.0) look_elsewhere(corridor, again);
-  return again;
+  // the minima is the lowest a part of the voxels tells. Where the end of that void is not told at all, it is
+  // the next place's turn.
+  VoidFit found = fits.front();
+  for (const VoidFit& fit : fits) {
+    const VoidFit again = fitted(corridor, fit.line, fit.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
+    if (strayed(again, reach)) break;
+    const bool first = &fit == &fits.front(), told = is_told(again, reach);
+    if (first || told) found = again;
+    if (told) break;
+  }
+  if (found.gain > 0.0) look_elsewhere(corridor, found);
+  return found;
 }
 
 std::vector<double> chi2_by_depth(const Corridor& corridor, const VoidFit& fit,
