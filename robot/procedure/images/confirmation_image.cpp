@@ -107,13 +107,17 @@ void ConfirmationImages::receive(std::size_t step, std::chrono::milliseconds hel
     result.check = DepthCheck{};
     result.check->reason = reason;
   };
+  // Of an image that was judged before in this step: where no other comes, its reason is still the reason.
+  const std::string judged = result.check && !result.image_path.empty() ? result.check->reason : "";
   const auto arrived = system_clock::now() - held;
   const auto until = steady_clock::now() + source.patience;
   imaging::IncomingImage image;
   while ((image = watched_->poll(steady_clock::now())).empty() && steady_clock::now() < until && !cancelled_)
     std::this_thread::sleep_for(std::min(source.quiet / 4, std::chrono::milliseconds(100)));
   if (cancelled_) return unsure("the wait for an image was ended");
-  if (image.empty()) return unsure(nothing_within(source, watched_->incomplete()));
+  if (image.empty())
+    return unsure(nothing_within(source, watched_->incomplete()) +
+                  (judged.empty() ? "" : "; of the image before: " + judged));
   result.image_path = image.front().files.front().string();
   const ExpectedImage expected{prepared_.image.identity, arrived, system_clock::now(), last_acquired_,
                                source.confirmed_by};

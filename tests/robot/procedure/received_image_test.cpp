@@ -164,6 +164,33 @@ TEST_F(ReceivedImage, OfAnotherPatientOrASimulatorIsNoConfirmation) {
             std::string::npos);
 }
 
+TEST_F(ReceivedImage, ThatIsNotRepeatedKeepsItsReason) {
+  ConfirmationImages images(prepared, plan(), run / "out");
+  Volume image = prepared.image;
+  image.identity.patient_id = "OTHER", image.identity.series_uid = "1.2.3.4.7";
+  for (const auto& file : sim::write_dicom_series(image, incoming / "series")) say_original(file);
+  report::StepResult result;
+  for (const char* reason : {"of another patient", "no new image"}) {
+    images.take(0, plan().steps[0].depth, std::chrono::milliseconds(2000), result);
+    EXPECT_NE(result.check->reason.find(reason), std::string::npos) << result.check->reason;
+    EXPECT_NE(result.check->reason.find("of another patient"), std::string::npos) << result.check->reason;
+  }
+}
+
+TEST_F(ReceivedImage, ThatArrivesTooSlowlyIsNamedAsIncomplete) {
+  prepared.given.images.patience = std::chrono::milliseconds(300);
+  ConfirmationImages images(prepared, plan(), run / "out");
+  std::filesystem::create_directory(incoming / "series");
+  const auto files = sim::write_dicom_series(prepared.image, run / "elsewhere");
+  for (std::size_t n = 0; n + 1 < files.size(); n += 2)  // every second slice, and all but the last
+    if (n != 4) std::filesystem::copy(files[n], incoming / "series" / files[n].filename());
+  report::StepResult result;
+  images.take(0, Millimetres(1.0), std::chrono::milliseconds(2000), result);
+  EXPECT_EQ(result.check->verdict, DepthVerdict::Unsure);
+  EXPECT_NE(result.check->reason.find("no image was complete"), std::string::npos) << result.check->reason;
+  EXPECT_NE(result.check->reason.find("uneven slices"), std::string::npos) << result.check->reason;
+}
+
 TEST_F(ReceivedImage, ThatDoesNotComeIsSaid) {
   prepared.given.images.patience = std::chrono::milliseconds(200);
   ConfirmationImages images(prepared, plan(), run / "out");
