@@ -39,10 +39,6 @@ std::shared_ptr<const std::string> file_of(const Volume& image) {
   return std::make_shared<const std::string>(console::nifti_bytes(image));
 }
 
-bool differ(const std::string& one, const std::string& other) {
-  return !one.empty() && !other.empty() && one != other;
-}
-
 // Points, layers and fiducials of a case belong to its patient and its frame of reference.
 bool is_bound(const Case& given) {
   return has_points(given) || !given.labels.empty() || !given.fiducials.empty() || given.transform ||
@@ -132,7 +128,7 @@ std::optional<ConsoleSeries::Received> ConsoleSeries::poll() {
     series.series_uid = files.identity.series_uid.empty() ? file : files.identity.series_uid;
     if (series.description.empty()) series.description = file;
     series.description += ", received";
-    if (differ(files.identity.patient_id, patient_id_))
+    if (stated_otherwise(files.identity.patient_id, patient_id_))
       series.problem = "it is of another patient than the case";
     else if (files.identity.patient_id.empty() && confirmed_by_.empty())
       series.problem = "it does not name its patient: start with --images-confirmed-by NAME";
@@ -163,8 +159,9 @@ ConsoleSeries::Outcome ConsoleSeries::read(const std::function<Volume()>& load, 
   try {
     Read done{load(), nullptr};
     SeriesIdentity& identity = done.image.identity;
-    if (differ(identity.patient_id, of_case.patient_id)) return "it is of another patient than the case";
-    if (differ(identity.frame_of_reference_uid, of_case.frame_of_reference_uid))
+    if (stated_otherwise(identity.patient_id, of_case.patient_id))
+      return "it is of another patient than the case";
+    if (stated_otherwise(identity.frame_of_reference_uid, of_case.frame_of_reference_uid))
       return "it is in another frame of reference than the image of the case";
     if (identity.series_uid.empty()) identity.series_uid = series_uid;
     done.file = file_of(done.image);

@@ -38,6 +38,11 @@ struct SeriesIdentity {
   std::string modality, description, date;
 };
 
+// Whether both files state something of a patient, study or frame of reference, and not the same.
+inline bool stated_otherwise(const std::string& one, const std::string& other) {
+  return !one.empty() && !other.empty() && one != other;
+}
+
 struct Volume {
   Grid grid;
   std::vector<float>

@@ -322,14 +322,13 @@ VoidFit fit_void(const Corridor& corridor, const std::vector<LineCandidate>& can
   // Again with the voxels about the line that was found, from ends ahead of it and behind as well: which of
   // the minima is the lowest a part of the voxels tells. Where the end of that void is not told at all, it is
   // the next place's turn.
-  VoidFit found = fits.front();
-  for (const VoidFit& fit : fits) {
+  const auto refitted = [&](const VoidFit& fit) {
     const VoidFit again = fitted(corridor, fit.line, fit.depth_mm, {0.0, -2.0, 2.0}, kVoxelsMax);
-    if (strayed(again, reach)) break;
-    const bool first = &fit == &fits.front(), told = is_told(again, reach);
-    if (first || told) found = again;
-    if (told) break;
-  }
+    return strayed(again, reach) ? fit : again;
+  };
+  VoidFit found = refitted(fits.front());
+  for (std::size_t n = 1; n < fits.size() && !is_told(found, reach); ++n)
+    if (const VoidFit next = refitted(fits[n]); is_told(next, reach)) found = next;
   if (found.gain > 0.0) look_elsewhere(corridor, found);
   return found;
 }

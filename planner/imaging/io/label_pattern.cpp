@@ -105,9 +105,10 @@ LabelPattern label_pattern(const Volume& volume) {
 std::string grey_pattern(const LabelPattern& p) {
   if (p.alone > kAloneMax)
     return fmt::format("{:.0f} % of the voxels equal none of their neighbours", 100.0 * p.alone);
-  if (p.values < kValuesMin) return {};
+  const bool speckled = p.single > kSingleMax;
+  if (p.values < kValuesMin && !speckled) return {};
   if (p.alike < kAlikeMin) return fmt::format("only {:.0f} % of the neighbours are alike", 100.0 * p.alike);
-  if (p.single > kSingleMax && p.next_value > kNextValueMax)
+  if (p.values >= kValuesMin && speckled && p.next_value > kNextValueMax)
     return fmt::format(
         "{:.0f} % of its pieces are single voxels, and {:.0f} % of the edges lead to the next value",
         100.0 * p.single, 100.0 * p.next_value);

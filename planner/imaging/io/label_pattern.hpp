@@ -23,8 +23,8 @@ struct LabelPattern {
 // Of whole numbers from 0, at most 2^24.
 LabelPattern label_pattern(const Volume& volume);
 
-// Why it looks like a grey image; empty: it does not. Of four values and fewer only speckle is said: a
-// threshold is a segmentation too.
+// Why it looks like a grey image; empty: it does not. Of four values and fewer, which a threshold has too,
+// only what is speckled: a thin shell has few neighbours alike, and no piece of one voxel.
 std::string grey_pattern(const LabelPattern& pattern);
 
 }  // namespace biopsy::imaging

@@ -57,14 +57,11 @@ std::vector<Layer> layers_of(const Case& given, const Volume* labels, const plan
 
 // What both files say of patient and frame of reference must agree.
 void check_labels_belong(const SeriesIdentity& image, const SeriesIdentity& labels) {
-  const auto differ = [](const std::string& one, const std::string& other) {
-    return !one.empty() && !other.empty() && one != other;
-  };
   const auto refuse = [](const std::string& what) {
     throw ConfigError("the label map " + what, "labels", "give the label map that was drawn on this image");
   };
-  if (differ(image.patient_id, labels.patient_id)) refuse("is of another patient than the image");
-  if (differ(image.frame_of_reference_uid, labels.frame_of_reference_uid))
+  if (stated_otherwise(image.patient_id, labels.patient_id)) refuse("is of another patient than the image");
+  if (stated_otherwise(image.frame_of_reference_uid, labels.frame_of_reference_uid))
     refuse("lies in another frame of reference than the image");
 }
 

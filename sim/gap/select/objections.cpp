@@ -71,7 +71,7 @@ void add_unknown_parameters(std::vector<std::string>& out, const Selection& sele
 }
 
 bool is(const SelectedTerm& term, std::string_view name) {
-  return term.is_effect() && library_effect(term.candidate.effect).info.name == name;
+  return is_effect(term.candidate, name);
 }
 
 // Root sum of squares over the effect's strengths.

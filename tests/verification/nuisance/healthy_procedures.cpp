@@ -82,17 +82,15 @@ HealthyRun run_procedure(const NominalModels& models, std::uint64_t seed, std::u
     step = std::max(step, line.step);
     motion.add(line);
     const bool fell = line.mode != before && (line.mode == Mode::Trip || line.mode == Mode::Lock);
-    const bool unasked = fell || is_unasked(line, before);
-    const bool held = unasked && is_held(line);
-    const bool stuck = unasked && line.hazards == bit(safety::Hazard::SensorFrozen) && motion.is_stuck();
-    const bool jumped = unasked && !fell && has_jumped(line, scenario.plan);
-    const bool nuisance = unasked && !held && !stuck && !jumped;
-    run.needles_held += held;
-    run.needles_stuck += stuck;
-    run.punctures_held += jumped;
-    run.trips += nuisance && fell;
-    run.unexpected_stops += nuisance && !fell;
-    if (nuisance && run.alarms.empty())
+    const bool unasked = is_unasked(line, before) && !fell;
+    const bool stopped = unasked && !has_jumped(line, scenario.plan) && !is_held(line);
+    const bool stuck = line.hazards == bit(safety::Hazard::SensorFrozen) && motion.is_stuck();
+    run.needles_held += unasked && is_held(line);
+    run.punctures_held += unasked && has_jumped(line, scenario.plan);
+    run.trips += fell;
+    run.unexpected_stops += stopped;
+    run.borne_out += (fell || stopped) && (is_held(line) || stuck);
+    if ((fell || stopped) && run.alarms.empty())
       run.alarms.push_back(
           {1, number, static_cast<double>(ticks) * 1e-3,
            fmt::format("{} to {}: {}; needle at {:.2f} mm of {:.2f}", safety::name_of(before),
@@ -124,7 +122,7 @@ HealthyRun joined(HealthyRun a, const HealthyRun& b) {
   a.unexpected_stops += b.unexpected_stops;
   a.punctures_held += b.punctures_held;
   a.needles_held += b.needles_held;
-  a.needles_stuck += b.needles_stuck;
+  a.borne_out += b.borne_out;
   a.alarms.insert(a.alarms.end(), b.alarms.begin(), b.alarms.end());
   return a;
 }

@@ -21,12 +21,14 @@ struct Alarm {
 struct HealthyRun {
   double hours = 0.0;
   std::int32_t procedures = 0, completed = 0, given_up = 0, steps = 0, releases = 0;
-  std::int32_t trips = 0;             // into trip or lock, for a hazard that was not there
+  std::int32_t trips = 0;             // into trip or lock
   std::int32_t unexpected_stops = 0;  // held, withdrawn or not ready for a hazard that was not there
   std::int32_t punctures_held = 0;    // held, the needle having truly jumped ahead when a layer gave way
-  std::int32_t needles_held = 0;   // tripped or not ready, friction truly holding the needle 1 mm out at 0 V
-  std::int32_t needles_stuck = 0;  // withdrawn, the needle truly standing still under a rising voltage
-  std::vector<Alarm> alarms;       // the first of each procedure
+  std::int32_t needles_held = 0;  // not ready, friction truly holding the needle more than 1 mm out at 0 V
+  // Of the trips and unexpected stops, those whose hazard the plant truly had: a needle held out at 0 V, or
+  // standing still under a rising voltage.
+  std::int32_t borne_out = 0;
+  std::vector<Alarm> alarms;  // the first of each procedure
 };
 
 // Of one run after another.

@@ -42,7 +42,7 @@ TEST(Nuisance, CountsATripAsATrip) {
   EXPECT_GT(day.trips + day.unexpected_stops, 0);
 }
 
-// A needle that truly moves, under a reading that does not: not excused as stuck.
+// A needle that truly moves, under a reading that does not: not borne out as stuck.
 TEST(Nuisance, CountsAFrozenReadingOfAMovingNeedle) {
   const auto frozen = [](safety::SupervisorInputs& seen) {
     if (seen.permit.mode == Mode::Active)
@@ -50,17 +50,17 @@ TEST(Nuisance, CountsAFrozenReadingOfAMovingNeedle) {
   };
   const HealthyRun day = run_healthy_procedures(nominal_models(), 0.05, 3, frozen, [](double) {});
   EXPECT_GT(day.trips + day.unexpected_stops, 0);
-  EXPECT_EQ(day.needles_stuck, 0);
+  EXPECT_EQ(day.borne_out, 0);
 }
 
-// A needle that is truly back, under a reading of 1.5 mm at 0 V: not excused as held out.
+// A needle that is truly back, under a reading of 1.5 mm at 0 V: not borne out as held.
 TEST(Nuisance, CountsANeedleThatOnlySeemsHeld) {
   const auto out = [](safety::SupervisorInputs& seen) {
     if (seen.permit.mode == Mode::Armed) seen.measurement.depth_um += 1'500;
   };
   const HealthyRun day = run_healthy_procedures(nominal_models(), 0.05, 4, out, [](double) {});
   EXPECT_GT(day.trips + day.unexpected_stops, 0);
-  EXPECT_EQ(day.needles_held, 0);
+  EXPECT_EQ(day.borne_out, 0);
 }
 
 }  // namespace

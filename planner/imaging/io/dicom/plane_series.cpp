@@ -32,12 +32,9 @@ bool in_other_planes(const DicomSeries& a, const DicomSeries& b) {
 }
 
 std::string taken_apart(const SeriesIdentity& a, const SeriesIdentity& b) {
-  const auto differ = [](const std::string& one, const std::string& other) {
-    return !one.empty() && !other.empty() && one != other;
-  };
-  if (differ(a.patient_id, b.patient_id)) return "two patients";
-  if (differ(a.study_uid, b.study_uid)) return "two studies";
-  if (differ(a.frame_of_reference_uid, b.frame_of_reference_uid)) return "two frames of reference";
+  if (stated_otherwise(a.patient_id, b.patient_id)) return "two patients";
+  if (stated_otherwise(a.study_uid, b.study_uid)) return "two studies";
+  if (stated_otherwise(a.frame_of_reference_uid, b.frame_of_reference_uid)) return "two frames of reference";
   return {};
 }
 

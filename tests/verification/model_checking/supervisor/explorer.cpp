@@ -10,7 +10,7 @@ namespace biopsy::model_checking {
 namespace {
 
 // Inputs tried at each tick besides one of each kind, scattered over the product by a large prime.
-constexpr std::uint32_t kOthers = 8, kOthersBeforeEdge = 1U << 16U;
+constexpr std::uint32_t kOthers = 8;
 constexpr std::uint64_t kScatter = 2'654'435'761;
 
 // Its next tick locks, whatever comes: the one state from which there is no way to Safe.
@@ -34,7 +34,7 @@ Exploration Explorer::run() {
   via_.push_back(0);
   for (std::uint32_t from = 0; from < keys_.size() && !is_enough(); ++from) {
     const auto kinds = kinds_.find(without_timer(keys_[from]));
-    if (kinds == kinds_.end() || moment_of(state(from)) == Moment::Edge)
+    if (kinds == kinds_.end() || is_edge_of_time(state(from)))
       sweep_all(from);
     else
       walk(from, kinds->second);
@@ -60,9 +60,7 @@ void Explorer::walk(std::uint32_t from, const std::vector<Kind>& kinds) {
   const SupervisorState before = state(from);
   const InputSpace& space = inputs_of(before.mode);
   for (const Kind& kind : kinds) walk(from, before, kind);
-  const std::uint32_t others =
-      moment_of(before) == Moment::BeforeEdge ? std::min(kOthersBeforeEdge, space.size()) : kOthers;
-  for (std::uint32_t i = 0; i < others; ++i) {
+  for (std::uint32_t i = 0; i < kOthers; ++i) {
     const auto index =
         static_cast<std::uint32_t>((std::uint64_t{from} * kOthers + i) * kScatter % space.size());
     walk(from, before, {index, space.at(index, before), 0});

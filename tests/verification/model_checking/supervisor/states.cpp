@@ -54,29 +54,28 @@ std::uint64_t without_timer(std::uint64_t key) {
   return key & ~(0xFFFFULL << kTimerAt);
 }
 
-Moment moment_of(const SupervisorState& state) {
-  const auto in = [&](std::int32_t limit) {
+bool is_edge_of_time(const SupervisorState& state) {
+  const auto near = [&](std::int32_t limit) {
     const std::int32_t timer = timer_value(state);
-    if (timer == 0 || timer >= limit - 1) return Moment::Edge;
-    return timer == limit - 2 ? Moment::BeforeEdge : Moment::Between;
+    return timer == 0 || timer >= limit - 2;
   };
   switch (state.mode) {
     case Mode::Boot:
     case Mode::Hold:
-      return in(10'000);
+      return near(10'000);
     case Mode::Armed:
-      return in(30'000);
-    case Mode::Retract:  // the envelope is gone after 250 ms
-      return state.ms_in_mode >= 248 && state.ms_in_mode <= 251 ? Moment::Edge : in(300);
+      return near(30'000);
+    case Mode::Retract:
+      return near(300) || (state.ms_in_mode >= 248 && state.ms_in_mode <= 251);
     case Mode::Active:
-      return in(101);
+      return near(101);
     case Mode::Safe:
     case Mode::Ready:
     case Mode::Trip:
     case Mode::Lock:
       break;
   }
-  return Moment::Edge;
+  return true;
 }
 
 }  // namespace biopsy::model_checking

@@ -51,12 +51,8 @@ std::uint64_t key_of(const SupervisorState& state);
 SupervisorState state_of(std::uint64_t key);
 std::uint64_t without_timer(std::uint64_t key);
 
-// Where a state is in its time, which is compared in one place: nothing may change between the edges.
-enum class Moment : std::uint8_t {
-  Edge,        // the first tick, and the last, in which the time runs out: every input is tried
-  BeforeEdge,  // the tick before the last: many are
-  Between,     // a few are
-};
-Moment moment_of(const SupervisorState& state);
+// The times at which every input is tried: the first tick, and the last two before a time runs out (a time is
+// compared in one place, so nothing changes between).
+bool is_edge_of_time(const SupervisorState& state);
 
 }  // namespace biopsy::model_checking
