@@ -138,9 +138,18 @@ export async function misplaced(page: Page, volume: Nifti): Promise<number> {
   const shown = voxelAt(volume, await crosshairOf(page)) // whose slice it is
   for (let n = 0; n < 3; ++n) if (across[n] === 0 && down[n] === 0) centre[n] = shown[n]!
   const grey = await greyOf(page)
+  // Beside the large view begin others, and black.
+  const view = await page.locator('[data-tile^=large] rect').first().evaluate((rect: SVGRectElement) => {
+    const { x, y, width, height } = rect.getBBox()
+    return { left: x, top: y, right: x + width, bottom: y + height }
+  })
+  const isInside = (x: number, y: number) =>
+    x - kSearch_px >= view.left && x + kSearch_px < view.right && y - kSearch_px >= view.top && y + kSearch_px < view.bottom
   const places: [number, number][] = []
   for (let dy = -kPatch_px; dy <= kPatch_px; dy += kStep_px)
-    for (let dx = -kPatch_px; dx <= kPatch_px; dx += kStep_px) places.push([dx, dy])
+    for (let dx = -kPatch_px; dx <= kPatch_px; dx += kStep_px)
+      if (isInside(target.x + dx, target.y + dy)) places.push([dx, dy])
+  expect(places.length, 'places of the large view around the target').toBeGreaterThan(600)
   const meant = places.map(([dx, dy]) => valueAt(volume, centre.map((c, n) => c + (across[n]! * dx + down[n]! * dy) / scale) as Vec3))
   // What the viewer shows as black or white says nothing about where it is.
   const unclipped = places.map(([dx, dy]) => grey(target.x + dx, target.y + dy)).map((value) => value > 4 && value < 250)
