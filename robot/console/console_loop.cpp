@@ -49,9 +49,11 @@ ConsoleLoop::ConsoleLoop(LiveRobot& robot, NavigationLink& navigation, PreparedC
                [&robot](const Plan& plan, const std::array<std::uint64_t, 2>& confirmed) {
                  robot.send_plan(plan, confirmed);
                }),
-      alarms_(settings.kept / "alarms.jsonl", wall_ms()),
+      alarms_(settings.kept / "alarms.jsonl"),
       points_(settings.kept / "points.jsonl") {
   points_.restore(session_);
+  // A STOP that stands is the one of before and stays acknowledged. What the robot reports later is new.
+  alarms_.update(session_.alarms(), wall_ms());
   console::ServerCallbacks callbacks;
   callbacks.connected = [this](Client client) { on_connect(client); };
   callbacks.received = [this](Client client, const std::string& text) { on_message(client, text); };

@@ -46,12 +46,11 @@ std::vector<events::PastAlarm> rows_of(const std::string& kept) {
 
 }  // namespace
 
-AlarmHistory::AlarmHistory(std::filesystem::path file, std::int64_t now_ms) : file_(std::move(file)) {
+AlarmHistory::AlarmHistory(std::filesystem::path file) : file_(std::move(file)) {
   std::vector<events::PastAlarm> rows = rows_of(read_file_if_present(file_));
   if (rows.size() > kRowsMax) rows.erase(rows.begin(), rows.end() - kRowsMax);
   std::string whole;
-  for (events::PastAlarm& row : rows) {
-    if (is_active(row)) row.to_ms = static_cast<double>(now_ms);
+  for (const events::PastAlarm& row : rows) {
     rows_ = std::max(rows_, row.number);
     whole += line_of(row);
   }

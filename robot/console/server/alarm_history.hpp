@@ -14,12 +14,12 @@ class AlarmHistory {
  public:
   static constexpr std::size_t kRowsMax = 200;
 
-  // Reads what an earlier console kept; what was active then has ended by now. Lines that cannot be read (the
-  // last one, after a crash) are left out. Times are ms since 1970. Throws ConfigError where the file cannot
+  // Reads what an earlier console kept; whether what was active then still is, the first update says. Lines
+  // that cannot be read (the last one, after a crash) are left out. Throws ConfigError where the file cannot
   // be written.
-  AlarmHistory(std::filesystem::path file, std::int64_t now_ms);
+  explicit AlarmHistory(std::filesystem::path file);
 
-  // The alarms of this moment. The same alarm has the same code and words.
+  // The alarms of this moment. The same alarm has the same code and words. Times are ms since 1970.
   void update(const std::vector<events::Alarm>& active, std::int64_t now_ms);
   // One that ends at once: a refused command.
   void note(const events::Alarm& alarm, std::int64_t now_ms);

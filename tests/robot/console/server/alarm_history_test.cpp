@@ -21,7 +21,7 @@ std::string codes(const AlarmHistory& history) {
 
 TEST(AlarmHistory, HasEachAlarmOnceFromItsBeginToItsEndNewestFirst) {
   const ScratchFolder folder;
-  AlarmHistory history(folder / "alarms.jsonl", 1);
+  AlarmHistory history(folder / "alarms.jsonl");
   for (std::int64_t ms = 100; ms < 200; ++ms) history.update({kDepth}, ms);
   history.update({kStop, kDepth}, 200);
   history.update({kStop}, 300);
@@ -37,7 +37,7 @@ TEST(AlarmHistory, HasEachAlarmOnceFromItsBeginToItsEndNewestFirst) {
 
 TEST(AlarmHistory, ChangesItsVersionWithEachChangeAndOnlyThen) {
   const ScratchFolder folder;
-  AlarmHistory history(folder / "alarms.jsonl", 1);
+  AlarmHistory history(folder / "alarms.jsonl");
   auto changed = [&, before = history.version()]() mutable {
     return std::exchange(before, history.version()) != history.version();
   };
@@ -55,7 +55,7 @@ TEST(AlarmHistory, ChangesItsVersionWithEachChangeAndOnlyThen) {
 
 TEST(AlarmHistory, AcknowledgesWhatWasShownAndNotWhatCameMeanwhile) {
   const ScratchFolder folder;
-  AlarmHistory history(folder / "alarms.jsonl", 1);
+  AlarmHistory history(folder / "alarms.jsonl");
   history.update({kDepth}, 10);
   const std::uint32_t shown = history.event().rows.front().number;
   history.update({kStop, kDepth}, 20);
@@ -64,15 +64,16 @@ TEST(AlarmHistory, AcknowledgesWhatWasShownAndNotWhatCameMeanwhile) {
   EXPECT_EQ(history.event().rows[1].acknowledged_ms, 30.0);
 }
 
-TEST(AlarmHistory, OutlivesARestartWhereWhatWasActiveHasEnded) {
+TEST(AlarmHistory, OutlivesARestartWhereWhatIsNoLongerActiveHasEnded) {
   const ScratchFolder folder;
   {
-    AlarmHistory history(folder / "alarms.jsonl", 1);
+    AlarmHistory history(folder / "alarms.jsonl");
     history.update({kDepth}, 10);
     history.acknowledge(1, 15);
     history.note(kStop, 20);
   }
-  AlarmHistory again(folder / "alarms.jsonl", 1000);
+  AlarmHistory again(folder / "alarms.jsonl");
+  again.update({}, 1000);
   EXPECT_EQ(codes(again), "E-120 E-204 ");
   EXPECT_EQ(again.event().rows[1].from_ms, 10.0);
   EXPECT_EQ(again.event().rows[1].acknowledged_ms, 15.0);
@@ -82,10 +83,29 @@ TEST(AlarmHistory, OutlivesARestartWhereWhatWasActiveHasEnded) {
   EXPECT_GT(again.event().rows[0].number, again.event().rows[1].number);
 }
 
+TEST(AlarmHistory, GoesOnOverARestartWithWhatIsStillActiveAcknowledgedOrNot) {
+  const ScratchFolder folder;
+  {
+    AlarmHistory history(folder / "alarms.jsonl");
+    history.update({kStop}, 10);
+    history.acknowledge(1, 15);
+    history.update({kDepth, kStop}, 20);
+  }
+  for (const std::int64_t ms : {1000, 2000}) {  // the second one reads what the first one wrote
+    AlarmHistory again(folder / "alarms.jsonl");
+    again.update({kStop, kDepth}, ms);
+    EXPECT_EQ(codes(again), "E-204* E-120* ");
+    EXPECT_EQ(again.event().rows[1].from_ms, 10.0);
+    EXPECT_EQ(again.event().rows[1].acknowledged_ms, 15.0);
+    EXPECT_EQ(again.event().rows[0].from_ms, 20.0);
+    EXPECT_EQ(again.event().rows[0].acknowledged_ms, 0.0);
+  }
+}
+
 TEST(AlarmHistory, LeavesOutLinesThatCannotBeReadWhereverTheFileIsCut) {
   const ScratchFolder folder;
   {
-    AlarmHistory history(folder / "alarms.jsonl", 1);
+    AlarmHistory history(folder / "alarms.jsonl");
     history.update({kDepth}, 10);
     history.update({}, 20);
     history.note(kStop, 30);
@@ -93,21 +113,22 @@ TEST(AlarmHistory, LeavesOutLinesThatCannotBeReadWhereverTheFileIsCut) {
   const std::string whole = read_file(folder / "alarms.jsonl");
   for (std::size_t length = 0; length <= whole.size(); ++length) {
     folder.write("cut.jsonl", whole.substr(0, length) + (length % 3 == 0 ? "\n{\"number\":-1}\n\xff[]" : ""));
-    const AlarmHistory cut(folder / "cut.jsonl", 40);
+    AlarmHistory cut(folder / "cut.jsonl");
+    cut.update({}, 40);
     ASSERT_LE(cut.event().rows.size(), 2U);
     for (const auto& row : cut.event().rows) ASSERT_GT(row.to_ms, 0.0);
-    const AlarmHistory again(folder / "cut.jsonl", 50);  // what was written over it is whole
+    const AlarmHistory again(folder / "cut.jsonl");  // what was written over it is whole
     ASSERT_EQ(codes(again), codes(cut));
   }
 }
 
 TEST(AlarmHistory, KeepsTheLastOnesOnly) {
   const ScratchFolder folder;
-  AlarmHistory history(folder / "alarms.jsonl", 1);
+  AlarmHistory history(folder / "alarms.jsonl");
   for (std::int64_t ms = 1; ms <= 3 * static_cast<std::int64_t>(AlarmHistory::kRowsMax); ++ms)
     history.note(kStop, ms);
   EXPECT_EQ(history.event().rows.size(), AlarmHistory::kRowsMax);
-  const AlarmHistory again(folder / "alarms.jsonl", 1000);
+  const AlarmHistory again(folder / "alarms.jsonl");
   ASSERT_EQ(again.event().rows.size(), AlarmHistory::kRowsMax);
   EXPECT_EQ(again.event().rows.front().from_ms, 3.0 * AlarmHistory::kRowsMax);
 }
