@@ -17,11 +17,11 @@ const kNotice = { severity: 'Notice', code: 'E-230', what: 'The log is behind.',
 // Records the pulses that the page asks its loudspeaker for.
 async function listen(page: Page): Promise<void> {
   await page.addInitScript(() => {
-    const pulses: { from: number; to: number; hz: number }[] = []
+    const pulses: object[] = []
     Object.assign(window, { pulses })
     const start = OscillatorNode.prototype.start
     OscillatorNode.prototype.start = function (this: OscillatorNode, when = 0) {
-      pulses.push({ from: when, to: 0, hz: this.frequency.value })
+      pulses.push({ from: when, to: 0, hz: this.frequency.value, asked_ms: performance.now() })
       Object.assign(this, { pulse: pulses.at(-1) })
       start.call(this, when)
     }
@@ -32,8 +32,10 @@ async function listen(page: Page): Promise<void> {
     }
   })
 }
-const pulses = (page: Page): Promise<{ from: number; to: number; hz: number }[]> =>
-  page.evaluate(() => (window as unknown as { pulses: [] }).pulses)
+type Pulse = { from: number; to: number; hz: number; asked_ms: number }
+const pulses = (page: Page): Promise<Pulse[]> => page.evaluate(() => (window as unknown as { pulses: [] }).pulses)
+// A burst is asked for at once. On a slow machine the next one has begun before anybody counts.
+const firstBurst = (all: Pulse[]): Pulse[] => all.filter(({ asked_ms }) => asked_ms < all[0]!.asked_ms + 2000)
 const forget = (page: Page) => page.evaluate(() => void ((window as unknown as { pulses: unknown[] }).pulses.length = 0))
 
 async function watched(page: Page): Promise<PageOperator> {
@@ -42,6 +44,8 @@ async function watched(page: Page): Promise<PageOperator> {
   await operator.planned()
   await freezePage(page, { mode: 'Safe', step: 'Check', disabled: kCold })
   await page.mouse.click(700, 20) // a browser is silent before the first click
+  // Without a graphics card the first picture of the image takes seconds, in which nothing else is drawn.
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))))
   return operator
 }
 const raise = (page: Page, alarms: object[]) => freezePage(page, { mode: 'Safe', step: 'Check', alarms, disabled: kCold })
@@ -71,7 +75,7 @@ for (const [alarm, priority, count, flashes_Hz] of [[kAlarm, 'high', 10, 2], [kW
     const changes = await changesOfBorder(page, 1000 * watched_s)
     expect(changes).toBeGreaterThanOrEqual(Math.max(wanted - 1, 0))
     expect(changes).toBeLessThanOrEqual(wanted + Math.min(wanted, 1))
-    await expect.poll(async () => (await pulses(page)).length).toBe(count)
+    await expect.poll(async () => firstBurst(await pulses(page)).length).toBe(count)
     for (const { from, to, hz } of await pulses(page)) {
       expect(hz).toBeGreaterThanOrEqual(150)
       expect(hz).toBeLessThanOrEqual(1000)
