@@ -55,20 +55,6 @@ Alarm alarm(Severity severity, std::string code, std::string what, std::string r
   return {severity, std::move(code), std::move(what), std::move(robot_did), std::move(to_do)};
 }
 
-const char* what_to_do_stopped(Hazard hazard) {
-  switch (hazard) {
-    case Hazard::EStop:
-    case Hazard::EStopDisagrees:
-      return "Find out why it was pressed, release it, then Reset.";
-    case Hazard::InterlockStuck:
-      return "Do not use this stage: have the interlock's relay and its timers repaired.";
-    case Hazard::LogBacklog:
-      return "Check the disk of the log, then Reset.";
-    default:
-      return "Look at the needle, then Reset.";
-  }
-}
-
 const char* what_to_do(Hazard hazard) {
   switch (hazard) {
     case Hazard::PatientMotion:
@@ -81,7 +67,7 @@ const char* what_to_do(Hazard hazard) {
       return "Release, look at the image, then press again or Retract.";
     case Hazard::EStop:
     case Hazard::EStopDisagrees:
-      return "Find out why it was pressed, release it, then Reset.";
+      return "Release it if it is pressed, find out why it was pressed or unread, then Reset.";
     case Hazard::PlanUnconfirmed:
     case Hazard::PlanChanged:
       return "Confirm the plan and tick what was checked.";
@@ -89,6 +75,19 @@ const char* what_to_do(Hazard hazard) {
       return "Check the disk of the log.";
     default:
       return "Look at the needle, then Retract.";
+  }
+}
+
+const char* what_to_do_stopped(Hazard hazard) {
+  switch (hazard) {
+    case Hazard::EStop:
+    case Hazard::EStopDisagrees:
+    case Hazard::InterlockStuck:
+      return what_to_do(hazard);
+    case Hazard::LogBacklog:
+      return "Check the disk of the log, then Reset.";
+    default:
+      return "Look at the needle, then Reset.";
   }
 }
 

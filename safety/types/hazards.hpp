@@ -74,7 +74,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      Monitor::Voltage, "more than 100 V, 200 ms after off", true},
     {Hazard::NeedleNotBack, StopCategory::C0Off, 500, "H-07 needle did not return at zero volts", "R-02",
      Monitor::Depth, "deeper than 1 mm, 500 ms after 0 V"},
-    {Hazard::EStop, StopCategory::C0Off, 1, "H-25 emergency stop pressed", "R-03", Monitor::Link,
+    {Hazard::EStop, StopCategory::C0Off, 1, "H-25 emergency stop pressed or unread", "R-03", Monitor::Link,
      "either contact open, or the panel unread for more than 20 ms; until the reset key is turned"},
     {Hazard::EStopDisagrees, StopCategory::C0Off, 21, "H-26 emergency stop channels disagree", "R-04",
      Monitor::Link, "contacts differ for more than 20 ms; stays until both were seen open"},
@@ -157,7 +157,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::SuspectTissueModel, StopCategory::C2Hold, 100, "H-21 tissue behaves unlike the plan", "R-32",
      Monitor::Tissue, "more than 0.5 mm outside the plausible band for 0.1 s"},
     {Hazard::PatientMotion, StopCategory::C2Hold, 1, "H-22 patient moved", "R-33", Monitor::Link,
-     "more than 2 mm"},
+     "more than 2 mm, or not measured"},
 }};
 
 consteval bool is_ordered_by_severity() {

@@ -94,8 +94,8 @@ TEST_P(IgtlProtocol, StartsUpOnlyARobotThatIsThereAndWell) {
     EXPECT_NE(client.reason().find(why), std::string::npos) << client.reason();
   };
   client.robot.mode = Mode::Trip;
-  client.robot.hazard = "emergency stop pressed";
-  refused_because("trip: emergency stop pressed");
+  client.robot.hazard = "emergency stop pressed or unread";
+  refused_because("trip: emergency stop pressed or unread");
   client.robot.mode = Mode::Active;
   refused_because("in use");
   const auto refused_in_time_because = [&](const std::string& why) {  // it may be coming up

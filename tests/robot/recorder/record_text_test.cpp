@@ -26,10 +26,12 @@ TEST(RecordText, SaysWhatHappened) {
           R"({"epoch":1,"event":"step reached","mode":"hold","reason":"none","seq":9385,"session":1,"stage":1,)"
           R"("stage_done":true,"stop":1,"worst":"none"})"),
       "hold: step reached, step 1 done");
-  EXPECT_EQ(text(RecordKind::Alarm, R"({"before":"none","seq":170,"worst":"H-25 emergency stop pressed"})"),
-            "H-25 emergency stop pressed");
-  EXPECT_EQ(text(RecordKind::Alarm, R"({"before":"H-25 emergency stop pressed","seq":640,"worst":"none"})"),
-            "over: H-25 emergency stop pressed");
+  EXPECT_EQ(text(RecordKind::Alarm,
+                 R"({"before":"none","seq":170,"worst":"H-25 emergency stop pressed or unread"})"),
+            "H-25 emergency stop pressed or unread");
+  EXPECT_EQ(text(RecordKind::Alarm,
+                 R"({"before":"H-25 emergency stop pressed or unread","seq":640,"worst":"none"})"),
+            "over: H-25 emergency stop pressed or unread");
   EXPECT_EQ(text(RecordKind::PermitChange,
                  R"({"command_kV":0.0,"depth_mm":-0.025,"gate":1,"hv_enabled":true,"seq":755})"),
             "high voltage ON, 0.00 kV commanded, needle at -0.03 mm");
