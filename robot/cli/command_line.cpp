@@ -61,6 +61,16 @@ std::string suggestion(const std::string& typed, const std::vector<std::string>&
   return close.empty() ? list : fmt::format("did you mean `{}`? {}", fmt::join(close, "` or `"), list);
 }
 
+// "Could not convert: --seed = 1e3": ranges were looked at before, so that the number is not a whole one.
+std::string worded(const std::string& parser_message) {
+  constexpr std::string_view kConversion = "Could not convert: ";
+  const std::size_t value = parser_message.find(" = ");
+  if (!parser_message.starts_with(kConversion) || value == std::string::npos) return parser_message;
+  return fmt::format("{}: `{}` is not written as a whole number",
+                     parser_message.substr(kConversion.size(), value - kConversion.size()),
+                     parser_message.substr(value + 3));
+}
+
 // Explains why the parser refused `words`: an unknown command or option first, because the parser may have
 // tripped over a consequence of it.
 [[noreturn]] void refuse(const CLI::App& root, const std::vector<std::string>& words,
@@ -88,7 +98,8 @@ std::string suggestion(const std::string& typed, const std::vector<std::string>&
   if (!app->get_subcommands({}).empty())
     throw ConfigError("a command is missing", command,
                       fmt::format("give one of: {}", fmt::join(subcommands_of(*app), ", ")));
-  throw ConfigError(parser_message, command, fmt::format("`{} --help` explains the options", command));
+  throw ConfigError(worded(parser_message), command,
+                    fmt::format("`{} --help` explains the options", command));
 }
 
 // An option that is given with nothing in it would be taken as not given.

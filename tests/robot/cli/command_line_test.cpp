@@ -127,6 +127,9 @@ TEST(CommandLine, NamesBadInputWithARemedyAndWritesNothing) {
            {"dry-run --model /no/such/model.toml" + out, "/no/such/model.toml"},
            {"simulate /no/such/data --model /no/such/model.toml" + out, "/no/such"},
            {"check --before /no/a --after /no/b --entry 0,0,0 --axis 0,0,0", "--axis"},
+           {"dry-run liver --seed 1e3" + out, "--seed: `1e3` is not written as a whole number"},
+           {"dry-run liver --seed 2.5" + out, "--seed: `2.5` is not written as a whole number"},
+           {"dry-run liver --seed x" + out, "--seed: `x` is not a number in the range"},
            {"image /no/such/image", "/no/such/image"}}) {
     expect_refused(typed, named);
     EXPECT_FALSE(fs::exists(folder / "out")) << typed;
