@@ -161,6 +161,15 @@ Term read_term_frame(TomlTable& table, const std::string& name, bool on_stack) {
   return term;
 }
 
+bool can_be_written(const Term& term, bool on_stack) {
+  const auto within = [&](const TermRangeKey& key) {
+    const TermRange& seen = term.seen.*(key.range);
+    return std::max(std::abs(seen.low), std::abs(seen.high)) <= key.largest * key.si_per_unit;
+  };
+  return term.largest_force() <= kLargestForce &&
+         std::ranges::all_of(range_keys(term.parts, on_stack), within);
+}
+
 void check_term_force(const Term& term, const TomlTable& table) {
   if (!(term.largest_force() <= kLargestForce))
     table.refuse("expression",

@@ -37,6 +37,8 @@ std::vector<TermRangeKey> range_keys(const std::vector<TermPart>& parts, bool on
 
 // A term without its coefficients: expression, time of its memory and ranges.
 Term read_term_frame(TomlTable& table, const std::string& name, bool on_stack);
+// Whether a model file may hold the term: its force and ranges are those of such a mechanism.
+bool can_be_written(const Term& term, bool on_stack);
 // Throws ConfigError where the term has a force beyond any such mechanism.
 void check_term_force(const Term& term, const TomlTable& table);
 

@@ -25,6 +25,9 @@ constexpr double kOutlierShare = 0.01;   // of all rows; more is no outlier
 constexpr double kOnGrid = 1e-3;         // of a step
 constexpr double kCoarse = 1.5;          // noises a step must have to matter
 constexpr std::size_t kFewestLevels = 3, kMostLevels = 20000;
+constexpr double kPast = 5.0;  // levels of a coarse sensor that a motion must have led past a value
+constexpr std::size_t kRowsOfALevel = 4;  // at least, of a coarse sensor
+constexpr double kMarkApart = 3.0;        // ranges of all other readings
 
 // Rows [from, to) of one value.
 struct Spell {
@@ -59,6 +62,37 @@ double usual_step(const std::vector<double>& x) {
   return median(std::move(steps));
 }
 
+std::vector<double> levels_of(std::vector<double> x) {
+  std::ranges::sort(x);
+  x.erase(std::unique(x.begin(), x.end()), x.end());
+  return x;
+}
+
+// Distance of the values that a coarse sensor can give, m; 0 where readings do not repeat. As the file's
+// digits round them, so they need not be multiples.
+double level_spacing(const std::vector<double>& x) {
+  const std::vector<double> levels = levels_of(x);
+  if (levels.size() < kFewestLevels || kRowsOfALevel * levels.size() > x.size()) return 0.0;
+  return usual_step(levels);
+}
+
+// A coarse sensor repeats a reading at the end of a motion and at rest too; but then the motion slows down
+// before. Whether the readings before a spell lead past its value, in the two rows that follow.
+bool cut_short(const std::vector<double>& x, const Spell& spell, double spacing) {
+  if (spacing == 0.0) return true;
+  if (spell.from < 3) return false;
+  const double moved = x[spell.from - 1] - x[spell.from - 3];
+  return (x[spell.from - 1] + moved - x[spell.from]) * (moved < 0.0 ? -1.0 : 1.0) > kPast * spacing;
+}
+
+// A sensor that fails jumps to its last value; a motion runs into the end of a range in steps like those
+// before.
+bool jumps_into(const std::vector<double>& x, const Spell& spell, double step) {
+  if (spell.from < 2) return false;
+  const double into = std::abs(x[spell.from] - x[spell.from - 1]);
+  return into > kJump * std::max(step, std::abs(x[spell.from - 1] - x[spell.from - 2]));
+}
+
 struct Channels {
   const RecordedRun& run;
   std::string input;  // its column
@@ -91,6 +125,38 @@ Found constant(const Channels& c) {
   return {};
 }
 
+// Whether all readings of this value are the last ones.
+bool lasts(const std::vector<double>& x, double value, std::size_t rows) {
+  return std::all_of(x.end() - static_cast<std::ptrdiff_t>(rows), x.end(),
+                     [value](double reading) { return reading == value; });
+}
+
+// One value far from where all others lie: -999 for a reading that failed. 0 is a place as well, and a sensor
+// that stays at its end from then on is frozen.
+Found missing(const Channels& c) {
+  const std::vector<double>& x = c.run.displacement;
+  const std::vector<double> levels = levels_of(x);
+  if (levels.size() < kFewestLevels) return {};
+  const std::size_t last = levels.size() - 1;
+  for (const std::size_t at : {std::size_t{0}, last}) {
+    const double low = levels[at == 0 ? 1 : 0], high = levels[at == 0 ? last : last - 1];
+    const double apart = at == 0 ? low - levels[at] : levels[at] - high;
+    const auto rows = static_cast<std::size_t>(std::ranges::count(x, levels[at]));
+    if (rows < 2 || 2 * rows > x.size() || apart <= kMarkApart * (high - low)) continue;
+    if (levels[at] == 0.0 || lasts(x, levels[at], rows)) continue;
+    return DataRemark{
+        "missing",
+        "displacement_mm",
+        {c.run.name},
+        true,
+        fmt::format("{} readings are exactly {:.6g} mm, while all others lie between {:.4g} and {:.4g} mm: a "
+                    "mark for a reading that is missing. Remove these rows and write `resample = true` in "
+                    "dataset.toml; where many follow each other, split the run there.",
+                    rows, kMm * levels[at], kMm * low, kMm * high)};
+  }
+  return {};
+}
+
 // A reading that stands while all others scatter, and jumps where it goes on.
 Found frozen(const Channels& c) {
   const std::vector<double>& x = c.run.displacement;
@@ -98,10 +164,12 @@ Found frozen(const Channels& c) {
   const std::vector<Spell> spells = spells_of(x, fewest);
   if (spells.empty() || spells.size() > kFewFrozen || changing_share(x, spells) < kChanging) return {};
   const double step = usual_step(x), low = std::ranges::min(x), high = std::ranges::max(x);
+  const double spacing = level_spacing(x);
   for (const Spell& spell : spells) {
-    if (x[spell.from] == low || x[spell.from] == high) continue;  // clipped, or at rest without noise
+    const bool extreme = x[spell.from] == low || x[spell.from] == high;
+    if (extreme && !jumps_into(x, spell, step)) continue;  // clipped, or at rest without noise
     const bool jumps = spell.to < x.size() && std::abs(x[spell.to] - x[spell.from]) > kJump * step;
-    if (!jumps && spell.to < x.size()) continue;
+    if ((!jumps && spell.to < x.size()) || !cut_short(x, spell, spacing)) continue;
     return DataRemark{"frozen",
                       "displacement_mm",
                       {c.run.name},
@@ -121,15 +189,15 @@ Found clipped(const Channels& c) {
   std::size_t standing = 0;
   for (const Spell& spell : spells) standing += spell.rows();
   if (2 * standing > x.size() || changing_share(x, spells) < kChanging) return {};
-  const double step = usual_step(x);
+  const double step = usual_step(x), spacing = level_spacing(x);
   for (const double limit : {std::ranges::max(x), std::ranges::min(x)}) {
     std::size_t rows = 0, abrupt = 0;
     for (const Spell& spell : spells) {
-      if (x[spell.from] != limit) continue;
+      if (x[spell.from] != limit || jumps_into(x, spell, step)) continue;
       rows += spell.rows();
       const bool arrives = spell.from >= 3 && std::abs(x[spell.from - 3] - limit) > 2.0 * step;
       const bool leaves = spell.to + 2 < x.size() && std::abs(x[spell.to + 2] - limit) > 2.0 * step;
-      abrupt += arrives || leaves ? 1 : 0;
+      abrupt += (arrives || leaves) && cut_short(x, spell, spacing) ? 1 : 0;
     }
     if (rows < 2 * kClippedRows || abrupt == 0) continue;
     return DataRemark{"clipped",
@@ -212,10 +280,9 @@ void add_to(std::vector<DataRemark>& out, DataRemark remark) {
 }  // namespace
 
 double quantisation_step(const std::vector<double>& readings) {
-  std::vector<double> levels = readings;
-  std::ranges::sort(levels);
-  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
-  if (levels.size() < kFewestLevels || levels.size() > kMostLevels || 4 * levels.size() > readings.size())
+  const std::vector<double> levels = levels_of(readings);
+  if (levels.size() < kFewestLevels || levels.size() > kMostLevels ||
+      kRowsOfALevel * levels.size() > readings.size())
     return 0.0;
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < levels.size(); ++i) step = std::min(step, levels[i] - levels[i - 1]);
@@ -236,10 +303,10 @@ std::vector<DataRemark> examine_channels(const Dataset& dataset, Drive drive, do
   add_copies(out, dataset);
   for (const RecordedRun& run : dataset.runs) {
     const Channels channels{run, drive == Drive::Force ? "force_N" : "voltage_V", noise};
-    for (const auto check : {constant, frozen, clipped, quantised, outliers})
+    for (const auto check : {constant, missing, frozen, clipped, quantised, outliers})
       if (Found found = check(channels)) {
         add_to(out, std::move(*found));
-        if (out.back().cause == "constant") break;
+        if (is_unusable(out.back())) break;
       }
   }
   return out;

@@ -80,7 +80,7 @@ void add_repeats(std::vector<DataRemark>& out, const Dataset& dataset, double no
            true,
            fmt::format("Runs {} and {} have the same input and weight, but their displacements differ "
                        "by {:.3g} mm RMS: something that is not in the data set changed between "
-                       "them. Find out what, or leave one out.",
+                       "them, or input and displacement are exchanged. Find out which, or leave one out.",
                        a.name, b.name, kMm * apart)});
     }
 }
@@ -90,11 +90,8 @@ void add_repeats(std::vector<DataRemark>& out, const Dataset& dataset, double no
 std::vector<DataRemark> examine(const Dataset& dataset, const PlantModel& model, double noise) {
   std::vector<DataRemark> seen = examine_channels(dataset, model.baseline.drive, noise), out;
   const auto blocks = [](const DataRemark& one) { return one.blocks; };
-  const auto unusable = [](const DataRemark& one) {
-    return one.cause == "constant" || one.cause == "copied";
-  };
   // First: an exchanged column, for example, looks clipped as well.
-  if (std::ranges::none_of(seen, unusable)) out = examine_with_model(dataset, model, noise);
+  if (std::ranges::none_of(seen, is_unusable)) out = examine_with_model(dataset, model, noise);
   for (DataRemark& one : seen) out.push_back(std::move(one));
   add_noise(out, dataset);
   add_sampling(out, dataset, model);

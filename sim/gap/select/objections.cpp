@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "sim/gap/fit/fit.hpp"
+#include "sim/gap/millimetres.hpp"
 #include "sim/gap/residual/flexible.hpp"
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr double kHalf = 0.5;           // of the RMSE above the noise that no calibration explains
 constexpr double kWhole = 0.95;         // of it
+constexpr double kOfMotion = 0.15;      // of the range of motion, that a name must not leave
 constexpr double kNearNoise = 1.0;      // noises that are left
 constexpr double kFlexibleWins = 0.8;   // of the excess square that a name leaves
 constexpr double kAddsToCurve = 0.7;    // of the excess square that the curve leaves
@@ -46,6 +48,16 @@ bool selected(const Selection& selection, const Unknown& u) {
   return std::ranges::any_of(selection.selected, [&](const SelectedTerm& term) {
     return term.is_effect() && term.candidate.effect == u.effect;
   });
+}
+
+// Where the given model runs away, anything that holds it closes nearly all of the gap and explains no
+// motion.
+void add_left_motion(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
+  const double left = std::sqrt(excess(selection.best.square, evidence));
+  const double share = left / (evidence.x_high - evidence.x_low);
+  if (!is_near_noise(selection.best.square, evidence) && share > kOfMotion)
+    out.push_back(
+        fmt::format("it leaves {:.3g} mm, {:.0f} % of the range of motion", left * kMm, 100.0 * share));
 }
 
 // Of each effect at least one strength, and where and above which level it acts, must be known.
@@ -289,6 +301,7 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
           "its many numbers fit much that is no such spring, and it closes {:.0f} % only", 100.0 * closed));
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
+  add_left_motion(out, selection, fine);
   add_unknown_parameters(out, selection, fine);
   add_contradictions(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.

@@ -83,6 +83,11 @@ bool undoes_the_drive(const Hypothesis& hypothesis) {
          });
 }
 
+bool can_be_written(const Hypothesis& hypothesis) {
+  const PlantModel& model = hypothesis.model;
+  return sim::can_be_written(model.terms.back(), model.baseline.drive == Drive::Stack);
+}
+
 bool stands(const ScoredModel& before, const ScoredModel& start, const ScoredModel& with,
             const Evidence& evidence) {
   return std::isfinite(with.square) &&
@@ -91,7 +96,8 @@ bool stands(const ScoredModel& before, const ScoredModel& start, const ScoredMod
          is_significant(start, with, term_unknowns(with.hypothesis).size(), evidence) &&
          helps_in_each_run(start, with, evidence) &&
          std::ranges::all_of(term_unknowns(with.hypothesis), is_known) &&
-         !distorts_calibration(with.hypothesis) && !undoes_the_drive(with.hypothesis);
+         !distorts_calibration(with.hypothesis) && !undoes_the_drive(with.hypothesis) &&
+         can_be_written(with.hypothesis);
 }
 
 double rounded_outward(double value, bool up) {

@@ -116,12 +116,27 @@ std::vector<Damage> damages() {
          const std::size_t n = r.displacement.size();
          for (std::size_t i = n / 2; i < n; ++i) r.displacement[i] = r.displacement[n / 2];
        })},
+      {"falls to its lower end and stays", "frozen", one([](RecordedRun& r) {
+         const auto [low, high] = std::ranges::minmax(r.displacement);
+         for (std::size_t i = r.displacement.size() * 3 / 5; i < r.displacement.size(); ++i)
+           r.displacement[i] = low - 0.5 * (high - low);
+       })},
+      {"falls far below its range and stays", "frozen", one([](RecordedRun& r) {
+         for (std::size_t i = r.displacement.size() * 3 / 4; i < r.displacement.size(); ++i)
+           r.displacement[i] = -0.5;
+       })},
       {"clipped", "clipped", each([](RecordedRun& r) {
          const double limit = 0.6 * std::ranges::max(r.displacement);
          for (double& x : r.displacement) x = std::min(x, limit);
        })},
       {"outliers", "outliers", one([](RecordedRun& r) {
          for (std::size_t i = 101; i < r.displacement.size(); i += 397) r.displacement[i] += 20e-3;
+       })},
+      {"marks of missing readings", "missing", each([](RecordedRun& r) {
+         for (std::size_t i = 40; i < r.displacement.size(); i += 89) r.displacement[i] = 9.999;
+       })},
+      {"a stretch of marks", "missing", one([](RecordedRun& r) {
+         for (std::size_t i = 300; i < 345; ++i) r.displacement[i] = -1.0;
        })},
       {"copied run", "copied", [](Dataset& d) { d.runs.back().displacement = d.runs.front().displacement; }},
       {"ten times too fast", "unit", each([](RecordedRun& r) { scale(r.time, 0.1), r.period *= 0.1; })},

@@ -136,6 +136,24 @@ TEST(NearTies, LeaveNoNameWhereANumberOfTheBaselineAloneClosesThreeQuarters) {
   EXPECT_FALSE(say_another_value(objections_beside_a_number(40e-6, 0.70)));
 }
 
+// Plate A moves by 5 mm, and the model that was given strays by 20: to hold it back closes nearly all of
+// that.
+TEST(NearTies, LeaveNoNameThatLeavesMuchOfTheMotion) {
+  const auto say_much_is_left = [](double left) {
+    Selection selection{.start = {}, .best = {}, .fits = {}, .selected = {}};
+    selection.start.square = 20e-3 * 20e-3;
+    selection.best.square = left * left;
+    selection.start.hypothesis = selection.best.hypothesis = mass_with_zero_at(0.0);
+    const Evidence evidence = readings_of_a_mass_at_rest();
+    return std::ranges::any_of(objections(selection, evidence, evidence), [](const std::string& one) {
+      return one.find("of the range of motion") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(say_much_is_left(1.8e-3));
+  EXPECT_TRUE(say_much_is_left(0.8e-3));
+  EXPECT_FALSE(say_much_is_left(0.6e-3));
+}
+
 // The number closes as much by chance where the name leaves only noise: then it is beside the point.
 TEST(NearTies, LeaveANameThatLeavesOnlyNoise) {
   EXPECT_TRUE(objections_beside_a_number(13e-6, 0.80).empty());

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
 #include "sim/plant/model_text.hpp"
 #include "sim/term/term_text.hpp"
@@ -230,6 +231,34 @@ TEST(TermForce, OnAStackIsAFunctionOfTheVoltageThatPulls) {
   without = held(pushed, without, {.voltage = -2500.0, .external_force = push}, 2000);
   EXPECT_NEAR(with.motion.x, without.motion.x, 1e-8);
   EXPECT_GT(with.motion.x, 1e-4);
+}
+
+// What a search proposes is written only where it reads back.
+TEST(TermText, CanBeWrittenWhereAFileMayHoldIt) {
+  const auto drag = [](double coefficient, double fastest) {
+    Term term;
+    term.name = "drag";
+    term.parts = {{.coefficient = coefficient}};
+    term.parts[0].powers[static_cast<std::size_t>(TermFactor::Speed)] = 3;
+    term.seen.v = {-fastest, fastest};
+    return term;
+  };
+  for (const auto& [coefficient, fastest] : std::vector<std::pair<double, double>>{
+           {-40.0, 2.0}, {-40.0, 11.0}, {-40.0, 30.0}, {-1e-9, 900.0}, {-1e-9, 1100.0}}) {
+    const Term term = drag(coefficient, fastest);
+    NotedModel made;
+    made.model.baseline.drive = Drive::Force;
+    made.notes.T.reset();
+    made.model.terms.push_back(term);
+    bool written = true;
+    try {
+      model_toml(made.model, made.notes);
+    } catch (const ConfigError&) {
+      written = false;
+    }
+    EXPECT_EQ(can_be_written(term, false), written)
+        << coefficient << " N s^3/m^3 up to " << fastest << " m/s";
+  }
 }
 
 TEST(TermForce, MakesTheIntegratorsStepShort) {
