@@ -175,8 +175,9 @@ Found frozen(const Channels& c) {
                       {c.run.name},
                       true,
                       fmt::format("The displacement stands at exactly {:.4g} mm from {:.4g} s to {:.4g} s, "
-                                  "while its other readings scatter: readings were repeated. Leave this part "
-                                  "or the run out.",
+                                  "while its other readings scatter: readings were repeated, or another "
+                                  "column is the displacement. Leave this part or the run out, or give the "
+                                  "column in dataset.toml, [columns] displacement.",
                                   kMm * x[spell.from], c.run.time[spell.from], c.run.time[spell.to - 1])};
   }
   return {};
