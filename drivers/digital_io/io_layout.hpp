@@ -83,6 +83,7 @@ struct PanelLevels {
 struct PanelReading {
   PanelLevels levels;
   bool read = false;
+  std::int64_t age_us = -1;  // since it was read last, whether `read` or not; -1: never
 };
 
 // A voltage in the low half of a word, a flag above it.

@@ -78,8 +78,10 @@ std::uint64_t IoReader::supervisor_pulses() const {
 
 PanelReading IoReader::panel(std::int64_t now_ns) const {
   const std::int64_t read_ns = stage_->panel_read_ns.load(std::memory_order_acquire);
-  if (read_ns == 0 || std::abs(now_ns - read_ns) / 1'000 >= safety::kPanelRead_us) return {};
-  PanelReading reading{panel_levels(panel_->levels.load(std::memory_order_acquire)), true};
+  if (read_ns == 0) return {};
+  const std::int64_t age_us = std::abs(now_ns - read_ns) / 1'000;
+  if (age_us >= safety::kPanelRead_us) return {.levels = {}, .read = false, .age_us = age_us};
+  PanelReading reading{panel_levels(panel_->levels.load(std::memory_order_acquire)), true, age_us};
   // The relay that a process stands for has its contact in that process's file.
   reading.levels.relay_closed = reading.levels.relay_closed || is_closed(relay(), now_ns);
   return reading;

@@ -35,8 +35,8 @@ constexpr std::array<Message, 10> kRefusals{{
 }};
 
 // Without the identifier, which is for the safety case.
-std::string sentence(Hazard hazard) {
-  std::string text(safety::name_of(hazard));
+std::string sentence(Hazard hazard, const CycleRecord& tick) {
+  std::string text = hazard_text(hazard, tick.panel_unread_ms);
   if (text.starts_with("H-")) text.erase(0, 5);
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text + ".";
@@ -110,7 +110,7 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um, boo
   std::vector<Alarm> alarms;
   switch (supervisor.permit.mode) {
     case Mode::Lock:
-      alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
+      alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason, tick),
                              "High voltage off and locked.", "Do not use the robot. Call service."));
       break;
     case Mode::Trip:
@@ -119,14 +119,14 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um, boo
             Severity::Alarm, "E-120", stopped_by_operator ? "STOP was pressed." : "A stop was requested.",
             "High voltage off: nothing holds the needle.", "Look at the needle, then Reset."));
       else
-        alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason),
+        alarms.push_back(alarm(Severity::Alarm, code_of(reason), sentence(reason, tick),
                                "High voltage off: nothing holds the needle.", what_to_do_stopped(reason)));
       break;
     case Mode::Retract:
     case Mode::Hold:
       if (reason != Hazard::None)
         alarms.push_back(
-            alarm(Severity::Warning, code_of(reason), sentence(reason),
+            alarm(Severity::Warning, code_of(reason), sentence(reason, tick),
                   supervisor.permit.mode == Mode::Hold ? "Needle held." : "The needle is being retracted.",
                   supervisor.permit.mode == Mode::Hold ? what_to_do(reason) : "Wait until it is back."));
       break;
@@ -134,7 +134,7 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um, boo
     case Mode::Safe:
       // While only the plan is missing, the step rail shows it.
       if (supervisor.worst != Hazard::None && !waits_for_plan(supervisor.worst))
-        alarms.push_back(alarm(Severity::Notice, code_of(supervisor.worst), sentence(supervisor.worst),
+        alarms.push_back(alarm(Severity::Notice, code_of(supervisor.worst), sentence(supervisor.worst, tick),
                                "Not ready.", what_to_do(supervisor.worst)));
       else if (std::abs(shown_um) > limits::kBack_um && tick.measurement.laser_valid)
         alarms.push_back(alarm(Severity::Notice, "E-123", "The needle is not where it waits.",

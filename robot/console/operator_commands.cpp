@@ -253,7 +253,8 @@ std::string OperatorSession::why_no_arm() const {
   if (!all_ticked()) return carries_checks() ? "Tick the check first." : "Tick all three checks first.";
   if (mode == Mode::Trip || standing_stop_) return "Stopped: Reset first.";
   if (mode == Mode::Lock) return "Locked: service only.";
-  if (mode != Mode::Ready) return fmt::format("Not ready yet: {}.", safety::name_of(seen_.supervisor.worst));
+  if (mode != Mode::Ready)
+    return fmt::format("Not ready yet: {}.", hazard_text(seen_.supervisor.worst, seen_.panel_unread_ms));
   return simulated_ ? "" : "Turn the arm key on the device.";
 }
 
@@ -304,7 +305,7 @@ std::string OperatorSession::why_no_reset() const {
   const bool ends_with_it = worst == safety::Hazard::EStop || worst == safety::Hazard::PanelUntested;
   return worst == safety::Hazard::None || ends_with_it
              ? ""
-             : fmt::format("Still there: {}.", safety::name_of(worst));
+             : fmt::format("Still there: {}.", hazard_text(worst, seen_.panel_unread_ms));
 }
 
 events::Disabled OperatorSession::disabled() const {

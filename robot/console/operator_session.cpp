@@ -219,8 +219,8 @@ void OperatorSession::note_end_of_hold(Mode before) {
   if (!tripped && !left) return;
   // An event is of one tick, which the bus need not bring.
   const bool unsaid = now.reason == safety::Hazard::None && now.event == safety::Event::None;
-  const std::string why(unsaid && held_too_long_ ? safety::name_of(safety::Event::HoldTooLong)
-                                                 : cause_of(now));
+  const std::string why = unsaid && held_too_long_ ? std::string(safety::name_of(safety::Event::HoldTooLong))
+                                                   : cause_of(now, seen_.panel_unread_ms);
   if (left) run_->left_hold = why;
   if (run_->completed && !tripped) return;  // its depth was accepted in time
   run_->completed = false;

@@ -55,6 +55,7 @@ CycleRecord ControlCycle::run(const OperatorInputs& operator_inputs, const Envir
       supervise(sources(record.measurement, operator_inputs, environment), supervisor_, faults_);
   record.evidence = supervision.evidence;
   record.supervisor = supervision.output;
+  record.panel_unread_ms = supervision.panel_unread_ms;
   request_ = controller(record.measurement, record.supervisor);
   request_.plan_tag = supervisor_.sealed_tag;
   request_.config_tag = supervisor_.config_tag;

@@ -20,7 +20,8 @@ struct CycleRecord {
   safety::Evidence evidence;
   safety::SupervisorOutput supervisor;
   DriveRequest request;
-  std::int32_t drive_mV = 0;  // on the converter from the end of the tick until the next
+  std::int32_t panel_unread_ms = 0;  // as in Decision
+  std::int32_t drive_mV = 0;         // on the converter from the end of the tick until the next
 };
 
 // Sees what was measured and decided in this tick; answers with what it requests.

@@ -137,14 +137,16 @@ Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, Fau
   if (faults != nullptr) faults->before_decision(inputs, out.evidence);
   std::tie(memory.state, out.output) = safety::step(memory.plan, memory.state, inputs, out.evidence);
   memory.permit = out.output.permit;
+  const bool stopped = (out.evidence.clear & safety::bit(safety::Hazard::EStop)) == 0;
+  out.panel_unread_ms = memory.stop_cause.update(in.panel, stopped);
   return out;
 }
 
-std::string_view cause_of(const safety::SupervisorOutput& output) {
-  if (output.reason != safety::Hazard::None) return safety::name_of(output.reason);
+std::string cause_of(const safety::SupervisorOutput& output, std::int32_t panel_unread_ms) {
+  if (output.reason != safety::Hazard::None) return hazard_text(output.reason, panel_unread_ms);
   // Without a hazard it is a person's, or a navigation program's.
-  return output.event == safety::Event::Fault ? "an immediate stop was asked for"
-                                              : safety::name_of(output.event);
+  return std::string(output.event == safety::Event::Fault ? "an immediate stop was asked for"
+                                                          : safety::name_of(output.event));
 }
 
 Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns) {

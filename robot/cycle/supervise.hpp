@@ -4,10 +4,11 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
+#include <string>
 
 #include "drivers/digital_io/io_layout.hpp"
 #include "robot/cycle/fault_hooks.hpp"
+#include "robot/cycle/stop_cause.hpp"
 #include "robot/msg/messages.hpp"
 #include "safety/monitors/panel_filter.hpp"
 #include "safety/monitors/tissue_monitor.hpp"
@@ -61,6 +62,7 @@ struct SupervisorMemory {
   Permit permit{};                // issued in the last tick
   std::int64_t act_us = 0;        // arrival of the last operator act that was used
   bool patient_measured = false;  // by a sensor, at any time since the start
+  StopCause stop_cause;
 };
 
 // For rehearsals, which begin after a person tested the panel.
@@ -69,6 +71,7 @@ void assume_tested_panel(SupervisorMemory& memory);
 struct Supervision {
   safety::Evidence evidence;
   safety::SupervisorOutput output;
+  std::int32_t panel_unread_ms = 0;  // as in Decision
 };
 
 // A plan is accepted while no high voltage is permitted. In motion it is only noticed: its tag is then not
@@ -78,7 +81,7 @@ void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory);
 Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks* faults = nullptr);
 
 // What ended or prevents motion, for people: the hazard, or where there is none the event.
-std::string_view cause_of(const safety::SupervisorOutput& output);
+std::string cause_of(const safety::SupervisorOutput& output, std::int32_t panel_unread_ms);
 
 // The message of a decision, and back.
 Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns);

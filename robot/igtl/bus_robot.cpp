@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "robot/cycle/stop_cause.hpp"
 #include "robot/msg/enum_traits.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/transitions.hpp"
@@ -18,7 +19,7 @@ std::string hazard_of(const Decision& decision) {
   const bool stopped = decision.mode == Mode::Hold || decision.mode == Mode::Retract ||
                        decision.mode == Mode::Trip || decision.mode == Mode::Lock;
   const auto hazard = static_cast<safety::Hazard>(stopped ? decision.reason : decision.worst);
-  if (hazard != safety::Hazard::None) return std::string(safety::name_of(hazard));
+  if (hazard != safety::Hazard::None) return robot::hazard_text(hazard, decision.panel_unread_ms);
   const auto event = static_cast<safety::Event>(decision.event);
   return stopped && event != safety::Event::None ? std::string(safety::name_of(event)) : std::string();
 }

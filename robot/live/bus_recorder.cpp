@@ -9,6 +9,7 @@
 #include "planner/plan/open_plan.hpp"
 #include "planner/plan/seal.hpp"
 #include "robot/common/text/encoding.hpp"
+#include "robot/cycle/stop_cause.hpp"
 #include "safety/supervisor.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/thresholds.hpp"
@@ -35,8 +36,8 @@ std::string json_text(const LogBody& body) {
   return body.dump(-1, ' ', false, LogBody::error_handler_t::replace);
 }
 
-std::string hazard(std::uint8_t code) {
-  return std::string(safety::name_of(static_cast<safety::Hazard>(code)));
+std::string hazard(std::uint8_t code, const Decision& decision) {
+  return robot::hazard_text(static_cast<safety::Hazard>(code), decision.panel_unread_ms);
 }
 
 std::string event(std::uint8_t code) {
@@ -50,8 +51,8 @@ std::string refusal(std::uint8_t code) {
 LogBody json_of(const Decision& decision) {
   return {{"mode", safety::name_of(decision.mode)},
           {"event", event(decision.event)},
-          {"reason", hazard(decision.reason)},
-          {"worst", hazard(decision.worst)},
+          {"reason", hazard(decision.reason, decision)},
+          {"worst", hazard(decision.worst, decision)},
           {"stop", static_cast<int>(decision.stop)},
           {"stage", decision.step + 1},
           {"stage_done", decision.step_done},
@@ -112,9 +113,14 @@ void BusRecorder::follow_decisions(std::int64_t now_us) {
     else if (next.stop != decision_.stop || next.step != decision_.step ||
              next.step_done != decision_.step_done)
       note(RecordKind::PermitChange, json_of(next), Urgency::Grouped);
-    if (next.worst != decision_.worst)
+    // A panel that was unread tells for how long once it is read again.
+    const bool told = next.worst == static_cast<std::uint8_t>(safety::Hazard::EStop) &&
+                      next.panel_unread_ms != decision_.panel_unread_ms;
+    if (next.worst != decision_.worst || told)
       note(RecordKind::Alarm,
-           {{"worst", hazard(next.worst)}, {"before", hazard(decision_.worst)}, {"seq", next.seq}},
+           {{"worst", hazard(next.worst, next)},
+            {"before", hazard(decision_.worst, decision_)},
+            {"seq", next.seq}},
            Urgency::Grouped);
     if (next.refusal != decision_.refusal && next.refusal != 0)
       note(RecordKind::RequestRefused, {{"why", refusal(next.refusal)}, {"seq", next.seq}}, Urgency::Grouped);

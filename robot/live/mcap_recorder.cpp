@@ -39,7 +39,7 @@ bool changed(const Permit& a, const Permit& b) {
 bool changed(const Decision& a, const Decision& b) {
   return a.session != b.session || a.mode != b.mode || a.stop != b.stop || a.event != b.event ||
          a.worst != b.worst || a.reason != b.reason || a.refusal != b.refusal || a.step != b.step ||
-         a.step_done != b.step_done;
+         a.step_done != b.step_done || a.panel_unread_ms != b.panel_unread_ms;
 }
 
 // Sent every tick.

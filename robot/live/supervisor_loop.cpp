@@ -107,10 +107,13 @@ void SupervisorLoop::tick(std::int64_t now_us) {
   sources_.panel = panel_.panel(realtime::monotonic_ns());
   sources_.files_tag = files_.at(now_us);
   sources_.writers = robot::writer_count(writers());
-  const safety::SupervisorOutput output = robot::supervise(sources_, supervisor_).output;
+  const robot::Supervision supervision = robot::supervise(sources_, supervisor_);
+  const safety::SupervisorOutput& output = supervision.output;
   permits_.write(output.permit);
   if (output.interlock_pulse) interlock_.pulse();
-  decisions_.write(robot::decision_message(output, now_us, wall_ns()));
+  Decision decision = robot::decision_message(output, now_us, wall_ns());
+  decision.panel_unread_ms = supervision.panel_unread_ms;
+  decisions_.write(decision);
   if (ticked_us_ != 0) {
     const std::int64_t late_us = now_us - ticked_us_ - kTick_us;
     heartbeat_.lateness().record(late_us * 1000);

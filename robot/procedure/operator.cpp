@@ -32,7 +32,7 @@ void Operator::observe(const CycleRecord& seen) {
   moved_ = moved_ || mode == Mode::Active;
   const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
   if (!ended || !ended_because_.empty()) return;
-  ended_because_ = fmt::format("{}: {}", safety::name_of(mode), cause_of(last));
+  ended_because_ = fmt::format("{}: {}", safety::name_of(mode), cause_of(last, seen.panel_unread_ms));
 }
 
 void Operator::give_up(const std::string& reason) {
@@ -67,7 +67,8 @@ void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
   } else if (held && ++repeated_presses_ <= kPressesMax) {
     go(Phase::Pause, tick);
   } else if (held) {
-    give_up(fmt::format("held again and again: {}", safety::name_of(seen.supervisor.reason)));
+    give_up(
+        fmt::format("held again and again: {}", hazard_text(seen.supervisor.reason, seen.panel_unread_ms)));
     go(Phase::Withdraw, tick);
   } else if (waited > kStepMax_ticks) {
     give_up(
@@ -100,7 +101,7 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
     case Phase::WaitReady:
       if (mode == Mode::Ready && waited > kThink_ticks) go(Phase::Arm, tick);
       if (waited <= kReadyMax_ticks) break;
-      give_up(fmt::format("not ready: {}", safety::name_of(seen.supervisor.worst)));
+      give_up(fmt::format("not ready: {}", hazard_text(seen.supervisor.worst, seen.panel_unread_ms)));
       go(Phase::Withdraw, tick);
       break;
     case Phase::Arm:
@@ -109,7 +110,7 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
       if (mode == Mode::Armed || ++repeated_presses_ <= kPressesMax)
         return go(mode == Mode::Armed ? Phase::Press : Phase::WaitReady, tick);
       give_up(fmt::format("arming was refused {} times; now: {}", kPressesMax + 1,
-                          safety::name_of(seen.supervisor.worst)));
+                          hazard_text(seen.supervisor.worst, seen.panel_unread_ms)));
       go(Phase::Withdraw, tick);
       break;
     case Phase::Press:

@@ -48,7 +48,7 @@ void RunNotes::note_trip(const CycleRecord& tick) {
                        (now == Mode::Hold && tick.supervisor.reason != safety::Hazard::None);
   if (now == mode_ || !unasked) return;
   record_.trips.push_back({record_.samples.back().time_ms * 1e-3, tick.supervisor.permit.stop,
-                           std::string(cause_of(tick.supervisor))});
+                           cause_of(tick.supervisor, tick.panel_unread_ms)});
 }
 
 // From the first tick, on the stage's clock. A stage that was started anew has another clock: its first tick

@@ -125,13 +125,14 @@ std::string board_text(const std::array<Health, kCount<Process>>& board,
     if (!health.note.empty()) text += fmt::format("({})  ", health.note);
   }
   if (cycle)
-    text += fmt::format("| {}{}{} | {}, {}", safety::name_of(cycle->record.supervisor.permit.mode),
-                        cycle->record.supervisor.worst == safety::Hazard::None ? "" : ": ",
-                        cycle->record.supervisor.worst == safety::Hazard::None
-                            ? std::string_view()
-                            : safety::name_of(cycle->record.supervisor.worst),
-                        fixed(cycle->record.measurement.depth_um * 1e-3, 2, "mm"),
-                        fixed(cycle->record.measurement.monitor_mV * 1e-6, 2, "kV"));
+    text +=
+        fmt::format("| {}{}{} | {}, {}", safety::name_of(cycle->record.supervisor.permit.mode),
+                    cycle->record.supervisor.worst == safety::Hazard::None ? "" : ": ",
+                    cycle->record.supervisor.worst == safety::Hazard::None
+                        ? std::string()
+                        : robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms),
+                    fixed(cycle->record.measurement.depth_um * 1e-3, 2, "mm"),
+                    fixed(cycle->record.measurement.monitor_mV * 1e-6, 2, "kV"));
   return text;
 }
 

@@ -87,7 +87,9 @@ CycleSample LiveRobot::cycle_of(const Measurement& next) const {
   cycle.record.measurement = measured_;
   cycle.record.request = request_;
   cycle.record.drive_mV = next.command_mV;
-  cycle.record.supervisor = supervisor_output(passed_.value_or(decision_), permit_);
+  const Decision& decision = passed_ ? *passed_ : decision_;
+  cycle.record.supervisor = supervisor_output(decision, permit_);
+  cycle.record.panel_unread_ms = decision.panel_unread_ms;
   cycle.record.evidence.clear =
       safety::kAllHazards & ~safety::bit(cycle.record.supervisor.worst);  // as far as is told
   cycle.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered, truth_.active_faults};

@@ -151,9 +151,12 @@ TEST_F(SharedIoFile, APanelThatTheDriverHasNotReadForTwentyMillisecondsIsUnread)
   PanelIo panel(folder_.path());
   panel.set({.arm_key = true, .estop_a_closed = true, .estop_b_closed = true});
   EXPECT_FALSE(reader.panel(kNow_ns).read) << "never";
+  EXPECT_EQ(reader.panel(kNow_ns).age_us, -1);
   stage.mark_panel_read(kNow_ns);
   for (const std::int64_t later_ns : {0L, 19'999'999L, -19'999'999L})
     EXPECT_TRUE(reader.panel(kNow_ns + later_ns).read);
+  for (const std::int64_t later_ns : {0L, 700'000L, 19'999'999L, 20'000'000L, 143'000'000L})
+    EXPECT_EQ(reader.panel(kNow_ns + later_ns).age_us, later_ns / 1'000);
   for (const std::int64_t later_ns : {20'000'000L, -20'000'000L, 1'000'000'000L}) {
     EXPECT_FALSE(reader.panel(kNow_ns + later_ns).read);
     EXPECT_EQ(reader.panel(kNow_ns + later_ns).levels, PanelLevels{}) << "keys off, emergency stop pressed";

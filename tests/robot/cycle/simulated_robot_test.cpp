@@ -58,7 +58,8 @@ TEST_F(SimulatedRobotTest, LocksTheNeedleOfAStepThatIsDoneWhenTheOperatorWantsAn
     record = robot.run_cycle(inputs);
     stage.depth_um = record.request.setpoint_um;
   }
-  ASSERT_TRUE(record.supervisor.permit.brake) << "it has arrived: " << cause_of(record.supervisor);
+  ASSERT_TRUE(record.supervisor.permit.brake)
+      << "it has arrived: " << cause_of(record.supervisor, record.panel_unread_ms);
   record = robot.run_cycle(inputs);
   EXPECT_FALSE(record.request.brake);
   inputs.hold_still = true;

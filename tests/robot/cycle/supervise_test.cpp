@@ -322,14 +322,14 @@ TEST(CauseOf, IsTheHazardAndWithoutOneTheEvent) {
   safety::SupervisorOutput output;
   output.reason = safety::Hazard::PopThrough, output.worst = safety::Hazard::Arc;
   output.event = safety::Event::Fault;
-  EXPECT_EQ(cause_of(output), safety::name_of(safety::Hazard::PopThrough));
+  EXPECT_EQ(cause_of(output, kSeenPressed), safety::name_of(safety::Hazard::PopThrough));
   output.reason = safety::Hazard::ResidualCharge;
-  EXPECT_EQ(cause_of(output), safety::name_of(safety::Hazard::ResidualCharge));
+  EXPECT_EQ(cause_of(output, kSeenPressed), safety::name_of(safety::Hazard::ResidualCharge));
   output.reason = safety::Hazard::None;
-  EXPECT_EQ(cause_of(output), "an immediate stop was asked for");
+  EXPECT_EQ(cause_of(output, kSeenPressed), "an immediate stop was asked for");
   for (const safety::Event event : {safety::Event::Stop, safety::Event::VoltagePresent}) {
     output.event = event;
-    EXPECT_EQ(cause_of(output), safety::name_of(event));
+    EXPECT_EQ(cause_of(output, kSeenPressed), safety::name_of(event));
   }
 }
 

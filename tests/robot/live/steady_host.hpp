@@ -27,10 +27,12 @@ constexpr std::array kDelays{safety::Hazard::ClockJump,        safety::Hazard::W
                              safety::Hazard::LogBacklog};
 // A panel that was not read for 20 ms counts as an emergency stop: only so long a stall explains one.
 constexpr double kPanelUnread_ms = 20.0;
+constexpr std::string_view kUnread = "emergency stop unread";
 
 inline bool names_a_delay(const std::string& kept_by, double worst_ms) {
-  const std::string_view stop = safety::name_of(safety::Hazard::EStop);
-  if (worst_ms > kPanelUnread_ms && kept_by.find(stop) != std::string::npos) return true;
+  const std::string_view stop = safety::name_of(safety::Hazard::EStop);  // from where the cause is not told
+  const bool unread = kept_by.find(stop) != std::string::npos || kept_by.find(kUnread) != std::string::npos;
+  if (worst_ms > kPanelUnread_ms && unread) return true;
   return kept_by.starts_with(kNotInTime) || std::ranges::any_of(kDelays, [&](safety::Hazard hazard) {
            return kept_by.find(safety::name_of(hazard)) != std::string::npos;
          });

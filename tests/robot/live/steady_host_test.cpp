@@ -5,6 +5,8 @@
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
+#include "robot/cycle/stop_cause.hpp"
+
 namespace biopsy::live_tests {
 namespace {
 
@@ -15,6 +17,12 @@ TEST(SteadyHost, ExcusesAStopThatNamesADelayAndNoOther) {
     EXPECT_EQ(names_a_delay(kept_by, 19.0), delay) << facts.name;
     EXPECT_EQ(names_a_delay(kept_by, 21.0), delay || facts.hazard == safety::Hazard::EStop) << facts.name;
   }
+  const std::string stopped = "the procedure was stopped: ";
+  const std::string unread = stopped + robot::hazard_text(safety::Hazard::EStop, 21);
+  const std::string pressed = stopped + robot::hazard_text(safety::Hazard::EStop, robot::kSeenPressed);
+  EXPECT_TRUE(names_a_delay(unread, 21.0));
+  EXPECT_FALSE(names_a_delay(unread, 19.0));
+  EXPECT_FALSE(names_a_delay(pressed, 21.0)) << "no delay presses a button";
   EXPECT_FALSE(names_a_delay("the robot never got ready: no hazard", 21.0));
 }
 

@@ -33,6 +33,7 @@ Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, Fau
   memory.state.mode = calls().output.permit.mode;
   Supervision out;
   out.output = calls().output;
+  out.panel_unread_ms = calls().panel_unread_ms;
   return out;
 }
 

@@ -33,6 +33,7 @@ struct Calls {
 
   // To be returned
   safety::SupervisorOutput output;
+  std::int32_t panel_unread_ms = 0;
   std::int32_t writer_count = 1;
   std::uint64_t plan_tag = 0;  // of the plan that is sent; 0: its seal does not hold
   bool feeds_interlock = true;

@@ -326,10 +326,12 @@ TEST_F(LiveRobotBench, KnowsOfEvidenceAsFarAsTheDecisionTells) {
   Decision decision;
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
   decision.reason = static_cast<std::uint8_t>(safety::Hazard::OverDepth);
+  decision.panel_unread_ms = 143;
   fake_bus::put(decision);
   const auto sample = ask(asked(), 1'000);
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->record.evidence.clear, safety::kAllHazards & ~safety::bit(safety::Hazard::Arc));
+  EXPECT_EQ(sample->record.panel_unread_ms, 143);
 }
 
 TEST_F(LiveRobotBench, TestsTheSimulatedPanelOnceInEachSessionOfTheSupervisor) {
@@ -360,11 +362,13 @@ TEST_F(LiveRobotBench, ShowsARampOrATripOfOneTickThoughLaterDecisionsCameWithIt)
       Decision decision;
       decision.seq = ++number;
       decision.mode = mode;
+      decision.panel_unread_ms = mode == passed ? 30 : 40;
       fake_bus::put(decision);
     }
     const auto first = ask({}, 10'000 * number);
     ASSERT_TRUE(first);
     EXPECT_EQ(first->record.supervisor.permit.mode, passed);
+    EXPECT_EQ(first->record.panel_unread_ms, 30);
     const auto second = ask({}, 10'000 * number + 1'000);
     ASSERT_TRUE(second);
     EXPECT_EQ(second->record.supervisor.permit.mode, Mode::Ready);

@@ -110,6 +110,26 @@ TEST_F(RecorderLoopBench, SaysWhatWasDecidedWithTheSupervisorsOwnTimes) {
   EXPECT_EQ(json::parse(more[2].body)["why"], safety::name_of(static_cast<safety::Refusal>(1)));
 }
 
+TEST_F(RecorderLoopBench, WritesWhyTheEmergencyStopWasFoundAndThatAgainWhereItChanges) {
+  Decision decision;
+  decision.session = 1, decision.seq = 1;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  (void)after(decision);
+  const auto alarm = [&](std::int32_t unread_ms) {
+    ++decision.seq, decision.panel_unread_ms = unread_ms;
+    const std::vector<Record> records = after(decision);
+    return records.empty() ? std::string() : json::parse(records.at(0).body)["worst"].get<std::string>();
+  };
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::EStop);
+  EXPECT_EQ(alarm(20), robot::hazard_text(safety::Hazard::EStop, 20));
+  EXPECT_EQ(alarm(20), "");
+  EXPECT_EQ(alarm(143), robot::hazard_text(safety::Hazard::EStop, 143)) << "read again";
+  EXPECT_EQ(alarm(0), "H-25 emergency stop pressed");
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
+  EXPECT_EQ(alarm(0), safety::name_of(safety::Hazard::Arc));
+  EXPECT_EQ(alarm(30), "") << "not what is the matter now";
+}
+
 TEST_F(RecorderLoopBench, WritesEveryChangeOfAnActButNotItsRepetition) {
   OperatorAct base = fields::distinct<OperatorAct>(80);
   base.token = 500;  // no number is the next of its neighbour

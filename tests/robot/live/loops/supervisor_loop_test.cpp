@@ -129,6 +129,7 @@ TEST_F(SupervisorLoopBench, ReadsEachContactOfThePanelInTheTickItself) {
   }
   turn(10'000'000);
   EXPECT_FALSE(last().panel.read) << "read ten seconds ago";
+  EXPECT_EQ(last().panel.age_us, 10'000'000 - 9'000);
 }
 
 TEST_F(SupervisorLoopBench, CountsTheWritersOfEachTopicInItsOwnPlace) {
@@ -218,6 +219,16 @@ TEST_F(SupervisorLoopBench, PublishesThePermitAsDecidedAndTheDecisionOfTheSameTi
     EXPECT_NEAR(static_cast<double>(decisions.front().at_ns) * 1e-9,
                 std::chrono::duration<double>(wall).count(), 60.0);
   });
+}
+
+TEST_F(SupervisorLoopBench, TellsWhyTheEmergencyStopWasFound) {
+  for (const std::int32_t ms : {0, 143, -1}) {
+    calls.panel_unread_ms = ms;
+    turn(1'000 * (1 + static_cast<std::int64_t>(calls.supervised.size())));
+    const std::vector<Decision> decisions = fake_bus::written<Decision>();
+    ASSERT_EQ(decisions.size(), 1U);
+    EXPECT_EQ(decisions.front().panel_unread_ms, ms);
+  }
 }
 
 TEST_F(SupervisorLoopBench, FeedsTheInterlockInTicksThatSaySoAndNoThreadOfItsOwnDoes) {
