@@ -62,7 +62,7 @@ struct SupervisorMemory {
   Permit permit{};                // issued in the last tick
   std::int64_t act_us = 0;        // arrival of the last operator act that was used
   bool patient_measured = false;  // by a sensor, at any time since the start
-  StopCause stop_cause;
+  StopCause stop_cause{};
 };
 
 // For rehearsals, which begin after a person tested the panel.
