@@ -11,6 +11,7 @@
 #include "robot/common/logging/logger.hpp"
 #include "robot/console/console_events.hpp"
 #include "robot/console/server/nifti_bytes.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
 
 namespace biopsy::robot {
 
@@ -112,6 +113,7 @@ void ConsoleSeries::look(std::int64_t now_us) {
 }
 
 std::optional<ConsoleSeries::Received> ConsoleSeries::poll() {
+  realtime::run_in_background();
   try {
     imaging::IncomingImage came = watched_->poll(std::chrono::steady_clock::now());
     if (came.empty()) return std::nullopt;
@@ -156,6 +158,7 @@ void ConsoleSeries::add(Received received) {
 
 ConsoleSeries::Outcome ConsoleSeries::read(const std::function<Volume()>& load, const std::string& series_uid,
                                            const SeriesIdentity& of_case) {
+  realtime::run_in_background();
   try {
     Read done{load(), nullptr};
     SeriesIdentity& identity = done.image.identity;

@@ -10,6 +10,7 @@
 #include "robot/console/console_events.hpp"
 #include "robot/console/console_labels.hpp"
 #include "robot/console/operator_run.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
 #include "robot/procedure/images/patient_motion.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
@@ -260,6 +261,7 @@ void OperatorSession::update_image() {
     run_->acquiring_us.reset();
     run_->check =
         std::async(std::launch::async, [run = run_, step, scan, tip = run_->notes.take_imaged_tip()] {
+          realtime::run_in_background();
           report::StepResult result;
           result.step = run->plan().steps[step];
           run->images.take(step, tip, std::chrono::round<std::chrono::milliseconds>(scan), result);
@@ -301,6 +303,7 @@ void OperatorSession::end_run() {
     record.refusal = why.empty() ? "the needle retracted before its depth was accepted" : why;
   if (!record.samples.empty()) record.simulated_s = (record.samples.back().time_ms + 1.0) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
+    realtime::run_in_background();
     measure_run(run->notes.record());
     fmt::print("{}", finish(run->notes.record(), run->prepared, run->folder, run->started));
   });

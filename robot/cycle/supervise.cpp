@@ -149,7 +149,8 @@ std::string cause_of(const safety::SupervisorOutput& output, std::int32_t panel_
                                                           : safety::name_of(output.event));
 }
 
-Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns) {
+Decision decision_message(const Supervision& supervision, std::int64_t now_us, std::int64_t wall_ns) {
+  const safety::SupervisorOutput& output = supervision.output;
   Decision decision;
   decision.seq = output.permit.seq;
   decision.time_us = now_us;
@@ -166,6 +167,7 @@ Decision decision_message(const safety::SupervisorOutput& output, std::int64_t n
   decision.step_done = output.step_done;
   decision.image_allowed = output.image_allowed;
   decision.image_disturbed = output.image_disturbed;
+  decision.panel_unread_ms = supervision.panel_unread_ms;
   return decision;
 }
 

@@ -84,7 +84,7 @@ Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, Fau
 std::string cause_of(const safety::SupervisorOutput& output, std::int32_t panel_unread_ms);
 
 // The message of a decision, and back.
-Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns);
+Decision decision_message(const Supervision& supervision, std::int64_t now_us, std::int64_t wall_ns);
 safety::SupervisorOutput supervisor_output(const Decision& decision, const Permit& permit);
 
 }  // namespace biopsy::robot

@@ -75,8 +75,7 @@ void LiveProcess::after_tick(std::int64_t now_us, const Health& health) {
   log_more(health.overruns, overruns_, kOverrun);
   log_more(health.refused, refused_, kRefused);
   if (!notice_.watchdog_us() || now_us - stroked_us_ < *notice_.watchdog_us() / 2) return;
-  notice_.watchdog();
-  stroked_us_ = now_us;
+  if (notice_.watchdog()) stroked_us_ = now_us;  // no room: again with the next tick
 }
 
 int live_main(int argc, char** argv, const std::string& name,

@@ -111,9 +111,7 @@ void SupervisorLoop::tick(std::int64_t now_us) {
   const safety::SupervisorOutput& output = supervision.output;
   permits_.write(output.permit);
   if (output.interlock_pulse) interlock_.pulse();
-  Decision decision = robot::decision_message(output, now_us, wall_ns());
-  decision.panel_unread_ms = supervision.panel_unread_ms;
-  decisions_.write(decision);
+  decisions_.write(robot::decision_message(supervision, now_us, wall_ns()));
   if (ticked_us_ != 0) {
     const std::int64_t late_us = now_us - ticked_us_ - kTick_us;
     heartbeat_.lateness().record(late_us * 1000);

@@ -10,6 +10,7 @@
 #include "planner/plan/seal.hpp"
 #include "robot/common/text/number_text.hpp"
 #include "robot/cycle/plan_facts.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
 #include "robot/procedure/fault_notes.hpp"
 #include "robot/procedure/images/anatomical_orientation.hpp"
 #include "robot/procedure/images/confirmation_image.hpp"
@@ -105,6 +106,7 @@ std::future<report::StepResult> begin_check(ConfirmationImages& images, std::siz
                                             Seconds scan, report::StepResult result) {
   const auto policy = images.from_scanner() ? std::launch::async : std::launch::deferred;
   return std::async(policy, [&images, step, tip, scan, result = std::move(result)]() mutable {
+    if (images.from_scanner()) realtime::run_in_background();
     images.take(step, tip, std::chrono::round<std::chrono::milliseconds>(scan), result);
     return std::move(result);
   });

@@ -124,15 +124,13 @@ std::string board_text(const std::array<Health, kCount<Process>>& board,
                                           health.overruns);
     if (!health.note.empty()) text += fmt::format("({})  ", health.note);
   }
-  if (cycle)
-    text +=
-        fmt::format("| {}{}{} | {}, {}", safety::name_of(cycle->record.supervisor.permit.mode),
-                    cycle->record.supervisor.worst == safety::Hazard::None ? "" : ": ",
-                    cycle->record.supervisor.worst == safety::Hazard::None
-                        ? std::string()
-                        : robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms),
-                    fixed(cycle->record.measurement.depth_um * 1e-3, 2, "mm"),
-                    fixed(cycle->record.measurement.monitor_mV * 1e-6, 2, "kV"));
+  if (!cycle) return text;
+  const CycleRecord& tick = cycle->record;
+  const safety::Hazard worst = tick.supervisor.worst;
+  text += fmt::format("| {}", safety::name_of(tick.supervisor.permit.mode));
+  if (worst != safety::Hazard::None) text += fmt::format(": {}", hazard_text(worst, tick.panel_unread_ms));
+  text += fmt::format(" | {}, {}", fixed(tick.measurement.depth_um * 1e-3, 2, "mm"),
+                      fixed(tick.measurement.monitor_mV * 1e-6, 2, "kV"));
   return text;
 }
 

@@ -1,7 +1,6 @@
 // biopsy-igtl RUN_FOLDER: OpenIGTLink for navigation programs such as 3D Slicer, for a robot that `biopsy up
 // --console` brought up.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include "robot/common/logging/program.hpp"
 #include "robot/igtl/bus_robot.hpp"
 #include "robot/live/live_process.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
 
 namespace {
 
@@ -22,7 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr logging::Logger kLog{logging::Component::Navigation};
 constexpr std::chrono::milliseconds kTurn{5};
-constexpr int kNice = 5;  // behind everything of the robot
 
 const std::map<std::string, igtl::Dialect> kDialects{{"2013", igtl::Dialect::Of2013},
                                                      {"2021", igtl::Dialect::Of2021}};
@@ -37,7 +36,7 @@ void serve(const Options& options) {
   realtime::StopSignals signals;
   const fs::path folder = fs::absolute(options.run_folder);
   const live::LiveSettings settings = live::read_settings(folder);
-  if (nice(kNice) < 0) kLog.warning("the priority could not be lowered");
+  realtime::run_in_background();
   const transport::Participant bus(live::bus_settings(settings, security::Role::Navigation));
   igtl::BusRobot robot(bus, live::config_tag(folder, settings));
   igtl::NavigationServer server(options.server, kDialects.at(options.dialect), options.images_to, robot);

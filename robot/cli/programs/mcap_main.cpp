@@ -1,6 +1,5 @@
 // biopsy-mcap RUN_FOLDER: every topic of a robot that `biopsy up` brought up, in an MCAP file beside its log.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include "robot/common/logging/program.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/mcap_recorder.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 
 namespace {
@@ -21,7 +21,6 @@ using namespace biopsy;
 namespace fs = std::filesystem;
 
 constexpr logging::Logger kLog{logging::Component::Cli};
-constexpr int kNice = 5;  // behind everything of the robot
 constexpr std::chrono::milliseconds kPeriod{2};
 
 struct Options {
@@ -36,7 +35,7 @@ std::int64_t wall_ns() {
 void record(const Options& options) {
   realtime::StopSignals signals;
   const live::LiveSettings settings = live::read_settings(fs::absolute(options.run_folder));
-  if (nice(kNice) < 0) kLog.warning("the priority could not be lowered");
+  realtime::run_in_background();
   const transport::Participant bus(live::bus_settings(settings, security::Role::Observer));
   const fs::path file = robot::free_mcap_name(live::own_folder(options.run_folder));
   robot::McapRecorder recorder(bus, file, options.rate_Hz, "biopsy-mcap");

@@ -1,6 +1,5 @@
 // biopsy-ros2 RUN_FOLDER: state of a robot that `biopsy up` brought up, as topics of ROS 2.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include "robot/common/logging/logger.hpp"
 #include "robot/common/logging/program.hpp"
 #include "robot/live/live_process.hpp"
+#include "robot/live/realtime/become_realtime.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/ros2/bus_observer.hpp"
 #include "robot/ros2/state_publisher.hpp"
@@ -23,7 +23,6 @@ using namespace biopsy;
 namespace fs = std::filesystem;
 
 constexpr logging::Logger kLog{logging::Component::Cli};
-constexpr int kNice = 5;  // behind everything of the robot
 
 struct Options {
   fs::path run_folder;
@@ -42,7 +41,7 @@ void serve(const Options& options) {
     throw ConfigError(
         fmt::format("ROS 2 would share DDS domain {} with the robot's own bus", settings.domain),
         "command line", "give the robot another: biopsy up --domain N; or ROS 2: --ros-domain N");
-  if (nice(kNice) < 0) kLog.warning("the priority could not be lowered");
+  realtime::run_in_background();
   const transport::Participant bus(live::bus_settings(settings, security::Role::Observer));
   ros2::BusObserver observer(bus);
   ros2::StatePublisher publisher(options.ros, settings.robot);

@@ -42,10 +42,8 @@ int guard(const std::filesystem::path& io_folder) {
       tick_log.record(kOverrun, wake.woke_ns / 1'000, static_cast<double>(wake.missed),
                       static_cast<double>(wake.late_ns()) * 1e-3);
     const std::int64_t now_us = wake.woke_ns / 1'000;
-    if (notice.watchdog_us() && now_us - stroked_us > *notice.watchdog_us() / 2) {
-      notice.watchdog();
-      stroked_us = now_us;
-    }
+    const bool is_due = notice.watchdog_us() && now_us - stroked_us > *notice.watchdog_us() / 2;
+    if (is_due && notice.watchdog()) stroked_us = now_us;  // no room: again with the next tick
   }
   relay.open(monotonic_ns());
   notice.stopping();

@@ -82,4 +82,10 @@ std::string to_text(const RealtimeObtained& obtained) {
   return obtained.why_not.empty() ? text : text + " (" + obtained.why_not + ")";
 }
 
+// Of one thread: Linux gives each its own nice value. Refused only where it is higher already, which is as
+// good.
+void run_in_background() {
+  setpriority(PRIO_PROCESS, 0, kBackgroundNice);
+}
+
 }  // namespace biopsy::realtime

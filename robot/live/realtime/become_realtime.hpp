@@ -1,5 +1,6 @@
 // Requests from the kernel what a control loop needs: locked memory, a pre-faulted stack, SCHED_FIFO, a
-// processor of its own. A refusal is not an error; it is reported.
+// processor of its own; and for work that may wait, that it runs behind such a loop. A refusal is not an
+// error; it is reported.
 #pragma once
 
 #include <optional>
@@ -26,5 +27,10 @@ RealtimeObtained become_realtime(const RealtimeSettings& settings);
 
 // One line for the log: "memory locked, SCHED_FIFO refused (Operation not permitted)".
 std::string to_text(const RealtimeObtained& obtained);
+
+constexpr int kBackgroundNice = 10;  // weighs a ninth; on waking, ordinary threads run first
+// For the calling thread, and threads and programs that it starts afterwards: image checks, reports,
+// gateways. Where SCHED_FIFO is refused, they would otherwise delay the control loop by whole time slices.
+void run_in_background();
 
 }  // namespace biopsy::realtime

@@ -33,8 +33,9 @@ TEST(DecisionMessage, CarriesEachFieldOfTheSupervisorsOutputThereAndBack) {
                             .step = 6,
                             .step_done = flag == 0,
                             .image_allowed = flag == 1,
-                            .image_disturbed = flag == 2};
-    const Decision message = decision_message(output, 7, 8);
+                            .image_disturbed = flag == 2,
+                            .panel_unread_ms = 9};
+    const Decision message = decision_message({.evidence = {}, .output = output, .panel_unread_ms = 9}, 7, 8);
     EXPECT_EQ(message, expected);
     Permit permit;  // of an earlier tick, but for what the message says
     permit.v_max_mV = 1'234, permit.challenge = 10;
@@ -42,7 +43,7 @@ TEST(DecisionMessage, CarriesEachFieldOfTheSupervisorsOutputThereAndBack) {
     permit.seq = 3, permit.session = 4, permit.epoch = 5;
     permit.mode = Mode::Hold, permit.stop = StopCategory::C2Hold;
     EXPECT_EQ(back.permit, permit);
-    EXPECT_EQ(decision_message(back, 7, 8), expected);
+    EXPECT_EQ(decision_message({.evidence = {}, .output = back, .panel_unread_ms = 9}, 7, 8), expected);
   }
 }
 

@@ -53,6 +53,7 @@ class PersonAtConsole {
   std::atomic<Mode> mode = Mode::Boot;
   std::atomic<std::int64_t> drive_mV = 0;
   std::atomic<safety::Hazard> hazard = safety::Hazard::None;  // of the last trip, ramp or hold for one
+  std::atomic<std::int32_t> panel_unread_ms = 0;              // then, as in Decision
   std::uint64_t lost() const { return robot_.lost(); }
   std::array<Health, kCount<Process>> health() const { return robot_.health(); }
   std::atomic<int> accepted = 0;  // images
@@ -73,7 +74,7 @@ class PersonAtConsole {
     mode = cycle->record.supervisor.permit.mode;
     drive_mV = cycle->record.drive_mV;
     if (const safety::Hazard reason = cycle->record.supervisor.reason; reason != safety::Hazard::None)
-      hazard = reason;
+      hazard = reason, panel_unread_ms = cycle->record.panel_unread_ms;
     if (++ticks_ % 20 == 0) act(now_in_us());
   }
   bool ask(const commands::Any& command) {
@@ -162,7 +163,7 @@ struct Site {
     return wait(patience, [&] { return person->mode == mode; });
   }
   std::string kept(const std::string& what) const {
-    return fmt::format("{}; {}", what, safety::name_of(person->hazard));
+    return fmt::format("{}; {}", what, robot::hazard_text(person->hazard, person->panel_unread_ms));
   }
   igtl::Transform calibration() const {
     const Plan& plan = std::get<Plan>(prepared.plan);

@@ -28,7 +28,7 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
       const std::optional<robot::CycleSample> cycle = session.robot().tick(asking);
       if (!cycle) continue;
       ready = ready || cycle->record.supervisor.permit.mode == Mode::Ready;
-      hazard = safety::name_of(cycle->record.supervisor.worst);
+      hazard = robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms);
       seen = cycle->record.measurement;
       EXPECT_FALSE(cycle->record.supervisor.permit.hv_enable);
     }

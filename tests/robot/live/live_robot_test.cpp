@@ -59,7 +59,7 @@ Reached reaches(robot::LiveSession& session, const robot::OperatorInputs& inputs
     const std::optional<robot::CycleSample> cycle = session.robot().tick(inputs);
     if (!cycle) continue;
     reached.mode = cycle->record.supervisor.permit.mode == mode;
-    reached.hazard = safety::name_of(cycle->record.supervisor.worst);
+    reached.hazard = robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms);
   }
   return reached;
 }
@@ -336,8 +336,8 @@ TEST(LiveRobot, SecuredItRefusesAPersonWhoWritesRequests) {
       if (!cycle) continue;
       EXPECT_NE(cycle->record.supervisor.worst, safety::Hazard::SecondWriter);
       if (cycle->record.supervisor.permit.mode == Mode::Safe)
-        return fmt::format("the robot did not stay ready: {}",
-                           safety::name_of(cycle->record.supervisor.worst));
+        return "the robot did not stay ready: " +
+               robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms);
     }
     return {};
   });

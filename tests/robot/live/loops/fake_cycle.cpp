@@ -37,12 +37,13 @@ Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, Fau
   return out;
 }
 
-Decision decision_message(const safety::SupervisorOutput& output, std::int64_t now_us, std::int64_t wall_ns) {
+Decision decision_message(const Supervision& supervision, std::int64_t now_us, std::int64_t wall_ns) {
   Decision decision;
-  decision.seq = output.permit.seq;
+  decision.seq = supervision.output.permit.seq;
   decision.time_us = now_us;
   decision.at_ns = wall_ns;
   decision.epoch = fake_cycle::kEpochOfMessage;
+  decision.panel_unread_ms = supervision.panel_unread_ms;
   return decision;
 }
 

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
@@ -28,6 +29,25 @@ int in_a_child(bool (*claim)()) {
   int status = -1;
   ::waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+TEST(Background, IsOfTheThreadThatAsksAndWhatItStarts) {
+  const auto own = [] { return ::getpriority(PRIO_PROCESS, 0); };
+  const int before = own();
+  int asked = 0, twice = 0, started = 0, beside = 0;
+  std::thread([&] {
+    run_in_background();
+    asked = own();
+    std::thread([&] { started = own(); }).join();
+    run_in_background();
+    twice = own();
+  }).join();
+  std::thread([&] { beside = own(); }).join();
+  EXPECT_EQ(asked, std::max(before, kBackgroundNice));
+  EXPECT_EQ(twice, asked);
+  EXPECT_EQ(started, asked);
+  EXPECT_EQ(beside, before);
+  EXPECT_EQ(own(), before);
 }
 
 TEST(StopSignals, AreHeldUntilTheLoopAsks) {
