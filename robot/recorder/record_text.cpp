@@ -130,7 +130,7 @@ std::string request_text(const Json& body) {
 
 std::string depth_check_text(const Json& body) {
   return fmt::format("step {}: {}", body.at("stage").get<int>(),
-                     body.at("accepted").get<bool>() ? "accepted" : "not accepted");
+                     body.at("accepted").get<bool>() ? "its depth is accepted" : "no depth is accepted");
 }
 
 using Words = std::string (*)(const Json&);

@@ -74,6 +74,12 @@ std::string discovery(const CycloneOptions& options) {
   return text + "</Discovery>";
 }
 
+// What is received is kept in buffers of this size, touched page by page in the first hours: small, so that a
+// process is soon as large as it will be (1 MiB each by default). A chunk holds the longest message.
+constexpr const char* kReceiveBuffers =
+    "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize>"
+    "<ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></Sizing>";
+
 std::string library(const std::string& name, const std::string& subject) {
   return fmt::format(R"(<Library path="{}" initFunction="init_{}" finalizeFunction="finalize_{}"/>)",
                      escaped(plugin(name)), subject, subject);
@@ -98,6 +104,7 @@ std::string security(const RoleFiles& files) {
 std::string cyclone_xml(const CycloneOptions& options) {
   return R"(<CycloneDDS xmlns="https://cdds.io/config"><Domain Id="any">)" +
          (options.interface.empty() ? kThisMachine : on_network(options.interface)) + discovery(options) +
+         kReceiveBuffers +
          (options.enclave    ? security(*options.enclave)
           : options.security ? security(role_files(options.security->folder, options.security->role))
                              : "") +

@@ -35,7 +35,8 @@ TEST(RecordText, SaysWhatHappened) {
   EXPECT_EQ(text(RecordKind::PermitChange,
                  R"({"command_kV":0.0,"depth_mm":-0.025,"gate":1,"hv_enabled":true,"seq":755})"),
             "high voltage ON, 0.00 kV commanded, needle at -0.03 mm");
-  EXPECT_EQ(text(RecordKind::DepthCheck, R"({"accepted":true,"stage":2})"), "step 2: accepted");
+  EXPECT_EQ(text(RecordKind::DepthCheck, R"({"accepted":true,"stage":2})"), "step 2: its depth is accepted");
+  EXPECT_EQ(text(RecordKind::DepthCheck, R"({"accepted":false,"stage":2})"), "step 2: no depth is accepted");
   EXPECT_EQ(text(RecordKind::Plan,
                  R"({"confirmations":2,"patient":"PHANTOM","seal":"573db5ea47f18b56b7a7","seal_holds":true,)"
                  R"("series_uid":"2.25","stages":2,"target_mm":3.5})"),
