@@ -8,6 +8,8 @@ import { expect, test } from '@playwright/test'
 
 import { kActsMax, kFurtherActsMax, PageOperator } from './support/page_operator'
 import { expectAccessible } from './support/accessibility'
+import { note, round } from './support/figures'
+import { meter } from './support/memory'
 import { kProgram, Robot } from './support/robot'
 import { lastEvent } from './support/tap'
 
@@ -131,13 +133,17 @@ test('three targets on images of a patient: deliberate acts of each', async ({ p
 
 // A browser has sixteen drawing contexts, and takes the oldest away from whoever opens one more.
 const kReopenings = process.env.SOAK_MINUTES ? 100 : 25
+const kWarm = Math.floor(kReopenings / 2) // caches of the browser and 30 s of plots are filled by then
 test(`the image opened ${kReopenings} times keeps its drawing context`, async ({ page }) => {
   test.setTimeout(kReopenings * 10_000)
   const complaints: string[] = []
   page.on('console', (message) => /context/i.test(message.text()) && complaints.push(message.text()))
   const operator = new PageOperator(page, robot.url)
   await openFirst(operator)
+  const measure = await meter(page, robot.pid('biopsy-console'))
+  let warm = await measure()
   for (let n = 0; n < kReopenings; ++n) {
+    if (n === kWarm) warm = await measure()
     await operator.click('Other series')
     await expect(page.locator('body[data-image=shown]')).toHaveCount(0)
     await operator.button(/second acquisition/).click()
@@ -145,6 +151,16 @@ test(`the image opened ${kReopenings} times keeps its drawing context`, async ({
   }
   await operator.button('axial').click()
   await expect(page.locator('[data-tile="large axial"]')).toBeAttached()
+  const end = await measure()
+  note({
+    reopenings: kReopenings,
+    reopenings_page_heap_MB: [round(warm.heap_MB), round(end.heap_MB)],
+    reopenings_page_nodes: [warm.nodes, end.nodes],
+    reopenings_console_resident_MB: [round(warm.server_MB), round(end.server_MB)],
+  })
+  expect(end.heap_MB - warm.heap_MB).toBeLessThan(1)
+  expect(end.server_MB - warm.server_MB).toBeLessThan(2)
+  expect(end.nodes - warm.nodes).toBeLessThan(100)
   expect(complaints.filter((text) => /too many|lost|oldest/i.test(text))).toEqual([])
   expect(await page.evaluate(() => document.querySelector('canvas')!.getContext('webgl2')!.isContextLost())).toBe(false)
 })

@@ -1,9 +1,8 @@
 // For SOAK_MINUTES the page shows a ready robot: its memory does not grow, and STOP works afterwards.
-import { readFileSync } from 'node:fs'
-
 import { expect, test } from '@playwright/test'
 
 import { note, round } from './support/figures'
+import { meter } from './support/memory'
 import { PageOperator } from './support/page_operator'
 import { pause, Robot } from './support/robot'
 
@@ -19,16 +18,7 @@ test('memory of page and console does not grow', async ({ page }) => {
   test.setTimeout((kMinutes + 5) * 60_000)
   const operator = new PageOperator(page, robot.url)
   await operator.ready()
-  const browser = await page.context().newCDPSession(page)
-  await browser.send('Performance.enable')
-  const server = robot.pid('biopsy-console')
-  const measure = async () => {
-    await browser.send('HeapProfiler.collectGarbage')
-    const { metrics } = await browser.send('Performance.getMetrics')
-    const of = (name: string) => metrics.find((metric) => metric.name === name)!.value
-    const resident = /^VmRSS:\s+(\d+)/m.exec(readFileSync(`/proc/${server}/status`, 'utf8'))![1]
-    return { heap_MB: of('JSHeapUsedSize') / 1e6, nodes: of('Nodes'), server_MB: Number(resident) / 1e3 }
-  }
+  const measure = await meter(page, robot.pid('biopsy-console'))
   await pause(kMinutes * 60_000 * kWarm_share)
   const from = await measure()
   await pause(kMinutes * 60_000 * (1 - kWarm_share))
