@@ -28,7 +28,7 @@ RealtimeObtained become_realtime(const RealtimeSettings& settings);
 // One line for the log: "memory locked, SCHED_FIFO refused (Operation not permitted)".
 std::string to_text(const RealtimeObtained& obtained);
 
-constexpr int kBackgroundNice = 10;  // weighs a ninth; on waking, ordinary threads run first
+constexpr int kBackgroundNice = 10;  // weighs a ninth; ordinary threads that wake run first
 // For the calling thread, and threads and programs that it starts afterwards: image checks, reports,
 // gateways. Where SCHED_FIFO is refused, they would otherwise delay the control loop by whole time slices.
 void run_in_background();
