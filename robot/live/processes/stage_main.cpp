@@ -18,6 +18,7 @@ using namespace biopsy;
 constexpr logging::TickEvent kDeviceError{logging::Level::Warning,
                                           "the stage's driver reports error {0:.0f}; errors so far: {1:.0f}"};
 
+// `after_tick` gets the time from before the tick: what the tick read is at least so new.
 template <class AfterTick>
 void run(live::LiveProcess& process, live::StageLoop& loop, const AfterTick& after_tick) {
   process.start_ticking();
@@ -28,7 +29,7 @@ void run(live::LiveProcess& process, live::StageLoop& loop, const AfterTick& aft
     loop.heartbeat().lateness().record(wake.late_ns());
     loop.heartbeat().health().overruns = static_cast<std::uint32_t>(clock.missed());
     loop.tick(now_us);
-    after_tick();
+    after_tick(now_us);
     process.after_tick(now_us, loop.heartbeat().health());
   }
   loop.switch_off(realtime::monotonic_ns() / 1000);
@@ -51,8 +52,8 @@ void run_simulated(live::LiveProcess& process, digital_io::StageIo& io) {
   live::StageLoop loop(process.bus(), stage, io, process.config_tag());
   transport::Writer<StageTruth> truths(process.bus());
   sim::DrawBack person;
-  run(process, loop, [&] {
-    io.mark_panel_read(realtime::monotonic_ns());
+  run(process, loop, [&](std::int64_t read_us) {
+    io.mark_panel_read(read_us * 1000);
     person.tick(simulated, loop.measured().hv_enabled);
     const sim::PlantState& state = simulated.truth();
     truths.write({.seq = loop.measured().seq,
@@ -72,7 +73,7 @@ void run_hardware(live::LiveProcess& process, digital_io::StageIo& io) {
   robot::MirroredNeedleStage stage(*hardware, io);
   live::StageLoop loop(process.bus(), stage, io, process.config_tag());
   std::uint32_t errors = 0;
-  run(process, loop, [&] {
+  run(process, loop, [&](std::int64_t read_us) {
     const drivers::DeviceError& error = hardware->last_error();
     if (error.count > 0) loop.heartbeat().note(error.text.data());
     if (error.count != errors)
@@ -80,7 +81,7 @@ void run_hardware(live::LiveProcess& process, digital_io::StageIo& io) {
     errors = error.count;
     const drivers::Panel keys = hardware->panel();
     panel.set(robot::panel_levels(keys));
-    if (keys.read) io.mark_panel_read(realtime::monotonic_ns());
+    if (keys.read) io.mark_panel_read(read_us * 1000);
   });
 }
 

@@ -1,5 +1,7 @@
 #include "tests/robot/live/processes/fake_machine.hpp"
 
+#include <utility>
+
 #include "drivers/needle_stage_factory.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/cycle/self_test.hpp"
@@ -11,7 +13,10 @@ namespace {
 
 class FakeStage final : public drivers::HardwareNeedleStage {
  public:
-  drivers::SensorReading read() override { return {.time_us = 1, .depth_um = 321}; }
+  drivers::SensorReading read() override {
+    fake_bus::state().now_ns += std::exchange(state().board.stands_ns, 0);
+    return {.time_us = 1, .depth_um = 321};
+  }
   std::int32_t write(const safety::GatedVoltage& voltage) override {
     state().board.written_mV.push_back(voltage.mV());
     return voltage.mV();

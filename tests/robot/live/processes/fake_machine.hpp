@@ -22,6 +22,7 @@ struct Board {  // as its driver shows it
   bool has_panel = true, has_relay_contact = true;
   drivers::Panel panel;
   drivers::DeviceError error;
+  std::int64_t stands_ns = 0;  // how long its process stands still after the next reading
   bool pulse_failed = false;
   int pulses = 0;                        // of the supervisor's line
   std::vector<std::int32_t> written_mV;  // to the stage

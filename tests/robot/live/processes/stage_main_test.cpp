@@ -198,6 +198,20 @@ TEST_F(HardwareStageMain, KeysThatCouldNotBeReadAreNotMarkedAsRead) {
   EXPECT_FALSE(seen.read);
 }
 
+// A process that stood still between reading the keys and saying so.
+TEST_F(HardwareStageMain, KeysAreAsOldAsTheirReading) {
+  machine.board.panel = {.arm = true, .estop_b_closed = true, .read = true};
+  digital_io::PanelReading before, after;
+  for_ticks(4, [&](int tick) {
+    if (tick == 3) before = reader.panel(fake_bus::state().now_ns), machine.board.stands_ns = 30'000'000;
+    if (tick == 4) after = reader.panel(fake_bus::state().now_ns);
+  });
+  run(stage_main);
+  EXPECT_TRUE(before.read);
+  EXPECT_FALSE(after.read);
+  EXPECT_GE(after.age_us, 30'000);
+}
+
 TEST_F(HardwareStageMain, LogsEachErrorOfTheDriverOnceAndShowsTheNewest) {
   for_ticks(250, [this](int tick) {
     if (tick != 5 && tick != 150) return;
