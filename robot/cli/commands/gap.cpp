@@ -46,7 +46,7 @@ void declare(CLI::App& app, Options& options) {
       "--paper", options.paper,
       "compare with the paper's figures in place of a data set: each candidate as extra unknowns of the "
       "calibration, every figure by a calibration on the others. Some 7,000 evaluations of all figures: "
-      "forty minutes of two processors");
+      "an hour of two processors");
   paper->excludes(dataset);
   add(app, "--free NAMES", options.free,
       "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
