@@ -149,9 +149,9 @@ test(`the image opened ${kReopenings} times keeps its drawing context`, async ({
     await operator.button(/second acquisition/).click()
     await operator.imageShown()
   }
+  const end = await measure()
   await operator.button('axial').click()
   await expect(page.locator('[data-tile="large axial"]')).toBeAttached()
-  const end = await measure()
   note({
     reopenings: kReopenings,
     reopenings_page_heap_MB: [round(warm.heap_MB), round(end.heap_MB)],

@@ -39,14 +39,13 @@ HazardSet one_of(HazardSet members, std::uint64_t choice) {
   return left & -left;
 }
 
-const auto kClasses = [] {
-  std::array<HazardSet, kClassHazard.size()> classes{};
-  std::ranges::transform(kClassHazard, classes.begin(), class_of);
-  return classes;
-}();
-
 // The hazards with each class filled by others of its members: by one alone or by some.
 HazardSet other_members(HazardSet hazards, std::uint64_t choice) {
+  static const auto kClasses = [] {
+    std::array<HazardSet, kClassHazard.size()> classes{};
+    std::ranges::transform(kClassHazard, classes.begin(), class_of);
+    return classes;
+  }();
   HazardSet others = 0;
   for (const HazardSet members : kClasses) {
     const HazardSet some = members & choice;

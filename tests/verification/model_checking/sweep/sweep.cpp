@@ -13,7 +13,7 @@
 namespace biopsy::model_checking {
 namespace {
 
-constexpr std::uint32_t kRun = 1U << 14U;  // inputs that one worker takes: 2 ms
+constexpr std::uint32_t kRun = 1U << 16U;  // inputs that one worker takes
 
 // What a step did, as far as inputs are told apart by it: state after, whether healthy, what was allowed.
 using Did = std::tuple<std::uint64_t, bool, std::uint64_t>;
