@@ -5,13 +5,10 @@
 #include "safety/challenge.hpp"
 #include "safety/monitors/clock_step.hpp"
 #include "safety/types/limits.hpp"
+#include "safety/types/magnitude.hpp"
 
 namespace biopsy::safety {
 namespace {
-
-constexpr std::int64_t magnitude(std::int32_t mV) {
-  return mV < 0 ? -std::int64_t{mV} : mV;
-}
 
 bool is_sound_clock(const GateState& state, std::int64_t now_us) {
   return !state.started || is_sound_step(state.now_us, now_us);

@@ -17,7 +17,7 @@ void InterlockRelay::tick(std::int64_t now_ns) {
   if (std::exchange(supervisor_pulses_, supervisor) != supervisor)
     interlock_ = safety::feed_from_supervisor(interlock_, ticked_us_);
   ticked_us_ = now_us;
-  closed_ = safety::is_closed(interlock_, now_us + kRelayPeriod.count());
+  closed_ = safety::is_closed(interlock_, now_us + (kRelayPeriod + kRelayLate).count());
   const ConverterOutput output = in_.converter();
   out_.write({closed_ && output.hv_enabled ? output.mV : 0, closed_}, now_ns);
 }

@@ -5,17 +5,13 @@
 
 #include "safety/monitors/debounce.hpp"
 #include "safety/types/limits.hpp"
+#include "safety/types/magnitude.hpp"
 
 namespace biopsy::safety {
 namespace {
 
-constexpr std::int32_t magnitude(std::int32_t drive_mV) {
-  const std::int32_t bounded = std::clamp(drive_mV, -limits::kDriveMax_mV, limits::kDriveMax_mV);
-  return bounded < 0 ? -bounded : bounded;
-}
-
 std::int64_t squared_volts(std::int32_t drive_mV) {
-  const std::int64_t volts = magnitude(drive_mV) / 1'000;
+  const std::int64_t volts = drive_magnitude_mV(drive_mV) / 1'000;
   return volts * volts;
 }
 
@@ -51,7 +47,7 @@ HazardSet check_motion(DepthMonitor& monitor, Mode mode) {
 }
 
 HazardSet check_code(DepthMonitor& monitor, const Measurement& m) {
-  const std::int32_t drive = magnitude(m.command_mV);
+  const std::int32_t drive = drive_magnitude_mV(m.command_mV);
   const bool same = m.laser_code == monitor.code;
   monitor.same_code_ticks = debounced(monitor.same_code_ticks, same, kFrozen_ticks);
   monitor.frozen_low_mV = same ? std::min(monitor.frozen_low_mV, drive) : drive;
@@ -148,7 +144,7 @@ void check_valid(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorI
       debounced(monitor.not_back_ticks, zero_volts && !monitor.needle_home && !locked, kNotBack_ticks);
   monitor.found = check_depth(plan, monitor, seen.permit, depth_um);
   monitor.found |= check_motion(monitor, seen.permit.mode);
-  monitor.found |= check_return(plan, monitor, seen.permit.mode, magnitude(m.command_mV), locked);
+  monitor.found |= check_return(plan, monitor, seen.permit.mode, drive_magnitude_mV(m.command_mV), locked);
   monitor.found |= check_code(monitor, m);
   monitor.found |= check_plausibility(plan, monitor, depth_um, locked);
   monitor.found |= check_work(plan, monitor, seen.permit.mode, m.command_mV, locked);
@@ -196,7 +192,7 @@ DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Supervi
                      bool zero_volts) {
   const Measurement& m = seen.measurement;
   if (fresh) {
-    monitor.window.push(magnitude(m.command_mV));
+    monitor.window.push(drive_magnitude_mV(m.command_mV));
     if (m.laser_valid) check_valid(plan, monitor, seen, zero_volts);
     monitor.dropout_score = accumulated(monitor.dropout_score, !m.laser_valid, kComes_goes, kDropout_ticks);
   }

@@ -5,14 +5,11 @@
 
 #include "safety/monitors/debounce.hpp"
 #include "safety/types/limits.hpp"
+#include "safety/types/magnitude.hpp"
 #include "safety/types/transitions.hpp"
 
 namespace biopsy::safety {
 namespace {
-
-constexpr std::int64_t magnitude(std::int32_t value) {
-  return value < 0 ? -std::int64_t{value} : value;
-}
 
 HazardSet check_voltage(VoltageMonitor& monitor, const Measurement& m) {
   const std::int64_t larger = std::max(magnitude(m.command_mV), magnitude(monitor.command_mV));
@@ -144,9 +141,7 @@ std::int32_t check_pull(const PlanFacts& plan, VoltageMonitor& monitor, const Me
 
 // A locked needle could jump by what the drive exceeds the one that held it.
 std::int32_t check_lock(VoltageMonitor& monitor, const Measurement& m) {
-  if (m.brake_on && !monitor.brake_on)
-    monitor.locked_mV =
-        static_cast<std::int32_t>(std::min<std::int64_t>(magnitude(m.command_mV), limits::kDriveMax_mV));
+  if (m.brake_on && !monitor.brake_on) monitor.locked_mV = drive_magnitude_mV(m.command_mV);
   monitor.brake_on = m.brake_on;
   return m.brake_on ? std::min(monitor.locked_mV + kPastLocked_mV, limits::kDriveMax_mV)
                     : limits::kDriveMax_mV;
@@ -178,8 +173,7 @@ DriveFindings update(const PlanFacts& plan, VoltageMonitor& monitor, const Super
   findings.ceiling_mV = monitor.ceiling_mV;
   if (stale) monitor.zero_volts = false, monitor.zero_ticks = 0;
   findings.zero_volts = monitor.zero_volts;
-  findings.drive_mV =
-      static_cast<std::int32_t>(std::min<std::int64_t>(magnitude(monitor.command_mV), limits::kDriveMax_mV));
+  findings.drive_mV = drive_magnitude_mV(monitor.command_mV);
   return findings;
 }
 
