@@ -133,6 +133,7 @@ test('three targets on images of a patient: deliberate acts of each', async ({ p
 
 // A browser has sixteen drawing contexts, and takes the oldest away from whoever opens one more.
 const kReopenings = process.env.SOAK_MINUTES ? 100 : 25
+const kObjectsVary = 200 // of ten thousand: what the page happens to draw
 const kWarm = Math.floor(kReopenings / 2) // caches of the browser and 30 s of plots are filled by then
 test(`the image opened ${kReopenings} times keeps its drawing context`, async ({ page }) => {
   test.setTimeout(kReopenings * 10_000)
@@ -155,10 +156,12 @@ test(`the image opened ${kReopenings} times keeps its drawing context`, async ({
   note({
     reopenings: kReopenings,
     reopenings_page_heap_MB: [round(warm.heap_MB), round(end.heap_MB)],
+    reopenings_page_objects: [warm.objects, end.objects],
     reopenings_page_nodes: [warm.nodes, end.nodes],
     reopenings_console_resident_MB: [round(warm.server_MB), round(end.server_MB)],
   })
   expect(end.heap_MB - warm.heap_MB).toBeLessThan(1)
+  expect(end.objects - warm.objects).toBeLessThan(kObjectsVary)
   expect(end.server_MB - warm.server_MB).toBeLessThan(2)
   expect(end.nodes - warm.nodes).toBeLessThan(100)
   expect(complaints.filter((text) => /too many|lost|oldest/i.test(text))).toEqual([])

@@ -26,6 +26,7 @@ test('memory of page and console does not grow', async ({ page }) => {
   note({
     soak_minutes: kMinutes,
     soak_page_heap_MB: [round(from.heap_MB), round(to.heap_MB)],
+    soak_page_objects: [from.objects, to.objects],
     soak_page_nodes: [from.nodes, to.nodes],
     soak_console_resident_MB: [round(from.server_MB), round(to.server_MB)],
   })
