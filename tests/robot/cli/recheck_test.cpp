@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "robot/common/config_error.hpp"
 #include "tests/scratch_folder.hpp"
@@ -22,8 +23,7 @@ robot::Recheck rechecked(const std::filesystem::path& old_model, const std::file
   return robot::recheck(old_model, new_model, 0.010, [](double, const std::string&) {});
 }
 
-const MarginChange& margin(const robot::Recheck& checked, const std::string& plan,
-                           const std::string& quantity) {
+const MarginChange& margin(const robot::Recheck& checked, std::string_view plan, std::string_view quantity) {
   return *std::find_if(checked.margins.begin(), checked.margins.end(),
                        [&](const MarginChange& m) { return m.plan == plan && m.quantity == quantity; });
 }

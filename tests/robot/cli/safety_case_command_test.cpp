@@ -164,8 +164,8 @@ TEST(SoupList, NamesEveryLibraryThatTheProgramLoadsAndEveryPackageOfThePage) {
        ++match, ++libraries)
     EXPECT_TRUE(listed((*match)[1])) << (*match)[1] << " is in no entry of software.toml";
   EXPECT_GT(libraries, 10) << header;
-  for (const auto& [package, version] :
-       json_of(kSource / "robot/console/page/package.json").at("dependencies").items()) {
+  const auto page = json_of(kSource / "robot/console/page/package.json");
+  for (const auto& [package, version] : page.at("dependencies").items()) {
     const auto& soups = safety_case.risk.soup;
     EXPECT_TRUE(std::any_of(soups.begin(), soups.end(), [&](const Soup& s) { return s.package == package; }))
         << package;

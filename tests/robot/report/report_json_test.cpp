@@ -92,7 +92,7 @@ TEST(ReportJson, InfinityAndNanBecomeNull) {
 TEST(ReportJson, PatientNameInABrokenEncodingStillGivesValidJson) {
   RunRecord record = example_run();
   record.series.patient_name = "M\xFCller^J\xF6rg";  // Latin-1
-  EXPECT_NO_THROW(json::parse(report_json(record)));
+  EXPECT_TRUE(json::accept(report_json(record)));
 }
 
 TEST(ReportJson, DiffersBetweenTwoRunsOfOneSeedInWallTimeOnly) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <string_view>
 
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/figures/rows.hpp"
@@ -20,10 +21,10 @@ PaperModel damped() {
   return model;
 }
 
-const PaperRow& row(const PaperFigure& figure, const std::string& begins) {
+const PaperRow& row(const PaperFigure& figure, std::string_view begins) {
   for (const PaperRow& row : figure.rows)
     if (row.quantity.starts_with(begins)) return row;
-  throw std::runtime_error("no row begins with " + begins);
+  throw std::runtime_error("no row begins with " + std::string(begins));
 }
 
 TEST(PaperClosedLoop, EveryRowIsExplainedAndNamesItsFigure) {

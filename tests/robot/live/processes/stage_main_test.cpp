@@ -22,6 +22,7 @@ struct StageMain : ProcessBench {
     machine.on_tick = [this, most, before](int tick) {
       const std::int64_t now_ns = fake_bus::state().now_ns;
       relay.write({.load_mV = 0, .closed = true}, now_ns);
+      systemd.receive();
       if (before) before(tick);
       if (tick == most) stop();
     };
