@@ -12,7 +12,8 @@ namespace biopsy::digital_io {
 
 // Twice as fast as the pulses.
 inline constexpr std::chrono::microseconds kRelayPeriod{500};
-// Without a real-time scheduler a process wakes late by some tenths of that now and then.
+// How late a tick may come and still open the relay in time: a process without a real-time scheduler is now
+// and then.
 inline constexpr std::chrono::microseconds kRelayLate = kRelayPeriod;
 
 // Times: CLOCK_MONOTONIC, ns. Starts open, and only pulses from now on count.
@@ -23,8 +24,8 @@ class InterlockRelay {
 
   // To be called every kRelayPeriod. A counter that changed since the last tick counts as a pulse at the time
   // of the last tick, the earliest possible: after a stall of this process it is as old as the stall is long.
-  // The relay closes only if it may stay closed until the next tick, be that late by kRelayLate. So 20 ms are
-  // never exceeded; up to two periods of them and kRelayLate are lost.
+  // The relay closes only if it may stay closed until the next tick, be that late by kRelayLate. So no tick
+  // that is no later exceeds 20 ms; up to two periods of them and kRelayLate are lost.
   void tick(std::int64_t now_ns);
 
   // Opens and discards all pulses so far: before the process ends.

@@ -88,7 +88,7 @@ TEST(Exploration, EveryInputOfTheProductIsVisitedOnceAndAsItsIndexSays) {
 }
 
 TEST(Exploration, AStateAndItsKeyAreTheSame) {
-  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Thin, 0, 0, in_parallel});
+  Explorer explorer(shipped(), three_steps(0b010).facts, {Grain::Quick, 0, 0, in_parallel});
   const std::uint64_t states = explorer.run().states;
   for (std::uint32_t i = 0; i < states; i += 7) {
     const SupervisorState state = explorer.state(i);
