@@ -26,13 +26,11 @@ class StopCause {
   // later.
   std::int32_t update(const digital_io::PanelReading& panel, bool found) {
     const bool open = !panel.levels.estop_a_closed || !panel.levels.estop_b_closed;
-    if (found && !found_) {
-      longest_ms_ = 0;
-      told_ms_ = panel.read || panel.age_us < 0 ? kNotYetSeenReleased : unread_ms(panel);
-    } else if (found && told_ms_ > 0 && panel.read) {
-      told_ms_ = std::max(told_ms_, longest_ms_);
-    }
-    if (found && !panel.read && panel.age_us > 0) longest_ms_ = std::max(longest_ms_, unread_ms(panel));
+    if (!panel.read) unread_ms_ = unread_ms(panel);
+    if (found && !found_)
+      told_ms_ = panel.read || panel.age_us < 0 ? kNotYetSeenReleased : unread_ms_;
+    else if (found && told_ms_ > 0 && panel.read)
+      told_ms_ = std::max(told_ms_, unread_ms_);
     if (found && panel.read && open) told_ms_ = kSeenPressed;
     found_ = found;
     return told_ms_;
@@ -44,14 +42,15 @@ class StopCause {
   }
 
   bool found_ = false;
-  std::int32_t told_ms_ = kNotYetSeenReleased, longest_ms_ = 0;
+  std::int32_t told_ms_ = kNotYetSeenReleased;
+  std::int32_t unread_ms_ = 0;  // by the last reading that did not come
 };
 
 // A hazard for people. `panel_unread_ms`: of the decision that names it.
 inline std::string hazard_text(safety::Hazard hazard, std::int32_t panel_unread_ms) {
   if (hazard != safety::Hazard::EStop) return std::string(safety::name_of(hazard));
-  if (panel_unread_ms == kSeenPressed) return "H-25 emergency stop pressed";
   if (panel_unread_ms < 0) return "H-25 emergency stop not yet seen released since the supervisor started";
+  if (panel_unread_ms == kSeenPressed) return "H-25 emergency stop pressed";
   return fmt::format(
       "H-25 emergency stop unread, not seen pressed: the panel was not read for at least {} ms ({} ms are "
       "allowed); Reset to go on",

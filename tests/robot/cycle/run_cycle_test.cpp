@@ -71,6 +71,13 @@ TEST_F(RunCycle, MeasuresDecidesAsksAndDrivesOnceATickInThisOrder) {
   EXPECT_EQ(cycle.ticks(), 2);
 }
 
+TEST_F(RunCycle, RecordsWhatTheEmergencyStopWasFoundFor) {
+  EXPECT_EQ(run().panel_unread_ms, kNotYetSeenReleased);
+  OperatorInputs pressed = OperatorInputs::idle();
+  pressed.estop_closed = false;
+  EXPECT_EQ(run(pressed).panel_unread_ms, kSeenPressed);
+}
+
 TEST_F(RunCycle, ATickIsAMillisecondOfOneClockForSupervisorAndGate) {
   for (std::int64_t tick = 1; tick < 5; ++tick) {
     run();

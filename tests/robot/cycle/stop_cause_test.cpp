@@ -45,6 +45,45 @@ TEST(StopCause, TellsHowLongAnUnreadPanelWasUnreadOnceItIsReadAgain) {
   EXPECT_EQ(cause.update(unread(50'000), true), 50) << "another time";
 }
 
+TEST(StopCause, ForgetsALongerTimeOfAnEarlierStop) {
+  StopCause cause;
+  (void)cause.update(unread(143'900), true);
+  (void)cause.update(kReleased, true);
+  (void)cause.update(kReleased, false);
+  EXPECT_EQ(cause.update(unread(30'000), true), 30);
+  EXPECT_EQ(cause.update(kReleased, true), 30);
+}
+
+TEST(StopCause, RoundsDownToMillisecondsAndNeverToNone) {
+  for (const auto& [age_us, ms] : {std::pair{0, 1}, {999, 1}, {1'999, 1}, {143'990, 143}}) {
+    StopCause cause;
+    EXPECT_EQ(cause.update(unread(age_us), true), ms) << age_us;
+  }
+  StopCause longer;
+  EXPECT_EQ(longer.update(unread(400), true), 1);
+  (void)longer.update(unread(5'400), true);
+  EXPECT_EQ(longer.update(kReleased, true), 5);
+}
+
+// The age of a reading that came says nothing of one that did not.
+TEST(StopCause, CountsNoAgeOfAPanelThatIsRead) {
+  StopCause cause;
+  PanelReading old = kReleased;
+  old.age_us = 90'000;
+  EXPECT_EQ(cause.update(unread(21'000), true), 21);
+  EXPECT_EQ(cause.update(old, true), 21);
+  EXPECT_EQ(cause.update(old, true), 21);
+}
+
+TEST(StopCause, APressStaysOneAfterAnUnreadPanel) {
+  StopCause cause;
+  PanelReading pressed = kReleased;
+  pressed.levels.estop_a_closed = false;
+  EXPECT_EQ(cause.update(pressed, true), kSeenPressed);
+  EXPECT_EQ(cause.update(unread(50'000), true), kSeenPressed);
+  EXPECT_EQ(cause.update(kReleased, true), kSeenPressed);
+}
+
 TEST(StopCause, APressAfterAnUnreadPanelIsAPress) {
   StopCause cause;
   EXPECT_EQ(cause.update(unread(21'000), true), 21);
@@ -64,6 +103,7 @@ TEST(StopCause, BeforeThePanelWasEverSeenReleasedNothingIsCalledAPress) {
 
 TEST(StopCause, IsCalledWhatItIs) {
   using safety::Hazard;
+  EXPECT_EQ(kNotYetSeenReleased, -1) << "on the bus";
   EXPECT_EQ(hazard_text(Hazard::EStop, kSeenPressed), "H-25 emergency stop pressed");
   EXPECT_EQ(hazard_text(Hazard::EStop, 143),
             "H-25 emergency stop unread, not seen pressed: the panel was not read for at least 143 ms (20 ms "

@@ -127,5 +127,29 @@ TEST(PanelProof, NeverHidesAStopThatIsAskedFor) {
   }
 }
 
+// A contact that does not close shows as itself, in the hand's pauses too.
+TEST(PanelProof, ShowsEachContactAsAskedFor) {
+  for (const bool a : {false, true}) {
+    robot::PanelProof person;
+    const PanelLevels asked{.estop_a_closed = a, .estop_b_closed = !a};
+    for (const std::int64_t us : {0, 250'000, 350'000, 450'000}) {
+      const PanelLevels now = person.levels(asked, told_by(5), 1'000'000 + us);
+      EXPECT_EQ(now.estop_a_closed, a) << us;
+      EXPECT_EQ(now.estop_b_closed, !a) << us;
+    }
+  }
+}
+
+// The stop of its own proof stands in the new session: that one was not seen released.
+TEST(PanelProof, IsRepeatedInANewSessionThoughThatBeforeSawItsStopReleased) {
+  using safety::Hazard;
+  robot::PanelProof person;
+  (void)person.levels(kAsked, told_by(5), 1'000'000);
+  (void)person.levels(kAsked, told_by(5), 2'000'000);
+  (void)person.levels(kAsked, told_by(6, Hazard::EStop), 3'000'000);
+  EXPECT_EQ(person.levels(kAsked, told_by(6, Hazard::EStop), 3'600'000), kAtRest);
+  EXPECT_EQ(person.levels(kAsked, told_by(6, Hazard::EStop), 3'700'000), PanelLevels{});
+}
+
 }  // namespace
 }  // namespace biopsy::loops_tests

@@ -47,6 +47,13 @@ int mlockall(int flags) noexcept {
   return answer(present->lock_error);
 }
 
+int setpriority(__priority_which_t of_what, id_t number, int value) noexcept {
+  if (present == nullptr)
+    return static_cast<int>(::syscall(SYS_setpriority, static_cast<int>(of_what), number, value));
+  present->nice = {static_cast<int>(of_what), static_cast<int>(number), value};
+  return 0;
+}
+
 int getrlimit(__rlimit_resource_t resource, rlimit* limit) noexcept {
   if (present == nullptr || resource != RLIMIT_MEMLOCK)
     return static_cast<int>(::syscall(SYS_prlimit64, 0, resource, nullptr, limit));

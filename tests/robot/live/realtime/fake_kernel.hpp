@@ -28,6 +28,9 @@ struct FakeKernel {
   std::vector<std::int64_t> sleeps_ns;  // until which absolute time
   std::vector<unsigned long> slacks_ns;
   std::optional<int> policy, priority;
+  struct Nice {
+    int of_what = -1, number = -1, value = -1;
+  } nice;
   std::optional<pid_t> scheduled, bound_thread;
   std::vector<cpu_set_t> bound;
 

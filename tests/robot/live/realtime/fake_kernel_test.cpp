@@ -164,5 +164,13 @@ TEST(TickClockOnAKernel, CountsThePeriodsThatAStallTook) {
   EXPECT_EQ(clock.missed(), 7);
 }
 
+TEST(BackgroundOnAKernel, IsAskedForByTheCallingThreadOnly) {
+  FakeKernel kernel;
+  run_in_background();
+  EXPECT_EQ(kernel.nice.of_what, PRIO_PROCESS);
+  EXPECT_EQ(kernel.nice.number, 0);
+  EXPECT_EQ(kernel.nice.value, kBackgroundNice);
+}
+
 }  // namespace
 }  // namespace biopsy::realtime
