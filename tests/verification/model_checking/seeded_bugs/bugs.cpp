@@ -11,6 +11,8 @@ constexpr SeededBug kBugs[] = {
     // Keys and network
     {"arm-without-edge", "Arming asks for the key's level, not its edge.", Part::Supervisor, "decide.cpp",
      "input.local_arm && !state.arm_was_down", "input.local_arm"},
+    {"arm-key-keeps-the-hold", "A hold does not run out while the arm key is down.", Part::Supervisor,
+     "decide.cpp", "may_stay = t.evidence.still &&", "may_stay = (t.evidence.still || t.input.local_arm) &&"},
     {"reset-without-edge", "A reset key jammed down resets every trip.", Part::Supervisor, "decide.cpp",
      "input.local_reset && !state.reset_was_down", "input.local_reset"},
     {"remote-arm", "Arming over the network is accepted.", Part::Supervisor, "decide.cpp",

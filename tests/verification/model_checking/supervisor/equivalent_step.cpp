@@ -156,6 +156,7 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
     input.evidence.ceiling_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 20));
   if (mode != Mode::Hold) input.depth_accepted = chosen(15), input.evidence.still = chosen(16);
   if (mode != Mode::Safe && mode != Mode::Ready) input.evidence.needle_back = chosen(19);
+  if (!can_lead_to_ready(mode)) input.local_arm = chosen(23);
   if (!moving) input.measurement.brake_fitted = chosen(20);
   if (!moving && mode != Mode::Armed) input.evidence.locked = chosen(17);
   if (mode != Mode::Hold && mode != Mode::Armed) input.acquiring = chosen(18);

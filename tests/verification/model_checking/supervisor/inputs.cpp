@@ -93,7 +93,7 @@ void InputSpace::set_sizes(Mode mode) {
   sizes_ = {static_cast<std::uint32_t>(hazards_.size()),
             4,
             2,
-            2,
+            can_lead_to_ready(mode) ? 2U : 1U,
             2,
             8,
             mode == Mode::Boot ? 6U : 1U,

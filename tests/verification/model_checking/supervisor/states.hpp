@@ -41,6 +41,11 @@ constexpr bool remembers_voltage(Mode mode) {
 constexpr bool remembers_arm_key(Mode mode) {
   return mode == Mode::Ready;
 }
+// From these the next tick may be in Ready; in every other mode an equivalent shows that the key decides
+// nothing.
+constexpr bool can_lead_to_ready(Mode mode) {
+  return mode == Mode::Safe || mode == Mode::Ready || mode == Mode::Armed;
+}
 constexpr bool remembers_reset_key(Mode mode) {
   return mode == Mode::Trip;
 }
