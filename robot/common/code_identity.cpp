@@ -18,17 +18,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_code(const fs::path& file) {
-  for (const char* extension : {".cpp", ".hpp", ".toml", ".idl", ".txt", ".json", ".py", ".pml"})
-    if (file.extension() == extension) return true;
-  return false;
+// What running the tests leaves in the tree.
+bool is_cache(const fs::path& folder) {
+  return folder.filename() == "__pycache__" || folder.filename() == "node_modules";
 }
 
 std::vector<fs::path> code_files(const fs::path& tree) {
-  std::vector<fs::path> files;
-  for (const char* folder : {"robot", "safety", "planner", "drivers", "sim", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(tree / folder))
-      if (entry.is_regular_file() && is_code(entry.path())) files.push_back(entry.path());
+  std::vector<fs::path> files{tree / "CMakeLists.txt"};
+  for (const char* folder : {"cmake", "robot", "safety", "planner", "drivers", "sim", "tests"})
+    for (auto entry = fs::recursive_directory_iterator(tree / folder); entry != fs::end(entry); ++entry) {
+      if (entry->is_directory() && is_cache(entry->path())) entry.disable_recursion_pending();
+      if (entry->is_regular_file()) files.push_back(entry->path());
+    }
   std::sort(files.begin(), files.end());
   return files;
 }

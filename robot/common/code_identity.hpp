@@ -6,7 +6,8 @@
 
 namespace biopsy {
 
-// SHA-256, as hex, over name and content of every source, case and model file of the tree, sorted by name.
+// SHA-256, as hex, over name and content of every file of the tree that a build or a proof is made of:
+// sources, build files with their compiler options, scripts, cases, models, expected results; sorted by name.
 // Any change of the code makes evidence of before stale. Throws ConfigError where a file cannot be read.
 std::string code_fingerprint(const std::filesystem::path& tree);
 
