@@ -123,17 +123,27 @@ double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) 
   return spring_force(s, m, at, dH) - s.mass * b.g - down;
 }
 
+// An effect without strength adds nothing.
+template <class Effect>
+bool has_strength(const Effect& effect) {
+  return std::ranges::any_of(Effect::parameters(), [&](const auto& parameter) {
+    return parameter.role == Role::Strength && effect.*parameter.member != 0.0;
+  });
+}
+
 }  // namespace
 
 ActiveTerms active_terms(const PlantModel& model) {
   ActiveTerms has{};
   has.dry_friction = !model.tissue.empty();
   for_each_present(model.effects, [&]<class E>([[maybe_unused]] const E& effect) {
+    constexpr bool kOnPouch = requires { &E::pouch_offset; };
+    const bool adds = !kOnPouch || has_strength(effect);
     if constexpr (requires { &E::rubs; })
       has.dry_friction |= effect.rubs();
     else if constexpr (requires { &E::dry_friction; })
       has.dry_friction = true;
-    if constexpr (requires { &E::pouch_offset; }) has.pouch_offset = true;
+    if constexpr (kOnPouch) has.pouch_offset |= adds;
     if constexpr (requires { &E::spring_push; }) has.load = has.spring_push = true;
     if constexpr (requires { &E::load; })
       (E::info.attaches == Attachment::Tissue ? has.tissue_load : has.load) = true;
@@ -143,7 +153,7 @@ ActiveTerms active_terms(const PlantModel& model) {
     if constexpr (requires { &E::pulling; }) has.pulling = true;
     if constexpr (
         requires { &E::bounded; } || requires { &E::remember; })
-      has.remembers = true;
+      has.remembers |= adds;
     if constexpr (requires { &E::follow; }) has.sensor_filter = true;
     if constexpr (requires { &E::cut_rate; }) has.cut_rate = true;
     if constexpr (HasIntegratedState<E>) has.integrated_state = true;

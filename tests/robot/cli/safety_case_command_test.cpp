@@ -2,6 +2,7 @@
 // from it.
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 
@@ -42,6 +43,35 @@ TEST(RiskFile, IsWhatTheReferencePrints) {
   EXPECT_EQ(printed.code, 0);
   EXPECT_TRUE(printed.text == file_content(kSource / "docs/reference/risk-management.md"))
       << "docs/reference/risk-management.md is not what the program prints: ./dev docs renews it";
+}
+
+// docs/reference/safety-case: what a whole run on two cores wrote. It belongs to the code that it names; a
+// change of what must hold makes it another case.
+TEST(FinishedCase, InTheDocumentsIsWholeWithoutGapAndOfTodaysArgument) {
+  const fs::path folder = kSource / "docs/reference/safety-case";
+  const auto stored = nlohmann::json::parse(file_content(folder / "safety-case.json"));
+  const std::string renew =
+      "run ./dev safety-case and copy report.html and safety-case.json to " + folder.string();
+  EXPECT_TRUE(stored["passed"].get<bool>() && !stored["quick"].get<bool>() && stored["gaps"].empty());
+  for (const auto& bar : stored["bars"]) EXPECT_TRUE(bar["met"].get<bool>()) << bar["name"];
+  for (const auto& evidence : stored["evidence"]) EXPECT_EQ(evidence["code"], stored["build"]["code"]);
+  const std::string commit = stored["build"]["commit"];
+  EXPECT_EQ(commit.find_first_not_of("0123456789abcdef"), std::string::npos) << commit;
+  const std::string page = file_content(folder / "report.html");
+  EXPECT_NE(page.find(commit.substr(0, 12)), std::string::npos);
+
+  const SafetyCase safety_case = shipped_case();
+  std::set<std::string> now, then, bars_now, bars_then;
+  for (const auto& hazard : safety_case.hazards) now.insert(hazard.id);
+  for (const auto& requirement : safety_case.requirements) now.insert(requirement.id + requirement.text);
+  for (const auto& hazard : stored["hazards"]) then.insert(hazard["id"]);
+  for (const auto& requirement : stored["requirements"])
+    then.insert(requirement["id"].get<std::string>() + requirement["text"].get<std::string>());
+  EXPECT_EQ(now, then) << renew;
+  for (const auto& source : safety_case.sources)
+    for (const auto& criterion : source.criteria) bars_now.insert(criterion.name);
+  for (const auto& bar : stored["bars"]) bars_then.insert(bar["name"]);
+  EXPECT_EQ(bars_now, bars_then) << renew;
 }
 
 // The shipped files with one text replaced in one of them.

@@ -74,7 +74,7 @@ TEST(ResidualSet, KeepsItsSharesOfTheLargestDeformationAndForgetsThem) {
 
 TEST(ResidualSet, NeverRemembersLessThanItStandsAt) {
   const PlantModel model =
-      with_effect(lossless(), ResidualSet{.floor_share = 0.0, .added_share = 0.0, .time = 0.1});
+      with_effect(lossless(), ResidualSet{.floor_share = 0.01, .added_share = 0.0, .time = 0.1});
   const PlantState state = charged(model, at_rest(model), 3000.0, 5000);
   EXPECT_EQ(state_of<ResidualSet>(state).largest, deflection(model, state));
 }
