@@ -218,7 +218,9 @@ constexpr Draw kCoarse{1.8, 6.0, 4.0, 45.0};
 TEST(DepthCheckCampaign, MeetsTheBarOnARealProstate) {
   const auto planning = real_volume("prostate_planning");
   if (!planning) GTEST_SKIP() << "no real images beside the source folder";
-  expect_the_bar(campaign(*planning, kProstate, 150), 0.4, 0.5);
+  // Four in 150 are off, on one processor's vector instructions or another's: of a quarter of 150, two may
+  // be.
+  expect_the_bar(campaign(*planning, kProstate, 300), 0.4, 0.5);
 }
 
 TEST(DepthCheckCampaign, MeetsTheBarOnARealLiver) {
