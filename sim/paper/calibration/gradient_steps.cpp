@@ -102,12 +102,14 @@ Descent descend(const Question& question, const Vector& start, int steps, Pull p
   Descent out{within(parameters, start), 1};
   Vector r = residuals(question, out.z, true, pull);
   double damping = kFirstDamping;
+  Eigen::MatrixXd J;  // at out.z; empty where z has moved
   for (int step = 0; step < steps && damping <= kMostDamping && !stop.stop_requested(); ++step) {
-    const bool forward = differences == Differences::Forward;
-    const Eigen::MatrixXd J =
-        forward ? forward_differences(parameters, out.z, r, f) : central_differences(parameters, out.z, f);
-    out.evaluations +=
-        static_cast<int>((forward ? 1 : 2) * out.z.size() + static_cast<Eigen::Index>(kDampings.size()));
+    if (J.size() == 0) {
+      const bool forward = differences == Differences::Forward;
+      J = forward ? forward_differences(parameters, out.z, r, f) : central_differences(parameters, out.z, f);
+      out.evaluations += static_cast<int>((forward ? 1 : 2) * out.z.size());
+    }
+    out.evaluations += static_cast<int>(kDampings.size());
     const Trial best = best_trial(parameters, out.z, r, J, damping, f);
     const double before = r.squaredNorm(), after = best.residuals.squaredNorm();
     if (!(after < before)) {
@@ -116,6 +118,7 @@ Descent descend(const Question& question, const Vector& start, int steps, Pull p
     }
     out.z = best.z;
     r = best.residuals;
+    J.resize(0, 0);
     damping = std::max(kLeastDamping, best.damping);
     if (after > (1.0 - kGain) * before) break;
   }

@@ -147,7 +147,9 @@ void vary_input(const SupervisorState& state, Situation& input, std::uint64_t ch
   if (mode != Mode::Boot) input.evidence.interlock_opens = chosen(21);
   if (mode != Mode::Trip) input.evidence.needle_home = chosen(12);
   input.evidence.estop_reset = chosen(22);
-  if (!moving) {
+  if (moving) {
+    input.evidence.zero_volts = chosen(24);
+  } else {
     input.request.step_reached = chosen(13);
     input.request.finished = chosen(14);
     input.evidence.drive_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 16));

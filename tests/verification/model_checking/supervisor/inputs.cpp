@@ -92,7 +92,7 @@ void InputSpace::set_sizes(Mode mode) {
   const auto drives = static_cast<std::uint32_t>(drives_.size());
   sizes_ = {static_cast<std::uint32_t>(hazards_.size()),
             4,
-            2,
+            moving ? 1U : 2U,
             can_lead_to_ready(mode) ? 2U : 1U,
             2,
             8,
@@ -156,7 +156,7 @@ void InputSpace::put(Situation& input, Dimension d, std::uint8_t value, const Su
       input.stop = static_cast<StopCategory>(value);
       break;
     case Dimension::ZeroVolts:
-      input.evidence.zero_volts = value == 1;
+      input.evidence.zero_volts = forgotten || value == 1;
       break;
     case Dimension::ArmKey:
       input.local_arm = value == 1;
