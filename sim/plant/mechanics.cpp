@@ -137,7 +137,9 @@ ActiveTerms active_terms(const PlantModel& model) {
   ActiveTerms has{};
   has.dry_friction = !model.tissue.empty();
   for_each_present(model.effects, [&]<class E>([[maybe_unused]] const E& effect) {
-    constexpr bool kOnPouch = requires { &E::pouch_offset; };
+    constexpr bool kOnPouch = requires {
+      &E::pouch_offset;
+    };
     const bool adds = !kOnPouch || has_strength(effect);
     if constexpr (requires { &E::rubs; })
       has.dry_friction |= effect.rubs();
