@@ -203,10 +203,10 @@ TEST(Counterexample, OfASeededBugIsATraceTickByTick) {
        1 ms  safe | 0 V measured -> ready (healthy and plan sealed)
        2 ms  ready | 0 V measured, arm key turned -> armed (armed on the device), up to 0 V
        3 ms  armed | 0 V measured, motion button held (new press) -> active (motion button pressed), step 1, up to 0 V, may rise
-       4 ms  active | voltage measured, controller reached this step -> hold (step reached), step 1 done, up to 0 V
-       5 ms  hold | voltage measured, motion button held (new press) -> active (motion button pressed), step 2, up to 0 V, may rise
-       6 ms  active | voltage measured, controller reached this step -> hold (step reached), step 2 done, up to 0 V
-       7 ms  hold | voltage measured, motion button held (new press), depth check accepts another step, image from 7 -> active (motion button pressed), step 3, up to 0 V, may rise
+       4 ms  active | controller reached this step -> hold (step reached), step 1 done, up to 0 V
+       5 ms  hold | motion button held (new press) -> active (motion button pressed), step 2, up to 0 V, may rise
+       6 ms  active | controller reached this step -> hold (step reached), step 2 done, up to 0 V
+       7 ms  hold | motion button held (new press), depth check accepts another step, image from 7 -> active (motion button pressed), step 3, up to 0 V, may rise
   broken:    depth-check: Past a step that an image confirms only with a depth check of that very step and hold.
 )");
 }

@@ -41,7 +41,8 @@ std::string input_text(const SupervisorState& state, const Situation& input) {
   };
   say(hazard_text(input.evidence.hazards()));
   say(kStops[static_cast<std::size_t>(input.stop)]);
-  say(input.evidence.zero_volts ? "0 V measured" : "voltage measured");
+  if (state.mode != Mode::Active && state.mode != Mode::Hold)  // where it decides
+    say(input.evidence.zero_volts ? "0 V measured" : "voltage measured");
   if (!input.evidence.needle_home) say("needle out");
   if (state.mode == Mode::Boot && input.self_test != safety::SelfTest::Passed)
     say(input.self_test == safety::SelfTest::Failed ? "self-test failed" : "self-test pending");
@@ -55,7 +56,7 @@ std::string input_text(const SupervisorState& state, const Situation& input) {
     say(fmt::format("depth check accepts {}, image from {}", step_text(input.accepted_step),
                     input.accepted_since_seq));
   if (input.evidence.drive_mV != 0) say(fmt::format("{} V on the drive", input.evidence.drive_mV / 1'000));
-  return words;
+  return words.empty() ? "nothing new" : words;
 }
 
 std::string permit_text(const SupervisorState& next, const SupervisorOutput& output) {
