@@ -28,9 +28,9 @@ using Json = nlohmann::ordered_json;
 using sim::calibration::CalibratedParameter;
 using sim::calibration::Calibration;
 
-constexpr int kEvaluations = 600;
-// Of the figures as many as ten minutes of two processors allow; measured runs alone cost a thousandth of
-// them.
+// With the starts from far away as many as ten minutes of two processors allow: 600 met no more rows
+// than 300. Measured runs alone cost a thousandth of the figures.
+constexpr int kEvaluations = 600, kEvaluationsFar = 300;
 constexpr int kStartsOfFigures = 2, kStartsAlone = 4;
 constexpr int kStepsWithout = 6;  // of a calibration without a figure
 // Along the sensitivities: of measured runs alone, which cost a thousandth of the figures.
@@ -42,8 +42,8 @@ struct Options {
   fs::path out;
   std::vector<fs::path> data;       // measured runs that count beside the paper's rows
   std::vector<fs::path> only_mine;  // measured runs that count alone
-  int evaluations = kEvaluations;
-  int starts = 0;  // 0: several from nominal values and for measured runs alone, else none
+  int evaluations = 0;              // 0: as many as the search needs from where it begins
+  int starts = 0;                   // 0: several from nominal values and for measured runs alone, else none
   std::uint64_t seed = 1;
   bool from_nominal = false;   // begin at what was known beforehand, not at earlier answers
   bool leave_one_out = false;  // held_out.toml in place of a model
@@ -58,7 +58,8 @@ void declare(CLI::App& app, Options& options) {
                           "folder of a [data set](model-files.md#data-set) of a stage of your own: fitted "
                           "alone, without the paper's "
                           "figures, from the values of `--model`; may be repeated");
-  add(app, "--evaluations N", options.evaluations, "budget of the global search", "600")
+  add(app, "--evaluations N", options.evaluations, "budget of the global search",
+      "300 with `--from-nominal`, else 600")
       ->check(in_range(1, 1'000'000));
   add(app, "--starts N", options.starts,
       "starts of a first search from far away: the nominal values and draws around them",
@@ -226,6 +227,7 @@ Result leave_one_out(const Options& options, const sim::calibration::Question& q
 Result run(const Options& given, const Context& context) {
   Options options = given;
   if (options.model.empty()) options.model = data_folder() / "sim/models/calibrated.toml";
+  if (options.evaluations == 0) options.evaluations = options.from_nominal ? kEvaluationsFar : kEvaluations;
   if (options.starts == 0 && options.from_nominal) options.starts = kStartsOfFigures;
   if (options.starts == 0 && !options.only_mine.empty()) options.starts = kStartsAlone;
   const sim::calibration::Question question = question_of(options);
