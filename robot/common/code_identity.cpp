@@ -24,7 +24,7 @@ bool is_cache(const fs::path& folder) {
 }
 
 std::vector<fs::path> code_files(const fs::path& tree) {
-  std::vector<fs::path> files{tree / "CMakeLists.txt"};
+  std::vector<fs::path> files{tree / "CMakeLists.txt", tree / "CMakePresets.json"};
   for (const char* folder : {"cmake", "robot", "safety", "planner", "drivers", "sim", "tests"})
     for (auto entry = fs::recursive_directory_iterator(tree / folder); entry != fs::end(entry); ++entry) {
       if (entry->is_directory() && is_cache(entry->path())) entry.disable_recursion_pending();

@@ -125,7 +125,7 @@ double net_force(const StepContext& s, const Motion& m, Instant at, double& dH) 
 
 // An effect without strength adds nothing.
 template <class Effect>
-bool has_strength(const Effect& effect) {
+bool acts(const Effect& effect) {
   return std::ranges::any_of(Effect::parameters(), [&](const auto& parameter) {
     return parameter.role == Role::Strength && effect.*parameter.member != 0.0;
   });
@@ -140,7 +140,7 @@ ActiveTerms active_terms(const PlantModel& model) {
     constexpr bool kOnPouch = requires {
       &E::pouch_offset;
     };
-    const bool adds = !kOnPouch || has_strength(effect);
+    const bool adds = !kOnPouch || acts(effect);
     if constexpr (requires { &E::rubs; })
       has.dry_friction |= effect.rubs();
     else if constexpr (requires { &E::dry_friction; })

@@ -20,6 +20,7 @@ void write_tree(const ScratchFolder& tree) {
   for (const char* folder : {"cmake", "robot", "safety", "planner", "drivers", "sim", "tests"})
     write(tree, std::filesystem::path(folder) / "CMakeLists.txt", folder);
   write(tree, "CMakeLists.txt", "add_compile_options(-O2)");
+  write(tree, "CMakePresets.json", "{}");
 }
 
 TEST(CodeFingerprint, ChangesWithEveryFileThatABuildOrAProofIsMadeOf) {
@@ -27,6 +28,7 @@ TEST(CodeFingerprint, ChangesWithEveryFileThatABuildOrAProofIsMadeOf) {
   write_tree(tree);
   std::set<std::string> seen{code_fingerprint(tree.path())};
   for (const auto& [file, content] : {std::pair{"CMakeLists.txt", "add_compile_options(-O3)"},
+                                      {"CMakePresets.json", "{\"version\": 3}"},
                                       {"cmake/Biopsy.cmake", "add_compile_options(-Wall)"},
                                       {"safety/gate.cpp", "int gate;"},
                                       {"safety/gate.cpp", "int  gate;"},
