@@ -22,15 +22,20 @@ struct Laid {
 // Asked for 7, 13, 19 and 25 s after the first volt; a second later each.
 constexpr std::array kLaid{Laid{8.0, 1.0}, Laid{14.0, 2.0}, Laid{20.0, 1.0}, Laid{26.0, 0.0}};
 
-// Turns the arm key, then lays multiples of `weight_N` on at those moments.
+// Turns the arm key, again where it was turned before it was asked for, then lays multiples of `weight_N` on
+// at those moments.
 void lay_on(const std::stop_token& stop, fake::Board& board, double weight_N) {
   const auto wait_until = [&](const auto& so) {
     while (!stop.stop_requested() && !so()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   };
-  const auto asked = Clock::now();
-  wait_until([&] { return Clock::now() > asked + std::chrono::seconds(8); });
-  board.contacts |= 1U;
-  wait_until([&] { return board.output_V != 0.0; });
+  const auto has_volts = [&] { return board.output_V != 0.0; };
+  while (!stop.stop_requested() && !has_volts()) {
+    board.contacts &= ~1U;
+    const auto turned = Clock::now() + std::chrono::seconds(8), given_up = turned + std::chrono::seconds(12);
+    wait_until([&] { return Clock::now() > turned; });
+    board.contacts |= 1U;
+    wait_until([&] { return has_volts() || Clock::now() > given_up; });
+  }
   const auto first_volt = Clock::now();
   for (const Laid& laid : kLaid) {
     wait_until([&] { return DoubleSeconds(Clock::now() - first_volt).count() > laid.after_first_volt_s; });

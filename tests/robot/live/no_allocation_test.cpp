@@ -20,6 +20,7 @@
 #include "safety/supervisor.hpp"
 #include "sim/simulated_stage.hpp"
 #include "tests/robot/live/realtime/counting_allocator.hpp"
+#include "tests/robot/live/steady_host.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy {
@@ -78,7 +79,12 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
 
 // The loops as they ship, on a bus of this process. The bus is C and takes memory by malloc; what is written
 // in C++ takes it by new.
-TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
+struct Taken {
+  std::uint64_t at_rest = 0, later = 0;
+  bool moved = false;  // or the claim would be about a robot at rest
+};
+
+Taken taken_by_the_loops() {
   const ScratchFolder folder;
   const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), folder.path());
   Plan plan = std::get<Plan>(prepared.plan);
@@ -105,9 +111,8 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
   OperatorAct act;
   act.acquiring = false;
   robot::PanelProof person;
-  std::uint64_t at_rest = 0, taken = 0;
-  bool moved = false;
-  for (std::int64_t tick = 1; tick <= 3'000 && !(moved && tick % 500 == 0); ++tick) {
+  Taken taken;
+  for (std::int64_t tick = 1; tick <= 3'000 && !(taken.moved && tick % 500 == 0); ++tick) {
     ++act.seq;
     if (tick > 700) act.token = 1, act.held = true;
     acts.write(act);
@@ -124,12 +129,19 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
     stage.tick(realtime::monotonic_ns() / 1000);
     supervisor.turn();
     controller.turn(std::chrono::milliseconds(1));
-    (settled ? taken : at_rest) += count.so_far();
-    moved = moved || supervisor.mode() == Mode::Active;
+    (settled ? taken.later : taken.at_rest) += count.so_far();
+    taken.moved = taken.moved || supervisor.mode() == Mode::Active;
   }
-  EXPECT_EQ(taken, 0U);
-  EXPECT_GT(at_rest, 0U) << "nothing is counted";
-  EXPECT_TRUE(moved);
+  return taken;
+}
+
+TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
+  live_tests::on_a_steady_host([]() -> std::string {
+    const Taken taken = taken_by_the_loops();
+    EXPECT_EQ(taken.later, 0U);
+    EXPECT_GT(taken.at_rest, 0U) << "nothing is counted";
+    return taken.moved ? "" : std::string(live_tests::kNotInTime);
+  });
 }
 
 }  // namespace
