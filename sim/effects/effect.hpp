@@ -8,6 +8,7 @@
 //            AmplifierDynamics amplifier()   of the amplifier's output (one effect at most)
 //            Screening screening()           of the stack's voltage (one effect at most)
 //            double acting(u)                voltage that pulls, for what the screening leaves
+//            double capacitance_ratio(deflection)   C1 + C2 over that of flat pouches (one effect at most)
 //   pouch    double pulling(u, own)                what is left of the voltage that pulls
 //            Equilibrium held(goal, H_0, own)      where a pouch goes when pressure would carry it to `goal`
 //            PouchOffset pouch_offset(pouch, own)  height on top of it, and a floor
@@ -16,6 +17,7 @@
 //            double load(plate, own)         N, downward, without dry friction
 //            double dry_friction(plate)      N, its bound; v = 0 while it holds
 //            bool rubs()                     whether it has any; without this hook it has
+//            double friction_under(push)     N, the bound of what grows with the drive's push
 //   sensor   double transmitted(own)         position of the sensor's target in place of plate A's
 //            double target_motion(time)      added to that position
 //            double filtered(own)            reading in place of the target's position

@@ -13,6 +13,7 @@
 #include "sim/effects/electrical/polarity_asymmetry.hpp"
 #include "sim/effects/electrical/voltage_saturation.hpp"
 #include "sim/effects/electrical/voltage_threshold.hpp"
+#include "sim/effects/electrical/zipping_capacitance.hpp"
 #include "sim/effects/pouch/film_hysteresis.hpp"
 #include "sim/effects/pouch/pouch_creep.hpp"
 #include "sim/effects/pouch/residual_set.hpp"
@@ -28,6 +29,8 @@
 #include "sim/effects/stage/end_stop.hpp"
 #include "sim/effects/stage/external_force.hpp"
 #include "sim/effects/stage/hysteretic_spring.hpp"
+#include "sim/effects/stage/load_dependent_friction.hpp"
+#include "sim/effects/stage/lugre_friction.hpp"
 #include "sim/effects/stage/periodic_disturbance.hpp"
 #include "sim/effects/stage/quadratic_damping.hpp"
 #include "sim/effects/stage/spring_hardening.hpp"
@@ -44,6 +47,7 @@ struct Effects {
   std::optional<ChargeRetention> charge_retention;
   std::optional<PolarityAsymmetry> polarity_asymmetry;
   std::optional<VoltageThreshold> voltage_threshold;
+  std::optional<ZippingCapacitance> zipping_capacitance;
   std::optional<FilmHysteresis> film_hysteresis;
   std::optional<ZippingHysteresis> zipping_hysteresis;
   std::optional<ResidualSet> residual_set;
@@ -57,6 +61,8 @@ struct Effects {
   std::optional<EndStop> end_stop;
   std::optional<CoulombFriction> coulomb_friction;
   std::optional<StribeckFriction> stribeck_friction;
+  std::optional<LugreFriction> lugre_friction;
+  std::optional<LoadDependentFriction> load_dependent_friction;
   std::optional<LayerPuncture> layer_puncture;
   std::optional<ShaftFriction> shaft_friction;
   std::optional<TissueRelaxation> tissue_relaxation;
@@ -68,16 +74,36 @@ struct Effects {
   std::optional<SensorNoise> sensor_noise;
 };
 
-inline constexpr std::tuple kEffectOrder{
-    &Effects::voltage_saturation, &Effects::amplifier_lag,     &Effects::charge_retention,
-    &Effects::polarity_asymmetry, &Effects::voltage_threshold, &Effects::film_hysteresis,
-    &Effects::zipping_hysteresis, &Effects::residual_set,      &Effects::pouch_creep,
-    &Effects::added_mass,         &Effects::spring_hardening,  &Effects::hysteretic_spring,
-    &Effects::quadratic_damping,  &Effects::external_force,    &Effects::periodic_disturbance,
-    &Effects::end_stop,           &Effects::coulomb_friction,  &Effects::stribeck_friction,
-    &Effects::layer_puncture,     &Effects::shaft_friction,    &Effects::tissue_relaxation,
-    &Effects::backlash,           &Effects::sensor_lag,        &Effects::sensor_scale,
-    &Effects::sensor_drift,       &Effects::sensor_offset,     &Effects::sensor_noise};
+inline constexpr std::tuple kEffectOrder{&Effects::voltage_saturation,
+                                         &Effects::amplifier_lag,
+                                         &Effects::charge_retention,
+                                         &Effects::polarity_asymmetry,
+                                         &Effects::voltage_threshold,
+                                         &Effects::zipping_capacitance,
+                                         &Effects::film_hysteresis,
+                                         &Effects::zipping_hysteresis,
+                                         &Effects::residual_set,
+                                         &Effects::pouch_creep,
+                                         &Effects::added_mass,
+                                         &Effects::spring_hardening,
+                                         &Effects::hysteretic_spring,
+                                         &Effects::quadratic_damping,
+                                         &Effects::external_force,
+                                         &Effects::periodic_disturbance,
+                                         &Effects::end_stop,
+                                         &Effects::coulomb_friction,
+                                         &Effects::stribeck_friction,
+                                         &Effects::lugre_friction,
+                                         &Effects::load_dependent_friction,
+                                         &Effects::layer_puncture,
+                                         &Effects::shaft_friction,
+                                         &Effects::tissue_relaxation,
+                                         &Effects::backlash,
+                                         &Effects::sensor_lag,
+                                         &Effects::sensor_scale,
+                                         &Effects::sensor_drift,
+                                         &Effects::sensor_offset,
+                                         &Effects::sensor_noise};
 
 // Calls visit(optional effect) for each effect of the library.
 template <class AnyEffects, class Visitor>

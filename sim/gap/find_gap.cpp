@@ -113,10 +113,10 @@ bool friction_dominated(const Selection& selection) {
   });
 }
 
-bool is_stribeck(const Selection& selection) {
+bool sticks_and_slips(const Selection& selection) {
   if (selection.selected.empty()) return false;
   const Candidate& first = selection.selected.front().candidate;
-  return first.effect != kBaseline && library_effect(first.effect).info.name == StribeckFriction::info.name;
+  return is_effect(first, StribeckFriction::info.name) || is_effect(first, LugreFriction::info.name);
 }
 
 Search search_in_windows(const Dataset& dataset, const PlantModel& model, const SearchOptions& options,
@@ -191,8 +191,9 @@ FoundGap not_searched(const Dataset& dataset, const PlantModel& model, std::vect
 //
 // With stick-slip the instant of breakaway decides all that follows, so that even the true model does not
 // follow a whole run: where dry friction explains most and the gap stays open, the windows' result is taken
-// if it is Stribeck friction. An effect that shifts a mechanism's resonance puts model and measurement out of
-// phase, so that the cost has no useful gradient: windows then find the effect and whole runs confirm it.
+// if it is Stribeck or LuGre friction. An effect that shifts a mechanism's resonance puts model and
+// measurement out of phase, so that the cost has no useful gradient: windows then find the effect and whole
+// runs confirm it.
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& told,
                   const Progress& progress) {
   progress(0.0, "examining the recording");
@@ -213,7 +214,7 @@ FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchO
   const bool whole = !options.window && !options.stop.stop_requested() && !exhausted;
   if (whole && found.gap_remains() && friction_dominated(found.selection)) {
     Search again = search_in_windows(dataset, model, options, kWindow, progress, found.evidence.work);
-    if (!again.interrupted && is_stribeck(again.selection)) {
+    if (!again.interrupted && sticks_and_slips(again.selection)) {
       found = std::move(again);
       warning = fmt::format(
           "All figures are of windows of {} s that start from the measured motion: plate A sticks and slips, "

@@ -34,8 +34,8 @@ Circuit::Circuit(const PlantModel& model)
     : amplifier_(amplifier_dynamics(model.effects)),
       screening_(screening_of(model.effects)),
       instant_(amplifier_.instant()),
-      K_(model.baseline.K),
-      tau_(model.baseline.tau) {}
+      K_0_(model.baseline.K),
+      tau_0_(model.baseline.tau) {}
 
 Circuit::Decay Circuit::decay(double t) const {
   Decay out{.u_o = std::exp(-t / tau_)};

@@ -45,6 +45,17 @@ inline AmplifierDynamics amplifier_dynamics(const Effects& effects) {
   return dynamics;
 }
 
+// (C1 + C2) over its value at H_0, of the effect that has one; 1 without. The baseline's K is divided by it,
+// its tau multiplied. H: height of a pouch, m.
+inline double capacitance_ratio(const PlantModel& model, double H) {
+  double ratio = 1.0;
+  for_each_present(model.effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::capacitance_ratio; })
+      ratio = effect.capacitance_ratio(H - model.baseline.H_0);
+  });
+  return ratio;
+}
+
 // dV/s of the amplifier's output on its way to u_command.
 double amplifier_slope(const AmplifierDynamics& amplifier, double u_i, double u_command);
 
@@ -56,6 +67,8 @@ class Circuit {
 
   bool instant() const { return instant_; }
   void command(double u_command) { u_command_ = u_command; }
+  // The stack's C1 + C2 is `ratio` of the baseline's from here on.
+  void set_capacitance(double ratio) { K_ = K_0_ / ratio, tau_ = tau_0_ * ratio, h_ = 0.0; }
 
   // `model`: the one that it was made of.
   VoltageProfile over(const PlantModel& model, const CircuitState& from, double h) {
@@ -96,7 +109,8 @@ class Circuit {
   AmplifierDynamics amplifier_;
   std::optional<Screening> screening_;
   bool instant_;
-  double K_, tau_;  // of the baseline
+  double K_0_, tau_0_;  // of the baseline
+  double K_ = K_0_, tau_ = tau_0_;
   double u_command_ = 0.0;
   double h_ = 0.0;  // none yet
   Decay half_;

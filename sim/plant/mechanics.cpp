@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/plant/circuit.hpp"
 #include "sim/plant/pouch.hpp"
 
 namespace biopsy::sim {
@@ -64,7 +65,10 @@ double spring_force(const StepContext& s, const Motion& m, Instant at, double& d
   if constexpr (kOffset) offset = pouch_offset(s.model, m, s.state.remembered, at.since);
   double undamped = undamped_spring(s.model, s.has, m, s.state.remembered, s.mass, offset.height);
   if constexpr (kOffset) undamped += b.c_k * b.n * offset.rate;
-  const double u = s.has.pulling ? pulling_voltage(s.model, m, s.state.remembered, at.u) : at.u;
+  // The charge on the stack stays where its capacitance changes within the substep.
+  double u = at.u;
+  if (s.has.capacitance) u *= capacitance_ratio(s.model, s.state.motion.H) / capacitance_ratio(s.model, m.H);
+  if (s.has.pulling) u = pulling_voltage(s.model, m, s.state.remembered, u);
   Equilibrium goal = equilibrium(b, pressure(b, u), std::max(0.0, undamped) + b.m_B * b.g);
   if (s.has.held)
     for_each_present(s.model.effects, m.integrated, s.state.remembered,
@@ -91,6 +95,12 @@ double frame_spring_push(const StepContext& s, const Motion& m) {
                        push += effect.spring_push({-m.x, false}, own...);
                    });
   return push;
+}
+
+// Of the series spring, or the driving force. N, up
+double drive_push(const StepContext& s, const Motion& m, Instant at) {
+  double dH = 0.0;
+  return s.model.baseline.drive == Drive::Stack ? spring_force(s, m, at, dH) : s.inputs.force;
 }
 
 // What the model's i-th term is a function of.
@@ -145,6 +155,8 @@ ActiveTerms active_terms(const PlantModel& model) {
       has.dry_friction |= effect.rubs();
     else if constexpr (requires { &E::dry_friction; })
       has.dry_friction = true;
+    if constexpr (requires { &E::friction_under; }) has.dry_friction = has.friction_under_push = true;
+    if constexpr (requires { &E::capacitance_ratio; }) has.capacitance = true;
     if constexpr (kOnPouch) has.pouch_offset |= adds;
     if constexpr (requires { &E::spring_push; }) has.load = has.spring_push = true;
     if constexpr (requires { &E::load; })
@@ -170,9 +182,11 @@ ActiveTerms active_terms(const PlantModel& model) {
 
 double friction_bound(const StepContext& s, const Motion& m, double v, Instant at) {
   const PlateMotion plate = plate_motion(s, m, v, at);
+  const double push = s.has.friction_under_push ? drive_push(s, m, at) : 0.0;
   double bound = 0.0;
   for_each_present(s.model.effects, [&]<class E>(const E& effect) {
     if constexpr (requires { &E::dry_friction; }) bound += effect.dry_friction(plate);
+    if constexpr (requires { &E::friction_under; }) bound += effect.friction_under(push);
   });
   for (const TissueLayer& layer : s.model.tissue)
     bound += layer.surface.dry_friction(plate) + layer.shaft.dry_friction(plate);

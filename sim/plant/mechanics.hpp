@@ -10,6 +10,8 @@ namespace biopsy::sim {
 // Groups of terms that a model has: an absent group costs one branch.
 struct ActiveTerms {
   bool dry_friction;  // can hold plate A
+  bool friction_under_push;
+  bool capacitance;   // that changes with the pouches' height
   bool pouch_offset;  // on top of the pouches
   bool load;          // of effects on plate A, besides the tissue's
   bool tissue_load;   // of effects

@@ -108,7 +108,9 @@ void commit(const PlantModel& model, const ActiveTerms& has, double mass, PlantS
             const Substep& substep) {
   const Baseline& b = model.baseline;
   const double target_before = has.sensor_filter ? target_position(model, state) : 0.0;
-  const CircuitState& circuit = substep.volts.after;
+  CircuitState circuit = substep.volts.after;
+  if (has.capacitance)  // the charge on the stack stays where its capacitance changes
+    circuit.u_o *= capacitance_ratio(model, state.motion.H) / capacitance_ratio(model, substep.after.H);
   state.charge += b.C1 * ((circuit.u_i - state.u_i) - (circuit.u_o - state.u_o));
   state.u_i = circuit.u_i;
   state.u_o = circuit.u_o;
@@ -128,6 +130,7 @@ void commit(const PlantModel& model, const ActiveTerms& has, double mass, PlantS
 }
 
 Substep substep_of(const StepContext& s, Circuit& circuit, double h, const Regime& regime) {
+  if (s.has.capacitance) circuit.set_capacitance(capacitance_ratio(s.model, s.state.motion.H));
   const VoltageProfile volts = circuit.over(s.model, circuit_state(s.state), h);
   return {h, volts, runge_kutta(s, s.state.motion, h, volts, regime)};
 }
@@ -194,9 +197,10 @@ void command(const PlantModel& model, bool instant, PlantState& state, double vo
   state.charge = 0.0;
   if (!instant) return;
   const double jump = state.u_command - state.u_i;
+  const double K = model.baseline.K / capacitance_ratio(model, state.motion.H);
   state.u_i = state.u_command;
-  state.u_o += model.baseline.K * jump;
-  state.charge = model.baseline.C1 * (1.0 - model.baseline.K) * jump;
+  state.u_o += K * jump;
+  state.charge = model.baseline.C1 * (1.0 - K) * jump;
 }
 
 // States of the effects as steady motion leaves them, the pouches having been changed by dH.
@@ -227,6 +231,7 @@ void set_state(const PlantModel& model, PlantState& state, double x, double v) {
     const double floor = std::max(b.H_0, pouch_offset(model, m, state.remembered, 0.0).floor);
     const double H = std::max(floor, m.H + (x - m.x) / b.n);
     dH = H - m.H;
+    state.u_o *= capacitance_ratio(model, m.H) / capacitance_ratio(model, H);
     m.H = H;
   }
   m.x = x;
@@ -289,9 +294,10 @@ double plate_b(const PlantModel& model, const PlantState& state) {
 
 double current(const PlantModel& model, const PlantState& state) {
   const Baseline& b = model.baseline;
+  const double ratio = capacitance_ratio(model, state.motion.H);
   const double rising =
-      (1.0 - b.K) * amplifier_slope(amplifier_dynamics(model.effects), state.u_i, state.u_command);
-  return b.C1 * (state.u_o / b.tau + rising);
+      (1.0 - b.K / ratio) * amplifier_slope(amplifier_dynamics(model.effects), state.u_i, state.u_command);
+  return b.C1 * (state.u_o / (b.tau * ratio) + rising);
 }
 
 int layers_entered(const PlantModel& model, const PlantState& state) {

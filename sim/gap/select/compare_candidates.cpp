@@ -278,7 +278,8 @@ bool is_effect(const Candidate& candidate, std::string_view name) {
 
 bool is_dry_friction(const Candidate& candidate) {
   return is_effect(candidate, CoulombFriction::info.name) ||
-         is_effect(candidate, StribeckFriction::info.name);
+         is_effect(candidate, StribeckFriction::info.name) ||
+         is_effect(candidate, LoadDependentFriction::info.name);
 }
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence) {

@@ -1,7 +1,9 @@
 #include "sim/gap/select/keep_simpler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "sim/gap/select/told_apart.hpp"
 
@@ -17,6 +19,12 @@ bool slides_at_more(const ScoredModel& scored) {
   return friction && friction->sliding >= friction->breakaway;
 }
 
+// Nothing shows bristles that slip before a reading resolves that they bend.
+bool bends_unseen(const ScoredModel& scored, const Evidence& evidence) {
+  const auto& friction = scored.hypothesis.model.effects.lugre_friction;
+  return friction && friction->steady(0.0) < evidence.noise * friction->stiffness;
+}
+
 }  // namespace
 
 void keep_simpler(Round& round, const Evidence& evidence) {
@@ -24,15 +32,19 @@ void keep_simpler(Round& round, const Evidence& evidence) {
     return std::ranges::find_if(
         round.fits, [&](const CandidateFit& t) { return t.fitted && is_effect(t.candidate, name); });
   };
-  const auto simple = find(CoulombFriction::info.name);
-  if (simple == round.fits.end()) return;
-  const bool leaves_much = std::sqrt(excess(simple->scored.square, evidence)) > kLittle * evidence.noise;
-  for (const std::string_view name : {StribeckFriction::info.name, HystereticSpring::info.name}) {
-    const auto rich = find(name);
-    if (rich == round.fits.end()) continue;
+  constexpr auto kCoulomb = CoulombFriction::info.name, kStribeck = StribeckFriction::info.name,
+                 kYields = HystereticSpring::info.name, kLugre = LugreFriction::info.name;
+  constexpr std::array kContained{std::pair{kCoulomb, kStribeck}, std::pair{kCoulomb, kYields},
+                                  std::pair{kCoulomb, kLugre}, std::pair{kStribeck, kLugre},
+                                  std::pair{kYields, kLugre}};
+  for (const auto& [contained, containing] : kContained) {
+    const auto simple = find(contained), rich = find(containing);
+    if (simple == round.fits.end() || rich == round.fits.end()) continue;
+    const bool leaves_much = std::sqrt(excess(simple->scored.square, evidence)) > kLittle * evidence.noise;
     const bool ahead = rich->log_evidence > simple->log_evidence + kBeyondDoubt ||
                        paired_evidence(rich->scored, simple->scored, evidence) > kBeyondDoubt;
-    if (slides_at_more(rich->scored) ? leaves_much && ahead : leaves_much || ahead) continue;
+    const bool shown = slides_at_more(rich->scored) ? leaves_much && ahead : leaves_much || ahead;
+    if (shown && !bends_unseen(rich->scored, evidence)) continue;
     rich->log_evidence = std::min(rich->log_evidence, simple->log_evidence - kBehind);
   }
 }

@@ -5,8 +5,10 @@
 
 namespace biopsy::sim::gap {
 
-// Stribeck friction and a hysteretic spring that yields at once contain Coulomb friction, so that they never
-// fit worse: where that leaves little, they must be better beyond doubt, or Coulomb friction is the name.
+// Stribeck friction, a hysteretic spring that yields at once and LuGre friction of stiff bristles contain
+// Coulomb friction, so that they never fit worse: where that leaves little, they must be better beyond doubt,
+// or Coulomb friction is the name. LuGre friction contains the other two as well, and gives way to them where
+// its bristles bend by less than a reading resolves.
 // Stribeck friction that needs more force to keep sliding than to break away is the opposite of its name: it
 // must be better beyond doubt where Coulomb friction leaves much.
 void keep_simpler(Round& round, const Evidence& evidence);

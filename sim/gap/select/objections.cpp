@@ -123,6 +123,15 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
           "it would yield at {:.2g} mm, less than one reading resolves ({:.2g} mm): dry friction, "
           "not a spring",
           1e3 * best.model.effects.hysteretic_spring->yield, 1e3 * evidence.noise));
+    if (is(term, LugreFriction::info.name)) {
+      const LugreFriction& friction = *best.model.effects.lugre_friction;
+      const double slips_at = friction.steady(0.0) / friction.stiffness;
+      if (slips_at < evidence.noise)
+        out.push_back(fmt::format(
+            "its bristles would slip at {:.2g} mm, less than one reading resolves ({:.2g} mm): dry friction "
+            "without them",
+            1e3 * slips_at, 1e3 * evidence.noise));
+    }
     if (is(term, TissueRelaxation::info.name) && best.model.effects.tissue_relaxation->time > longest)
       out.push_back(fmt::format(
           "its force would relax in {:.2g} s, longer than any run: an elastic stop without relaxation",
@@ -212,16 +221,19 @@ bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence&
   return apart < kSameShareOfLeft * least * static_cast<double>(a.residual.size());
 }
 
-// Its limit of no yield is dry friction.
 bool is_hysteretic(const Candidate& candidate) {
-  return candidate.effect != kBaseline &&
-         library_effect(candidate.effect).info.name == HystereticSpring::info.name;
+  return is_effect(candidate, HystereticSpring::info.name);
+}
+
+// Their limit of no yield, or of stiff bristles, is dry friction.
+bool contains_dry_friction(const Candidate& candidate) {
+  return is_hysteretic(candidate) || is_effect(candidate, LugreFriction::info.name);
 }
 
 // What leaves something must at least leave far less than any other candidate, unless that is the same by
 // another name: shaft friction that begins far above the needle is Coulomb friction. Of two that explain
-// most, either may be the wrong name; a hysteretic spring does not compete with the friction that it
-// contains.
+// most, either may be the wrong name; a hysteretic spring or LuGre friction does not compete with the
+// friction that it contains.
 void add_rival(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
   for (const SelectedTerm& term : selection.selected) {
     const auto own = std::ranges::find(term.comparison, term.candidate, &CandidateFit::candidate);
@@ -239,7 +251,7 @@ void add_rival(std::vector<std::string>& out, const Selection& selection, const 
       if (!(t.scored.square < kClearMargin * own->scored.square)) continue;
       const bool nested = is_dry_friction(term.candidate) &&
                           (is_dry_friction(t.candidate) ||
-                           (is_hysteretic(t.candidate) && t.scored.square > own->scored.square));
+                           (contains_dry_friction(t.candidate) && t.scored.square > own->scored.square));
       if (nested || same_prediction(t.scored, own->scored, evidence)) continue;
       out.push_back(fmt::format("{} leaves nearly as little as {}", t.candidate.name(selection.best.drive()),
                                 term.candidate.name(selection.best.drive())));

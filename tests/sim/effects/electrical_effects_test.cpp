@@ -157,5 +157,38 @@ TEST(PolarityAsymmetry, RipplesAtTheFrequencyOfTheReversals) {
   EXPECT_GT(std::abs(first), 5 * std::abs(second));
 }
 
+// Beside the charge between C1 and C2, integrated by itself: dQ/dt = u_o/R, u_o = (C1 u_i - Q)/(C1 + C2).
+TEST(ZippingCapacitance, KeepsTheChargeThatLeakageLeaves) {
+  for (const double lag : {0.0, 5e-3}) {
+    PlantModel model = with_effect(PlantModel{}, ZippingCapacitance{1000.0});
+    if (lag > 0.0) model.effects.amplifier_lag = AmplifierLag{.time = lag, .slew = 0.0};
+    model.baseline.tau = 0.8;
+    const Baseline& b = model.baseline;
+    const double flat = b.C1 / b.K, R = b.tau / flat;  // C1 + C2 of flat pouches, F; Ohm
+    PlantState state = at_rest(model);
+    double leaked = 0.0, moved = 0.0, ratio = 1.0, most = 1.0;
+    for (int k = 0; k < 12000; ++k) {
+      const PlantState before = state;
+      state = step(model, state, {.voltage = ramps_and_flips(k)}, Seconds(1e-3));
+      const double jump = lag > 0.0 ? 0.0 : b.K / ratio * (state.u_i - before.u_i);
+      leaked += 1e-3 * 0.5 * (before.u_o + jump + state.u_o) / R;
+      moved += state.charge;
+      ratio = 1.0 + 1000.0 * (state.motion.H - b.H_0);
+      most = std::max(most, ratio);
+      ASSERT_NEAR(state.u_o, (b.C1 * state.u_i - leaked) / (flat * ratio), 2.0) << lag << " s, " << k;
+    }
+    EXPECT_GT(most, 1.1);  // it did grow
+    EXPECT_NEAR(moved, b.C1 * (state.u_i - state.u_o), 1e-9 * std::abs(moved) + 1e-15);
+  }
+}
+
+TEST(ZippingCapacitance, LowersTheStackUnderTheSameVoltage) {
+  const PlantModel plain, grown = with_effect(PlantModel{}, ZippingCapacitance{300.0});
+  const double x = charged(plain, at_rest(plain), 3000.0, 500).motion.x;
+  const double lower = charged(grown, at_rest(grown), 3000.0, 500).motion.x;
+  EXPECT_LT(lower, 0.97 * x);
+  EXPECT_GT(lower, 0.5 * x);
+}
+
 }  // namespace
 }  // namespace biopsy::sim

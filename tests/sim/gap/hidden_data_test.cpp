@@ -26,15 +26,34 @@ HiddenCase brief(HiddenCase hidden) {
 }
 
 TEST(HiddenCases, CoverEveryEffectTwiceAndAllKinds) {
-  const std::set<std::string> library{"charge_retention",   "amplifier_lag",     "voltage_saturation",
-                                      "polarity_asymmetry", "voltage_threshold", "zipping_hysteresis",
-                                      "residual_set",       "pouch_creep",       "coulomb_friction",
-                                      "stribeck_friction",  "quadratic_damping", "spring_hardening",
-                                      "hysteretic_spring",  "backlash",          "end_stop",
-                                      "added_mass",         "external_force",    "periodic_disturbance",
-                                      "layer_puncture",     "shaft_friction",    "tissue_relaxation",
-                                      "sensor_lag",         "sensor_offset",     "sensor_scale",
-                                      "sensor_drift"};
+  const std::set<std::string> library{"charge_retention",
+                                      "amplifier_lag",
+                                      "voltage_saturation",
+                                      "polarity_asymmetry",
+                                      "voltage_threshold",
+                                      "zipping_hysteresis",
+                                      "residual_set",
+                                      "pouch_creep",
+                                      "coulomb_friction",
+                                      "stribeck_friction",
+                                      "quadratic_damping",
+                                      "spring_hardening",
+                                      "hysteretic_spring",
+                                      "backlash",
+                                      "end_stop",
+                                      "added_mass",
+                                      "external_force",
+                                      "periodic_disturbance",
+                                      "layer_puncture",
+                                      "shaft_friction",
+                                      "tissue_relaxation",
+                                      "sensor_lag",
+                                      "sensor_offset",
+                                      "sensor_scale",
+                                      "sensor_drift",
+                                      "zipping_capacitance",
+                                      "load_dependent_friction",
+                                      "lugre_friction"};
   std::map<std::string, std::set<double>> strengths;
   std::map<HiddenKind, int> kinds;
   std::set<std::string> names, outside, hundred;

@@ -54,6 +54,17 @@ constexpr CatalogueEntry kLibrary[] = {
     {"sensor_scale", 0.07, -0.12, [](P& p, double s) { p.gain_error = s; }, {{{"share"}}}},
     {"sensor_drift", 6e-6, 20e-6, [](P& p, double s) { p.drift = s; }, {{{"rate_um_per_s", 1e6}}}},
     {"voltage_threshold", 60, 180, [](P& p, double s) { p.dead_band = s; }, {{{"threshold_V"}}}},
+    {"zipping_capacitance",
+     400.0,
+     2000.0,
+     [](P& p, double s) { p.film_growth = s; },
+     {{{"growth_per_mm", 0.2e-3}}}},
+    {"load_dependent_friction", 0.05, 0.15, [](P& p, double s) { p.side_load = s; }, {{{"share"}}}},
+    {"lugre_friction",
+     0.020,
+     0.045,
+     [](P& p, double s) { p.friction = s, p.breakaway_ratio = 2.0, p.bristles = 60e-6; },
+     {{{"sliding_N"}}}},
 };
 
 // Why none of them is a library effect plus small parameters stands beside each.

@@ -6,7 +6,7 @@
 
 namespace biopsy::hidden {
 namespace {
-constexpr double kBend = 1.0e-6;  // m, bristles at sliding
+constexpr double kBend = 1.0e-6;  // m, bristles of shaft and side load at sliding
 constexpr double kShockSeconds = 6e-3;
 constexpr double kCollapseSeconds = 8e-3;
 constexpr double kCutting = 0.3;  // of the puncture force remains
@@ -76,12 +76,16 @@ double HiddenForces::shock(double t) {
   return shock_sign_ * p_.shock_force * std::sin(std::numbers::pi * (t - next_shock_) / kShockSeconds);
 }
 
-double HiddenForces::resisting(double t, double x, double v, double h) {
+double HiddenForces::resisting(double t, double x, double v, double drive, double h) {
   double force = p_.push + p_.drag * v * std::abs(v) + tissue(x, v, h);
   if (p_.friction > 0.0) {
     const double slow = v / p_.stribeck_speed;
     const double level = p_.friction * (1.0 + (p_.breakaway_ratio - 1.0) * std::exp(-slow * slow));
-    force += slider_.advance(v, level, p_.friction / kBend, mass_, h);
+    force += slider_.advance(v, level, p_.friction / p_.bristles, mass_, h);
+  }
+  if (p_.side_load > 0.0) {
+    const double level = p_.side_load * std::abs(drive);
+    force += side_.advance(v, level, level / kBend, mass_, h);
   }
   if (p_.wave_force > 0.0)
     force += p_.wave_force * std::sin(2.0 * std::numbers::pi * p_.wave_hz * t + phase_);

@@ -5,7 +5,7 @@
 
 namespace biopsy::hidden {
 
-// LuGre: bristles of about 1 um that break at the level g(v). Memory solved exactly for constant v.
+// LuGre: bristles that break at the level g(v). Memory solved exactly for constant v.
 class Bristle {
  public:
   // Force against v; `level` is the sliding friction now, `stiffness` of the bristle in N/m.
@@ -19,7 +19,8 @@ class HiddenForces {
  public:
   HiddenForces(const HiddenPhysics& physics, double mass, std::uint64_t seed);
 
-  double resisting(double t, double x, double v, double h);                   // N, downwards, on plate A
+  // N, downwards, on plate A, which the spring or the drive pushes with `drive` (N)
+  double resisting(double t, double x, double v, double drive, double h);
   double spring(double stiffness, double deflection, double rate, double h);  // N on top of k * deflection
 
  private:
@@ -29,7 +30,7 @@ class HiddenForces {
   HiddenPhysics p_;
   double mass_, phase_;
   Dice dice_;
-  Bristle slider_, shaft_;
+  Bristle slider_, side_, shaft_;
   double bouc_ = 0.0, maxwell_ = 0.0, collapse_ = 1.0;
   bool punctured_ = false;
   double next_shock_ = 0.0, shock_sign_ = 1.0;

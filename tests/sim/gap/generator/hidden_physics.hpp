@@ -27,12 +27,15 @@ struct HiddenPhysics {
   double saturation = 0, saturation_power = 24;     // V; soft knee u/(1+|u/L|^p)^(1/p)
   double asymmetry = 0;                             // relative pressure of positive over negative
   double dead_band = 0;                             // V that do not pull; a soft onset, 30 V wide
+  double film_growth = 0;  // 1/m of pouch height: growth of C2 over C2 of flat pouches
   // pouch
   double zip_radius = 0;                // m of one pouch; two plays, radius r and 2 r
   double set_share = 0, set_time = 25;  // of the peak, s
   double creep_share = 0;               // of the height, three decades of time
   // stage
-  double friction = 0, breakaway_ratio = 1;              // N; bristles of about 1 um
+  double friction = 0, breakaway_ratio = 1;              // N
+  double bristles = 1e-6;                                // m, bend before they slip
+  double side_load = 0;                                  // friction over the push of spring or drive
   double stribeck_speed = 3e-3;                          // m/s
   double drag = 0;                                       // N s2/m2
   double cubic = 0;                                      // N/m3 of deflection

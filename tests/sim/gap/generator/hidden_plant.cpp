@@ -90,7 +90,7 @@ struct Stage {
       flow = gap / oil_time(t, gap);
     }
     films.remember(equilibrium, h_mid, h);
-    pull = (spring - mass * b.g - b.c_s * v_mid - push - forces.resisting(t, x_mid, v_mid, h) +
+    pull = (spring - mass * b.g - b.c_s * v_mid - push - forces.resisting(t, x_mid, v_mid, spring, h) +
             (p.law ? p.law(x_mid, v_mid, volts) : 0.0)) /
            mass;
     v += h * pull;
@@ -126,6 +126,7 @@ Trace run_stage(const StageNumbers& numbers, const HiddenPhysics& physics, const
     for (int i = 0; i < pieces; ++i) {
       const double t = static_cast<double>(row) * program.period + (i + 0.5) * h;
       supply.advance(t, 0.5 * h);
+      supply.zip(stage.height - numbers.H_0);
       stage.advance(t, supply.pressure(), supply.voltage(), program.push[row], h);
       const double before = supply.charge_moved();
       supply.advance(t, 0.5 * h);
@@ -150,7 +151,7 @@ Trace run_mechanism(const MechanismNumbers& numbers, const HiddenPhysics& physic
       const double x_mid = x + 0.5 * h * v, v_mid = v + 0.5 * h * pull;
       const double spring = numbers.k * x_mid + forces.spring(numbers.k, x_mid, v_mid, h);
       pull = (program.input[row] - numbers.c_s * v_mid - spring - program.push[row] -
-              forces.resisting(t, x_mid, v_mid, h)) /
+              forces.resisting(t, x_mid, v_mid, program.input[row], h)) /
              mass;
       v += h * pull;
       x = x_mid + 0.5 * h * v;

@@ -24,7 +24,12 @@ double follow(double follower, double from, double to, double radius) {
 }
 
 HiddenSupply::HiddenSupply(const StageNumbers& numbers, const HiddenPhysics& physics, std::uint64_t seed)
-    : numbers_(numbers), p_(physics), dice_(seed ^ 0xE1EC), next_breakdown_(0.0) {
+    : numbers_(numbers),
+      p_(physics),
+      dice_(seed ^ 0xE1EC),
+      share_(numbers.K),
+      leak_(numbers.tau),
+      next_breakdown_(0.0) {
   next_breakdown_ = dice_.between(0.5, 4.0);
 }
 
@@ -34,24 +39,32 @@ double HiddenSupply::limited(double volts) const {
                           1.0 / p_.saturation_power);
 }
 
+void HiddenSupply::zip(double rise) {
+  if (p_.film_growth <= 0.0) return;
+  const double before = share_;
+  share_ = numbers_.K / (1.0 + (1.0 - numbers_.K) * p_.film_growth * rise);
+  leak_ = numbers_.tau * numbers_.K / share_;
+  output_ *= share_ / before;
+}
+
 void HiddenSupply::command(double volts) {
   wanted_ = limited(volts);
   if (p_.amplifier_time > 0.0) return;
-  const double jump = numbers_.K * (wanted_ - applied_);
+  const double jump = share_ * (wanted_ - applied_);
   heat_ += p_.heating > 0.0 ? jump * jump / kFullHeat / kHeatSeconds : 0.0;
   output_ += jump;
   applied_ = wanted_;
 }
 
 void HiddenSupply::advance(double t, double h) {
-  const double a = 0.5 * h / numbers_.tau;
+  const double a = 0.5 * h / leak_;
   double rise = 0.0;
   if (p_.amplifier_time > 0.0) {
     const double target = (wanted_ - applied_) / p_.amplifier_time;
     rise = h * p_.amplifier_slew * std::tanh(target / p_.amplifier_slew);
     applied_ += rise;
   }
-  output_ = ((1.0 - a) * output_ + numbers_.K * rise) / (1.0 + a);
+  output_ = ((1.0 - a) * output_ + share_ * rise) / (1.0 + a);
   if (p_.trap_capture > 0.0) trapped_ += h * (p_.trap_capture * output_ - p_.trap_release * trapped_);
   heat_ *= 1.0 - h / kHeatSeconds;
   if (p_.breakdown > 0.0 && t > next_breakdown_) {

@@ -12,10 +12,11 @@ namespace biopsy::hidden {
 class HiddenSupply {
  public:
   HiddenSupply(const StageNumbers& numbers, const HiddenPhysics& physics, std::uint64_t seed);
-  void command(double volts);                                                 // a new sample
-  void advance(double t, double h);                                           // between samples
-  double voltage() const { return output_; }                                  // V, on the stack
-  double pressure() const;                                                    // Pa
+  void command(double volts);                 // a new sample
+  void advance(double t, double h);           // between samples
+  void zip(double rise);                      // m: a pouch stands so much higher
+  double voltage() const { return output_; }  // V, on the stack
+  double pressure() const;                    // Pa
   double charge_moved() const { return numbers_.C1 * (applied_ - output_); }  // C, total since the start
 
  private:
@@ -24,6 +25,7 @@ class HiddenSupply {
   StageNumbers numbers_;
   HiddenPhysics p_;
   Dice dice_;
+  double share_, leak_;  // C1/(C1 + C2) and R (C1 + C2), as the films are zipped
   double wanted_ = 0.0, applied_ = 0.0, output_ = 0.0, trapped_ = 0.0, heat_ = 0.0, next_breakdown_ = 0.0;
 };
 
