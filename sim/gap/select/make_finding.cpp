@@ -90,6 +90,19 @@ FoundEffect describe(const SelectedTerm& term, const Hypothesis& best) {
   return out;
 }
 
+// Dry friction and a smaller constant force are the equation of friction that differs by direction.
+void say_friction_by_direction(std::vector<FoundEffect>& found, const Effects& effects) {
+  if (!effects.coulomb_friction || !effects.external_force) return;
+  const double friction = effects.coulomb_friction->force, force = effects.external_force->force;
+  if (std::abs(force) >= friction) return;
+  for (FoundEffect& effect : found)
+    if (effect.name == ExternalForce::info.name)
+      effect.sentence += fmt::format(
+          " With the Coulomb friction it is the same as dry friction of {:.3g} N while plate A rises and "
+          "{:.3g} N while it falls.",
+          friction + force, friction - force);
+}
+
 double given_value(const PlantModel& given, const Unknown& u) {  // SI
   if (u.effect != kBaseline) return library_effect(u.effect).get(given, u.parameter);
   return given.baseline.*(uncertain_baseline(given.baseline.drive)[u.parameter].member);
@@ -229,6 +242,7 @@ FoundGap make_finding(const PlantModel& given, const ScoredModel& before, const 
   if (f.verdict == GapVerdict::Effect)
     for (const SelectedTerm& term : selection.selected)
       if (term.is_effect()) f.effects.push_back(describe(term, best));
+  say_friction_by_direction(f.effects, best.model.effects);
   f.partial = f.verdict == GapVerdict::Effect && !is_whole(selection, evidence);
   if (f.verdict == GapVerdict::Unexplained) f.rejected = rejected_name(before, selection, evidence);
   for (FoundEffect& effect : f.effects)

@@ -30,6 +30,27 @@ TEST(Naming, DryFrictionIsNamedThoughMassAndDampingAreNotWhatTheModelSays) {
   EXPECT_FALSE(f.comparison.free.empty());
 }
 
+TEST(Naming, DryFrictionThatDiffersByDirectionIsSaidForEither) {
+  const GapFinding f = found({.grip = 0.15, .one_way = 0.06}, {}, 13);
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << f.rejected.effects.size();
+  ASSERT_EQ(f.effects.size(), 2U);
+  for (const FoundEffect& effect : f.effects) {
+    EXPECT_TRUE(effect.name == "coulomb_friction" || effect.name == "external_force") << effect.name;
+    if (effect.name == "external_force")
+      EXPECT_NE(effect.sentence.find("0.21 N while plate A rises and 0.09 N"), std::string::npos)
+          << effect.sentence;
+  }
+}
+
+TEST(Naming, FrictionThatGrowsWithThePushIsNoCoulombFriction) {
+  for (const double share : {0.04, 0.15}) {
+    const GapFinding f = found({.side_load = share}, {.damping_ratio = 0.17}, 31);
+    ASSERT_EQ(f.verdict, GapVerdict::Effect) << share;
+    EXPECT_EQ(f.effects.front().name, "load_dependent_friction");
+    EXPECT_NEAR(f.effects.front().parameters.front().value, share, 0.1 * share);
+  }
+}
+
 TEST(Naming, AStiffeningSpringIsNoTissueAndNoEndStop) {
   const GapFinding f = found({.stiffening = 4e3}, {}, 5);
   ASSERT_EQ(f.verdict, GapVerdict::Effect);

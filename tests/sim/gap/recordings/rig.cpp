@@ -1,5 +1,6 @@
 #include "tests/sim/gap/recordings/rig.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -40,12 +41,13 @@ std::vector<double> steps(double peak, Dice& dice) {
 std::vector<double> ridden(const Rig& rig, const std::vector<double>& force) {
   const double h = 1.0 / kRate / kSteps, w = kTwoPi * rig.hertz;
   double x = 0.0, v = 0.0, anchor = 0.0, t = 0.0;
+  const bool touches = rig.grip > 0.0 || rig.side_load > 0.0;
   const auto acceleration = [&](double push, double at, double speed) {
     const double contact = kContact * (at - anchor);
     const double off = (at - rig.rough_at) / kRoughWidth;
     const double drag = rig.rough * std::exp(-off * off) * speed;
     const double lost = rig.softens * (1.0 - std::exp(-t / rig.softens_in));
-    return (push - drag - contact * (rig.grip > 0.0)) / rig.mass - 2.0 * rig.damping_ratio * w * speed -
+    return (push - drag - contact * touches) / rig.mass - 2.0 * rig.damping_ratio * w * speed -
            w * w * at * (1.0 - lost + rig.lopsided * at + rig.stiffening * at * at);
   };
   std::vector<double> out;
@@ -54,8 +56,9 @@ std::vector<double> ridden(const Rig& rig, const std::vector<double>& force) {
     for (int i = 0; i < kSteps; ++i, t += h) {
       const double a = acceleration(push, x, v);
       x += h * (v + 0.5 * h * a);
-      const double reach = rig.grip / kContact;
-      if (std::abs(x - anchor) > reach) anchor = x - std::copysign(reach, x - anchor);
+      const double slides_at = rig.grip + rig.side_load * std::abs(push);
+      anchor = std::clamp(anchor, x - (slides_at + rig.one_way) / kContact,
+                          x + (slides_at - rig.one_way) / kContact);
       v += 0.5 * h * (a + acceleration(push, x, v + h * a));
     }
   }

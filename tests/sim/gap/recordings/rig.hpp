@@ -11,6 +11,8 @@ namespace biopsy::hidden {
 struct Rig {
   double mass = 0.4, hertz = 2.5, damping_ratio = 0.15;  // kg, Hz, -
   double grip = 0.0;                                     // N at which the contact slides
+  double one_way = 0.0;                                  // N by which that is more upward, less downward
+  double side_load = 0.0;                                // of the push, that adds to it
   double stiffening = 0.0;                               // 1/m^2, of the spring's stiffness with x^2
   double softens = 0.0, softens_in = 3.0;                // of its stiffness, lost in a run; s
   double lopsided = 0.0;                                 // 1/m, of the spring's stiffness with x
