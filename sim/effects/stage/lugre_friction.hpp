@@ -48,7 +48,7 @@ struct LugreFriction {
   void shift(double dx, State& own) const { own.x += dx; }
   Steepness steepest(const Reach&) const { return {.stiffness = stiffness, .damping = stiffness * damping}; }
   double cut_rate(const Outlook& now) const {  // plate A rings on bristles that hold it
-    return steady(0.0) > 0.0 ? 10.0 * std::sqrt(stiffness / now.mass) : 0.0;
+    return steady(0.0) > 0.0 ? 2.0 * std::sqrt(stiffness / now.mass) : 0.0;
   }
 
   static constexpr EffectInfo info{
@@ -68,7 +68,7 @@ struct LugreFriction {
                                    "friction that must be overcome from rest", Role::Strength},
                       Parameter<E>{"speed_mm_s", &E::speed, 1e-3, 0.001, 1e4, 1.0,
                                    "speed at which the excess has fallen to 1/e", Role::Shape},
-                      Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 1e-3, 1e6, 2.0,
+                      Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 1e-3, 1e6, 0.3,
                                    "of the bristles", Role::Shape},
                       Parameter<E>{"damping_ms", &E::damping, 1e-3, 1e-3, 100.0, 1.0,
                                    "of the bristles, over their stiffness", Role::Shape, kMayBeLeftOut}};

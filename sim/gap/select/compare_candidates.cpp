@@ -165,11 +165,15 @@ std::size_t near_the_best(const std::vector<CandidateFit>& fits, std::size_t cou
 }
 
 // Those that could still overtake the best: nearly to convergence on coarse rows, the first of them then on
-// fine ones, on which all are compared.
+// fine ones, on which all are compared. Bristles that bend unseen are the friction that they contain.
 void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, double known,
                     const Evidence& coarse, const Evidence& fine) {
+  const auto end = fits.begin() + static_cast<std::ptrdiff_t>(promising);
+  const auto seen_end = std::stable_partition(
+      fits.begin(), end, [&](const CandidateFit& t) { return !bends_unseen(t.scored, coarse); });
+  const auto seen = static_cast<std::size_t>(seen_end - fits.begin());
   const std::size_t most = is_exhausted(fine) ? kCloseFits : kFullFits;
-  const std::size_t open = near_the_best(fits, std::min(most, promising), known);
+  const std::size_t open = near_the_best(fits, std::min(most, seen), known);
   in_parallel(promising, [&](std::size_t i) {
     Hypothesis better = fits[i].scored.hypothesis;
     if (i < open) fit(better, coarse, kFullIterations, 1.0, kFullConverged);

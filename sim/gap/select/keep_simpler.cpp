@@ -19,13 +19,12 @@ bool slides_at_more(const ScoredModel& scored) {
   return friction && friction->sliding >= friction->breakaway;
 }
 
-// Nothing shows bristles that slip before a reading resolves that they bend.
+}  // namespace
+
 bool bends_unseen(const ScoredModel& scored, const Evidence& evidence) {
   const auto& friction = scored.hypothesis.model.effects.lugre_friction;
   return friction && friction->steady(0.0) < evidence.noise * friction->stiffness;
 }
-
-}  // namespace
 
 void keep_simpler(Round& round, const Evidence& evidence) {
   const auto find = [&](std::string_view name) {

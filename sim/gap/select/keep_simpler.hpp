@@ -5,6 +5,9 @@
 
 namespace biopsy::sim::gap {
 
+// LuGre friction whose bristles slip before a reading resolves that they bend: nothing shows them.
+bool bends_unseen(const ScoredModel& scored, const Evidence& evidence);
+
 // Stribeck friction, a hysteretic spring that yields at once and LuGre friction of stiff bristles contain
 // Coulomb friction, so that they never fit worse: where that leaves little, they must be better beyond doubt,
 // or Coulomb friction is the name. LuGre friction contains the other two as well, and gives way to them where

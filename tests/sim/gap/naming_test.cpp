@@ -34,12 +34,17 @@ TEST(Naming, DryFrictionThatDiffersByDirectionIsSaidForEither) {
   const GapFinding f = found({.grip = 0.15, .one_way = 0.06}, {}, 13);
   ASSERT_EQ(f.verdict, GapVerdict::Effect) << f.rejected.effects.size();
   ASSERT_EQ(f.effects.size(), 2U);
+  double friction = 0.0, force = 0.0;
   for (const FoundEffect& effect : f.effects) {
-    EXPECT_TRUE(effect.name == "coulomb_friction" || effect.name == "external_force") << effect.name;
-    if (effect.name == "external_force")
-      EXPECT_NE(effect.sentence.find("0.21 N while plate A rises and 0.09 N"), std::string::npos)
-          << effect.sentence;
+    const double value = effect.parameters.front().value;
+    if (effect.name == "coulomb_friction") friction = value;
+    if (effect.name != "external_force") continue;
+    force = value;
+    EXPECT_NE(effect.sentence.find("0.21 N while plate A rises and 0.0"), std::string::npos)
+        << effect.sentence;
   }
+  EXPECT_NEAR(friction + force, 0.21, 0.004);
+  EXPECT_NEAR(friction - force, 0.09, 0.004);
 }
 
 TEST(Naming, FrictionThatGrowsWithThePushIsNoCoulombFriction) {
