@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "robot/common/statistics.hpp"
 #include "robot/common/text/number_text.hpp"
@@ -138,8 +139,11 @@ std::string_view badge_label(GapVerdict verdict) {
 std::string readable_name(std::string_view name) {
   std::string text(name);
   std::replace(text.begin(), text.end(), '_', ' ');
-  for (const std::string_view proper : {"coulomb", "stribeck"})
-    if (text.starts_with(proper)) text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  using Spelling = std::pair<std::string_view, std::string_view>;
+  constexpr std::array kSpellings{Spelling{"coulomb", "Coulomb"}, Spelling{"stribeck", "Stribeck"},
+                                  Spelling{"lugre", "LuGre"}, Spelling{"load dependent", "load-dependent"}};
+  for (const auto& [plain, proper] : kSpellings)
+    if (text.starts_with(plain)) text.replace(0, plain.size(), proper);
   return text;
 }
 

@@ -215,6 +215,8 @@ TEST(LineDiff, KeepsBothTextsAndAsManyCommonLinesAsThereAre) {
 
 TEST(GapWords, NamesAreWordsForPeople) {
   EXPECT_EQ(readable_name("coulomb_friction"), "Coulomb friction");
+  EXPECT_EQ(readable_name("lugre_friction"), "LuGre friction");
+  EXPECT_EQ(readable_name("load_dependent_friction"), "load-dependent friction");
   EXPECT_EQ(regime_label("after_reversal"), "after a polarity reversal");
   EXPECT_EQ(regime_label("run:ramp_50g"), "in run ramp_50g");
   EXPECT_EQ(regime_label("after_a_hiccup"), "after a hiccup");  // unknown ones still read
