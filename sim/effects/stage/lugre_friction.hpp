@@ -10,8 +10,8 @@ namespace biopsy::sim {
 
 // LuGre friction: bristles between plate A and its guide bend elastically before they slip, and slip more
 // easily the faster they do. The model's c_s is its viscous part. Without breakaway it is Dahl's friction.
-// Over a way without reversal their equation is solved exactly, so that bristles of any stiffness need no
-// shorter step.
+// Between reversals their equation is solved in closed form for the speed of the moment, so that bristles of
+// any stiffness follow without a shorter step.
 struct LugreFriction {
   double sliding = 0.0;    // N
   double breakaway = 0.0;  // N; counts where it is above `sliding`
@@ -30,8 +30,8 @@ struct LugreFriction {
   };
   // Of the bristles, plate A having moved to x with a speed of about v.
   double bend(double x, double v, const State& own) const {
-    const double way = x - own.x, most = std::copysign(steady(v) / stiffness, way);
-    return most == 0.0 ? 0.0 : most + (own.bend - most) * std::exp(-way / most);
+    const double moved = x - own.x, most = std::copysign(steady(v) / stiffness, moved);
+    return most == 0.0 ? 0.0 : most + (own.bend - most) * std::exp(-moved / most);
   }
   double load(const PlateMotion& a, const State& own) const {
     const double g = steady(a.v);

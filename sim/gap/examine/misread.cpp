@@ -155,8 +155,27 @@ std::vector<double> shifted(const Motions& motion, double shift) {
   return out;
 }
 
-// Delay of the measured motion against the model's, s; 0 where none explains the misfit.
-double time_offset(const Motions& motion) {
+// What a filter of that time constant (s) reads of the predicted motion.
+std::vector<double> filtered(const Motions& motion, double lag) {
+  std::vector<double> out;
+  double y = motion.predicted.front();
+  for (std::size_t i = 0; i < motion.time.size(); ++i) {
+    const double h = i > 0 ? motion.time[i] - motion.time[i - 1] : 0.0;
+    out.push_back(y += (motion.predicted[i] - y) * -std::expm1(-h / lag));
+  }
+  return out;
+}
+
+double least_misfit_of_a_filter(const Motions& motion) {
+  double least = motion.misfit;
+  for (double lag = 0.1; lag < 2.0 * kLongestShift; lag *= 1.15)
+    least = std::min(least, misfit(filtered(motion, lag), motion.measured));
+  return least;
+}
+
+// Delay of the measured motion against the model's, s; 0 where none explains the misfit, or a filter of the
+// reading, which leaves `by_filter`, explains a late one better.
+double time_offset(const Motions& motion, double by_filter) {
   const double fine = std::max(motion.time[1] - motion.time[0], 1e-3);
   double best = 0.0, least = motion.misfit;
   const auto look = [&](double from, double to, double step) {
@@ -167,7 +186,8 @@ double time_offset(const Motions& motion) {
   look(-kLongestShift, kLongestShift, 10.0 * fine);
   look(best - 10.0 * fine, best + 10.0 * fine, fine);
   const bool strange = best > kLate || best < -std::max(kEarly, 2.0 * fine);
-  return strange && least < kExplains * motion.misfit ? best : 0.0;
+  if (!strange || least >= kExplains * motion.misfit) return 0.0;
+  return best > 0.0 && by_filter < least ? 0.0 : best;
 }
 
 struct Looked {
@@ -183,6 +203,7 @@ Looked look_at(const RecordedRun& recorded, const PlantModel& model, double nois
   const Motions as_given = motions(run, model, noise);
   Looked out{.before = as_given.misfit, .after = as_given.misfit};
   if (as_given.misfit * as_given.size < kVisible * noise) return out;
+  const double by_filter = least_misfit_of_a_filter(as_given);  // an effect of the sensor, not of the clock
   for (const Reading& reading : all) {
     if (as_given.misfit < kMisses) break;
     RecordedRun other = recorded;
@@ -191,11 +212,12 @@ Looked look_at(const RecordedRun& recorded, const PlantModel& model, double nois
     if (rate < 1.0 || rate > 1e6) continue;
     const Motions meant = motions(beginning(std::move(other)), model, noise);
     if (!(meant.misfit < kExplains * as_given.misfit)) continue;
+    if (reading.channel == "time_s" && by_filter < meant.misfit) continue;
     out.meant[&reading] = meant.misfit;
     if (meant.misfit < out.after) out.after = meant.misfit, out.reading = &reading;
   }
   if (out.reading == nullptr && model.baseline.k > 0.0 && run.time.size() > 2)
-    out.offset = time_offset(as_given);
+    out.offset = time_offset(as_given, by_filter);
   return out;
 }
 

@@ -255,6 +255,26 @@ TEST(DamagedRecording, IsNotSearchedAndKeepsTheModel) {
   EXPECT_EQ(found.finding.data[0].cause, "constant");
 }
 
+// A heavy filter of the reading delays it as well: an effect of the sensor, and no clock.
+TEST(DamagedRecording, AHeavilyFilteredReadingHasNoWrongClock) {
+  const Rig heavy{.hertz = 0.4, .damping_ratio = 0.6};
+  for (const double time : {0.25, 0.4, 0.8}) {
+    Dataset data = rig_recording(heavy, 0.0, 29);
+    Dice dice(31);
+    for (RecordedRun& run : data.runs) {
+      double y = 0.0;
+      for (double& x : run.displacement) x = (y += (x - y) * run.period / time) + kNoise * dice.normal();
+    }
+    data.sensor_noise = kNoise;
+    const GapFinding finding =
+        sim::gap::find_gap(data, sim::parse_model(rig_model(heavy), "rig.toml"), {}).finding;
+    EXPECT_TRUE(finding.data.empty()) << time << "\n" << listed(finding.data);
+    ASSERT_EQ(finding.effects.size(), 1U) << time;
+    EXPECT_EQ(finding.effects[0].name, "sensor_lag");
+    EXPECT_NEAR(finding.effects[0].parameters[0].value, 1e3 * time, 0.05e3 * time);
+  }
+}
+
 // No effect of the library, and nothing that is outside it, looks like a damaged recording.
 TEST(UndamagedRecording, WithAnyHiddenEffectIsNotBlocked) {
   std::vector<std::string> blocked;
