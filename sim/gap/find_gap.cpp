@@ -109,7 +109,8 @@ bool friction_dominated(const Selection& selection) {
   if (selection.selected.empty()) return false;
   const SelectedTerm& first = selection.selected.front();
   return std::any_of(first.comparison.begin(), first.comparison.end(), [&](const CandidateFit& t) {
-    return is_dry_friction(t.candidate) && (t.candidate == first.candidate || t.indistinguishable);
+    const bool dry = is_dry_friction(t.candidate) || is_effect(t.candidate, LoadDependentFriction::info.name);
+    return dry && (t.candidate == first.candidate || t.indistinguishable);
   });
 }
 

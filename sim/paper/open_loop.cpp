@@ -80,6 +80,12 @@ void halve_guide(PlantModel& stage) {
     dry->breakaway *= 0.5;
   }
   if (auto& spring = stage.effects.hysteretic_spring) spring->stiffness *= 0.5;
+  if (auto& loaded = stage.effects.load_dependent_friction) loaded->share *= 0.5;
+  if (auto& bristles = stage.effects.lugre_friction) {
+    bristles->sliding *= 0.5;
+    bristles->breakaway *= 0.5;
+    bristles->stiffness *= 0.5;
+  }
 }
 
 }  // namespace
@@ -98,6 +104,9 @@ double guide_friction(const PlantModel& stage) {
   if (e.coulomb_friction) force += e.coulomb_friction->force;
   if (e.stribeck_friction) force += e.stribeck_friction->breakaway;
   if (const auto& spring = e.hysteretic_spring) force += (1.0 - spring->across) * spring->pull(spring->yield);
+  if (e.lugre_friction) force += e.lugre_friction->steady(0.0);
+  if (e.load_dependent_friction)
+    force += e.load_dependent_friction->share * stage.mass_A() * stage.baseline.g;
   return force;
 }
 

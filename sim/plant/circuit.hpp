@@ -1,5 +1,5 @@
-// Voltages: eq. (2) and the effects on voltage, solved exactly over any length of time at a constant command.
-// Independent of the mechanics.
+// Voltages: eq. (2) and the effects on voltage, solved exactly over any length of time at a constant command
+// and a constant capacitance, which alone depends on the mechanics.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,6 @@
 // The plant: voltage in, motion out. step() is a function of its arguments and nothing else.
-// Electrical part exact; mechanics by third-order Runge-Kutta with stick and slip located inside a step.
+// Electrical part exact while the pouches keep their capacitance; mechanics by third-order Runge-Kutta with
+// stick and slip located inside a step.
 #pragma once
 
 #include <array>
@@ -49,7 +50,7 @@ PlantState at_rest(const PlantModel& model);
 
 // Puts plate A at x (m) with speed v (m/s), in the middle of a run or at its beginning. Plate B moves along,
 // as far as the pouches can, so that the spring keeps its stretch; sensor and play are as steady motion
-// leaves them. The rest of the state (voltages, time, creep, set, tissue cut open) stays.
+// leaves them. The rest of the state (charge, time, creep, set, tissue cut open) stays.
 void set_state(const PlantModel& model, PlantState& state, double x, double v);
 
 // Moves the origin of x by dx (m): every position grows by it.
@@ -64,7 +65,7 @@ double displacement_reading(const PlantModel& model, const PlantState& state);
 // Plate B, x_B = n (H - H_0 + what effects add to each pouch). m
 double plate_b(const PlantModel& model, const PlantState& state);
 
-// Amplifier's current between two samples, i = C1 d(u_i - u_o)/dt. A
+// Amplifier's current between two samples, i = C1 d(u_i - u_o)/dt, with pouches that stand still. A
 double current(const PlantModel& model, const PlantState& state);
 
 // Upper estimate of how fast anything within the mechanics moves or fades, plate A staying within x_reach (m)

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kMisses = 0.3;     // misfit from which a run may be misread
 constexpr double kExplains = 0.35;  // of that misfit is left by the right reading
+constexpr double kClearly = 0.5;    // of what a clock leaves is left by a filter, where it is one
 constexpr double kLongest = 20.0;   // s of a run that are looked at
 constexpr std::size_t kFewestRows = 200;
 constexpr double kBallistic = 0.5;         // s, windows of a mechanism without a spring
@@ -174,7 +175,7 @@ double least_misfit_of_a_filter(const Motions& motion) {
 }
 
 // Delay of the measured motion against the model's, s; 0 where none explains the misfit, or a filter of the
-// reading, which leaves `by_filter`, explains a late one better.
+// reading, which leaves `by_filter`, explains a late one far better.
 double time_offset(const Motions& motion, double by_filter) {
   const double fine = std::max(motion.time[1] - motion.time[0], 1e-3);
   double best = 0.0, least = motion.misfit;
@@ -187,7 +188,7 @@ double time_offset(const Motions& motion, double by_filter) {
   look(best - 10.0 * fine, best + 10.0 * fine, fine);
   const bool strange = best > kLate || best < -std::max(kEarly, 2.0 * fine);
   if (!strange || least >= kExplains * motion.misfit) return 0.0;
-  return best > 0.0 && by_filter < least ? 0.0 : best;
+  return best > 0.0 && by_filter < kClearly * least ? 0.0 : best;
 }
 
 struct Looked {
@@ -212,7 +213,7 @@ Looked look_at(const RecordedRun& recorded, const PlantModel& model, double nois
     if (rate < 1.0 || rate > 1e6) continue;
     const Motions meant = motions(beginning(std::move(other)), model, noise);
     if (!(meant.misfit < kExplains * as_given.misfit)) continue;
-    if (reading.channel == "time_s" && by_filter < meant.misfit) continue;
+    if (reading.channel == "time_s" && by_filter < kClearly * meant.misfit) continue;
     out.meant[&reading] = meant.misfit;
     if (meant.misfit < out.after) out.after = meant.misfit, out.reading = &reading;
   }

@@ -60,8 +60,8 @@ double best_phase(PlantModel model, const Evidence& evidence, const EvidenceRun&
 
 }  // namespace
 
-// For everything but an end stop, where step() cuts its steps itself. A mechanism's stiffness is that over
-// its measured range.
+// For everything but an end stop, where step() cuts its steps itself. Bristles are cut no finer than this. A
+// mechanism's stiffness is that over its measured range.
 double integrator_step(PlantModel model, const Evidence& evidence) {
   model.effects.end_stop.reset();
   const double rate = model.baseline.drive == Drive::Stack

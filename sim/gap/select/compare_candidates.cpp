@@ -170,7 +170,7 @@ void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, doub
                     const Evidence& coarse, const Evidence& fine) {
   const auto end = fits.begin() + static_cast<std::ptrdiff_t>(promising);
   const auto seen_end = std::stable_partition(
-      fits.begin(), end, [&](const CandidateFit& t) { return !bends_unseen(t.scored, coarse); });
+      fits.begin(), end, [&](const CandidateFit& t) { return !bends_unseen(t, coarse); });
   const auto seen = static_cast<std::size_t>(seen_end - fits.begin());
   const std::size_t most = is_exhausted(fine) ? kCloseFits : kFullFits;
   const std::size_t open = near_the_best(fits, std::min(most, seen), known);
@@ -282,8 +282,7 @@ bool is_effect(const Candidate& candidate, std::string_view name) {
 
 bool is_dry_friction(const Candidate& candidate) {
   return is_effect(candidate, CoulombFriction::info.name) ||
-         is_effect(candidate, StribeckFriction::info.name) ||
-         is_effect(candidate, LoadDependentFriction::info.name);
+         is_effect(candidate, StribeckFriction::info.name);
 }
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence) {

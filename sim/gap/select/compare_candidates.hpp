@@ -46,7 +46,7 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
 // The effect of the library with that name.
 bool is_effect(const Candidate& candidate, std::string_view name);
 
-// Coulomb, Stribeck or load-dependent friction between plate A and its guide.
+// Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);
 
 // Number of independent errors in the held-out runs: one per window where runs are cut into windows,

@@ -12,6 +12,7 @@
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
+#include "sim/gap/select/keep_simpler.hpp"
 #include "sim/gap/select/verdict.hpp"
 
 namespace biopsy::sim::gap {
@@ -250,7 +251,7 @@ void add_rival(std::vector<std::string>& out, const Selection& selection, const 
       }
       if (!(t.scored.square < kClearMargin * own->scored.square)) continue;
       const bool nested = is_dry_friction(term.candidate) &&
-                          (is_dry_friction(t.candidate) ||
+                          (is_dry_friction(t.candidate) || bends_unseen(t, evidence) ||
                            (contains_dry_friction(t.candidate) && t.scored.square > own->scored.square));
       if (nested || same_prediction(t.scored, own->scored, evidence)) continue;
       out.push_back(fmt::format("{} leaves nearly as little as {}", t.candidate.name(selection.best.drive()),

@@ -94,9 +94,12 @@ PlantModel plant_of(const PlantModel& known, const StackDesign& design) {
   b.K = b.C1 / (b.C1 + C2);
   b.tau = R * (b.C1 + C2);
   Effects& e = plant.effects;
+  if (e.zipping_capacitance) e.zipping_capacitance->growth *= (1.0 - b.K) / (1.0 - old.K);  // of C2 alone
   e.zipping_hysteresis.reset();
   e.coulomb_friction.reset();
   e.stribeck_friction.reset();
+  e.lugre_friction.reset();
+  e.load_dependent_friction.reset();
   e.hysteretic_spring.reset();
   e.sensor_noise.reset();
   e.sensor_drift.reset();

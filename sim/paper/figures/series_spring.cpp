@@ -25,6 +25,8 @@ PlantModel without_friction(PlantModel stage) {
   stage.effects.hysteretic_spring.reset();
   stage.effects.coulomb_friction.reset();
   stage.effects.stribeck_friction.reset();
+  stage.effects.lugre_friction.reset();
+  stage.effects.load_dependent_friction.reset();
   return stage;
 }
 

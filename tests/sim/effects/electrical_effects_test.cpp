@@ -182,6 +182,16 @@ TEST(ZippingCapacitance, KeepsTheChargeThatLeakageLeaves) {
   }
 }
 
+TEST(ZippingCapacitance, KeepsTheChargeWherePlateAIsPut) {
+  const PlantModel model = with_effect(PlantModel{}, ZippingCapacitance{1000.0});
+  PlantState state = charged(model, at_rest(model), 3000.0, 300);
+  const auto charge = [&] { return state.u_o * (1.0 + 1000.0 * (state.motion.H - model.baseline.H_0)); };
+  const double before = charge(), H = state.motion.H;
+  set_state(model, state, state.motion.x - 1e-3, 0.0);
+  EXPECT_LT(state.motion.H, H);
+  EXPECT_NEAR(charge(), before, 1e-9 * before);
+}
+
 TEST(ZippingCapacitance, LowersTheStackUnderTheSameVoltage) {
   const PlantModel plain, grown = with_effect(PlantModel{}, ZippingCapacitance{300.0});
   const double x = charged(plain, at_rest(plain), 3000.0, 500).motion.x;

@@ -65,41 +65,83 @@ TEST(LugreFriction, SlidesAtTheFrictionOfItsSpeed) {
   EXPECT_NEAR(0.25, 20.0 * state.motion.v + friction.steady(state.motion.v), 1e-6);
 }
 
-// A mass on a soft spring whose far end is pulled: it sticks and slips.
+// The published equation in steps of a microsecond: x of a mass on a spring after each millisecond of
+// force(s).
+template <class Force>
+double worst_beside_microseconds(const LugreFriction& friction, double spring, double damping,
+                                 int milliseconds, const Force& force) {
+  constexpr double h = 1e-6, kMass = 0.080;
+  PlantModel model = with_effect(bare_mass(damping, spring), friction);
+  model.internal_step = 0.1e-3;
+  PlantState state = at_rest(model);
+  double x = 0.0, v = 0.0, z = 0.0, worst = 0.0;
+  for (int ms = 0; ms < milliseconds; ++ms) {
+    state = pushed(model, state, force(1e-3 * ms), 1);
+    for (int i = 0; i < 1000; ++i) {
+      const double fading = std::exp(-std::pow(v / friction.speed, 2));
+      const double g = friction.sliding + (friction.breakaway - friction.sliding) * fading;
+      const double bending = v - friction.stiffness * std::abs(v) / g * z;
+      z += h * bending;
+      v += h *
+           (force(1e-3 * ms) - spring * x - damping * v -
+            friction.stiffness * (z + friction.damping * fading * bending)) /
+           kMass;
+      x += h * v;
+    }
+    worst = std::max(worst, std::abs(state.motion.x - x));
+  }
+  return worst;
+}
+
+// A spring whose far end is pulled: the mass sticks and slips.
 TEST(LugreFriction, SticksAndSlipsAsItsEquationIntegratedInMicroseconds) {
   const LugreFriction friction{
       .sliding = 0.10, .breakaway = 0.20, .speed = 2e-3, .stiffness = 5e3, .damping = 0.5e-3};
-  constexpr double kSpring = 100.0, kDamping = 0.4, kPull = 2e-3, kMass = 0.080;
-  PlantModel model = with_effect(bare_mass(kDamping, kSpring), friction);
-  model.internal_step = 0.1e-3;
-  PlantState state = at_rest(model);
-  double x = 0.0, v = 0.0, z = 0.0, worst = 0.0, fastest = 0.0;
-  for (int ms = 0; ms < 3000; ++ms) {
-    const double force = kSpring * kPull * ms * 1e-3;
-    state = pushed(model, state, force, 1);
-    for (int i = 0; i < 1000; ++i) {
-      const double ratio = v / friction.speed;
-      const double g = 0.10 + 0.10 * std::exp(-ratio * ratio);
-      const double bending = v - 5e3 * std::abs(v) / g * z;
-      z += 1e-6 * bending;
-      v += 1e-6 * (force - kSpring * x - kDamping * v - 5e3 * z - 2.5 * bending) / kMass;
-      x += 1e-6 * v;
-    }
-    worst = std::max(worst, std::abs(state.motion.x - x));
-    fastest = std::max(fastest, v);
-  }
-  EXPECT_GT(fastest, 3.0 * kPull);  // it did slip
-  EXPECT_LT(worst, 20e-6);
+  EXPECT_LT(worst_beside_microseconds(friction, 100.0, 0.4, 3000, [](double t) { return 0.2 * t; }), 20e-6);
 }
 
-TEST(LugreFriction, StaysBoundedWithBristlesFarStifferThanAStepResolves) {
-  const LugreFriction friction{.sliding = 0.05, .breakaway = 0.06, .speed = 1e-3, .stiffness = 1e7};
-  const PlantModel model = with_effect(bare_mass(), friction);
+TEST(LugreFriction, MayVanishWithSpeed) {
+  const LugreFriction friction{
+      .sliding = 1e-4, .breakaway = 0.08, .speed = 1e-3, .stiffness = 300.0, .damping = 1e-3};
+  const auto sine = [](double t) { return 0.3 * std::sin(6.0 * t); };
+  EXPECT_LT(worst_beside_microseconds(friction, 140.0, 0.6, 3000, sine), 60e-6);
+  PlantModel model = with_effect(bare_mass(0.6, 140.0),
+                                 LugreFriction{.breakaway = 0.05, .stiffness = 300.0, .damping = 1e-3});
   PlantState state = at_rest(model);
-  for (int k = 0; k < 2000; ++k) {
-    state = pushed(model, state, k % 400 < 200 ? 0.5 : -0.5, 1);
-    ASSERT_LE(std::abs(state_of<LugreFriction>(state).bend), 0.06 / 1e7 * (1 + 1e-12));
-    ASSERT_LT(std::abs(state.motion.v), 2.0);
+  for (int ms = 0; ms < 3000; ++ms) {
+    state = pushed(model, state, sine(1e-3 * ms), 1);
+    ASSERT_LT(std::abs(state.motion.x), 20e-3);
+  }
+}
+
+// Far stiffer than a step resolves, it holds plate A for up to two of its steps longer.
+TEST(LugreFriction, OfStiffBristlesIsCoulombFriction) {
+  const PlantModel dry = with_effect(bare_mass(2.0, 140.0), CoulombFriction{0.05});
+  for (const double stiffness : {3e5, 1e6, 1e7})
+    for (const double damping : {0.0, 1e-3, 3e-3}) {
+      const PlantModel model = with_effect(
+          bare_mass(2.0, 140.0),
+          LugreFriction{
+              .sliding = 0.05, .breakaway = 0.05, .speed = 1e-3, .stiffness = stiffness, .damping = damping});
+      PlantState bristles = at_rest(model), plain = at_rest(dry);
+      for (int k = 0; k < 4000; ++k) {
+        const double force = k % 800 < 400 ? 0.5 : -0.2;
+        bristles = pushed(model, bristles, force, 1);
+        plain = pushed(dry, plain, force, 1);
+        ASSERT_NEAR(bristles.motion.x, plain.motion.x, 0.2e-3) << stiffness << ", " << damping << ", " << k;
+      }
+    }
+}
+
+TEST(LugreFriction, MovesWithTheOrigin) {
+  const PlantModel model =
+      with_effect(bare_mass(0.6, 0.0), LugreFriction{.sliding = 0.05, .breakaway = 0.08, .stiffness = 500.0});
+  PlantState here = pushed(model, at_rest(model), 0.06, 30), there = here;
+  shift(model, there, 5e-3);
+  for (const double force : {0.1, -0.1}) {
+    here = pushed(model, here, force, 50);
+    there = pushed(model, there, force, 50);
+    EXPECT_NEAR(there.motion.x - here.motion.x, 5e-3, 1e-12);
   }
 }
 
