@@ -7,7 +7,7 @@
 namespace biopsy {
 namespace {
 
-constexpr std::size_t kMostNames = 3;
+constexpr std::size_t kMostNames = 3, kMostWithTheWord = 6;
 
 std::string_view without_dashes(std::string_view name) {
   return name.substr(std::min(name.find_first_not_of('-'), name.size()));
@@ -34,16 +34,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::vector<std::string> closest_names(const std::string& typed, const std::vector<std::string>& known) {
   const std::string_view word = without_dashes(typed);
   std::vector<std::pair<std::size_t, std::string>> close;
+  std::size_t with_the_word = 0;
   for (const std::string& full_name : known) {
     const std::string_view name = without_dashes(full_name);
     const std::size_t distance = edit_distance(word, name);
     const bool is_part = word.size() >= 3 && name.find(word) != std::string_view::npos;
+    with_the_word += is_part ? 1 : 0;
     if (is_part || (distance <= std::max<std::size_t>(2, name.size() / 4) && distance < name.size()))
       close.emplace_back(distance, full_name);
   }
   std::stable_sort(close.begin(), close.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  close.resize(std::min(close.size(), kMostNames));
+  close.resize(std::min({close.size(), std::max(kMostNames, with_the_word), kMostWithTheWord}));
   std::vector<std::string> names;
   for (auto& [distance, name] : close) names.push_back(std::move(name));
   return names;

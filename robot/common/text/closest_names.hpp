@@ -11,7 +11,7 @@ namespace biopsy {
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 // The closest first: within two edits (a quarter of a longer name), or holding three letters or more that
-// were typed. Leading dashes do not count. At most three.
+// were typed. Leading dashes do not count. At most three, or six that hold what was typed.
 std::vector<std::string> closest_names(const std::string& typed, const std::vector<std::string>& known);
 
 }  // namespace biopsy

@@ -54,7 +54,8 @@ TEST(EffectsCommand, AnUnknownNameIsRefusedWithThoseThatAreClose) {
     EXPECT_NE(answer.text.find("to do: "), std::string::npos) << answer.text;
   }
   EXPECT_NE(typing.text.find("close: coulomb_friction;"), std::string::npos) << typing.text;
-  for (const char* name : {"coulomb_friction", "stribeck_friction", "shaft_friction"})
+  for (const char* name : {"coulomb_friction", "stribeck_friction", "shaft_friction", "lugre_friction",
+                           "load_dependent_friction"})
     EXPECT_NE(part.text.find(name), std::string::npos) << part.text;
   EXPECT_EQ(nothing.text.find("close"), std::string::npos) << nothing.text;
 }
