@@ -25,7 +25,7 @@ bool slides_at_more(const CandidateFit& fit) {
 bool bends_unseen(const CandidateFit& fit, const Evidence& evidence) {
   if (!fit.fitted || !is_effect(fit.candidate, LugreFriction::info.name)) return false;
   const LugreFriction& friction = *fit.scored.hypothesis.model.effects.lugre_friction;
-  return friction.steady(0.0) < evidence.noise * friction.stiffness;
+  return friction.steady(0.0) < kBendSeen * evidence.noise * friction.stiffness;
 }
 
 void keep_simpler(Round& round, const Evidence& evidence) {

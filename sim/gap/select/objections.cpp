@@ -127,10 +127,10 @@ void add_contradictions(std::vector<std::string>& out, const Selection& selectio
     if (is(term, LugreFriction::info.name)) {
       const LugreFriction& friction = *best.model.effects.lugre_friction;
       const double slips_at = friction.steady(0.0) / friction.stiffness;
-      if (slips_at < evidence.noise)
+      if (slips_at < kBendSeen * evidence.noise)
         out.push_back(fmt::format(
-            "its bristles would slip at {:.2g} mm, less than one reading resolves ({:.2g} mm): dry friction "
-            "without them",
+            "its bristles would slip at {:.2g} mm, too little to be seen with a noise of {:.2g} mm: "
+            "dry friction without them",
             1e3 * slips_at, 1e3 * evidence.noise));
     }
     if (is(term, TissueRelaxation::info.name) && best.model.effects.tissue_relaxation->time > longest)

@@ -75,6 +75,21 @@ TEST(Naming, AStiffeningSpringIsNamedHoweverFarItShiftsTheResonance) {
   }
 }
 
+// Bristles of the given model that nobody sees concern no other candidate.
+TEST(Naming, AStiffeningSpringIsNamedBesideAKnownFriction) {
+  const sim::PlantModel given =
+      sim::parse_model(rig_model({}) +
+                           "[effect.lugre_friction]\nsliding_N = 0.12\nbreakaway_N = 0.12\nspeed_mm_s = 1.0\n"
+                           "stiffness_N_per_mm = 200.0\n",
+                       "rig.toml");
+  const GapFinding f =
+      sim::gap::find_gap(rig_recording({.grip = 0.12, .stiffening = 4e3}, kRigNoise, 37), given, {}).finding;
+  ASSERT_EQ(f.verdict, GapVerdict::Effect);
+  EXPECT_EQ(f.effects.front().name, "spring_hardening");
+  EXPECT_EQ(f.effects.size(), 1U);
+  EXPECT_FALSE(f.partial);
+}
+
 TEST(Naming, DampingAroundAPlaceHasNoName) {
   const GapFinding f = found({.rough = 6.0, .rough_at = 4e-3}, {}, 7);
   EXPECT_EQ(f.verdict, GapVerdict::Unexplained);
