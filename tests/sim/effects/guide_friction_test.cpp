@@ -114,7 +114,8 @@ TEST(LugreFriction, MayVanishWithSpeed) {
   }
 }
 
-// Far stiffer than a step resolves, it holds plate A for up to two of its steps longer.
+// Nearly: plate A is held for up to two steps longer; roughly where even the shortest cut of a step (1/64)
+// does not resolve the bristles.
 TEST(LugreFriction, OfStiffBristlesIsCoulombFriction) {
   const PlantModel dry = with_effect(bare_mass(2.0, 140.0), CoulombFriction{0.05});
   for (const double stiffness : {3e5, 1e6, 1e7})
@@ -128,7 +129,8 @@ TEST(LugreFriction, OfStiffBristlesIsCoulombFriction) {
         const double force = k % 800 < 400 ? 0.5 : -0.2;
         bristles = pushed(model, bristles, force, 1);
         plain = pushed(dry, plain, force, 1);
-        ASSERT_NEAR(bristles.motion.x, plain.motion.x, 0.2e-3) << stiffness << ", " << damping << ", " << k;
+        ASSERT_NEAR(bristles.motion.x, plain.motion.x, stiffness > 1e6 ? 0.5e-3 : 0.2e-3)
+            << stiffness << ", " << damping << ", " << k;
       }
     }
 }
