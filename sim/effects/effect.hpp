@@ -9,7 +9,8 @@
 //            Screening screening()           of the stack's voltage (one effect at most)
 //            double acting(u)                voltage that pulls, for what the screening leaves
 //            double capacitance_ratio(deflection)   C1 + C2 over that of flat pouches (one effect at most)
-//   pouch    double pulling(u, own)                what is left of the voltage that pulls
+//   pouch    double oil_time_ratio(gap)            of tau_h, for H_eq - H (m)
+//            double pulling(u, own)                what is left of the voltage that pulls
 //            Equilibrium held(goal, H_0, own)      where a pouch goes when pressure would carry it to `goal`
 //            PouchOffset pouch_offset(pouch, own)  height on top of it, and a floor
 //   plate A  double added_mass()             kg

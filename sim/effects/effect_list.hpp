@@ -11,12 +11,14 @@
 #include "sim/effects/electrical/amplifier_lag.hpp"
 #include "sim/effects/electrical/charge_retention.hpp"
 #include "sim/effects/electrical/polarity_asymmetry.hpp"
+#include "sim/effects/electrical/voltage_power.hpp"
 #include "sim/effects/electrical/voltage_saturation.hpp"
 #include "sim/effects/electrical/voltage_threshold.hpp"
 #include "sim/effects/electrical/zipping_capacitance.hpp"
 #include "sim/effects/pouch/film_hysteresis.hpp"
 #include "sim/effects/pouch/pouch_creep.hpp"
 #include "sim/effects/pouch/residual_set.hpp"
+#include "sim/effects/pouch/slow_unzipping.hpp"
 #include "sim/effects/pouch/zipping_hysteresis.hpp"
 #include "sim/effects/sensor/sensor_drift.hpp"
 #include "sim/effects/sensor/sensor_lag.hpp"
@@ -24,14 +26,17 @@
 #include "sim/effects/sensor/sensor_offset.hpp"
 #include "sim/effects/sensor/sensor_scale.hpp"
 #include "sim/effects/stage/added_mass.hpp"
+#include "sim/effects/stage/asymmetric_spring.hpp"
 #include "sim/effects/stage/backlash.hpp"
 #include "sim/effects/stage/coulomb_friction.hpp"
+#include "sim/effects/stage/directional_damping.hpp"
 #include "sim/effects/stage/end_stop.hpp"
 #include "sim/effects/stage/external_force.hpp"
 #include "sim/effects/stage/hysteretic_spring.hpp"
 #include "sim/effects/stage/load_dependent_friction.hpp"
 #include "sim/effects/stage/lugre_friction.hpp"
 #include "sim/effects/stage/periodic_disturbance.hpp"
+#include "sim/effects/stage/piecewise_spring.hpp"
 #include "sim/effects/stage/quadratic_damping.hpp"
 #include "sim/effects/stage/spring_hardening.hpp"
 #include "sim/effects/stage/stribeck_friction.hpp"
@@ -47,15 +52,20 @@ struct Effects {
   std::optional<ChargeRetention> charge_retention;
   std::optional<PolarityAsymmetry> polarity_asymmetry;
   std::optional<VoltageThreshold> voltage_threshold;
+  std::optional<VoltagePower> voltage_power;
   std::optional<ZippingCapacitance> zipping_capacitance;
   std::optional<FilmHysteresis> film_hysteresis;
   std::optional<ZippingHysteresis> zipping_hysteresis;
   std::optional<ResidualSet> residual_set;
   std::optional<PouchCreep> pouch_creep;
+  std::optional<SlowUnzipping> slow_unzipping;
   std::optional<AddedMass> added_mass;
   std::optional<SpringHardening> spring_hardening;
+  std::optional<AsymmetricSpring> asymmetric_spring;
+  std::optional<PiecewiseSpring> piecewise_spring;
   std::optional<HystereticSpring> hysteretic_spring;
   std::optional<QuadraticDamping> quadratic_damping;
+  std::optional<DirectionalDamping> directional_damping;
   std::optional<ExternalForce> external_force;
   std::optional<PeriodicDisturbance> periodic_disturbance;
   std::optional<EndStop> end_stop;
@@ -74,35 +84,23 @@ struct Effects {
   std::optional<SensorNoise> sensor_noise;
 };
 
-inline constexpr std::tuple kEffectOrder{&Effects::voltage_saturation,
-                                         &Effects::amplifier_lag,
-                                         &Effects::charge_retention,
-                                         &Effects::polarity_asymmetry,
-                                         &Effects::voltage_threshold,
-                                         &Effects::zipping_capacitance,
-                                         &Effects::film_hysteresis,
-                                         &Effects::zipping_hysteresis,
-                                         &Effects::residual_set,
-                                         &Effects::pouch_creep,
-                                         &Effects::added_mass,
-                                         &Effects::spring_hardening,
-                                         &Effects::hysteretic_spring,
-                                         &Effects::quadratic_damping,
-                                         &Effects::external_force,
-                                         &Effects::periodic_disturbance,
-                                         &Effects::end_stop,
-                                         &Effects::coulomb_friction,
-                                         &Effects::stribeck_friction,
-                                         &Effects::lugre_friction,
-                                         &Effects::load_dependent_friction,
-                                         &Effects::layer_puncture,
-                                         &Effects::shaft_friction,
-                                         &Effects::tissue_relaxation,
-                                         &Effects::backlash,
-                                         &Effects::sensor_lag,
-                                         &Effects::sensor_scale,
-                                         &Effects::sensor_drift,
-                                         &Effects::sensor_offset,
+inline constexpr std::tuple kEffectOrder{&Effects::voltage_saturation,   &Effects::amplifier_lag,
+                                         &Effects::charge_retention,     &Effects::polarity_asymmetry,
+                                         &Effects::voltage_threshold,    &Effects::voltage_power,
+                                         &Effects::zipping_capacitance,  &Effects::film_hysteresis,
+                                         &Effects::zipping_hysteresis,   &Effects::residual_set,
+                                         &Effects::pouch_creep,          &Effects::slow_unzipping,
+                                         &Effects::added_mass,           &Effects::spring_hardening,
+                                         &Effects::asymmetric_spring,    &Effects::piecewise_spring,
+                                         &Effects::hysteretic_spring,    &Effects::quadratic_damping,
+                                         &Effects::directional_damping,  &Effects::external_force,
+                                         &Effects::periodic_disturbance, &Effects::end_stop,
+                                         &Effects::coulomb_friction,     &Effects::stribeck_friction,
+                                         &Effects::lugre_friction,       &Effects::load_dependent_friction,
+                                         &Effects::layer_puncture,       &Effects::shaft_friction,
+                                         &Effects::tissue_relaxation,    &Effects::backlash,
+                                         &Effects::sensor_lag,           &Effects::sensor_scale,
+                                         &Effects::sensor_drift,         &Effects::sensor_offset,
                                          &Effects::sensor_noise};
 
 // Calls visit(optional effect) for each effect of the library.

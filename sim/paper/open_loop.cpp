@@ -65,6 +65,8 @@ OpenLoopRun run_open_loop(const PlantModel& model, const OpenLoopDrive& drive, b
 PlantModel with_rigid_pole(PlantModel stage) {
   stage.baseline.k = kRigid;
   stage.effects.spring_hardening.reset();
+  stage.effects.asymmetric_spring.reset();
+  stage.effects.piecewise_spring.reset();
   stage.internal_step = std::min(stage.internal_step, kRigidStep / fastest_rate(stage));
   return stage;
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/plant/mechanics.hpp"
 #include "sim/plant/plant.hpp"
 
 namespace biopsy::sim {
@@ -38,7 +39,7 @@ double oil_rate(const PlantModel& model) {
   const double load = (model.mass_A() + b.m_B) * b.g;
   const double highest = 2.0 / std::numbers::pi * std::sqrt(std::numbers::pi * b.V0 / b.L0);
   const double slope = load > 0.0 ? 0.300 * highest / load : 0.0;
-  return (1.0 + slope * b.k * b.n) / b.tau_h;
+  return (1.0 + slope * b.k * b.n) / std::min(oil_time(model, 1.0), oil_time(model, -1.0));
 }
 
 }  // namespace

@@ -78,7 +78,8 @@ double spring_force(const StepContext& s, const Motion& m, Instant at, double& d
   if (kOffset && goal.H < offset.floor) goal = {offset.floor, 0.0};
   const double slope = undamped > 0.0 ? goal.slope : 0.0;
   const double per_H = kOffset ? b.n * (1.0 + offset.per_H) : b.n;  // plate B's travel per height of a pouch
-  dH = (goal.H - m.H) / (b.tau_h - slope * b.c_k * per_H);
+  const double time = s.has.oil_time ? oil_time(s.model, goal.H - m.H) : b.tau_h;
+  dH = (goal.H - m.H) / (time - slope * b.c_k * per_H);
   return std::max(0.0, undamped + b.c_k * per_H * dH);
 }
 
@@ -165,6 +166,7 @@ ActiveTerms active_terms(const PlantModel& model) {
         requires { &E::held; } || requires { &E::hold; })
       has.held = true;
     if constexpr (requires { &E::pulling; }) has.pulling = true;
+    if constexpr (requires { &E::oil_time_ratio; }) has.oil_time = true;
     if constexpr (
         requires { &E::bounded; } || requires { &E::remember; })
       has.remembers |= adds;

@@ -18,6 +18,7 @@ struct ActiveTerms {
   bool spring_push;
   bool held;              // pouches, by an effect that follows their equilibrium
   bool pulling;           // adhesion of the films
+  bool oil_time;          // that depends on the direction of zipping
   bool remembers;         // what an effect takes over at a substep's end
   bool integrated_state;  // of effects
   bool sensor_filter;
@@ -79,6 +80,15 @@ inline double pulling_voltage(const PlantModel& model, const Motion& m, const Re
                      if constexpr (requires { &E::pulling; }) u = effect.pulling(u, own...);
                    });
   return u;
+}
+
+// Time in which the oil lets a pouch move on, `gap` (m) below where it goes. s
+inline double oil_time(const PlantModel& model, double gap) {
+  double time = model.baseline.tau_h;
+  for_each_present(model.effects, [&]<class E>(const E& effect) {
+    if constexpr (requires { &E::oil_time_ratio; }) time *= effect.oil_time_ratio(gap);
+  });
+  return time;
 }
 
 // The series spring's push on a plate A of that mass (kg), without the part of its damper that depends on

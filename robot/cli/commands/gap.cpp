@@ -27,12 +27,13 @@ namespace fs = std::filesystem;
 
 struct Options {
   fs::path dataset, model, out;
-  std::vector<std::string> free;  // baseline parameters that are not known
-  std::optional<double> window;   // s; empty: each run from its start in one piece
-  bool paper = false;             // the paper's figures in place of a data set
-  bool as_given = false;          // neither is chosen from the data
-  bool accept = false;            // the model file is replaced by what was found
-  bool recheck = true;            // rehearse with the model that was found
+  std::vector<std::string> free;        // baseline parameters that are not known
+  std::optional<double> window;         // s; empty: each run from its start in one piece
+  bool paper = false;                   // the paper's figures in place of a data set
+  std::vector<std::string> candidates;  // of what these may lack; none: all
+  bool as_given = false;                // neither is chosen from the data
+  bool accept = false;                  // the model file is replaced by what was found
+  bool recheck = true;                  // rehearse with the model that was found
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -48,6 +49,11 @@ void declare(CLI::App& app, Options& options) {
       "calibration, every figure by a calibration on the others. Some 7,000 evaluations of all figures: "
       "an hour of two processors");
   paper->excludes(dataset);
+  add(app, "--candidates NAMES", options.candidates,
+      "with `--paper`: try these candidates alone, `second_creep,slow_unzipping`; a wrong name lists all",
+      "all")
+      ->delimiter(',')
+      ->needs(paper);
   add(app, "--free NAMES", options.free,
       "numbers of `[baseline]` that are not known, `m,c_s,k`: fitted in every hypothesis")
       ->delimiter(',')
@@ -179,7 +185,7 @@ void refuse_missing(const std::filesystem::path& given, const char* what, const 
 }
 
 Result run(const Options& options, const Context& context) {
-  if (options.paper) return gap_paper(options.model, options.out, context);
+  if (options.paper) return gap_paper(options.model, options.candidates, options.out, context);
   refuse_missing(options.dataset, "DATASET", "the folder of a data set");
   refuse_missing(options.model, "--model", "a model file");
   const sim::NotedModel given = sim::read_noted_model(options.model);

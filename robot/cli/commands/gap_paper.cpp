@@ -13,7 +13,9 @@
 
 namespace biopsy::robot {
 
-Result gap_paper(std::filesystem::path model, const std::filesystem::path& out, const Context& context) {
+Result gap_paper(std::filesystem::path model, const std::vector<std::string>& candidates,
+                 const std::filesystem::path& out, const Context& context) {
+  const std::vector<sim::missing::Candidate> tried = sim::missing::paper_candidates(candidates);
   const std::filesystem::path models = data_folder() / "sim/models";
   if (model.empty()) model = models / "calibrated.toml";
   sim::calibration::Question question;
@@ -25,7 +27,7 @@ Result gap_paper(std::filesystem::path model, const std::filesystem::path& out, 
   const auto started = std::chrono::steady_clock::now();
   ProgressLine line;
   const sim::missing::MissingInPaper found = sim::missing::find_missing(
-      question, sim::missing::paper_candidates(), {.stop = context.interrupted},
+      question, tried, {.stop = context.interrupted},
       [&line](double share, const std::string& doing) { line.show(share, doing); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   const std::string json = report::missing_json(found, seconds);

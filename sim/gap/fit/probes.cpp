@@ -131,6 +131,10 @@ Starts strength_sets(const LibraryEffect& effect, bool each_alone) {
     if (p.role == Role::Strength) strengths.push_back(i);
   }
   Starts out{typical};
+  if (turns_with_sign(effect)) {
+    out.push_back(typical);
+    for (const std::size_t i : strengths) out.back()[i] *= -1.0;
+  }
   if (!each_alone || strengths.size() < 2) return out;
   for (const std::size_t kept : strengths) {
     out.push_back(typical);
@@ -181,6 +185,10 @@ bool acts_on(const LibraryEffect& effect, Drive drive) {
 
 bool gives_way(const LibraryEffect& effect) {
   return effect.info.name == LayerPuncture::info.name;
+}
+
+bool turns_with_sign(const LibraryEffect& effect) {
+  return effect.info.name == DirectionalDamping::info.name;
 }
 
 std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence,

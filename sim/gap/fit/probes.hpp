@@ -21,6 +21,9 @@ bool acts_on(const LibraryEffect& effect, Drive drive);
 // Whether the effect ends for good at some point of a run, so that its cost has many minima.
 bool gives_way(const LibraryEffect& effect);
 
+// Whether the effect is another where its strength is negative, and not the opposite one.
+bool turns_with_sign(const LibraryEffect& effect);
+
 // Parameter vectors to try. SI
 std::vector<std::vector<double>> probe_starts(int effect, const Evidence& evidence, const Spectrum& spectrum);
 

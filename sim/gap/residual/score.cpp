@@ -12,7 +12,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr int kStrengthTrials = 2;  // until the response is as large as the gap
+constexpr int kStrengthTrials = 2;  // until the response is as large as the gap; one more where it diverged
 constexpr int kSurfaceTrials = 3;
 constexpr double kLeastScale = 0.3, kAsStrong = 0.2;  // of its strength, from trial to trial
 constexpr double kMuchTooStrong = 3.0;                // responses within this factor of the gap are used
@@ -86,6 +86,7 @@ bool has_strength(int effect) {
 }
 
 bool may_be_negative(int effect) {
+  if (turns_with_sign(library_effect(effect))) return false;
   for (const LibraryParameter& p : library_effect(effect).parameters)
     if (p.role == Role::Strength && !p.is_signed()) return false;
   return true;
@@ -130,7 +131,8 @@ Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Unexp
                 int effect, std::vector<double> start) {
   const double wanted = root_mean_square(remainder.gap());
   Probe best;
-  for (int trial = 0; trial < kStrengthTrials; ++trial) {
+  int trials = kStrengthTrials;
+  for (int trial = 0; trial < trials; ++trial) {
     const Eigen::VectorXd raw =
         response(with_effect(current, effect, start), evidence, remainder.residual_now());
     double scale = 0.0;
@@ -142,6 +144,7 @@ Probe try_probe(const Hypothesis& current, const Evidence& evidence, const Unexp
     const double size = root_mean_square(remainder.of(raw));
     if (!has_strength(effect)) break;
     // Far too strong for a motion so large, the model diverges.
+    if (!std::isfinite(size) && trial == 0) ++trials;
     const double factor = !std::isfinite(size) ? 1e-4
                           : size > 0.0         ? std::clamp(wanted / size, 1e-4, 1e4)
                                                : 1e4;

@@ -126,6 +126,7 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
   // The best start of each first.
   const auto enough = [&] {  // one has closed the gap, or simulating has cost too much
     return is_exhausted(evidence) || std::ranges::any_of(attempts, [&](const Attempt& attempt) {
+             if (is_near_many_laws(scores[attempt.candidate].candidate)) return false;
              return is_only_noise(attempt.square, evidence) ||
                     excess(attempt.square, evidence) < kClosed * excess(square_now, evidence);
            });
@@ -250,17 +251,25 @@ double cost_of_unknowns(const Hypothesis& hypothesis, double samples, std::size_
 }
 
 // A number that seems to be another may be the mean of one that varies with the motion; out of step with it,
-// that effect scores nothing. It follows the `count` promising ones, of which there is one more.
+// that effect scores nothing. Nor does a strong effect whose law the typical strength of its own is far
+// beside, while a smooth law of the same variable scores. What is brought follows the `count` promising ones.
 void bring_what_varies(std::vector<Score>& scores, std::size_t& count, Drive drive) {
-  constexpr std::array kVaries{std::pair{"k", SpringHardening::info.name},
-                               std::pair{"c_s", QuadraticDamping::info.name}};
-  for (const auto& [number, effect] : kVaries) {
+  constexpr std::array kVaries{
+      std::pair{std::string_view("k"), SpringHardening::info.name},
+      std::pair{std::string_view("c_s"), QuadraticDamping::info.name},
+      std::pair{std::string_view("c_s"), DirectionalDamping::info.name},
+      std::pair{SlowUnzipping::info.name, DirectionalDamping::info.name},
+      std::pair{VoltagePower::info.name, VoltageThreshold::info.name},
+      std::pair{PiecewiseSpring::info.name, SpringHardening::info.name},
+      std::pair{PiecewiseSpring::info.name, AsymmetricSpring::info.name},
+  };
+  for (const auto& [seems, effect] : kVaries) {
     const auto is = [&](std::string_view name) {
       return [=](const Score& score) { return score.candidate.name(drive) == name; };
     };
     const auto end = scores.begin() + static_cast<std::ptrdiff_t>(count);
     const auto varying = std::find_if(end, scores.end(), is(effect));
-    if (std::find_if(scores.begin(), end, is(number)) == end || varying == scores.end() ||
+    if (std::find_if(scores.begin(), end, is(seems)) == end || varying == scores.end() ||
         varying->probes.empty() || varying->probes.front().start.empty())
       continue;
     std::rotate(end, varying, varying + 1);
@@ -283,6 +292,11 @@ bool is_effect(const Candidate& candidate, std::string_view name) {
 bool is_dry_friction(const Candidate& candidate) {
   return is_effect(candidate, CoulombFriction::info.name) ||
          is_effect(candidate, StribeckFriction::info.name);
+}
+
+bool is_near_many_laws(const Candidate& candidate) {
+  return is_effect(candidate, HystereticSpring::info.name) ||
+         is_effect(candidate, PiecewiseSpring::info.name) || is_effect(candidate, VoltagePower::info.name);
 }
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence) {

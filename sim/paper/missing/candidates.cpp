@@ -1,5 +1,12 @@
 #include "sim/paper/missing/candidates.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "robot/common/config_error.hpp"
+
 namespace biopsy::sim::missing {
 
 // Starts are off the nominal value where a shape has no influence without the strength.
@@ -12,6 +19,16 @@ const std::vector<Candidate>& paper_candidates() {
        "a second slow time of the pouches, beside the retained charge",
        {{"pouch_creep.share", 0.0, 1.0, 0.0, 0.03, 0.1, true, "Fig. 7a: stable within some per cent"},
         {"pouch_creep.time_s", 0.1, 100.0, 5.0, 5.0, 1.0, false, "between the oil's time and Fig. 12's"}}},
+      {"capacitance_of_zipping",
+       "the films' capacitance grows as they zip",
+       {{"zipping_capacitance.growth_per_mm", 0.0, 2.0, 0.0, 0.0, 0.1, true,
+         "eq. (2), C2 of the zipped area"}}},
+      {"slow_unzipping",
+       "pouches open slower than they close",
+       {{"slow_unzipping.share", 0.0, 4.0, 0.0, 0.0, 0.2, true, "9a: falling edges lag"}}},
+      {"weaker_than_the_square",
+       "the films' pressure grows with less than the square of the voltage",
+       {{"voltage_power.deficit", 0.0, 0.8, 0.0, 0.0, 0.05, true, "7b beside 8b: loads of most response"}}},
       {"later_height",
        "the films' set adds to the height after a large lift",
        {{"residual_set.added_share", 0.0, 0.5, 0.0, 0.0, 0.05, true, "Fig. 12: does not return to 0"}}},
@@ -40,6 +57,23 @@ const std::vector<Candidate>& paper_candidates() {
        "the joint of Fig. 12 needs more force to break away than to turn",
        {{"joint.breakaway", 1.0, 6.0, 1.0, 1.0, 1.0, true, "dry bearings: two to three times"}}}};
   return kCandidates;
+}
+
+std::vector<Candidate> paper_candidates(const std::vector<std::string>& names) {
+  const std::vector<Candidate>& all = paper_candidates();
+  if (names.empty()) return all;
+  for (const std::string& name : names)
+    if (std::ranges::find(all, name, &Candidate::name) == all.end()) {
+      std::string known;
+      for (const Candidate& one : all) known += (known.empty() ? "" : ", ") + one.name;
+      throw ConfigError(fmt::format("there is no candidate \"{}\"", name), "--candidates",
+                        "choose of: " + known);
+    }
+  std::vector<Candidate> out;
+  std::ranges::copy_if(all, std::back_inserter(out), [&](const Candidate& one) {
+    return std::ranges::find(names, one.name) != names.end();
+  });
+  return out;
 }
 
 }  // namespace biopsy::sim::missing

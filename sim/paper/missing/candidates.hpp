@@ -21,4 +21,8 @@ struct Candidate {
 // set-up.
 const std::vector<Candidate>& paper_candidates();
 
+// Those of these names, in the order of the list; all where no name is given. Throws ConfigError for a name
+// that is not in it.
+std::vector<Candidate> paper_candidates(const std::vector<std::string>& names);
+
 }  // namespace biopsy::sim::missing

@@ -61,6 +61,11 @@ void add_play(Extra& e, Random& r, const Sizes& s) {
   e.play = between(r, 0.015, 0.06) * s.stroke;
 }
 
+void add_valve(Extra& e, Random& r, const Sizes& s) {
+  const double c = between(r, 0.2, 0.5) * s.force / s.speed;
+  e.law = [=](double, double v, double) { return v < 0.0 ? -c * v : 0.0; };
+}
+
 std::vector<Law> laws_of_sensors() {
   return {{"sensor_lag", [](Extra& e, Random& r, const Sizes&) { e.average = between(r, 0.008, 0.030); }},
           {"sensor_scale", [](Extra& e, Random& r, const Sizes&) { e.scale = either_sign(r, 0.06, 0.15); }},
@@ -120,6 +125,9 @@ std::vector<Law> laws_of_the_stage() {
   out.push_back({"voltage_threshold", [](Extra& e, Random& r, const Sizes& s) {
                    e.threshold = between(r, 0.05, 0.15) * s.volts;
                  }});
+  out.push_back({"directional_damping", add_valve});
+  out.push_back(
+      {"slow_unzipping", [](Extra& e, Random& r, const Sizes&) { e.slow_fall = between(r, 1.0, 3.0); }});
   return out;
 }
 
@@ -130,12 +138,6 @@ std::vector<Law> laws_outside() {
              e.law = [=](double x, double, double) { return -k * x * x / (std::abs(x) + 0.4 * s.stroke); };
            },
            "x"},
-          {"check valve",
-           [](Extra& e, Random& r, const Sizes& s) {
-             const double c = between(r, 0.2, 0.5) * s.force / s.speed;
-             e.law = [=](double, double v, double) { return v < 0.0 ? -c * v : 0.0; };
-           },
-           "v"},
           {"drag of the power 1/2",
            [](Extra& e, Random& r, const Sizes& s) {
              const double c = between(r, 0.08, 0.2) * s.force;
@@ -184,7 +186,8 @@ const std::vector<Law>& mass_laws() {
                                      {"coulomb_friction", add_friction},
                                      {"stribeck_friction", add_stiction},
                                      {"backlash", add_play},
-                                     {"sensor_lag", laws_of_sensors()[0].add}};
+                                     {"sensor_lag", laws_of_sensors()[0].add},
+                                     {"directional_damping", add_valve}};
   return laws;
 }
 
@@ -203,8 +206,6 @@ const std::vector<Law>& outside_stage_laws() {
                      e.law = [=](double, double, double u) { return -f * std::pow(u / s.volts, 1.5); };
                    },
                    "u"});
-    out.push_back({"oil leaves slowly",
-                   [](Extra& e, Random& r, const Sizes&) { e.slow_fall = between(r, 1.0, 3.0); }, ""});
     return out;
   }();
   return laws;

@@ -99,7 +99,7 @@ TEST(Effects, HaveUniqueNamesTextsAndParametersWithUnitsAndRanges) {
       EXPECT_LE(parameter.typical, parameter.high) << parameter.name;
     }
   });
-  EXPECT_EQ(names.size(), 30U);
+  EXPECT_EQ(names.size(), 35U);
 }
 
 }  // namespace

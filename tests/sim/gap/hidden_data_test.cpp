@@ -53,7 +53,12 @@ TEST(HiddenCases, CoverEveryEffectTwiceAndAllKinds) {
                                       "sensor_drift",
                                       "zipping_capacitance",
                                       "load_dependent_friction",
-                                      "lugre_friction"};
+                                      "lugre_friction",
+                                      "asymmetric_spring",
+                                      "piecewise_spring",
+                                      "directional_damping",
+                                      "slow_unzipping",
+                                      "voltage_power"};
   std::map<std::string, std::set<double>> strengths;
   std::map<HiddenKind, int> kinds;
   std::set<std::string> names, outside, hundred;

@@ -1,5 +1,6 @@
 // Which name is given, and when none is: rigs of recordings/, which share no code with sim/. Nothing is told
 // about what is free.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sim/gap/find_gap.hpp"
@@ -21,9 +22,18 @@ GapFinding found(const Rig& truth, const Rig& believed, std::uint64_t seed) {
   return sim::gap::find_gap(rig_recording(truth, kRigNoise, seed), model_of(believed), {}).finding;
 }
 
+// For a failure: what was not given as a name, and why.
+std::string why(const GapFinding& f) {
+  std::string out;
+  for (const std::string& name : f.rejected.effects) out += name + " ";
+  for (const std::string& one : f.rejected.objections) out += "; " + one;
+  for (const GapCandidate& one : f.candidates) out += fmt::format("\n{} {}", one.name, one.probability);
+  return out;
+}
+
 TEST(Naming, DryFrictionIsNamedThoughMassAndDampingAreNotWhatTheModelSays) {
   const GapFinding f = found({.grip = 0.12}, {.mass = 0.55, .hertz = 2.9, .damping_ratio = 0.4}, 3);
-  ASSERT_EQ(f.verdict, GapVerdict::Effect) << f.rejected.effects.size();
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << why(f);
   EXPECT_EQ(f.effects.front().name, "coulomb_friction");
   EXPECT_NEAR(f.effects.front().parameters.front().value, 0.12, 0.012);
   EXPECT_TRUE(f.comparison.chosen);
@@ -32,7 +42,7 @@ TEST(Naming, DryFrictionIsNamedThoughMassAndDampingAreNotWhatTheModelSays) {
 
 TEST(Naming, DryFrictionThatDiffersByDirectionIsSaidForEither) {
   const GapFinding f = found({.grip = 0.15, .one_way = 0.06}, {}, 13);
-  ASSERT_EQ(f.verdict, GapVerdict::Effect) << f.rejected.effects.size();
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << why(f);
   ASSERT_EQ(f.effects.size(), 2U);
   double friction = 0.0, force = 0.0;
   for (const FoundEffect& effect : f.effects) {
@@ -58,7 +68,7 @@ TEST(Naming, FrictionThatGrowsWithThePushIsNoCoulombFriction) {
 
 TEST(Naming, AStiffeningSpringIsNoTissueAndNoEndStop) {
   const GapFinding f = found({.stiffening = 4e3}, {}, 5);
-  ASSERT_EQ(f.verdict, GapVerdict::Effect);
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << why(f);
   EXPECT_EQ(f.effects.front().name, "spring_hardening");
   EXPECT_FALSE(f.partial);
   EXPECT_FALSE(f.comparison.tissue);
@@ -69,7 +79,7 @@ TEST(Naming, AStiffeningSpringIsNamedHoweverFarItShiftsTheResonance) {
   for (const double stiffening : {50.0, 400.0, 3e3}) {
     const GapFinding f =
         found({.damping_ratio = 0.05, .stiffening = stiffening}, {.damping_ratio = 0.05}, 23);
-    ASSERT_EQ(f.verdict, GapVerdict::Effect) << stiffening;
+    ASSERT_EQ(f.verdict, GapVerdict::Effect) << stiffening << " " << why(f);
     EXPECT_EQ(f.effects.front().name, "spring_hardening") << stiffening;
     EXPECT_FALSE(f.partial) << stiffening;
   }
@@ -84,7 +94,7 @@ TEST(Naming, AStiffeningSpringIsNamedBesideAKnownFriction) {
                        "rig.toml");
   const GapFinding f =
       sim::gap::find_gap(rig_recording({.grip = 0.12, .stiffening = 4e3}, kRigNoise, 37), given, {}).finding;
-  ASSERT_EQ(f.verdict, GapVerdict::Effect);
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << why(f);
   EXPECT_EQ(f.effects.front().name, "spring_hardening");
   EXPECT_EQ(f.effects.size(), 1U);
   EXPECT_FALSE(f.partial);
@@ -96,11 +106,42 @@ TEST(Naming, DampingAroundAPlaceHasNoName) {
   EXPECT_TRUE(f.effects.empty());
 }
 
-TEST(Naming, ALopsidedSpringHasNoName) {
-  const GapFinding f = found({.lopsided = 8.0}, {}, 9);
+TEST(Naming, AForceAroundAPlaceHasNoName) {
+  const GapFinding f = found({.dent = 0.2, .dent_at = 4e-3}, {}, 9);
   EXPECT_EQ(f.verdict, GapVerdict::Unexplained);
   EXPECT_TRUE(f.effects.empty());
   EXPECT_TRUE(f.data.empty()) << f.data.front().sentence;
+}
+
+// The only effect that is found, its first parameters beside the truth.
+void expect_alone(const Rig& truth, std::uint64_t seed, const std::string& name,
+                  const std::vector<double>& values) {
+  const GapFinding f = found(truth, {}, seed);
+  ASSERT_EQ(f.verdict, GapVerdict::Effect) << name << ", " << why(f);
+  EXPECT_EQ(f.effects.size(), 1U);
+  EXPECT_EQ(f.effects.front().name, name);
+  EXPECT_FALSE(f.partial);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_NEAR(f.effects.front().parameters[i].value, values[i], 0.1 * std::abs(values.back())) << name;
+}
+
+constexpr double kRigStiffness = 0.4 * 15.70796 * 15.70796;  // N/m
+constexpr double kRigDamping = 2.0 * 0.15 * 15.70796 * 0.4;  // N s/m
+
+TEST(Naming, ASpringThatIsStifferInOneDirectionIsAsymmetric) {
+  for (const double lopsided : {8.0, -4.0})
+    expect_alone({.lopsided = lopsided}, 9, "asymmetric_spring", {-1e-6 * kRigStiffness * lopsided});
+}
+
+TEST(Naming, ASecondSpringIsNeitherAnEndStopNorHardening) {
+  for (const double second : {0.7, -0.4})
+    expect_alone({.second = second, .second_at = 4e-3}, 15, "piecewise_spring",
+                 {1e-3 * kRigStiffness * second, 4.0});
+}
+
+TEST(Naming, DampingThatDiffersByDirectionIsSaidSo) {
+  for (const double valve : {0.5, 3.0})
+    expect_alone({.valve = valve}, 21, "directional_damping", {-kRigDamping * valve});
 }
 
 // Its mean over a run is another stiffness, which closes most of the gap.

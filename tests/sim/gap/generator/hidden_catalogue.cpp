@@ -65,6 +65,15 @@ constexpr CatalogueEntry kLibrary[] = {
      0.045,
      [](P& p, double s) { p.friction = s, p.breakaway_ratio = 2.0, p.bristles = 60e-6; },
      {{{"sliding_N"}}}},
+    {"asymmetric_spring", 100, 250, [](P& p, double s) { p.spring_asymmetry = s; }},
+    {"piecewise_spring",
+     0.8,
+     -0.6,
+     [](P& p, double s) { p.second_spring = s; },
+     {{{"change_N_per_mm", 0.140}, {"place_mm", 0, 0.4}}}},
+    {"directional_damping", 0.3, 1.5, [](P& p, double s) { p.valve = s; }, {{{"more_N_s_per_m", -1.0}}}},
+    {"slow_unzipping", 0.8, 2.0, [](P& p, double s) { p.slow_fall = s; }, {{{"share"}}}},
+    {"voltage_power", 0.08, 0.3, [](P& p, double s) { p.weak_field = s; }, {{{"deficit"}}}},
 };
 
 // Why none of them is a library effect plus small parameters stands beside each.
@@ -73,12 +82,8 @@ constexpr CatalogueEntry kOutside[] = {
     {"heated_permittivity", 0.06, 0.12, [](P& p, double s) { p.heating = s; }},
     // viscous at one place only: unlike shaft friction and quadratic damping
     {"slider_bump", 6.0, 20.0, [](P& p, double s) { p.bump_damping = s; }},
-    // two time constants: one tau_h misses either direction; statics untouched, so no hysteresis
-    {"asymmetric_oil_flow", 0.8, 2.0, [](P& p, double s) { p.slow_fall = s; }},
     // random in time and sign: nothing periodic or constant
     {"random_shocks", 0.5, 1.5, [](P& p, double s) { p.shock_force = s; }},
-    // even in the deflection: hardening is odd
-    {"asymmetric_spring", 100, 250, [](P& p, double s) { p.spring_asymmetry = s; }},
     // stairs without memory: hysteresis has memory and no stairs
     {"zipping_in_ledges", 0.05e-3, 0.12e-3, [](P& p, double s) { p.zip_ledge = s; }},
     // zero mean, forgets in 0.7 s: a drift is a line

@@ -9,8 +9,10 @@ namespace {
 constexpr double kBend = 1.0e-6;  // m, bristles of shaft and side load at sliding
 constexpr double kShockSeconds = 6e-3;
 constexpr double kCollapseSeconds = 8e-3;
-constexpr double kCutting = 0.3;  // of the puncture force remains
-constexpr double kEven = 4e-3;    // m, where the even part of the spring levels off: stays stable
+constexpr double kCutting = 0.3;   // of the puncture force remains
+constexpr double kEven = 20e-3;    // m, where the even part of the spring levels off: stays stable
+constexpr double kKnee = 20e-6;    // m, over which a second spring is reached
+constexpr double kValve = 0.2e-3;  // m/s, over which a valve closes
 constexpr double kFullLength =
     5e-3;  // m of insertion at which the shaft's bristles are as stiff as the slider's
 }  // namespace
@@ -35,6 +37,11 @@ double HiddenForces::spring(double stiffness, double deflection, double rate, do
   const double even = deflection / kEven;
   double force = stiffness * p_.spring_asymmetry * deflection * deflection / (1.0 + even * even);
   force += p_.cubic * deflection * deflection * deflection;
+  if (p_.second_spring != 0.0) {
+    const double beyond = (std::abs(deflection) - p_.second_at) / kKnee;
+    const double reached = kKnee * 0.5 * (beyond + std::sqrt(beyond * beyond + 0.1));
+    force += p_.second_spring * stiffness * std::copysign(reached, deflection);
+  }
   if (p_.bouc_force > 0.0) {  // A = 1, beta = 0.6 / length, gamma = 0.4 / length: |z| -> length
     const double beta = 0.6 / p_.bouc_length, gamma = 0.4 / p_.bouc_length;
     bouc_ += h * (rate - beta * std::abs(rate) * bouc_ - gamma * rate * std::abs(bouc_));
@@ -97,6 +104,7 @@ double HiddenForces::resisting(double t, double x, double v, double drive, doubl
     const double off = (x - 1.6e-3) / 0.35e-3;
     force += p_.bump_damping * std::exp(-off * off) * v;
   }
+  if (p_.valve > 0.0) force += 0.5 * p_.valve * v * (1.0 - std::tanh(v / kValve));
   if (p_.shock_force > 0.0) force += shock(t);
   return force;
 }

@@ -28,21 +28,26 @@ struct HiddenPhysics {
   double asymmetry = 0;                             // relative pressure of positive over negative
   double dead_band = 0;                             // V that do not pull; a soft onset, 30 V wide
   double film_growth = 0;  // 1/m of pouch height: growth of C2 over C2 of flat pouches
+  double weak_field = 0;   // pressure falls by |u|/1 kV to this power
   // pouch
   double zip_radius = 0;                // m of one pouch; two plays, radius r and 2 r
   double set_share = 0, set_time = 25;  // of the peak, s
   double creep_share = 0;               // of the height, three decades of time
+  double slow_fall = 0;                 // relative growth of tau_h while the stack falls
   // stage
-  double friction = 0, breakaway_ratio = 1;              // N
-  double bristles = 1e-6;                                // m, bend before they slip
-  double side_load = 0;                                  // friction over the push of spring or drive
-  double stribeck_speed = 3e-3;                          // m/s
-  double drag = 0;                                       // N s2/m2
-  double cubic = 0;                                      // N/m3 of deflection
-  double bouc_force = 0, bouc_length = 0.8e-3;           // N, m; Bouc-Wen in (A, beta, gamma)
-  double play = 0;                                       // m, half of the free play
-  double stop_at = 0, stop_stiffness = 2e6;              // m, N/m^1.5 (Hertz)
-  double extra_mass = 0, push = 0;                       // kg, N (down)
+  double friction = 0, breakaway_ratio = 1;      // N
+  double bristles = 1e-6;                        // m, bend before they slip
+  double side_load = 0;                          // friction over the push of spring or drive
+  double stribeck_speed = 3e-3;                  // m/s
+  double drag = 0;                               // N s2/m2
+  double cubic = 0;                              // N/m3 of deflection
+  double spring_asymmetry = 0;                   // 1/m: stiffness k (1 + a delta)
+  double second_spring = 0, second_at = 0.4e-3;  // of k, reached after so much deflection (m) either way
+  double valve = 0;                              // N s/m, while plate A falls
+  double bouc_force = 0, bouc_length = 0.8e-3;   // N, m; Bouc-Wen in (A, beta, gamma)
+  double play = 0;                               // m, half of the free play
+  double stop_at = 0, stop_stiffness = 2e6;      // m, N/m^1.5 (Hertz)
+  double extra_mass = 0, push = 0;               // kg, N (down)
   double wave_force = 0, wave_hz = 0.3, wave_phase = 1;  // N, Hz, rad
   bool wave_phase_by_run = false;                        // random phase for each run
   // tissue
@@ -52,17 +57,15 @@ struct HiddenPhysics {
   // sensor
   double delay = 0, offset = 0, gain_error = 0, drift = 0;  // s, m, -, m/s
   // outside the library
-  double heating = 0;           // relative loss of permittivity at full heat, heat from switching, 12 s
-  double bump_damping = 0;      // N s/m, around 1.6 mm
-  double slow_fall = 0;         // relative growth of tau_h while the stack falls
-  double shock_force = 0;       // N, 6 ms, at random times
-  double spring_asymmetry = 0;  // 1/m: stiffness k (1 + a delta)
-  double zip_ledge = 0;         // m of pouch height: films zip in ledges
-  double speckle = 0;           // m: reading wanders with a memory of 0.7 s
-  double cyclic_error = 0;      // m: error of the reading, period 0.9 mm of travel
-  double clock_jitter = 0;      // s
-  double breakdown = 0;         // share of u_o lost in a discharge, at random times above 1.3 kV
-  double thickening = 0;        // 1/s: tau_h grows with time
+  double heating = 0;       // relative loss of permittivity at full heat, heat from switching, 12 s
+  double bump_damping = 0;  // N s/m, around 1.6 mm
+  double shock_force = 0;   // N, 6 ms, at random times
+  double zip_ledge = 0;     // m of pouch height: films zip in ledges
+  double speckle = 0;       // m: reading wanders with a memory of 0.7 s
+  double cyclic_error = 0;  // m: error of the reading, period 0.9 mm of travel
+  double clock_jitter = 0;  // s
+  double breakdown = 0;     // share of u_o lost in a discharge, at random times above 1.3 kV
+  double thickening = 0;    // 1/s: tau_h grows with time
   // N, up, on plate A of a stage, of position, speed and the stack's voltage
   std::function<double(double x, double v, double u)> law;
 };

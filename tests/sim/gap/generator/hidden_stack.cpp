@@ -81,7 +81,9 @@ double HiddenSupply::pressure() const {
   }
   const double side = 1.0 + (p_.asymmetry != 0.0 ? p_.asymmetry * std::tanh(acting / 20.0) : 0.0);
   const double warm = 1.0 - p_.heating * heat_ / (1.0 + heat_);
-  return warm * side * numbers_.eps_film * kEps0 * acting * acting /
+  const double weak =
+      p_.weak_field != 0.0 ? std::exp(-p_.weak_field * std::log(std::abs(acting) / 1000.0 + 1e-9)) : 1.0;
+  return weak * warm * side * numbers_.eps_film * kEps0 * acting * acting /
          (2.0 * numbers_.d_film * numbers_.d_film);
 }
 

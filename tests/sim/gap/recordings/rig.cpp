@@ -46,9 +46,13 @@ std::vector<double> ridden(const Rig& rig, const std::vector<double>& force) {
     const double contact = kContact * (at - anchor);
     const double off = (at - rig.rough_at) / kRoughWidth;
     const double drag = rig.rough * std::exp(-off * off) * speed;
+    const double from_dent = (at - rig.dent_at) / kRoughWidth;
+    const double dented = rig.dent * std::exp(-from_dent * from_dent);
+    const double excess = at > rig.second_at ? at - rig.second_at : std::min(0.0, at + rig.second_at);
+    const double ratio = rig.damping_ratio * (speed < 0.0 ? 1.0 + rig.valve : 1.0);
     const double lost = rig.softens * (1.0 - std::exp(-t / rig.softens_in));
-    return (push - drag - contact * touches) / rig.mass - 2.0 * rig.damping_ratio * w * speed -
-           w * w * at * (1.0 - lost + rig.lopsided * at + rig.stiffening * at * at);
+    return (push - drag + dented - contact * touches) / rig.mass - 2.0 * ratio * w * speed -
+           w * w * (at * (1.0 - lost + rig.lopsided * at + rig.stiffening * at * at) + rig.second * excess);
   };
   std::vector<double> out;
   for (const double push : force) {

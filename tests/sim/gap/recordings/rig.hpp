@@ -16,7 +16,10 @@ struct Rig {
   double stiffening = 0.0;                               // 1/m^2, of the spring's stiffness with x^2
   double softens = 0.0, softens_in = 3.0;                // of its stiffness, lost in a run; s
   double lopsided = 0.0;                                 // 1/m, of the spring's stiffness with x
-  double rough = 0.0, rough_at = 0.0;                    // N s/m of damping around a place, m
+  double second = 0.0, second_at = 3e-3;  // of its stiffness, more beyond a place either way, m
+  double valve = 0.0;                     // of the damping, more while it moves downward
+  double dent = 0.0, dent_at = 0.0;       // N, of a push around a place, m
+  double rough = 0.0, rough_at = 0.0;     // N s/m of damping around a place, m
 };
 
 // Four runs of 8 s at 250 Hz, of a multisine and of steps. Readings in m with white noise [m].
