@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -139,6 +140,7 @@ std::vector<double> residual(const PlantModel& model, const Evidence& evidence, 
 double mean_square(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value * value;
+  if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 

@@ -32,6 +32,7 @@ PlantModel in_step(PlantModel model, const Evidence& evidence, const EvidenceRun
 // measured - model over one part of all runs, concatenated, each run in step. m
 std::vector<double> residual(const PlantModel& model, const Evidence& evidence, Part part);
 
+// Infinite where a simulation diverged: worse than any other.
 double mean_square(const std::vector<double>& values);
 
 }  // namespace biopsy::sim::gap

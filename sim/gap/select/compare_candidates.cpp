@@ -35,6 +35,7 @@ constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
 constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
+constexpr double kHardlyMore = 2.0;         // noises that a law which resembles many may leave
 constexpr double kUndecided = 3.0;          // and within which held-out runs do not decide: odds of 20 to 1
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
@@ -87,14 +88,8 @@ bool weaken(const Candidate& candidate, Probe& probe) {
   return any;
 }
 
-// A simulation that diverged is worse than any other.
-double finite(double square) {
-  return std::isfinite(square) ? square : std::numeric_limits<double>::infinity();
-}
-
 void set_fit(CandidateFit& out, Hypothesis hypothesis, const Evidence& evidence) {
   out.scored = score_model(std::move(hypothesis), evidence);
-  out.scored.square = finite(out.scored.square);
   out.fitted = true;
 }
 
@@ -112,7 +107,7 @@ void try_start(Attempt& attempt, const Hypothesis& current, const Candidate& can
                const Evidence& evidence) {
   for (int weaker = 0; weaker < kAttempts; ++weaker) {
     Hypothesis fitted = with(current, candidate, attempt.start, evidence);
-    const double square = finite(fit(fitted, evidence, kQuickIterations, 1.0, kQuickConverged));
+    const double square = fit(fitted, evidence, kQuickIterations, 1.0, kQuickConverged);
     if (weaker == 0 || square < attempt.square) attempt.square = square, attempt.reached = std::move(fitted);
     if (square <= square_now || !weaken(candidate, attempt.start)) return;
   }
@@ -126,7 +121,7 @@ void fit_quickly(std::vector<CandidateFit>& fits, const std::vector<Score>& scor
   // The best start of each first.
   const auto enough = [&] {  // one has closed the gap, or simulating has cost too much
     return is_exhausted(evidence) || std::ranges::any_of(attempts, [&](const Attempt& attempt) {
-             if (is_near_many_laws(scores[attempt.candidate].candidate)) return false;
+             if (resembles_many(scores[attempt.candidate].candidate)) return false;
              return is_only_noise(attempt.square, evidence) ||
                     excess(attempt.square, evidence) < kClosed * excess(square_now, evidence);
            });
@@ -294,9 +289,11 @@ bool is_dry_friction(const Candidate& candidate) {
          is_effect(candidate, StribeckFriction::info.name);
 }
 
-bool is_near_many_laws(const Candidate& candidate) {
-  return is_effect(candidate, HystereticSpring::info.name) ||
-         is_effect(candidate, PiecewiseSpring::info.name) || is_effect(candidate, VoltagePower::info.name);
+bool resembles_many(const Candidate& candidate) {
+  constexpr std::array kSuch{AsymmetricSpring::info.name, PiecewiseSpring::info.name,
+                             DirectionalDamping::info.name, SlowUnzipping::info.name,
+                             VoltagePower::info.name};
+  return std::ranges::any_of(kSuch, [&](std::string_view name) { return is_effect(candidate, name); });
 }
 
 ScoredModel score_model(Hypothesis hypothesis, const Evidence& evidence) {
@@ -383,6 +380,9 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   std::stable_sort(round.fits.begin(), end, by_square);
   progress(0.4 * name.share + 0.6 * name.share_after, fmt::format("{}: fitting the best fully", name.title));
   fit_best_fully(round.fits, promising, rivals.known, coarse, fine);
+  for (CandidateFit& t : round.fits)
+    t.fitted = t.fitted && !(resembles_many(t.candidate) &&
+                             std::sqrt(excess(t.scored.square, fine)) > kHardlyMore * fine.noise);
   std::stable_sort(round.fits.begin(), end, by_square);
   if (promising == 0) return round;
   round.null_evidence = log_evidence(now, fine);

@@ -48,8 +48,10 @@ bool is_effect(const Candidate& candidate, std::string_view name);
 
 // Coulomb or Stribeck friction between plate A and its guide.
 bool is_dry_friction(const Candidate& candidate);
-// Of many numbers, or of a law that many others resemble: to close much of a gap is little evidence for it.
-bool is_near_many_laws(const Candidate& candidate);
+
+// A law that many others resemble. It is a name where it leaves hardly more than noise, and no rival
+// elsewhere.
+bool resembles_many(const Candidate& candidate);
 
 // Number of independent errors in the held-out runs: one per window where runs are cut into windows,
 // otherwise by independent_samples().

@@ -309,10 +309,9 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   std::vector<std::string> out;
   const double closed = closed_by_names(selection, fine);
   for (const SelectedTerm& term : selection.selected)
-    if (is_near_many_laws(term.candidate) &&
-        !well_explained(selection.start.square, selection.best.square, fine))
-      out.push_back(fmt::format("{} is near much that it is not, and closes {:.0f} % only",
-                                term.candidate.name(selection.best.drive()), 100.0 * closed));
+    if (is_hysteretic(term.candidate) && !well_explained(selection.start.square, selection.best.square, fine))
+      out.push_back(fmt::format(
+          "its many numbers fit much that is no such spring, and it closes {:.0f} % only", 100.0 * closed));
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_left_motion(out, selection, fine);

@@ -54,6 +54,7 @@ bool follows_training(const ScoredModel& best, const Evidence& evidence) {
 }  // namespace
 
 double gap_closed(double before, double after, double noise) {
+  if (!std::isfinite(before)) return std::isfinite(after) ? 1.0 : 0.0;
   const double gap = std::sqrt(before) - noise;
   return gap <= 0.0 ? 0.0 : std::clamp((std::sqrt(before) - std::sqrt(after)) / gap, 0.0, 1.0);
 }

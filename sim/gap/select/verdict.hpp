@@ -9,7 +9,7 @@ namespace biopsy::sim::gap {
 // `before`: the given model, fitted in the parameters that were declared free.
 GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence);
 
-// Share of the held-out RMSE above the noise that is gone.
+// Share of the held-out RMSE above the noise that is gone; all of it where the model before ran away.
 double gap_closed(double square_before, double square_after, double noise);
 
 // Whether most of the gap is closed or the remainder is far below the noise.

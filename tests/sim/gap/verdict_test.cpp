@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
+#include "sim/gap/residual/predict.hpp"
 #include "sim/plant/model_file.hpp"
 
 namespace biopsy::sim::gap {
@@ -53,6 +57,16 @@ TEST(Verdict, ANameThatLeavesAThirdOfTheGapIsNoneHoweverFarAhead) {
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.58)), GapVerdict::Unexplained);
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.68)), GapVerdict::Unexplained);
   EXPECT_EQ(verdict_of_effect(left_when_closed(0.70)), GapVerdict::Effect);
+}
+
+// A model that runs away on the held-out runs leaves no number, and explains nothing.
+TEST(Verdict, AModelThatRunsAwayExplainsNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(mean_square({1e-6, nan, 2e-6}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(mean_square({1e-6, 1e200}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(verdict_of_effect(std::sqrt(mean_square({nan}))), GapVerdict::Unexplained);
+  EXPECT_EQ(gap_closed(kBefore * kBefore, mean_square({nan}), kNoiseHere), 0.0);
+  EXPECT_EQ(gap_closed(mean_square({nan}), kBefore * kBefore, kNoiseHere), 1.0);
 }
 
 // Half a per cent of the motion is 25 um, the noise 10.
