@@ -135,6 +135,17 @@ std::vector<Candidate> near_candidates(const SelectedTerm& term) {
   if (rivals.size() > kMostRivals) rivals.resize(kMostRivals);
   std::vector<Candidate> out;
   for (const CandidateFit* t : rivals) out.push_back(t->candidate);
+  // Beside a friction of more numbers the one that it contains, which it is when these do not matter.
+  const auto is = [](std::string_view name) {
+    return [=](const Candidate& candidate) { return is_effect(candidate, name); };
+  };
+  const auto coulomb =
+      std::ranges::find_if(term.comparison, is(CoulombFriction::info.name), &CandidateFit::candidate);
+  if (coulomb != term.comparison.end() && !(coulomb->candidate == term.candidate) &&
+      std::ranges::none_of(out, is(CoulombFriction::info.name)) &&
+      (std::ranges::any_of(out, is(LugreFriction::info.name)) ||
+       std::ranges::any_of(out, is(StribeckFriction::info.name))))
+    out.push_back(coulomb->candidate);
   return out;
 }
 
