@@ -37,6 +37,15 @@ Hypothesis fit_free_parameters(const Hypothesis& start, const Evidence& evidence
   return out;
 }
 
+// By what the recording is examined: numbers of a mechanism that are not known are those that fit it best.
+PlantModel model_to_examine_by(const Dataset& dataset, const PlantModel& model, const SearchOptions& told) {
+  if (told.free.empty() || model.baseline.drive != Drive::Force) return model;
+  const std::optional<double> window = told.window ? told.window : choose(dataset, model).window;
+  return fit_free_parameters(baseline_hypothesis(model, told.free),
+                             prepare(dataset, model, window, Sampling::Coarse))
+      .model;
+}
+
 // Values of `fitted` copied to a hypothesis with more unknowns.
 void copy_fitted(Hypothesis& to, const Hypothesis& fitted) {
   std::vector<double> thetas;
@@ -198,7 +207,8 @@ FoundGap not_searched(const Dataset& dataset, const PlantModel& model, std::vect
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& told,
                   const Progress& progress) {
   progress(0.0, "examining the recording");
-  std::vector<DataRemark> remarks = examine(dataset, model, noise_of(dataset));
+  std::vector<DataRemark> remarks =
+      examine(dataset, model_to_examine_by(dataset, model, told), noise_of(dataset));
   if (!remarks.empty() && remarks.front().blocks) return not_searched(dataset, model, std::move(remarks));
   SearchOptions options = told;
   const bool chosen = told.choose && told.free.empty() && !told.window;

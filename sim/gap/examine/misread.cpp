@@ -33,6 +33,7 @@ struct Reading {
   std::string meaning;  // "is in metres and not in millimetres"
   std::string remedy;   // of dataset.toml
   std::function<void(RecordedRun&)> apply;
+  std::string otherwise = {};  // what else moves a force-driven mechanism in that way; empty: nothing
 };
 
 // RMS difference, as a share of the larger one's RMS.
@@ -48,19 +49,32 @@ void scale(std::vector<double>& values, double factor) {
   for (double& value : values) value *= factor;
 }
 
+std::string times_too_small(double factor) {
+  return fmt::format("{:.3g} times too {}", std::max(factor, 1.0 / factor), factor > 1.0 ? "small" : "large");
+}
+
 Reading in_unit(const std::string& quantity, const std::string& channel, const std::string& unit,
                 const std::string& expected, std::vector<double> RecordedRun::*values, double factor) {
-  return {"unit", channel, fmt::format("{} is in {} and not in {}", channel, unit, expected),
+  return {"unit",
+          channel,
+          fmt::format("{} is in {} and not in {}", channel, unit, expected),
           fmt::format("[columns] {} = {{ name = \"{}\", unit = \"{}\" }}", quantity, channel, unit),
-          [=](RecordedRun& run) { scale(run.*values, factor); }};
+          [=](RecordedRun& run) { scale(run.*values, factor); },
+          "m, c_s and k of the model are " +
+              times_too_small(values == &RecordedRun::displacement ? factor : 1.0 / factor)};
 }
 
 Reading slower(double factor) {
-  return {"unit", "time_s", fmt::format("time runs {:g} times as fast as time_s says", 1.0 / factor),
-          fmt::format("[columns] time = {{ factor = {:g} }}", factor), [factor](RecordedRun& run) {
+  return {"unit",
+          "time_s",
+          fmt::format("time runs {:g} times as fast as time_s says", 1.0 / factor),
+          fmt::format("[columns] time = {{ factor = {:g} }}", factor),
+          [factor](RecordedRun& run) {
             scale(run.time, factor);
             run.period *= factor;
-          }};
+          },
+          "m of the model is " + times_too_small(1.0 / (factor * factor)) + " and c_s " +
+              times_too_small(1.0 / factor)};
 }
 
 std::vector<Reading> readings(Drive drive) {
@@ -245,13 +259,17 @@ std::string share_text(double misfit) {
 }
 
 DataRemark misread(const Reading& reading, const std::vector<std::string>& runs, std::size_t of,
-                   const Looked& one) {
-  return {reading.cause, reading.channel, runs, true,
-          fmt::format("It seems that {} in {}: so read, the model reproduces {} of the motion of run {}, as "
-                      "given {}. If it is so, write in dataset.toml: {}{}.",
-                      reading.meaning, run_list(runs, of), share_text(one.after), runs.front(),
-                      share_text(one.before), reading.remedy,
-                      runs.size() == of ? "" : " (as [run.columns] of the run)")};
+                   const Looked& one, Drive drive) {
+  std::string sentence = fmt::format(
+      "It seems that {} in {}: so read, the model reproduces {} of the motion of run {}, as "
+      "given {}. If it is so, write in dataset.toml: {}{}.",
+      reading.meaning, run_list(runs, of), share_text(one.after), runs.front(), share_text(one.before),
+      reading.remedy, runs.size() == of ? "" : " (as [run.columns] of the run)");
+  if (drive == Drive::Force && runs.size() == of && !reading.otherwise.empty())
+    sentence +=
+        fmt::format(" If the file is right, {}: correct them there, or say that they are not known (--free).",
+                    reading.otherwise);
+  return {reading.cause, reading.channel, runs, true, std::move(sentence)};
 }
 
 // Two runs that the model misses, each of which fits the other's input.
@@ -323,7 +341,7 @@ std::vector<DataRemark> examine_with_model(const Dataset& dataset, const PlantMo
     if (reading->channel == "time_s" && which.size() < dataset.runs.size()) continue;
     std::vector<std::string> names;
     for (const std::size_t i : which) names.push_back(dataset.runs[i].name);
-    out.push_back(misread(*reading, names, dataset.runs.size(), looked[which.front()]));
+    out.push_back(misread(*reading, names, dataset.runs.size(), looked[which.front()], model.baseline.drive));
   }
   if (out.empty())
     if (auto found = exchanged(dataset, missed, model, noise, looked)) out.push_back(std::move(*found));

@@ -197,6 +197,44 @@ TEST(DamagedRecording, AUnitIsTheSameInAllRuns) {
   }
 }
 
+// The file is right, and the numbers of the model are a guess: a mechanism that a force drives moves the same
+// way.
+TEST(DamagedRecording, AGuessedModelIsNamedBesideTheUnitOrClockThatItResembles) {
+  for (const double factor : {25.0, 1.0 / 900.0}) {
+    Bench bench = rig();
+    for (double* number : {&bench.model.baseline.m, &bench.model.baseline.c_s, &bench.model.baseline.k})
+      *number /= factor;
+    const std::vector<DataRemark> remarks = examined(bench, nullptr);
+    ASSERT_EQ(remarks.size(), 1U) << listed(remarks);
+    EXPECT_NE(remarks[0].sentence.find("If the file is right, m, c_s and k of the model are"),
+              std::string::npos)
+        << remarks[0].sentence;
+    EXPECT_NE(remarks[0].sentence.find(factor > 1.0 ? "times too small" : "times too large"),
+              std::string::npos);
+  }
+  Bench quick = rig();
+  quick.model.baseline.m *= 0.01;
+  quick.model.baseline.c_s *= 0.1;
+  const std::vector<DataRemark> remarks = examined(quick, nullptr);
+  ASSERT_EQ(remarks.size(), 1U) << listed(remarks);
+  EXPECT_NE(remarks[0].sentence.find("m of the model is 100 times too small and c_s 10 times too small"),
+            std::string::npos)
+      << remarks[0].sentence;
+}
+
+TEST(DamagedRecording, NumbersThatAreNotKnownAreNotHeldAgainstTheFile) {
+  for (const double factor : {25.0, 0.1}) {
+    Bench bench = rig();
+    for (double* number : {&bench.model.baseline.m, &bench.model.baseline.c_s, &bench.model.baseline.k})
+      *number /= factor;
+    sim::gap::SearchOptions told;
+    told.free = {"m", "c_s", "k"};
+    const GapFinding finding = sim::gap::find_gap(bench.data, bench.model, told).finding;
+    EXPECT_EQ(listed(finding.data), "") << factor;
+    EXPECT_EQ(finding.verdict, GapVerdict::Effect) << factor;  // the rig's dry friction
+  }
+}
+
 TEST(DamagedRecording, UndamagedNothingIsFound) {
   for (const Bench* bench : {&stage(), &rig()}) EXPECT_EQ(listed(examined(*bench, nullptr)), "");
 }
