@@ -25,6 +25,7 @@ using recorder::Urgency;
 constexpr std::int64_t kReportEvery_us = 50'000;
 constexpr std::int64_t kNever_ms = INT32_MAX;
 constexpr std::int64_t kLivelyEvery_us = 200'000;
+constexpr std::int64_t kRefusalsApart_us = 1'000'000;
 constexpr std::int64_t kAuthentication_us = 1'500'000;  // authentication takes about a second
 
 std::int64_t wall_ns() {
@@ -122,8 +123,15 @@ void BusRecorder::follow_decisions(std::int64_t now_us) {
             {"before", hazard(decision_.worst, decision_)},
             {"seq", next.seq}},
            Urgency::Grouped);
-    if (next.refusal != decision_.refusal && next.refusal != 0)
-      note(RecordKind::RequestRefused, {{"why", refusal(next.refusal)}, {"seq", next.seq}}, Urgency::Grouped);
+    if (new_session) refusal_ = 0;
+    if (next.refusal != 0) {
+      // A button that stays down asks with every message: one record, until it was quiet for a while.
+      if (next.refusal != refusal_ || next.time_us - refusal_us_ >= kRefusalsApart_us)
+        note(RecordKind::RequestRefused, {{"why", refusal(next.refusal)}, {"seq", next.seq}},
+             Urgency::Grouped);
+      refusal_ = next.refusal;
+      refusal_us_ = next.time_us;
+    }
     decision_ = next;
     decision_us_ = now_us;
   }

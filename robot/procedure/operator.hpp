@@ -74,6 +74,8 @@ class Operator {
 
 // One fast gradient-echo stack through the needle: what a hold without a brake has time for.
 inline constexpr Seconds kFastScan{2.0};
+// Confirmation images take 20 to 60 s.
+inline constexpr Seconds kRealScan{20.0};
 
 // How long an image of this stage takes in a rehearsal.
 constexpr Seconds scan_time(bool brake_fitted, Seconds scan) {

@@ -14,6 +14,7 @@
 #include "robot/common/text/number_text.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/fault_notes.hpp"
+#include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/report/procedure/report.hpp"
@@ -23,8 +24,6 @@ namespace biopsy::robot {
 namespace dry_run_cli {
 
 using Clock = std::chrono::steady_clock;
-
-constexpr Seconds kRealScan{20.0};
 
 struct Options {
   ProcedureOptions procedure;

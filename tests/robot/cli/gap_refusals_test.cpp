@@ -39,6 +39,15 @@ TEST_F(GapRefuses, ThePaperAndADatasetAtOnce) {
   expect("data", "--paper", {"error: ", "--paper"});
 }
 
+TEST_F(GapRefuses, ACandidateOfThePaperThatThereIsNot) {
+  const Outcome answer = biopsy("gap --paper --candidates slow_unzipping,magnet --out " + path("out"));
+  EXPECT_EQ(answer.code, 2) << answer.text;
+  EXPECT_NE(answer.text.find("\"magnet\""), std::string::npos) << answer.text;
+  EXPECT_NE(answer.text.find("slow_unzipping, "), std::string::npos) << answer.text;  // all are listed
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  expect("data", "--candidates slow_unzipping", {"error: ", "--paper"});
+}
+
 TEST_F(GapRefuses, NeitherADatasetNorThePaper) {
   for (const std::string words : {"gap --out ", "gap --free m --out "}) {
     const Outcome answer = biopsy(words + path("out"));

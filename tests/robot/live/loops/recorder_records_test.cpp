@@ -102,6 +102,31 @@ TEST_F(RecorderLoopBench, WritesWhatTheBusTellsWithinAHundredMillisecondsToo) {
   expect("participants_not_let_in", 1'500'000);
 }
 
+// 50 requests a second come from a button that stays down after a stop.
+TEST_F(RecorderLoopBench, WritesARefusalOnceUntilItWasQuietForASecond) {
+  Decision decision;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
+  decision.session = 4, decision.seq = 1, decision.time_us = 7'000'000;
+  (void)after(decision);
+  const auto kinds_of = [&](std::int64_t later_us, std::uint8_t refusal) {
+    ++decision.seq;
+    decision.time_us += later_us, decision.refusal = refusal;
+    return kinds(after(decision));
+  };
+  EXPECT_EQ(kinds_of(1'000, 3), "request refused");
+  for (int n = 0; n < 5; ++n) {
+    EXPECT_EQ(kinds_of(1'000, 0), "");
+    EXPECT_EQ(kinds_of(600'000, 3), "") << n;  // asked again within a second of the last time
+  }
+  EXPECT_EQ(kinds_of(1'000, 0), "");
+  EXPECT_EQ(kinds_of(998'999, 3), "");
+  EXPECT_EQ(kinds_of(1'000'000, 3), "request refused");
+  EXPECT_EQ(kinds_of(1'000, 5), "request refused") << "another reason";
+  EXPECT_EQ(kinds_of(1'000, 3), "request refused") << "and back";
+  decision.session = 5, decision.seq = 0;
+  EXPECT_EQ(kinds_of(1'000, 3), "state change, request refused") << "another supervisor";
+}
+
 TEST_F(RecorderLoopBench, WritesChangesInBothDirections) {
   const auto kinds_after = [&](const auto& message) { return kinds(after(message)); };
   Decision decision;
