@@ -51,6 +51,25 @@ for (const [width, height] of kSizes)
     }
   })
 
+// 1500 is between the laptop and the wide screen; the needle's lock takes the place beside the name.
+for (const [width, height] of [...kSizes, [1500, 940]] as const)
+  test(`the patient's name and ID are whole while the needle is locked at ${width} x ${height}`, async ({ page }) => {
+    await page.setViewportSize({ width, height })
+    const operator = new PageOperator(page, robot.url)
+    await operator.planned()
+    await showScene(operator, kScenes.find(({ name }) => name === 'confirm')!, checked)
+    await freezePage(page, { mode: 'Hold', step: 'Confirm', locked: true, hold_left: 170 })
+    await expect(page.locator('[data-name=locked]')).toBeVisible()
+    await expect(page.locator('[data-name=short-scan]')).toHaveText('SIMULATED: an image takes 2 s here; a scanner takes 20 to 60 s.')
+    const [who, bar] = await Promise.all(['.top .who', '.top'].map((one) => page.locator(one).evaluate((element) => {
+      const { top, bottom } = element.getBoundingClientRect()
+      return { top, bottom, width: element.clientWidth, needs: element.scrollWidth }
+    })))
+    expect(who!.top).toBeGreaterThanOrEqual(bar!.top)
+    expect(who!.bottom).toBeLessThanOrEqual(bar!.bottom)
+    expect(who!.needs).toBeLessThanOrEqual(who!.width)
+  })
+
 // Whoever accepts a depth sees the picture, the error and how long the needle is held, without scrolling.
 for (const [width, height] of kSizes)
   test(`a depth is not accepted unseen at ${width} x ${height}`, async ({ page }) => {
