@@ -123,14 +123,13 @@ void BusRecorder::follow_decisions(std::int64_t now_us) {
             {"before", hazard(decision_.worst, decision_)},
             {"seq", next.seq}},
            Urgency::Grouped);
-    if (new_session) refusal_ = 0;
     if (next.refusal != 0) {
       // A button that stays down asks with every message: one record, until it was quiet for a while.
-      if (next.refusal != refusal_ || next.time_us - refusal_us_ >= kRefusalsApart_us)
+      if (next.session != last_refused_.session || next.refusal != last_refused_.refusal ||
+          next.time_us - last_refused_.time_us >= kRefusalsApart_us)
         note(RecordKind::RequestRefused, {{"why", refusal(next.refusal)}, {"seq", next.seq}},
              Urgency::Grouped);
-      refusal_ = next.refusal;
-      refusal_us_ = next.time_us;
+      last_refused_ = next;
     }
     decision_ = next;
     decision_us_ = now_us;

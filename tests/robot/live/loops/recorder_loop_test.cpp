@@ -115,15 +115,19 @@ TEST_F(RecorderLoopBench, WritesWhyTheEmergencyStopWasFoundAndThatAgainWhereItCh
   decision.session = 1, decision.seq = 1;
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::None);
   (void)after(decision);
+  std::string before;
   const auto alarm = [&](std::int32_t unread_ms) {
     ++decision.seq, decision.panel_unread_ms = unread_ms;
     const std::vector<Record> records = after(decision);
-    return records.empty() ? std::string() : json::parse(records.at(0).body)["worst"].get<std::string>();
+    if (records.empty()) return std::string();
+    before = json::parse(records.at(0).body)["before"];
+    return json::parse(records.at(0).body)["worst"].get<std::string>();
   };
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::EStop);
   EXPECT_EQ(alarm(20), robot::hazard_text(safety::Hazard::EStop, 20));
   EXPECT_EQ(alarm(20), "");
   EXPECT_EQ(alarm(143), robot::hazard_text(safety::Hazard::EStop, 143)) << "read again";
+  EXPECT_EQ(before, robot::hazard_text(safety::Hazard::EStop, 20));
   EXPECT_EQ(alarm(0), "H-25 emergency stop pressed");
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
   EXPECT_EQ(alarm(0), safety::name_of(safety::Hazard::Arc));

@@ -121,10 +121,16 @@ TEST_F(RecorderLoopBench, WritesARefusalOnceUntilItWasQuietForASecond) {
   EXPECT_EQ(kinds_of(1'000, 0), "");
   EXPECT_EQ(kinds_of(998'999, 3), "");
   EXPECT_EQ(kinds_of(1'000'000, 3), "request refused");
+  EXPECT_EQ(kinds_of(2'500'000, 3), "request refused");
   EXPECT_EQ(kinds_of(1'000, 5), "request refused") << "another reason";
   EXPECT_EQ(kinds_of(1'000, 3), "request refused") << "and back";
-  decision.session = 5, decision.seq = 0;
-  EXPECT_EQ(kinds_of(1'000, 3), "state change, request refused") << "another supervisor";
+  EXPECT_EQ(kinds_of(1'200'000, 0), "");
+  EXPECT_EQ(kinds_of(300'000, 3), "request refused") << "a second and a half after the last one";
+  for (const std::uint32_t session : {5U, 2U}) {  // another supervisor; also one whose clock was set back
+    decision.session = session, decision.seq = 0;
+    EXPECT_EQ(kinds_of(1'000, 0), "state change");
+    EXPECT_EQ(kinds_of(1'000, 3), "request refused") << session;
+  }
 }
 
 TEST_F(RecorderLoopBench, WritesChangesInBothDirections) {
