@@ -12,7 +12,6 @@
 #include "robot/console/server/command_from_json.hpp"
 #include "robot/console/server/origin_policy.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
-#include "robot/procedure/operator.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -175,9 +174,6 @@ void ConsoleLoop::send_changes() {
     welcome.simulated = settings_.simulated;
     welcome.title = session_.prepared().given.title;
     welcome.sample = session_.prepared().given.phantom;
-    const Case& given = session_.prepared().given;
-    const bool is_short = given.images.folder.empty() && given.rehearsal.scan < kRealScan;
-    welcome.short_scan = is_short ? given.rehearsal.scan.count() : 0.0;
     welcome.session = std::to_string(settings_.first_token);
     welcome.series = session_.series().all();
     server_->send(client, text_of(welcome), Reliability::Reliable);

@@ -359,6 +359,9 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.stage = supervisor.step;
   state.stage_done = supervisor.step_done;
   state.locked = measured_ && seen_.measurement.brake_on;
+  const Case& given = prepared().given;
+  const Seconds scan = scan_time(seen_.measurement.brake_fitted, given.rehearsal.scan);
+  if (given.images.folder.empty() && scan < kRealScan) state.short_scan = scan.count();
   state.ticks = ticks_;
   const Mode mode = supervisor.permit.mode;
   if (mode == Mode::Hold) state.hold_left = seconds_left(mode_since_us_, hold_limit_us(seen_), now_us);

@@ -37,13 +37,19 @@ Hypothesis fit_free_parameters(const Hypothesis& start, const Evidence& evidence
   return out;
 }
 
-// By what the recording is examined: numbers of a mechanism that are not known are those that fit it best.
-PlantModel model_to_examine_by(const Dataset& dataset, const PlantModel& model, const SearchOptions& told) {
-  if (told.free.empty() || model.baseline.drive != Drive::Force) return model;
-  const std::optional<double> window = told.window ? told.window : choose(dataset, model).window;
-  return fit_free_parameters(baseline_hypothesis(model, told.free),
-                             prepare(dataset, model, window, Sampling::Coarse))
-      .model;
+// Numbers of a mechanism that are said to be unknown are not held against the file: what looks like another
+// unit or clock of all runs is examined again by the numbers that fit best.
+std::vector<DataRemark> examined(const Dataset& dataset, const PlantModel& model, const SearchOptions& told) {
+  std::vector<DataRemark> remarks = examine(dataset, model, noise_of(dataset));
+  const bool may_be_the_model = !remarks.empty() && remarks.front().blocks &&
+                                remarks.front().cause == "unit" &&
+                                remarks.front().runs.size() == dataset.runs.size();
+  if (!may_be_the_model || told.free.empty() || model.baseline.drive != Drive::Force) return remarks;
+  const Evidence evidence =
+      prepare(dataset, model, told.window ? told.window : window_of_drift(dataset, model), Sampling::Coarse);
+  const Hypothesis fitted = fit_free_parameters(baseline_hypothesis(model, told.free), evidence);
+  std::vector<DataRemark> again = examine(dataset, fitted.model, noise_of(dataset));
+  return again.empty() || !again.front().blocks ? again : remarks;
 }
 
 // Values of `fitted` copied to a hypothesis with more unknowns.
@@ -207,8 +213,7 @@ FoundGap not_searched(const Dataset& dataset, const PlantModel& model, std::vect
 FoundGap find_gap(const Dataset& dataset, const PlantModel& model, const SearchOptions& told,
                   const Progress& progress) {
   progress(0.0, "examining the recording");
-  std::vector<DataRemark> remarks =
-      examine(dataset, model_to_examine_by(dataset, model, told), noise_of(dataset));
+  std::vector<DataRemark> remarks = examined(dataset, model, told);
   if (!remarks.empty() && remarks.front().blocks) return not_searched(dataset, model, std::move(remarks));
   SearchOptions options = told;
   const bool chosen = told.choose && told.free.empty() && !told.window;

@@ -37,8 +37,9 @@ double holding_voltage(const PlantModel& stage, double depth, int coming, double
   const double S = b.V0 / (b.L0 * H) - 0.25 * std::numbers::pi * H;  // eq. (18)
   if (S <= 0.0) return highest;
   const double load = (stage.mass_A() + b.m_B) * b.g;
-  const double P = load / (b.L0 * S);                                                     // eq. (19)
-  const double u_o = b.d_film * std::sqrt(2.0 * P / (b.eps_film * kVacuumPermittivity));  // eq. (21)
+  const double P = load / (b.L0 * S);                                               // eq. (19)
+  double u_o = b.d_film * std::sqrt(2.0 * P / (b.eps_film * kVacuumPermittivity));  // eq. (21)
+  if (const auto& power = stage.effects.voltage_power) u_o = power->voltage_for(u_o);
   return std::min(u_o / b.K, highest);
 }
 

@@ -46,8 +46,8 @@ void declare(CLI::App& app, Options& options) {
   CLI::Option* paper = app.add_flag(
       "--paper", options.paper,
       "compare with the paper's figures in place of a data set: each candidate as extra unknowns of the "
-      "calibration, every figure by a calibration on the others. Some 7,000 evaluations of all figures: "
-      "an hour of two processors");
+      "calibration, every figure by a calibration on the others. Some 8,000 evaluations of all figures: "
+      "more than an hour of two processors");
   paper->excludes(dataset);
   add(app, "--candidates NAMES", options.candidates,
       "with `--paper`: try these candidates alone, `second_creep,slow_unzipping`; a wrong name lists all",

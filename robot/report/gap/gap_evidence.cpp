@@ -49,7 +49,9 @@ bool adopted(const GapFinding& finding) {
 
 const char* remark(const GapCandidate& candidate, bool is_adopted) {
   if (candidate.chosen) return is_adopted ? "✓ chosen" : "the best, not adopted";
-  return candidate.fitted ? "fitted" : "ruled out by the score test";
+  if (candidate.fitted) return "fitted";
+  return std::isfinite(candidate.held_out_rmse) ? "leaves too much for a law that resembles many"
+                                                : "ruled out by the score test";
 }
 
 std::string candidate_row(const GapCandidate& c, int decimals, bool is_adopted) {

@@ -12,9 +12,11 @@ namespace biopsy::sim {
 struct VoltagePower {
   double deficit = 0.0;  // of the exponent 2
 
-  double acting(double u) const {
-    constexpr double kSame = 1e3;  // V
-    return u == 0.0 ? 0.0 : u * std::pow(std::abs(u) / kSame, -0.5 * deficit);
+  static constexpr double kSame = 1e3;  // V
+
+  double acting(double u) const { return u == 0.0 ? 0.0 : u * std::pow(std::abs(u) / kSame, -0.5 * deficit); }
+  double voltage_for(double acting) const {  // the positive one that acts so
+    return kSame * std::pow(acting / kSame, 1.0 / (1.0 - 0.5 * deficit));
   }
 
   static constexpr bool linearises = true;

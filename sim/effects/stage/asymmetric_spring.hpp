@@ -26,7 +26,7 @@ struct AsymmetricSpring {
                                    "terms of a restoring force"};
   static constexpr auto parameters() {
     using E = AsymmetricSpring;
-    return std::array{Parameter<E>{"quadratic_N_per_mm2", &E::quadratic, 1e6, -1e4, 1e4, 0.05,
+    return std::array{Parameter<E>{"quadratic_N_per_mm2", &E::quadratic, 1e6, -1e4, 1e4, -0.05,
                                    "force at 1 mm beyond the linear one", Role::Strength}};
   }
 };

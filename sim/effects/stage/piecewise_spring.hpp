@@ -15,7 +15,7 @@ struct PiecewiseSpring {
   double place = 0.0;   // m, deformation in either direction
 
   double spring_push(const SpringMotion& s) const {
-    return change * std::copysign(std::max(0.0, std::abs(s.stretch) - std::abs(place)), s.stretch);
+    return change * std::copysign(std::max(0.0, std::abs(s.stretch) - place), s.stretch);
   }
   Steepness steepest(const Reach&) const { return {.stiffness = std::abs(change)}; }
 

@@ -50,7 +50,10 @@ void scale(std::vector<double>& values, double factor) {
 }
 
 std::string times_too_small(double factor) {
-  return fmt::format("{:.3g} times too {}", std::max(factor, 1.0 / factor), factor > 1.0 ? "small" : "large");
+  const double times = std::max(factor, 1.0 / factor);
+  return fmt::format("{} times too {}",
+                     times < 99.5 ? fmt::format("{:.3g}", times) : fmt::format("{:.0f}", times),
+                     factor > 1.0 ? "small" : "large");
 }
 
 Reading in_unit(const std::string& quantity, const std::string& channel, const std::string& unit,

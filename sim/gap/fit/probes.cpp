@@ -119,6 +119,14 @@ std::vector<double> scaled(const auto& shares, double from, double to) {
   return out;
 }
 
+// Along the range of the motion; of a place that counts in either direction the distance.
+std::vector<double> places(const LibraryParameter& p, const Evidence& evidence) {
+  std::vector<double> out = scaled(kPlaces, evidence.x_low, evidence.x_high);
+  if (p.low >= 0.0)
+    for (double& place : out) place = std::abs(place);
+  return out;
+}
+
 // All strengths together, and each alone where there are several.
 Starts strength_sets(const LibraryEffect& effect, bool each_alone) {
   std::vector<double> typical;
@@ -212,7 +220,7 @@ std::vector<std::vector<double>> probe_starts(int effect, const Evidence& eviden
         if (fine)
           vary(starts, i, scaled(kFinePlaces, evidence.x_low, evidence.x_high));
         else
-          vary(starts, i, scaled(kPlaces, evidence.x_low, evidence.x_high));
+          vary(starts, i, places(p, evidence));
         break;
       case Role::Level:
         vary(starts, i, scaled(kLevels, 0.0, evidence.u_max));

@@ -44,11 +44,15 @@ double short_window(const Dataset& dataset, const PlantModel& model) {
   return std::min(kWindow, std::max(kShortWindow / fastest_rate(model), kFewestReadings * period));
 }
 
+std::optional<double> window_of_drift(const Dataset& dataset, const PlantModel& model) {
+  const bool windows = model.baseline.drive == Drive::Force && drifts(dataset, model.baseline);
+  return windows ? std::optional(short_window(dataset, model)) : std::nullopt;
+}
+
 Choice choose(const Dataset& dataset, const PlantModel& model) {
   Choice out;
   if (model.baseline.drive != Drive::Force) return out;
-  if (drifts(dataset, model.baseline)) {
-    out.window = short_window(dataset, model);
+  if ((out.window = window_of_drift(dataset, model))) {
     out.reason = fmt::format(
         "Without a spring small errors add up, so runs are compared in windows of {:.2g} s that start from "
         "the "

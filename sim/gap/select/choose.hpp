@@ -23,6 +23,9 @@ struct Choice {
 // the misfit falls by half.
 Choice choose(const Dataset& dataset, const PlantModel& model);
 
+// Windows for a mechanism that drifts: none where a spring holds it, or for a stage.
+std::optional<double> window_of_drift(const Dataset& dataset, const PlantModel& model);
+
 // s; short enough for the mechanism's ringing to stay in phase with the model's.
 double short_window(const Dataset& dataset, const PlantModel& model);
 

@@ -35,7 +35,7 @@ constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
 constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
-constexpr double kHardlyMore = 2.0;         // noises that a law which resembles many may leave
+constexpr double kFarFromNoise = 0.04;      // of the square before, after the quick fits
 constexpr double kUndecided = 3.0;          // and within which held-out runs do not decide: odds of 20 to 1
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
@@ -161,12 +161,18 @@ std::size_t near_the_best(const std::vector<CandidateFit>& fits, std::size_t cou
 }
 
 // Those that could still overtake the best: nearly to convergence on coarse rows, the first of them then on
-// fine ones, on which all are compared. Bristles that bend unseen are the friction that they contain.
-void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, double known,
+// fine ones, on which all are compared. Bristles that bend unseen are the friction that they contain, and a
+// law that resembles many is none where it leaves much of `square_now`: they take no place of another.
+void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, double square_now, double known,
                     const Evidence& coarse, const Evidence& fine) {
   const auto end = fits.begin() + static_cast<std::ptrdiff_t>(promising);
-  const auto seen_end = std::stable_partition(
-      fits.begin(), end, [&](const CandidateFit& t) { return !bends_unseen(t, coarse); });
+  const auto has_no_chance = [&](const CandidateFit& t) {
+    return resembles_many(t.candidate) && excess(t.scored.square, coarse) > kFarFromNoise * square_now &&
+           std::sqrt(excess(t.scored.square, coarse)) > kHardlyMore * coarse.noise;
+  };
+  const auto seen_end = std::stable_partition(fits.begin(), end, [&](const CandidateFit& t) {
+    return !bends_unseen(t, coarse) && !has_no_chance(t);
+  });
   const auto seen = static_cast<std::size_t>(seen_end - fits.begin());
   const std::size_t most = is_exhausted(fine) ? kCloseFits : kFullFits;
   const std::size_t open = near_the_best(fits, std::min(most, seen), known);
@@ -212,7 +218,7 @@ void mark_indistinguishable(Round& round, const ScoredModel& now) {
   for (const CandidateFit& one : round.fits) {
     const bool nested = one.candidate == winner || are_nested(one.candidate, winner);
     if (!nested || !one.fitted || !std::isfinite(one.scored.square)) continue;
-    const double explained = std::max(0.0, now.square - one.scored.square);
+    const double explained = std::isfinite(now.square) ? std::max(0.0, now.square - one.scored.square) : 0.0;
     for (CandidateFit& t : round.fits)
       if (t.fitted && std::isfinite(t.scored.square) && !(t.candidate == winner))
         t.indistinguishable = t.indistinguishable || t.candidate == one.candidate ||
@@ -246,10 +252,11 @@ double cost_of_unknowns(const Hypothesis& hypothesis, double samples, std::size_
 }
 
 // A number that seems to be another may be the mean of one that varies with the motion; out of step with it,
-// that effect scores nothing. Nor does a strong effect whose law the typical strength of its own is far
-// beside, while a smooth law of the same variable scores. What is brought follows the `count` promising ones.
-void bring_what_varies(std::vector<Score>& scores, std::size_t& count, Drive drive) {
-  constexpr std::array kVaries{
+// that effect scores nothing. The same where an effect is so strong that its typical strength tells nothing:
+// a smoother law of the same variable scores in its place. What is brought follows the `count` promising
+// ones.
+void bring_what_is_resembled(std::vector<Score>& scores, std::size_t& count, Drive drive) {
+  constexpr std::array kResembled{
       std::pair{std::string_view("k"), SpringHardening::info.name},
       std::pair{std::string_view("c_s"), QuadraticDamping::info.name},
       std::pair{std::string_view("c_s"), DirectionalDamping::info.name},
@@ -258,7 +265,7 @@ void bring_what_varies(std::vector<Score>& scores, std::size_t& count, Drive dri
       std::pair{PiecewiseSpring::info.name, SpringHardening::info.name},
       std::pair{PiecewiseSpring::info.name, AsymmetricSpring::info.name},
   };
-  for (const auto& [seems, effect] : kVaries) {
+  for (const auto& [seems, effect] : kResembled) {
     const auto is = [&](std::string_view name) {
       return [=](const Score& score) { return score.candidate.name(drive) == name; };
     };
@@ -363,11 +370,12 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};
   const std::size_t most = std::min(name.number > 1 ? kLaterQuickFits : kQuickFits, scores.size());
-  std::size_t promising = 0;
-  while (promising < most && scores[promising].share() > kWorthFitting * scores.front().share() &&
+  std::size_t promising = 0, counted = 0;
+  while (promising < scores.size() && counted < most &&
+         scores[promising].share() > kWorthFitting * scores.front().share() &&
          scores[promising].share() > 0.0)
-    ++promising;
-  bring_what_varies(scores, promising, now.drive());
+    counted += resembles_many(scores[promising++].candidate) ? 0 : 1;
+  bring_what_is_resembled(scores, promising, now.drive());
   Round round;
   for (const Score& score : scores)
     round.fits.push_back(
@@ -379,7 +387,7 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.fits.begin(), end, by_square);
   progress(0.4 * name.share + 0.6 * name.share_after, fmt::format("{}: fitting the best fully", name.title));
-  fit_best_fully(round.fits, promising, rivals.known, coarse, fine);
+  fit_best_fully(round.fits, promising, now.square, rivals.known, coarse, fine);
   for (CandidateFit& t : round.fits)
     t.fitted = t.fitted && !(resembles_many(t.candidate) &&
                              std::sqrt(excess(t.scored.square, fine)) > kHardlyMore * fine.noise);

@@ -135,7 +135,7 @@ std::vector<GapCandidate> candidates_of(const Selection& selection, Drive drive)
     c.round = t.round;
     c.score = t.share;
     c.fitted = t.fitted;
-    if (t.fitted) c.held_out_rmse = std::sqrt(t.scored.square) * kMm;
+    if (t.fitted || !t.scored.residual.empty()) c.held_out_rmse = std::sqrt(t.scored.square) * kMm;
     c.probability = t.probability;
     c.chosen = t.chosen;
     out.push_back(c);

@@ -312,6 +312,12 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
     if (is_hysteretic(term.candidate) && !well_explained(selection.start.square, selection.best.square, fine))
       out.push_back(fmt::format(
           "its many numbers fit much that is no such spring, and it closes {:.0f} % only", 100.0 * closed));
+  for (const SelectedTerm& term : selection.selected)
+    if (resembles_many(term.candidate) &&
+        std::sqrt(excess(selection.best.square, fine)) > kHardlyMore * fine.noise)
+      out.push_back(fmt::format("it leaves {:.3g} mm, and {} resembles many a law that would leave as little",
+                                kMm * std::sqrt(selection.best.square),
+                                term.candidate.name(selection.best.drive())));
   if (closed < kHalf && !is_near_noise(selection.best.square, fine))
     out.push_back(fmt::format("it closes {:.0f} % of the gap that no calibration explains", 100.0 * closed));
   add_left_motion(out, selection, fine);

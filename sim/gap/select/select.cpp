@@ -60,7 +60,8 @@ bool leaves_noise(const ScoredModel& now, const Evidence& evidence) {
 // The remainder is small against what was explained: that the effects are not quite of the library's form
 // would be taken for a further one.
 bool is_imprecision(const ScoredModel& now, const ScoredModel& start, const Evidence& evidence) {
-  return excess(now.square, evidence) < kImprecision * excess(start.square, evidence);
+  return std::isfinite(start.square) &&
+         excess(now.square, evidence) < kImprecision * excess(start.square, evidence);
 }
 
 // The remainder is noise. Before anything is named in the training runs
@@ -135,7 +136,8 @@ std::vector<Candidate> near_candidates(const SelectedTerm& term) {
   if (rivals.size() > kMostRivals) rivals.resize(kMostRivals);
   std::vector<Candidate> out;
   for (const CandidateFit* t : rivals) out.push_back(t->candidate);
-  // Beside a friction of more numbers the one that it contains, which it is when these do not matter.
+  // Where a friction of more numbers is a rival, so is the one that it contains and is when these do not
+  // matter.
   const auto is = [](std::string_view name) {
     return [=](const Candidate& candidate) { return is_effect(candidate, name); };
   };
@@ -193,8 +195,9 @@ void drop_unneeded(Selection& out, const Evidence& coarse, const Evidence& fine)
     if (effects < 2 || !out.selected[i].is_effect()) continue;
     const double left = excess(out.best.square, fine);
     Hypothesis reduced = without(out.best, out.selected[i].candidate, coarse);
-    const double bearable = std::max(
-        {left, std::pow(kBelowNoise * fine.noise, 2), kImprecision * excess(out.start.square, fine)});
+    const double imprecision =
+        std::isfinite(out.start.square) ? kImprecision * excess(out.start.square, fine) : 0.0;
+    const double bearable = std::max({left, std::pow(kBelowNoise * fine.noise, 2), imprecision});
     if (excess(score_model(reduced, fine).square, fine) > kFarBehind * bearable) continue;
     fit_closely(reduced, fine, kRefitIterations);
     ScoredModel less = score_model(std::move(reduced), fine);

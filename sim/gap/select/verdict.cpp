@@ -60,6 +60,7 @@ double gap_closed(double before, double after, double noise) {
 }
 
 bool well_explained(double before, double after, const Evidence& evidence) {
+  if (!std::isfinite(before)) return follows(after, evidence);  // of an endless gap any share is closed
   return std::sqrt(excess(after, evidence)) < kWellBelowNoise * evidence.noise ||
          gap_closed(before, after, evidence.noise) >= kWellClosed;
 }

@@ -113,5 +113,13 @@ TEST(VoltagePower, PullsAsThePowerSays) {
     }
 }
 
+TEST(VoltagePower, IsInvertedByTheVoltageThatActsSo) {
+  for (const double deficit : {0.5, 0.0, -0.4})
+    for (const double u : {20.0, 1000.0, 5200.0}) {
+      const VoltagePower power{deficit};
+      EXPECT_NEAR(power.acting(power.voltage_for(u)), u, 1e-9 * u);
+    }
+}
+
 }  // namespace
 }  // namespace biopsy::sim

@@ -67,6 +67,10 @@ TEST(Verdict, AModelThatRunsAwayExplainsNothing) {
   EXPECT_EQ(verdict_of_effect(std::sqrt(mean_square({nan}))), GapVerdict::Unexplained);
   EXPECT_EQ(gap_closed(kBefore * kBefore, mean_square({nan}), kNoiseHere), 0.0);
   EXPECT_EQ(gap_closed(mean_square({nan}), kBefore * kBefore, kNoiseHere), 1.0);
+  // What holds a given model that runs away explains it only where it follows the motion.
+  const Evidence evidence = evidence_of_five_millimetres();
+  EXPECT_FALSE(well_explained(mean_square({nan}), kBefore * kBefore, evidence));
+  EXPECT_TRUE(well_explained(mean_square({nan}), 1.1 * kNoiseHere * kNoiseHere, evidence));
 }
 
 // Half a per cent of the motion is 25 um, the noise 10.

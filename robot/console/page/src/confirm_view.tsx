@@ -5,7 +5,7 @@ import type { Checked, Judgement, State } from './generated/messages'
 import { withToken } from './address'
 import { send } from './link'
 import { Compare } from './compare'
-import { checked, state, disabledReason, runOver, welcome } from './robot'
+import { checked, state, disabledReason, runOver } from './robot'
 import { tipText } from './stop_card'
 import { mm } from './viewer/geometry'
 
@@ -89,10 +89,8 @@ const heldText = (now: State) =>
   `The needle is ${now.locked ? 'locked' : 'held'} for ${now.hold_left} s more, then retracted.`
 
 // A demonstration that does not wait as long as a scanner says so.
-const shortScanText = () => {
-  const scan = welcome.value?.short_scan ?? 0
-  return scan > 0 ? `SIMULATED: an image takes ${scan} s here; a scanner takes 20 to 60 s.` : ''
-}
+const shortScanText = (now: State) =>
+  `SIMULATED: an image takes ${now.short_scan} s here; a scanner takes 20 to 60 s.`
 
 export function ConfirmView() {
   const now = state.value
@@ -106,14 +104,14 @@ export function ConfirmView() {
       <div class="confirm" role="status">
         <h2>{now.scanner === 'Checking' ? 'Looking for the tip in the new image…' : 'The scanner takes the image…'}</h2>
         {now.hold_left > 0 && <p>{heldText(now)}</p>}
-        {shortScanText() && <p data-name="short-scan">{shortScanText()}</p>}
+        {now.short_scan > 0 && <p data-name="short-scan">{shortScanText(now)}</p>}
       </div>
     )
   return (
     <div class="confirm">
       <Compare of={last}>
         {now.hold_left > 0 && <p data-name="hold-left">{heldText(now)}</p>}
-        {now.hold_left > 0 && shortScanText() && <p data-name="short-scan">{shortScanText()}</p>}
+        {now.hold_left > 0 && now.short_scan > 0 && <p data-name="short-scan">{shortScanText(now)}</p>}
       </Compare>
       <dl>
         <div>
