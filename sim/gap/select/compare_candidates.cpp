@@ -35,7 +35,6 @@ constexpr double kTolerance = 0.1;          // of the noise
 constexpr double kComplexityPenalty = 1.0;  // log odds for each free parameter, beyond the BIC's
 constexpr double kSamePrediction = 0.3;     // RMS difference, of what the winner explains
 constexpr double kOpen = 10.0;              // log evidence within which candidates are not told apart
-constexpr double kFarFromNoise = 0.04;      // of the square before, after the quick fits
 constexpr double kUndecided = 3.0;          // and within which held-out runs do not decide: odds of 20 to 1
 
 Hypothesis with(const Hypothesis& current, const Candidate& candidate, const Probe& probe,
@@ -161,18 +160,12 @@ std::size_t near_the_best(const std::vector<CandidateFit>& fits, std::size_t cou
 }
 
 // Those that could still overtake the best: nearly to convergence on coarse rows, the first of them then on
-// fine ones, on which all are compared. Bristles that bend unseen are the friction that they contain, and a
-// law that resembles many is none where it leaves much of `square_now`: they take no place of another.
-void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, double square_now, double known,
+// fine ones, on which all are compared. Bristles that bend unseen are the friction that they contain.
+void fit_best_fully(std::vector<CandidateFit>& fits, std::size_t promising, double known,
                     const Evidence& coarse, const Evidence& fine) {
   const auto end = fits.begin() + static_cast<std::ptrdiff_t>(promising);
-  const auto has_no_chance = [&](const CandidateFit& t) {
-    return resembles_many(t.candidate) && excess(t.scored.square, coarse) > kFarFromNoise * square_now &&
-           std::sqrt(excess(t.scored.square, coarse)) > kHardlyMore * coarse.noise;
-  };
-  const auto seen_end = std::stable_partition(fits.begin(), end, [&](const CandidateFit& t) {
-    return !bends_unseen(t, coarse) && !has_no_chance(t);
-  });
+  const auto seen_end = std::stable_partition(
+      fits.begin(), end, [&](const CandidateFit& t) { return !bends_unseen(t, coarse); });
   const auto seen = static_cast<std::size_t>(seen_end - fits.begin());
   const std::size_t most = is_exhausted(fine) ? kCloseFits : kFullFits;
   const std::size_t open = near_the_best(fits, std::min(most, seen), known);
@@ -370,11 +363,10 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   std::vector<Score> scores = score_candidates(now.hypothesis, coarse, open);
   if (stop.stop_requested()) return {};
   const std::size_t most = std::min(name.number > 1 ? kLaterQuickFits : kQuickFits, scores.size());
-  std::size_t promising = 0, counted = 0;
-  while (promising < scores.size() && counted < most &&
-         scores[promising].share() > kWorthFitting * scores.front().share() &&
+  std::size_t promising = 0;
+  while (promising < most && scores[promising].share() > kWorthFitting * scores.front().share() &&
          scores[promising].share() > 0.0)
-    counted += resembles_many(scores[promising++].candidate) ? 0 : 1;
+    ++promising;
   bring_what_is_resembled(scores, promising, now.drive());
   Round round;
   for (const Score& score : scores)
@@ -387,7 +379,7 @@ Round selection_step(const ScoredModel& now, const Evidence& coarse, const Evide
   const auto end = round.fits.begin() + static_cast<std::ptrdiff_t>(promising);
   std::stable_sort(round.fits.begin(), end, by_square);
   progress(0.4 * name.share + 0.6 * name.share_after, fmt::format("{}: fitting the best fully", name.title));
-  fit_best_fully(round.fits, promising, now.square, rivals.known, coarse, fine);
+  fit_best_fully(round.fits, promising, rivals.known, coarse, fine);
   for (CandidateFit& t : round.fits)
     t.fitted = t.fitted && !(resembles_many(t.candidate) &&
                              std::sqrt(excess(t.scored.square, fine)) > kHardlyMore * fine.noise);
