@@ -65,7 +65,7 @@ class BusRecorder {
   NavigationRequest sensor_;
   Measurement measured_;
   DriveRequest request_;
-  Decision last_refused_;  // the last one that refused a request
+  Decision last_refused_;
   std::int64_t decision_us_ = 0, measured_us_ = 0, requested_us_ = 0;  // of the newest
   std::array<bool, kCount<Process>> alive_{};
   std::array<std::uint32_t, kCount<Process>> refused_{};
