@@ -24,7 +24,7 @@ struct SlowUnzipping {
       "the flow of the oil"};
   static constexpr auto parameters() {
     using E = SlowUnzipping;
-    return std::array{Parameter<E>{"share", &E::share, 1.0, -0.95, 100.0, 0.5,
+    return std::array{Parameter<E>{"share", &E::share, 1.0, -0.8, 100.0, 0.5,
                                    "of tau_h, by which the fall takes longer", Role::Strength}};
   }
 };

@@ -52,7 +52,7 @@ bool is_dry_friction(const Candidate& candidate);
 // A law that many others resemble. It is a name where it leaves hardly more than noise, and no rival
 // elsewhere.
 bool resembles_many(const Candidate& candidate);
-inline constexpr double kHardlyMore = 2.0;  // noises that it may leave
+inline constexpr double kHardlyMore = 0.5;  // noises that it may leave
 
 // Number of independent errors in the held-out runs: one per window where runs are cut into windows,
 // otherwise by independent_samples().

@@ -13,7 +13,6 @@ namespace biopsy::hidden {
 namespace {
 
 constexpr double kHalfClosed = 0.5;
-constexpr double kFewNoises = 2.3;       // two beside the noise itself
 constexpr double kDrawnRigNoise = 4e-6;  // m
 
 HiddenCase drawn(const std::string& effect, double strength, std::uint64_t seed) {
@@ -112,7 +111,6 @@ TEST(WrongNames, DragThatGrowsWithDepthIsNoFrictionOfTheShaft) {
 }
 
 // u/(1 + |u|/L): no voltage is reached at which a higher command changes nothing.
-// It may be called another power of the voltage, where that is as good as the law itself.
 TEST(WrongNames, AGainThatFallsWithTheVoltageIsNoSaturation) {
   Dice dice(20260122);
   for (std::uint64_t seed = 9501; seed < 9503; ++seed) {
@@ -124,10 +122,8 @@ TEST(WrongNames, AGainThatFallsWithTheVoltageIsNoSaturation) {
     const GapFinding finding =
         sim::gap::find_gap(make_hidden(one, bent), sim::parse_model(baseline_model(one), "model.toml"), {})
             .finding;
+    EXPECT_EQ(finding.verdict, GapVerdict::Unexplained) << seed;
     EXPECT_FALSE(names(finding, "voltage_saturation")) << seed;
-    if (finding.verdict == GapVerdict::Unexplained) continue;
-    EXPECT_TRUE(finding.effects.size() == 1 && names(finding, "voltage_power")) << seed;
-    EXPECT_LT(finding.rmse_after, kFewNoises * finding.noise_floor) << seed;
   }
 }
 
