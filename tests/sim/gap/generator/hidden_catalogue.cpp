@@ -84,8 +84,6 @@ constexpr CatalogueEntry kOutside[] = {
     {"slider_bump", 6.0, 20.0, [](P& p, double s) { p.bump_damping = s; }},
     // random in time and sign: nothing periodic or constant
     {"random_shocks", 0.5, 1.5, [](P& p, double s) { p.shock_force = s; }},
-    // even in the deflection, and bounded: no power of it
-    {"spring_that_levels_off", 100, 250, [](P& p, double s) { p.spring_asymmetry = s, p.levels_off = 4e-3; }},
     // stairs without memory: hysteresis has memory and no stairs
     {"zipping_in_ledges", 0.05e-3, 0.12e-3, [](P& p, double s) { p.zip_ledge = s; }},
     // zero mean, forgets in 0.7 s: a drift is a line

@@ -10,6 +10,7 @@ constexpr double kBend = 1.0e-6;  // m, bristles of shaft and side load at slidi
 constexpr double kShockSeconds = 6e-3;
 constexpr double kCollapseSeconds = 8e-3;
 constexpr double kCutting = 0.3;   // of the puncture force remains
+constexpr double kEven = 4e-3;     // m, where the even part of the spring levels off: stays stable
 constexpr double kKnee = 20e-6;    // m, over which a second spring is reached
 constexpr double kValve = 0.2e-3;  // m/s, over which a valve closes
 constexpr double kFullLength =
@@ -33,7 +34,7 @@ HiddenForces::HiddenForces(const HiddenPhysics& physics, double mass, std::uint6
 }
 
 double HiddenForces::spring(double stiffness, double deflection, double rate, double h) {
-  const double even = deflection / p_.levels_off;
+  const double even = deflection / kEven;
   double force = stiffness * p_.spring_asymmetry * deflection * deflection / (1.0 + even * even);
   force += p_.cubic * deflection * deflection * deflection;
   if (p_.second_spring != 0.0) {

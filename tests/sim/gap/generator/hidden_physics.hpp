@@ -42,7 +42,6 @@ struct HiddenPhysics {
   double drag = 0;                               // N s2/m2
   double cubic = 0;                              // N/m3 of deflection
   double spring_asymmetry = 0;                   // 1/m: stiffness k (1 + a delta)
-  double levels_off = 20e-3;                     // m, where that part of the spring does
   double second_spring = 0, second_at = 0.4e-3;  // of k, reached after so much deflection (m) either way
   double valve = 0;                              // N s/m, while plate A falls
   double bouc_force = 0, bouc_length = 0.8e-3;   // N, m; Bouc-Wen in (A, beta, gamma)
