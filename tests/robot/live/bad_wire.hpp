@@ -21,10 +21,11 @@ class BadWire {
   explicit BadWire(const std::filesystem::path& folder) : file_(folder / "lossy") {
     std::ofstream(file_, std::ios::binary) << std::string(6 * sizeof(std::uint32_t), '\0');
     setenv("LOSSY_FILE", file_.c_str(), 1);
-    setenv("LD_PRELOAD", LOSSY, 1);
+    const std::string others = preloaded_.empty() ? "" : preloaded_ + ":";  // a slow clock
+    setenv("LD_PRELOAD", (others + LOSSY).c_str(), 1);
   }
   ~BadWire() {
-    unsetenv("LD_PRELOAD");
+    preloaded_.empty() ? unsetenv("LD_PRELOAD") : setenv("LD_PRELOAD", preloaded_.c_str(), 1);
     unsetenv("LOSSY_FILE");
   }
   BadWire(const BadWire&) = delete;
@@ -44,6 +45,7 @@ class BadWire {
   }
 
  private:
+  std::string preloaded_ = std::getenv("LD_PRELOAD") != nullptr ? std::getenv("LD_PRELOAD") : "";
   std::filesystem::path file_;
 };
 
