@@ -31,7 +31,8 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
         "plan", "ask for fewer waypoints or merge thin layers");
   facts.plan_tag = planner::plan_tag(plan);
   facts.config_tag = config_tag;
-  facts.depth_max_um = to_um(plan.limits.depth_max);
+  facts.depth_max_um =
+      std::min(to_um(plan.limits.depth_max), to_um(plan.target_depth) + limits::kDepthMargin_um);
   facts.tissue_residual_max_um = kTissueResidual_um;
   if (plan.bench)  // never 0, which would make it a plan for a patient
     facts.bench_half_period_ticks = std::max(1, to_integer(plan.bench->half_period / kTick));

@@ -30,8 +30,9 @@ void FaultNotes::add(const CycleRecord& tick, std::uint32_t active) {
       before_[i] = last_;
     }
     const safety::HazardSet fresh = found & ~before_[i];
-    if (!result.detected_by.empty() || fresh == 0) continue;
-    result.detected_by = name_of(safety::worst_of(fresh));
+    const bool held_too_long = tick.supervisor.event == safety::Event::HoldTooLong;
+    if (!result.detected_by.empty() || (fresh == 0 && !held_too_long)) continue;
+    result.detected_by = fresh != 0 ? name_of(safety::worst_of(fresh)) : name_of(tick.supervisor.event);
     result.detected_after_ms = (now_s - result.began_s) * 1e3;
   }
   last_ = found;

@@ -185,7 +185,8 @@ PreparedCase prepare_run(const Case& given, const fs::path& out, const std::vect
 
 std::string finish(report::RunRecord& record, const PreparedCase& prepared, const fs::path& out,
                    std::chrono::steady_clock::time_point started) {
-  record.provenance = provenance(prepared, record);
+  const auto known = provenance(prepared, record);  // before what the caller adds
+  record.provenance.insert(record.provenance.begin(), known.begin(), known.end());
   if (record.real_time) {  // two runs in lockstep are equal, whoever made them and when
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
     record.provenance.emplace_back("made, UTC", fmt::format("{:%F %T}", now));

@@ -32,4 +32,9 @@ std::vector<std::pair<std::string, std::string>> provenance(const PreparedCase& 
   return out;
 }
 
+std::vector<std::pair<std::string, std::string>> provenance_of_faults(const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  return {{"faults", file.filename().string()}, {"faults, SHA-256", file_hash(file)}};
+}
+
 }  // namespace biopsy::robot

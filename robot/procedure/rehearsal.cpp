@@ -163,6 +163,11 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
   images.cancel();
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
+  if (!record.trips.empty() && record.trips.back().reason == name_of(safety::Event::HoldTooLong))
+    record.remedy =
+        "a hold lasts 10 s, and longer only while the brake locks the needle and it stands still: see in "
+        "run.csv "
+        "(locked, depth) whether it gripped";
   record.simulated_s = record.samples.empty() ? 0.0 : (record.samples.back().time_ms + 1.0) * 1e-3;
   measure_run(record);
   return record;

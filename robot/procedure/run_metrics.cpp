@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "safety/types/limits.hpp"
+#include "safety/types/transitions.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -53,13 +54,14 @@ void measure_stage(const report::RunRecord& record, std::size_t index, report::S
   if (deepest > -1e9) result.overshoot_mm = std::max(0.0, deepest - goal);
 }
 
-double final_depth(const report::RunRecord& record) {
+// Mean of a depth over the last period in which the needle was driven.
+double final_mean(const report::RunRecord& record, float report::Sample::*depth_mm) {
   const auto last = std::find_if(record.samples.rbegin(), record.samples.rend(), is_driven);
   if (last == record.samples.rend()) return report::kUnknown;
   Rms window;
   for (auto sample = last; sample != record.samples.rend() && is_driven(*sample); ++sample) {
     if ((last->time_ms - sample->time_ms) * 1e-3 > kFinalWindow_s) break;
-    window.add(0.0, sample->depth_mm);
+    window.add(0.0, (*sample).*depth_mm);
   }
   return window.mean();
 }
@@ -81,7 +83,7 @@ double left_depth(const report::RunRecord& record) {
 
 void measure_limits(report::RunRecord& record) {
   double deepest = 0.0, monitor = 0.0, hold_s = 0.0, held = 0.0, envelope = 0.0;
-  double locked_s = 0.0, locked = 0.0, before_ms = 0.0;
+  double locked_s = 0.0, locked = 0.0, before_ms = 0.0, whole_hold = 0.0;
   for (const report::Sample& sample : record.samples) {
     deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
     monitor = std::max(monitor, static_cast<double>(std::abs(sample.monitor_kV)));
@@ -91,6 +93,13 @@ void measure_limits(report::RunRecord& record) {
     const double since_s = (sample.time_ms - before_ms) * 1e-3;  // ticks that were lost included
     before_ms = sample.time_ms;
     held = sample.mode == Mode::Hold && !sample.locked ? held + since_s : 0.0;
+    // The supervisor counts a locked needle that does not stand still like one that is not locked.
+    const bool too_long = std::ranges::any_of(record.trips, [&](const report::Trip& trip) {
+      return trip.reason == safety::name_of(safety::Event::HoldTooLong) &&
+             std::abs(trip.time_s * 1e3 - sample.time_ms) < 0.5;
+    });
+    if (too_long) held = whole_hold;
+    whole_hold = sample.mode == Mode::Hold ? whole_hold + since_s : 0.0;
     hold_s = std::max(hold_s, held);
     locked = sample.locked ? locked + since_s : 0.0;
     locked_s = std::max(locked_s, locked);
@@ -122,7 +131,6 @@ void measure_run(report::RunRecord& record) {
     report::StepResult& result = record.steps[i];
     measure_stage(record, i, result, settled);
     if (!std::isnan(result.overshoot_mm)) overshoot = std::fmax(overshoot, result.overshoot_mm);
-    if (result.reached) record.layer_at_tip = result.layer_at_tip;
     if (!result.check || !result.check->tip_found) continue;
     record.image_depth_mm = result.check->depth.value;
     record.image_depth_sigma_mm = result.check->sigma.value;
@@ -130,11 +138,13 @@ void measure_run(report::RunRecord& record) {
   record.rmse_settled_mm = settled.value();
   record.rmse_all_mm = all.value();
   record.overshoot_mm = overshoot;
-  record.final_depth_mm = final_depth(record);
+  record.final_depth_mm = final_mean(record, &report::Sample::depth_mm);
   record.left_depth_mm = left_depth(record);
-  if (record.simulated)
+  if (record.simulated) {
+    record.true_final_depth_mm = final_mean(record, &report::Sample::tip_mm);
     for (const report::Sample& sample : record.samples)
       record.true_depth_max_mm = std::fmax(record.true_depth_max_mm, static_cast<double>(sample.tip_mm));
+  }
   measure_limits(record);
 }
 

@@ -45,7 +45,8 @@ void RunNotes::note_trip(const CycleRecord& tick) {
   const Mode now = tick.supervisor.permit.mode;
   const bool unasked = now == Mode::Trip || now == Mode::Lock ||
                        (now == Mode::Retract && tick.supervisor.reason != safety::Hazard::None) ||
-                       (now == Mode::Hold && tick.supervisor.reason != safety::Hazard::None);
+                       (now == Mode::Hold && tick.supervisor.reason != safety::Hazard::None) ||
+                       tick.supervisor.event == safety::Event::HoldTooLong;
   if (now == mode_ || !unasked) return;
   record_.trips.push_back({record_.samples.back().time_ms * 1e-3, tick.supervisor.permit.stop,
                            cause_of(tick.supervisor, tick.panel_unread_ms)});
@@ -82,6 +83,9 @@ void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
     result.reached_s = now_ms * 1e-3;
     result.layer_at_tip = layer_at(plan_, cycle.truth);
   }
+  reached_ = reached_ || result.reached;
+  if (reached_ && (mode_ == Mode::Active || mode_ == Mode::Hold))
+    record_.layer_at_tip = layer_at(plan_, cycle.truth);
   if (!inputs.acquiring) return;
   if (tip_count_ == 0) {
     result.image_s = now_ms * 1e-3;

@@ -28,6 +28,7 @@ class RunNotes {
   double time_ms(const Measurement& measurement);
 
   Mode mode_ = Mode::Boot;
+  bool reached_ = false;   // the end of a step
   std::uint32_t seq_ = 0;  // of the last tick
   std::int64_t first_us_ = 0, last_us_ = 0;
   double tip_sum_mm_ = 0.0, tip_low_mm_ = 0.0, tip_high_mm_ = 0.0;

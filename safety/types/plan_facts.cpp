@@ -1,6 +1,7 @@
 #include "safety/types/plan_facts.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
@@ -37,10 +38,10 @@ constexpr std::int32_t kBeyondSteps_um = 501;  // one for rounding
 constexpr std::int32_t kRestLow_um = -1'000, kRestHigh_um = 5'000, kBandWidth_um = 21'000;
 
 bool is_bounded(const PlanFacts& plan) {
-  std::int32_t deepest_um = 0;
-  for (std::size_t i = 0; i < plan.step_count; ++i)
-    deepest_um = std::max(deepest_um, plan.steps[i].depth_max_um);
-  if (plan.depth_max_um > deepest_um + kBeyondSteps_um) return false;
+  const std::span steps = std::span(plan.steps).first(plan.step_count);
+  if (!std::ranges::is_sorted(steps, {}, &StepLimits::depth_max_um)) return false;
+  if (plan.depth_max_um > steps.back().depth_max_um + kBeyondSteps_um) return false;
+  if (plan.bands[0].drive_mV != 0) return false;  // what follows is said of the needle at rest
   if (plan.bands[0].low_um < kRestLow_um || plan.bands[0].high_um > kRestHigh_um) return false;
   for (std::size_t i = 0; i < plan.band_count; ++i)
     if (plan.bands[i].high_um - plan.bands[i].low_um > kBandWidth_um) return false;

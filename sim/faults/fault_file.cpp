@@ -53,7 +53,7 @@ Unit unit_of(FaultSignal signal) {
     case FaultSignal::Brake:
       return {"", 1.0};
     default:
-      return {"", 0.0};
+      return {"", is_contact(signal) ? 1.0 : 0.0};
   }
 }
 
@@ -66,30 +66,48 @@ bool is_possible(FaultSignal signal, FaultKind kind) {
   return kind != OtherSurface || signal == FaultSignal::Depth || signal == FaultSignal::DepthB;
 }
 
-// The value's range; none: the kind has no value.
-std::optional<std::pair<double, double>> range_of(FaultKind kind, double most) {
+struct Range {
+  double low, high;
+  std::string unit;
+};
+
+// The value's; none: the kind has no value.
+std::optional<Range> range_of(FaultKind kind, const Unit& signal) {
   using enum FaultKind;
+  const std::string unit(signal.name);
   switch (kind) {
     case Replay:
     case Lag:
-      return {{1.0, kLongest_ms}};
+      return {{1.0, kLongest_ms, "ms"}};
     case Offset:
-    case Drift:
     case OtherSurface:
-      return {{-most, most}};
+      return {{-signal.most, signal.most, unit}};
+    case Drift:
+      return {{-signal.most, signal.most, unit + "/s"}};
     case Scale:
-      return {{-10.0, 10.0}};
+      return {{-10.0, 10.0, ""}};
     case Quantised:
-      return {{1e-9, most}};
+      return {{1e-9, signal.most, unit}};
     case Oscillation:
-      return {{0.0, most}};
+      return {{0.0, signal.most, unit}};
     case Dropout:
-      return {{0.0, 1.0}};
+      return {{0.0, 1.0, ""}};
     case MissingPolarity:
-      return {{-1.0, 1.0}};
+      return {{-1.0, 1.0, ""}};
     default:
       return {};
   }
+}
+
+// An entry that changes nothing would be rehearsed as a fault that nobody noticed.
+void refuse_without_effect(TomlTable& table, const Fault& fault) {
+  using enum FaultKind;
+  if (fault.kind == Noise && !(fault.noise > 0.0))
+    table.refuse("kind", "is \"noise\" without noise", "give its standard deviation as `noise`");
+  if (fault.kind == MissingPolarity && fault.value == 0.0)
+    table.refuse("value", "is 0", "1: the positive sign is lost, -1: the negative one");
+  if (is_contact(fault.signal) && fault.kind == OtherSurface && fault.value != 0.0 && fault.value != 1.0)
+    table.refuse("value", "is no state of a contact", "0: open, 1: closed");
 }
 
 // Of an intermittent fault.
@@ -109,14 +127,16 @@ Fault read_fault(TomlTable& table) {
                  "other_surface (0 open, 1 closed); "
                  "other_surface elsewhere: depth and depth_b only; command: voltage_monitor only");
   const Unit unit = unit_of(fault.signal);
-  const double most = is_contact(fault.signal) ? 1.0 : unit.most;
-  const auto range = range_of(fault.kind, most);
-  const bool in_ms = fault.kind == FaultKind::Replay || fault.kind == FaultKind::Lag;
+  const auto range = range_of(fault.kind, unit);
   if (range)
-    fault.value = table.number("value", range->first, range->second, in_ms ? "ms" : unit.name);
+    fault.value = table.number("value", range->low, range->high, range->unit);
   else if (table.has("value"))
-    table.number("value", -most, most, unit.name);  // allowed, and without a meaning: frozen, inverted, noise
-  if (table.has("noise")) fault.noise = table.number("noise", 0.0, most, unit.name);
+    table.number("value", -unit.most, unit.most,
+                 unit.name);  // allowed, without a meaning: frozen, inverted, noise
+  const bool is_digital =
+      is_link(fault.signal) || is_contact(fault.signal) || fault.signal == FaultSignal::Brake;
+  if (table.has("noise")) fault.noise = table.number("noise", 0.0, is_digital ? 0.0 : unit.most, unit.name);
+  refuse_without_effect(table, fault);
   if (table.has("on_ms") || table.has("off_ms")) {
     fault.on_ms = phase_ms(table, "on_ms");
     fault.off_ms = phase_ms(table, "off_ms");

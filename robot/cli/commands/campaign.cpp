@@ -146,6 +146,11 @@ Result refused(const PlanRefusal& refusal) {
       .exit_code = 3, .text = fmt::format("no plan: {}; {}\n", refusal.what, refusal.remedy), .json = "null"};
 }
 
+std::vector<FaultEntry> fault_entries(const Options& options) {
+  if (options.faults.empty()) return fault_grid();
+  return {{options.faults.filename().string(), FaultBegin::Start, sim::read_faults(options.faults)}};
+}
+
 struct Rehearsals {
   CampaignRuns campaign;
   bool were_there = false;
@@ -153,17 +158,14 @@ struct Rehearsals {
 
 // The shard of the campaign; `scratch` holds images while they are needed. A shard of the same campaign in
 // `kept` is taken from there.
-Rehearsals rehearse(const Options& options, const PreparedCase& prepared, const Shard& shard,
-                    const fs::path& scratch, const fs::path& kept, const std::stop_token& stop) {
+Rehearsals rehearse(const Options& options, const std::vector<FaultEntry>& entries,
+                    const PreparedCase& prepared, const Shard& shard, const fs::path& scratch,
+                    const fs::path& kept, const std::stop_token& stop) {
   const std::string identity = identity_of(options, prepared);
   if (!kept.empty() && fs::exists(kept)) {
     CampaignRuns earlier = read_shard(kept, shard);
     if (earlier.identity == identity) return {std::move(earlier), true};
   }
-  const std::vector<FaultEntry> entries =
-      options.faults.empty() ? fault_grid()
-                             : std::vector<FaultEntry>{{options.faults.filename().string(), FaultBegin::Start,
-                                                        sim::read_faults(options.faults)}};
   ProgressLine line;
   Rehearsals out{run_campaign(
       prepared, entries, {.runs = options.runs, .seed = prepared.given.seed, .shard = shard, .stop = stop},
@@ -176,9 +178,11 @@ Result run_shard(const Options& options, const Context& context) {
   const Shard shard = parse_shard(options.shard);
   const fs::path folder = options.procedure.out / "shards", kept = shard_file(folder, shard);
   const fs::path work = folder / kept.stem();  // of this shard alone: others may run beside it
+  const std::vector<FaultEntry> entries = fault_entries(options);  // before anything is written
   const PreparedCase prepared = prepare_run(campaign_case(options), work, context.clearable);
   if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) return refused(*refusal);
-  const Rehearsals done = rehearse(options, prepared, shard, work / "runs", kept, context.interrupted);
+  const Rehearsals done =
+      rehearse(options, entries, prepared, shard, work / "runs", kept, context.interrupted);
   fs::remove_all(work);
   if (context.interrupted.stop_requested())
     return {.text = "interrupted: nothing is kept of this shard\n", .json = "null"};
@@ -192,9 +196,10 @@ Result run(const Options& options, const Context& context) {
   const fs::path& out = options.procedure.out;
   if (options.merge > 0) return report_campaign(merge_shards(out / "shards", options.merge), out, false);
   if (!options.shard.empty()) return run_shard(options, context);
+  const std::vector<FaultEntry> entries = fault_entries(options);  // before anything is written
   const PreparedCase prepared = prepare_run(campaign_case(options), out, context.clearable);
   if (const auto* refusal = std::get_if<PlanRefusal>(&prepared.plan)) return refused(*refusal);
-  const Rehearsals done = rehearse(options, prepared, {}, out / "runs", {}, context.interrupted);
+  const Rehearsals done = rehearse(options, entries, prepared, {}, out / "runs", {}, context.interrupted);
   fs::remove_all(out / "runs");
   return report_campaign(done.campaign, out, context.interrupted.stop_requested());
 }
@@ -234,7 +239,8 @@ Command campaign_command() {
             "of "
             "`entries`: `name`, `runs`, `began`, `completed`, `beyond`, `worst_beyond_target_mm` with its "
             "seed "
-            "and beginning, `completed_off_mm` (largest distance of a completed run's true depth from the "
+            "and beginning, `completed_off_mm` (largest distance of a completed run's last true depth from "
+            "the "
             "target), `detected_by` (hazard: runs), `detected_ms_median`, `detected_ms_max`"},
            {"planning", "the planning image of a built-in case, as DICOM"},
            {"shards", "with `--shard`: `I-of-N.json`, each rehearsal of a part", true}},

@@ -16,6 +16,7 @@
 #include "robot/procedure/fault_notes.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
+#include "robot/procedure/provenance.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/report/procedure/report.hpp"
 #include "sim/faults/fault_file.hpp"
@@ -71,7 +72,8 @@ std::string fault_lines(const report::RunRecord& record) {
 }
 
 Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& out,
-                   const std::vector<sim::Fault>& faults, const Context& context, Clock::time_point started) {
+                   const std::vector<sim::Fault>& faults, const std::filesystem::path& faults_file,
+                   const Context& context, Clock::time_point started) {
   report::RunRecord record;
   {
     ProgressLine line;
@@ -79,6 +81,7 @@ Result in_lockstep(const PreparedCase& prepared, const std::filesystem::path& ou
         prepared, out, [&line](double share, const std::string& what) { line.show(share, what); },
         context.interrupted, faults);
   }
+  record.provenance = provenance_of_faults(faults_file);
   Result result = finished(record, prepared, out, started);
   result.text += fault_lines(record);
   return result;
@@ -129,6 +132,7 @@ Result through_processes(const PreparedCase& prepared, const Options& options,
     log_file = session.settings().log.string();
   }
   for (const std::string& line : trouble) log.error("{}", line);
+  record.provenance = provenance_of_faults(options.faults);
   Result result = finished(record, prepared, options.procedure.out, started);
   result.text += fault_lines(record);
   const Seconds scan = prepared.given.rehearsal.scan;
@@ -156,7 +160,7 @@ Result dry_run(const Options& options, const Context& context) {
     return finished(refused, prepared, out, started);
   }
   return options.live ? through_processes(prepared, options, faults, context, started)
-                      : in_lockstep(prepared, out, faults, context, started);
+                      : in_lockstep(prepared, out, faults, options.faults, context, started);
 }
 
 Result plan(const ProcedureOptions& options, const Context& context) {

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <deque>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -125,12 +126,22 @@ std::string dumped(const nlohmann::ordered_json& json) {
 // "2026-11-25 08:45:11", with fewer or more digits: as the beginning of the time that the table shows.
 std::string time_prefix(const std::string& text, const char* option) {
   static const std::regex kTime(R"(\d{4}-\d{2}-\d{2}([ T]\d{2}(:\d{2}(:\d{2}(\.\d{1,9})?)?)?)?)");
-  if (text.empty() || std::regex_match(text, kTime)) return std::regex_replace(text, std::regex("T"), " ");
+  if (text.empty()) return text;
+  const auto part = [&](std::size_t from, std::size_t count) {
+    return text.size() < from + count ? 0U : static_cast<unsigned>(std::stoul(text.substr(from, count)));
+  };
+  if (std::regex_match(text, kTime)) {
+    const std::chrono::year_month_day day{std::chrono::year(static_cast<int>(part(0, 4))),
+                                          std::chrono::month(part(5, 2)), std::chrono::day(part(8, 2))};
+    const bool exists =
+        day.ok() && part(11, 2) < 24 && part(14, 2) < 60 && part(17, 2) <= 60;  // leap seconds
+    if (exists) return std::regex_replace(text, std::regex("T"), " ");
+  }
   throw ConfigError(fmt::format("\"{}\" is not a time", text), option,
                     "give UTC like \"2026-11-25 08:45:11\", or a part of it");
 }
 
-// Which records are asked for. Refuses a kind that no record has.
+// Which records are asked for. Refuses a kind that no record has, and a time that ends before it begins.
 class Selection {
  public:
   explicit Selection(const Options& options)
@@ -145,22 +156,34 @@ class Selection {
       if (std::ranges::find(known, kind) == known.end())
         throw ConfigError(fmt::format("no record is of the kind \"{}\"", kind), "--kind",
                           fmt::format("one of: {}", fmt::join(known, ", ")));
+    if (!until_.empty() && until_ < since_.substr(0, until_.size()))
+      throw ConfigError(fmt::format("\"{}\" lies before \"{}\"", until_, since_), "--until",
+                        "give a time after that of --since");
   }
 
-  bool has(const Record& record) const {
+  bool has(const Record& record) {
+    seen_.insert(record.source);
     const std::string time = recorder::utc_text(record.utc_ns);
     return (kinds_.empty() || kinds_.contains(record.kind)) &&
            (sources_.empty() || sources_.contains(record.source)) && time >= since_ &&
            (until_.empty() || time.substr(0, until_.size()) <= until_);
   }
 
+  // After the last record: a source that is misspelt must not look like one that wrote nothing.
+  void refuse_unknown_sources() const {
+    for (const std::string& source : sources_)
+      if (!seen_.contains(source))
+        throw ConfigError(fmt::format("no record is from \"{}\"", source), "--source",
+                          fmt::format("one of: {}", plain(fmt::format("{}", fmt::join(seen_, ", ")))));
+  }
+
  private:
-  std::set<std::string> kinds_, sources_;
+  std::set<std::string> kinds_, sources_, seen_;
   std::string since_, until_;
 };
 
 Result show(const Options& options, const Context&) {
-  const Selection selection(options);
+  Selection selection(options);
   const auto last = static_cast<std::size_t>(options.last);
   std::deque<Record> kept;
   const Verdict verdict = recorder::verify(options.log, key_for(options), [&](const Record& record) {
@@ -168,6 +191,7 @@ Result show(const Options& options, const Context&) {
     kept.push_back(record);
     if (last != 0 && kept.size() > last) kept.pop_front();
   });
+  if (std::holds_alternative<LogHead>(verdict)) selection.refuse_unknown_sources();
   std::string text =
       fmt::format("{:>7}  {:<23}  {:<11}  {:<15}  {}\n", "record", "time, UTC", "from", "kind", "what");
   nlohmann::ordered_json records = nlohmann::ordered_json::array();

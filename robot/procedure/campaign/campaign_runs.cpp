@@ -33,7 +33,7 @@ EntryResult sum_of(const CampaignRuns& campaign, std::size_t entry) {
     sum.began += run.began;
     sum.completed += run.completed;
     sum.beyond += run.beyond_mm > kBeyondMost_mm;
-    if (run.completed) sum.completed_off_mm = std::max(sum.completed_off_mm, std::abs(run.beyond_mm));
+    if (run.completed) sum.completed_off_mm = std::max(sum.completed_off_mm, std::abs(run.off_mm));
     if (sum.runs == 1 || run.beyond_mm > sum.worst_mm) {
       sum.worst_mm = run.beyond_mm;
       sum.worst_seed = campaign.seed + i;
@@ -54,6 +54,7 @@ json to_json(const CampaignRun& run) {
   return {{"began", run.began},
           {"completed", run.completed},
           {"beyond_mm", run.beyond_mm},
+          {"off_mm", run.off_mm},
           {"from_depth_mm", run.from_depth_mm},
           {"detected_by", run.detected_by},
           {"detected_after_ms",
@@ -128,9 +129,11 @@ class ShardReader {
     return document_[key];
   }
   CampaignRun run(const json& one) const {
-    check_keys(one, {"began", "completed", "beyond_mm", "from_depth_mm", "detected_by", "detected_after_ms"});
+    check_keys(one, {"began", "completed", "beyond_mm", "off_mm", "from_depth_mm", "detected_by",
+                     "detected_after_ms"});
     CampaignRun out{.done = true, .began = yes(one, "began"), .completed = yes(one, "completed")};
     out.beyond_mm = number(one, "beyond_mm", -kMost_mm, kMost_mm);
+    out.off_mm = number(one, "off_mm", -kMost_mm, kMost_mm);
     out.from_depth_mm = number(one, "from_depth_mm", -kMost_mm, kMost_mm);
     out.detected_by = text(one, "detected_by");
     if (!one["detected_after_ms"].is_null())

@@ -29,7 +29,8 @@ Shard parse_shard(const std::string& text);
 struct CampaignRun {
   bool done = false;  // false: in another shard, or interrupted
   bool began = false, completed = false;
-  double beyond_mm = 0.0, from_depth_mm = 0.0;
+  double beyond_mm = 0.0, off_mm = 0.0;  // deepest, and last true depth, less the target's
+  double from_depth_mm = 0.0;
   std::string detected_by = {};
   double detected_after_ms = report::kUnknown;
 };
@@ -52,9 +53,9 @@ struct EntryResult {
   int completed = 0;                       // the depth checks accepted every step
   int beyond = 0;                          // true depth more than kBeyondMost_mm beyond the target
   double worst_mm = 0.0;                   // deepest true depth less the target's
-  double completed_off_mm = 0.0;           // largest |true depth - target| of a completed run
+  double completed_off_mm = 0.0;           // largest |last true depth - target| of a completed run
   std::uint64_t worst_seed = 0;            // for `dry-run --seed`
-  double worst_from_depth_mm = 0.0;        // where its fault began; 0: at the start
+  double worst_from_depth_mm = 0.0;        // where its fault began; 0: at the start, or at a time
   std::map<std::string, int> detected_by;  // runs by the hazard, or "depth check", that named it first
   double detected_ms_median = report::kUnknown, detected_ms_max = report::kUnknown;
 

@@ -27,6 +27,8 @@ CampaignRun run_one(const PreparedCase& prepared, const FaultEntry& entry, std::
     for (sim::Fault& fault : faults)
       if (!fault.from_s && !fault.from_depth_mm) fault.from_depth_mm = result.from_depth_mm;
   }
+  for (const sim::Fault& fault : faults)
+    if (fault.from_depth_mm) result.from_depth_mm = *fault.from_depth_mm;
   PreparedCase own = prepared;
   own.given.seed = seed;
   const report::RunRecord record = rehearse(
@@ -36,6 +38,7 @@ CampaignRun run_one(const PreparedCase& prepared, const FaultEntry& entry, std::
   result.done = !stop.stop_requested();
   result.completed = record.outcome == report::Outcome::Completed;
   result.beyond_mm = record.true_depth_max_mm - target_mm;
+  if (std::isfinite(record.true_final_depth_mm)) result.off_mm = record.true_final_depth_mm - target_mm;
   for (const report::FaultResult& fault : record.faults) {
     if (std::isnan(fault.began_s)) continue;
     result.began = true;

@@ -13,6 +13,7 @@ std::string steps_section(const RunRecord& record);
 std::string checks_section(const RunRecord& record);
 std::string limits_section(const RunRecord& record);
 std::string trips_section(const RunRecord& record);
+std::string faults_section(const RunRecord& record);
 std::string provenance_section(const RunRecord& record);
 
 // run_figure.cpp: depth against plan, drive voltage with its envelope and the supervisor's states on one time

@@ -149,6 +149,19 @@ std::string trips_section(const RunRecord& record) {
       "Trips", table("Stop categories as in IEC 60204-1.", {">No.", ">Time<br />s", "Stop", "Reason"}, rows));
 }
 
+std::string faults_section(const RunRecord& record) {
+  std::string rows;
+  for (const FaultResult& fault : record.faults)
+    rows += row({text_cell(fault.signal), text_cell(fault.kind), number_cell(fault.began_s, 3),
+                 text_cell(fault.detected_by.empty() ? "nothing" : fault.detected_by),
+                 number_cell(fault.detected_after_ms, 0)});
+  if (rows.empty()) return {};
+  return section("Faults put in",
+                 markup::paragraph("Deepest true tip: " + fixed(record.true_depth_max_mm, 3, "mm") + ".") +
+                     table("Put into the simulated stage, its links or its panel.",
+                           {"Signal", "Kind", ">Began<br />s", "Detected by", ">After<br />ms"}, rows));
+}
+
 std::string provenance_section(const RunRecord& record) {
   std::vector<std::pair<std::string, std::string>> rows{{"Seed", std::to_string(record.seed)}};
   if (record.plan)

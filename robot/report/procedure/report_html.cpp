@@ -74,7 +74,7 @@ std::string report_html(const RunRecord& record) {
   return markup::page(page, verdict_section(record) + patient_section(record) + plan_section(record) +
                                 images_section(record) + figure_section(record) + steps_section(record) +
                                 checks_section(record) + limits_section(record) + trips_section(record) +
-                                provenance_section(record));
+                                faults_section(record) + provenance_section(record));
 }
 
 }  // namespace biopsy::report

@@ -95,7 +95,7 @@ struct Trip {
 struct FaultResult {
   std::string signal, kind;             // as in the file of faults
   double began_s = kUnknown;            // from the start of the run; unknown: it never began
-  std::string detected_by = {};         // hazard, or "depth check"; empty: by nothing
+  std::string detected_by = {};         // hazard, "depth check" or "held too long"; empty: by nothing
   double detected_after_ms = kUnknown;  // from its beginning
 };
 
@@ -120,12 +120,13 @@ struct RunRecord {
   std::vector<StepResult> steps;
   std::vector<LimitUse> limits;
   std::vector<Trip> trips;
-  double final_depth_mm = kUnknown;     // laser, at the end of the last step
-  double left_depth_mm = kUnknown;      // laser, at the end of the run at 0 V: what friction left
-  double true_depth_max_mm = kUnknown;  // deepest tip; simulation only
+  double final_depth_mm = kUnknown;  // laser, at the end of the last step
+  double left_depth_mm = kUnknown;   // laser, at the end of the run at 0 V: what friction left
+  double true_depth_max_mm = kUnknown,
+         true_final_depth_mm = kUnknown;  // tip: deepest, at the end; simulation only
   std::vector<FaultResult> faults;
   double image_depth_mm = kUnknown, image_depth_sigma_mm = kUnknown;
-  std::string layer_at_tip;
+  std::string layer_at_tip;  // where the needle was last driven, once a step was reached
   double rmse_settled_mm = kUnknown, rmse_all_mm = kUnknown, overshoot_mm = kUnknown, peak_kV = kUnknown;
   // How the run kept time. In lockstep all is zero.
   std::uint64_t lost_ticks = 0;     // of the stage, that were not received

@@ -58,6 +58,15 @@ std::string time_kept(const RunRecord& record) {
   return text;
 }
 
+// What the robot was shown was not what was there.
+std::string faults_put_in(const RunRecord& record) {
+  std::string text;
+  for (const FaultResult& fault : record.faults)
+    text += (text.empty() ? " Put in: " : ", ") + fault.signal + " " + fault.kind +
+            (std::isnan(fault.began_s) ? " (never began)" : "");
+  return text.empty() ? text : text + ".";
+}
+
 std::string with_remedy(const RunRecord& record, const std::string& fallback) {
   std::string text = ended(record.refusal.empty() ? fallback : record.refusal);
   if (!record.remedy.empty()) text += " What to do: " + ended(record.remedy);
@@ -76,12 +85,14 @@ std::string verdict_sentence(const RunRecord& record) {
     return planned_only(*record.plan);
   switch (record.outcome) {
     case Outcome::Completed:
-      return "Completed: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record);
+      return "Completed: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record) +
+             faults_put_in(record);
     case Outcome::Refused:
       return "Refused: " + with_remedy(record, "no reason was given");
     case Outcome::Stopped:
       return "Stopped: " + with_remedy(record, "no reason was given") +
-             " At the end: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record);
+             " At the end: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record) +
+             faults_put_in(record);
   }
   return "";
 }

@@ -118,6 +118,8 @@ TEST(CommandLine, NamesBadInputWithARemedyAndWritesNothing) {
   const std::string out = " --out " + (folder / "out").string();
   for (const auto& [typed, named] : std::vector<std::pair<std::string, std::string>>{
            {"dry-run no-such-case" + out, "no-such-case"},
+           {"campaign gap --runs 1 --faults /no/such/faults.toml" + out, "faults.toml"},
+           {"campaign gap --runs 1 --shard 1/2 --faults /no/such/faults.toml" + out, "faults.toml"},
            {"dry-run --image /no/such/image --entry 0,0,0 --target 0,0,5" + out, "/no/such/image"},
            {"dry-run --image . --entry 0,0 --target 0,0,5" + out, "--entry"},
            {"dry-run --image . --entry 0,0,nan --target 0,0,5" + out, "--entry"},

@@ -67,6 +67,22 @@ TEST_F(LogCommand, EndsWithOneWhereTheEndWasCutOff) {
   EXPECT_EQ(answer("verify " + log_.string()), 1);
 }
 
+// A slip of the pen must not look like a log in which nothing happened.
+TEST_F(LogCommand, RefusesATimeOrASourceThatThereIsNot) {
+  for (const char* words :
+       {"--source tset", "--since '2026-13-01'", "--since '2026-04-31 10:00'", "--until '2026-04-30 24:00'",
+        "--until '2026-04-30 10:60:00'", "--since '2027-01-01' --until '2026'",
+        "--since '2026-05-02 10:00' --until '2026-05-02 09'"}) {
+    EXPECT_EQ(answer(fmt::format("show {} {}", log_.string(), words)), 2) << words;
+    EXPECT_NE(file_content(folder_ / "printed").find("error"), std::string::npos);
+  }
+  for (const char* words : {"--source test", "--since '1970-01-01 00:00'", "--until '2028-02-29T23:59:60'",
+                            "--since '1970-01-01 00:00:00' --until '1970-01-01'"}) {
+    EXPECT_EQ(answer(fmt::format("show {} {}", log_.string(), words)), 0) << words;
+    EXPECT_NE(file_content(folder_ / "printed").find("operator act"), std::string::npos) << words;
+  }
+}
+
 TEST_F(LogCommand, EndsWithTwoWhereThereIsNoLog) {
   EXPECT_EQ(answer("verify " + (folder_ / "nothing").string()), 2);
 }

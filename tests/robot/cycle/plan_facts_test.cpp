@@ -13,6 +13,7 @@ namespace {
 Plan of_sizes(std::size_t steps, std::size_t bands) {
   Plan plan;
   plan.limits.depth_max = Millimetres(4.0);
+  plan.target_depth = Millimetres(3.0);
   for (std::size_t i = 0; i < steps; ++i)
     plan.steps.push_back({.depth = Millimetres(1.0 + 0.01 * static_cast<double>(i)),
                           .speed = MillimetresPerSecond(1.0),
@@ -46,6 +47,16 @@ TEST(PlanFactsOfAPlan, AreItsNumbersInWholeUnitsWithTheMarginsOfTheSupervisor) {
   EXPECT_EQ(facts.bands[2].drive_mV, 200'000);
   EXPECT_EQ(facts.bands[2].low_um, -500);
   EXPECT_EQ(facts.bands[2].high_um, 500);
+}
+
+// A sealed plan whose steps and depth limit have left its target behind.
+TEST(PlanFactsOfAPlan, NoStepReachesAMillimetreBeyondTheTarget) {
+  Plan plan = of_sizes(2, 2);
+  plan.limits.depth_max = Millimetres(12.0);
+  plan.steps[1].depth = Millimetres(11.5);
+  const safety::PlanFacts facts = plan_facts(plan, 77);
+  EXPECT_EQ(facts.depth_max_um, 4'000);
+  EXPECT_EQ(facts.steps[1].depth_max_um, 4'000);
 }
 
 TEST(PlanFactsOfAPlan, NoStepReachesBeyondThePlan) {

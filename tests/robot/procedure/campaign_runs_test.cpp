@@ -23,7 +23,7 @@ CampaignRuns drawn_campaign(unsigned seed, std::size_t entries, std::size_t each
     campaign.names.push_back("fault \"" + std::to_string(e) + "\" \u00b5");
   for (std::size_t i = 0; i < entries * each; ++i) {
     CampaignRun run{.done = true, .began = dice() % 2 == 0, .completed = dice() % 3 == 0};
-    run.beyond_mm = any(dice), run.from_depth_mm = any(dice) * 1e-17;
+    run.beyond_mm = any(dice), run.off_mm = any(dice), run.from_depth_mm = any(dice) * 1e-17;
     if (dice() % 2 == 0)
       run.detected_by = "H-0" + std::to_string(dice() % 9), run.detected_after_ms = any(dice) / 3.0;
     campaign.runs.push_back(run);
@@ -43,6 +43,7 @@ void expect_same(const CampaignRuns& a, const CampaignRuns& b) {
     EXPECT_EQ(a.runs[i].began, b.runs[i].began);
     EXPECT_EQ(a.runs[i].completed, b.runs[i].completed);
     EXPECT_EQ(a.runs[i].beyond_mm, b.runs[i].beyond_mm);
+    EXPECT_EQ(a.runs[i].off_mm, b.runs[i].off_mm);
     EXPECT_EQ(a.runs[i].from_depth_mm, b.runs[i].from_depth_mm);
     EXPECT_EQ(a.runs[i].detected_by, b.runs[i].detected_by);
     EXPECT_TRUE(a.runs[i].detected_after_ms == b.runs[i].detected_after_ms ||
@@ -62,6 +63,18 @@ TEST(CampaignShards, MergedAreTheWholeToTheBit) {
     write_all(folder / "shards", campaign, count);
     expect_same(campaign, merge_shards(folder / "shards", count));
   }
+}
+
+// A needle that overshot once and was left short of the target is as far from it as it was left.
+TEST(CampaignShards, ACompletedRunIsOffByItsLastDepthAndNotByItsDeepest) {
+  CampaignRuns campaign;
+  campaign.names = {"fault"};
+  campaign.each = 2;
+  campaign.runs = {{.done = true, .completed = true, .beyond_mm = 0.1, .off_mm = -0.3},
+                   {.done = true, .completed = false, .beyond_mm = 0.2, .off_mm = -2.0}};
+  const EntryResult result = entry_results(campaign)[0];
+  EXPECT_EQ(result.completed_off_mm, 0.3);
+  EXPECT_EQ(result.worst_mm, 0.2);
 }
 
 TEST(CampaignShards, EveryRunIsInOneShard) {

@@ -82,6 +82,42 @@ TEST(FaultCampaign, AStopLeavesNoRunThatWasNotRun) {
 }
 
 // Clopper and Pearson 1934: none of n is 1 - 0.05^(1/n); the second figure is from R's binom.test.
+// An assessor's own beginning. The offset is too small to be seen; the needle ends as far off as it is.
+TEST(FaultCampaign, SaysWhereAFaultOfAFileBeganAndHowFarOffTheNeedleWasLeft) {
+  const Campaign campaign;
+  const FaultEntry entry{"offset",
+                         FaultBegin::Start,
+                         {{.signal = sim::FaultSignal::Depth,
+                           .kind = sim::FaultKind::Offset,
+                           .from_depth_mm = 0.83,
+                           .value = -0.15}}};
+  const EntryResult one = campaign.run({entry}, {.runs = 2, .seed = 41}).at(0);
+  EXPECT_EQ(one.worst_from_depth_mm, 0.83);
+  ASSERT_EQ(one.completed, 2);
+  EXPECT_NEAR(one.completed_off_mm, 0.15, 0.08);
+}
+
+// A brake that grips late lets the needle sink meanwhile: it is locked and does not stand still, which no
+// hazard names.
+TEST(FaultCampaign, AHoldThatLastedTooLongIsAStopThatIsCountedAndExplained) {
+  const Campaign campaign;
+  const report::RunRecord run =
+      rehearse(campaign.prepared, campaign.folder / "run", [](double, const std::string&) {}, {},
+               {{.signal = sim::FaultSignal::Brake, .kind = sim::FaultKind::Lag, .value = 900.0}});
+  ASSERT_EQ(run.outcome, report::Outcome::Stopped);
+  ASSERT_NE(run.refusal.find("held too long"), std::string::npos) << run.refusal;
+  ASSERT_EQ(run.trips.size(), 1U);
+  EXPECT_EQ(run.trips[0].reason, "held too long");
+  EXPECT_EQ(run.faults.at(0).detected_by, "held too long");
+  EXPECT_NE(run.remedy.find("brake"), std::string::npos);
+  for (const report::LimitUse& use : run.limits)
+    if (use.name == "longest hold") {
+      EXPECT_NEAR(use.used, 10.0, 0.01);
+    }
+  const Plan& plan = *run.plan;
+  EXPECT_EQ(run.layer_at_tip, plan.layer_at(Millimetres(run.true_final_depth_mm)));
+}
+
 TEST(FaultCampaign, BoundOfTheShareIsClopperAndPearsons) {
   EntryResult result;
   result.runs = 299;

@@ -33,6 +33,22 @@ TEST(ReportHtml, ClosesEveryTagInOrder) {
   for (const RunRecord& record : every_kind()) EXPECT_EQ(imbalance(report_html(record)), "");
 }
 
+TEST(ReportHtml, SaysThatFaultsWerePutIn) {
+  RunRecord record = example_run();
+  EXPECT_EQ(report_html(record).find("Put in"), std::string::npos);
+  record.faults = {{.signal = "depth",
+                    .kind = "offset",
+                    .began_s = 2.5,
+                    .detected_by = "H-10 depth",
+                    .detected_after_ms = 7.0},
+                   {.signal = "drive", .kind = "held"}};
+  const std::string html = report_html(record);
+  EXPECT_EQ(imbalance(html), "");
+  EXPECT_NE(html.find("Put in: depth offset, drive held (never began)."), std::string::npos);
+  EXPECT_NE(html.find("Faults put in"), std::string::npos);
+  EXPECT_NE(html.find("H-10 depth"), std::string::npos);
+}
+
 TEST(ReportHtml, LoadsNothingFromANetworkAndRunsNoScript) {
   for (const RunRecord& record : every_kind()) {
     const std::string html = report_html(record);

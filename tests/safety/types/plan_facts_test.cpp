@@ -81,7 +81,9 @@ TEST(PlanFacts, NumbersOfDepthAndResidualEndAtTheStroke) {
 TEST(PlanFacts, NumbersOfEveryStepHaveTheirEdges) {
   verifies("R-29");
   for (const std::size_t i : {0U, 1U, 2U}) {
-    expect_edges(100, 4'000, [i](PlanFacts& plan, std::int32_t um) { plan.steps[i].depth_max_um = um; });
+    expect_edges(100, 4'000, [i](PlanFacts& plan, std::int32_t um) {
+      plan.bench_half_period_ticks = 250, plan.steps[i].depth_max_um = um;
+    });
     expect_edges(100'000, 8'000'000, [i](PlanFacts& plan, std::int32_t mV) { plan.steps[i].v_max_mV = mV; });
     expect_edges(1'000, 400'000,
                  [i](PlanFacts& plan, std::int32_t mV) { plan.steps[i].slew_up_mV_per_tick = mV; });
@@ -90,7 +92,9 @@ TEST(PlanFacts, NumbersOfEveryStepHaveTheirEdges) {
 
 TEST(PlanFacts, NumbersOfEveryBandHaveTheirEdges) {
   verifies("R-29");
-  expect_edges(0, 3'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[0].drive_mV = mV; });
+  expect_edges(0, 3'999'999, [](PlanFacts& plan, std::int32_t mV) {
+    plan.bench_half_period_ticks = 250, plan.bands[0].drive_mV = mV;
+  });
   expect_edges(1, 7'999'999, [](PlanFacts& plan, std::int32_t mV) { plan.bands[1].drive_mV = mV; });
   expect_edges(7'500'000, 8'200'000, [](PlanFacts& plan, std::int32_t mV) { plan.bands[2].drive_mV = mV; });
   const auto on_bench = [](PlanFacts& plan) { plan.bench_half_period_ticks = 250; };
@@ -115,9 +119,26 @@ TEST(PlanFacts, WithAPatientTheDepthLimitEndsHalfAMillimetreBeyondTheDeepestStep
   expect_edges(4'000, 12'000, [&](PlanFacts& plan, std::int32_t um) {
     plan.bench_half_period_ticks = 250, limit(plan, um);
   });
-  expect_edges(3'800, 4'301, [&](PlanFacts& plan, std::int32_t um) {  // the deepest is not the last
-    plan.steps[2].depth_max_um = 3'700, limit(plan, um);
+  expect_edges(3'900, 4'401, [&](PlanFacts& plan, std::int32_t um) {
+    plan.steps[2].depth_max_um = 3'900, limit(plan, um);
   });
+}
+
+TEST(PlanFacts, WithAPatientNoStepGoesBack) {
+  verifies("R-29");
+  expect_edges(3'600, 4'000, [](PlanFacts& plan, std::int32_t um) { plan.steps[1].depth_max_um = um; });
+  const auto back = [](PlanFacts& plan) { plan.steps[2].depth_max_um = 3'799; };
+  EXPECT_FALSE(is_plausible_with(back));
+  EXPECT_TRUE(is_plausible_with([&](PlanFacts& plan) { back(plan), plan.bench_half_period_ticks = 250; }));
+}
+
+TEST(PlanFacts, WithAPatientTheFirstBandIsThatOfTheNeedleAtRest) {
+  verifies("R-29");
+  for (const std::int32_t half_period_ticks : {0, 250})
+    EXPECT_EQ(is_plausible_with([=](PlanFacts& plan) {
+                plan.bands[0].drive_mV = 1, plan.bench_half_period_ticks = half_period_ticks;
+              }),
+              half_period_ticks != 0);
 }
 
 TEST(PlanFacts, WithAPatientTheBandIsNarrowAtRestAndNowhereWiderThanAStageCanBe) {
@@ -152,9 +173,11 @@ TEST(PlanFacts, NumbersOfNoStepReachBeyondTheDrivesThatTheBandKnows) {
           << i;
 }
 
-TEST(PlanFacts, NumbersOfAPlanWithOneStepAndOneBandAreEnough) {
-  EXPECT_TRUE(is_plausible_with(
-      [](PlanFacts& plan) { plan.step_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000; }));
+TEST(PlanFacts, NumbersOfABenchPlanWithOneStepAndOneBandAreEnough) {
+  EXPECT_TRUE(is_plausible_with([](PlanFacts& plan) {
+    plan.step_count = plan.band_count = 1, plan.bands[0].drive_mV = 6'500'000,
+    plan.bench_half_period_ticks = 250;
+  }));
 }
 
 TEST(PlanFacts, PlausibleBandGoesThroughItsPointsAndStraightBetweenThem) {

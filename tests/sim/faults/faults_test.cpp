@@ -52,6 +52,33 @@ TEST(FaultFile, RefusesWhatItCannotMean) {
     EXPECT_THROW(parse_faults(text, "faults.toml"), ConfigError) << text;
 }
 
+TEST(FaultFile, RefusesWhatWouldChangeNothing) {
+  for (const char* text :
+       {"signal = \"depth\"\nkind = \"noise\"\n", "signal = \"depth\"\nkind = \"noise\"\nvalue = 0.2\n",
+        "signal = \"drive\"\nkind = \"missing_polarity\"\nvalue = 0\n",
+        "signal = \"relay\"\nkind = \"frozen\"\nnoise = 0.1\n",
+        "signal = \"permit\"\nkind = \"frozen\"\nnoise = 0.1\n",
+        "signal = \"arm_key\"\nkind = \"other_surface\"\nvalue = 0.5\n"})
+    EXPECT_THROW(parse_faults("[[fault]]\n" + std::string(text), "faults.toml"), ConfigError) << text;
+  EXPECT_EQ(parsed("signal = \"arm_key\"\nkind = \"other_surface\"\nvalue = 1\n").value, 1.0);
+}
+
+TEST(FaultFile, SaysTheRangeInTheUnitOfTheKind) {
+  const auto told = [](const std::string& text) -> std::string {
+    try {
+      parse_faults("[[fault]]\nsignal = \"depth\"\n" + text, "faults.toml");
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "not refused";
+  };
+  EXPECT_EQ(told("kind = \"dropout\"\nvalue = 1.5\n").find("mm"), std::string::npos);
+  EXPECT_EQ(told("kind = \"scale\"\nvalue = 20\n").find("mm"), std::string::npos);
+  EXPECT_NE(told("kind = \"drift\"\nvalue = 200\n").find("mm/s"), std::string::npos);
+  EXPECT_NE(told("kind = \"offset\"\nvalue = 200\n").find("mm"), std::string::npos);
+  EXPECT_NE(told("kind = \"lag\"\nvalue = 2000\n").find("ms"), std::string::npos);
+}
+
 SimulatedStage calibrated_stage() {
   PlantModel model = read_model(source_dir() / "sim/models/calibrated.toml");
   return {model, 1};
