@@ -144,7 +144,8 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::PlanImplausible, StopCategory::C1Ramp, 1, "H-20 plan is outside what the robot can do (units?)",
      "R-29", Monitor::Link,
      "numbers of the plan that no robot of this kind can mean, a step beyond the drives that the plausible "
-     "band knows, or with a patient a depth limit or a band wider than the supervisor allows"},
+     "band knows, or with a patient a depth limit or a band wider than the supervisor allows, a step back, "
+     "or a band that does not begin at rest"},
     {Hazard::PlanUnconfirmed, StopCategory::C1Ramp, 1, "H-19 plan lacks its two confirmations", "R-30",
      Monitor::Link,
      "two confirmations of this very plan are missing; for a bench plan also no patient and no needle"},
