@@ -31,6 +31,7 @@ safety::PlanFacts plan_facts(const Plan& plan, std::uint64_t config_tag) {
         "plan", "ask for fewer waypoints or merge thin layers");
   facts.plan_tag = planner::plan_tag(plan);
   facts.config_tag = config_tag;
+  // A seal says who made a plan, not that its limit belongs to its target.
   facts.depth_max_um =
       std::min(to_um(plan.limits.depth_max), to_um(plan.target_depth) + limits::kDepthMargin_um);
   facts.tissue_residual_max_um = kTissueResidual_um;

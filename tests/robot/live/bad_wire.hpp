@@ -21,11 +21,10 @@ class BadWire {
   explicit BadWire(const std::filesystem::path& folder) : file_(folder / "lossy") {
     std::ofstream(file_, std::ios::binary) << std::string(6 * sizeof(std::uint32_t), '\0');
     setenv("LOSSY_FILE", file_.c_str(), 1);
-    const std::string others = preloaded_.empty() ? "" : preloaded_ + ":";  // a slow clock
-    setenv("LD_PRELOAD", (others + LOSSY).c_str(), 1);
+    setenv("LD_PRELOAD", LOSSY, 1);
   }
   ~BadWire() {
-    preloaded_.empty() ? unsetenv("LD_PRELOAD") : setenv("LD_PRELOAD", preloaded_.c_str(), 1);
+    unsetenv("LD_PRELOAD");
     unsetenv("LOSSY_FILE");
   }
   BadWire(const BadWire&) = delete;
@@ -45,7 +44,6 @@ class BadWire {
   }
 
  private:
-  std::string preloaded_ = std::getenv("LD_PRELOAD") != nullptr ? std::getenv("LD_PRELOAD") : "";
   std::filesystem::path file_;
 };
 

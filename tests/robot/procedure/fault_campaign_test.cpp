@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -81,7 +82,6 @@ TEST(FaultCampaign, AStopLeavesNoRunThatWasNotRun) {
   EXPECT_EQ(found[0].beyond_upper95(), 1.0);
 }
 
-// Clopper and Pearson 1934: none of n is 1 - 0.05^(1/n); the second figure is from R's binom.test.
 // An assessor's own beginning. The offset is too small to be seen; the needle ends as far off as it is.
 TEST(FaultCampaign, SaysWhereAFaultOfAFileBeganAndHowFarOffTheNeedleWasLeft) {
   const Campaign campaign;
@@ -110,14 +110,14 @@ TEST(FaultCampaign, AHoldThatLastedTooLongIsAStopThatIsCountedAndExplained) {
   EXPECT_EQ(run.trips[0].reason, "held too long");
   EXPECT_EQ(run.faults.at(0).detected_by, "held too long");
   EXPECT_NE(run.remedy.find("brake"), std::string::npos);
-  for (const report::LimitUse& use : run.limits)
-    if (use.name == "longest hold") {
-      EXPECT_NEAR(use.used, 10.0, 0.01);
-    }
+  const auto hold = std::ranges::find(run.limits, "longest hold", &report::LimitUse::name);
+  ASSERT_NE(hold, run.limits.end());
+  EXPECT_NEAR(hold->used, 10.0, 0.01);
   const Plan& plan = *run.plan;
   EXPECT_EQ(run.layer_at_tip, plan.layer_at(Millimetres(run.true_final_depth_mm)));
 }
 
+// Clopper and Pearson 1934: none of n is 1 - 0.05^(1/n); the second figure is from R's binom.test.
 TEST(FaultCampaign, BoundOfTheShareIsClopperAndPearsons) {
   EntryResult result;
   result.runs = 299;
