@@ -13,7 +13,7 @@
 
 namespace biopsy::live_tests {
 
-constexpr int kTrials = 3;
+constexpr int kTrials = 4;
 // A machine also stands still for one process alone, where its own host must first fetch a page of memory:
 // no clock beside it sees that.
 constexpr int kUnseenStalls = 1;
